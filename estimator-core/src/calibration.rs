@@ -1,0 +1,125 @@
+//! Between the converters' codes and the model's units. A raw code is a newtype and never a bare integer.
+
+use crate::math::Real;
+use serde::{Deserialize, Serialize};
+
+/// A code as the analogue-to-digital converter (with its oversampling) delivers it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct AdcCode(pub u16);
+
+/// A code as the digital-to-analogue converter takes it, right-aligned.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct DacCode(pub u16);
+
+/// `voltage = offset ± gain·code`: the divider, its offset, and whether it inverts.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AdcCalibration {
+    /// V at the amplifier per code; greater than 0.
+    pub gain_v_per_code: f32,
+    /// V at the amplifier at code 0.
+    pub offset_v: f32,
+    /// The divider inverts: a larger code is a lower voltage.
+    pub invert: bool,
+    /// The largest code of the converter. This code and 0 mean that the input is beyond the converter's range.
+    pub full_scale: u16,
+}
+
+impl AdcCalibration {
+    /// The amplifier's voltage, V.
+    #[inline]
+    pub fn voltage<T: Real>(&self, code: AdcCode) -> T {
+        T::of(self.offset_v) + self.signed_gain::<T>() * T::of(f32::from(code.0))
+    }
+
+    /// The code that a voltage (V) gives, as the converter rounds and saturates.
+    pub fn code<T: Real>(&self, voltage: T) -> AdcCode {
+        let exact = (voltage - T::of(self.offset_v)) / self.signed_gain::<T>();
+        AdcCode((exact + T::of(0.5)).to_u16_saturating().min(self.full_scale))
+    }
+
+    /// Whether the code says "beyond the range" rather than a voltage.
+    #[inline]
+    pub fn saturated(&self, code: AdcCode) -> bool {
+        code.0 == 0 || code.0 >= self.full_scale
+    }
+
+    #[inline]
+    fn signed_gain<T: Real>(&self) -> T {
+        T::of(if self.invert { -self.gain_v_per_code } else { self.gain_v_per_code })
+    }
+}
+
+/// `code = offset + gain·displacement`.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DacCalibration {
+    /// Codes per µm; negative where the output inverts, never 0.
+    pub gain_codes_per_um: f32,
+    /// The code (with fraction) of displacement 0.
+    pub offset_code: f32,
+    /// The largest code of the converter.
+    pub full_scale: u16,
+}
+
+impl DacCalibration {
+    /// The code of a displacement (µm), rounded and limited to the converter's range.
+    #[inline]
+    pub fn code<T: Real>(&self, displacement: T) -> DacCode {
+        let exact = T::of(self.offset_code) + T::of(self.gain_codes_per_um) * displacement;
+        DacCode((exact + T::of(0.5)).to_u16_saturating().min(self.full_scale))
+    }
+
+    /// The displacement (µm) that a code stands for.
+    pub fn displacement<T: Real>(&self, code: DacCode) -> T {
+        (T::of(f32::from(code.0)) - T::of(self.offset_code)) / T::of(self.gain_codes_per_um)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn adc(invert: bool) -> AdcCalibration {
+        AdcCalibration {
+            gain_v_per_code: 44.0 / 4095.0,
+            offset_v: if invert { 22.0 } else { -22.0 },
+            invert,
+            full_scale: 4095,
+        }
+    }
+
+    #[test]
+    fn ends_of_the_converter_are_saturation() {
+        for invert in [false, true] {
+            let adc = adc(invert);
+            assert_eq!(adc.code(if invert { 1e9f32 } else { -1e9 }), AdcCode(0));
+            assert_eq!(adc.code(if invert { -1e9f32 } else { 1e9 }), AdcCode(4095));
+            assert!(adc.saturated(AdcCode(0)) && adc.saturated(AdcCode(4095)) && adc.saturated(AdcCode(u16::MAX)));
+            assert!(!adc.saturated(AdcCode(1)) && !adc.saturated(AdcCode(4094)));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn code_to_voltage_and_back(code in 0u16..=4095, invert: bool) {
+            let adc = adc(invert);
+            prop_assert_eq!(adc.code(adc.voltage::<f32>(AdcCode(code))), AdcCode(code));
+            prop_assert_eq!(adc.code(adc.voltage::<f64>(AdcCode(code))), AdcCode(code));
+        }
+
+        #[test]
+        fn code_to_displacement_and_back(code in 0u16..=4095, invert: bool) {
+            let sign = if invert { -1.0 } else { 1.0 };
+            let dac = DacCalibration { gain_codes_per_um: sign * 400.0, offset_code: 2047.5, full_scale: 4095 };
+            prop_assert_eq!(dac.code(dac.displacement::<f32>(DacCode(code))), DacCode(code));
+        }
+
+        #[test]
+        fn no_displacement_leaves_the_converter_s_range(displacement: f32) {
+            let dac = DacCalibration { gain_codes_per_um: 400.0, offset_code: 2047.5, full_scale: 4095 };
+            prop_assert!(dac.code(displacement).0 <= 4095);
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Extremum tracker: the voltage and displacement at the last direction reversal, `V_ext` and `y_ext` of Eq. (5.3).
+//!
+//! The direction changes when the voltage has retreated from its running extreme by more than a deadband δ. What is
+//! recorded then is the pair at the running extreme (the last tick at which the voltage stood there), not the pair at
+//! the tick of detection. A constant voltage is no reversal, neither is the first movement away from the start; before
+//! the first reversal both values are 0.
+
+use crate::math::Real;
+
+/// Voltage (V) and displacement (µm) at a direction reversal.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Extremum<T> {
+    /// Amplifier voltage, V.
+    pub voltage: T,
+    /// Displacement, µm.
+    pub displacement: T,
+}
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Direction<T> {
+    /// Nothing yet.
+    Start,
+    /// Moved by no more than the deadband so far: lowest and highest pair.
+    Unknown {
+        low: Extremum<T>,
+        high: Extremum<T>,
+    },
+    Rising {
+        high: Extremum<T>,
+    },
+    Falling {
+        low: Extremum<T>,
+    },
+}
+
+/// Finds direction reversals of the voltage, a tick at a time.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Tracker<T> {
+    deadband: T,
+    direction: Direction<T>,
+    last: Extremum<T>,
+}
+
+impl<T: Real> Tracker<T> {
+    /// `deadband` in V: at least the noise of the voltage reading; 0 for clean logs.
+    pub fn new(deadband: T) -> Self {
+        Self { deadband, direction: Direction::Start, last: Extremum { voltage: T::zero(), displacement: T::zero() } }
+    }
+
+    /// Takes the voltage (V) and displacement (µm) of this tick. `true` when this tick revealed a reversal, so that
+    /// [`last`](Self::last) has changed.
+    pub fn update(&mut self, voltage: T, displacement: T) -> bool {
+        let now = Extremum { voltage, displacement };
+        let reversal = match &mut self.direction {
+            Direction::Start => {
+                self.direction = Direction::Unknown { low: now, high: now };
+                return false;
+            }
+            Direction::Unknown { low, high } => {
+                if voltage <= low.voltage {
+                    *low = now;
+                }
+                if voltage >= high.voltage {
+                    *high = now;
+                }
+                if voltage > low.voltage + self.deadband {
+                    self.direction = Direction::Rising { high: now };
+                } else if voltage < high.voltage - self.deadband {
+                    self.direction = Direction::Falling { low: now };
+                }
+                return false;
+            }
+            Direction::Rising { high } => {
+                if voltage >= high.voltage {
+                    *high = now;
+                    return false;
+                }
+                if voltage >= high.voltage - self.deadband {
+                    return false;
+                }
+                let reversal = *high;
+                self.direction = Direction::Falling { low: now };
+                reversal
+            }
+            Direction::Falling { low } => {
+                if voltage <= low.voltage {
+                    *low = now;
+                    return false;
+                }
+                if voltage <= low.voltage + self.deadband {
+                    return false;
+                }
+                let reversal = *low;
+                self.direction = Direction::Rising { high: now };
+                reversal
+            }
+        };
+        self.last = reversal;
+        true
+    }
+
+    /// The last reversal; zeros before the first.
+    pub fn last(&self) -> Extremum<T> {
+        self.last
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The reversals (voltage, index of its displacement) found in a voltage sequence whose displacement is its index.
+    fn reversals(deadband: f64, voltages: &[f64]) -> impl Iterator<Item = (f64, f64)> {
+        let mut tracker = Tracker::new(deadband);
+        voltages.iter().enumerate().flat_map(move |(i, &v)| {
+            let reversal = tracker.update(v, i as f64).then(|| tracker.last());
+            reversal.map(|at| (at.voltage, at.displacement))
+        })
+    }
+
+    #[test]
+    fn records_the_extreme_not_the_tick_of_detection() {
+        let found = reversals(0.5, &[0.0, 1.0, 2.0, 3.0, 2.8, 2.6, 2.4, 1.0, 0.0, 0.4, 0.6]);
+        assert!(found.eq([(3.0, 3.0), (0.0, 8.0)]));
+    }
+
+    #[test]
+    fn first_movement_is_no_reversal() {
+        assert_eq!(reversals(0.0, &[0.0, 1.0, 2.0]).count(), 0);
+        assert_eq!(reversals(0.0, &[0.0, -1.0, -2.0]).count(), 0);
+        assert_eq!(reversals(1.0, &[0.0, 0.9, -0.9, -2.0]).count(), 0);
+    }
+
+    #[test]
+    fn a_hold_is_no_reversal_and_its_last_displacement_counts() {
+        assert_eq!(reversals(0.0, &[0.0, 1.0, 1.0, 1.0, 2.0]).count(), 0);
+        assert!(reversals(0.0, &[0.0, 1.0, 1.0, 1.0, 0.5]).eq([(1.0, 3.0)]));
+    }
+
+    #[test]
+    fn nothing_before_the_first_reversal() {
+        let tracker = Tracker::new(0.0f32);
+        assert_eq!(tracker.last(), Extremum { voltage: 0.0, displacement: 0.0 });
+    }
+
+    proptest! {
+        /// Noise below half the deadband on a monotone ramp never makes a reversal.
+        #[test]
+        fn noise_within_the_deadband_is_not_seen(noise in prop::collection::vec(-0.49f64..0.49, 2..200)) {
+            let ramp: Vec<f64> = noise.iter().enumerate().map(|(i, n)| 0.01 * i as f64 + n).collect();
+            prop_assert_eq!(reversals(1.0, &ramp).count(), 0);
+        }
+
+        /// With no deadband, the reversals are exactly the strict local extrema of the sequence with its holds removed.
+        #[test]
+        fn without_deadband_every_turning_point_is_found(steps in prop::collection::vec(-3i8..=3, 2..200)) {
+            let mut voltage = 0.0;
+            let voltages: Vec<f64> = steps.iter().map(|&s| { voltage += f64::from(s); voltage }).collect();
+            let mut distinct = voltages.clone();
+            distinct.dedup();
+            let expected = distinct.windows(3).filter(|w| (w[1] - w[0]) * (w[2] - w[1]) < 0.0).map(|w| w[1]);
+            prop_assert!(reversals(0.0, &voltages).map(|(v, _)| v).eq(expected));
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! Displacement of a piezo actuator from the amplifier's voltage alone, one affine map a tick.
+//!
+//! No `std`, no allocation, no I/O, no `unsafe`. Everything is generic over [`Real`] (`f32` on the target, `f64` as
+//! the reference), so the number that was validated on the host and the number that leaves the DAC come from one source.
+//!
+//! ```text
+//! bytes ─► Table::parse ─► Admitted ─► Estimator ── AdcCode ─► tick ─► Estimate { displacement, DacCode, Status }
+//!               │               └─ Voigt (published parameters → per-tick coefficients), Lookup (the same, tabulated)
+//!               └─ refuses what is truncated, corrupt, of another version, not finite, or not admissible
+//! ```
+//!
+//! Equation, table and page numbers are those of the thesis "An Evolutionary Approach to Physics-based Modelling of
+//! Piezoelectric Actuators". Units are µm, V and s throughout; a field that differs says so in its name.
+#![cfg_attr(not(test), no_std)]
+
+pub mod admissible;
+pub mod calibration;
+pub mod estimator;
+pub mod extremum;
+pub mod lookup;
+pub mod math;
+pub mod model;
+pub mod range;
+pub mod record;
+pub mod table;
+
+pub use admissible::Inadmissible;
+pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode};
+pub use estimator::{Estimate, Estimator, Status};
+pub use extremum::{Extremum, Tracker};
+pub use lookup::Lookup;
+pub use math::Real;
+pub use model::{Model, Scheme, State, Terms, Voigt, VoigtParameters};
+pub use range::Range;
+pub use table::{Admitted, Digest, Form, Provenance, Table, TableError};

@@ -1,0 +1,201 @@
+//! The parameter table: everything that the estimator must know, in one plain value with three faces.
+//!
+//! It is written as `table.toml` for people, as a Rust `const` for the firmware image, and as a binary record for a
+//! flash page ([`crate::record`]). All numbers are `f32`, so the three are equal to the last bit and the reference runs
+//! on the very parameters that the target has. A [`Table`] is only data; an [`Admitted`] one has passed every check, and
+//! nothing else makes an [`Estimator`](crate::Estimator).
+
+mod digest;
+mod error;
+
+pub use digest::Digest;
+pub use error::TableError;
+
+use crate::admissible;
+use crate::calibration::{AdcCalibration, DacCalibration};
+use crate::lookup;
+use crate::math::Real;
+use crate::model::{Model, Scheme, Voigt, VoigtParameters};
+use crate::range::Range;
+use serde::{Deserialize, Serialize};
+
+/// How the per-tick functions are evaluated.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Form {
+    /// One exponential and one power a tick.
+    Direct,
+    /// Linear interpolation between [`crate::lookup::KNOTS`] knots.
+    Tabulated {
+        /// Bound of the displacement error this adds between two reversals, µm; computed by the host tool.
+        error_bound_um: f32,
+    },
+}
+
+/// Where a table comes from.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Start of the SHA-256 over the training logs' own SHA-256 digests.
+    pub logs: Digest,
+    /// Seed of the identification.
+    pub seed: u32,
+    /// Version of the tool that made the table.
+    pub tool_version: [u16; 3],
+    /// Mean absolute simulation error on the training logs, µm.
+    pub train_mae_um: f32,
+    /// The same on what was held out, µm; `None` where nothing was.
+    pub validation_mae_um: Option<f32>,
+    /// Largest absolute simulation error on what was held out, µm.
+    pub validation_max_um: Option<f32>,
+}
+
+/// A parameter table as data. [`admit`](Self::admit) it to use it.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Table {
+    /// Which terms the model has.
+    pub model: Model,
+    /// Tick, µs; 500 is 2 kHz.
+    pub sample_period_us: u32,
+    /// Discretisation.
+    pub scheme: Scheme,
+    /// Retreat from the running extreme that counts as a reversal, V.
+    pub deadband_v: f32,
+    /// Amplifier voltage that the model calls 0, V.
+    pub voltage_zero_v: f32,
+    /// Sensor reading that the model calls 0, µm. The estimate is relative to it.
+    pub displacement_zero_um: f32,
+    /// Direct or tabulated.
+    pub form: Form,
+    /// Voltages the model was identified on, relative to its zero, V. Beyond, the estimator holds the nearest and says so.
+    pub voltage_range_v: Range,
+    /// The estimate never leaves these, µm relative to the model's zero.
+    pub displacement_limits_um: Range,
+    /// Published parameters.
+    pub parameters: VoigtParameters,
+    /// Codes to volts.
+    pub adc: AdcCalibration,
+    /// Displacement to codes.
+    pub dac: DacCalibration,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+/// A table that has passed every check of [`Table::admit`].
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Admitted(Table);
+
+impl core::ops::Deref for Admitted {
+    type Target = Table;
+
+    fn deref(&self) -> &Table {
+        &self.0
+    }
+}
+
+/// Displacement limits beyond this (µm) are refused: a metre is no piezo.
+const LARGEST_DISPLACEMENT_UM: f32 = 1e6;
+/// Exponents beyond this are refused.
+const LARGEST_EXPONENT: f32 = 8.0;
+
+impl Table {
+    /// Checks everything, admissibility in the target's `f32` included.
+    pub fn admit(self) -> Result<Admitted, TableError> {
+        self.check_finite()?;
+        self.check_ranges()?;
+        let model = self.coefficients::<f32>();
+        let voltage = match self.form {
+            Form::Direct => self.voltage_range_v,
+            Form::Tabulated { .. } => lookup::covered(self.voltage_range_v),
+        };
+        let ends = [voltage.min, voltage.max];
+        let limits = [self.displacement_limits_um.min, self.displacement_limits_um.max];
+        let overflows = ends.iter().any(|&v| !model.drive(v).is_finite() || !model.voltage_term(v).is_finite())
+            || limits.iter().any(|&y| !model.displacement_term(y).is_finite());
+        if overflows {
+            return Err(TableError::Overflow);
+        }
+        admissible::check(&model, voltage, self.displacement_limits_um)?;
+        Ok(Admitted(self))
+    }
+
+    /// The per-tick coefficients in the number type `T`.
+    pub fn coefficients<T: Real>(&self) -> Voigt<T> {
+        Voigt::build(&self.parameters.map(T::of), self.sample_period(), self.scheme)
+    }
+
+    /// Tick, s.
+    pub fn sample_period<T: Real>(&self) -> T {
+        // Exact: 1 s in µs fits the 24 bits of an f32.
+        T::of(self.sample_period_us as f32) / T::of(1e6)
+    }
+
+    fn check_finite(&self) -> Result<(), TableError> {
+        let error_bound_um = match self.form {
+            Form::Direct => 0.0,
+            Form::Tabulated { error_bound_um } => error_bound_um,
+        };
+        let others = [
+            ("deadband_v", self.deadband_v),
+            ("voltage_zero_v", self.voltage_zero_v),
+            ("displacement_zero_um", self.displacement_zero_um),
+            ("error_bound_um", error_bound_um),
+            ("voltage_range_v", self.voltage_range_v.min),
+            ("voltage_range_v", self.voltage_range_v.max),
+            ("displacement_limits_um", self.displacement_limits_um.min),
+            ("displacement_limits_um", self.displacement_limits_um.max),
+            ("adc.gain_v_per_code", self.adc.gain_v_per_code),
+            ("adc.offset_v", self.adc.offset_v),
+            ("dac.gain_codes_per_um", self.dac.gain_codes_per_um),
+            ("dac.offset_code", self.dac.offset_code),
+            ("train_mae_um", self.provenance.train_mae_um),
+            ("validation_mae_um", self.provenance.validation_mae_um.unwrap_or(0.0)),
+            ("validation_max_um", self.provenance.validation_max_um.unwrap_or(0.0)),
+        ];
+        match self.parameters.named().into_iter().chain(others).find(|(_, x)| !x.is_finite()) {
+            Some((field, _)) => Err(TableError::NonFinite { field }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_ranges(&self) -> Result<(), TableError> {
+        let p = &self.parameters;
+        let exponent = |x: f32| (0.0..=LARGEST_EXPONENT).contains(&x);
+        let ordered = |range: Range| range.min < range.max;
+        let limits = self.displacement_limits_um;
+        let rules: [(&'static str, bool); 17] = [
+            ("alpha_um must be positive", p.alpha_um > 0.0),
+            ("lambda_per_v must be positive", p.lambda_per_v > 0.0),
+            ("b_ohm must be positive", p.b_ohm > 0.0),
+            ("p must lie between 0 and 8", exponent(p.p)),
+            ("h must lie between 0 and 8", exponent(p.h)),
+            ("f must lie between 0 and 8", exponent(p.f)),
+            (
+                "g_um_per_s and h must be 0 in a model without the voltage-extremum term",
+                self.model.has_voltage_term() || (p.g_um_per_s == 0.0 && p.h == 0.0),
+            ),
+            (
+                "e_m_per_s and f must be 0 in a model without the displacement-extremum term",
+                self.model.has_displacement_term() || (p.e_m_per_s == 0.0 && p.f == 0.0),
+            ),
+            ("sample_period_us must lie between 1 and 1000000", (1..=1_000_000).contains(&self.sample_period_us)),
+            ("voltage_range_v must be ordered", ordered(self.voltage_range_v)),
+            ("deadband_v must lie between 0 and the voltage range", {
+                (0.0..self.voltage_range_v.span()).contains(&self.deadband_v)
+            }),
+            ("displacement_limits_um must be ordered", ordered(limits)),
+            ("displacement_limits_um must lie within a metre", {
+                limits.min.abs().max(limits.max.abs()) <= LARGEST_DISPLACEMENT_UM
+            }),
+            ("adc.gain_v_per_code must be positive", self.adc.gain_v_per_code > 0.0),
+            ("adc.full_scale must be at least 3", self.adc.full_scale >= 3),
+            ("dac.gain_codes_per_um must not be 0", self.dac.gain_codes_per_um != 0.0),
+            ("dac.full_scale must be at least 1", self.dac.full_scale >= 1),
+        ];
+        match rules.into_iter().find(|&(_, holds)| !holds) {
+            Some((rule, _)) => Err(TableError::OutOfRange { rule }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The running estimator: finite and within its limits for any codes and any admitted table, and the same recursion as
+//! the model's.
+
+mod common;
+
+use common::{any_table, table};
+use estimator_core::*;
+use proptest::prelude::*;
+
+fn with_lookup<R>(table: Table, run: impl FnOnce(Estimator<'_, f32>) -> R) -> R {
+    let admitted = table.admit().unwrap();
+    let lookup = Lookup::build(&admitted);
+    let used = matches!(admitted.form, Form::Tabulated { .. }).then_some(&lookup);
+    run(Estimator::new(&admitted, used).unwrap())
+}
+
+fn tabulated(table: Table) -> Table {
+    Table { form: Form::Tabulated { error_bound_um: 0.0 }, ..table }
+}
+
+fn admitted_table() -> impl Strategy<Value = Admitted> {
+    any_table().prop_filter_map("not admissible", |table| table.admit().ok())
+}
+
+/// Reversals of every size, holds, glitches, saturation and noise, repeated.
+fn any_codes() -> impl Strategy<Value = Vec<(u16, u16)>> {
+    let level = prop_oneof![Just(0u16), Just(u16::MAX), any::<u16>(), 0u16..4096];
+    let dwell = prop_oneof![Just(1u16), 1u16..4, 1u16..300];
+    prop::collection::vec((level, dwell), 1..60)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1500))]
+
+    /// Some two million ticks over 1,500 tables.
+    #[test]
+    fn finite_and_within_limits_for_any_codes(admitted in admitted_table(), codes in any_codes()) {
+        let limits = admitted.displacement_limits_um;
+        with_lookup(*admitted, |mut estimator| {
+            for (level, dwell) in codes {
+                for k in 0..dwell {
+                    let estimate = estimator.tick(AdcCode(level.wrapping_add(k & 1)));
+                    prop_assert!(limits.contains(estimate.displacement), "{estimate:?}");
+                    prop_assert!(estimate.dac.0 <= admitted.dac.full_scale);
+                }
+            }
+            Ok(())
+        })?;
+    }
+
+    /// The admissibility proof holds: from a start within the limits, no codes ever reach the clamp.
+    #[test]
+    fn an_admitted_table_is_never_clamped(admitted in admitted_table(), codes in any_codes()) {
+        // The proof is exact; the arithmetic rounds. Where the reach touches the limits, rounding may cross them.
+        let room = Range { min: -29.9, max: 29.9 };
+        prop_assume!(Table { displacement_limits_um: room, ..*admitted }.admit().is_ok());
+        with_lookup(*admitted, |mut estimator| {
+            for (level, dwell) in codes {
+                for _ in 0..dwell {
+                    prop_assert!(!estimator.tick(AdcCode(level)).status.contains(Status::CLAMPED));
+                }
+            }
+            Ok(())
+        })?;
+    }
+}
+
+#[test]
+fn the_tick_is_the_recursion_of_eq_4_8() {
+    let admitted = table().admit().unwrap();
+    let mut estimator = Estimator::<f64>::new(&admitted, None).unwrap();
+    estimator.start_at(0.5);
+    let p = admitted.parameters.map(f64::from);
+    let mut y = 0.5f64;
+    for k in 0..4000 {
+        let v = 19.0 * (0.01 * f64::from(k)).sin();
+        let x = (-p.lambda_per_v * (v - p.beta_v)).exp();
+        let d = 1e-6 * p.alpha_um * p.lambda_per_v * x / (1.0 + x).powi(2);
+        let metres = y * 1e-6;
+        y += 1e6 * 5e-4 * (v.signum() * (v.abs() / p.b_ohm).powf(p.p) - metres / (d * p.b_ohm));
+        let estimate = estimator.tick_volts(v);
+        assert!((estimate.displacement - y).abs() < 1e-10, "tick {k}: {estimate:?} against {y}");
+        assert_eq!(estimate.status, Status::empty());
+    }
+}
+
+#[test]
+fn euler_tends_to_the_exact_step_as_the_tick_shrinks() {
+    let run = |period: f64, scheme| {
+        let model = Voigt::build(&common::VOIGT.map(f64::from), period, scheme);
+        let mut state = State::new(0.0, 0.0);
+        let ticks = (0.006 / period).round() as u32;
+        (0..ticks).map(|_| model.step(&mut state, 10.0)).last().unwrap()
+    };
+    let model = Voigt::build(&common::VOIGT.map(f64::from), 1.0, Scheme::ForwardEuler);
+    let (rate, drive) = (model.rate(10.0), model.drive(10.0));
+    let exact = drive / rate * (1.0 - (-0.006 * rate).exp());
+    assert!((run(5e-4, Scheme::ZeroOrderHold) - exact).abs() < 1e-12);
+    assert!((run(2e-3, Scheme::ZeroOrderHold) - exact).abs() < 1e-12);
+    let errors = [5e-4, 2.5e-4, 1.25e-4].map(|period| (run(period, Scheme::ForwardEuler) - exact).abs());
+    assert!(errors[0] > 1.9 * errors[1] && errors[1] > 1.9 * errors[2], "{errors:?}");
+}
+
+#[test]
+fn starts_at_rest_and_stays_there() {
+    with_lookup(table(), |mut estimator| {
+        let code = table().adc.code(12.0f32);
+        let first = estimator.tick(code).displacement;
+        assert!(first > 1.0);
+        for _ in 0..1000 {
+            assert!((estimator.tick(code).displacement - first).abs() < 1e-5);
+        }
+        assert_eq!(estimator.last_extremum(), Extremum { voltage: 0.0, displacement: 0.0 });
+    });
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let narrow = Table { dac: DacCalibration { gain_codes_per_um: 1000.0, ..table().dac }, ..table() };
+    with_lookup(narrow, |mut estimator| {
+        assert_eq!(estimator.tick(narrow.adc.code(1.0f32)).status, Status::empty());
+        for _ in 0..100 {
+            estimator.tick(narrow.adc.code(19.0f32));
+        }
+        assert_eq!(estimator.tick(narrow.adc.code(19.0f32)).status, Status::DAC_SATURATED);
+        let beyond = estimator.tick(narrow.adc.code(21.0f32)).status;
+        assert!(beyond.contains(Status::VOLTAGE_OUT_OF_RANGE) && !beyond.contains(Status::ADC_SATURATED));
+        assert!(estimator.tick(AdcCode(4095)).status.contains(Status::ADC_SATURATED | Status::VOLTAGE_OUT_OF_RANGE));
+    });
+    with_lookup(table(), |mut estimator| {
+        estimator.start_at(1e9);
+        assert!(estimator.tick_volts(0.0).displacement <= 6.0);
+    });
+}
+
+#[test]
+fn a_lookup_must_be_the_table_s_own() {
+    let direct = table().admit().unwrap();
+    let lookup = Lookup::<f32>::build(&direct);
+    assert!(Estimator::new(&direct, Some(&lookup)).is_err());
+    let form = tabulated(table()).admit().unwrap();
+    assert!(Estimator::new(&form, Some(&lookup)).is_ok());
+    assert!(Estimator::<f32>::new(&form, None).is_err());
+    let mut other = lookup.clone();
+    other.knots[7].a += 1e-6;
+    assert!(Estimator::new(&form, Some(&other)).is_err());
+}
+
+#[test]
+fn the_lookup_is_exact_at_its_knots_and_covers_the_range() {
+    for range in [Range { min: -20.0, max: 20.0 }, Range { min: -3.0, max: 17.0 }, Range { min: 4.0, max: 9.0 }] {
+        let table = Table { voltage_range_v: range, ..tabulated(table()) };
+        let model = table.coefficients::<f64>();
+        let lookup = Lookup::<f64>::build(&table);
+        let covered = lookup::covered::<f64>(range.of());
+        assert!(covered.min <= f64::from(range.min) && f64::from(range.max) <= covered.max, "{covered:?}");
+        for (k, knot) in lookup.knots.iter().enumerate() {
+            let v = lookup.first + k as f64 / lookup.per_volt;
+            assert!((lookup.terms(v).a - knot.a).abs() < 1e-12 && (model.terms(v).a - knot.a).abs() < 1e-12);
+        }
+        if range.min < 0.0 {
+            assert_eq!(lookup.terms(0.0).c, 0.0, "the drive's cusp lies on a knot");
+        }
+        let worst = (0..=1000)
+            .map(|i| f64::from(range.min) + f64::from(range.span()) * f64::from(i) / 1000.0)
+            .map(|v| (lookup.terms(v).a - model.terms(v).a).abs())
+            .fold(0.0, f64::max);
+        assert!(worst < 1e-6, "{worst}");
+    }
+}
