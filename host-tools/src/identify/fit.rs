@@ -1,0 +1,202 @@
+//! Identification of one model or of the whole family: rounds of the genetic algorithm whose ranges shrink around the
+//! best so far, the richer models started from the simpler ones' solutions.
+
+use super::ga::{self, Best, Elitism, Selection, Settings};
+use super::problem::Problem;
+use super::space::{Gene, Ranges, Space};
+use crate::session::Feedback;
+use clap::Args;
+use estimator_core::{Model, VoigtParameters};
+use serde::{Deserialize, Serialize};
+
+/// Where the first population of a model comes from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// Random; and once more with the solutions of the simpler models among it. The better result counts.
+    Family,
+    /// Random only, as the thesis.
+    Random,
+}
+
+/// How the search runs. The thesis's own setting is `--ranges table-4.5 --mutation 0.15 --elitism aside --generations
+/// 400 --rounds 1 --start random`.
+#[derive(Args, Clone, PartialEq, Debug, Serialize, Deserialize)]
+#[command(next_help_heading = "Genetic algorithm")]
+#[serde(deny_unknown_fields)]
+pub struct SearchOptions {
+    /// What the model error is: one-step prediction or simulation.
+    #[arg(long, value_enum, default_value_t = Feedback::Simulation)]
+    pub cost: Feedback,
+    /// What is searched, and where.
+    #[arg(long, value_enum, default_value_t = Ranges::Data)]
+    pub ranges: Ranges,
+    /// Bits a gene.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=30))]
+    pub bits: u32,
+    /// Chromosomes (even).
+    #[arg(long, default_value_t = 64, value_parser = even)]
+    pub population: usize,
+    /// Generations a round.
+    #[arg(long, default_value_t = 100)]
+    pub generations: usize,
+    /// Rounds.
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=50))]
+    pub rounds: u32,
+    /// Width of a round's ranges as a fraction of the round's before, around the best so far.
+    #[arg(long, default_value_t = 0.5, value_parser = fraction)]
+    pub shrink: f64,
+    /// Stop a round after so many generations without improvement; 0: never.
+    #[arg(long, default_value_t = 0)]
+    pub patience: usize,
+    /// Bits flipped in a generation, as a fraction of all.
+    #[arg(long, default_value_t = 0.02, value_parser = fraction)]
+    pub mutation: f64,
+    /// Choice of parents.
+    #[arg(long, value_enum, default_value_t = Selection::Tournament)]
+    pub selection: Selection,
+    /// What becomes of the best chromosome.
+    #[arg(long, value_enum, default_value_t = Elitism::Reinsert)]
+    pub elitism: Elitism,
+    /// First population.
+    #[arg(long, value_enum, default_value_t = Start::Family)]
+    pub start: Start,
+    /// Seed; the same seed gives the same table on any number of threads.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u32,
+}
+
+fn even(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if n % 2 == 0 && (2..=100_000).contains(&n) => Ok(n),
+        _ => Err("expected an even number from 2 to 100000".to_owned()),
+    }
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
+        _ => Err("expected a number from 0 to 1".to_owned()),
+    }
+}
+
+impl SearchOptions {
+    fn settings(&self) -> Settings {
+        Settings {
+            bits: self.bits,
+            population: self.population,
+            generations: self.generations,
+            patience: self.patience,
+            mutation: self.mutation,
+            selection: self.selection,
+            elitism: self.elitism,
+        }
+    }
+
+    /// Generations that the identification of some models takes at most, for a progress bar.
+    pub fn generations_of(&self, models: &[Model]) -> u64 {
+        let starts: usize = (0..models.len()).map(|earlier| self.starts(earlier)).sum();
+        starts as u64 * u64::from(self.rounds) * (self.generations as u64 + 1)
+    }
+
+    /// Searches of a model that has so many simpler ones before it.
+    fn starts(&self, earlier: usize) -> usize {
+        if self.start == Start::Family && earlier > 0 { 2 } else { 1 }
+    }
+}
+
+/// Errors of the best candidate after a generation (Fig. 4.9, 4.10).
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Convergence {
+    /// Cost on the training sessions, µm.
+    pub training: f64,
+    /// Simulation error on what was held out, µm; `None` where nothing was.
+    pub validation: Option<f64>,
+}
+
+/// An identified model.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Fit {
+    /// Which.
+    pub model: Model,
+    /// Its published parameters.
+    pub parameters: VoigtParameters<f64>,
+    /// The searched coordinates and where the best lies.
+    pub genes: Vec<(Gene, f64)>,
+    /// Its cost, µm; infinite when no admissible candidate was found.
+    pub cost: f64,
+    /// After each generation.
+    pub convergence: Vec<Convergence>,
+    space: Space,
+}
+
+/// Told of each generation: the model, its best cost so far (µm).
+pub type Progress<'a> = &'a mut dyn FnMut(Model, f64);
+
+/// Identifies models one after the other, each started from those before it.
+pub fn identify(problem: &Problem, models: &[Model], options: &SearchOptions, progress: Progress<'_>) -> Vec<Fit> {
+    let mut fits: Vec<Fit> = Vec::new();
+    for &model in models {
+        let space = Space::new(model, options.ranges, problem.extent());
+        let seeds: Vec<Vec<f64>> = fits
+            .iter()
+            .map(|fit| space.adopt(&fit.space, &fit.genes.iter().map(|(_, value)| *value).collect::<Vec<_>>()))
+            .collect();
+        let mut fit = search(problem, model, &space, options, &[], progress);
+        if options.starts(fits.len()) > 1 {
+            let seeded = search(problem, model, &space, options, &seeds, progress);
+            if seeded.cost < fit.cost {
+                fit = seeded;
+            }
+        }
+        fits.push(fit);
+    }
+    fits
+}
+
+fn search(
+    problem: &Problem,
+    model: Model,
+    space: &Space,
+    options: &SearchOptions,
+    seeds: &[Vec<f64>],
+    progress: Progress<'_>,
+) -> Fit {
+    let mut genes = space.genes.clone();
+    let mut seeds = seeds.to_vec();
+    let mut best: Option<Best> = None;
+    let mut convergence: Vec<Convergence> = Vec::new();
+    let mut shown = (f64::INFINITY, None);
+    for round in 0..options.rounds {
+        let seed = (u64::from(options.seed) << 32) | (u64::from(round) << 8) | u64::from(!seeds.is_empty());
+        let cost = |values: &[f64]| problem.cost(&space.parameters(values), options.cost);
+        let found = ga::run(&genes, &options.settings(), seed, &seeds, cost, |_, best| {
+            if best.cost < shown.0 {
+                shown = (best.cost, problem.held_out(&space.parameters(&best.genes)));
+            }
+            convergence.push(Convergence { training: shown.0, validation: shown.1 });
+            progress(model, shown.0);
+        });
+        if best.as_ref().is_none_or(|best| found.cost < best.cost) {
+            best = Some(found);
+        }
+        let Some(best) = &best else { break };
+        genes = narrowed(&space.genes, &best.genes, options.shrink, round + 1);
+        // What the narrowing leaves outside is lost as a seed; the best lies inside.
+        seeds = vec![best.genes.clone()];
+    }
+    let best = best.expect("the command line demands at least one round");
+    Fit {
+        model,
+        parameters: space.parameters(&best.genes),
+        genes: space.genes.iter().copied().zip(best.genes).collect(),
+        cost: best.cost,
+        convergence,
+        space: space.clone(),
+    }
+}
+
+/// The ranges of a round: the original ones shrunk so many times around the best.
+fn narrowed(genes: &[Gene], best: &[f64], shrink: f64, times: u32) -> Vec<Gene> {
+    genes.iter().zip(best).map(|(gene, &value)| gene.around(value, libm::pow(shrink, f64::from(times)))).collect()
+}

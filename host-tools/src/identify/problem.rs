@@ -1,0 +1,163 @@
+//! What an identification works on: prepared sessions, their extent, and the cost of a candidate (Eq. 4.1).
+//!
+//! The search runs the core's tabulated form, some five times faster than the direct one: where each tick's voltage lies
+//! between the knots is the same for every candidate. What is reported of a result is never this cost alone but the error
+//! of the finished table in its own form.
+
+use super::space::Extent;
+use crate::session::{Feedback, Session};
+use estimator_core::lookup::{Grid, Position};
+use estimator_core::{Inadmissible, Lookup, Range, Scheme, Voigt, VoigtParameters, admissible, lookup};
+
+/// Sessions and what is fixed before the search starts.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// Discretisation.
+    pub scheme: Scheme,
+    /// Retreat that counts as a reversal, V.
+    pub deadband: f64,
+    training: Vec<Located>,
+    validation: Vec<Located>,
+    /// How far the displacement limits may lie from the middle of the training displacement, as a multiple of half its
+    /// stroke.
+    limit: f64,
+    voltage_range: Range<f64>,
+    stroke: Range<f64>,
+    extent: Extent,
+}
+
+/// A session whose voltages have been located between the knots.
+#[derive(Clone, Debug)]
+struct Located {
+    session: Session,
+    positions: Vec<Position<f64>>,
+}
+
+/// Deadband where none is given, as a fraction of the voltage span: a few steps of a 12-bit converter.
+const DEADBAND: f64 = 1e-3;
+/// Room beyond the training voltages that a table still covers, as a fraction of their span.
+const VOLTAGE_MARGIN: f64 = 0.05;
+/// Displacement limits that are tried, as fractions of the way from the training stroke to the largest allowed.
+const LIMIT_STEPS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
+
+impl Problem {
+    /// A problem. What is held out is shown beside the training error and never decides anything. The displacement limits
+    /// may be `limit` times as wide as the training stroke.
+    pub fn new(
+        training: Vec<Session>,
+        validation: Vec<Session>,
+        scheme: Scheme,
+        deadband: Option<f64>,
+        limit: f64,
+    ) -> Self {
+        let voltage = hull(training.iter().flat_map(|session| &session.voltage));
+        let stroke = hull(training.iter().flat_map(|session| &session.displacement));
+        let voltage_range = expanded(voltage, 1.0 + 2.0 * VOLTAGE_MARGIN);
+        let largest = |range: Range<f64>| range.min.abs().max(range.max.abs());
+        let grid = Grid::of(voltage_range);
+        let located = |sessions: Vec<Session>| -> Vec<Located> {
+            let locate = |session: Session| Located {
+                positions: session.voltage.iter().map(|&v| grid.locate(v)).collect(),
+                session,
+            };
+            sessions.into_iter().map(locate).collect()
+        };
+        Self {
+            scheme,
+            deadband: deadband.unwrap_or(DEADBAND * voltage.span()),
+            extent: Extent {
+                voltage: largest(voltage),
+                displacement: largest(stroke),
+                tick: training.first().map_or(0.0, |session| session.tick_s),
+            },
+            training: located(training),
+            validation: located(validation),
+            limit,
+            voltage_range,
+            stroke,
+        }
+    }
+
+    /// Cost of a parameter set: its training error (µm), infinite where it is not admissible.
+    pub fn cost(&self, parameters: &VoigtParameters<f64>, feedback: Feedback) -> f64 {
+        let model = self.model(parameters);
+        // The widest limits first: nearly every set that has any has those.
+        let admissible = LIMIT_STEPS.iter().rev().any(|&step| self.check(&model, step).is_ok());
+        if admissible { self.error(&self.training, &model, feedback) } else { f64::INFINITY }
+    }
+
+    /// Simulation error on what was held out, µm; `None` where nothing was.
+    pub fn held_out(&self, parameters: &VoigtParameters<f64>) -> Option<f64> {
+        let error = || self.error(&self.validation, &self.model(parameters), Feedback::Simulation);
+        (!self.validation.is_empty()).then(error)
+    }
+
+    /// Mean over the sessions of each one's mean absolute error; each weighs the same whatever its length.
+    fn error(&self, sessions: &[Located], model: &Voigt<f64>, feedback: Feedback) -> f64 {
+        let lookup = Lookup::tabulate(model, self.voltage_range);
+        let error = |located: &Located| {
+            let terms = |tick: usize| lookup.at(located.positions[tick]);
+            located.session.mean_absolute_error(model, self.deadband, feedback, terms)
+        };
+        sessions.iter().map(error).sum::<f64>() / sessions.len().max(1) as f64
+    }
+
+    /// The tightest displacement limits (µm) within which a parameter set is proven to stay, or why there are none.
+    pub fn limits(&self, parameters: &VoigtParameters<f64>) -> Result<Range<f64>, Inadmissible<f64>> {
+        let model = self.model(parameters);
+        let tightest = LIMIT_STEPS.iter().find(|&&step| self.check(&model, step).is_ok());
+        match tightest {
+            Some(&step) => Ok(self.limits_at(step)),
+            None => self.check(&model, 1.0).map(|_| self.limits_at(1.0)),
+        }
+    }
+
+    /// The sessions that are fitted to.
+    pub fn training(&self) -> impl Iterator<Item = &Session> {
+        self.training.iter().map(|located| &located.session)
+    }
+
+    /// The sessions that were held out.
+    pub fn validation(&self) -> impl Iterator<Item = &Session> {
+        self.validation.iter().map(|located| &located.session)
+    }
+
+    /// Voltages of the training sessions and a margin, V.
+    pub fn voltage_range(&self) -> Range<f64> {
+        self.voltage_range
+    }
+
+    /// Displacements of the training sessions, µm.
+    pub fn stroke(&self) -> Range<f64> {
+        self.stroke
+    }
+
+    /// V* and Y* of the search coordinates.
+    pub fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    fn model(&self, parameters: &VoigtParameters<f64>) -> Voigt<f64> {
+        Voigt::build(parameters, self.extent.tick, self.scheme)
+    }
+
+    fn limits_at(&self, step: f64) -> Range<f64> {
+        expanded(self.stroke, 1.0 + step * (self.limit - 1.0))
+    }
+
+    /// Checks on the voltages that a tabulated form covers, which include those of the direct one.
+    fn check(&self, model: &Voigt<f64>, step: f64) -> Result<Range<f64>, Inadmissible<f64>> {
+        admissible::check(model, lookup::covered(self.voltage_range), self.limits_at(step))
+    }
+}
+
+fn hull<'a>(values: impl Iterator<Item = &'a f64>) -> Range<f64> {
+    let empty = Range { min: f64::INFINITY, max: f64::NEG_INFINITY };
+    values.fold(empty, |hull, &x| Range { min: hull.min.min(x), max: hull.max.max(x) })
+}
+
+/// The interval stretched about its middle.
+fn expanded(range: Range<f64>, factor: f64) -> Range<f64> {
+    let (middle, half) = ((range.max + range.min) / 2.0, (range.max - range.min) / 2.0);
+    Range { min: middle - factor * half, max: middle + factor * half }
+}

@@ -1,0 +1,162 @@
+//! Recorded sessions: voltage and displacement over time, read from CSV, text tables and MATLAB files.
+//!
+//! A log that comes out of [`read`] is in V and µm at one sample period, finite, without gaps, and of plausible size;
+//! everything else is refused with the file, the line, the value and the remedy ([`LogError`]).
+
+mod channels;
+mod clock;
+mod columns;
+mod delimiter;
+mod error;
+mod fault;
+mod label;
+mod mat;
+mod mat_reader;
+mod plausible;
+mod resolution;
+mod steps;
+mod text;
+mod units;
+mod write;
+
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use channels::Channels;
+pub use columns::{Column, Columns, ColumnsError, Position};
+use error::Located;
+pub use error::{LogError, Number, Place};
+pub use fault::Fault;
+pub use units::{Quantity, Unit, UnknownUnit};
+pub use write::write_csv;
+
+/// Fewest rows that make a log.
+pub const MINIMUM_ROWS: usize = 16;
+
+/// One recorded session.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    /// File name without its extension.
+    pub name: String,
+    /// The file as the caller named it.
+    pub path: PathBuf,
+    /// SHA-256 of the file's bytes, in lower-case hexadecimal.
+    pub sha256: String,
+    /// Sample period, s.
+    pub sample_period: f64,
+    /// Voltage of each sample, V.
+    pub voltage: Vec<f64>,
+    /// Displacement of each sample, µm; `None` only where [`ReadOptions::displacement_required`] is off.
+    pub displacement: Option<Vec<f64>>,
+}
+
+/// What the user says about a log that its file does not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadOptions {
+    /// `--columns`: which column holds what. Needed where no header says so.
+    pub columns: Option<Columns>,
+    /// `--fs`: sample rate, Hz. Needed where no column holds the time; checked where one does.
+    pub sample_rate: Option<f64>,
+    /// Refuse a log without displacement.
+    pub displacement_required: bool,
+}
+
+impl Default for ReadOptions {
+    /// Nothing stated, displacement required.
+    fn default() -> Self {
+        Self { columns: None, sample_rate: None, displacement_required: true }
+    }
+}
+
+/// Reads the log in the file at `path`.
+///
+/// # Errors
+/// Whatever makes the file no usable log; see [`Fault`].
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
+    let refuse = |Located(place, fault)| LogError { path: path.to_owned(), place, fault };
+    let bytes = load(path).map_err(|fault| refuse(fault.into()))?;
+    let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let (recording, sample_period) = parse(&bytes, &file, options).map_err(refuse)?;
+    Ok(Log {
+        name: Path::new(&*file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        path: path.to_owned(),
+        sha256: Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+        sample_period,
+        voltage: recording.voltage,
+        displacement: recording.displacement,
+    })
+}
+
+fn load(path: &Path) -> Result<Vec<u8>, Fault> {
+    let fault = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => Fault::NotFound,
+        _ => Fault::Unreadable(error),
+    };
+    let kind = fs::metadata(path).map_err(fault)?;
+    if kind.is_dir() {
+        return Err(Fault::Directory);
+    }
+    if !kind.is_file() {
+        return Err(Fault::NotRegular);
+    }
+    let bytes = fs::read(path).map_err(fault)?;
+    if bytes.is_empty() {
+        return Err(Fault::Empty);
+    }
+    Ok(bytes)
+}
+
+/// The recording in `bytes`, checked, and its sample period in s. `file` is the file's name.
+fn parse(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<(Recording, f64), Located> {
+    if let Some(rate) = options.sample_rate {
+        clock::check_rate(rate)?;
+    }
+    let named_mat = Path::new(file).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mat"));
+    let recording = if named_mat || mat::is_mat(bytes) {
+        mat::read(bytes, file, options)?
+    } else {
+        text::read(bytes, file, options)?
+    };
+    let rows = recording.voltage.len();
+    if rows < MINIMUM_ROWS {
+        return Err(Fault::FewRows { rows, minimum: MINIMUM_ROWS }.into());
+    }
+    let sample_period = clock::sample_period(&recording, options.sample_rate)?;
+    plausible::check(&recording)?;
+    Ok((recording, sample_period))
+}
+
+/// The numbers of one file, finite and in s, V and µm, before they are checked.
+#[derive(Debug)]
+struct Recording {
+    channels: Channels,
+    origin: Origin,
+    time: Option<Vec<f64>>,
+    voltage: Vec<f64>,
+    displacement: Option<Vec<f64>>,
+}
+
+/// Where the first row of a recording stands.
+#[derive(Debug, Clone, Copy)]
+enum Origin {
+    /// At this line of a text file.
+    Line(usize),
+    /// At the start of an array.
+    Sample,
+}
+
+impl Origin {
+    /// The place of row `index`, counted from 0.
+    fn place(self, index: usize) -> Place {
+        match self {
+            Self::Line(first) => Place::Line(first + index),
+            Self::Sample => Place::Sample(index + 1),
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! What the command line says about preparation, and how `auto` becomes a number.
+//!
+//! Zeros, from the training logs only. The models are at rest at (0 V, 0 µm), so:
+//!
+//! - voltage: 0 where the logs' swing includes it or comes within 2 % of it, else the middle of the swing;
+//! - displacement: 0 where the logs swing about it (its middle lies within 25 % of half the swing; actuators are
+//!   asymmetric), else the mean sensor reading while the voltage passes or touches its zero, rising and falling passes
+//!   weighing the same. A sensor's zero is arbitrary; the model's is where the voltage's is.
+
+use super::{Decimation, Recipe};
+use crate::log::Log;
+use clap::Args;
+use std::str::FromStr;
+
+/// A number, or `auto`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Setting {
+    /// To be found from the training logs.
+    Auto,
+    /// Given.
+    Given(f64),
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            _ => finite(text).map(Self::Given),
+        }
+    }
+}
+
+/// Parses a finite number.
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| if x == 0.0 { Err("a scale of 0 leaves nothing".to_owned()) } else { Ok(x) })
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| if x < 0.0 { Err("must not be negative".to_owned()) } else { Ok(x) })
+}
+
+/// How logs are prepared.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Preparation of the logs (recorded in the table)")]
+pub struct PrepareOptions {
+    /// Tick, µs; 500 is the thesis's 2 kHz.
+    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
+    pub tick_us: u32,
+    /// Factor on the recorded voltage, e.g. the amplifier's gain where its input was recorded.
+    #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    pub voltage_scale: f64,
+    /// Factor on the recorded displacement.
+    #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    pub displacement_scale: f64,
+    /// Voltage (V, scaled) that the model calls 0, or `auto`: 0 where the logs reach it, else the middle of their swing.
+    #[arg(long, default_value = "auto", allow_negative_numbers = true, value_name = "V|auto")]
+    pub voltage_zero: Setting,
+    /// Displacement (µm, scaled) that the model calls 0, or `auto`: where the sensor stands when the voltage is at its zero.
+    #[arg(long, default_value = "auto", allow_negative_numbers = true, value_name = "µm|auto")]
+    pub displacement_zero: Setting,
+    /// How much later the sensor shows a displacement than it happens, ms, or `auto`: by cross-validation.
+    #[arg(long, default_value = "0", value_name = "MS|auto")]
+    pub delay: Setting,
+    /// Largest delay that `--delay auto` tries, ms: what the sensor can have.
+    #[arg(long, default_value_t = 5.0, value_parser = not_negative)]
+    pub max_delay: f64,
+    /// Cut off the start of each log, s (a start-up transient).
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
+    pub skip_start: f64,
+    /// Cut off the end of each log, s.
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
+    pub skip_end: f64,
+    /// What becomes of a log faster than the tick.
+    #[arg(long, value_enum, default_value_t = Decimation::Every)]
+    pub decimate: Decimation,
+}
+
+impl PrepareOptions {
+    /// The recipe for these training logs. A delay to be found is 0 in it.
+    pub fn resolve(&self, logs: &[Log]) -> Recipe {
+        let tick_ms = f64::from(self.tick_us) * 1e-3;
+        let mut recipe = Recipe {
+            tick_us: self.tick_us,
+            voltage_scale: self.voltage_scale,
+            displacement_scale: self.displacement_scale,
+            voltage_zero_v: 0.0,
+            displacement_zero_um: 0.0,
+            delay_ticks: match self.delay {
+                Setting::Given(ms) => (ms / tick_ms).round() as u32,
+                Setting::Auto => 0,
+            },
+            skip_start_s: self.skip_start,
+            skip_end_s: self.skip_end,
+            decimation: self.decimate,
+        };
+        let voltages: Vec<Vec<f64>> = logs
+            .iter()
+            .map(|log| log.voltage[recipe.kept(log)].iter().map(|v| v * self.voltage_scale).collect())
+            .collect();
+        let displacements: Vec<Vec<f64>> = logs
+            .iter()
+            .filter_map(|log| Some(log.displacement.as_ref()?[recipe.kept(log)].to_vec()))
+            .map(|log| log.into_iter().map(|y| y * self.displacement_scale).collect())
+            .collect();
+        recipe.voltage_zero_v = match self.voltage_zero {
+            Setting::Given(v) => v,
+            Setting::Auto => zero_or_middle(&voltages, 1.0 + 2.0 * TOUCHES),
+        };
+        recipe.displacement_zero_um = match self.displacement_zero {
+            Setting::Given(y) => y,
+            Setting::Auto if recipe.voltage_zero_v == 0.0 && zero_or_middle(&displacements, 0.25) == 0.0 => 0.0,
+            Setting::Auto => mean_at_zero(&voltages, &displacements, recipe.voltage_zero_v)
+                .unwrap_or_else(|| middle(&displacements).0),
+        };
+        recipe
+    }
+}
+
+/// A swing touches zero when it comes this close, as a fraction of the swing.
+const TOUCHES: f64 = 0.02;
+
+/// Middle and half width of the values.
+fn middle(logs: &[Vec<f64>]) -> (f64, f64) {
+    let values = || logs.iter().flatten().copied();
+    let (min, max) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    if min <= max { ((max + min) / 2.0, (max - min) / 2.0) } else { (0.0, 0.0) }
+}
+
+fn zero_or_middle(logs: &[Vec<f64>], tolerance: f64) -> f64 {
+    let (middle, half) = middle(logs);
+    if middle.abs() <= tolerance * half { 0.0 } else { middle }
+}
+
+/// Mean displacement where the voltage crosses `zero`, rising and falling crossings weighing the same; where it only
+/// touches it, the mean while it is within reach.
+fn mean_at_zero(voltages: &[Vec<f64>], displacements: &[Vec<f64>], zero: f64) -> Option<f64> {
+    let (mut rising, mut falling) = (Vec::new(), Vec::new());
+    let reach = 2.0 * TOUCHES * middle(voltages).1;
+    let pairs = voltages.iter().flatten().zip(displacements.iter().flatten());
+    let touching: Vec<f64> = pairs.filter(|(v, _)| (*v - zero).abs() <= reach).map(|(_, y)| *y).collect();
+    for (voltage, displacement) in voltages.iter().zip(displacements) {
+        for (v, y) in voltage.windows(2).zip(displacement.windows(2)) {
+            let (before, after) = (v[0] - zero, v[1] - zero);
+            if (before < 0.0) == (after < 0.0) {
+                continue;
+            }
+            let crossing = y[0] + (y[1] - y[0]) * before / (before - after);
+            if after > before { rising.push(crossing) } else { falling.push(crossing) }
+        }
+    }
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    match (rising.is_empty(), falling.is_empty()) {
+        (false, false) => Some((mean(&rising) + mean(&falling)) / 2.0),
+        (false, true) => Some(mean(&rising)),
+        (true, false) => Some(mean(&falling)),
+        (true, true) if !touching.is_empty() => Some(mean(&touching)),
+        (true, true) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        options: PrepareOptions,
+    }
+
+    fn options(arguments: &[&str]) -> PrepareOptions {
+        Cli::try_parse_from(["piezo"].iter().chain(arguments)).unwrap().options
+    }
+
+    /// Two periods of a sine with a loop, offset in voltage and displacement.
+    fn log(offset_v: f64, offset_um: f64) -> Log {
+        let phase = |k: u32| std::f64::consts::TAU * f64::from(k) / 100.0;
+        Log {
+            name: "sine".into(),
+            path: "sine.csv".into(),
+            sha256: String::new(),
+            sample_period: 5e-4,
+            voltage: (0..200).map(|k| offset_v + 2.0 * phase(k).sin()).collect(),
+            displacement: Some((0..200).map(|k| offset_um + 10.0 * (phase(k) - 0.2).sin()).collect()),
+        }
+    }
+
+    #[test]
+    fn a_bipolar_log_keeps_its_zeros() {
+        let recipe = options(&[]).resolve(&[log(0.1, 1.0)]);
+        assert_eq!((recipe.voltage_zero_v, recipe.displacement_zero_um), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_log_that_touches_zero_is_zeroed_there() {
+        let recipe = options(&[]).resolve(&[log(2.01, -90.0)]);
+        assert_eq!(recipe.voltage_zero_v, 0.0);
+        assert!((recipe.displacement_zero_um + 99.8).abs() < 0.2, "{recipe:?}");
+    }
+
+    #[test]
+    fn a_log_far_from_zero_is_zeroed_in_the_middle_of_its_swing() {
+        let recipe = options(&[]).resolve(&[log(60.0, -90.0)]);
+        assert!((recipe.voltage_zero_v - 60.0).abs() < 1e-9);
+        assert!((recipe.displacement_zero_um + 90.0).abs() < 0.1, "{recipe:?}");
+    }
+
+    #[test]
+    fn what_is_given_is_taken() {
+        let given = ["--voltage-zero", "-1.5", "--displacement-zero", "7", "--voltage-scale", "10", "--delay", "2.5"];
+        let recipe = options(&given).resolve(&[log(1.8, -90.0)]);
+        assert_eq!((recipe.voltage_zero_v, recipe.displacement_zero_um, recipe.delay_ticks), (-1.5, 7.0, 5));
+        for wrong in [["--delay", "soon"], ["--voltage-scale", "0"], ["--skip-start", "-1"], ["--voltage-zero", "inf"]] {
+            assert!(Cli::try_parse_from(["piezo"].iter().chain(&wrong)).is_err(), "{wrong:?}");
+        }
+    }
+}
