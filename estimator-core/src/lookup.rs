@@ -14,13 +14,45 @@ pub const KNOTS: usize = 257;
 /// Number of intervals between them.
 const INTERVALS: u16 = KNOTS as u16 - 1;
 
-/// The per-tick functions at [`KNOTS`] voltages.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Lookup<T> {
+/// Where the knots stand.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Grid<T> {
     /// Voltage of the first knot, V.
     pub first: T,
     /// Knots per V.
     pub per_volt: T,
+}
+
+/// Where a voltage lies between the knots.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Position<T> {
+    /// The knot on the left; below [`KNOTS`] − 1.
+    index: u16,
+    /// Weight of the knot on its right, 0 … 1.
+    weight: T,
+}
+
+impl<T: Real> Grid<T> {
+    /// The knots for a voltage range (V).
+    pub fn of(voltage: Range<T>) -> Self {
+        Self { first: covered(voltage).min, per_volt: T::one() / interval(voltage) }
+    }
+
+    /// The position of a voltage (V); at the nearest end beyond the knots.
+    #[inline]
+    pub fn locate(&self, voltage: T) -> Position<T> {
+        let knots = (voltage - self.first) * self.per_volt;
+        let index = knots.to_u16_saturating().min(INTERVALS - 1);
+        let weight = knots - T::of(f32::from(index));
+        Position { index, weight: weight.max(T::zero()).min(T::one()) }
+    }
+}
+
+/// The per-tick functions at [`KNOTS`] voltages.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Lookup<T> {
+    /// Where the knots stand.
+    pub grid: Grid<T>,
     /// The terms at the knots.
     pub knots: [Terms<T>; KNOTS],
 }
@@ -44,25 +76,29 @@ impl<T: Real> Lookup<T> {
         Self::tabulate(&table.coefficients(), table.voltage_range_v.of())
     }
 
-    fn tabulate(model: &Voigt<T>, voltage: Range<T>) -> Self {
+    /// Tabulates a model over a voltage range (V).
+    pub fn tabulate(model: &Voigt<T>, voltage: Range<T>) -> Self {
+        let grid = Grid::of(voltage);
         let step = interval(voltage);
-        let first = covered(voltage).min;
         let mut knots = [Terms { a: T::zero(), c: T::zero(), m: T::zero() }; KNOTS];
-        for (knot, index) in knots.iter_mut().zip(0..) {
-            *knot = model.terms(first + T::of(f32::from(index as u16)) * step);
+        for (knot, index) in knots.iter_mut().zip(0u16..) {
+            *knot = model.terms(grid.first + T::of(f32::from(index)) * step);
         }
-        Self { first, per_volt: T::one() / step, knots }
+        Self { grid, knots }
     }
 
     /// The affine map at a voltage (V); at the nearest end beyond the knots.
     #[inline]
     pub fn terms(&self, voltage: T) -> Terms<T> {
-        let position = (voltage - self.first) * self.per_volt;
-        let index = position.to_u16_saturating().min(INTERVALS - 1);
-        let weight = position - T::of(f32::from(index));
-        let weight = weight.max(T::zero()).min(T::one());
-        let (left, right) = (&self.knots[usize::from(index)], &self.knots[usize::from(index) + 1]);
-        let mean = |l: T, r: T| l + weight * (r - l);
+        self.at(self.grid.locate(voltage))
+    }
+
+    /// The affine map at a position that this lookup's grid, or an equal one, has located.
+    #[inline]
+    pub fn at(&self, position: Position<T>) -> Terms<T> {
+        let left = usize::from(position.index);
+        let (left, right) = (&self.knots[left], &self.knots[left + 1]);
+        let mean = |l: T, r: T| l + position.weight * (r - l);
         Terms { a: mean(left.a, right.a), c: mean(left.c, right.c), m: mean(left.m, right.m) }
     }
 }

@@ -155,7 +155,7 @@ fn the_lookup_is_exact_at_its_knots_and_covers_the_range() {
         let covered = lookup::covered::<f64>(range.of());
         assert!(covered.min <= f64::from(range.min) && f64::from(range.max) <= covered.max, "{covered:?}");
         for (k, knot) in lookup.knots.iter().enumerate() {
-            let v = lookup.first + k as f64 / lookup.per_volt;
+            let v = lookup.grid.first + k as f64 / lookup.grid.per_volt;
             assert!((lookup.terms(v).a - knot.a).abs() < 1e-12 && (model.terms(v).a - knot.a).abs() < 1e-12);
         }
         if range.min < 0.0 {

@@ -1,8 +1,13 @@
 //! From a measured log to a proven parameter table: everything behind the `piezo` binary.
 
+pub mod command;
 pub mod identify;
 pub mod log;
+pub mod output;
 pub mod prepare;
+pub mod report;
 pub mod rig;
 pub mod session;
+pub mod table_file;
+pub mod tabulation;
 pub mod validate;

@@ -1,13 +1,56 @@
-use host_tools::*; use host_tools::session::*; use host_tools::identify::*; use estimator_core::*; use clap::Parser;
-#[derive(Parser)] struct C { #[command(flatten)] s: SearchOptions, #[command(flatten)] p: prepare::PrepareOptions }
-fn main(){ let c=C::parse();
- let rig=rig::Rig::default();
- let logs: Vec<log::Log>=rig::EXCITATIONS.iter().map(|e|{let r=rig.record(*e); log::Log{name:e.name.into(),path:"".into(),sha256:"".into(),sample_period:1e-4,voltage:r.voltage,displacement:Some(r.displacement)}}).collect();
- let (va,tr):(Vec<_>,Vec<_>)=logs.into_iter().partition(|l|l.name=="tr10");
- let recipe=c.p.resolve(&tr);
- let ses=|l:&Vec<log::Log>|l.iter().map(|l|recipe.session(l).unwrap()).collect::<Vec<_>>();
- let pr=Problem::new(ses(&tr),ses(&va),Scheme::ForwardEuler,None,2.0);
- println!("{recipe:?} {:?}", pr.extent());
- let t=std::time::Instant::now();
- for f in identify(&pr,&Model::ALL,&c.s,&mut |_,_|()) { println!("{:?} {:?} cost {:.4} valid {:.4} {:?}", t.elapsed(), f.model,f.cost,f.convergence.last().unwrap().validation.unwrap(), pr.limits(&f.parameters)); for (g,v) in &f.genes { print!(" {}={:.4}",g.name,v);} println!(); }
+//! `piezo`: parses arguments, runs a verb, turns what comes of it into an exit code.
+
+use clap::{Parser, Subcommand};
+use host_tools::command::{emit, identify, reproduce, simulate, validate};
+use std::process::ExitCode;
+
+/// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
+/// data it has not seen, and put it on a microcontroller.
+#[derive(Parser)]
+#[command(version, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` was exceeded; 2 the arguments or a file are \
+                          wrong, and nothing was written.";
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Recorded logs → parameter table (table.toml, table.rs, table.bin) and report.html.
+    #[command(after_help = "Example: piezo identify tests/data/picma-p885-1hz.csv --out out/demo")]
+    Identify(Box<identify::Identify>),
+    /// Table + logs → errors, f64 reference and f32 core side by side.
+    #[command(after_help = "Example: piezo validate out/demo/table.toml other.csv --max-percent 2")]
+    Validate(validate::Validate),
+    /// The synthetic rig → the thesis's six logs as CSV.
+    #[command(after_help = "Example: piezo simulate --out out/rig --noise-nm 20 --adc-bits 12")]
+    Simulate(simulate::Simulate),
+    /// A table → its faces, in another form or with the calibration of your board.
+    #[command(
+        after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --form tabulated --out out/board"
+    )]
+    Emit(emit::Emit),
+    /// The thesis's validation errors beside ours on the synthetic rig.
+    #[command(after_help = "Example: piezo reproduce --json")]
+    Reproduce(reproduce::Reproduce),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().verb {
+        Verb::Identify(arguments) => identify::run(&arguments),
+        Verb::Validate(arguments) => validate::run(&arguments),
+        Verb::Simulate(arguments) => simulate::run(&arguments),
+        Verb::Emit(arguments) => emit::run(&arguments),
+        Verb::Reproduce(arguments) => reproduce::run(&arguments),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("piezo: {error:#}");
+            ExitCode::from(2)
+        }
+    }
 }

@@ -12,6 +12,7 @@
 //!
 //! The recorded voltage is the commanded one, unless voltage noise or quantisation is asked for.
 
+use crate::log::Log;
 use clap::Args;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -152,6 +153,20 @@ impl Rig {
             recording.voltage.push(self.quantised(voltage + self.voltage_noise * reading));
         }
         recording
+    }
+
+    /// The recording as a log.
+    pub fn log(&self, excitation: Excitation) -> Log {
+        let Recording { voltage, displacement } = self.record(excitation);
+        Log {
+            name: excitation.name.to_owned(),
+            path: excitation.name.into(),
+            sha256: String::new(),
+            start_s: 0.0,
+            sample_period: 1.0 / self.fs,
+            voltage,
+            displacement: Some(displacement),
+        }
     }
 
     /// The commanded voltage at a time in s.

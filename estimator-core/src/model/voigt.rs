@@ -209,31 +209,19 @@ impl<T: Real> Voigt<T> {
         self.lambda_beta / self.lambda
     }
 
-    /// `sgn(V)·(|V|/b)^P`, µm/s. `ln_magnitude` is `ln|V|`, which who evaluates a log many times computes once.
-    #[inline]
-    fn drive_with_ln(&self, voltage: T, ln_magnitude: T) -> T {
-        if voltage == T::zero() {
-            return T::zero();
-        }
-        let magnitude = (self.p * ln_magnitude + self.ln_drive_scale).exp();
-        if voltage < T::zero() { -magnitude } else { magnitude }
-    }
-
     /// `sgn(V)·(|V|/b)^P`, µm/s.
     #[inline]
     pub fn drive(&self, voltage: T) -> T {
-        self.drive_with_ln(voltage, voltage.abs().ln())
+        if voltage == T::zero() {
+            return T::zero();
+        }
+        let magnitude = (self.p * voltage.abs().ln() + self.ln_drive_scale).exp();
+        if voltage < T::zero() { -magnitude } else { magnitude }
     }
 
     /// The affine map of a tick at this voltage (V).
     #[inline]
     pub fn terms(&self, voltage: T) -> Terms<T> {
-        self.terms_with_ln(voltage, voltage.abs().ln())
-    }
-
-    /// [`terms`](Self::terms) with `ln|V|` given; the same bits.
-    #[inline]
-    pub fn terms_with_ln(&self, voltage: T, ln_magnitude: T) -> Terms<T> {
         let rate = self.rate(voltage);
         let (a, m) = match self.scheme {
             Scheme::ForwardEuler => (T::one() - self.sample_period * rate, self.sample_period),
@@ -242,7 +230,7 @@ impl<T: Real> Voigt<T> {
                 (T::one() - decay, decay / rate)
             }
         };
-        Terms { a, c: m * self.drive_with_ln(voltage, ln_magnitude), m }
+        Terms { a, c: m * self.drive(voltage), m }
     }
 
     /// `g·sgn(V_ext)·|V_ext|^h`, µm/s.

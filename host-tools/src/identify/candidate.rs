@@ -2,8 +2,12 @@
 
 use super::fit::Fit;
 use super::problem::Problem;
+use crate::prepare::Recipe;
+use crate::table_file::CalibrationOptions;
+use crate::tabulation;
 use crate::validate::{Comparison, Figures, compare};
-use estimator_core::Admitted;
+use anyhow::{Context, Result, anyhow};
+use estimator_core::{Admitted, Digest, Form, Provenance, Range, Table};
 
 /// An identified model with its table and its errors.
 #[derive(Clone, Debug)]
@@ -18,15 +22,44 @@ pub struct Candidate {
     pub held_out: Vec<Comparison>,
 }
 
+/// What a table holds besides what was identified.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// How the logs were prepared.
+    pub recipe: Recipe,
+    /// The converters.
+    pub calibration: CalibrationOptions,
+    /// Tabulated rather than direct.
+    pub tabulated: bool,
+    /// Over the training logs' digests.
+    pub logs: Digest,
+    /// Seed of the search.
+    pub seed: u32,
+}
+
+/// The admissibility of an optimum that lies on its own constraint must survive rounding to f32.
+const ROUNDING: f64 = 1e-3;
+
 impl Candidate {
-    /// Runs a table over the sessions of its problem.
-    pub fn new(problem: &Problem, fit: Fit, table: Admitted) -> Self {
-        Self {
-            training: problem.training().map(|session| compare(&table, session)).collect(),
-            held_out: problem.validation().map(|session| compare(&table, session)).collect(),
+    /// Makes the table and runs it over the sessions of its problem.
+    pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self> {
+        let table = table(problem, &fit, setting)?;
+        let admit = |table: Table| table.admit().context("the identified table is refused in the target's precision");
+        let first = admit(table)?;
+        let candidate = Self {
+            training: problem.training().map(|session| compare(&first, session)).collect(),
+            held_out: problem.validation().map(|session| compare(&first, session)).collect(),
             fit,
-            table,
-        }
+            table: first,
+        };
+        let held_out = candidate.held_out_figures();
+        let provenance = Provenance {
+            train_mae_um: candidate.training_figures().map_or(0.0, |figures| figures.mae_um as f32),
+            validation_mae_um: held_out.map(|figures| figures.mae_um as f32),
+            validation_max_um: held_out.map(|figures| figures.max_um as f32),
+            ..table.provenance
+        };
+        Ok(Self { table: admit(Table { provenance, ..table })?, ..candidate })
     }
 
     /// Reference errors over all training logs.
@@ -38,4 +71,45 @@ impl Candidate {
     pub fn held_out_figures(&self) -> Option<Figures> {
         Figures::all(self.held_out.iter().map(|comparison| &comparison.mil))
     }
+}
+
+fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
+    let recipe = &setting.recipe;
+    let limits = problem.limits(&fit.parameters).map_err(|cause| {
+        anyhow!("no admissible candidate was found ({cause}): search longer (--generations, --rounds) or raise --limit")
+    })?;
+    let room = ROUNDING * limits.span();
+    let limits = Range { min: limits.min - room, max: limits.max + room };
+    let voltage = problem.voltage_range();
+    let (adc, dac) = setting.calibration.calibration(voltage, recipe.voltage_zero_v, limits);
+    let single = |range: Range<f64>| Range { min: range.min as f32, max: range.max as f32 };
+    let table = Table {
+        model: fit.model,
+        sample_period_us: recipe.tick_us,
+        scheme: problem.scheme,
+        deadband_v: problem.deadband as f32,
+        voltage_zero_v: recipe.voltage_zero_v as f32,
+        displacement_zero_um: recipe.displacement_zero_um as f32,
+        form: Form::Direct,
+        voltage_range_v: single(voltage),
+        displacement_limits_um: single(limits),
+        parameters: fit.parameters.map(|x| x as f32),
+        adc,
+        dac,
+        provenance: Provenance {
+            logs: setting.logs,
+            seed: setting.seed,
+            tool_version: version(),
+            train_mae_um: 0.0,
+            validation_mae_um: None,
+            validation_max_um: None,
+        },
+    };
+    Ok(if setting.tabulated { tabulation::tabulated(table) } else { table })
+}
+
+/// Version of this tool.
+fn version() -> [u16; 3] {
+    let mut numbers = env!("CARGO_PKG_VERSION").split('.').map(|number| number.parse().unwrap_or(0));
+    std::array::from_fn(|_| numbers.next().unwrap_or(0))
 }

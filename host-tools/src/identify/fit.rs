@@ -25,9 +25,6 @@ pub enum Start {
 #[command(next_help_heading = "Genetic algorithm")]
 #[serde(deny_unknown_fields)]
 pub struct SearchOptions {
-    /// What the model error is: one-step prediction or simulation.
-    #[arg(long, value_enum, default_value_t = Feedback::Simulation)]
-    pub cost: Feedback,
     /// What is searched, and where.
     #[arg(long, value_enum, default_value_t = Ranges::Data)]
     pub ranges: Ranges,
@@ -38,13 +35,13 @@ pub struct SearchOptions {
     #[arg(long, default_value_t = 64, value_parser = even)]
     pub population: usize,
     /// Generations a round.
-    #[arg(long, default_value_t = 100)]
+    #[arg(long, default_value_t = 60)]
     pub generations: usize,
     /// Rounds.
-    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=50))]
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=50))]
     pub rounds: u32,
     /// Width of a round's ranges as a fraction of the round's before, around the best so far.
-    #[arg(long, default_value_t = 0.5, value_parser = fraction)]
+    #[arg(long, default_value_t = 0.7, value_parser = fraction)]
     pub shrink: f64,
     /// Stop a round after so many generations without improvement; 0: never.
     #[arg(long, default_value_t = 0)]
@@ -134,7 +131,14 @@ pub struct Fit {
 pub type Progress<'a> = &'a mut dyn FnMut(Model, f64);
 
 /// Identifies models one after the other, each started from those before it.
-pub fn identify(problem: &Problem, models: &[Model], options: &SearchOptions, progress: Progress<'_>) -> Vec<Fit> {
+pub fn identify(
+    problem: &Problem,
+    models: &[Model],
+    cost: Feedback,
+    options: &SearchOptions,
+    progress: Progress<'_>,
+) -> Vec<Fit> {
+    let mut search = |space: &Space, seeds: &[Vec<f64>]| search(problem, space, cost, options, seeds, progress);
     let mut fits: Vec<Fit> = Vec::new();
     for &model in models {
         let space = Space::new(model, options.ranges, problem.extent());
@@ -142,9 +146,9 @@ pub fn identify(problem: &Problem, models: &[Model], options: &SearchOptions, pr
             .iter()
             .map(|fit| space.adopt(&fit.space, &fit.genes.iter().map(|(_, value)| *value).collect::<Vec<_>>()))
             .collect();
-        let mut fit = search(problem, model, &space, options, &[], progress);
+        let mut fit = search(&space, &[]);
         if options.starts(fits.len()) > 1 {
-            let seeded = search(problem, model, &space, options, &seeds, progress);
+            let seeded = search(&space, &seeds);
             if seeded.cost < fit.cost {
                 fit = seeded;
             }
@@ -156,8 +160,8 @@ pub fn identify(problem: &Problem, models: &[Model], options: &SearchOptions, pr
 
 fn search(
     problem: &Problem,
-    model: Model,
     space: &Space,
+    cost: Feedback,
     options: &SearchOptions,
     seeds: &[Vec<f64>],
     progress: Progress<'_>,
@@ -169,13 +173,13 @@ fn search(
     let mut shown = (f64::INFINITY, None);
     for round in 0..options.rounds {
         let seed = (u64::from(options.seed) << 32) | (u64::from(round) << 8) | u64::from(!seeds.is_empty());
-        let cost = |values: &[f64]| problem.cost(&space.parameters(values), options.cost);
-        let found = ga::run(&genes, &options.settings(), seed, &seeds, cost, |_, best| {
+        let error = |values: &[f64]| problem.cost(&space.parameters(values), cost);
+        let found = ga::run(&genes, &options.settings(), seed, &seeds, error, |_, best| {
             if best.cost < shown.0 {
                 shown = (best.cost, problem.held_out(&space.parameters(&best.genes)));
             }
             convergence.push(Convergence { training: shown.0, validation: shown.1 });
-            progress(model, shown.0);
+            progress(space.model, shown.0);
         });
         if best.as_ref().is_none_or(|best| found.cost < best.cost) {
             best = Some(found);
@@ -187,7 +191,7 @@ fn search(
     }
     let best = best.expect("the command line demands at least one round");
     Fit {
-        model,
+        model: space.model,
         parameters: space.parameters(&best.genes),
         genes: space.genes.iter().copied().zip(best.genes).collect(),
         cost: best.cost,

@@ -1,11 +1,18 @@
 //! Parameter identification: the model error as a cost (Eq. 4.1), minimised by the genetic algorithm.
 
 mod candidate;
+mod character;
+mod delay;
+mod doubt;
 mod fit;
 pub mod ga;
+mod job;
 mod problem;
 pub mod space;
 
-pub use candidate::Candidate;
+pub use candidate::{Candidate, Setting};
+pub use character::Character;
+pub use doubt::{Doubt, doubts};
 pub use fit::{Convergence, Fit, Progress, SearchOptions, Start, identify};
+pub use job::{Job, ModelChoice, Outcome};
 pub use problem::Problem;

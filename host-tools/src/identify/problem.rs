@@ -33,8 +33,9 @@ struct Located {
     positions: Vec<Position<f64>>,
 }
 
-/// Deadband where none is given, as a fraction of the voltage span: a few steps of a 12-bit converter.
-const DEADBAND: f64 = 1e-3;
+/// Deadband where none is given, as a fraction of the voltage span: a few steps of a 12-bit converter. No round fraction,
+/// so that a generated ramp does not retreat by exactly the deadband in a tick, which f32 and f64 would see differently.
+const DEADBAND: f64 = 0.83e-3;
 /// Room beyond the training voltages that a table still covers, as a fraction of their span.
 const VOLTAGE_MARGIN: f64 = 0.05;
 /// Displacement limits that are tried, as fractions of the way from the training stroke to the largest allowed.
@@ -113,7 +114,7 @@ impl Problem {
     }
 
     /// The sessions that are fitted to.
-    pub fn training(&self) -> impl Iterator<Item = &Session> {
+    pub fn training(&self) -> impl Iterator<Item = &Session> + Clone {
         self.training.iter().map(|located| &located.session)
     }
 

@@ -107,6 +107,8 @@ pub struct Extent {
 /// Genes of a model in a search space.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Space {
+    /// Of which model.
+    pub model: Model,
     /// What is varied.
     pub genes: Vec<Gene>,
     ranges: Ranges,
@@ -127,7 +129,7 @@ impl Space {
         };
         genes.extend(voltage.into_iter().filter(|_| model.has_voltage_term()));
         genes.extend(displacement.into_iter().filter(|_| model.has_displacement_term()));
-        Self { genes, ranges, extent }
+        Self { model, genes, ranges, extent }
     }
 
     /// The published parameters of a candidate.

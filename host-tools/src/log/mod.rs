@@ -6,6 +6,7 @@
 mod channels;
 mod clock;
 mod columns;
+mod cut;
 mod delimiter;
 mod error;
 mod fault;
@@ -48,6 +49,8 @@ pub struct Log {
     pub path: PathBuf,
     /// SHA-256 of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,
+    /// Time of the first sample since the file's first, s: 0 unless the log was cut.
+    pub start_s: f64,
     /// Sample period, s.
     pub sample_period: f64,
     /// Voltage of each sample, V.
@@ -87,6 +90,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
         name: Path::new(&*file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         path: path.to_owned(),
         sha256: Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+        start_s: 0.0,
         sample_period,
         voltage: recording.voltage,
         displacement: recording.displacement,

@@ -3,9 +3,8 @@
 use std::io::{self, BufWriter, Error, ErrorKind, Write};
 use std::path::Path;
 
-use tempfile::NamedTempFile;
-
 use super::clock::whole_rate;
+use crate::output::beside;
 
 /// Writes `time_s,voltage_V,displacement_um`, a row a sample, time from 0 at `sample_period` (s), voltage in V and
 /// displacement in µm, with the fewest digits that read back as the same numbers.
@@ -46,22 +45,6 @@ pub fn write_csv(path: &Path, sample_period: f64, voltage: &[f64], displacement:
     file.as_file().sync_all()?;
     file.persist(path)?;
     Ok(())
-}
-
-/// A new file in the folder of `path`, with the permissions of an ordinary one.
-fn beside(path: &Path) -> io::Result<NamedTempFile> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".log-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
 }
 
 #[cfg(test)]

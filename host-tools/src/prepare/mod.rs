@@ -1,4 +1,4 @@
-//! From a log as recorded to a [`Session`] at the tick: what is cut off, scaled, zeroed, shifted and resampled, in that
+//! From a log as recorded to a [`Session`] at the tick: what is cut off, scaled, zeroed, resampled and shifted, in that
 //! order. A [`Recipe`] says all of it in numbers and travels with the parameter table, so that a log is prepared for
 //! validation exactly as the training logs were.
 
@@ -40,7 +40,9 @@ pub struct Recipe {
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum PrepareError {
     /// Cutting and shifting left too little.
-    #[error("{log}: only {left} measured samples are left after --skip-start, --skip-end and --delay; at least {need} are needed")]
+    #[error(
+        "{log}: only {left} measured samples are left after --skip-start, --skip-end and --delay; at least {need} are needed"
+    )]
     TooShort {
         /// Name of the log.
         log: String,
@@ -50,7 +52,9 @@ pub enum PrepareError {
         need: usize,
     },
     /// Faster than the tick by no whole number.
-    #[error("{log}: {log_hz} Hz is no multiple of the tick rate, {tick_hz} Hz: use --decimate interpolate, or another --tick-us")]
+    #[error(
+        "{log}: {log_hz} Hz is no multiple of the tick rate, {tick_hz} Hz: use --decimate interpolate, or another --tick-us"
+    )]
     NotAMultiple {
         /// Name of the log.
         log: String,
@@ -71,34 +75,42 @@ pub enum PrepareError {
 const FEWEST: usize = 16;
 
 impl Recipe {
+    /// Every n-th sample at the tick, and nothing else done.
+    pub fn at_tick(tick_us: u32) -> Self {
+        Self {
+            tick_us,
+            voltage_scale: 1.0,
+            displacement_scale: 1.0,
+            voltage_zero_v: 0.0,
+            displacement_zero_um: 0.0,
+            delay_ticks: 0,
+            skip_start_s: 0.0,
+            skip_end_s: 0.0,
+            decimation: Decimation::Every,
+        }
+    }
+
     /// Tick, s.
     pub fn tick_s(&self) -> f64 {
         f64::from(self.tick_us) * 1e-6
     }
 
-    /// The rows of a log that `skip_start_s` and `skip_end_s` leave.
-    fn kept(&self, log: &Log) -> std::ops::Range<usize> {
-        let rows = |seconds: f64| (seconds / log.sample_period).round() as usize;
-        let start = rows(self.skip_start_s).min(log.voltage.len());
-        let end = log.voltage.len().saturating_sub(rows(self.skip_end_s));
-        start..end.max(start)
+    /// The log without what `skip_start_s` and `skip_end_s` take.
+    pub fn cut(&self, log: &Log) -> Log {
+        log.trimmed(self.skip_start_s, self.skip_end_s)
     }
 
-    /// Prepares a log.
+    /// Prepares a log that has been [cut](Self::cut), or a part of one.
     pub fn session(&self, log: &Log) -> Result<Session, PrepareError> {
         let displacement =
             log.displacement.as_ref().ok_or_else(|| PrepareError::NoDisplacement { log: log.name.clone() })?;
-        let kept = self.kept(log);
         let too_short = |left| PrepareError::TooShort { log: log.name.clone(), left, need: FEWEST };
-        if kept.len() < FEWEST {
-            return Err(too_short(kept.len()));
+        if displacement.len() < FEWEST {
+            return Err(too_short(displacement.len()));
         }
-        let voltage: Vec<f64> =
-            log.voltage[kept.clone()].iter().map(|v| v * self.voltage_scale - self.voltage_zero_v).collect();
-        let displacement: Vec<f64> = displacement[kept.clone()]
-            .iter()
-            .map(|y| y * self.displacement_scale - self.displacement_zero_um)
-            .collect();
+        let voltage: Vec<f64> = log.voltage.iter().map(|v| v * self.voltage_scale - self.voltage_zero_v).collect();
+        let displacement: Vec<f64> =
+            displacement.iter().map(|y| y * self.displacement_scale - self.displacement_zero_um).collect();
         let at_tick = resample::to_tick(&voltage, &displacement, log.sample_period / self.tick_s(), self.decimation)
             .ok_or_else(|| PrepareError::NotAMultiple {
                 log: log.name.clone(),
@@ -121,7 +133,7 @@ impl Recipe {
             displacement,
             self.tick_s(),
         );
-        session.start_s = kept.start as f64 * log.sample_period + f64::from(first) * self.tick_s();
+        session.start_s = log.start_s + f64::from(first) * self.tick_s();
         Ok(session)
     }
 }
@@ -130,17 +142,9 @@ impl Recipe {
 mod tests {
     use super::*;
 
-    const RECIPE: Recipe = Recipe {
-        tick_us: 500,
-        voltage_scale: 2.0,
-        displacement_scale: 1.0,
-        voltage_zero_v: 10.0,
-        displacement_zero_um: -3.0,
-        delay_ticks: 0,
-        skip_start_s: 0.0,
-        skip_end_s: 0.0,
-        decimation: Decimation::Every,
-    };
+    fn recipe() -> Recipe {
+        Recipe { voltage_scale: 2.0, voltage_zero_v: 10.0, displacement_zero_um: -3.0, ..Recipe::at_tick(500) }
+    }
 
     /// A log whose voltage is its row number and whose displacement is twice that.
     fn log(rows: u32, hertz: f64) -> Log {
@@ -148,6 +152,7 @@ mod tests {
             name: "ramp".into(),
             path: "ramp.csv".into(),
             sha256: String::new(),
+            start_s: 0.0,
             sample_period: 1.0 / hertz,
             voltage: (0..rows).map(f64::from).collect(),
             displacement: Some((0..rows).map(|k| 2.0 * f64::from(k)).collect()),
@@ -156,7 +161,7 @@ mod tests {
 
     #[test]
     fn scale_and_zero() {
-        let session = RECIPE.session(&log(20, 2000.0)).unwrap();
+        let session = recipe().session(&log(20, 2000.0)).unwrap();
         assert_eq!(session.voltage[..3], [-10.0, -8.0, -6.0]);
         assert_eq!(session.displacement[..3], [3.0, 5.0, 7.0]);
         assert_eq!(session.instants[..3], [0, 1, 2]);
@@ -164,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_slow_log_keeps_its_instants_and_has_its_voltage_interpolated() {
-        let session = RECIPE.session(&log(20, 200.0)).unwrap();
+        let session = recipe().session(&log(20, 200.0)).unwrap();
         assert_eq!(session.instants[..3], [0, 10, 20]);
         assert_eq!(session.voltage.len(), 191);
         assert!((session.voltage[15] - (2.0 * 1.5 - 10.0)).abs() < 1e-12);
@@ -173,7 +178,7 @@ mod tests {
 
     #[test]
     fn delay_moves_displacement_back_in_time() {
-        let session = Recipe { delay_ticks: 15, ..RECIPE }.session(&log(40, 200.0)).unwrap();
+        let session = Recipe { delay_ticks: 15, ..recipe() }.session(&log(40, 200.0)).unwrap();
         // Row 2 was seen at tick 20 and happened at tick 5, half-way between rows 0 and 1.
         assert_eq!(session.displacement[0], 2.0 * 2.0 + 3.0);
         assert!((session.voltage[0] - (2.0 * 0.5 - 10.0)).abs() < 1e-12);
@@ -183,18 +188,18 @@ mod tests {
 
     #[test]
     fn what_is_skipped_is_gone() {
-        let recipe = Recipe { skip_start_s: 0.01, skip_end_s: 0.005, ..RECIPE };
-        let session = recipe.session(&log(100, 2000.0)).unwrap();
+        let recipe = Recipe { skip_start_s: 0.01, skip_end_s: 0.005, ..recipe() };
+        let session = recipe.session(&recipe.cut(&log(100, 2000.0))).unwrap();
         assert_eq!(session.voltage.len(), 70);
         assert_eq!(session.displacement[0], 2.0 * 20.0 + 3.0);
         assert!((session.start_s - 0.01).abs() < 1e-12);
-        let all = Recipe { skip_start_s: 1.0, ..RECIPE };
-        assert!(matches!(all.session(&log(100, 2000.0)), Err(PrepareError::TooShort { left: 0, .. })));
+        let all = Recipe { skip_start_s: 1.0, ..recipe };
+        assert!(matches!(all.session(&all.cut(&log(100, 2000.0))), Err(PrepareError::TooShort { left: 0, .. })));
     }
 
     #[test]
     fn a_log_without_displacement_is_no_session() {
         let log = Log { displacement: None, ..log(20, 2000.0) };
-        assert!(matches!(RECIPE.session(&log), Err(PrepareError::NoDisplacement { .. })));
+        assert!(matches!(recipe().session(&log), Err(PrepareError::NoDisplacement { .. })));
     }
 }

@@ -82,7 +82,12 @@ pub struct PrepareOptions {
 }
 
 impl PrepareOptions {
-    /// The recipe for these training logs. A delay to be found is 0 in it.
+    /// The log without what `--skip-start` and `--skip-end` take.
+    pub fn cut(&self, log: &Log) -> Log {
+        log.trimmed(self.skip_start, self.skip_end)
+    }
+
+    /// The recipe for these training logs, cut by [`PrepareOptions::cut`]. A delay to be found is 0 in it.
     pub fn resolve(&self, logs: &[Log]) -> Recipe {
         let tick_ms = f64::from(self.tick_us) * 1e-3;
         let mut recipe = Recipe {
@@ -99,15 +104,10 @@ impl PrepareOptions {
             skip_end_s: self.skip_end,
             decimation: self.decimate,
         };
-        let voltages: Vec<Vec<f64>> = logs
-            .iter()
-            .map(|log| log.voltage[recipe.kept(log)].iter().map(|v| v * self.voltage_scale).collect())
-            .collect();
-        let displacements: Vec<Vec<f64>> = logs
-            .iter()
-            .filter_map(|log| Some(log.displacement.as_ref()?[recipe.kept(log)].to_vec()))
-            .map(|log| log.into_iter().map(|y| y * self.displacement_scale).collect())
-            .collect();
+        let scaled = |samples: &[f64], scale: f64| -> Vec<f64> { samples.iter().map(|x| x * scale).collect() };
+        let voltages: Vec<_> = logs.iter().map(|log| scaled(&log.voltage, self.voltage_scale)).collect();
+        let displacements: Vec<_> =
+            logs.iter().filter_map(|log| Some(scaled(log.displacement.as_ref()?, self.displacement_scale))).collect();
         recipe.voltage_zero_v = match self.voltage_zero {
             Setting::Given(v) => v,
             Setting::Auto => zero_or_middle(&voltages, 1.0 + 2.0 * TOUCHES),
@@ -138,12 +138,9 @@ fn zero_or_middle(logs: &[Vec<f64>], tolerance: f64) -> f64 {
 }
 
 /// Mean displacement where the voltage crosses `zero`, rising and falling crossings weighing the same; where it only
-/// touches it, the mean while it is within reach.
+/// touches it, the displacement at `zero` of a straight line through the samples within reach.
 fn mean_at_zero(voltages: &[Vec<f64>], displacements: &[Vec<f64>], zero: f64) -> Option<f64> {
     let (mut rising, mut falling) = (Vec::new(), Vec::new());
-    let reach = 2.0 * TOUCHES * middle(voltages).1;
-    let pairs = voltages.iter().flatten().zip(displacements.iter().flatten());
-    let touching: Vec<f64> = pairs.filter(|(v, _)| (*v - zero).abs() <= reach).map(|(_, y)| *y).collect();
     for (voltage, displacement) in voltages.iter().zip(displacements) {
         for (v, y) in voltage.windows(2).zip(displacement.windows(2)) {
             let (before, after) = (v[0] - zero, v[1] - zero);
@@ -159,9 +156,23 @@ fn mean_at_zero(voltages: &[Vec<f64>], displacements: &[Vec<f64>], zero: f64) ->
         (false, false) => Some((mean(&rising) + mean(&falling)) / 2.0),
         (false, true) => Some(mean(&rising)),
         (true, false) => Some(mean(&falling)),
-        (true, true) if !touching.is_empty() => Some(mean(&touching)),
-        (true, true) => None,
+        (true, true) => {
+            let reach = 2.0 * TOUCHES * middle(voltages).1;
+            let samples = voltages.iter().flatten().map(|v| v - zero).zip(displacements.iter().flatten().copied());
+            line_at_zero(samples.filter(|(v, _)| v.abs() <= reach).collect())
+        }
     }
+}
+
+/// Where a least-squares line through (x, y) meets x = 0; the mean of y where x does not vary.
+fn line_at_zero(samples: Vec<(f64, f64)>) -> Option<f64> {
+    let count = samples.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| samples.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(|s| s.0), mean(|s| s.1));
+    let variance: f64 = samples.iter().map(|s| (s.0 - x) * (s.0 - x)).sum();
+    let covariance: f64 = samples.iter().map(|s| (s.0 - x) * (s.1 - y)).sum();
+    let slope = if variance > 0.0 { covariance / variance } else { 0.0 };
+    (count > 0.0).then_some(y - slope * x)
 }
 
 #[cfg(test)]
@@ -186,6 +197,7 @@ mod tests {
             name: "sine".into(),
             path: "sine.csv".into(),
             sha256: String::new(),
+            start_s: 0.0,
             sample_period: 5e-4,
             voltage: (0..200).map(|k| offset_v + 2.0 * phase(k).sin()).collect(),
             displacement: Some((0..200).map(|k| offset_um + 10.0 * (phase(k) - 0.2).sin()).collect()),
@@ -202,7 +214,8 @@ mod tests {
     fn a_log_that_touches_zero_is_zeroed_there() {
         let recipe = options(&[]).resolve(&[log(2.01, -90.0)]);
         assert_eq!(recipe.voltage_zero_v, 0.0);
-        assert!((recipe.displacement_zero_um + 99.8).abs() < 0.2, "{recipe:?}");
+        // At its lowest the sine stands 0.01 V above 0 V, and lags: 10·sin(−π/2 − 0.2) − 90, a little below.
+        assert!((recipe.displacement_zero_um + 99.85).abs() < 0.05, "{recipe:?}");
     }
 
     #[test]
@@ -217,7 +230,8 @@ mod tests {
         let given = ["--voltage-zero", "-1.5", "--displacement-zero", "7", "--voltage-scale", "10", "--delay", "2.5"];
         let recipe = options(&given).resolve(&[log(1.8, -90.0)]);
         assert_eq!((recipe.voltage_zero_v, recipe.displacement_zero_um, recipe.delay_ticks), (-1.5, 7.0, 5));
-        for wrong in [["--delay", "soon"], ["--voltage-scale", "0"], ["--skip-start", "-1"], ["--voltage-zero", "inf"]] {
+        for wrong in [["--delay", "soon"], ["--voltage-scale", "0"], ["--skip-start", "-1"], ["--voltage-zero", "inf"]]
+        {
             assert!(Cli::try_parse_from(["piezo"].iter().chain(&wrong)).is_err(), "{wrong:?}");
         }
     }

@@ -1,0 +1,81 @@
+//! `piezo emit`: the faces of a table, in another form or with another calibration where asked.
+
+use super::print::out;
+use crate::output;
+use crate::table_file::{CalibrationOptions, TableFile, record, rust_source};
+use crate::tabulation;
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use estimator_core::Form;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// A form on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum FormName {
+    /// One exponential and one power a tick.
+    Direct,
+    /// Interpolated between 257 knots; the error it adds is computed and kept in the table.
+    Tabulated,
+}
+
+/// One face.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum Face {
+    /// table.toml, for people.
+    Toml,
+    /// table.rs, a `const` for the firmware.
+    Rust,
+    /// table.bin, the record for a flash page.
+    Binary,
+}
+
+/// Arguments of `piezo emit`.
+#[derive(Args, Debug)]
+pub struct Emit {
+    /// The table to start from.
+    pub table: PathBuf,
+    /// Folder for table.toml, table.rs and table.bin.
+    #[arg(long, required_unless_present = "face", conflicts_with = "face")]
+    pub out: Option<PathBuf>,
+    /// Print one face to standard output instead.
+    #[arg(long, value_enum)]
+    pub face: Option<Face>,
+    /// Change the form.
+    #[arg(long, value_enum)]
+    pub form: Option<FormName>,
+    /// Print what was written as JSON.
+    #[arg(long, conflicts_with = "face")]
+    pub json: bool,
+    /// The converters.
+    #[command(flatten)]
+    pub calibration: CalibrationOptions,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Emit) -> Result<bool> {
+    let (mut file, _) = TableFile::load(&arguments.table)?;
+    arguments.calibration.apply(&mut file.table);
+    match arguments.form {
+        Some(FormName::Direct) => file.table.form = Form::Direct,
+        Some(FormName::Tabulated) => file.table = tabulation::tabulated(file.table),
+        None => {}
+    }
+    let admitted = file.admit()?;
+    if let Some(folder) = &arguments.out {
+        file.write_faces(folder)?;
+        let faces = ["table.toml", "table.rs", "table.bin"].map(|name| folder.join(name));
+        if arguments.json {
+            out(&serde_json::to_string_pretty(&json!({ "written": faces, "form": admitted.form }))?);
+        } else {
+            faces.iter().for_each(|path| out(&path.display().to_string()));
+        }
+    }
+    match arguments.face {
+        Some(Face::Toml) => out(&file.to_toml()?),
+        Some(Face::Rust) => out(&rust_source(&admitted)),
+        Some(Face::Binary) => output::standard(&record(&admitted))?,
+        None => {}
+    }
+    Ok(true)
+}

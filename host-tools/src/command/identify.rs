@@ -1,0 +1,273 @@
+//! `piezo identify`: logs → a proven parameter table and a report.
+
+use super::LogOptions;
+use super::emit::FormName;
+use super::print::{heading, out, progress, row, title};
+use crate::identify::{Candidate, Job, ModelChoice, Outcome, SearchOptions};
+use crate::output;
+use crate::prepare::PrepareOptions;
+use crate::report::{self, Report};
+use crate::session::Feedback;
+use crate::table_file::{CalibrationOptions, Role, TableFile};
+use anyhow::{Result, ensure};
+use clap::{Args, ValueEnum};
+use estimator_core::Scheme;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Discretisation on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum SchemeName {
+    /// The thesis's.
+    ForwardEuler,
+    /// Exact for a voltage that stays for the tick; stable for any rate.
+    ZeroOrderHold,
+}
+
+impl From<SchemeName> for Scheme {
+    fn from(name: SchemeName) -> Self {
+        match name {
+            SchemeName::ForwardEuler => Self::ForwardEuler,
+            SchemeName::ZeroOrderHold => Self::ZeroOrderHold,
+        }
+    }
+}
+
+/// Arguments of `piezo identify`.
+#[derive(Args, Debug)]
+pub struct Identify {
+    /// Logs to fit to; each weighs the same whatever its length.
+    #[arg(required = true)]
+    pub logs: Vec<PathBuf>,
+    /// Logs that are held out: their errors are reported and decide nothing.
+    #[arg(long, num_args = 1.., value_name = "LOG")]
+    pub validate_on: Vec<PathBuf>,
+    /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
+    #[arg(long, value_name = "FRACTION")]
+    pub hold_out: Option<f64>,
+    /// Folder for table.toml, table.rs, table.bin, report.html and estimate.svg.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Which model; `auto` identifies all four and chooses by what the logs can teach.
+    #[arg(long, value_enum, default_value_t = ModelChoice::Auto)]
+    pub model: ModelChoice,
+    /// What is minimised: the error of one-step prediction, or that of simulation, which is what the estimator does.
+    #[arg(long, value_enum, default_value_t = Feedback::Simulation)]
+    pub cost: Feedback,
+    /// Discretisation.
+    #[arg(long, value_enum, default_value_t = SchemeName::ForwardEuler)]
+    pub scheme: SchemeName,
+    /// How the table's per-tick functions are evaluated on the target.
+    #[arg(long, value_enum, default_value_t = FormName::Direct)]
+    pub form: FormName,
+    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
+    /// voltage span where it is not given.
+    #[arg(long, value_name = "V")]
+    pub deadband: Option<f64>,
+    /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
+    #[arg(long, default_value_t = 2.0)]
+    pub limit: f64,
+    /// Print the result as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Reading of the logs.
+    #[command(flatten)]
+    pub files: LogOptions,
+    /// Preparation of the logs.
+    #[command(flatten)]
+    pub prepare: PrepareOptions,
+    /// The search.
+    #[command(flatten)]
+    pub search: SearchOptions,
+    /// The converters.
+    #[command(flatten)]
+    pub calibration: CalibrationOptions,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Identify) -> Result<bool> {
+    let hold_out = arguments.hold_out.unwrap_or(if arguments.validate_on.is_empty() { 0.5 } else { 0.0 });
+    ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
+    ensure!(arguments.limit > 1.0 && arguments.limit <= 100.0, "--limit must lie between 1 and 100");
+    ensure!(arguments.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
+    let job = Job {
+        training: arguments.files.read_all(&arguments.logs)?,
+        held_out: arguments.files.read_all(&arguments.validate_on)?,
+        hold_out,
+        prepare: arguments.prepare.clone(),
+        model: arguments.model,
+        scheme: arguments.scheme.into(),
+        deadband: arguments.deadband,
+        limit: arguments.limit,
+        tabulated: arguments.form == FormName::Tabulated,
+        calibration: arguments.calibration.clone(),
+        cost: arguments.cost,
+        search: arguments.search.clone(),
+    };
+    let bar = progress(job.search.generations_of(&job.model.models(job.search.start)));
+    let outcome = job.run(&mut |model, cost| {
+        bar.set_prefix(title(model));
+        bar.set_message(format!("{cost:.4} µm"));
+        bar.inc(1);
+    })?;
+    bar.finish_and_clear();
+    let verdict = verdict(&outcome);
+    write(arguments, &outcome, &verdict)?;
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict))?);
+    } else {
+        summary(arguments, &outcome, &verdict);
+    }
+    Ok(true)
+}
+
+fn write(arguments: &Identify, outcome: &Outcome, verdict: &[String]) -> Result<()> {
+    let candidate = outcome.candidate();
+    let doubts: Vec<String> = outcome.doubts.iter().map(ToString::to_string).collect();
+    let file = TableFile {
+        tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
+        doubts: doubts.clone(),
+        table: *candidate.table,
+        recipe: outcome.recipe.clone(),
+        cost: Some(arguments.cost),
+        search: Some(arguments.search.clone()),
+        logs: outcome.logs.clone(),
+    };
+    file.write_faces(&arguments.out)?;
+    let names: Vec<&str> =
+        outcome.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
+    let html = report::render(&Report {
+        title: &names.join(", "),
+        verdict,
+        doubts: &doubts,
+        chosen: candidate,
+        candidates: &outcome.candidates,
+        facts: &facts(arguments, outcome),
+    })?;
+    output::write(&arguments.out.join("report.html"), html)?;
+    let shown = candidate.held_out.first().or(candidate.training.first());
+    if let Some(comparison) = shown {
+        let picture = report::picture(comparison, &format!("{}: {}", comparison.name, title(candidate.table.model)))?;
+        output::write(&arguments.out.join("estimate.svg"), picture)?;
+    }
+    Ok(())
+}
+
+/// How good it is, in plain words.
+fn verdict(outcome: &Outcome) -> Vec<String> {
+    let candidate = outcome.candidate();
+    let mut sentences = vec![format!("Model: {}, since {}", title(candidate.table.model), outcome.reason)];
+    if let Some(held_out) = candidate.held_out_figures() {
+        sentences.push(format!(
+            "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
+             sensor ({:.2} % of the {:.1} µm stroke) and never further than {:.3} µm.",
+            held_out.mae_um,
+            held_out.percent(held_out.mae_um),
+            held_out.stroke_um,
+            held_out.max_um
+        ));
+        if held_out.mae_without_offset_um < 0.8 * held_out.mae_um {
+            sentences.push(format!(
+                "Of that, a constant {:+.3} µm is drift or creep; zeroed again at rest, the error is {:.3} µm ({:.2} %).",
+                held_out.offset_um,
+                held_out.mae_without_offset_um,
+                held_out.percent(held_out.mae_without_offset_um)
+            ));
+        }
+    } else if let Some(training) = candidate.training_figures() {
+        sentences.push(format!(
+            "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke); on \
+             other data it was not tested.",
+            training.mae_um,
+            training.percent(training.mae_um)
+        ));
+    }
+    let limits = candidate.table.displacement_limits_um;
+    sentences.push(format!(
+        "Proven: stable at every voltage, and within {:.2} … {:.2} µm for any sequence of voltages.",
+        limits.min, limits.max
+    ));
+    sentences
+}
+
+fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
+    let figures = |candidate: &Candidate| candidate.held_out_figures().or(candidate.training_figures());
+    let held_out = outcome.candidate().held_out_figures().is_some();
+    out(&heading(if held_out { "held out, in simulation" } else { "training, in simulation" }));
+    for (index, candidate) in outcome.candidates.iter().enumerate() {
+        let mark = if index == outcome.chosen { "→ " } else { "  " };
+        if let Some(figures) = figures(candidate) {
+            out(&row(&format!("{mark}{}", title(candidate.table.model)), &figures));
+        }
+    }
+    out("");
+    verdict.iter().for_each(|sentence| out(sentence));
+    out("\nWhen not to trust it:");
+    outcome.doubts.iter().for_each(|doubt| out(&format!("- {doubt}")));
+    let folder = arguments.out.display();
+    out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
+}
+
+/// Provenance for the report.
+fn facts(arguments: &Identify, outcome: &Outcome) -> Vec<(String, String)> {
+    let recipe = &outcome.recipe;
+    let search = &arguments.search;
+    let mut facts = vec![
+        ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
+        ("Tick".to_owned(), format!("{} µs, {:?}", recipe.tick_us, outcome.candidate().table.scheme)),
+        (
+            "Zero".to_owned(),
+            format!(
+                "{:.4} V, {:.4} µm; delay {} ticks",
+                recipe.voltage_zero_v, recipe.displacement_zero_um, recipe.delay_ticks
+            ),
+        ),
+        (
+            "Search".to_owned(),
+            format!(
+                "cost {:?}, seed {}, {} rounds of {} generations, {} chromosomes of {} bits a gene, mutation {}",
+                arguments.cost,
+                search.seed,
+                search.rounds,
+                search.generations,
+                search.population,
+                search.bits,
+                search.mutation
+            ),
+        ),
+    ];
+    for log in &outcome.logs {
+        let role = match log.role {
+            Role::Training => "Trained on",
+            Role::HeldOut => "Held out",
+        };
+        let what = format!("{}, {:.2} … {:.2} s, SHA-256 {}", log.file, log.from_s, log.to_s, log.sha256);
+        facts.push((role.to_owned(), what));
+    }
+    facts
+}
+
+fn to_json(outcome: &Outcome, verdict: &[String]) -> Value {
+    let candidates: Vec<Value> = outcome
+        .candidates
+        .iter()
+        .map(|candidate| {
+            json!({
+                "model": candidate.table.model,
+                "cost_um": candidate.fit.cost,
+                "parameters": candidate.table.parameters,
+                "training": candidate.training_figures(),
+                "held_out": candidate.held_out_figures(),
+            })
+        })
+        .collect();
+    json!({
+        "model": outcome.candidate().table.model,
+        "reason": outcome.reason,
+        "verdict": verdict,
+        "candidates": candidates,
+        "doubts": outcome.doubts,
+        "recipe": outcome.recipe,
+        "logs": outcome.logs,
+    })
+}

@@ -1,0 +1,45 @@
+//! The verbs of `piezo`, one a file. Each takes its parsed arguments, prints a summary for people (or JSON), and returns
+//! whether it succeeded.
+
+pub mod emit;
+pub mod identify;
+pub mod reproduce;
+pub mod simulate;
+pub mod validate;
+
+mod print;
+
+use crate::log::{Columns, Log, ReadOptions, read};
+use anyhow::{Result, bail};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// What the user says about log files that they do not say themselves.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Log files")]
+pub struct LogOptions {
+    /// Which column holds what, where no header says so: time=1,voltage=2:mV,displacement=5:um (numbers or header names).
+    #[arg(long)]
+    pub columns: Option<Columns>,
+    /// Sample rate, Hz, where no column holds the time.
+    #[arg(long, value_name = "HZ")]
+    pub fs: Option<f64>,
+}
+
+impl LogOptions {
+    fn read(&self, path: &Path) -> Result<Log> {
+        let options = ReadOptions { columns: self.columns.clone(), sample_rate: self.fs, displacement_required: true };
+        Ok(read(path, &options)?)
+    }
+
+    /// Reads every log; refuses none and the same file twice.
+    fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<Log>> {
+        let logs: Vec<Log> = paths.iter().map(|path| self.read(path)).collect::<Result<_>>()?;
+        for (index, log) in logs.iter().enumerate() {
+            if let Some(twin) = logs[..index].iter().find(|other| other.sha256 == log.sha256) {
+                bail!("{}: holds the same bytes as {}: name each log once", log.path.display(), twin.path.display());
+            }
+        }
+        Ok(logs)
+    }
+}

@@ -1,0 +1,44 @@
+//! Numbers and tables for people.
+
+use crate::validate::Figures;
+use estimator_core::Model;
+
+/// What a model is called on the command line and in print, with its equation.
+pub fn title(model: Model) -> &'static str {
+    match model {
+        Model::Voigt => "voigt (4.8)",
+        Model::VoltageExtremum => "voltage-extremum (5.4)",
+        Model::DisplacementExtremum => "displacement-extremum (5.5)",
+        Model::Enhanced => "enhanced (5.3)",
+    }
+}
+
+/// Heading of [`row`].
+pub fn heading(first: &str) -> String {
+    format!("{first:<28} {:>8} {:>8} {:>8} {:>8} {:>12}", "MAE µm", "MAX µm", "RMSE µm", "% stroke", "MAE, no offset")
+}
+
+/// One line of errors: MAE, MAX, RMSE, MAE in % of the stroke, MAE without a constant offset.
+pub fn row(first: &str, figures: &Figures) -> String {
+    format!(
+        "{first:<28} {:>8.4} {:>8.4} {:>8.4} {:>8.2} {:>14.4}",
+        figures.mae_um,
+        figures.max_um,
+        figures.rmse_um,
+        figures.percent(figures.mae_um),
+        figures.mae_without_offset_um
+    )
+}
+
+/// A progress bar on a terminal, nothing in a pipe.
+pub fn progress(length: u64) -> indicatif::ProgressBar {
+    let style = indicatif::ProgressStyle::with_template("{prefix:28} {wide_bar} {percent:>3} %  {msg}  {eta} left")
+        .unwrap_or_else(|_| indicatif::ProgressStyle::default_bar());
+    indicatif::ProgressBar::new(length).with_style(style)
+}
+
+/// Prints to standard output; a reader who has closed the pipe has seen enough.
+pub fn out(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout(), "{text}");
+}

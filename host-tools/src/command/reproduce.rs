@@ -1,0 +1,135 @@
+//! `piezo reproduce`: the thesis's validation errors (Tables 4.8, 5.3, 5.4) beside those of the same models, identified
+//! the same way on the synthetic rig: five modelling logs, the 10 Hz triangle held out, validation by simulation.
+
+use super::print::{out, progress, title};
+use crate::identify::{Candidate, Problem, SearchOptions, Setting, identify};
+use crate::prepare::Recipe;
+use crate::rig::{EXCITATIONS, Rig, VALIDATION};
+use crate::session::Feedback;
+use crate::table_file::CalibrationOptions;
+use anyhow::{Context, Result};
+use clap::Args;
+use estimator_core::{Digest, Model, Scheme};
+use serde::Serialize;
+
+/// Arguments of `piezo reproduce`.
+#[derive(Args, Debug)]
+pub struct Reproduce {
+    /// Print an array of objects, one a model and cost.
+    #[arg(long)]
+    pub json: bool,
+    /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
+    #[arg(long, default_value_t = 2.0)]
+    pub limit: f64,
+    /// Seed of the rig's noise.
+    #[arg(long, default_value_t = 1)]
+    pub rig_seed: u64,
+    /// The search.
+    #[command(flatten)]
+    pub search: SearchOptions,
+}
+
+/// One model identified with one cost.
+#[derive(Serialize)]
+struct Row {
+    model: Model,
+    cost: Feedback,
+    mae_um: f64,
+    max_um: f64,
+    thesis_mae_um: f64,
+    thesis_max_um: f64,
+}
+
+/// Tables 4.8 (Voigt), 5.3 (OSP) and 5.4 (simulation): MAE and MAX on the validation log, µm.
+fn thesis(model: Model, cost: Feedback) -> (f64, f64) {
+    match (cost, model) {
+        (Feedback::Osp, Model::Voigt) => (0.3324, 0.9937),
+        (Feedback::Osp, Model::VoltageExtremum) => (0.299, 1.02),
+        (Feedback::Osp, Model::DisplacementExtremum) => (0.381, 0.778),
+        (Feedback::Osp, Model::Enhanced) => (0.163, 0.586),
+        (Feedback::Simulation, Model::Voigt) => (0.3357, 0.9313),
+        (Feedback::Simulation, Model::VoltageExtremum) => (0.294, 0.973),
+        (Feedback::Simulation, Model::DisplacementExtremum) => (0.365, 1.041),
+        (Feedback::Simulation, Model::Enhanced) => (0.252, 0.804),
+    }
+}
+
+/// Tick, µs: every fifth of the rig's 10,000 samples a second, as in the thesis.
+const TICK_US: u32 = 500;
+
+/// Runs the verb.
+pub fn run(arguments: &Reproduce) -> Result<bool> {
+    let problem = problem(arguments)?;
+    let setting = Setting {
+        recipe: Recipe::at_tick(TICK_US),
+        calibration: CalibrationOptions::default(),
+        tabulated: false,
+        logs: Digest::default(),
+        seed: arguments.search.seed,
+    };
+    let bar = progress(2 * arguments.search.generations_of(&Model::ALL));
+    let mut rows = Vec::new();
+    for cost in [Feedback::Osp, Feedback::Simulation] {
+        let fits = identify(&problem, &Model::ALL, cost, &arguments.search, &mut |model, best| {
+            bar.set_prefix(title(model));
+            bar.set_message(format!("{cost:?} {best:.4} µm"));
+            bar.inc(1);
+        });
+        for fit in fits {
+            let model = fit.model;
+            let candidate = Candidate::new(&problem, fit, &setting)?;
+            let figures = candidate.held_out_figures().context("the rig's validation log is missing")?;
+            let (thesis_mae_um, thesis_max_um) = thesis(model, cost);
+            rows.push(Row {
+                model,
+                cost,
+                mae_um: figures.mae_um,
+                max_um: figures.max_um,
+                thesis_mae_um,
+                thesis_max_um,
+            });
+        }
+    }
+    bar.finish_and_clear();
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&rows)?);
+    } else {
+        print(&rows);
+    }
+    Ok(true)
+}
+
+fn problem(arguments: &Reproduce) -> Result<Problem> {
+    let rig = Rig { seed: arguments.rig_seed, ..Rig::default() };
+    let (mut training, mut held_out) = (Vec::new(), Vec::new());
+    for excitation in EXCITATIONS {
+        let session = Recipe::at_tick(TICK_US).session(&rig.log(excitation))?;
+        if excitation.name == VALIDATION { held_out.push(session) } else { training.push(session) }
+    }
+    Ok(Problem::new(training, held_out, Scheme::ForwardEuler, None, arguments.limit))
+}
+
+fn print(rows: &[Row]) {
+    out(
+        "Validation on the 10 Hz triangle, held out, in simulation. Ours: the synthetic rig. Thesis: its own actuator.",
+    );
+    out(&format!(
+        "{:<28} {:<11} {:>8} {:>8} {:>9} {:>11} {:>11} {:>9}",
+        "model", "cost", "MAE µm", "MAX µm", "of Voigt", "thesis MAE", "thesis MAX", "of Voigt"
+    ));
+    for row in rows {
+        let voigt = rows.iter().find(|other| other.model == Model::Voigt && other.cost == row.cost);
+        let of_voigt = |value: f64, of: fn(&Row) -> f64| voigt.map_or(1.0, |voigt| value / of(voigt));
+        out(&format!(
+            "{:<28} {:<11} {:>8.4} {:>8.4} {:>9.2} {:>11.4} {:>11.4} {:>9.2}",
+            title(row.model),
+            if row.cost == Feedback::Osp { "OSP" } else { "simulation" },
+            row.mae_um,
+            row.max_um,
+            of_voigt(row.mae_um, |row| row.mae_um),
+            row.thesis_mae_um,
+            row.thesis_max_um,
+            of_voigt(row.thesis_mae_um, |row| row.thesis_mae_um)
+        ));
+    }
+}

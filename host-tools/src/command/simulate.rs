@@ -1,0 +1,59 @@
+//! `piezo simulate`: the synthetic rig's six logs.
+
+use super::print::out;
+use crate::output;
+use crate::rig::{EXCITATIONS, Recording, Rig};
+use anyhow::{Result, ensure};
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `piezo simulate`.
+#[derive(Args, Debug)]
+pub struct Simulate {
+    /// Folder for the logs.
+    #[arg(long, default_value = "out/rig")]
+    pub out: PathBuf,
+    /// Print what was written as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The rig.
+    #[command(flatten)]
+    pub rig: Rig,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Simulate) -> Result<bool> {
+    let rig = &arguments.rig;
+    let positive = |name: &str, value: f64| {
+        ensure!(value.is_finite() && value > 0.0, "--{name} must be a positive number, not {value}");
+        Ok(())
+    };
+    positive("amplitude", rig.amplitude)?;
+    positive("duration", rig.duration)?;
+    positive("fs", rig.fs)?;
+    positive("cutoff", rig.cutoff)?;
+    for (name, value) in [("noise-nm", rig.noise_nm), ("voltage-noise", rig.voltage_noise)] {
+        ensure!(value.is_finite() && value >= 0.0, "--{name} must be 0 or a positive number, not {value}");
+    }
+    let samples = rig.duration * rig.fs;
+    ensure!(
+        (16.0..=1e8).contains(&samples),
+        "{samples:.0} samples a log: choose --duration and --fs for 16 to 100 million"
+    );
+    output::folder(&arguments.out)?;
+    let mut written = Vec::new();
+    for excitation in EXCITATIONS {
+        let path = arguments.out.join(format!("{}.csv", excitation.name));
+        let Recording { voltage, displacement } = rig.record(excitation);
+        crate::log::write_csv(&path, 1.0 / rig.fs, &voltage, &displacement)?;
+        if !arguments.json {
+            out(&format!("{}  {} samples at {} Hz", path.display(), voltage.len(), rig.fs));
+        }
+        written.push(json!({ "path": path, "samples": voltage.len(), "sample_rate_hz": rig.fs }));
+    }
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&written)?);
+    }
+    Ok(true)
+}

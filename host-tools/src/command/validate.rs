@@ -1,0 +1,96 @@
+//! `piezo validate`: a table against logs, the f64 reference and the f32 core side by side.
+
+use super::LogOptions;
+use super::print::{heading, out, row};
+use crate::prepare::Recipe;
+use crate::table_file::TableFile;
+use crate::validate::{Comparison, Figures, compare};
+use anyhow::Result;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Arguments of `piezo validate`.
+#[derive(Args, Debug)]
+pub struct Validate {
+    /// The table.
+    pub table: PathBuf,
+    /// Logs it has not seen.
+    #[arg(required = true)]
+    pub logs: Vec<PathBuf>,
+    /// Fail (exit code 1) when the f32 core's mean absolute error over all logs exceeds this, µm.
+    #[arg(long, value_name = "µm")]
+    pub max_mae: Option<f64>,
+    /// Fail (exit code 1) when it exceeds this percentage of the stroke.
+    #[arg(long, value_name = "%")]
+    pub max_percent: Option<f64>,
+    /// Judge by the error without a constant offset, as it is after re-zeroing.
+    #[arg(long)]
+    pub rezero: bool,
+    /// Cut off the start of each log, s, instead of what the table's recipe says.
+    #[arg(long)]
+    pub skip_start: Option<f64>,
+    /// Cut off the end of each log, s, instead of what the table's recipe says.
+    #[arg(long)]
+    pub skip_end: Option<f64>,
+    /// Print the figures as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Reading of the logs.
+    #[command(flatten)]
+    pub files: LogOptions,
+}
+
+/// Runs the verb; `false` when a threshold is exceeded.
+pub fn run(arguments: &Validate) -> Result<bool> {
+    let (file, table) = TableFile::load(&arguments.table)?;
+    let recipe = Recipe {
+        skip_start_s: arguments.skip_start.unwrap_or(file.recipe.skip_start_s),
+        skip_end_s: arguments.skip_end.unwrap_or(file.recipe.skip_end_s),
+        ..file.recipe
+    };
+    let mut comparisons = Vec::new();
+    for log in arguments.files.read_all(&arguments.logs)? {
+        let session = recipe.session(&recipe.cut(&log))?;
+        comparisons.push(compare(&table, &session));
+    }
+    let mil = Figures::all(comparisons.iter().map(|c| &c.mil));
+    let sil = Figures::all(comparisons.iter().map(|c| &c.sil));
+    let (Some(mil), Some(sil)) = (mil, sil) else { return Ok(false) };
+    let judged = if arguments.rezero { sil.mae_without_offset_um } else { sil.mae_um };
+    let within = |limit: Option<f64>, value: f64| limit.is_none_or(|limit| value <= limit);
+    let passed = within(arguments.max_mae, judged) && within(arguments.max_percent, sil.percent(judged));
+    if arguments.json {
+        let logs: Vec<Value> = comparisons.iter().map(to_json).collect();
+        let report = json!({ "logs": logs, "all": { "mil": mil, "sil": sil }, "passed": passed });
+        out(&serde_json::to_string_pretty(&report)?);
+        return Ok(passed);
+    }
+    out(&heading("simulation from the first sample"));
+    for comparison in &comparisons {
+        out(&row(&format!("{}  f64 (MIL)", comparison.name), &comparison.mil));
+        out(&row(&format!("{}  f32 (SIL)", comparison.name), &comparison.sil));
+        if !comparison.status.is_empty() {
+            out(&format!("    status raised: {:?}", comparison.status));
+        }
+    }
+    if comparisons.len() > 1 {
+        out(&row("all  f64 (MIL)", &mil));
+        out(&row("all  f32 (SIL)", &sil));
+    }
+    if !passed {
+        out(&format!("FAILED: {judged:.4} µm ({:.2} % of the stroke) exceeds the limit", sil.percent(judged)));
+    }
+    Ok(passed)
+}
+
+fn to_json(comparison: &Comparison) -> Value {
+    let status: Vec<&str> = comparison.status.iter_names().map(|(name, _)| name).collect();
+    json!({
+        "log": comparison.name,
+        "mil": comparison.mil,
+        "sil": comparison.sil,
+        "mil_sil_um": comparison.mil_sil_um,
+        "status": status,
+    })
+}

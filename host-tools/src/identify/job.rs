@@ -1,0 +1,217 @@
+//! The whole identification: logs in; every candidate model with its table, the one that was chosen, and the doubts out.
+
+use super::candidate::{Candidate, Setting};
+use super::character::Character;
+use super::delay::{self, Delay};
+use super::doubt::{Doubt, doubts};
+use super::fit::{Progress, SearchOptions, Start, identify};
+use super::problem::Problem;
+use crate::log::Log;
+use crate::prepare::{PrepareOptions, Recipe, Setting as Number};
+use crate::session::{Feedback, Session};
+use crate::table_file::{CalibrationOptions, LogUse, Role};
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+use estimator_core::{Digest, Model, Scheme};
+use sha2::{Digest as _, Sha256};
+
+/// Which model to identify.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum ModelChoice {
+    /// All four; the enhanced model where the logs have several amplitudes, else Voigt.
+    Auto,
+    /// Eq. (4.8).
+    Voigt,
+    /// Eq. (5.4).
+    VoltageExtremum,
+    /// Eq. (5.5).
+    DisplacementExtremum,
+    /// Eq. (5.3).
+    Enhanced,
+}
+
+impl ModelChoice {
+    /// The model, or `None` for the choice to be made from the logs.
+    fn model(self) -> Option<Model> {
+        match self {
+            Self::Auto => None,
+            Self::Voigt => Some(Model::Voigt),
+            Self::VoltageExtremum => Some(Model::VoltageExtremum),
+            Self::DisplacementExtremum => Some(Model::DisplacementExtremum),
+            Self::Enhanced => Some(Model::Enhanced),
+        }
+    }
+
+    /// The models to identify, simplest first: the wanted one and, where it starts from them, those it contains.
+    pub fn models(self, start: Start) -> Vec<Model> {
+        let Some(wanted) = self.model() else { return Model::ALL.to_vec() };
+        if start == Start::Random {
+            return vec![wanted];
+        }
+        let contained = |model: &Model| {
+            (wanted.has_voltage_term() || !model.has_voltage_term())
+                && (wanted.has_displacement_term() || !model.has_displacement_term())
+        };
+        Model::ALL.into_iter().filter(contained).collect()
+    }
+}
+
+/// What to identify from what.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Logs that the parameters, zeros, delay and limits come from; whole, as read.
+    pub training: Vec<Log>,
+    /// Logs that decide nothing.
+    pub held_out: Vec<Log>,
+    /// Fraction of each training log, at its end, that is held out too.
+    pub hold_out: f64,
+    /// Preparation of the logs.
+    pub prepare: PrepareOptions,
+    /// Which model.
+    pub model: ModelChoice,
+    /// Discretisation.
+    pub scheme: Scheme,
+    /// Deadband, V; `None` for a fraction of the voltage span.
+    pub deadband: Option<f64>,
+    /// Largest displacement limits, as a multiple of the training stroke.
+    pub limit: f64,
+    /// Make a tabulated table.
+    pub tabulated: bool,
+    /// The converters.
+    pub calibration: CalibrationOptions,
+    /// What the model error is.
+    pub cost: Feedback,
+    /// The search.
+    pub search: SearchOptions,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Every model that was identified, simplest first.
+    pub candidates: Vec<Candidate>,
+    /// Index of the chosen one.
+    pub chosen: usize,
+    /// Why it was chosen, as a sentence.
+    pub reason: String,
+    /// Why not to trust it.
+    pub doubts: Vec<Doubt>,
+    /// How the logs were prepared.
+    pub recipe: Recipe,
+    /// What each log was used for.
+    pub logs: Vec<LogUse>,
+}
+
+impl Outcome {
+    /// The chosen candidate.
+    pub fn candidate(&self) -> &Candidate {
+        &self.candidates[self.chosen]
+    }
+}
+
+impl Job {
+    /// Does it.
+    pub fn run(&self, progress: Progress<'_>) -> Result<Outcome> {
+        let (training, held_out) = self.parts()?;
+        let mut recipe = self.prepare.resolve(&training);
+        let estimated = match self.prepare.delay {
+            Number::Given(_) => None,
+            Number::Auto => Some(delay::estimate(&training, &recipe, self, progress)?),
+        };
+        if let Some(Delay { ticks, .. }) = estimated {
+            recipe.delay_ticks = ticks;
+        }
+        let problem = Problem::new(
+            sessions(&recipe, &training)?,
+            sessions(&recipe, &held_out)?,
+            self.scheme,
+            self.deadband,
+            self.limit,
+        );
+        let setting = Setting {
+            recipe: recipe.clone(),
+            calibration: self.calibration.clone(),
+            tabulated: self.tabulated,
+            logs: digest(&training),
+            seed: self.search.seed,
+        };
+        let fits = identify(&problem, &self.model.models(self.search.start), self.cost, &self.search, progress);
+        let candidates: Vec<Candidate> =
+            fits.into_iter().map(|fit| Candidate::new(&problem, fit, &setting)).collect::<Result<_>>()?;
+        let character = Character::of(problem.training());
+        let (model, reason) = self.choose(&character);
+        let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model == model) else {
+            bail!("the chosen model was not identified");
+        };
+        let mut doubts = doubts(&candidates[chosen], &character, self.cost);
+        if let Some(Delay { at_bound: true, ticks }) = estimated {
+            doubts.push(Doubt::DelayAtBound { delay_ms: f64::from(ticks) * recipe.tick_s() * 1e3 });
+        }
+        if !self.calibration.stated() {
+            doubts.push(Doubt::CalibrationAssumed);
+        }
+        let uses = |logs: &[Log], role| logs.iter().map(|log| log_use(log, role)).collect::<Vec<_>>();
+        let logs = [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat();
+        Ok(Outcome { candidates, chosen, reason, doubts, recipe, logs })
+    }
+
+    /// The logs cut and divided into what is fitted to and what is held out.
+    fn parts(&self) -> Result<(Vec<Log>, Vec<Log>)> {
+        for log in &self.held_out {
+            if let Some(twin) = self.training.iter().find(|other| other.sha256 == log.sha256) {
+                bail!("{}: holds the same bytes as the training log {}", log.path.display(), twin.path.display());
+            }
+        }
+        let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();
+        let (mut training, mut held_out) = (Vec::new(), cut(&self.held_out));
+        for log in cut(&self.training) {
+            let (first, rest) = log.split(self.hold_out);
+            training.push(first);
+            if !rest.voltage.is_empty() {
+                held_out.push(rest);
+            }
+        }
+        Ok((training, held_out))
+    }
+
+    fn choose(&self, character: &Character) -> (Model, String) {
+        match self.model.model() {
+            Some(model) => (model, "it was asked for.".to_owned()),
+            None if character.single_amplitude() => (
+                Model::Voigt,
+                "the logs have a single amplitude, which cannot teach the extremum terms; the models that have them fit \
+                 this loop better and are not to be trusted on another (--model takes one all the same)."
+                    .to_owned(),
+            ),
+            None => (Model::Enhanced, "the logs have several amplitudes, which the extremum terms need.".to_owned()),
+        }
+    }
+}
+
+/// Prepares logs.
+pub fn sessions(recipe: &Recipe, logs: &[Log]) -> Result<Vec<Session>> {
+    Ok(logs.iter().map(|log| recipe.session(log)).collect::<Result<_, _>>()?)
+}
+
+fn log_use(log: &Log, role: Role) -> LogUse {
+    let file = log.path.file_name().unwrap_or(log.path.as_os_str());
+    LogUse {
+        file: file.to_string_lossy().into_owned(),
+        sha256: log.sha256.clone(),
+        role,
+        from_s: log.start_s,
+        to_s: log.start_s + log.duration(),
+    }
+}
+
+/// Start of the SHA-256 over the logs' digests and the part of each that was used.
+fn digest(logs: &[Log]) -> Digest {
+    let mut hash = Sha256::new();
+    for log in logs {
+        hash.update(&log.sha256);
+        hash.update(log.start_s.to_le_bytes());
+        hash.update((log.voltage.len() as u64).to_le_bytes());
+    }
+    let hash = hash.finalize();
+    Digest(std::array::from_fn(|byte| hash[byte]))
+}

@@ -1,0 +1,75 @@
+//! Parts of a log.
+
+use super::Log;
+use std::ops::Range;
+
+impl Log {
+    /// Length, s.
+    pub fn duration(&self) -> f64 {
+        self.voltage.len() as f64 * self.sample_period
+    }
+
+    /// The log without so many seconds at its start and end; possibly nothing.
+    #[must_use]
+    pub fn trimmed(&self, start_s: f64, end_s: f64) -> Self {
+        let rows = |seconds: f64| (seconds / self.sample_period).round() as usize;
+        let start = rows(start_s).min(self.voltage.len());
+        let end = self.voltage.len().saturating_sub(rows(end_s)).max(start);
+        self.rows(start..end)
+    }
+
+    /// The first part of the log and the rest; `fraction` (0 … 1) is the rest's.
+    #[must_use]
+    pub fn split(&self, fraction: f64) -> (Self, Self) {
+        let count = self.voltage.len();
+        let at = count - (fraction.clamp(0.0, 1.0) * count as f64).round() as usize;
+        (self.rows(0..at), self.rows(at..count))
+    }
+
+    fn rows(&self, rows: Range<usize>) -> Self {
+        Self {
+            name: self.name.clone(),
+            path: self.path.clone(),
+            sha256: self.sha256.clone(),
+            start_s: self.start_s + rows.start as f64 * self.sample_period,
+            sample_period: self.sample_period,
+            voltage: self.voltage[rows.clone()].to_vec(),
+            displacement: self.displacement.as_ref().map(|displacement| displacement[rows].to_vec()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn log() -> Log {
+        let rows: Vec<f64> = (0..100).map(f64::from).collect();
+        Log {
+            name: "ramp".into(),
+            path: "ramp.csv".into(),
+            sha256: String::new(),
+            start_s: 0.0,
+            sample_period: 0.01,
+            voltage: rows.clone(),
+            displacement: Some(rows),
+        }
+    }
+
+    #[test]
+    fn parts_keep_their_time() {
+        let trimmed = log().trimmed(0.1, 0.2);
+        assert_eq!((trimmed.voltage[0], trimmed.voltage.len()), (10.0, 70));
+        let (first, rest) = trimmed.split(0.5);
+        assert_eq!((first.voltage.len(), rest.voltage[0]), (35, 45.0));
+        assert!((rest.start_s - 0.45).abs() < 1e-12);
+        assert_eq!(rest.displacement.unwrap()[0], 45.0);
+    }
+
+    #[test]
+    fn more_than_there_is_leaves_nothing() {
+        assert!(log().trimmed(2.0, 0.0).voltage.is_empty());
+        assert!(log().trimmed(0.6, 0.6).voltage.is_empty());
+        assert!(log().split(1.0).0.voltage.is_empty());
+    }
+}

@@ -1,0 +1,137 @@
+//! `table.toml`: a parameter table as people read it, with how its logs were prepared, how it was found, and why not to
+//! trust it. The other two faces, the Rust `const` and the binary record, are made from its `[table]`.
+
+mod calibration;
+mod constant;
+
+pub use calibration::{CalibrationOptions, Span};
+pub use constant::rust_source;
+
+use crate::identify::SearchOptions;
+use crate::output;
+use crate::prepare::Recipe;
+use crate::session::Feedback;
+use anyhow::{Context, Result, anyhow};
+use estimator_core::record::MAX_LENGTH;
+use estimator_core::{Admitted, Table};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The file.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableFile {
+    /// Which program wrote it.
+    pub tool: String,
+    /// Reasons not to trust it, in words.
+    #[serde(default)]
+    pub doubts: Vec<String>,
+    /// The parameter table itself.
+    pub table: Table,
+    /// How logs are prepared for it.
+    pub recipe: Recipe,
+    /// What was minimised; none where it was written by hand.
+    pub cost: Option<Feedback>,
+    /// How it was searched for; none where it was written by hand.
+    pub search: Option<SearchOptions>,
+    /// The logs it saw and those held out.
+    #[serde(default)]
+    pub logs: Vec<LogUse>,
+}
+
+/// A log, or a part of one, and what it was used for.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LogUse {
+    /// File name.
+    pub file: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// What for.
+    pub role: Role,
+    /// First second used.
+    pub from_s: f64,
+    /// Last second used.
+    pub to_s: f64,
+}
+
+/// What a log was used for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Parameters, zeros, delay and limits come from it.
+    Training,
+    /// It decided nothing; the errors stated are those on it.
+    HeldOut,
+}
+
+const HEADER: &str = "\
+# Parameter table of a piezo actuator, for sensorless displacement estimation.
+# Units stand in the names: um is micrometre, v volt, us microsecond. Parameters are those of Eq. (4.8) and (5.3).
+# [table] is what the firmware runs; after changing it (a calibration, say), make its other faces again: piezo emit
+";
+
+impl TableFile {
+    /// Reads and admits a table.
+    pub fn load(path: &Path) -> Result<(Self, Admitted)> {
+        let text = std::fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let file: Self = toml::from_str(&text).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+        let admitted = file.admit().with_context(|| format!("{}: [table] is refused", path.display()))?;
+        Ok((file, admitted))
+    }
+
+    /// Checks the table, its stated tabulation error included.
+    pub fn admit(&self) -> Result<Admitted> {
+        let admitted = self.table.admit()?;
+        if let estimator_core::Form::Tabulated { error_bound_um } = admitted.form {
+            let found = crate::tabulation::error_bound(&admitted);
+            if f64::from(error_bound_um) < found {
+                return Err(anyhow!(
+                    "error_bound_um is {error_bound_um}, but tabulating this model can be off by {found:.3e} µm: \
+                     make it again with `piezo emit --form tabulated`"
+                ));
+            }
+        }
+        Ok(admitted)
+    }
+
+    /// The text of the file.
+    pub fn to_toml(&self) -> Result<String> {
+        let mut value = toml::Value::try_from(self)?;
+        shorten(&mut value);
+        Ok(format!("{HEADER}\n{}", toml::to_string_pretty(&value)?))
+    }
+
+    /// Writes `table.toml`, `table.rs` and `table.bin` into a folder, creating it.
+    pub fn write_faces(&self, folder: &Path) -> Result<()> {
+        let admitted = self.admit()?;
+        output::folder(folder)?;
+        output::write(&folder.join("table.toml"), self.to_toml()?)?;
+        output::write(&folder.join("table.rs"), rust_source(&admitted))?;
+        output::write(&folder.join("table.bin"), record(&admitted))
+    }
+}
+
+/// The binary record of a table.
+pub fn record(table: &Admitted) -> Vec<u8> {
+    let mut buffer = [0; MAX_LENGTH];
+    let length = table.encode(&mut buffer).expect("MAX_LENGTH suffices for every table");
+    buffer[..length].to_vec()
+}
+
+/// Writes numbers that are an `f32` with the fewest digits that bring the same `f32` back: 0.00772, not
+/// 0.007720000110566616.
+fn shorten(value: &mut toml::Value) {
+    match value {
+        toml::Value::Float(x) => {
+            let single = *x as f32;
+            if f64::from(single) == *x {
+                // Cannot fail: it is a number's own text.
+                *x = single.to_string().parse().unwrap_or(*x);
+            }
+        }
+        toml::Value::Array(values) => values.iter_mut().for_each(shorten),
+        toml::Value::Table(table) => table.iter_mut().for_each(|(_, value)| shorten(value)),
+        _ => {}
+    }
+}

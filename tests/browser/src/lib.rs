@@ -1,0 +1,25 @@
+//! What an HTML report must hold to in a browser: drawn, legible, sound, and complete in one file.
+//!
+//! [`inspect`] opens a page at a given width and lists what is wrong with it, in sentences. The page needs no help: it is
+//! any URL, so that the checks themselves can be tested on pages made to fail them.
+
+mod chromium;
+mod layout;
+mod page;
+
+use anyhow::Result;
+
+pub use chromium::{Browser, launch};
+pub use page::{Page, Viewport};
+
+/// Opens `url` at `viewport` and returns the page and everything found wrong with it.
+///
+/// # Errors
+/// The browser failed, not the page.
+pub fn inspect(browser: &Browser, url: &str, viewport: Viewport) -> Result<(Page, Vec<String>)> {
+    let page = Page::open(browser, url, viewport)?;
+    let layout = page.layout()?;
+    let mut faults = page.troubles()?;
+    faults.extend(layout.faults(viewport));
+    Ok((page, faults))
+}

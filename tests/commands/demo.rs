@@ -1,0 +1,65 @@
+//! The main job: the measured log, its second half held out.
+
+use super::{MEASURED, json, number, piezo};
+use estimator_core::Table;
+use host_tools::table_file::TableFile;
+use serde_json::Value;
+use std::fs;
+
+/// The README's figures are printed by the same command with all its rounds; these bounds leave room for the shorter
+/// search that this test can afford.
+#[test]
+fn identifies_the_measured_log_and_says_how_good_it_is() {
+    let out = tempfile::tempdir().unwrap();
+    let result = json(piezo().args(["identify", MEASURED, "--json", "--generations", "50", "--out"]).arg(out.path()));
+    assert_eq!(result["model"], "voigt", "one amplitude cannot teach the extremum terms");
+    let candidates = result["candidates"].as_array().unwrap();
+    let held_out: Vec<f64> = candidates.iter().map(|candidate| number(candidate, "/held_out/mae_um")).collect();
+    let percent = |mae: f64| 100.0 * mae / number(&candidates[0], "/held_out/stroke_um");
+    assert!(held_out.iter().all(|&mae| percent(mae) < 1.0), "{held_out:?}");
+    assert!(held_out[3] < 0.8 * held_out[0], "the extremum terms fit this loop better: {held_out:?}");
+
+    let doubts: Vec<&str> = result["doubts"].as_array().unwrap().iter().filter_map(|d| d["doubt"].as_str()).collect();
+    for doubt in ["single-amplitude", "single-frequency", "transient", "calibration-assumed"] {
+        assert!(doubts.contains(&doubt), "{doubt} is missing in {doubts:?}");
+    }
+    assert_eq!(result["logs"][0]["role"], "training");
+    assert_eq!(result["logs"][1]["role"], "held-out");
+    assert_eq!(result["logs"][0]["to_s"], result["logs"][1]["from_s"]);
+
+    let (file, admitted) = TableFile::load(&out.path().join("table.toml")).unwrap();
+    let record = fs::read(out.path().join("table.bin")).unwrap();
+    assert_eq!(Table::parse(&record).unwrap(), admitted);
+    assert!((f64::from(file.table.provenance.validation_mae_um.unwrap()) - held_out[0]).abs() < 1e-6);
+    let report = fs::read_to_string(out.path().join("report.html")).unwrap();
+    assert!(report.contains("picma-p885-1hz") && report.contains("single amplitude"));
+    assert!(fs::read_to_string(out.path().join("estimate.svg")).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn the_seed_decides_and_the_number_of_threads_does_not() {
+    let run = |threads: &str, seed: &str| {
+        let out = tempfile::tempdir().unwrap();
+        let short = ["--generations", "15", "--rounds", "2", "--model", "displacement-extremum", "--seed", seed];
+        let mut command = piezo();
+        command.env("RAYON_NUM_THREADS", threads);
+        command.args(["identify", MEASURED]).args(short).arg("--out").arg(out.path()).assert().success();
+        fs::read(out.path().join("table.toml")).unwrap()
+    };
+    assert_eq!(run("1", "5"), run("4", "5"));
+    assert_ne!(run("1", "5"), run("1", "6"));
+}
+
+#[test]
+fn validate_shows_both_precisions_and_judges_by_the_threshold() {
+    let table = "tests/data/table/table.toml";
+    let report = json(piezo().args(["validate", table, MEASURED, "--json"]));
+    let log = &report["logs"][0];
+    assert!(number(log, "/mil/mae_um") > 0.1);
+    assert!(number(log, "/mil_sil_um") < 1e-3, "f32 must follow f64");
+    assert_eq!(report["passed"], Value::Bool(true));
+    let exit = |arguments: &[&str]| piezo().args(["validate", table, MEASURED]).args(arguments).assert();
+    exit(&["--max-percent", "2"]).code(0);
+    exit(&["--max-percent", "0.1"]).code(1);
+    exit(&["--max-mae", "0.01"]).code(1);
+}

@@ -1,0 +1,54 @@
+//! The three faces of one table: TOML, a Rust `const` that compiles, and the binary record.
+
+use super::{data, piezo};
+use estimator_core::{Form, Lookup, Table};
+use host_tools::table_file::TableFile;
+use std::fs;
+
+/// `piezo emit --face rust` of `tests/data/table/table.toml`, compiled here.
+#[path = "../data/table/table.rs"]
+#[rustfmt::skip]
+#[allow(clippy::excessive_precision, clippy::unreadable_literal, reason = "as the tool prints it")]
+mod committed;
+
+const TABLE: &str = "tests/data/table/table.toml";
+
+#[test]
+fn the_rust_const_compiles_and_equals_the_toml() {
+    let (_, admitted) = TableFile::load(&data("table/table.toml")).unwrap();
+    assert!(matches!(admitted.form, Form::Tabulated { .. }), "the committed table must have a lookup to compare");
+    assert_eq!(committed::TABLE, *admitted);
+    assert_eq!(committed::LOOKUP, Lookup::<f32>::build(&admitted));
+}
+
+#[test]
+fn what_is_compiled_here_is_what_the_tool_writes() {
+    let printed = piezo().args(["emit", TABLE, "--face", "rust"]).assert().success().get_output().stdout.clone();
+    let committed = fs::read(data("table/table.rs")).unwrap();
+    assert!(
+        printed.trim_ascii_end() == committed.trim_ascii_end(),
+        "make it again: piezo emit {TABLE} --out tests/data/table"
+    );
+}
+
+#[test]
+fn the_record_equals_the_toml_and_toml_is_a_fixed_point() {
+    let (file, admitted) = TableFile::load(&data("table/table.toml")).unwrap();
+    let record = piezo().args(["emit", TABLE, "--face", "binary"]).assert().success().get_output().stdout.clone();
+    assert_eq!(Table::parse(&record).unwrap(), admitted);
+    assert_eq!(record, fs::read(data("table/table.bin")).unwrap());
+    assert_eq!(file.to_toml().unwrap(), fs::read_to_string(data("table/table.toml")).unwrap());
+}
+
+#[test]
+fn another_form_and_another_calibration() {
+    let out = tempfile::tempdir().unwrap();
+    let changes = ["--form", "direct", "--adc-span", "150:-10", "--adc-full-scale", "65535", "--dac-span", "-10:40"];
+    piezo().args(["emit", TABLE]).args(changes).arg("--out").arg(out.path()).assert().success();
+    let (file, changed) = TableFile::load(&out.path().join("table.toml")).unwrap();
+    assert_eq!(changed.form, Form::Direct);
+    assert!(changed.adc.invert && changed.adc.full_scale == 65535 && changed.adc.offset_v == 150.0);
+    assert_eq!(changed.dac.code(40.0f32).0, changed.dac.full_scale);
+    assert_eq!(file.table.parameters, TableFile::load(&data("table/table.toml")).unwrap().1.parameters);
+    assert!(!fs::read_to_string(out.path().join("table.rs")).unwrap().contains("LOOKUP"));
+}

@@ -1,0 +1,40 @@
+//! Whole commands, as a user types them, on the measured log and on the synthetic rig.
+
+mod demo;
+mod faces;
+mod mistakes;
+mod rig;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// The `piezo` binary, run from the repository's root.
+fn piezo() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_piezo"));
+    command.current_dir(root());
+    command
+}
+
+/// The repository's root.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// A file of `tests/data`.
+fn data(name: &str) -> PathBuf {
+    root().join("tests/data").join(name)
+}
+
+/// Runs a command that must succeed and parses what it prints.
+fn json(command: &mut Command) -> Value {
+    let output = command.assert().success().get_output().stdout.clone();
+    serde_json::from_slice(&output).expect("--json prints JSON")
+}
+
+/// A number inside a JSON value.
+fn number(value: &Value, pointer: &str) -> f64 {
+    value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {pointer} in {value}"))
+}
+
+const MEASURED: &str = "tests/data/picma-p885-1hz.csv";

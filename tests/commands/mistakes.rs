@@ -1,0 +1,96 @@
+//! What a user can get wrong: a message that names it and a remedy, exit code 2, and nothing written.
+
+use super::{MEASURED, data, piezo};
+use std::fs;
+use std::path::Path;
+
+/// Runs a command that must fail with code 2 and say each of these.
+fn refused(arguments: &[&str], says: &[&str]) {
+    let output = piezo().args(arguments).assert().code(2).get_output().clone();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    for part in says {
+        assert!(message.contains(part), "{arguments:?} should say {part:?}, but says: {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("temporary folders have UTF-8 names here")
+}
+
+#[test]
+fn unusable_logs_name_file_line_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let case = |name: &str, contents: &str, says: &[&str]| {
+        let log = folder.path().join(name);
+        fs::write(&log, contents).unwrap();
+        refused(&["identify", text(&log), "--out", text(&out)], &[&[name], says].concat());
+    };
+    let rows = |bad: &str| {
+        let good =
+            |k: u32| format!("{},{},{}\n", f64::from(k) * 0.0005, f64::from(k % 40) - 20.0, f64::from(k % 40) / 4.0);
+        let body: String = (0..100).map(|k| if k == 50 { bad.to_owned() } else { good(k) }).collect();
+        format!("time_s,voltage_V,displacement_um\n{body}")
+    };
+    case("nan.csv", &rows("0.025,NaN,1\n"), &[":52", "NaN"]);
+    case("word.csv", &rows("0.025,high,1\n"), &[":52", "high"]);
+    case("gap.csv", &rows(""), &[":52"]);
+    case("back.csv", &rows("0.001,1,1\n"), &[":52"]);
+    case("short.csv", "time_s,voltage_V,displacement_um\n0,1,1\n0.0005,2,2\n", &["2"]);
+    case("unit.csv", &rows("0.025,1,1\n").replace("displacement_um", "displacement_furlong"), &["furlong"]);
+    case("plain.dat", "1.0 2.0\n3.0 4.0\n", &["--columns", "--fs"]);
+    refused(&["identify", "nowhere.csv", "--out", text(&out)], &["nowhere.csv"]);
+    refused(&["identify", "tests/data", "--out", text(&out)], &["tests/data"]);
+    assert!(!out.exists(), "nothing may be written");
+}
+
+#[test]
+fn no_log_is_trained_on_and_held_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = text(folder.path());
+    refused(&["identify", MEASURED, "--validate-on", MEASURED, "--out", out], &["same bytes"]);
+    refused(&["identify", MEASURED, MEASURED, "--out", out], &["same bytes"]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn tables_that_were_tampered_with_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("table.toml");
+    let original = fs::read_to_string(data("table/table.toml")).unwrap();
+    let case = |line: &str, replacement: &str, says: &[&str]| {
+        let from = original.lines().find(|l| l.starts_with(line)).unwrap_or_else(|| panic!("no line {line}"));
+        fs::write(&table, original.replacen(from, replacement, 1)).unwrap();
+        refused(&["validate", text(&table), MEASURED], &[&["table.toml"], says].concat());
+    };
+    case("b_ohm", "b_ohm = -1.0", &["b_ohm must be positive"]);
+    case("b_ohm", "b_ohm = 1.0", &["not admissible"]);
+    case("alpha_um", "alpha_um = nan", &["alpha_um is not a finite number"]);
+    case("sample_period_us", "sample_period_us = 0", &["sample_period_us"]);
+    case("model", "model = \"preisach\"", &["preisach", "line"]);
+    case("deadband_v", "deadband = 1.0", &["deadband", "line"]);
+    case("error_bound_um", "error_bound_um = 0.0", &["piezo emit --form tabulated"]);
+    fs::write(&table, "[table").unwrap();
+    refused(&["emit", text(&table), "--face", "rust"], &["table.toml", "line 1"]);
+    refused(&["emit", "nowhere.toml", "--face", "rust"], &["nowhere.toml"]);
+}
+
+#[test]
+fn options_out_of_range_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = text(folder.path());
+    let case = |arguments: &[&str], says: &str| {
+        refused(&[&["identify", MEASURED, "--out", out], arguments].concat(), &[says]);
+    };
+    case(&["--population", "3"], "even number");
+    case(&["--hold-out", "1.5"], "between 0 and 1");
+    case(&["--limit", "1"], "--limit");
+    case(&["--deadband", "-1"], "--deadband");
+    case(&["--adc-span", "3:3"], "differ");
+    case(&["--skip-start", "50"], "--skip-start");
+    case(&["--tick-us", "1"], "--tick-us");
+    refused(&["simulate", "--fs", "0", "--out", out], &["--fs"]);
+    refused(&["simulate", "--duration", "1e9", "--out", out], &["--duration"]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}

@@ -1,0 +1,43 @@
+//! `cargo xtask`: the chores of this repository.
+//!
+//! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI.
+
+mod check;
+mod chromium;
+mod embedded;
+mod root;
+mod setup;
+mod step;
+
+use std::{path::Path, process::ExitCode};
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand};
+use xshell::Shell;
+
+/// The chores of this repository.
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Get this machine ready for every check; what is already there is left alone
+    Setup,
+    /// Run the checks, all of them or those named, in the order of the list
+    Test(check::Arguments),
+}
+
+fn main() -> Result<ExitCode> {
+    let arguments = Arguments::parse();
+    let sh = Shell::new()?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask has left the repository's root folder")?;
+    sh.change_dir(root);
+    match arguments.chore {
+        Chore::Setup => setup::all(&sh).map(|()| ExitCode::SUCCESS),
+        Chore::Test(arguments) => Ok(check::run(&sh, &arguments)),
+    }
+}
