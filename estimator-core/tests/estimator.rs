@@ -30,9 +30,9 @@ fn any_codes() -> impl Strategy<Value = Vec<(u16, u16)>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(ProptestConfig::with_cases(3000))]
 
-    /// Some two million ticks over 1,500 tables.
+    /// Some four million ticks over 3,000 tables.
     #[test]
     fn finite_and_within_limits_for_any_codes(admitted in admitted_table(), codes in any_codes()) {
         let limits = admitted.displacement_limits_um;

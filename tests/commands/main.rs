@@ -3,6 +3,7 @@
 mod demo;
 mod faces;
 mod mistakes;
+mod readme;
 mod rig;
 
 use assert_cmd::Command;

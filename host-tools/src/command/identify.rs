@@ -43,7 +43,7 @@ pub struct Identify {
     #[arg(long, num_args = 1.., value_name = "LOG")]
     pub validate_on: Vec<PathBuf>,
     /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
-    #[arg(long, value_name = "FRACTION")]
+    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
     pub hold_out: Option<f64>,
     /// Folder for table.toml, table.rs, table.bin, report.html and estimate.svg.
     #[arg(long)]
@@ -62,10 +62,10 @@ pub struct Identify {
     pub form: FormName,
     /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
     /// voltage span where it is not given.
-    #[arg(long, value_name = "V")]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
     pub deadband: Option<f64>,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
-    #[arg(long, default_value_t = 2.0)]
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
     pub limit: f64,
     /// Print the result as JSON.
     #[arg(long)]
@@ -104,7 +104,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         cost: arguments.cost,
         search: arguments.search.clone(),
     };
-    let bar = progress(job.search.generations_of(&job.model.models(job.search.start)));
+    let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
         bar.set_prefix(title(model));
         bar.set_message(format!("{cost:.4} µm"));

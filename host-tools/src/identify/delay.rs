@@ -27,14 +27,8 @@ const TRIED: u32 = 10;
 
 /// Estimates the delay of logs that were cut.
 pub fn estimate(training: &[Log], recipe: &Recipe, job: &Job, progress: Progress<'_>) -> Result<Delay> {
-    let largest = (job.prepare.max_delay * 1e-3 / recipe.tick_s()).round() as u32;
-    let step = largest.div_ceil(TRIED).max(1);
-    let search = SearchOptions {
-        generations: job.search.generations.min(40),
-        rounds: job.search.rounds.min(3),
-        start: Start::Random,
-        ..job.search.clone()
-    };
+    let search = search(job);
+    let (largest, step) = (largest(job), step(job));
     let mut best = (f64::INFINITY, 0);
     for ticks in (0..=largest).step_by(step as usize) {
         let recipe = Recipe { delay_ticks: ticks, ..recipe.clone() };
@@ -50,6 +44,33 @@ pub fn estimate(training: &[Log], recipe: &Recipe, job: &Job, progress: Progress
         }
     }
     Ok(Delay { ticks: best.1, at_bound: best.1 > 0 && best.1 + step > largest })
+}
+
+/// Generations that the estimate takes at most, for a progress bar.
+pub fn generations(job: &Job) -> u64 {
+    let folds = if job.training.len() == 1 { 2 } else { job.training.len() as u64 };
+    let tried = u64::from(largest(job) / step(job)) + 1;
+    tried * folds * search(job).generations_of(&[Model::Voigt])
+}
+
+/// A shorter search than the identification's: only the order of the errors counts.
+fn search(job: &Job) -> SearchOptions {
+    SearchOptions {
+        generations: job.search.generations.min(40),
+        rounds: job.search.rounds.min(3),
+        start: Start::Random,
+        ..job.search.clone()
+    }
+}
+
+/// The largest delay tried, ticks.
+fn largest(job: &Job) -> u32 {
+    (job.prepare.max_delay * 1e3 / f64::from(job.prepare.tick_us)).round() as u32
+}
+
+/// Ticks between two delays that are tried.
+fn step(job: &Job) -> u32 {
+    largest(job).div_ceil(TRIED).max(1)
 }
 
 /// What is fitted to and what is judged on.

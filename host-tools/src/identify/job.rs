@@ -110,6 +110,12 @@ impl Outcome {
 }
 
 impl Job {
+    /// Generations that it takes at most, for a progress bar.
+    pub fn generations(&self) -> u64 {
+        let delay = if self.prepare.delay == Number::Auto { delay::generations(self) } else { 0 };
+        delay + self.search.generations_of(&self.model.models(self.search.start))
+    }
+
     /// Does it.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome> {
         let (training, held_out) = self.parts()?;

@@ -37,6 +37,13 @@ fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
 }
 
+fn delay(text: &str) -> Result<Setting, String> {
+    match text.parse()? {
+        Setting::Given(ms) if ms < 0.0 => Err("a sensor cannot show what has not happened".to_owned()),
+        setting => Ok(setting),
+    }
+}
+
 fn factor(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x == 0.0 { Err("a scale of 0 leaves nothing".to_owned()) } else { Ok(x) })
 }
@@ -65,16 +72,16 @@ pub struct PrepareOptions {
     #[arg(long, default_value = "auto", allow_negative_numbers = true, value_name = "µm|auto")]
     pub displacement_zero: Setting,
     /// How much later the sensor shows a displacement than it happens, ms, or `auto`: by cross-validation.
-    #[arg(long, default_value = "0", value_name = "MS|auto")]
+    #[arg(long, default_value = "0", value_parser = delay, allow_negative_numbers = true, value_name = "MS|auto")]
     pub delay: Setting,
     /// Largest delay that `--delay auto` tries, ms: what the sensor can have.
-    #[arg(long, default_value_t = 5.0, value_parser = not_negative)]
+    #[arg(long, default_value_t = 5.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub max_delay: f64,
     /// Cut off the start of each log, s (a start-up transient).
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub skip_start: f64,
     /// Cut off the end of each log, s.
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub skip_end: f64,
     /// What becomes of a log faster than the tick.
     #[arg(long, value_enum, default_value_t = Decimation::Every)]
