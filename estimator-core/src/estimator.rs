@@ -66,12 +66,12 @@ pub struct Estimator<'l, T> {
 }
 
 impl<'l, T: Real> Estimator<'l, T> {
-    /// An estimator for a table. `lookup` must be what [`Lookup::build`] makes of the table where its form is tabulated,
+    /// An estimator for a table. `lookup` must be what [`Table::lookup`] makes where its form is tabulated,
     /// and `None` where it is direct.
     pub fn new(table: &Admitted, lookup: Option<&'l Lookup<T>>) -> Result<Self, LookupMismatch> {
         let fits = match (table.form, lookup) {
             (Form::Direct, None) => true,
-            (Form::Tabulated { .. }, Some(lookup)) => *lookup == Lookup::build(table),
+            (Form::Tabulated { .. }, Some(lookup)) => *lookup == table.lookup(),
             _ => false,
         };
         if !fits {

@@ -7,7 +7,6 @@
 use crate::math::Real;
 use crate::model::{Terms, Voigt};
 use crate::range::Range;
-use crate::table::Table;
 
 /// Number of knots.
 pub const KNOTS: usize = 257;
@@ -71,11 +70,6 @@ fn interval<T: Real>(voltage: Range<T>) -> T {
 }
 
 impl<T: Real> Lookup<T> {
-    /// Tabulates a table's model over its voltage range.
-    pub fn build(table: &Table) -> Self {
-        Self::tabulate(&table.coefficients(), table.voltage_range_v.of())
-    }
-
     /// Tabulates a model over a voltage range (V).
     pub fn tabulate(model: &Voigt<T>, voltage: Range<T>) -> Self {
         let grid = Grid::of(voltage);

@@ -50,7 +50,7 @@ impl Table {
         }
         let found = u16::from_le_bytes([v0, v1]);
         if found != VERSION {
-            return Err(TableError::Version { found });
+            return Err(TableError::Version { found, read: VERSION });
         }
         let length = usize::from(u16::from_le_bytes([n0, n1]));
         let truncated = TableError::Truncated { need: HEADER + length + CHECKSUM, have };

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 fn with_lookup<R>(table: Table, run: impl FnOnce(Estimator<'_, f32>) -> R) -> R {
     let admitted = table.admit().unwrap();
-    let lookup = Lookup::build(&admitted);
+    let lookup = admitted.lookup();
     let used = matches!(admitted.form, Form::Tabulated { .. }).then_some(&lookup);
     run(Estimator::new(&admitted, used).unwrap())
 }
@@ -136,7 +136,7 @@ fn what_is_wrong_is_said() {
 #[test]
 fn a_lookup_must_be_the_table_s_own() {
     let direct = table().admit().unwrap();
-    let lookup = Lookup::<f32>::build(&direct);
+    let lookup = direct.lookup::<f32>();
     assert!(Estimator::new(&direct, Some(&lookup)).is_err());
     let form = tabulated(table()).admit().unwrap();
     assert!(Estimator::new(&form, Some(&lookup)).is_ok());
@@ -151,7 +151,7 @@ fn the_lookup_is_exact_at_its_knots_and_covers_the_range() {
     for range in [Range { min: -20.0, max: 20.0 }, Range { min: -3.0, max: 17.0 }, Range { min: 4.0, max: 9.0 }] {
         let table = Table { voltage_range_v: range, ..tabulated(table()) };
         let model = table.coefficients::<f64>();
-        let lookup = Lookup::<f64>::build(&table);
+        let lookup = table.lookup::<f64>();
         let covered = lookup::covered::<f64>(range.of());
         assert!(covered.min <= f64::from(range.min) && f64::from(range.max) <= covered.max, "{covered:?}");
         for (k, knot) in lookup.knots.iter().enumerate() {

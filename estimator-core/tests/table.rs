@@ -81,7 +81,7 @@ fn each_fault_has_its_own_error() {
     assert_eq!(Table::parse(&[0xff; 2048]).unwrap_err(), TableError::NotATable);
     let mut other = good.clone();
     other[4] = VERSION as u8 + 1;
-    assert_eq!(Table::parse(&resealed(other)).unwrap_err(), TableError::Version { found: VERSION + 1 });
+    assert_eq!(Table::parse(&resealed(other)).unwrap_err(), TableError::Version { found: VERSION + 1, read: VERSION });
     for byte in 8..need {
         let mut corrupt = good.clone();
         corrupt[byte] ^= 0x10;

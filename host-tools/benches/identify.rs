@@ -3,10 +3,10 @@
 //! that is not admissible costs no samples, so its time times its 513 million nominal evaluations would flatter it.
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use estimator_core::{Model, Scheme};
+use estimator_core::Model;
 use host_tools::identify::ga::{Elitism, Selection};
 use host_tools::identify::space::{Ranges, Space};
-use host_tools::identify::{Problem, SearchOptions, Start, identify};
+use host_tools::identify::{Conditions, Problem, SearchOptions, Start, identify};
 use host_tools::prepare::Recipe;
 use host_tools::rig::{EXCITATIONS, Rig, VALIDATION};
 use host_tools::session::{Feedback, Session};
@@ -38,7 +38,7 @@ fn sessions() -> Vec<Session> {
 const CANDIDATE: [f64; 9] = [307.2, 0.9423, 1.132, -0.073, 0.2415, 0.1027, 0.2458, 0.348, 1.027];
 
 fn whole_search(criterion: &mut Criterion) {
-    let problem = Problem::new(sessions(), Vec::new(), Scheme::ForwardEuler, None, 2.0);
+    let problem = Problem::new(sessions(), Vec::new(), Conditions::default());
     let mut group = criterion.benchmark_group("whole search, enhanced model");
     group.sample_size(10).measurement_time(Duration::from_secs(10)).sampling_mode(SamplingMode::Flat);
     for cost in [Feedback::Osp, Feedback::Simulation] {
@@ -50,7 +50,7 @@ fn whole_search(criterion: &mut Criterion) {
 }
 
 fn one_candidate(criterion: &mut Criterion) {
-    let problem = Problem::new(sessions(), Vec::new(), Scheme::ForwardEuler, None, 2.0);
+    let problem = Problem::new(sessions(), Vec::new(), Conditions::default());
     let samples: usize = problem.training().map(|session| session.voltage.len()).sum();
     let parameters = Space::new(Model::Enhanced, Ranges::Data, problem.extent()).parameters(&CANDIDATE);
     let mut group = criterion.benchmark_group("one candidate, enhanced model");

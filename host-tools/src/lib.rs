@@ -1,5 +1,6 @@
 //! From a measured log to a proven parameter table: everything behind the `piezo` binary.
 
+pub mod calibration;
 pub mod command;
 pub mod identify;
 pub mod log;

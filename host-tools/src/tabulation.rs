@@ -5,14 +5,14 @@
 //! `B = max δ(V)/(1 − a(V))`, then `a·B + (1 − a)·B = B` bounds the next error too. B is taken over every voltage that the
 //! lookup serves, sixteen to an interval, from the f32 lookup the target has against the f64 direct form.
 
-use estimator_core::{Form, Lookup, Range, Table};
+use estimator_core::{Form, Range, Table};
 
 /// Voltages an interval between knots is sampled at.
 const SAMPLES: u32 = 16;
 
 /// Bound of the displacement error between two reversals that tabulating a table's model adds, µm.
 pub fn error_bound(table: &Table) -> f64 {
-    let lookup = Lookup::<f32>::build(table);
+    let lookup = table.lookup::<f32>();
     let direct = table.coefficients::<f64>();
     let voltage: Range<f64> = table.voltage_range_v.of();
     let limits: Range<f64> = table.displacement_limits_um.of();

@@ -1,7 +1,7 @@
 //! The three faces of one table: TOML, a Rust `const` that compiles, and the binary record.
 
 use super::{data, piezo};
-use estimator_core::{Form, Lookup, Table};
+use estimator_core::{Form, Table};
 use host_tools::table_file::TableFile;
 use std::fs;
 
@@ -18,7 +18,7 @@ fn the_rust_const_compiles_and_equals_the_toml() {
     let (_, admitted) = TableFile::load(&data("table/table.toml")).unwrap();
     assert!(matches!(admitted.form, Form::Tabulated { .. }), "the committed table must have a lookup to compare");
     assert_eq!(committed::TABLE, *admitted);
-    assert_eq!(committed::LOOKUP, Lookup::<f32>::build(&admitted));
+    assert_eq!(committed::LOOKUP, admitted.lookup::<f32>());
 }
 
 #[test]

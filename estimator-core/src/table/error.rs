@@ -19,6 +19,8 @@ pub enum TableError {
     Version {
         /// The record's version.
         found: u16,
+        /// The version this software reads.
+        read: u16,
     },
     /// The checksum does not match: corrupt.
     Checksum {
@@ -56,10 +58,9 @@ impl fmt::Display for TableError {
         match self {
             Self::Truncated { need, have } => write!(f, "truncated: {have} of {need} bytes"),
             Self::NotATable => write!(f, "not a parameter table (the page may be erased)"),
-            Self::Version { found } => write!(
+            Self::Version { found, read } => write!(
                 f,
-                "format version {found}, this software reads version {}: make the table again with `piezo emit`",
-                crate::record::VERSION
+                "format version {found}, this software reads version {read}: make the table again with `piezo emit`"
             ),
             Self::Checksum { stored, computed } => {
                 write!(f, "corrupt: checksum {stored:08x} stored, {computed:08x} computed")

@@ -13,7 +13,7 @@ pub use error::TableError;
 
 use crate::admissible;
 use crate::calibration::{AdcCalibration, DacCalibration};
-use crate::lookup;
+use crate::lookup::{self, Lookup};
 use crate::math::Real;
 use crate::model::{Model, Scheme, Voigt, VoigtParameters};
 use crate::range::Range;
@@ -123,6 +123,11 @@ impl Table {
     /// The per-tick coefficients in the number type `T`.
     pub fn coefficients<T: Real>(&self) -> Voigt<T> {
         Voigt::build(&self.parameters.map(T::of), self.sample_period(), self.scheme)
+    }
+
+    /// The per-tick functions tabulated over the voltage range.
+    pub fn lookup<T: Real>(&self) -> Lookup<T> {
+        Lookup::tabulate(&self.coefficients(), self.voltage_range_v.of())
     }
 
     /// Tick, s.

@@ -1,8 +1,9 @@
 //! `piezo emit`: the faces of a table, in another form or with another calibration where asked.
 
 use super::print::out;
+use crate::calibration::CalibrationOptions;
 use crate::output;
-use crate::table_file::{CalibrationOptions, TableFile, record, rust_source};
+use crate::table_file::{TableFile, record, rust_source};
 use crate::tabulation;
 use anyhow::Result;
 use clap::{Args, ValueEnum};

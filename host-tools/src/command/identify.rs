@@ -3,12 +3,13 @@
 use super::LogOptions;
 use super::emit::FormName;
 use super::print::{heading, out, progress, row, title};
-use crate::identify::{Candidate, Job, ModelChoice, Outcome, SearchOptions};
+use crate::calibration::CalibrationOptions;
+use crate::identify::{Candidate, Conditions, Job, ModelChoice, Outcome, Role, SearchOptions};
 use crate::output;
 use crate::prepare::PrepareOptions;
 use crate::report::{self, Report};
 use crate::session::Feedback;
-use crate::table_file::{CalibrationOptions, Role, TableFile};
+use crate::table_file::TableFile;
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use estimator_core::Scheme;
@@ -96,9 +97,11 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         hold_out,
         prepare: arguments.prepare.clone(),
         model: arguments.model,
-        scheme: arguments.scheme.into(),
-        deadband: arguments.deadband,
-        limit: arguments.limit,
+        conditions: Conditions {
+            scheme: arguments.scheme.into(),
+            deadband: arguments.deadband,
+            limit: arguments.limit,
+        },
         tabulated: arguments.form == FormName::Tabulated,
         calibration: arguments.calibration.clone(),
         cost: arguments.cost,

@@ -2,14 +2,14 @@
 //! the same way on the synthetic rig: five modelling logs, the 10 Hz triangle held out, validation by simulation.
 
 use super::print::{out, progress, title};
-use crate::identify::{Candidate, Problem, SearchOptions, Setting, identify};
+use crate::calibration::CalibrationOptions;
+use crate::identify::{Candidate, Conditions, Problem, SearchOptions, Setting, identify};
 use crate::prepare::Recipe;
 use crate::rig::{EXCITATIONS, Rig, VALIDATION};
 use crate::session::Feedback;
-use crate::table_file::CalibrationOptions;
 use anyhow::{Context, Result};
 use clap::Args;
-use estimator_core::{Digest, Model, Scheme};
+use estimator_core::{Digest, Model};
 use serde::Serialize;
 
 /// Arguments of `piezo reproduce`.
@@ -106,7 +106,7 @@ fn problem(arguments: &Reproduce) -> Result<Problem> {
         let session = Recipe::at_tick(TICK_US).session(&rig.log(excitation))?;
         if excitation.name == VALIDATION { held_out.push(session) } else { training.push(session) }
     }
-    Ok(Problem::new(training, held_out, Scheme::ForwardEuler, None, arguments.limit))
+    Ok(Problem::new(training, held_out, Conditions { limit: arguments.limit, ..Conditions::default() }))
 }
 
 fn print(rows: &[Row]) {

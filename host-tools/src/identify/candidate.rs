@@ -2,8 +2,8 @@
 
 use super::fit::Fit;
 use super::problem::Problem;
+use crate::calibration::CalibrationOptions;
 use crate::prepare::Recipe;
-use crate::table_file::CalibrationOptions;
 use crate::tabulation;
 use crate::validate::{Comparison, Figures, compare};
 use anyhow::{Context, Result, anyhow};

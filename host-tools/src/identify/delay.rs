@@ -6,10 +6,10 @@
 //! sensor can have, and the result says when it ended there.
 
 use super::fit::{Progress, SearchOptions, Start, identify};
-use super::job::{Job, sessions};
-use super::problem::Problem;
+use super::problem::{Conditions, Problem};
 use crate::log::Log;
-use crate::prepare::Recipe;
+use crate::prepare::{PrepareOptions, Recipe};
+use crate::session::Feedback;
 use anyhow::Result;
 use estimator_core::Model;
 
@@ -22,55 +22,63 @@ pub struct Delay {
     pub at_bound: bool,
 }
 
+/// How a delay is looked for.
+#[derive(Clone, Debug)]
+pub struct DelaySearch {
+    /// The largest delay tried, ticks.
+    largest: u32,
+    /// Ticks between two delays that are tried.
+    step: u32,
+    conditions: Conditions,
+    cost: Feedback,
+    search: SearchOptions,
+}
+
 /// Delays tried between none and the largest.
 const TRIED: u32 = 10;
 
-/// Estimates the delay of logs that were cut.
-pub fn estimate(training: &[Log], recipe: &Recipe, job: &Job, progress: Progress<'_>) -> Result<Delay> {
-    let search = search(job);
-    let (largest, step) = (largest(job), step(job));
-    let mut best = (f64::INFINITY, 0);
-    for ticks in (0..=largest).step_by(step as usize) {
-        let recipe = Recipe { delay_ticks: ticks, ..recipe.clone() };
-        let mut error = 0.0;
-        for (fitted, judged) in folds(training) {
-            let (fitted, judged) = (sessions(&recipe, &fitted)?, sessions(&recipe, &judged)?);
-            let problem = Problem::new(fitted, judged, job.scheme, job.deadband, job.limit);
-            let fits = identify(&problem, &[Model::Voigt], job.cost, &search, progress);
-            error += fits.first().and_then(|fit| problem.held_out(&fit.parameters)).unwrap_or(f64::INFINITY);
-        }
-        if error < best.0 {
-            best = (error, ticks);
+impl DelaySearch {
+    /// A search like the identification's, but shorter: only the order of the errors counts.
+    pub fn new(prepare: &PrepareOptions, conditions: Conditions, cost: Feedback, search: &SearchOptions) -> Self {
+        let largest = (prepare.max_delay * 1e3 / f64::from(prepare.tick_us)).round() as u32;
+        Self {
+            largest,
+            step: largest.div_ceil(TRIED).max(1),
+            conditions,
+            cost,
+            search: SearchOptions {
+                generations: search.generations.min(40),
+                rounds: search.rounds.min(3),
+                start: Start::Random,
+                ..search.clone()
+            },
         }
     }
-    Ok(Delay { ticks: best.1, at_bound: best.1 > 0 && best.1 + step > largest })
-}
 
-/// Generations that the estimate takes at most, for a progress bar.
-pub fn generations(job: &Job) -> u64 {
-    let folds = if job.training.len() == 1 { 2 } else { job.training.len() as u64 };
-    let tried = u64::from(largest(job) / step(job)) + 1;
-    tried * folds * search(job).generations_of(&[Model::Voigt])
-}
-
-/// A shorter search than the identification's: only the order of the errors counts.
-fn search(job: &Job) -> SearchOptions {
-    SearchOptions {
-        generations: job.search.generations.min(40),
-        rounds: job.search.rounds.min(3),
-        start: Start::Random,
-        ..job.search.clone()
+    /// Generations that it takes at most with so many logs, for a progress bar.
+    pub fn generations(&self, logs: usize) -> u64 {
+        let folds = if logs == 1 { 2 } else { logs as u64 };
+        let tried = u64::from(self.largest / self.step) + 1;
+        tried * folds * self.search.generations_of(&[Model::Voigt])
     }
-}
 
-/// The largest delay tried, ticks.
-fn largest(job: &Job) -> u32 {
-    (job.prepare.max_delay * 1e3 / f64::from(job.prepare.tick_us)).round() as u32
-}
-
-/// Ticks between two delays that are tried.
-fn step(job: &Job) -> u32 {
-    largest(job).div_ceil(TRIED).max(1)
+    /// Estimates the delay of training logs that were cut.
+    pub fn estimate(&self, training: &[Log], recipe: &Recipe, progress: Progress<'_>) -> Result<Delay> {
+        let mut best = (f64::INFINITY, 0);
+        for ticks in (0..=self.largest).step_by(self.step as usize) {
+            let recipe = Recipe { delay_ticks: ticks, ..recipe.clone() };
+            let mut error = 0.0;
+            for (fitted, judged) in folds(training) {
+                let problem = Problem::new(recipe.sessions(&fitted)?, recipe.sessions(&judged)?, self.conditions);
+                let fits = identify(&problem, &[Model::Voigt], self.cost, &self.search, progress);
+                error += fits.first().and_then(|fit| problem.held_out(&fit.parameters)).unwrap_or(f64::INFINITY);
+            }
+            if error < best.0 {
+                best = (error, ticks);
+            }
+        }
+        Ok(Delay { ticks: best.1, at_bound: best.1 > 0 && best.1 + self.step > self.largest })
+    }
 }
 
 /// What is fitted to and what is judged on.

@@ -2,17 +2,18 @@
 
 use super::candidate::{Candidate, Setting};
 use super::character::Character;
-use super::delay::{self, Delay};
+use super::delay::{Delay, DelaySearch};
 use super::doubt::{Doubt, doubts};
 use super::fit::{Progress, SearchOptions, Start, identify};
-use super::problem::Problem;
+use super::log_use::{LogUse, Role};
+use super::problem::{Conditions, Problem};
+use crate::calibration::CalibrationOptions;
 use crate::log::Log;
 use crate::prepare::{PrepareOptions, Recipe, Setting as Number};
-use crate::session::{Feedback, Session};
-use crate::table_file::{CalibrationOptions, LogUse, Role};
+use crate::session::Feedback;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use estimator_core::{Digest, Model, Scheme};
+use estimator_core::{Digest, Model};
 use sha2::{Digest as _, Sha256};
 
 /// Which model to identify.
@@ -69,12 +70,8 @@ pub struct Job {
     pub prepare: PrepareOptions,
     /// Which model.
     pub model: ModelChoice,
-    /// Discretisation.
-    pub scheme: Scheme,
-    /// Deadband, V; `None` for a fraction of the voltage span.
-    pub deadband: Option<f64>,
-    /// Largest displacement limits, as a multiple of the training stroke.
-    pub limit: f64,
+    /// What else is fixed.
+    pub conditions: Conditions,
     /// Make a tabulated table.
     pub tabulated: bool,
     /// The converters.
@@ -112,7 +109,8 @@ impl Outcome {
 impl Job {
     /// Generations that it takes at most, for a progress bar.
     pub fn generations(&self) -> u64 {
-        let delay = if self.prepare.delay == Number::Auto { delay::generations(self) } else { 0 };
+        let parts = self.training.len();
+        let delay = if self.prepare.delay == Number::Auto { self.delay_search().generations(parts) } else { 0 };
         delay + self.search.generations_of(&self.model.models(self.search.start))
     }
 
@@ -120,20 +118,15 @@ impl Job {
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome> {
         let (training, held_out) = self.parts()?;
         let mut recipe = self.prepare.resolve(&training);
+        let delay = self.delay_search();
         let estimated = match self.prepare.delay {
             Number::Given(_) => None,
-            Number::Auto => Some(delay::estimate(&training, &recipe, self, progress)?),
+            Number::Auto => Some(delay.estimate(&training, &recipe, progress)?),
         };
         if let Some(Delay { ticks, .. }) = estimated {
             recipe.delay_ticks = ticks;
         }
-        let problem = Problem::new(
-            sessions(&recipe, &training)?,
-            sessions(&recipe, &held_out)?,
-            self.scheme,
-            self.deadband,
-            self.limit,
-        );
+        let problem = Problem::new(recipe.sessions(&training)?, recipe.sessions(&held_out)?, self.conditions);
         let setting = Setting {
             recipe: recipe.clone(),
             calibration: self.calibration.clone(),
@@ -156,9 +149,13 @@ impl Job {
         if !self.calibration.stated() {
             doubts.push(Doubt::CalibrationAssumed);
         }
-        let uses = |logs: &[Log], role| logs.iter().map(|log| log_use(log, role)).collect::<Vec<_>>();
+        let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
         let logs = [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat();
         Ok(Outcome { candidates, chosen, reason, doubts, recipe, logs })
+    }
+
+    fn delay_search(&self) -> DelaySearch {
+        DelaySearch::new(&self.prepare, self.conditions, self.cost, &self.search)
     }
 
     /// The logs cut and divided into what is fitted to and what is held out.
@@ -191,22 +188,6 @@ impl Job {
             ),
             None => (Model::Enhanced, "the logs have several amplitudes, which the extremum terms need.".to_owned()),
         }
-    }
-}
-
-/// Prepares logs.
-pub fn sessions(recipe: &Recipe, logs: &[Log]) -> Result<Vec<Session>> {
-    Ok(logs.iter().map(|log| recipe.session(log)).collect::<Result<_, _>>()?)
-}
-
-fn log_use(log: &Log, role: Role) -> LogUse {
-    let file = log.path.file_name().unwrap_or(log.path.as_os_str());
-    LogUse {
-        file: file.to_string_lossy().into_owned(),
-        sha256: log.sha256.clone(),
-        role,
-        from_s: log.start_s,
-        to_s: log.start_s + log.duration(),
     }
 }
 

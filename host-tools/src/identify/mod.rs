@@ -7,6 +7,7 @@ mod doubt;
 mod fit;
 pub mod ga;
 mod job;
+mod log_use;
 mod problem;
 pub mod space;
 
@@ -15,4 +16,5 @@ pub use character::Character;
 pub use doubt::{Doubt, doubts};
 pub use fit::{Convergence, Fit, Progress, SearchOptions, Start, identify};
 pub use job::{Job, ModelChoice, Outcome};
-pub use problem::Problem;
+pub use log_use::{LogUse, Role};
+pub use problem::{Conditions, Problem};

@@ -9,6 +9,24 @@ use crate::session::{Feedback, Session};
 use estimator_core::lookup::{Grid, Position};
 use estimator_core::{Inadmissible, Lookup, Range, Scheme, Voigt, VoigtParameters, admissible, lookup};
 
+/// What the user fixes before the search starts.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Conditions {
+    /// Discretisation.
+    pub scheme: Scheme,
+    /// Retreat that counts as a reversal, V; `None` for [`DEADBAND`] of the voltage span.
+    pub deadband: Option<f64>,
+    /// How wide the displacement limits may be, as a multiple of the training stroke.
+    pub limit: f64,
+}
+
+impl Default for Conditions {
+    /// The thesis's scheme, limits of twice the stroke.
+    fn default() -> Self {
+        Self { scheme: Scheme::ForwardEuler, deadband: None, limit: 2.0 }
+    }
+}
+
 /// Sessions and what is fixed before the search starts.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -18,8 +36,6 @@ pub struct Problem {
     pub deadband: f64,
     training: Vec<Located>,
     validation: Vec<Located>,
-    /// How far the displacement limits may lie from the middle of the training displacement, as a multiple of half its
-    /// stroke.
     limit: f64,
     voltage_range: Range<f64>,
     stroke: Range<f64>,
@@ -35,22 +51,15 @@ struct Located {
 
 /// Deadband where none is given, as a fraction of the voltage span: a few steps of a 12-bit converter. No round fraction,
 /// so that a generated ramp does not retreat by exactly the deadband in a tick, which f32 and f64 would see differently.
-const DEADBAND: f64 = 0.83e-3;
+pub const DEADBAND: f64 = 0.83e-3;
 /// Room beyond the training voltages that a table still covers, as a fraction of their span.
 const VOLTAGE_MARGIN: f64 = 0.05;
 /// Displacement limits that are tried, as fractions of the way from the training stroke to the largest allowed.
 const LIMIT_STEPS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 
 impl Problem {
-    /// A problem. What is held out is shown beside the training error and never decides anything. The displacement limits
-    /// may be `limit` times as wide as the training stroke.
-    pub fn new(
-        training: Vec<Session>,
-        validation: Vec<Session>,
-        scheme: Scheme,
-        deadband: Option<f64>,
-        limit: f64,
-    ) -> Self {
+    /// A problem. What is held out is shown beside the training error and never decides anything.
+    pub fn new(training: Vec<Session>, validation: Vec<Session>, conditions: Conditions) -> Self {
         let voltage = hull(training.iter().flat_map(|session| &session.voltage));
         let stroke = hull(training.iter().flat_map(|session| &session.displacement));
         let voltage_range = expanded(voltage, 1.0 + 2.0 * VOLTAGE_MARGIN);
@@ -64,8 +73,8 @@ impl Problem {
             sessions.into_iter().map(locate).collect()
         };
         Self {
-            scheme,
-            deadband: deadband.unwrap_or(DEADBAND * voltage.span()),
+            scheme: conditions.scheme,
+            deadband: conditions.deadband.unwrap_or(DEADBAND * voltage.span()),
             extent: Extent {
                 voltage: largest(voltage),
                 displacement: largest(stroke),
@@ -73,7 +82,7 @@ impl Problem {
             },
             training: located(training),
             validation: located(validation),
-            limit,
+            limit: conditions.limit,
             voltage_range,
             stroke,
         }

@@ -100,6 +100,11 @@ impl Recipe {
         log.trimmed(self.skip_start_s, self.skip_end_s)
     }
 
+    /// Prepares logs that have been [cut](Self::cut), or parts of such.
+    pub fn sessions(&self, logs: &[Log]) -> Result<Vec<Session>, PrepareError> {
+        logs.iter().map(|log| self.session(log)).collect()
+    }
+
     /// Prepares a log that has been [cut](Self::cut), or a part of one.
     pub fn session(&self, log: &Log) -> Result<Session, PrepareError> {
         let displacement =

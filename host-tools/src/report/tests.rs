@@ -1,7 +1,7 @@
 //! The whole report of small, hand-made logs.
 
 use super::*;
-use crate::identify::{Fit, Problem, SearchOptions, identify};
+use crate::identify::{Conditions, Fit, Problem, SearchOptions, identify};
 use crate::session::{Feedback, Session};
 use crate::validate::{Comparison, Figures, Trace};
 use clap::Parser;
@@ -18,7 +18,7 @@ fn fit(model: Model) -> Fit {
     let voltage: Vec<f64> = (0..400).map(|k| 20.0 * (f64::from(k) * 0.05).sin()).collect();
     let displacement = voltage.iter().map(|v| 0.2 * v).collect();
     let session = Session::new("made".to_owned(), voltage, (0..400).collect(), displacement, 5e-4);
-    let problem = Problem::new(vec![session.clone()], vec![session], Scheme::ForwardEuler, None, 2.0);
+    let problem = Problem::new(vec![session.clone()], vec![session], Conditions::default());
     let search = Search::parse_from(["", "--population", "8", "--generations", "3", "--rounds", "2"]);
     identify(&problem, &[model], Feedback::Simulation, &search.options, &mut |_, _| ()).remove(0)
 }

@@ -3,7 +3,7 @@
 //! The core's types print themselves as Rust expressions once their variants are in scope (`{:?}` of an `f32` is the
 //! shortest text that reads back as the same number); a test compiles what this writes and compares it with the TOML.
 
-use estimator_core::{Admitted, Form, Lookup};
+use estimator_core::{Admitted, Form};
 use std::fmt::Write;
 
 /// The source of a module that defines `TABLE`, and `LOOKUP` for a tabulated form.
@@ -26,7 +26,7 @@ pub fn rust_source(table: &Admitted) -> String {
             "\n/// The per-tick functions of [`TABLE`].\n\
              pub static LOOKUP: estimator_core::Lookup<f32> = {{\n    \
              use estimator_core::{{Lookup, Terms, lookup::Grid}};\n    {:?}\n}};\n",
-            Lookup::<f32>::build(table)
+            table.lookup::<f32>()
         );
     }
     source

@@ -1,13 +1,11 @@
 //! `table.toml`: a parameter table as people read it, with how its logs were prepared, how it was found, and why not to
 //! trust it. The other two faces, the Rust `const` and the binary record, are made from its `[table]`.
 
-mod calibration;
 mod constant;
 
-pub use calibration::{CalibrationOptions, Span};
 pub use constant::rust_source;
 
-use crate::identify::SearchOptions;
+use crate::identify::{LogUse, SearchOptions};
 use crate::output;
 use crate::prepare::Recipe;
 use crate::session::Feedback;
@@ -37,32 +35,6 @@ pub struct TableFile {
     /// The logs it saw and those held out.
     #[serde(default)]
     pub logs: Vec<LogUse>,
-}
-
-/// A log, or a part of one, and what it was used for.
-#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LogUse {
-    /// File name.
-    pub file: String,
-    /// SHA-256 of the file.
-    pub sha256: String,
-    /// What for.
-    pub role: Role,
-    /// First second used.
-    pub from_s: f64,
-    /// Last second used.
-    pub to_s: f64,
-}
-
-/// What a log was used for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Role {
-    /// Parameters, zeros, delay and limits come from it.
-    Training,
-    /// It decided nothing; the errors stated are those on it.
-    HeldOut,
 }
 
 const HEADER: &str = "\
