@@ -52,6 +52,17 @@ impl Model {
     }
 }
 
+impl core::fmt::Display for Model {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Voigt => "Voigt (4.8)",
+            Self::VoltageExtremum => "voltage-extremum (5.4)",
+            Self::DisplacementExtremum => "displacement-extremum (5.5)",
+            Self::Enhanced => "enhanced (5.3)",
+        })
+    }
+}
+
 /// How the differential equation becomes a recursion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -2,7 +2,7 @@
 
 use super::LogOptions;
 use super::emit::FormName;
-use super::print::{heading, out, progress, row, title};
+use super::print::{heading, out, progress, row};
 use crate::calibration::CalibrationOptions;
 use crate::identify::{Candidate, Conditions, Job, ModelChoice, Outcome, Role, SearchOptions};
 use crate::output;
@@ -109,7 +109,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     };
     let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
-        bar.set_prefix(title(model));
+        bar.set_prefix(model.to_string());
         bar.set_message(format!("{cost:.4} µm"));
         bar.inc(1);
     })?;
@@ -150,7 +150,7 @@ fn write(arguments: &Identify, outcome: &Outcome, verdict: &[String]) -> Result<
     output::write(&arguments.out.join("report.html"), html)?;
     let shown = candidate.held_out.first().or(candidate.training.first());
     if let Some(comparison) = shown {
-        let picture = report::picture(comparison, &format!("{}: {}", comparison.name, title(candidate.table.model)))?;
+        let picture = report::picture(comparison, &format!("{}: {}", comparison.name, candidate.table.model))?;
         output::write(&arguments.out.join("estimate.svg"), picture)?;
     }
     Ok(())
@@ -159,7 +159,7 @@ fn write(arguments: &Identify, outcome: &Outcome, verdict: &[String]) -> Result<
 /// How good it is, in plain words.
 fn verdict(outcome: &Outcome) -> Vec<String> {
     let candidate = outcome.candidate();
-    let mut sentences = vec![format!("Model: {}, since {}", title(candidate.table.model), outcome.reason)];
+    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model, outcome.reason)];
     if let Some(held_out) = candidate.held_out_figures() {
         sentences.push(format!(
             "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
@@ -200,7 +200,7 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
     for (index, candidate) in outcome.candidates.iter().enumerate() {
         let mark = if index == outcome.chosen { "→ " } else { "  " };
         if let Some(figures) = figures(candidate) {
-            out(&row(&format!("{mark}{}", title(candidate.table.model)), &figures));
+            out(&row(&format!("{mark}{}", candidate.table.model), &figures));
         }
     }
     out("");

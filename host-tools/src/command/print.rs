@@ -1,17 +1,6 @@
 //! Numbers and tables for people.
 
 use crate::validate::Figures;
-use estimator_core::Model;
-
-/// What a model is called on the command line and in print, with its equation.
-pub fn title(model: Model) -> &'static str {
-    match model {
-        Model::Voigt => "voigt (4.8)",
-        Model::VoltageExtremum => "voltage-extremum (5.4)",
-        Model::DisplacementExtremum => "displacement-extremum (5.5)",
-        Model::Enhanced => "enhanced (5.3)",
-    }
-}
 
 /// Heading of [`row`].
 pub fn heading(first: &str) -> String {

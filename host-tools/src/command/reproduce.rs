@@ -1,7 +1,7 @@
 //! `piezo reproduce`: the thesis's validation errors (Tables 4.8, 5.3, 5.4) beside those of the same models, identified
 //! the same way on the synthetic rig: five modelling logs, the 10 Hz triangle held out, validation by simulation.
 
-use super::print::{out, progress, title};
+use super::print::{out, progress};
 use crate::calibration::CalibrationOptions;
 use crate::identify::{Candidate, Conditions, Problem, SearchOptions, Setting, identify};
 use crate::prepare::Recipe;
@@ -71,7 +71,7 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
     let mut rows = Vec::new();
     for cost in [Feedback::Osp, Feedback::Simulation] {
         let fits = identify(&problem, &Model::ALL, cost, &arguments.search, &mut |model, best| {
-            bar.set_prefix(title(model));
+            bar.set_prefix(model.to_string());
             bar.set_message(format!("{cost:?} {best:.4} µm"));
             bar.inc(1);
         });
@@ -122,7 +122,7 @@ fn print(rows: &[Row]) {
         let of_voigt = |value: f64, of: fn(&Row) -> f64| voigt.map_or(1.0, |voigt| value / of(voigt));
         out(&format!(
             "{:<28} {:<11} {:>8.4} {:>8.4} {:>9.2} {:>11.4} {:>11.4} {:>9.2}",
-            title(row.model),
+            row.model,
             if row.cost == Feedback::Osp { "OSP" } else { "simulation" },
             row.mae_um,
             row.max_um,

@@ -5,6 +5,7 @@ use super::rows::{self, CandidateRow, ERRORS, GeneRow, ParameterRow};
 use super::{Report, errors, loops, traces};
 use crate::validate::Comparison;
 use askama::Template;
+use estimator_core::Model;
 
 /// Points of all lines together: what keeps the file below 1 MB.
 const POINTS: usize = 50_000;
@@ -37,7 +38,7 @@ type Sentence<'a> = Vec<(bool, &'a str)>;
 #[template(path = "report.html")]
 pub struct Page<'a> {
     title: &'a str,
-    model: &'static str,
+    model: Model,
     verdict: Vec<Sentence<'a>>,
     doubts: Vec<Sentence<'a>>,
     headings: [&'static str; 5],
@@ -78,7 +79,7 @@ impl<'a> Page<'a> {
 
         Self {
             title: report.title,
-            model: rows::model(chosen.fit.model),
+            model: chosen.fit.model,
             verdict: report.verdict.iter().map(|text| sentence(text)).collect(),
             doubts: report.doubts.iter().map(|text| sentence(text)).collect(),
             headings: ERRORS,

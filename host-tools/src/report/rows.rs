@@ -6,16 +6,6 @@ use crate::identify::space::Gene;
 use crate::validate::{Comparison, Figures};
 use estimator_core::{Form, Model, Scheme, Status, Table};
 
-/// Name of a model, with its equation.
-pub fn model(model: Model) -> &'static str {
-    match model {
-        Model::Voigt => "Voigt (4.8)",
-        Model::VoltageExtremum => "voltage-extremum (5.4)",
-        Model::DisplacementExtremum => "displacement-extremum (5.5)",
-        Model::Enhanced => "enhanced (5.3)",
-    }
-}
-
 /// An error in µm and in % of the stroke.
 pub struct Cell {
     /// µm.
@@ -27,7 +17,7 @@ pub struct Cell {
 /// A candidate's errors; `None` where nothing was held out.
 pub struct CandidateRow {
     /// Model.
-    pub model: &'static str,
+    pub model: Model,
     /// Whether it is the chosen one.
     pub chosen: bool,
     /// Column heading and error.
@@ -56,7 +46,7 @@ impl CandidateRow {
         ];
         let all = candidate.training.iter().chain(&candidate.held_out);
         Self {
-            model: model(candidate.fit.model),
+            model: candidate.fit.model,
             chosen: candidate.fit.model == chosen.fit.model,
             errors: ERRORS.into_iter().zip(cells).collect(),
             difference: quantity(all.map(|log| log.mil_sil_um).fold(0.0, f64::max) * 1e3, "nm"),
