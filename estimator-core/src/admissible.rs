@@ -1,22 +1,27 @@
 //! What must hold before a parameter set may run: stable at every voltage, and bounded on its own extrema.
 //!
 //! 1. **Stable.** `0 < a(V) < 1` over the whole voltage range, so that the recursion neither oscillates nor diverges.
-//!    `rate(V)` is convex with its minimum at β, so three voltages decide.
+//!    `rate(V)` is convex with its minimum at β, so three voltages decide. What a tick takes away, `1 − a`, must be at
+//!    least [`LEAST_DECAY`]: it is rounded to the 2⁻²⁴ of an f32 near 1, and the static displacement with it. The
+//!    zero-order hold may keep nothing (a = 0), since it cannot overshoot.
 //! 2. **Bounded.** With 1, a tick moves the displacement to a weighted mean of itself and of the static displacement
 //!    `(drive(V) + ext)/rate(V)`. If that static displacement lies within the limits for *every* voltage of the range
 //!    and *every* pair of extrema (voltage within the range, displacement within the limits), then the limits are
 //!    invariant: no sequence of voltages, reversals and glitches can carry the displacement out of them. This is checked
 //!    with interval arithmetic on [`CELLS`] cells of the voltage range (drive is monotone, rate convex), so it is a
-//!    proof up to rounding, not a trial.
+//!    proof, not a trial, up to rounding: less than 2⁻²⁴/[`LEAST_DECAY`], 0.03 % of the displacement, and that the clamp of
+//!    the running estimator takes.
 //!
 //! The second condition is what a parameter set with positive feedback through `y_ext` fails, however well it predicts
 //! one step ahead. A linear interpolation between knots that pass keeps passing: its static displacement is a mediant of
 //! theirs.
 
 use crate::math::Real;
-use crate::model::Voigt;
+use crate::model::{Scheme, Voigt};
 use crate::range::Range;
 
+/// Smallest part of the displacement that a tick may take away.
+pub const LEAST_DECAY: f32 = 1.0 / 4096.0;
 /// Cells into which the voltage range is cut for the interval proof.
 pub const CELLS: u16 = 256;
 
@@ -42,7 +47,8 @@ impl<T: Real> core::fmt::Display for Inadmissible<T> {
         match self {
             Self::Unstable { voltage, a } => write!(
                 f,
-                "unstable: at {voltage} V the recursion keeps {a} of the displacement a tick, which must lie between 0 and 1"
+                "unstable: at {voltage} V the recursion keeps {a} of the displacement a tick, which must lie between 0 and \
+                 1, and below 1 by at least 1/4096"
             ),
             Self::Unbounded { reach } => write!(
                 f,
@@ -63,12 +69,14 @@ pub fn check<T: Real>(model: &Voigt<T>, voltage: Range<T>, limits: Range<T>) -> 
     let slowest = voltage.clamp(model.slowest_voltage());
     for v in [voltage.min, voltage.max, slowest] {
         let a = model.terms(v).a;
-        // Not `a <= 0 || a >= 1`: a NaN must fail.
-        if !(a > T::zero() && a < T::one()) {
+        let kept = a > T::zero() || (a == T::zero() && model.scheme() == Scheme::ZeroOrderHold);
+        // Not the opposite comparisons: a NaN must fail.
+        if !(kept && T::one() - a >= T::of(LEAST_DECAY)) {
             return Err(Inadmissible::Unstable { voltage: v, a });
         }
     }
     let reach = static_reach(model, voltage, extremum_range(model, voltage, limits));
+    // False for a NaN.
     let inside = limits.min <= reach.min && reach.max <= limits.max;
     if inside { Ok(reach) } else { Err(Inadmissible::Unbounded { reach }) }
 }
@@ -95,8 +103,13 @@ fn static_reach<T: Real>(model: &Voigt<T>, voltage: Range<T>, ext: Range<T>) -> 
         let most = left_rate.max(right_rate);
         let quotient =
             |numerator: T, away: T, towards: T| numerator / if numerator > T::zero() { away } else { towards };
-        reach.max = reach.max.max(quotient(right_drive + ext.max, least, most));
-        reach.min = reach.min.min(quotient(left_drive + ext.min, most, least));
+        let highest = quotient(right_drive + ext.max, least, most);
+        let lowest = quotient(left_drive + ext.min, most, least);
+        if lowest.is_nan() || highest.is_nan() {
+            // `max` and `min` would pass over it.
+            return Range { min: T::nan(), max: T::nan() };
+        }
+        reach = Range { min: reach.min.min(lowest), max: reach.max.max(highest) };
         (left, left_rate, left_drive) = (right, right_rate, right_drive);
     }
     reach

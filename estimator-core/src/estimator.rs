@@ -25,7 +25,7 @@ bitflags::bitflags! {
         const VOLTAGE_OUT_OF_RANGE = 1 << 1;
         /// The displacement was clamped to the table's limits.
         const CLAMPED = 1 << 2;
-        /// The displacement is beyond what the DAC can put out.
+        /// The DAC stands at an end of its range: the displacement is at least that far.
         const DAC_SATURATED = 1 << 3;
     }
 }
@@ -41,13 +41,14 @@ pub struct Estimate<T> {
     pub status: Status,
 }
 
-/// A [`Lookup`] that was not built from the table it is used with, or is missing, or is not wanted.
+/// A [`Lookup`] that was not built from the table it is used with (by the same math backend), or is missing, or is not
+/// wanted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LookupMismatch;
 
 impl core::fmt::Display for LookupMismatch {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "the lookup does not belong to this table")
+        write!(f, "the lookup does not belong to this table and form, or was computed with another math backend")
     }
 }
 
@@ -88,9 +89,11 @@ impl<'l, T: Real> Estimator<'l, T> {
         })
     }
 
-    /// Starts anew from a known displacement (µm relative to the model's zero; limited), with no reversal seen.
-    pub fn start_at(&mut self, displacement: T) {
+    /// Starts anew from a known displacement (µm relative to the model's zero), with no reversal seen. Returns whether it
+    /// lay within the limits; beyond, the start is at the nearest.
+    pub fn start_at(&mut self, displacement: T) -> bool {
         self.state = Some(self.state_at(displacement));
+        self.limits.contains(displacement)
     }
 
     /// The last reversal; zeros before the first.

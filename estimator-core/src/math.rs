@@ -13,9 +13,10 @@
 //! by up to 0.118 (and its `powf` by 18 %) below 1, because it inverts its argument with a one-step approximation; here
 //! it is only ever called on arguments of at least 1, after an exact division.
 //!
-//! micromath's error of 2.5e-3 goes into the displacement almost undiminished. Whether that is good enough for a given
-//! table is for the host to measure: `piezo validate`, built with the feature `micromath`, shows that `f32` core beside the
-//! `f64` reference.
+//! micromath's error of 2.5e-3 goes into the displacement almost undiminished, so it may serve only where a table passes
+//! with it: admission runs in the target's own backend, and `piezo validate`, built with the feature `micromath`, shows that
+//! `f32` core beside the `f64` reference. A lookup is made with the backend of whoever makes it: a tabulated `table.rs` for a
+//! target with micromath must come from a tool built with it.
 
 use core::fmt::{Debug, Display};
 use num_traits::float::FloatCore;

@@ -69,7 +69,7 @@ proptest! {
 fn the_tick_is_the_recursion_of_eq_4_8() {
     let admitted = table().admit().unwrap();
     let mut estimator = Estimator::<f64>::new(&admitted, None).unwrap();
-    estimator.start_at(0.5);
+    assert!(estimator.start_at(0.5));
     let p = admitted.parameters.map(f64::from);
     let mut y = 0.5f64;
     for k in 0..4000 {
@@ -128,6 +128,7 @@ fn what_is_wrong_is_said() {
         assert!(estimator.tick(AdcCode(4095)).status.contains(Status::ADC_SATURATED | Status::VOLTAGE_OUT_OF_RANGE));
     });
     with_lookup(table(), |mut estimator| {
+        assert!(!estimator.start_at(1e9) && estimator.start_at(1.0) && !estimator.start_at(f32::NAN));
         estimator.start_at(1e9);
         assert!(estimator.tick_volts(0.0).displacement <= 6.0);
     });

@@ -126,15 +126,30 @@ fn inadmissible_sets_are_refused() {
     let exact = Table { parameters: fast, scheme: Scheme::ZeroOrderHold, ..table() };
     let wide = Table { displacement_limits_um: Range { min: -60.0, max: 60.0 }, ..exact };
     assert!(wide.admit().is_ok(), "{:?}", wide.admit());
+    // So fast that nothing of the displacement is left after a tick.
+    let instant = VoigtParameters { alpha_um: VOIGT.alpha_um / 300.0, ..VOIGT };
+    assert!(
+        Table { parameters: instant, ..wide }.admit().is_ok(),
+        "{:?}",
+        Table { parameters: instant, ..wide }.admit()
+    );
+    // So slow that an f32 near 1 cannot tell what a tick takes away.
+    let slow = VoigtParameters { alpha_um: 2000.0 * VOIGT.alpha_um, ..VOIGT };
+    assert!(matches!(with(slow), TableError::Inadmissible(Inadmissible::Unstable { a, .. }) if a < 1.0));
 }
 
 #[test]
 fn numbers_out_of_range_are_refused_by_name() {
-    let cases: [(Table, &str); 8] = [
+    let cases: [(Table, &str); 13] = [
         (Table { sample_period_us: 0, ..table() }, "sample_period_us"),
         (Table { deadband_v: 41.0, ..table() }, "deadband_v"),
         (Table { voltage_range_v: Range { min: 1.0, max: 1.0 }, ..table() }, "voltage_range_v"),
         (Table { displacement_limits_um: Range { min: -2e6, max: 1.0 }, ..table() }, "displacement_limits_um"),
+        (Table { voltage_range_v: Range { min: -1.0, max: 2e5 }, ..table() }, "100 kV"),
+        (Table { form: Form::Tabulated { error_bound_um: -0.1 }, ..table() }, "error_bound_um"),
+        (Table { parameters: VoigtParameters { p: 9.0, ..VOIGT }, ..table() }, "p must"),
+        (Table { parameters: VoigtParameters { f: 1.0, ..VOIGT }, ..table() }, "e_m_per_s and f"),
+        (Table { dac: DacCalibration { full_scale: 0, ..table().dac }, ..table() }, "dac.full_scale"),
         (Table { parameters: VoigtParameters { b_ohm: -1.0, ..VOIGT }, ..table() }, "b_ohm"),
         (Table { parameters: VoigtParameters { g_um_per_s: 1.0, ..VOIGT }, ..table() }, "g_um_per_s"),
         (Table { adc: AdcCalibration { gain_v_per_code: 0.0, ..table().adc }, ..table() }, "adc.gain_v_per_code"),

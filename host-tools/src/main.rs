@@ -14,7 +14,7 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` was exceeded; 2 the arguments or a file are \
-                          wrong, and nothing was written.";
+                          wrong: no file is left half-written.";
 
 #[derive(Subcommand)]
 enum Verb {

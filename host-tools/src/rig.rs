@@ -125,7 +125,7 @@ impl Rig {
     pub fn record(&self, excitation: Excitation) -> Recording {
         let count = (self.duration * self.fs).round() as usize;
         let step = 1.0 / self.fs;
-        let keep = (-TAU * self.cutoff * step).exp();
+        let keep = libm::exp(-TAU * self.cutoff * step);
         let half_width = |i: usize| 2.0 * i as f64;
         let weight = |i: usize| match i {
             0 => 0.15,
@@ -174,7 +174,7 @@ impl Rig {
         let phase = (seconds * f64::from(excitation.hertz)).fract();
         self.amplitude
             * match excitation.waveform {
-                Waveform::Sine => (TAU * phase).sin(),
+                Waveform::Sine => libm::sin(TAU * phase),
                 Waveform::Triangle if phase < 0.25 => 4.0 * phase,
                 Waveform::Triangle if phase < 0.75 => 2.0 - 4.0 * phase,
                 Waveform::Triangle => 4.0 * phase - 4.0,

@@ -20,6 +20,14 @@ pub struct Figures {
     pub offset_um: f64,
     /// Mean absolute error without that offset.
     pub mae_without_offset_um: f64,
+    /// Mean absolute error in % of the stroke.
+    pub mae_percent: f64,
+    /// Largest absolute error in % of the stroke.
+    pub max_percent: f64,
+    /// Root mean square error in % of the stroke.
+    pub rmse_percent: f64,
+    /// Mean absolute error without the offset in % of the stroke.
+    pub mae_without_offset_percent: f64,
 }
 
 impl Figures {
@@ -30,18 +38,28 @@ impl Figures {
         let mut sorted = errors.clone();
         sorted.sort_by(f64::total_cmp);
         let offset_um = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let mae_um = mean(&f64::abs);
+        let mae_without_offset_um = mean(&|e| (e - offset_um).abs());
         let extreme = |pick: fn(f64, f64) -> f64, start| measured.iter().copied().fold(start, pick);
+        let stroke_um = extreme(f64::max, f64::NEG_INFINITY) - extreme(f64::min, f64::INFINITY);
+        let max_um = errors.iter().fold(0.0f64, |max, e| e.abs().max(max));
+        let rmse_um = mean(&|e| e * e).sqrt();
+        let percent = |um: f64| 100.0 * um / stroke_um;
         Self {
-            mae_um: mean(&f64::abs),
-            max_um: errors.iter().fold(0.0, |max, e| e.abs().max(max)),
-            rmse_um: mean(&|e| e * e).sqrt(),
-            stroke_um: extreme(f64::max, f64::NEG_INFINITY) - extreme(f64::min, f64::INFINITY),
+            mae_um,
+            max_um,
+            rmse_um,
+            stroke_um,
             offset_um,
-            mae_without_offset_um: mean(&|e| (e - offset_um).abs()),
+            mae_without_offset_um,
+            mae_percent: percent(mae_um),
+            max_percent: percent(max_um),
+            rmse_percent: percent(rmse_um),
+            mae_without_offset_percent: percent(mae_without_offset_um),
         }
     }
 
-    /// Several logs in one line: the means of MAE, the largest of MAX, each log weighing the same.
+    /// Several logs in one line: the means of MAE and of its percentages, the largest of MAX, each log weighing the same.
     pub fn all<'a>(figures: impl ExactSizeIterator<Item = &'a Self> + Clone) -> Option<Self> {
         let count = figures.len() as f64;
         let mean = |of: fn(&Self) -> f64| figures.clone().map(of).sum::<f64>() / count;
@@ -53,12 +71,11 @@ impl Figures {
             stroke_um: max(|f| f.stroke_um),
             offset_um: mean(|f| f.offset_um),
             mae_without_offset_um: mean(|f| f.mae_without_offset_um),
+            mae_percent: mean(|f| f.mae_percent),
+            max_percent: max(|f| f.max_percent),
+            rmse_percent: mean(|f| f.rmse_percent * f.rmse_percent).sqrt(),
+            mae_without_offset_percent: mean(|f| f.mae_without_offset_percent),
         })
-    }
-
-    /// A figure in % of the stroke.
-    pub fn percent(&self, um: f64) -> f64 {
-        100.0 * um / self.stroke_um
     }
 }
 

@@ -2,7 +2,9 @@
 
 mod demo;
 mod faces;
+mod logs;
 mod mistakes;
+mod options;
 mod readme;
 mod rig;
 

@@ -208,6 +208,11 @@ impl<T: Real> Voigt<T> {
         }
     }
 
+    /// How the differential equation became a recursion.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
     /// 1/(d(V)·b), 1/s.
     #[inline]
     pub fn rate(&self, voltage: T) -> T {

@@ -27,7 +27,7 @@ pub enum Form {
     Direct,
     /// Linear interpolation between [`crate::lookup::KNOTS`] knots.
     Tabulated {
-        /// Bound of the displacement error this adds between two reversals, µm; computed by the host tool.
+        /// Bound of the displacement error that interpolation adds between two reversals, µm; computed by the host tool.
         error_bound_um: f32,
     },
 }
@@ -36,7 +36,7 @@ pub enum Form {
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
-    /// Start of the SHA-256 over the training logs' own SHA-256 digests.
+    /// Start of a SHA-256 over each training log's own digest, its first second used, and its number of samples.
     pub logs: Digest,
     /// Seed of the identification.
     pub seed: u32,
@@ -96,6 +96,8 @@ impl core::ops::Deref for Admitted {
 
 /// Displacement limits beyond this (µm) are refused: a metre is no piezo.
 const LARGEST_DISPLACEMENT_UM: f32 = 1e6;
+/// Voltages beyond this (V) are refused: no amplifier for piezos reaches it.
+const LARGEST_VOLTAGE_V: f32 = 1e5;
 /// Exponents beyond this are refused.
 const LARGEST_EXPONENT: f32 = 8.0;
 
@@ -169,7 +171,8 @@ impl Table {
         let exponent = |x: f32| (0.0..=LARGEST_EXPONENT).contains(&x);
         let ordered = |range: Range| range.min < range.max;
         let limits = self.displacement_limits_um;
-        let rules: [(&'static str, bool); 17] = [
+        let voltages = self.voltage_range_v;
+        let rules: [(&'static str, bool); 19] = [
             ("alpha_um must be positive", p.alpha_um > 0.0),
             ("lambda_per_v must be positive", p.lambda_per_v > 0.0),
             ("b_ohm must be positive", p.b_ohm > 0.0),
@@ -185,7 +188,11 @@ impl Table {
                 self.model.has_displacement_term() || (p.e_m_per_s == 0.0 && p.f == 0.0),
             ),
             ("sample_period_us must lie between 1 and 1000000", (1..=1_000_000).contains(&self.sample_period_us)),
-            ("voltage_range_v must be ordered", ordered(self.voltage_range_v)),
+            ("voltage_range_v must be ordered", ordered(voltages)),
+            ("voltage_range_v must lie within 100 kV", {
+                voltages.min.abs().max(voltages.max.abs()) <= LARGEST_VOLTAGE_V
+            }),
+            ("error_bound_um must not be negative", !matches!(self.form, Form::Tabulated { error_bound_um: ..0.0 })),
             ("deadband_v must lie between 0 and the voltage range", {
                 (0.0..self.voltage_range_v.span()).contains(&self.deadband_v)
             }),

@@ -47,8 +47,10 @@ pub fn any_table() -> impl Strategy<Value = Table> {
     let extrema = (0usize..4, -0.4f32..0.4, 0.0f32..2.0, -0.4f32..0.4, 0.0f32..2.0);
     let signal = (-30.0f32..30.0, 0.5f32..60.0, 0.0f32..1.0, -100.0f32..100.0, -100.0f32..100.0);
     let codes = (any::<bool>(), any::<bool>(), -5000.0f32..5000.0, 3u16..);
-    (drive, extrema, signal, codes, any::<bool>(), any::<bool>()).prop_map(
-        |((rate, p, lambda, beta), (model, g, h, e, f), signal, (invert, dac_invert, offset, full), zoh, tabulated)| {
+    let form = (any::<bool>(), any::<bool>(), prop_oneof![Just(500u32), 10u32..10_000]);
+    (drive, extrema, signal, codes, form).prop_map(
+        |((rate, p, lambda, beta), (model, g, h, e, f), signal, (invert, dac_invert, offset, full), form)| {
+            let (zoh, tabulated, sample_period_us) = form;
             let (low, span, deadband, v0, y0) = signal;
             let model = Model::ALL[model];
             let high = low + span;
@@ -66,6 +68,7 @@ pub fn any_table() -> impl Strategy<Value = Table> {
             };
             Table {
                 model,
+                sample_period_us,
                 scheme: if zoh { Scheme::ZeroOrderHold } else { Scheme::ForwardEuler },
                 deadband_v: deadband * span * 0.1,
                 voltage_zero_v: v0,

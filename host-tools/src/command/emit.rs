@@ -2,6 +2,7 @@
 
 use super::print::out;
 use crate::calibration::CalibrationOptions;
+use crate::identify::Doubt;
 use crate::output;
 use crate::table_file::{TableFile, record, rust_source};
 use crate::tabulation;
@@ -57,6 +58,10 @@ pub struct Emit {
 pub fn run(arguments: &Emit) -> Result<bool> {
     let (mut file, _) = TableFile::load(&arguments.table)?;
     arguments.calibration.apply(&mut file.table);
+    if arguments.calibration.stated() {
+        let assumed = Doubt::CalibrationAssumed.to_string();
+        file.doubts.retain(|doubt| *doubt != assumed);
+    }
     match arguments.form {
         Some(FormName::Direct) => file.table.form = Form::Direct,
         Some(FormName::Tabulated) => file.table = tabulation::tabulated(file.table),

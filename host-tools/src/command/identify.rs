@@ -1,8 +1,8 @@
 //! `piezo identify`: logs → a proven parameter table and a report.
 
-use super::LogOptions;
 use super::emit::FormName;
 use super::print::{heading, out, progress, row};
+use super::{LogOptions, limit};
 use crate::calibration::CalibrationOptions;
 use crate::identify::{Candidate, Conditions, Job, ModelChoice, Outcome, Role, SearchOptions};
 use crate::output;
@@ -10,7 +10,7 @@ use crate::prepare::PrepareOptions;
 use crate::report::{self, Report};
 use crate::session::Feedback;
 use crate::table_file::TableFile;
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use estimator_core::Scheme;
 use serde_json::{Value, json};
@@ -66,7 +66,7 @@ pub struct Identify {
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     pub deadband: Option<f64>,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
-    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
     pub limit: f64,
     /// Print the result as JSON.
     #[arg(long)]
@@ -89,7 +89,6 @@ pub struct Identify {
 pub fn run(arguments: &Identify) -> Result<bool> {
     let hold_out = arguments.hold_out.unwrap_or(if arguments.validate_on.is_empty() { 0.5 } else { 0.0 });
     ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
-    ensure!(arguments.limit > 1.0 && arguments.limit <= 100.0, "--limit must lie between 1 and 100");
     ensure!(arguments.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
     let job = Job {
         training: arguments.files.read_all(&arguments.logs)?,
@@ -136,7 +135,6 @@ fn write(arguments: &Identify, outcome: &Outcome, verdict: &[String]) -> Result<
         search: Some(arguments.search.clone()),
         logs: outcome.logs.clone(),
     };
-    file.write_faces(&arguments.out)?;
     let names: Vec<&str> =
         outcome.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
     let html = report::render(&Report {
@@ -147,13 +145,12 @@ fn write(arguments: &Identify, outcome: &Outcome, verdict: &[String]) -> Result<
         candidates: &outcome.candidates,
         facts: &facts(arguments, outcome),
     })?;
+    let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
+    let picture = report::picture(shown, &format!("{}: {}", shown.name, candidate.table.model))?;
+    // Everything is made before anything is written.
+    file.write_faces(&arguments.out)?;
     output::write(&arguments.out.join("report.html"), html)?;
-    let shown = candidate.held_out.first().or(candidate.training.first());
-    if let Some(comparison) = shown {
-        let picture = report::picture(comparison, &format!("{}: {}", comparison.name, candidate.table.model))?;
-        output::write(&arguments.out.join("estimate.svg"), picture)?;
-    }
-    Ok(())
+    output::write(&arguments.out.join("estimate.svg"), picture)
 }
 
 /// How good it is, in plain words.
@@ -165,16 +162,16 @@ fn verdict(outcome: &Outcome) -> Vec<String> {
             "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
              sensor ({:.2} % of the {:.1} µm stroke) and never further than {:.3} µm.",
             held_out.mae_um,
-            held_out.percent(held_out.mae_um),
+            held_out.mae_percent,
             held_out.stroke_um,
             held_out.max_um
         ));
         if held_out.mae_without_offset_um < 0.8 * held_out.mae_um {
             sentences.push(format!(
-                "Of that, a constant {:+.3} µm is drift or creep; zeroed again at rest, the error is {:.3} µm ({:.2} %).",
+                "Without a constant offset of {:+.3} µm (drift, creep, or where the session started) it is {:.3} µm ({:.2} %).",
                 held_out.offset_um,
                 held_out.mae_without_offset_um,
-                held_out.percent(held_out.mae_without_offset_um)
+                held_out.mae_without_offset_percent
             ));
         }
     } else if let Some(training) = candidate.training_figures() {
@@ -182,7 +179,7 @@ fn verdict(outcome: &Outcome) -> Vec<String> {
             "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke); on \
              other data it was not tested.",
             training.mae_um,
-            training.percent(training.mae_um)
+            training.mae_percent
         ));
     }
     let limits = candidate.table.displacement_limits_um;
@@ -264,11 +261,14 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> Value {
             })
         })
         .collect();
+    let failed: Vec<Value> =
+        outcome.failed.iter().map(|(model, reason)| json!({ "model": model, "reason": reason })).collect();
     json!({
         "model": outcome.candidate().table.model,
         "reason": outcome.reason,
         "verdict": verdict,
         "candidates": candidates,
+        "failed": failed,
         "doubts": outcome.doubts,
         "recipe": outcome.recipe,
         "logs": outcome.logs,

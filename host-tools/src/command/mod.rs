@@ -26,6 +26,14 @@ pub struct LogOptions {
     pub fs: Option<f64>,
 }
 
+/// Parses `--limit`.
+fn limit(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(limit) if limit > 1.0 && limit <= 100.0 => Ok(limit),
+        _ => Err("expected a number above 1, at most 100".to_owned()),
+    }
+}
+
 impl LogOptions {
     fn read(&self, path: &Path) -> Result<Log> {
         let options = ReadOptions { columns: self.columns.clone(), sample_rate: self.fs, displacement_required: true };

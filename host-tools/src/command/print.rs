@@ -11,11 +11,7 @@ pub fn heading(first: &str) -> String {
 pub fn row(first: &str, figures: &Figures) -> String {
     format!(
         "{first:<28} {:>8.4} {:>8.4} {:>8.4} {:>8.2} {:>14.4}",
-        figures.mae_um,
-        figures.max_um,
-        figures.rmse_um,
-        figures.percent(figures.mae_um),
-        figures.mae_without_offset_um
+        figures.mae_um, figures.max_um, figures.rmse_um, figures.mae_percent, figures.mae_without_offset_um
     )
 }
 

@@ -1,6 +1,7 @@
 //! `piezo reproduce`: the thesis's validation errors (Tables 4.8, 5.3, 5.4) beside those of the same models, identified
 //! the same way on the synthetic rig: five modelling logs, the 10 Hz triangle held out, validation by simulation.
 
+use super::limit;
 use super::print::{out, progress};
 use crate::calibration::CalibrationOptions;
 use crate::identify::{Candidate, Conditions, Problem, SearchOptions, Setting, identify};
@@ -19,7 +20,7 @@ pub struct Reproduce {
     #[arg(long)]
     pub json: bool,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
-    #[arg(long, default_value_t = 2.0)]
+    #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
     pub limit: f64,
     /// Seed of the rig's noise.
     #[arg(long, default_value_t = 1)]

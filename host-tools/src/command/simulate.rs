@@ -33,7 +33,14 @@ pub fn run(arguments: &Simulate) -> Result<bool> {
     positive("duration", rig.duration)?;
     positive("fs", rig.fs)?;
     positive("cutoff", rig.cutoff)?;
-    for (name, value) in [("noise-nm", rig.noise_nm), ("voltage-noise", rig.voltage_noise)] {
+    ensure!(rig.asymmetry.is_finite(), "--asymmetry must be a number, not {}", rig.asymmetry);
+    let rest = [
+        ("noise-nm", rig.noise_nm),
+        ("voltage-noise", rig.voltage_noise),
+        ("hysteresis", rig.hysteresis),
+        ("creep", rig.creep),
+    ];
+    for (name, value) in rest {
         ensure!(value.is_finite() && value >= 0.0, "--{name} must be 0 or a positive number, not {value}");
     }
     let samples = rig.duration * rig.fs;

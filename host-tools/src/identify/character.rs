@@ -4,27 +4,33 @@ use crate::session::Session;
 use estimator_core::Tracker;
 
 /// What was found in the training logs' voltage.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Character {
     /// Reversals, all logs together.
     pub reversals: usize,
-    /// Shortest and longest half cycle, s; `None` with fewer than two reversals in every log.
-    pub half_cycle_s: Option<(f64, f64)>,
-    /// Smallest and largest swing between two reversals, V; `None` as above.
-    pub swing_v: Option<(f64, f64)>,
+    half_cycles: Vec<HalfCycle>,
+}
+
+/// From one reversal to the next.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct HalfCycle {
+    seconds: f64,
+    volts: f64,
 }
 
 /// Reversals smaller than this fraction of the whole span are noise here.
 const SMALLEST_SWING: f64 = 0.02;
 /// Half cycles (or swings) whose extremes differ by less than this factor count as one frequency (or amplitude).
 const ONE: f64 = 1.25;
+/// Half cycles that together last less than this fraction of the time are glitches, at either end.
+const RARE: f64 = 0.05;
 
 impl Character {
     /// Looks at the voltages of some sessions.
     pub fn of<'a>(sessions: impl Iterator<Item = &'a Session> + Clone) -> Self {
         let voltages = || sessions.clone().flat_map(|session| &session.voltage);
         let span = voltages().fold(f64::MIN, |a, &b| a.max(b)) - voltages().fold(f64::MAX, |a, &b| a.min(b));
-        let mut character = Self { reversals: 0, half_cycle_s: None, swing_v: None };
+        let mut character = Self { reversals: 0, half_cycles: Vec::new() };
         for session in sessions {
             // The tracker records the displacement at the extreme; here that is the time.
             let mut tracker = Tracker::new(SMALLEST_SWING * span);
@@ -36,8 +42,7 @@ impl Character {
                 character.reversals += 1;
                 let (at, volts) = (tracker.last().displacement, tracker.last().voltage);
                 if let Some((before, from)) = previous {
-                    widen(&mut character.half_cycle_s, at - before);
-                    widen(&mut character.swing_v, (volts - from).abs());
+                    character.half_cycles.push(HalfCycle { seconds: at - before, volts: (volts - from).abs() });
                 }
                 previous = Some((at, volts));
             }
@@ -47,18 +52,31 @@ impl Character {
 
     /// Whether all half cycles last about the same. A hold makes a half cycle longer, and so another frequency.
     pub fn single_frequency(&self) -> bool {
-        self.half_cycle_s.is_none_or(|(min, max)| max < ONE * min)
+        self.single(|half_cycle| half_cycle.seconds)
     }
 
     /// Whether all swings are about as large.
     pub fn single_amplitude(&self) -> bool {
-        self.swing_v.is_none_or(|(min, max)| max < ONE * min)
+        self.single(|half_cycle| half_cycle.volts)
     }
-}
 
-fn widen(range: &mut Option<(f64, f64)>, value: f64) {
-    let (min, max) = range.unwrap_or((value, value));
-    *range = Some((min.min(value), max.max(value)));
+    /// Whether a quantity is about the same in all half cycles but rare ones.
+    fn single(&self, of: fn(&HalfCycle) -> f64) -> bool {
+        let mut sorted: Vec<(f64, f64)> = self.half_cycles.iter().map(|half| (of(half), half.seconds)).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let whole: f64 = sorted.iter().map(|(_, seconds)| seconds).sum();
+        let beyond = |time: f64| {
+            let mut passed = 0.0;
+            sorted.iter().find(|(_, seconds)| {
+                passed += seconds;
+                passed > time
+            })
+        };
+        match (beyond(RARE * whole), beyond((1.0 - RARE) * whole)) {
+            (Some((low, _)), Some((high, _))) => *high < ONE * low,
+            _ => true,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -93,8 +111,25 @@ mod tests {
     }
 
     #[test]
+    fn the_thesis_s_frequencies_are_several_though_most_half_cycles_are_fast() {
+        let sessions = [sine(20.0, 1.0), sine(20.0, 100.0)];
+        assert!(!Character::of(sessions.iter()).single_frequency());
+    }
+
+    #[test]
+    fn a_glitch_is_no_second_amplitude() {
+        let mut glitched = sine(20.0, 5.0);
+        glitched.voltage[1033] -= 1.5;
+        let sessions = [glitched];
+        let character = Character::of(sessions.iter());
+        assert_eq!(character.reversals, 22);
+        assert!(character.single_amplitude() && character.single_frequency());
+    }
+
+    #[test]
     fn a_ramp_teaches_no_reversal() {
         let ramp = [session((0..100).map(f64::from).collect())];
-        assert_eq!(Character::of(ramp.iter()), Character { reversals: 0, half_cycle_s: None, swing_v: None });
+        let character = Character::of(ramp.iter());
+        assert!(character.reversals == 0 && character.single_amplitude() && character.single_frequency());
     }
 }

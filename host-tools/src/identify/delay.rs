@@ -71,7 +71,8 @@ impl DelaySearch {
             for (fitted, judged) in folds(training) {
                 let problem = Problem::new(recipe.sessions(&fitted)?, recipe.sessions(&judged)?, self.conditions);
                 let fits = identify(&problem, &[Model::Voigt], self.cost, &self.search, progress);
-                error += fits.first().and_then(|fit| problem.held_out(&fit.parameters)).unwrap_or(f64::INFINITY);
+                let admissible = fits.first().filter(|fit| fit.cost.is_finite());
+                error += admissible.and_then(|fit| problem.held_out(&fit.parameters)).unwrap_or(f64::INFINITY);
             }
             if error < best.0 {
                 best = (error, ticks);

@@ -20,6 +20,18 @@ pub enum Doubt {
         /// Where it ended.
         value: f64,
     },
+    /// The model does not describe the logs.
+    PoorFit {
+        /// Simulation MAE in training, % of the stroke.
+        percent: f64,
+    },
+    /// The displacement falls while the voltage rises.
+    FallsWithVoltage,
+    /// A simpler or richer model found no admissible candidate.
+    NotIdentified {
+        /// Which.
+        model: Model,
+    },
     /// The error on what was held out is far from the training error.
     HeldOutFar {
         /// Simulation MAE in training, µm.
@@ -85,7 +97,22 @@ impl fmt::Display for Doubt {
             Self::AtBound { gene, value } => write!(
                 f,
                 "`{gene}` ended at the end of its range ({value:.4}): the optimum may lie beyond, or the logs do not \
-                 determine it"
+                 determine it; record more frequencies and amplitudes, or choose a simpler --model"
+            ),
+            Self::PoorFit { percent } => write!(
+                f,
+                "in training the error is {percent:.1} % of the stroke: the model does not describe these logs; are the \
+                 columns, units and zeros right, and is the sensor's delay within reason (--delay)?"
+            ),
+            Self::FallsWithVoltage => write!(
+                f,
+                "the displacement falls while the voltage rises: is the sensor mounted the other way (--displacement-scale \
+                 -1), or the voltage inverted (--voltage-scale -1)?"
+            ),
+            Self::NotIdentified { model } => write!(
+                f,
+                "for the model {model} no admissible candidate was found: search longer (--generations, --rounds) or raise \
+                 --limit"
             ),
             Self::HeldOutFar { training_um, held_out_um } => write!(
                 f,
@@ -134,12 +161,17 @@ impl fmt::Display for Doubt {
                  session started), which no sensorless estimate can know: set the zero again at rest"
             ),
             Self::SinglePrecision { difference_um } => {
-                write!(f, "the f32 core differs from the f64 reference by up to {difference_um:.2e} µm")
+                write!(
+                    f,
+                    "the f32 core differs from the f64 reference by up to {difference_um:.2e} µm: use a deadband above the \
+                     noise (--deadband) or a longer tick (--tick-us)"
+                )
             }
             Self::BeyondTraining { log } => {
                 write!(
                     f,
-                    "{log} has voltages beyond the training logs: there the estimate holds the nearest known voltage"
+                    "{log} has voltages beyond the training logs: there the estimate holds the nearest known voltage; \
+                     train on logs that reach as far"
                 )
             }
             Self::CalibrationAssumed => write!(
@@ -158,6 +190,8 @@ impl fmt::Display for Doubt {
 
 /// Fewer reversals than this teach no hysteresis.
 const FEW_REVERSALS: usize = 6;
+/// Training error beyond this percentage of the stroke is no description.
+const POOR: f64 = 5.0;
 /// Held-out error beyond this multiple of the training error.
 const FAR: f64 = 1.5;
 /// Simulation error beyond this multiple of the one-step error of a one-step fit, and
@@ -185,6 +219,12 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Feedback) -> V
         if simulation_um > DIVERGED * one_step_um && simulation_um > DIVERGED_STROKE * training.stroke_um {
             doubts.push(Doubt::Diverges { one_step_um, simulation_um });
         }
+    }
+    if let Some(training) = training.filter(|training| training.mae_percent > POOR) {
+        doubts.push(Doubt::PoorFit { percent: training.mae_percent });
+    }
+    if candidate.training.iter().map(|comparison| covariance(&comparison.trace)).sum::<f64>() < 0.0 {
+        doubts.push(Doubt::FallsWithVoltage);
     }
     match (training, held_out) {
         (Some(training), Some(held_out)) => {
@@ -224,6 +264,13 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Feedback) -> V
         doubts.push(Doubt::SinglePrecision { difference_um });
     }
     doubts
+}
+
+/// Covariance of voltage and displacement.
+fn covariance(trace: &Trace) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let (v, y) = (mean(&trace.voltage), mean(&trace.measured));
+    trace.voltage.iter().zip(&trace.measured).map(|(a, b)| (a - v) * (b - y)).sum()
 }
 
 /// How long the first tenth of a trace has errors beyond [`TRANSIENT`] times the largest of the rest, s.
@@ -277,6 +324,9 @@ mod tests {
     fn every_doubt_says_what_helps() {
         let all = [
             Doubt::AtBound { gene: "p", value: 2.5 },
+            Doubt::PoorFit { percent: 40.0 },
+            Doubt::FallsWithVoltage,
+            Doubt::NotIdentified { model: Model::Enhanced },
             Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
             Doubt::NothingHeldOut,
             Doubt::Diverges { one_step_um: 0.01, simulation_um: 3.0 },

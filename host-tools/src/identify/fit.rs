@@ -35,8 +35,8 @@ pub struct SearchOptions {
     #[arg(long, default_value_t = 64, value_parser = even)]
     pub population: usize,
     /// Generations a round.
-    #[arg(long, default_value_t = 60)]
-    pub generations: usize,
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub generations: u32,
     /// Rounds.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=50))]
     pub rounds: u32,
@@ -45,7 +45,7 @@ pub struct SearchOptions {
     pub shrink: f64,
     /// Stop a round after so many generations without improvement; 0: never.
     #[arg(long, default_value_t = 0)]
-    pub patience: usize,
+    pub patience: u32,
     /// Bits flipped in a generation, as a fraction of all.
     #[arg(long, default_value_t = 0.02, value_parser = fraction)]
     pub mutation: f64,
@@ -93,7 +93,7 @@ impl SearchOptions {
     /// Generations that the identification of some models takes at most, for a progress bar.
     pub fn generations_of(&self, models: &[Model]) -> u64 {
         let starts: usize = (0..models.len()).map(|earlier| self.starts(earlier)).sum();
-        starts as u64 * u64::from(self.rounds) * (self.generations as u64 + 1)
+        starts as u64 * u64::from(self.rounds) * (u64::from(self.generations) + 1)
     }
 
     /// Searches of a model that has so many simpler ones before it.

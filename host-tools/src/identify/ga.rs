@@ -37,14 +37,14 @@ pub enum Elitism {
 /// Settings of one run.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Settings {
-    /// Bits a gene.
+    /// Bits a gene, 1 … 31.
     pub bits: u32,
     /// Chromosomes.
     pub population: usize,
     /// Generations at most.
-    pub generations: usize,
+    pub generations: u32,
     /// Stop after so many generations without a better chromosome; 0 never does.
-    pub patience: usize,
+    pub patience: u32,
     /// Flipped bits as a fraction of all bits.
     pub mutation: f64,
     /// Parents.
@@ -73,7 +73,7 @@ pub fn run(
     seed: u64,
     seeds: &[Vec<f64>],
     cost: impl Fn(&[f64]) -> f64 + Sync,
-    mut watch: impl FnMut(usize, &Best),
+    mut watch: impl FnMut(u32, &Best),
 ) -> Best {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let levels = (1u32 << settings.bits) - 1;

@@ -9,9 +9,9 @@ use super::log_use::{LogUse, Role};
 use super::problem::{Conditions, Problem};
 use crate::calibration::CalibrationOptions;
 use crate::log::Log;
-use crate::prepare::{PrepareOptions, Recipe, Setting as Number};
+use crate::prepare::{AutoOr, PrepareOptions, Recipe};
 use crate::session::Feedback;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use estimator_core::{Digest, Model};
 use sha2::{Digest as _, Sha256};
@@ -87,6 +87,8 @@ pub struct Job {
 pub struct Outcome {
     /// Every model that was identified, simplest first.
     pub candidates: Vec<Candidate>,
+    /// Models without an admissible candidate, and why.
+    pub failed: Vec<(Model, String)>,
     /// Index of the chosen one.
     pub chosen: usize,
     /// Why it was chosen, as a sentence.
@@ -109,8 +111,8 @@ impl Outcome {
 impl Job {
     /// Generations that it takes at most, for a progress bar.
     pub fn generations(&self) -> u64 {
-        let parts = self.training.len();
-        let delay = if self.prepare.delay == Number::Auto { self.delay_search().generations(parts) } else { 0 };
+        let logs = self.training.len();
+        let delay = if self.prepare.delay == AutoOr::Auto { self.delay_search().generations(logs) } else { 0 };
         delay + self.search.generations_of(&self.model.models(self.search.start))
     }
 
@@ -120,8 +122,8 @@ impl Job {
         let mut recipe = self.prepare.resolve(&training);
         let delay = self.delay_search();
         let estimated = match self.prepare.delay {
-            Number::Given(_) => None,
-            Number::Auto => Some(delay.estimate(&training, &recipe, progress)?),
+            AutoOr::Given(_) => None,
+            AutoOr::Auto => Some(delay.estimate(&training, &recipe, progress)?),
         };
         if let Some(Delay { ticks, .. }) = estimated {
             recipe.delay_ticks = ticks;
@@ -135,23 +137,33 @@ impl Job {
             seed: self.search.seed,
         };
         let fits = identify(&problem, &self.model.models(self.search.start), self.cost, &self.search, progress);
-        let candidates: Vec<Candidate> =
-            fits.into_iter().map(|fit| Candidate::new(&problem, fit, &setting)).collect::<Result<_>>()?;
+        let (mut candidates, mut failed) = (Vec::new(), Vec::new());
+        for fit in fits {
+            let model = fit.model;
+            match Candidate::new(&problem, fit, &setting) {
+                Ok(candidate) => candidates.push(candidate),
+                Err(error) => failed.push((model, error)),
+            }
+        }
         let character = Character::of(problem.training());
         let (model, reason) = self.choose(&character);
         let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model == model) else {
-            bail!("the chosen model was not identified");
+            let (_, error) =
+                failed.into_iter().find(|(failed, _)| *failed == model).context("it was not searched for")?;
+            return Err(error.context(format!("model {model}")));
         };
         let mut doubts = doubts(&candidates[chosen], &character, self.cost);
         if let Some(Delay { at_bound: true, ticks }) = estimated {
             doubts.push(Doubt::DelayAtBound { delay_ms: f64::from(ticks) * recipe.tick_s() * 1e3 });
         }
+        doubts.extend(failed.iter().map(|(model, _)| Doubt::NotIdentified { model: *model }));
         if !self.calibration.stated() {
             doubts.push(Doubt::CalibrationAssumed);
         }
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
         let logs = [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat();
-        Ok(Outcome { candidates, chosen, reason, doubts, recipe, logs })
+        let failed = failed.into_iter().map(|(model, error)| (model, format!("{error:#}"))).collect();
+        Ok(Outcome { candidates, failed, chosen, reason, doubts, recipe, logs })
     }
 
     fn delay_search(&self) -> DelaySearch {
@@ -169,8 +181,10 @@ impl Job {
         let (mut training, mut held_out) = (Vec::new(), cut(&self.held_out));
         for log in cut(&self.training) {
             let (first, rest) = log.split(self.hold_out);
+            moves(&first, &log)?;
             training.push(first);
             if !rest.voltage.is_empty() {
+                moves(&rest, &log)?;
                 held_out.push(rest);
             }
         }
@@ -191,7 +205,27 @@ impl Job {
     }
 }
 
-/// Start of the SHA-256 over the logs' digests and the part of each that was used.
+/// Refuses a part of a log in which the actuator rests: nothing can be learnt or proven there.
+fn moves(part: &Log, whole: &Log) -> Result<()> {
+    let span = |samples: &[f64]| {
+        samples.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b)) - samples.iter().fold(f64::INFINITY, |a, &b| a.min(b))
+    };
+    ensure!(
+        part.voltage.is_empty() || span(&part.voltage) > RESTS * span(&whole.voltage),
+        "{}: the voltage does not move between {:.2} and {:.2} s, which is what is {}: choose another part with --hold-out, \
+         --skip-start and --skip-end, or hold out another log with --validate-on",
+        whole.path.display(),
+        part.start_s,
+        part.start_s + part.duration(),
+        if part.start_s > whole.start_s { "held out" } else { "trained on" }
+    );
+    Ok(())
+}
+
+/// A part whose voltage spans less than this fraction of the whole log's rests.
+const RESTS: f64 = 0.01;
+
+/// Start of a SHA-256 over the logs' digests and the part of each that was used.
 fn digest(logs: &[Log]) -> Digest {
     let mut hash = Sha256::new();
     for log in logs {

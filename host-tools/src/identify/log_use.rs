@@ -15,7 +15,7 @@ pub struct LogUse {
     pub role: Role,
     /// First second used.
     pub from_s: f64,
-    /// Last second used.
+    /// End of what was used, s.
     pub to_s: f64,
 }
 

@@ -5,7 +5,8 @@
 mod options;
 mod resample;
 
-pub use options::{PrepareOptions, Setting};
+pub(crate) use options::not_negative;
+pub use options::{AutoOr, PrepareOptions};
 pub use resample::Decimation;
 
 use crate::log::Log;
@@ -63,6 +64,20 @@ pub enum PrepareError {
         /// The tick rate, Hz.
         tick_hz: f64,
     },
+    /// A log at a far lower rate than the tick.
+    #[error(
+        "{log}: {ticks:.0} ticks of {tick_us} µs, more than {most:.0}: is the sample rate right? Else use a longer --tick-us"
+    )]
+    TooLong {
+        /// Name of the log.
+        log: String,
+        /// Ticks it would have.
+        ticks: f64,
+        /// Tick, µs.
+        tick_us: u32,
+        /// Most ticks of a session.
+        most: f64,
+    },
     /// The log holds a voltage only.
     #[error("{log}: holds no displacement to compare with")]
     NoDisplacement {
@@ -71,6 +86,8 @@ pub enum PrepareError {
     },
 }
 
+/// Most ticks of a session.
+const MOST: f64 = 1e8;
 /// Fewest measured samples of a session.
 const FEWEST: usize = 16;
 
@@ -112,6 +129,10 @@ impl Recipe {
         let too_short = |left| PrepareError::TooShort { log: log.name.clone(), left, need: FEWEST };
         if displacement.len() < FEWEST {
             return Err(too_short(displacement.len()));
+        }
+        let ticks = log.duration() / self.tick_s();
+        if ticks > MOST {
+            return Err(PrepareError::TooLong { log: log.name.clone(), ticks, tick_us: self.tick_us, most: MOST });
         }
         let voltage: Vec<f64> = log.voltage.iter().map(|v| v * self.voltage_scale - self.voltage_zero_v).collect();
         let displacement: Vec<f64> =

@@ -3,8 +3,8 @@
 //! Zeros, from the training logs only. The models are at rest at (0 V, 0 µm), so:
 //!
 //! - voltage: 0 where the logs' swing includes it or comes within 2 % of it, else the middle of the swing;
-//! - displacement: 0 where the logs swing about it (its middle lies within 25 % of half the swing; actuators are
-//!   asymmetric), else the mean sensor reading while the voltage passes or touches its zero, rising and falling passes
+//! - displacement: 0 where voltage and displacement both swing about their 0 (the middle lies within 25 % of half the
+//!   swing; actuators are asymmetric), else the mean sensor reading while the voltage passes or touches its zero, rising and falling passes
 //!   weighing the same. A sensor's zero is arbitrary; the model's is where the voltage's is.
 
 use super::{Decimation, Recipe};
@@ -14,14 +14,14 @@ use std::str::FromStr;
 
 /// A number, or `auto`.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Setting {
+pub enum AutoOr {
     /// To be found from the training logs.
     Auto,
     /// Given.
     Given(f64),
 }
 
-impl FromStr for Setting {
+impl FromStr for AutoOr {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -33,13 +33,13 @@ impl FromStr for Setting {
 }
 
 /// Parses a finite number.
-fn finite(text: &str) -> Result<f64, String> {
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
 }
 
-fn delay(text: &str) -> Result<Setting, String> {
+fn delay(text: &str) -> Result<AutoOr, String> {
     match text.parse()? {
-        Setting::Given(ms) if ms < 0.0 => Err("a sensor cannot show what has not happened".to_owned()),
+        AutoOr::Given(ms) if ms < 0.0 => Err("a sensor cannot show what has not happened".to_owned()),
         setting => Ok(setting),
     }
 }
@@ -48,7 +48,7 @@ fn factor(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x == 0.0 { Err("a scale of 0 leaves nothing".to_owned()) } else { Ok(x) })
 }
 
-fn not_negative(text: &str) -> Result<f64, String> {
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x < 0.0 { Err("must not be negative".to_owned()) } else { Ok(x) })
 }
 
@@ -67,14 +67,14 @@ pub struct PrepareOptions {
     pub displacement_scale: f64,
     /// Voltage (V, scaled) that the model calls 0, or `auto`: 0 where the logs reach it, else the middle of their swing.
     #[arg(long, default_value = "auto", allow_negative_numbers = true, value_name = "V|auto")]
-    pub voltage_zero: Setting,
+    pub voltage_zero: AutoOr,
     /// Displacement (µm, scaled) that the model calls 0, or `auto`: where the sensor stands when the voltage is at its zero.
     #[arg(long, default_value = "auto", allow_negative_numbers = true, value_name = "µm|auto")]
-    pub displacement_zero: Setting,
+    pub displacement_zero: AutoOr,
     /// How much later the sensor shows a displacement than it happens, ms, or `auto`: by cross-validation.
     #[arg(long, default_value = "0", value_parser = delay, allow_negative_numbers = true, value_name = "MS|auto")]
-    pub delay: Setting,
-    /// Largest delay that `--delay auto` tries, ms: what the sensor can have.
+    pub delay: AutoOr,
+    /// Largest delay that `--delay auto` tries, ms, in ten steps: what the sensor can have.
     #[arg(long, default_value_t = 5.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub max_delay: f64,
     /// Cut off the start of each log, s (a start-up transient).
@@ -104,8 +104,8 @@ impl PrepareOptions {
             voltage_zero_v: 0.0,
             displacement_zero_um: 0.0,
             delay_ticks: match self.delay {
-                Setting::Given(ms) => (ms / tick_ms).round() as u32,
-                Setting::Auto => 0,
+                AutoOr::Given(ms) => (ms / tick_ms).round() as u32,
+                AutoOr::Auto => 0,
             },
             skip_start_s: self.skip_start,
             skip_end_s: self.skip_end,
@@ -116,13 +116,16 @@ impl PrepareOptions {
         let displacements: Vec<_> =
             logs.iter().filter_map(|log| Some(scaled(log.displacement.as_ref()?, self.displacement_scale))).collect();
         recipe.voltage_zero_v = match self.voltage_zero {
-            Setting::Given(v) => v,
-            Setting::Auto => zero_or_middle(&voltages, 1.0 + 2.0 * TOUCHES),
+            AutoOr::Given(v) => v,
+            AutoOr::Auto => {
+                let (middle, half) = middle(&voltages);
+                if middle.abs() <= (1.0 + 2.0 * TOUCHES) * half { 0.0 } else { middle }
+            }
         };
         recipe.displacement_zero_um = match self.displacement_zero {
-            Setting::Given(y) => y,
-            Setting::Auto if recipe.voltage_zero_v == 0.0 && zero_or_middle(&displacements, 0.25) == 0.0 => 0.0,
-            Setting::Auto => mean_at_zero(&voltages, &displacements, recipe.voltage_zero_v)
+            AutoOr::Given(y) => y,
+            AutoOr::Auto if recipe.voltage_zero_v == 0.0 && about_zero(&voltages) && about_zero(&displacements) => 0.0,
+            AutoOr::Auto => mean_at_zero(&voltages, &displacements, recipe.voltage_zero_v)
                 .unwrap_or_else(|| middle(&displacements).0),
         };
         recipe
@@ -139,9 +142,10 @@ fn middle(logs: &[Vec<f64>]) -> (f64, f64) {
     if min <= max { ((max + min) / 2.0, (max - min) / 2.0) } else { (0.0, 0.0) }
 }
 
-fn zero_or_middle(logs: &[Vec<f64>], tolerance: f64) -> f64 {
+/// Whether the values swing about 0, if not quite evenly.
+fn about_zero(logs: &[Vec<f64>]) -> bool {
     let (middle, half) = middle(logs);
-    if middle.abs() <= tolerance * half { 0.0 } else { middle }
+    middle.abs() <= 0.25 * half
 }
 
 /// Mean displacement where the voltage crosses `zero`, rising and falling crossings weighing the same; where it only
@@ -223,6 +227,13 @@ mod tests {
         assert_eq!(recipe.voltage_zero_v, 0.0);
         // At its lowest the sine stands 0.01 V above 0 V, and lags: 10·sin(−π/2 − 0.2) − 90, a little below.
         assert!((recipe.displacement_zero_um + 99.85).abs() < 0.05, "{recipe:?}");
+    }
+
+    #[test]
+    fn the_sensor_s_own_zero_does_not_matter_in_a_unipolar_log() {
+        let zeros =
+            [-90.0, 0.0, 10.0, 500.0].map(|um| options(&[]).resolve(&[log(2.01, um)]).displacement_zero_um - um);
+        assert!(zeros.iter().all(|zero| (zero - zeros[0]).abs() < 1e-9), "{zeros:?}");
     }
 
     #[test]

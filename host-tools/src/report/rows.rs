@@ -34,15 +34,16 @@ impl CandidateRow {
     /// The row of a candidate.
     pub fn new(candidate: &Candidate, chosen: &Candidate) -> Self {
         let (training, held_out) = (candidate.training_figures(), candidate.held_out_figures());
-        let cell = |figures: Option<Figures>, of: fn(&Figures) -> f64| {
-            figures.map(|figures| Cell { um: quantity(of(&figures), "µm"), percent: percent(&figures, of(&figures)) })
+        let cell = |figures: Option<Figures>, of: fn(&Figures) -> (f64, f64)| {
+            let (um, of_stroke) = of(&figures?);
+            Some(Cell { um: quantity(um, "µm"), percent: percent(of_stroke) })
         };
         let cells = [
-            cell(training, |f| f.mae_um),
-            cell(held_out, |f| f.mae_um),
-            cell(held_out, |f| f.max_um),
-            cell(held_out, |f| f.rmse_um),
-            cell(held_out, |f| f.mae_without_offset_um),
+            cell(training, |f| (f.mae_um, f.mae_percent)),
+            cell(held_out, |f| (f.mae_um, f.mae_percent)),
+            cell(held_out, |f| (f.max_um, f.max_percent)),
+            cell(held_out, |f| (f.rmse_um, f.rmse_percent)),
+            cell(held_out, |f| (f.mae_without_offset_um, f.mae_without_offset_percent)),
         ];
         let all = candidate.training.iter().chain(&candidate.held_out);
         Self {
@@ -54,14 +55,14 @@ impl CandidateRow {
     }
 }
 
-/// An error in % of the stroke, where there is a stroke.
-fn percent(figures: &Figures, um: f64) -> Option<String> {
-    Some(figures.percent(um)).filter(|percent| percent.is_finite()).map(|percent| quantity(percent, "%"))
+/// A percentage of the stroke, where there is a stroke.
+fn percent(of_stroke: f64) -> Option<String> {
+    of_stroke.is_finite().then(|| quantity(of_stroke, "%"))
 }
 
 /// Mean and largest error in words.
 pub fn mean_and_largest(figures: &Figures) -> String {
-    let of_stroke = percent(figures, figures.mae_um).map(|percent| format!(" ({percent} of stroke)"));
+    let of_stroke = percent(figures.mae_percent).map(|percent| format!(" ({percent} of stroke)"));
     let (mean, largest) = (quantity(figures.mae_um, "µm"), quantity(figures.max_um, "µm"));
     format!("Mean error {mean}{}, largest {largest}", of_stroke.unwrap_or_default())
 }

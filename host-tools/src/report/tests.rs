@@ -70,6 +70,10 @@ fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
         stroke_um: 8.0,
         offset_um: 0.0,
         mae_without_offset_um: 0.0,
+        mae_percent: 100.0 * error(0).abs() / 8.0,
+        max_percent: 100.0 * error(0).abs() / 8.0,
+        rmse_percent: 100.0 * error(0).abs() / 8.0,
+        mae_without_offset_percent: 0.0,
     };
     Comparison {
         name: name.to_owned(),

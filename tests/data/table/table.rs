@@ -15,7 +15,7 @@ pub const TABLE: Table = Table {
     voltage_zero_v: 0.0,
     displacement_zero_um: -118.681114,
     form: Tabulated {
-        error_bound_um: 0.0053905654,
+        error_bound_um: 0.0054444713,
     },
     voltage_range_v: Range {
         min: -0.18,

@@ -1,0 +1,134 @@
+//! What a log may be like: a sensor with any offset, late, falling or of something else, a glitch, a voltage that rests.
+
+use super::{MEASURED, json, piezo, root};
+use super::{number, options::refused};
+use host_tools::log::{Log, ReadOptions, read, write_csv};
+use host_tools::rig::{EXCITATIONS, Rig};
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A search that is as short as each test can do with.
+const SHORT: [&str; 4] = ["--generations", "15", "--rounds", "3"];
+const SHORTEST: [&str; 4] = ["--generations", "5", "--rounds", "1"];
+
+fn measured() -> Log {
+    read(&root().join(MEASURED), &ReadOptions::default()).unwrap()
+}
+
+/// Half a second of one of the rig's logs.
+pub fn rig(name: &str) -> Log {
+    let excitation = EXCITATIONS.into_iter().find(|excitation| excitation.name == name).expect("one of the six logs");
+    Rig { duration: 0.5, ..Rig::default() }.log(excitation)
+}
+
+/// The log with other displacements, each from its row and what it was.
+fn displaced(log: &Log, change: impl Fn(usize, f64) -> f64) -> Log {
+    let rows = log.displacement.as_ref().expect("these logs have one").iter().enumerate();
+    Log { displacement: Some(rows.map(|(row, &y)| change(row, y)).collect()), ..log.clone() }
+}
+
+/// Writes a log into a folder under its name.
+pub fn write(folder: &Path, log: &Log) -> PathBuf {
+    let path = folder.join(&log.name).with_extension("csv");
+    write_csv(&path, log.sample_period, &log.voltage, log.displacement.as_ref().unwrap()).unwrap();
+    path
+}
+
+/// What `identify` makes of some logs.
+fn identify(logs: &[Log], arguments: &[&[&str]]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let paths = logs.iter().map(|log| write(folder.path(), log));
+    let out = folder.path().join("out");
+    json(piezo().arg("identify").args(paths).args(arguments.concat()).args(["--json", "--out"]).arg(out))
+}
+
+fn doubts(result: &Value) -> Vec<&str> {
+    result["doubts"].as_array().unwrap().iter().filter_map(|doubt| doubt["doubt"].as_str()).collect()
+}
+
+#[test]
+fn the_offset_of_the_sensor_does_not_matter() {
+    let unipolar = Log { voltage: rig("sin10").voltage.iter().map(|v| 1.8 + 0.09 * v).collect(), ..rig("sin10") };
+    for log in [measured(), unipolar] {
+        let run = |offset: f64| {
+            let result = identify(&[displaced(&log, |_, y| y + offset)], &[&SHORT, &["--model", "voigt"]]);
+            let mae = number(&result, "/candidates/0/held_out/mae_um");
+            (mae, number(&result, "/recipe/displacement_zero_um") - offset)
+        };
+        let (mae, zero) = run(0.0);
+        for offset in [96.0, -30.0, 500.0] {
+            let (there, zero_there) = run(offset);
+            assert!((there - mae).abs() <= 1e-6_f64.max(1e-3 * mae), "{}: {offset:+} µm: {there}, not {mae}", log.name);
+            assert!((zero_there - zero).abs() < 1e-6, "{}: {offset:+} µm: {zero_there}, not {zero}", log.name);
+        }
+    }
+}
+
+#[test]
+fn one_glitch_of_the_voltage_is_no_second_amplitude_or_frequency() {
+    // Rising, at the top, falling; all in the training half.
+    for row in [1010, 1050, 2110] {
+        let mut log = measured();
+        log.voltage[row] -= 0.12;
+        let result = identify(&[log], &[&SHORTEST, &["--model", "auto"]]);
+        assert_eq!(result["model"], "voigt", "row {row}: {}", result["reason"]);
+        for doubt in ["single-amplitude", "single-frequency"] {
+            assert!(doubts(&result).contains(&doubt), "row {row}: {doubt} is missing in {:?}", doubts(&result));
+        }
+    }
+}
+
+#[test]
+fn a_displacement_that_falls_while_the_voltage_rises_is_said_and_a_negative_scale_mends_it() {
+    let falling = [displaced(&measured(), |_, y| -y)];
+    let as_recorded = identify(&falling, &[&SHORTEST, &["--model", "voigt"]]);
+    assert!(doubts(&as_recorded).contains(&"falls-with-voltage"), "{:?}", doubts(&as_recorded));
+    let turned = identify(&falling, &[&SHORTEST, &["--model", "voigt", "--displacement-scale", "-1"]]);
+    assert!(!doubts(&turned).contains(&"falls-with-voltage"), "{:?}", doubts(&turned));
+}
+
+#[test]
+fn a_displacement_that_has_nothing_to_do_with_the_voltage_is_a_poor_fit() {
+    let log = measured();
+    let unrelated = displaced(&log, |row, _| 20.0 * (TAU * 0.37 * row as f64 * log.sample_period).sin());
+    for (log, poor) in [(unrelated, true), (log, false)] {
+        let result = identify(&[log], &[&SHORT, &["--model", "voigt"]]);
+        assert_eq!(doubts(&result).contains(&"poor-fit"), poor, "{:?}", doubts(&result));
+    }
+}
+
+#[test]
+fn a_voltage_that_rests_where_it_should_teach_or_test_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let half = measured().voltage.len() / 2;
+    for (name, rests) in [("rests-first", 0..half), ("rests-last", half..2 * half)] {
+        let mut log = Log { name: name.to_owned(), ..measured() };
+        log.voltage[rests.clone()].fill(1.8);
+        log.displacement.as_mut().unwrap()[rests].fill(-95.0);
+        let path = write(folder.path(), &log);
+        let arguments = [&["identify", path.to_str().unwrap(), "--out", out.to_str().unwrap()], &SHORTEST[..]].concat();
+        let message = refused(&arguments, &[name, "does not move"]);
+        assert!(message.contains("--hold-out") || message.contains("--skip-"), "no remedy: {message}");
+    }
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 2, "nothing may be written beside the two logs: {left:?}");
+}
+
+#[test]
+fn a_late_sensor_is_found_out() {
+    let logs = || ["sin10", "tr10", "sin100"].map(rig);
+    let delay = |logs: &[Log]| {
+        let automatic = ["--delay", "auto", "--max-delay", "3", "--model", "voigt"];
+        number(&identify(logs, &[&SHORT, &automatic]), "/recipe/delay_ticks")
+    };
+    // 20 samples at 10 kHz are 4 ticks at 2 kHz.
+    let late = logs().map(|log| {
+        let recorded = log.displacement.clone().unwrap();
+        displaced(&log, |row, _| recorded[row.saturating_sub(20)])
+    });
+    assert!((3.0..=5.0).contains(&delay(&late)), "{}", delay(&late));
+    assert!(delay(&logs()) <= 1.0, "{}", delay(&logs()));
+}
