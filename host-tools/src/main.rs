@@ -7,7 +7,7 @@ use std::process::ExitCode;
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
 /// data it has not seen, and put it on a microcontroller.
 #[derive(Parser)]
-#[command(version, after_help = EXIT_CODES)]
+#[command(name = "piezo", version, after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,

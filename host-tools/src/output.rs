@@ -14,7 +14,7 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<()> {
         file.persist(path).map_err(|error| error.error)?;
         Ok(())
     };
-    attempt().with_context(|| format!("{}: cannot write it: does the folder exist, and is it yours?", path.display()))
+    attempt().with_context(|| format!("{}: cannot be written", path.display()))
 }
 
 /// A temporary file in the folder of `path`, with the permissions of an ordinary new file, to be renamed to `path`.
@@ -32,7 +32,11 @@ pub fn folder(path: &Path) -> Result<()> {
     std::fs::create_dir_all(path).with_context(|| format!("{}: cannot create the folder", path.display()))
 }
 
-/// Writes bytes to standard output.
+/// Writes bytes to standard output, all of them unless its reader has gone.
 pub fn standard(bytes: &[u8]) -> Result<()> {
-    std::io::stdout().write_all(bytes).context("standard output")
+    let mut stdout = std::io::stdout();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error).context("standard output"),
+        _ => Ok(()),
+    }
 }

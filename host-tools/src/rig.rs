@@ -23,31 +23,31 @@ use std::f64::consts::TAU;
 #[derive(Args, Clone, Debug)]
 pub struct Rig {
     /// Voltage amplitude, V.
-    #[arg(long, default_value_t = 20.0)]
+    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
     pub amplitude: f64,
     /// Length of a log, s.
-    #[arg(long, default_value_t = 2.0)]
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
     pub duration: f64,
     /// Samples a second, Hz.
-    #[arg(long, default_value_t = 10_000.0)]
+    #[arg(long, default_value_t = 10_000.0, allow_negative_numbers = true)]
     pub fs: f64,
     /// Cut-off frequency of the amplifier, Hz.
-    #[arg(long, default_value_t = 75.0)]
+    #[arg(long, default_value_t = 75.0, allow_negative_numbers = true)]
     pub cutoff: f64,
     /// Factor on the hysteresis (the plays wider than 0).
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     pub hysteresis: f64,
     /// Factor on the creep.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     pub creep: f64,
     /// Asymmetry, 1/µm.
-    #[arg(long, default_value_t = 0.03)]
+    #[arg(long, default_value_t = 0.03, allow_negative_numbers = true)]
     pub asymmetry: f64,
     /// Sensor noise, nm rms.
-    #[arg(long, default_value_t = 7.0)]
+    #[arg(long, default_value_t = 7.0, allow_negative_numbers = true)]
     pub noise_nm: f64,
     /// Noise of the recorded voltage, V rms.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub voltage_noise: f64,
     /// Record the voltage as a converter of this many bits over ±110 % of the amplitude would.
     #[arg(long, value_parser = clap::value_parser!(u8).range(4..=24))]

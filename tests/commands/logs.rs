@@ -1,7 +1,7 @@
 //! What a log may be like: a sensor with any offset, late, falling or of something else, a glitch, a voltage that rests.
 
-use super::{MEASURED, json, piezo, root};
-use super::{number, options::refused};
+use super::options::refused;
+use super::{MEASURED, json, number, piezo, root};
 use host_tools::log::{Log, ReadOptions, read, write_csv};
 use host_tools::rig::{EXCITATIONS, Rig};
 use serde_json::Value;
@@ -68,8 +68,8 @@ fn the_offset_of_the_sensor_does_not_matter() {
 
 #[test]
 fn one_glitch_of_the_voltage_is_no_second_amplitude_or_frequency() {
-    // Rising, at the top, falling; all in the training half.
-    for row in [1010, 1050, 2110] {
+    // High and rising, at the top, low and falling, low and rising; all in the training half.
+    for row in [1020, 1050, 1130, 1170] {
         let mut log = measured();
         log.voltage[row] -= 0.12;
         let result = identify(&[log], &[&SHORTEST, &["--model", "auto"]]);
@@ -103,10 +103,11 @@ fn a_displacement_that_has_nothing_to_do_with_the_voltage_is_a_poor_fit() {
 fn a_voltage_that_rests_where_it_should_teach_or_test_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let half = measured().voltage.len() / 2;
-    for (name, rests) in [("rests-first", 0..half), ("rests-last", half..2 * half)] {
+    let (half, end) = (measured().voltage.len() / 2, measured().voltage.len());
+    for (name, rests) in [("rests-first", 0..half), ("rests-last", half..end)] {
         let mut log = Log { name: name.to_owned(), ..measured() };
-        log.voltage[rests.clone()].fill(1.8);
+        // As a converter reads it: a step to and fro.
+        log.voltage[rests.clone()].iter_mut().enumerate().for_each(|(row, v)| *v = 1.8 + 0.001 * (row % 2) as f64);
         log.displacement.as_mut().unwrap()[rests].fill(-95.0);
         let path = write(folder.path(), &log);
         let arguments = [&["identify", path.to_str().unwrap(), "--out", out.to_str().unwrap()], &SHORTEST[..]].concat();

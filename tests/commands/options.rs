@@ -145,21 +145,21 @@ fn numbers_that_make_no_sense_are_refused_by_the_name_of_their_option() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// So few candidates that hardly any set of the richer models is admissible within so narrow limits.
-const HOPELESS: [&str; 10] =
-    ["--start", "random", "--generations", "1", "--rounds", "1", "--population", "4", "--limit", "1.05"];
+/// So few candidates that some models find none that is admissible within so narrow limits. With this seed the enhanced
+/// model is one of those and Voigt is not.
+const HARDLY_SEARCHED: [&str; 12] =
+    ["--start", "random", "--generations", "5", "--rounds", "1", "--population", "8", "--limit", "1.15", "--seed", "3"];
 
 #[test]
 fn a_model_that_finds_nothing_admissible_does_not_take_the_others_along() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |model: &str, seed: &str, out: &Path| {
+    let run = |model: &str, out: &Path| {
         let mut command = piezo();
-        command.args(["identify", MEASURED, "--model", model, "--seed", seed, "--json", "--out"]).arg(out);
-        command.args(HOPELESS);
+        command.args(["identify", MEASURED, "--model", model, "--json", "--out"]).arg(out).args(HARDLY_SEARCHED);
         command
     };
     let out = folder.path().join("auto");
-    let result = json(&mut run("auto", "5", &out));
+    let result = json(&mut run("auto", &out));
     let failed = result["failed"].as_array().expect("an array");
     let model = |value: &Value| value["model"].as_str().expect("a model's name").to_owned();
     assert!(failed.iter().any(|entry| model(entry) == "enhanced"), "{failed:?}: another seed would show it");
@@ -170,7 +170,7 @@ fn a_model_that_finds_nothing_admissible_does_not_take_the_others_along() {
     TableFile::load(&out.join("table.toml")).unwrap();
 
     let out = folder.path().join("enhanced");
-    let refusal = run("enhanced", "5", &out).assert().code(2).get_output().stderr.clone();
+    let refusal = run("enhanced", &out).assert().code(2).get_output().stderr.clone();
     let refusal = String::from_utf8(refusal).unwrap();
     assert!(refusal.contains("enhanced") && refusal.contains("admissible"), "{refusal}");
     assert!(!out.exists(), "nothing may be written");

@@ -78,8 +78,8 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         }
     }
     match arguments.face {
-        Some(Face::Toml) => out(&file.to_toml()?),
-        Some(Face::Rust) => out(&rust_source(&admitted)),
+        Some(Face::Toml) => output::standard(file.to_toml()?.as_bytes())?,
+        Some(Face::Rust) => output::standard(rust_source(&admitted).as_bytes())?,
         Some(Face::Binary) => output::standard(&record(&admitted))?,
         None => {}
     }

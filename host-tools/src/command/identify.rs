@@ -6,7 +6,7 @@ use super::{LogOptions, limit};
 use crate::calibration::CalibrationOptions;
 use crate::identify::{Candidate, Conditions, Job, ModelChoice, Outcome, Role, SearchOptions};
 use crate::output;
-use crate::prepare::PrepareOptions;
+use crate::prepare::{PrepareOptions, Recipe};
 use crate::report::{self, Report};
 use crate::session::Feedback;
 use crate::table_file::TableFile;
@@ -23,6 +23,15 @@ pub enum SchemeName {
     ForwardEuler,
     /// Exact for a voltage that stays for the tick; stable for any rate.
     ZeroOrderHold,
+}
+
+impl SchemeName {
+    fn words(self) -> &'static str {
+        match self {
+            Self::ForwardEuler => "forward Euler",
+            Self::ZeroOrderHold => "zero-order hold",
+        }
+    }
 }
 
 impl From<SchemeName> for Scheme {
@@ -184,9 +193,10 @@ fn verdict(outcome: &Outcome) -> Vec<String> {
     }
     let limits = candidate.table.displacement_limits_um;
     sentences.push(format!(
-        "Proven: stable at every voltage, and within {:.2} … {:.2} µm for any sequence of voltages.",
+        "Proven: stable at every voltage, and within {:.2} … {:.2} µm of the model's zero for any sequence of voltages.",
         limits.min, limits.max
     ));
+    sentences.push(format!("{}.", zeros(&outcome.recipe)));
     sentences
 }
 
@@ -208,25 +218,29 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
     out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
 }
 
+/// Zeros and delay in words.
+fn zeros(recipe: &Recipe) -> String {
+    format!(
+        "{:.4} V and {:.4} µm are the model's zero; the sensor's delay is taken as {:.2} ms",
+        recipe.voltage_zero_v,
+        recipe.displacement_zero_um,
+        f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3
+    )
+}
+
 /// Provenance for the report.
 fn facts(arguments: &Identify, outcome: &Outcome) -> Vec<(String, String)> {
     let recipe = &outcome.recipe;
     let search = &arguments.search;
     let mut facts = vec![
         ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
-        ("Tick".to_owned(), format!("{} µs, {:?}", recipe.tick_us, outcome.candidate().table.scheme)),
-        (
-            "Zero".to_owned(),
-            format!(
-                "{:.4} V, {:.4} µm; delay {} ticks",
-                recipe.voltage_zero_v, recipe.displacement_zero_um, recipe.delay_ticks
-            ),
-        ),
+        ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.scheme.words())),
+        ("Zero".to_owned(), zeros(recipe)),
         (
             "Search".to_owned(),
             format!(
-                "cost {:?}, seed {}, {} rounds of {} generations, {} chromosomes of {} bits a gene, mutation {}",
-                arguments.cost,
+                "cost {}, seed {}, {} rounds of {} generations, {} chromosomes of {} bits a gene, mutation {}",
+                if arguments.cost == Feedback::Osp { "one-step prediction" } else { "simulation" },
                 search.seed,
                 search.rounds,
                 search.generations,

@@ -22,8 +22,11 @@ pub fn progress(length: u64) -> indicatif::ProgressBar {
     indicatif::ProgressBar::new(length).with_style(style)
 }
 
-/// Prints to standard output; a reader who has closed the pipe has seen enough.
-pub fn out(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stdout(), "{text}");
+/// Prints a line to standard output. A reader who has closed the pipe has seen enough; anything else that keeps the line
+/// from being written (a full disk) ends the program with exit code 2.
+pub fn out(line: &str) {
+    if let Err(error) = crate::output::standard(format!("{line}\n").as_bytes()) {
+        eprintln!("piezo: {error:#}");
+        std::process::exit(2);
+    }
 }

@@ -4,11 +4,12 @@ use super::LogOptions;
 use super::print::{heading, out, row};
 use crate::identify::{LogUse, Role};
 use crate::log::Log;
-use crate::prepare::{Recipe, not_negative};
+use crate::prepare::{Decimation, Recipe, not_negative};
 use crate::table_file::TableFile;
 use crate::validate::{Comparison, Figures, compare};
 use anyhow::Result;
 use clap::Args;
+use estimator_core::Status;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -21,10 +22,10 @@ pub struct Validate {
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// Fail (exit code 1) when the f32 core's mean absolute error over all logs exceeds this, µm.
-    #[arg(long, value_name = "µm")]
+    #[arg(long, value_name = "µm", value_parser = not_negative, allow_negative_numbers = true)]
     pub max_mae: Option<f64>,
     /// Fail (exit code 1) when it exceeds this percentage of the stroke.
-    #[arg(long, value_name = "%")]
+    #[arg(long, value_name = "%", value_parser = not_negative, allow_negative_numbers = true)]
     pub max_percent: Option<f64>,
     /// Judge by the error without a constant offset, as it is after re-zeroing.
     #[arg(long)]
@@ -35,6 +36,9 @@ pub struct Validate {
     /// Cut off the end of each log, s, instead of what the table's recipe says.
     #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
     pub skip_end: Option<f64>,
+    /// What becomes of a log faster than the tick, instead of what the table's recipe says.
+    #[arg(long, value_enum)]
+    pub decimate: Option<Decimation>,
     /// Print the figures as JSON.
     #[arg(long)]
     pub json: bool,
@@ -49,6 +53,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     let recipe = Recipe {
         skip_start_s: arguments.skip_start.unwrap_or(file.recipe.skip_start_s),
         skip_end_s: arguments.skip_end.unwrap_or(file.recipe.skip_end_s),
+        decimation: arguments.decimate.unwrap_or(file.recipe.decimation),
         ..file.recipe
     };
     let logs = arguments.files.read_all(&arguments.logs)?;
@@ -72,7 +77,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         out(&serde_json::to_string_pretty(&report)?);
         return Ok(passed);
     }
-    out(&heading("simulation from the first sample"));
+    out("Simulation from each log's first sample: the f64 reference (MIL) and the f32 core of the target (SIL).");
+    out(&heading("log"));
     for (comparison, trained_on) in comparisons.iter().zip(&trained_on) {
         out(&row(&format!("{}  f64 (MIL)", comparison.name), &comparison.mil));
         out(&row(&format!("{}  f32 (SIL)", comparison.name), &comparison.sil));
@@ -83,15 +89,17 @@ pub fn run(arguments: &Validate) -> Result<bool> {
             ));
         }
         if !comparison.status.is_empty() {
-            out(&format!("    status raised: {:?}", comparison.status));
+            out(&format!("    {}", remarks(comparison.status)));
         }
     }
     if comparisons.len() > 1 {
         out(&row("all  f64 (MIL)", &mil));
         out(&row("all  f32 (SIL)", &sil));
     }
+    let limit = |limit: Option<f64>, unit: &str| limit.map_or(String::new(), |limit| format!(" {limit} {unit}"));
     if !passed {
-        out(&format!("FAILED: {judged:.4} µm ({percent:.2} % of the stroke) exceeds the limit"));
+        let (um, of_stroke) = (limit(arguments.max_mae, "µm"), limit(arguments.max_percent, "%"));
+        out(&format!("FAILED: {judged:.4} µm, {percent:.2} % of the stroke; allowed:{um}{of_stroke}"));
     }
     Ok(passed)
 }
@@ -100,6 +108,21 @@ pub fn run(arguments: &Validate) -> Result<bool> {
 fn trained_on(uses: &[LogUse], log: &Log) -> Option<(f64, f64)> {
     let used = uses.iter().find(|used| used.role == Role::Training && used.sha256 == log.sha256)?;
     Some((used.from_s, used.to_s))
+}
+
+/// What the status bits mean.
+fn remarks(status: Status) -> String {
+    let meanings = [
+        (
+            Status::VOLTAGE_OUT_OF_RANGE,
+            "the voltage left the range the model was identified on; the nearest end was taken",
+        ),
+        (Status::CLAMPED, "the estimate was clamped to the table's limits"),
+        (Status::DAC_SATURATED, "the displacement reached an end of the DAC's range"),
+        (Status::ADC_SATURATED, "the ADC stood at an end of its range"),
+    ];
+    let raised = meanings.into_iter().filter(|(bit, _)| status.contains(*bit)).map(|(_, meaning)| meaning);
+    raised.collect::<Vec<_>>().join("; ")
 }
 
 fn to_json((comparison, trained_on_s): (&Comparison, &Option<(f64, f64)>)) -> Value {

@@ -44,7 +44,7 @@ impl Candidate {
     /// Makes the table and runs it over the sessions of its problem.
     pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self> {
         let table = table(problem, &fit, setting)?;
-        let admit = |table: Table| table.admit().context("the identified table is refused in the target's precision");
+        let admit = |table: Table| table.admit().context("the identified table is refused");
         let first = admit(table)?;
         let candidate = Self {
             training: problem.training().map(|session| compare(&first, session)).collect(),

@@ -6,8 +6,10 @@ use estimator_core::Tracker;
 /// What was found in the training logs' voltage.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Character {
-    /// Reversals, all logs together.
+    /// Reversals of at least 2 % of the voltage span, all logs together.
     pub reversals: usize,
+    /// Reversals that the model's deadband lets through.
+    pub reversals_at_deadband: usize,
     half_cycles: Vec<HalfCycle>,
 }
 
@@ -26,14 +28,17 @@ const ONE: f64 = 1.25;
 const RARE: f64 = 0.05;
 
 impl Character {
-    /// Looks at the voltages of some sessions.
-    pub fn of<'a>(sessions: impl Iterator<Item = &'a Session> + Clone) -> Self {
+    /// Looks at the voltages of some sessions; `deadband` (V) is the model's.
+    pub fn of<'a>(sessions: impl Iterator<Item = &'a Session> + Clone, deadband: f64) -> Self {
         let voltages = || sessions.clone().flat_map(|session| &session.voltage);
         let span = voltages().fold(f64::MIN, |a, &b| a.max(b)) - voltages().fold(f64::MAX, |a, &b| a.min(b));
-        let mut character = Self { reversals: 0, half_cycles: Vec::new() };
+        let mut character = Self { reversals: 0, reversals_at_deadband: 0, half_cycles: Vec::new() };
         for session in sessions {
             // The tracker records the displacement at the extreme; here that is the time.
             let mut tracker = Tracker::new(SMALLEST_SWING * span);
+            let mut fine = Tracker::new(deadband);
+            let passes = session.voltage.iter().filter(|&&voltage| fine.update(voltage, 0.0)).count();
+            character.reversals_at_deadband += passes;
             let mut previous: Option<(f64, f64)> = None;
             for (tick, &voltage) in session.voltage.iter().enumerate() {
                 if !tracker.update(voltage, tick as f64 * session.tick_s) {
@@ -95,7 +100,7 @@ mod tests {
     #[test]
     fn one_sine_is_one_frequency_and_one_amplitude() {
         let sessions = [sine(20.0, 5.0)];
-        let character = Character::of(sessions.iter());
+        let character = Character::of(sessions.iter(), 0.02);
         assert_eq!(character.reversals, 20);
         assert!(character.single_amplitude() && character.single_frequency());
     }
@@ -103,17 +108,17 @@ mod tests {
     #[test]
     fn two_frequencies_and_two_amplitudes_are_seen() {
         let frequencies = [sine(20.0, 5.0), sine(20.0, 50.0)];
-        let character = Character::of(frequencies.iter());
+        let character = Character::of(frequencies.iter(), 0.02);
         assert!(character.single_amplitude() && !character.single_frequency());
         let amplitudes = [sine(20.0, 5.0), sine(10.0, 5.0)];
-        let character = Character::of(amplitudes.iter());
+        let character = Character::of(amplitudes.iter(), 0.02);
         assert!(!character.single_amplitude() && character.single_frequency());
     }
 
     #[test]
     fn the_thesis_s_frequencies_are_several_though_most_half_cycles_are_fast() {
         let sessions = [sine(20.0, 1.0), sine(20.0, 100.0)];
-        assert!(!Character::of(sessions.iter()).single_frequency());
+        assert!(!Character::of(sessions.iter(), 0.02).single_frequency());
     }
 
     #[test]
@@ -121,7 +126,7 @@ mod tests {
         let mut glitched = sine(20.0, 5.0);
         glitched.voltage[1033] -= 1.5;
         let sessions = [glitched];
-        let character = Character::of(sessions.iter());
+        let character = Character::of(sessions.iter(), 0.02);
         assert_eq!(character.reversals, 22);
         assert!(character.single_amplitude() && character.single_frequency());
     }
@@ -129,7 +134,7 @@ mod tests {
     #[test]
     fn a_ramp_teaches_no_reversal() {
         let ramp = [session((0..100).map(f64::from).collect())];
-        let character = Character::of(ramp.iter());
+        let character = Character::of(ramp.iter(), 0.02);
         assert!(character.reversals == 0 && character.single_amplitude() && character.single_frequency());
     }
 }

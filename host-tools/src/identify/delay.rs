@@ -34,11 +34,14 @@ pub struct DelaySearch {
     search: SearchOptions,
 }
 
+/// Errors within this factor of the least are alike, and the shortest delay among them counts: a search finds a minimum
+/// to a few per cent, and a delay that gains no more is not determined by the logs.
+const ALIKE: f64 = 1.05;
 /// Delays tried between none and the largest.
 const TRIED: u32 = 10;
 
 impl DelaySearch {
-    /// A search like the identification's, but shorter: only the order of the errors counts.
+    /// A search like the identification's, of one model and from random starts.
     pub fn new(prepare: &PrepareOptions, conditions: Conditions, cost: Feedback, search: &SearchOptions) -> Self {
         let largest = (prepare.max_delay * 1e3 / f64::from(prepare.tick_us)).round() as u32;
         Self {
@@ -46,12 +49,7 @@ impl DelaySearch {
             step: largest.div_ceil(TRIED).max(1),
             conditions,
             cost,
-            search: SearchOptions {
-                generations: search.generations.min(40),
-                rounds: search.rounds.min(3),
-                start: Start::Random,
-                ..search.clone()
-            },
+            search: SearchOptions { start: Start::Random, ..search.clone() },
         }
     }
 
@@ -64,7 +62,7 @@ impl DelaySearch {
 
     /// Estimates the delay of training logs that were cut.
     pub fn estimate(&self, training: &[Log], recipe: &Recipe, progress: Progress<'_>) -> Result<Delay> {
-        let mut best = (f64::INFINITY, 0);
+        let mut errors = Vec::new();
         for ticks in (0..=self.largest).step_by(self.step as usize) {
             let recipe = Recipe { delay_ticks: ticks, ..recipe.clone() };
             let mut error = 0.0;
@@ -74,11 +72,11 @@ impl DelaySearch {
                 let admissible = fits.first().filter(|fit| fit.cost.is_finite());
                 error += admissible.and_then(|fit| problem.held_out(&fit.parameters)).unwrap_or(f64::INFINITY);
             }
-            if error < best.0 {
-                best = (error, ticks);
-            }
+            errors.push((ticks, error));
         }
-        Ok(Delay { ticks: best.1, at_bound: best.1 > 0 && best.1 + self.step > self.largest })
+        let least = errors.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
+        let ticks = errors.iter().find(|(_, error)| *error <= ALIKE * least).map_or(0, |(ticks, _)| *ticks);
+        Ok(Delay { ticks, at_bound: ticks > 0 && ticks + self.step > self.largest })
     }
 }
 

@@ -1,10 +1,5 @@
-//! When not to trust an identification. Each doubt says what was seen, what it means and what helps.
+//! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
-use super::candidate::Candidate;
-use super::character::Character;
-use super::space::Gene;
-use crate::session::Feedback;
-use crate::validate::Trace;
 use estimator_core::Model;
 use serde::Serialize;
 use std::fmt;
@@ -82,6 +77,18 @@ pub enum Doubt {
         /// Its name.
         log: String,
     },
+    /// The voltage is read with more noise than the deadband.
+    NoisyVoltage {
+        /// Reversals that the deadband lets through.
+        reversals: usize,
+        /// Those of at least 2 % of the span.
+        large: usize,
+    },
+    /// A converter's span does not cover what the table needs.
+    ConverterSpan {
+        /// Which converter, and its option.
+        converter: &'static str,
+    },
     /// The ADC and DAC calibration is a placeholder.
     CalibrationAssumed,
     /// `--delay auto` ended at its largest delay.
@@ -132,8 +139,8 @@ impl fmt::Display for Doubt {
             ),
             Self::Transient { log, until_s } => write!(
                 f,
-                "{log} fits far worse in its first {until_s:.2} s than later, as a start-up transient does: cut it off \
-                 with --skip-start {until_s:.2}"
+                "{log} fits far worse in its first {until_s:.3} s than later, as a start-up transient does: cut it off \
+                 with --skip-start"
             ),
             Self::FewReversals { reversals } => write!(
                 f,
@@ -174,6 +181,15 @@ impl fmt::Display for Doubt {
                      train on logs that reach as far"
                 )
             }
+            Self::NoisyVoltage { reversals, large } => write!(
+                f,
+                "the voltage reverses {reversals} times, but only {large} times by more than 2 % of its span: noise passes \
+                 for reversals; give a --deadband above it"
+            ),
+            Self::ConverterSpan { converter } => write!(
+                f,
+                "the {converter} does not cover what the logs need: there the converter will stand at its end"
+            ),
             Self::CalibrationAssumed => write!(
                 f,
                 "the ADC and DAC calibration is assumed (their ranges span the logs): state --adc-span and --dac-span \
@@ -189,136 +205,11 @@ impl fmt::Display for Doubt {
 }
 
 /// Fewer reversals than this teach no hysteresis.
-const FEW_REVERSALS: usize = 6;
-/// Training error beyond this percentage of the stroke is no description.
-const POOR: f64 = 5.0;
-/// Held-out error beyond this multiple of the training error.
-const FAR: f64 = 1.5;
-/// Simulation error beyond this multiple of the one-step error of a one-step fit, and
-const DIVERGED: f64 = 10.0;
-/// beyond this fraction of the stroke.
-const DIVERGED_STROKE: f64 = 0.1;
-/// A constant offset beyond this fraction of the held-out error.
-const DRIFT: f64 = 0.5;
-/// f32 may differ from f64 by this fraction of the stroke.
-const SINGLE_PRECISION: f64 = 1e-4;
-/// Errors in the first tenth of a log beyond this multiple of the largest later on are a transient.
-const TRANSIENT: f64 = 2.0;
-/// A coordinate this close to an end of its range, as a fraction of it, is at the end.
-const AT_BOUND: f64 = 0.005;
-
-/// Every doubt about a candidate, gravest first.
-pub fn doubts(candidate: &Candidate, character: &Character, cost: Feedback) -> Vec<Doubt> {
-    let mut doubts = Vec::new();
-    let model = candidate.table.model;
-    let extremum_terms = model != Model::Voigt;
-    let training = candidate.training_figures();
-    let held_out = candidate.held_out_figures();
-    if let (Feedback::Osp, Some(training)) = (cost, training) {
-        let (one_step_um, simulation_um) = (candidate.fit.cost, training.mae_um);
-        if simulation_um > DIVERGED * one_step_um && simulation_um > DIVERGED_STROKE * training.stroke_um {
-            doubts.push(Doubt::Diverges { one_step_um, simulation_um });
-        }
-    }
-    if let Some(training) = training.filter(|training| training.mae_percent > POOR) {
-        doubts.push(Doubt::PoorFit { percent: training.mae_percent });
-    }
-    if candidate.training.iter().map(|comparison| covariance(&comparison.trace)).sum::<f64>() < 0.0 {
-        doubts.push(Doubt::FallsWithVoltage);
-    }
-    match (training, held_out) {
-        (Some(training), Some(held_out)) => {
-            if held_out.mae_um > FAR * training.mae_um {
-                doubts.push(Doubt::HeldOutFar { training_um: training.mae_um, held_out_um: held_out.mae_um });
-            }
-            if held_out.offset_um.abs() > DRIFT * held_out.mae_um {
-                doubts.push(Doubt::Drift { offset_um: held_out.offset_um });
-            }
-        }
-        _ => doubts.push(Doubt::NothingHeldOut),
-    }
-    for comparison in &candidate.training {
-        if let Some(until_s) = transient(&comparison.trace) {
-            doubts.push(Doubt::Transient { log: comparison.name.clone(), until_s });
-        }
-    }
-    if character.reversals < FEW_REVERSALS {
-        doubts.push(Doubt::FewReversals { reversals: character.reversals });
-    }
-    if character.single_amplitude() {
-        doubts.push(Doubt::SingleAmplitude { extremum_terms });
-    }
-    if character.single_frequency() {
-        doubts.push(Doubt::SingleFrequency);
-    }
-    for comparison in &candidate.held_out {
-        if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {
-            doubts.push(Doubt::BeyondTraining { log: comparison.name.clone() });
-        }
-    }
-    let at_bound = candidate.fit.genes.iter().filter(|(gene, value)| undetermined(gene, *value));
-    doubts.extend(at_bound.map(|(gene, value)| Doubt::AtBound { gene: gene.name, value: *value }));
-    let all = candidate.training.iter().chain(&candidate.held_out);
-    let difference_um = all.clone().map(|comparison| comparison.mil_sil_um).fold(0.0, f64::max);
-    if all.clone().any(|comparison| comparison.mil_sil_um > SINGLE_PRECISION * comparison.mil.stroke_um) {
-        doubts.push(Doubt::SinglePrecision { difference_um });
-    }
-    doubts
-}
-
-/// Covariance of voltage and displacement.
-fn covariance(trace: &Trace) -> f64 {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let (v, y) = (mean(&trace.voltage), mean(&trace.measured));
-    trace.voltage.iter().zip(&trace.measured).map(|(a, b)| (a - v) * (b - y)).sum()
-}
-
-/// How long the first tenth of a trace has errors beyond [`TRANSIENT`] times the largest of the rest, s.
-fn transient(trace: &Trace) -> Option<f64> {
-    let errors: Vec<f64> = trace.estimated.iter().zip(&trace.measured).map(|(e, m)| (e - m).abs()).collect();
-    let (early, rest) = errors.split_at(errors.len() / 10);
-    let large = TRANSIENT * rest.iter().copied().fold(0.0, f64::max);
-    let last = early.iter().rposition(|&error| error > large)?;
-    Some(trace.time_s[last] - trace.time_s[0])
-}
-
-/// At an end of its range, unless that end is a limit of the model itself: a sigmoid without curvature is the pure
-/// exponential that β → ±∞ gives, and nothing lies beyond.
-fn undetermined(gene: &Gene, value: f64) -> bool {
-    let fraction = gene.fraction(value);
-    let model_limit = gene.name == "curvature" && fraction < 0.5;
-    !(AT_BOUND..=1.0 - AT_BOUND).contains(&fraction) && !model_limit
-}
+pub const FEW_REVERSALS: usize = 6;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn trace(error: impl Fn(usize) -> f64) -> Trace {
-        let measured = vec![0.0; 1000];
-        Trace {
-            time_s: (0..1000).map(|k| k as f64 * 0.01).collect(),
-            voltage: measured.clone(),
-            estimated: (0..1000).map(error).collect(),
-            measured,
-        }
-    }
-
-    #[test]
-    fn only_a_large_error_at_the_beginning_is_a_transient() {
-        let ripple = |k: usize| 0.1 * (k as f64).sin();
-        assert_eq!(transient(&trace(ripple)), None);
-        let until = transient(&trace(|k| ripple(k) + if k < 30 { 1.0 } else { 0.0 })).unwrap();
-        assert!((until - 0.29).abs() < 1e-9, "{until}");
-        assert_eq!(transient(&trace(|k| ripple(k) + if k % 200 < 30 { 1.0 } else { 0.0 })), None);
-    }
-
-    #[test]
-    fn an_exponential_sigmoid_is_no_bound_but_every_other_end_is() {
-        let gene = |name| Gene { name, unit: "", min: 1e-4, max: 2.0, scale: crate::identify::space::Scale::Linear };
-        assert!(!undetermined(&gene("curvature"), 1e-4) && undetermined(&gene("curvature"), 2.0));
-        assert!(undetermined(&gene("p"), 1e-4) && undetermined(&gene("p"), 1.999) && !undetermined(&gene("p"), 1.0));
-    }
 
     #[test]
     fn every_doubt_says_what_helps() {
@@ -338,6 +229,8 @@ mod tests {
             Doubt::Drift { offset_um: -0.2 },
             Doubt::SinglePrecision { difference_um: 0.1 },
             Doubt::BeyondTraining { log: "b".into() },
+            Doubt::NoisyVoltage { reversals: 900, large: 20 },
+            Doubt::ConverterSpan { converter: "ADC (--adc-span)" },
             Doubt::CalibrationAssumed,
             Doubt::DelayAtBound { delay_ms: 5.0 },
         ];

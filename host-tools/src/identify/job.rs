@@ -3,10 +3,11 @@
 use super::candidate::{Candidate, Setting};
 use super::character::Character;
 use super::delay::{Delay, DelaySearch};
-use super::doubt::{Doubt, doubts};
+use super::doubt::Doubt;
 use super::fit::{Progress, SearchOptions, Start, identify};
 use super::log_use::{LogUse, Role};
 use super::problem::{Conditions, Problem};
+use super::suspicion::doubts;
 use crate::calibration::CalibrationOptions;
 use crate::log::Log;
 use crate::prepare::{AutoOr, PrepareOptions, Recipe};
@@ -145,7 +146,7 @@ impl Job {
                 Err(error) => failed.push((model, error)),
             }
         }
-        let character = Character::of(problem.training());
+        let character = Character::of(problem.training(), problem.deadband);
         let (model, reason) = self.choose(&character);
         let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model == model) else {
             let (_, error) =

@@ -10,11 +10,13 @@ mod job;
 mod log_use;
 mod problem;
 pub mod space;
+mod suspicion;
 
 pub use candidate::{Candidate, Setting};
 pub use character::Character;
-pub use doubt::{Doubt, doubts};
+pub use doubt::Doubt;
 pub use fit::{Convergence, Fit, Progress, SearchOptions, Start, identify};
 pub use job::{Job, ModelChoice, Outcome};
 pub use log_use::{LogUse, Role};
 pub use problem::{Conditions, Problem};
+pub use suspicion::doubts;

@@ -36,6 +36,9 @@ pub enum Scale {
     Logarithmic,
 }
 
+/// This close to an end of its range, as a fraction of it, a coordinate is at the end.
+const AT_END: f64 = 0.005;
+
 /// One searched number.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Gene {
@@ -71,6 +74,14 @@ impl Gene {
             Scale::Logarithmic => libm::log(value / self.min) / libm::log(self.max / self.min),
         };
         fraction.clamp(0.0, 1.0)
+    }
+
+    /// Whether a value is so close to an end of the interval that the optimum may lie beyond, unless that end is a limit
+    /// of the model itself: a sigmoid without curvature is the pure exponential that β → ±∞ gives.
+    pub fn undetermined(&self, value: f64) -> bool {
+        let fraction = self.fraction(value);
+        let model_limit = self.name == "curvature" && fraction < 0.5;
+        !(AT_END..=1.0 - AT_END).contains(&fraction) && !model_limit
     }
 
     /// The interval shrunk by a factor around a value, moved to stay within this one.
@@ -257,6 +268,13 @@ mod tests {
             assert_eq!((ours.g_um_per_s, ours.e_m_per_s), (0.0, 0.0));
             assert_eq!(VoigtParameters { h: 0.0, f: 0.0, ..ours }, theirs);
         }
+    }
+
+    #[test]
+    fn an_exponential_sigmoid_is_no_bound_but_every_other_end_is() {
+        let gene = |name| Gene { name, unit: "", min: 1e-4, max: 2.0, scale: Scale::Linear };
+        assert!(!gene("curvature").undetermined(1e-4) && gene("curvature").undetermined(2.0));
+        assert!(gene("p").undetermined(1e-4) && gene("p").undetermined(1.999) && !gene("p").undetermined(1.0));
     }
 
     #[test]

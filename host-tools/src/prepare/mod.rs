@@ -42,7 +42,7 @@ pub struct Recipe {
 pub enum PrepareError {
     /// Cutting and shifting left too little.
     #[error(
-        "{log}: only {left} measured samples are left after --skip-start, --skip-end and --delay; at least {need} are needed"
+        "{log}: only {left} measured samples are left at the tick, after what is cut off, held out, decimated or shifted by the delay; at least {need} are needed (is the sample rate right?)"
     )]
     TooShort {
         /// Name of the log.
@@ -105,6 +105,23 @@ impl Recipe {
             skip_end_s: 0.0,
             decimation: Decimation::Every,
         }
+    }
+
+    /// What keeps the recipe from being used, if anything.
+    pub fn fault(&self) -> Option<&'static str> {
+        let scale = |x: f64| x.is_finite() && x != 0.0;
+        let duration = |x: f64| x.is_finite() && x >= 0.0;
+        let rules = [
+            ("tick_us must lie between 10 and 1000000", (10..=1_000_000).contains(&self.tick_us)),
+            ("voltage_scale must be a number other than 0", scale(self.voltage_scale)),
+            ("displacement_scale must be a number other than 0", scale(self.displacement_scale)),
+            ("voltage_zero_v must be a number", self.voltage_zero_v.is_finite()),
+            ("displacement_zero_um must be a number", self.displacement_zero_um.is_finite()),
+            ("delay_ticks must be below a second", f64::from(self.delay_ticks) * self.tick_s() < 1.0),
+            ("skip_start_s must be 0 or positive", duration(self.skip_start_s)),
+            ("skip_end_s must be 0 or positive", duration(self.skip_end_s)),
+        ];
+        rules.into_iter().find(|(_, holds)| !holds).map(|(rule, _)| rule)
     }
 
     /// Tick, s.

@@ -111,7 +111,7 @@ impl GeneRow {
             min: number(gene.min),
             max: number(gene.max),
             at: format!("{at:.1}"),
-            at_end: !(0.5..=99.5).contains(&at),
+            at_end: gene.undetermined(*value),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::identify::{LogUse, SearchOptions};
 use crate::output;
 use crate::prepare::Recipe;
 use crate::session::Feedback;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::{Admitted, Table};
 use serde::{Deserialize, Serialize};
@@ -46,15 +46,27 @@ const HEADER: &str = "\
 impl TableFile {
     /// Reads and admits a table.
     pub fn load(path: &Path) -> Result<(Self, Admitted)> {
-        let text = std::fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-        let file: Self = toml::from_str(&text).map_err(|error| anyhow!("{}: {error}", path.display()))?;
-        let admitted = file.admit().with_context(|| format!("{}: [table] is refused", path.display()))?;
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("{}: cannot be read as a table.toml", path.display()))?;
+        let file: Self =
+            toml::from_str(&text).map_err(|error| anyhow!("{}: is no table.toml: {error}", path.display()))?;
+        let admitted = file.admit().with_context(|| format!("{}: is refused", path.display()))?;
         Ok((file, admitted))
     }
 
     /// Checks the table, its stated tabulation error included.
     pub fn admit(&self) -> Result<Admitted> {
         let admitted = self.table.admit()?;
+        if let Some(rule) = self.recipe.fault() {
+            bail!("[recipe] {rule}");
+        }
+        let (recipe, table) = (&self.recipe, &self.table);
+        let same = recipe.tick_us == table.sample_period_us
+            && recipe.voltage_zero_v as f32 == table.voltage_zero_v
+            && recipe.displacement_zero_um as f32 == table.displacement_zero_um;
+        if !same {
+            bail!("[recipe] and [table] differ in the tick or a zero: change both, or neither");
+        }
         if let estimator_core::Form::Tabulated { error_bound_um } = admitted.form {
             let found = crate::tabulation::error_bound(&admitted);
             if f64::from(error_bound_um) < found {
