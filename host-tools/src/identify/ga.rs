@@ -213,7 +213,9 @@ mod tests {
     };
 
     fn genes(count: usize) -> Vec<Gene> {
-        (0..count).map(|_| Gene { name: "x", unit: "", min: -1.0, max: 3.0, scale: Scale::Linear }).collect()
+        (0..count)
+            .map(|_| Gene { name: "x", meaning: "", unit: "", min: -1.0, max: 3.0, scale: Scale::Linear })
+            .collect()
     }
 
     fn sphere(genes: &[f64]) -> f64 {

@@ -44,6 +44,8 @@ const AT_END: f64 = 0.005;
 pub struct Gene {
     /// Name on the command line and in the report.
     pub name: &'static str,
+    /// What it is, in a few words.
+    pub meaning: &'static str,
     /// Unit; empty for none.
     pub unit: &'static str,
     /// Lower end.
@@ -55,8 +57,8 @@ pub struct Gene {
 }
 
 impl Gene {
-    const fn linear(name: &'static str, unit: &'static str, min: f64, max: f64) -> Self {
-        Self { name, unit, min, max, scale: Scale::Linear }
+    const fn linear(name: &'static str, meaning: &'static str, unit: &'static str, min: f64, max: f64) -> Self {
+        Self { name, meaning, unit, min, max, scale: Scale::Linear }
     }
 
     /// The value at a fraction of the interval.
@@ -206,32 +208,45 @@ fn sigmoid(slope: f64, curvature: f64, voltage: f64) -> (f64, f64) {
     (lambda, 2.0 / lambda * libm::atanh(-slope / length))
 }
 
-const NET: Gene = Gene::linear("net", "drive(V*)", -0.5, 0.5);
-const G: Gene = Gene::linear("g", "drive(V*)/V*^h", -1.5, 1.5);
-const H: Gene = Gene::linear("h", "", 0.0, 3.0);
-const E: Gene = Gene::linear("e", "drive(V*)/Y*^f", -1.5, 1.5);
-const F: Gene = Gene::linear("f", "", 0.0, 3.0);
+const NET: Gene = Gene::linear("net", "both extremum terms at V* and Y*, of the drive there", "drive(V*)", -0.5, 0.5);
+const G: Gene = Gene::linear("g", "voltage-extremum term at V*, of the drive there", "drive(V*)/V*^h", -1.5, 1.5);
+const H: Gene = Gene::linear("h", "exponent of V_ext", "", 0.0, 3.0);
+const E: Gene = Gene::linear("e", "displacement-extremum term at Y*, of the drive at V*", "drive(V*)/Y*^f", -1.5, 1.5);
+const F: Gene = Gene::linear("f", "exponent of y_ext", "", 0.0, 3.0);
 
 /// The thesis prints no ranges for these; the magnitudes of Table 5.2, of either sign.
-const G_H_TABLE_5_2: [Gene; 2] = [Gene::linear("g", "µm/s/V^h", -100.0, 100.0), Gene::linear("h", "", 0.0, 1.5)];
-const E_F_TABLE_5_2: [Gene; 2] = [Gene::linear("e", "m/s/m^f", -1000.0, 1000.0), Gene::linear("f", "", 0.5, 2.0)];
+const G_H_TABLE_5_2: [Gene; 2] = [
+    Gene::linear("g", "voltage-extremum term", "µm/s/V^h", -100.0, 100.0),
+    Gene::linear("h", "exponent of V_ext", "", 0.0, 1.5),
+];
+const E_F_TABLE_5_2: [Gene; 2] = [
+    Gene::linear("e", "displacement-extremum term", "m/s/m^f", -1000.0, 1000.0),
+    Gene::linear("f", "exponent of y_ext", "", 0.5, 2.0),
+];
 
 /// Table 4.5.
 const TABLE_4_5: [Gene; 5] = [
-    Gene::linear("alpha", "µm", 100.0, 2500.0),
-    Gene::linear("beta", "V", 200.0, 1000.0),
-    Gene::linear("lambda", "1/V", 0.001, 0.01),
-    Gene::linear("b", "Ω", 5000.0, 200_000.0),
-    Gene::linear("p", "", 0.1, 1.2),
+    Gene::linear("alpha", "α", "µm", 100.0, 2500.0),
+    Gene::linear("beta", "β", "V", 200.0, 1000.0),
+    Gene::linear("lambda", "λ", "1/V", 0.001, 0.01),
+    Gene::linear("b", "damping", "Ω", 5000.0, 200_000.0),
+    Gene::linear("p", "exponent P of the drive", "", 0.1, 1.2),
 ];
 
 fn data_genes(extent: Extent) -> Vec<Gene> {
     vec![
-        Gene { name: "rate", unit: "1/s", min: 2.0, max: 0.95 / extent.tick, scale: Scale::Logarithmic },
-        Gene::linear("gain", "Y*", 0.5, 2.0),
-        Gene::linear("p", "", 0.4, 2.5),
-        Gene::linear("slope", "1/V*", -1.0, 1.0),
-        Gene::linear("curvature", "1/V*²", 1e-4, 2.0),
+        Gene {
+            name: "rate",
+            meaning: "1/time constant at 0 V",
+            unit: "1/s",
+            min: 2.0,
+            max: 0.95 / extent.tick,
+            scale: Scale::Logarithmic,
+        },
+        Gene::linear("gain", "static displacement at V*", "Y*", 0.5, 2.0),
+        Gene::linear("p", "exponent P of the drive", "", 0.4, 2.5),
+        Gene::linear("slope", "slope of ln rate at 0 V", "1/V*", -1.0, 1.0),
+        Gene::linear("curvature", "curvature of ln rate at 0 V", "1/V*²", 1e-4, 2.0),
     ]
 }
 
@@ -272,7 +287,7 @@ mod tests {
 
     #[test]
     fn an_exponential_sigmoid_is_no_bound_but_every_other_end_is() {
-        let gene = |name| Gene { name, unit: "", min: 1e-4, max: 2.0, scale: Scale::Linear };
+        let gene = |name| Gene { name, meaning: "", unit: "", min: 1e-4, max: 2.0, scale: Scale::Linear };
         assert!(!gene("curvature").undetermined(1e-4) && gene("curvature").undetermined(2.0));
         assert!(gene("p").undetermined(1e-4) && gene("p").undetermined(1.999) && !gene("p").undetermined(1.0));
     }

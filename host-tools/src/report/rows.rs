@@ -86,6 +86,8 @@ pub fn sentence(log: &Comparison) -> String {
 pub struct GeneRow {
     /// Name.
     pub name: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
     /// Where the best lies.
     pub value: String,
     /// Its unit; empty for none.
@@ -106,6 +108,7 @@ impl GeneRow {
         let at = Some(100.0 * gene.fraction(*value)).filter(|at| at.is_finite()).unwrap_or(0.0);
         Self {
             name: gene.name,
+            meaning: gene.meaning,
             value: number(*value),
             unit: gene.unit,
             min: number(gene.min),
