@@ -99,6 +99,8 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let hold_out = arguments.hold_out.unwrap_or(if arguments.validate_on.is_empty() { 0.5 } else { 0.0 });
     ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
     ensure!(arguments.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
+    let out_folder = arguments.out.display();
+    ensure!(!arguments.out.exists() || arguments.out.is_dir(), "{out_folder}: is a file, --out names a folder");
     let job = Job {
         training: arguments.files.read_all(&arguments.logs)?,
         held_out: arguments.files.read_all(&arguments.validate_on)?,

@@ -6,7 +6,7 @@ use estimator_core::Tracker;
 /// What was found in the training logs' voltage.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Character {
-    /// Reversals of at least 2 % of the voltage span, all logs together.
+    /// Reversals of at least 10 % of the voltage span, all logs together.
     pub reversals: usize,
     /// Reversals that the model's deadband lets through.
     pub reversals_at_deadband: usize,
@@ -20,8 +20,8 @@ struct HalfCycle {
     volts: f64,
 }
 
-/// Reversals smaller than this fraction of the whole span are noise here.
-const SMALLEST_SWING: f64 = 0.02;
+/// Reversals smaller than this fraction of the whole span are noise or glitches here.
+const SMALLEST_SWING: f64 = 0.1;
 /// Half cycles (or swings) whose extremes differ by less than this factor count as one frequency (or amplitude).
 const ONE: f64 = 1.25;
 /// Half cycles that together last less than this fraction of the time are glitches, at either end.
@@ -124,11 +124,14 @@ mod tests {
     #[test]
     fn a_glitch_is_no_second_amplitude() {
         let mut glitched = sine(20.0, 5.0);
-        glitched.voltage[1033] -= 1.5;
-        let sessions = [glitched];
-        let character = Character::of(sessions.iter(), 0.02);
-        assert_eq!(character.reversals, 22);
-        assert!(character.single_amplitude() && character.single_frequency());
+        for (volts, reversals) in [(1.5, 20), (6.0, 22)] {
+            let before = glitched.voltage[1033];
+            glitched.voltage[1033] -= volts;
+            let character = Character::of([&glitched].into_iter(), 0.02);
+            glitched.voltage[1033] = before;
+            assert_eq!(character.reversals, reversals);
+            assert!(character.single_amplitude() && character.single_frequency(), "{volts} V");
+        }
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub struct DelaySearch {
 
 /// Errors within this factor of the least are alike, and the shortest delay among them counts: a search finds a minimum
 /// to a few per cent, and a delay that gains no more is not determined by the logs.
-const ALIKE: f64 = 1.05;
+const ALIKE: f64 = 1.03;
 /// Delays tried between none and the largest.
 const TRIED: u32 = 10;
 

@@ -81,7 +81,7 @@ pub enum Doubt {
     NoisyVoltage {
         /// Reversals that the deadband lets through.
         reversals: usize,
-        /// Those of at least 2 % of the span.
+        /// Those of at least 10 % of the span.
         large: usize,
     },
     /// A converter's span does not cover what the table needs.
@@ -183,7 +183,7 @@ impl fmt::Display for Doubt {
             }
             Self::NoisyVoltage { reversals, large } => write!(
                 f,
-                "the voltage reverses {reversals} times, but only {large} times by more than 2 % of its span: noise passes \
+                "the voltage reverses {reversals} times, but only {large} times by more than 10 % of its span: noise passes \
                  for reversals; give a --deadband above it"
             ),
             Self::ConverterSpan { converter } => write!(

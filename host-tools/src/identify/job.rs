@@ -180,6 +180,7 @@ impl Job {
         }
         let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();
         let (mut training, mut held_out) = (Vec::new(), cut(&self.held_out));
+        held_out.iter().try_for_each(|log| moves(log, log))?;
         for log in cut(&self.training) {
             let (first, rest) = log.split(self.hold_out);
             moves(&first, &log)?;
@@ -208,23 +209,39 @@ impl Job {
 
 /// Refuses a part of a log in which the actuator rests: nothing can be learnt or proven there.
 fn moves(part: &Log, whole: &Log) -> Result<()> {
-    let span = |samples: &[f64]| {
-        samples.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b)) - samples.iter().fold(f64::INFINITY, |a, &b| a.min(b))
-    };
-    ensure!(
-        part.voltage.is_empty() || span(&part.voltage) > RESTS * span(&whole.voltage),
-        "{}: the voltage does not move between {:.2} and {:.2} s, which is what is {}: choose another part with --hold-out, \
-         --skip-start and --skip-end, or hold out another log with --validate-on",
-        whole.path.display(),
-        part.start_s,
-        part.start_s + part.duration(),
-        if part.start_s > whole.start_s { "held out" } else { "trained on" }
-    );
+    let empty = Vec::new();
+    let displacement = |log: &Log| span(log.displacement.as_ref().unwrap_or(&empty));
+    let signals = [
+        ("voltage", span(&part.voltage), span(&whole.voltage)),
+        ("displacement", displacement(part), displacement(whole)),
+    ];
+    for (signal, here, everywhere) in signals {
+        ensure!(
+            part.voltage.is_empty() || here > RESTS * everywhere,
+            "{}: the {signal} does not move between {:.2} and {:.2} s, which is what is {}: choose another part with \
+             --hold-out, --skip-start and --skip-end, or hold out another log with --validate-on",
+            whole.path.display(),
+            part.start_s,
+            part.start_s + part.duration(),
+            if part.start_s > whole.start_s { "held out" } else { "used" }
+        );
+    }
     Ok(())
 }
 
-/// A part whose voltage spans less than this fraction of the whole log's rests.
-const RESTS: f64 = 0.01;
+/// A part whose signal spans less than this fraction of the whole log's rests.
+const RESTS: f64 = 0.05;
+
+/// Between the first and the last hundredth of the sorted values: a single spike is no movement.
+fn span(samples: &[f64]) -> f64 {
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rare = sorted.len() / 100;
+    match (sorted.get(rare), sorted.iter().rev().nth(rare)) {
+        (Some(low), Some(high)) => high - low,
+        _ => 0.0,
+    }
+}
 
 /// Start of a SHA-256 over the logs' digests and the part of each that was used.
 fn digest(logs: &[Log]) -> Digest {

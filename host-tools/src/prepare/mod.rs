@@ -42,7 +42,7 @@ pub struct Recipe {
 pub enum PrepareError {
     /// Cutting and shifting left too little.
     #[error(
-        "{log}: only {left} measured samples are left at the tick, after what is cut off, held out, decimated or shifted by the delay; at least {need} are needed (is the sample rate right?)"
+        "{log}: only {left} measured samples are left at the tick, after what --skip-start, --skip-end, --hold-out, decimation and --delay take; at least {need} are needed (is the sample rate right?)"
     )]
     TooShort {
         /// Name of the log.

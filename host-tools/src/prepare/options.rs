@@ -3,8 +3,7 @@
 //! Zeros, from the training logs only. The models are at rest at (0 V, 0 µm), so:
 //!
 //! - voltage: 0 where the logs' swing includes it or comes within 2 % of it, else the middle of the swing;
-//! - displacement: 0 where voltage and displacement both swing about their 0 (the middle lies within 25 % of half the
-//!   swing; actuators are asymmetric), else the mean sensor reading while the voltage passes or touches its zero, rising and falling passes
+//! - displacement: the mean sensor reading while the voltage passes or touches its zero, rising and falling passes
 //!   weighing the same. A sensor's zero is arbitrary; the model's is where the voltage's is.
 
 use super::{Decimation, Recipe};
@@ -124,7 +123,6 @@ impl PrepareOptions {
         };
         recipe.displacement_zero_um = match self.displacement_zero {
             AutoOr::Given(y) => y,
-            AutoOr::Auto if recipe.voltage_zero_v == 0.0 && about_zero(&voltages) && about_zero(&displacements) => 0.0,
             AutoOr::Auto => mean_at_zero(&voltages, &displacements, recipe.voltage_zero_v)
                 .unwrap_or_else(|| middle(&displacements).0),
         };
@@ -140,12 +138,6 @@ fn middle(logs: &[Vec<f64>]) -> (f64, f64) {
     let values = || logs.iter().flatten().copied();
     let (min, max) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     if min <= max { ((max + min) / 2.0, (max - min) / 2.0) } else { (0.0, 0.0) }
-}
-
-/// Whether the values swing about 0, if not quite evenly.
-fn about_zero(logs: &[Vec<f64>]) -> bool {
-    let (middle, half) = middle(logs);
-    middle.abs() <= 0.25 * half
 }
 
 /// Mean displacement where the voltage crosses `zero`, rising and falling crossings weighing the same; where it only
@@ -216,9 +208,10 @@ mod tests {
     }
 
     #[test]
-    fn a_bipolar_log_keeps_its_zeros() {
-        let recipe = options(&[]).resolve(&[log(0.1, 1.0)]);
-        assert_eq!((recipe.voltage_zero_v, recipe.displacement_zero_um), (0.0, 0.0));
+    fn a_bipolar_log_is_zeroed_where_its_voltage_crosses_0() {
+        let recipe = options(&[]).resolve(&[log(0.0, 1.0)]);
+        assert_eq!(recipe.voltage_zero_v, 0.0);
+        assert!((recipe.displacement_zero_um - 1.0).abs() < 0.01, "{recipe:?}");
     }
 
     #[test]
