@@ -171,7 +171,7 @@ fn search(
     let mut best: Option<Best> = None;
     let mut convergence: Vec<Convergence> = Vec::new();
     let mut shown = (f64::INFINITY, None);
-    for round in 0..options.rounds {
+    for round in 0..options.rounds.max(1) {
         let seed = (u64::from(options.seed) << 32) | (u64::from(round) << 8) | u64::from(!seeds.is_empty());
         let error = |values: &[f64]| problem.cost(&space.parameters(values), cost);
         let found = ga::run(&genes, &options.settings(), seed, &seeds, error, |_, best| {
@@ -189,7 +189,8 @@ fn search(
         // What the narrowing leaves outside is lost as a seed; the best lies inside.
         seeds = vec![best.genes.clone()];
     }
-    let best = best.expect("the command line demands at least one round");
+    // The first of at least one round has set it.
+    let best = best.expect("at least one round was run");
     Fit {
         model: space.model,
         parameters: space.parameters(&best.genes),

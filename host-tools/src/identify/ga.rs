@@ -39,7 +39,7 @@ pub enum Elitism {
 pub struct Settings {
     /// Bits a gene, 1 … 31.
     pub bits: u32,
-    /// Chromosomes.
+    /// Chromosomes, at least 2.
     pub population: usize,
     /// Generations at most.
     pub generations: u32,
@@ -83,8 +83,9 @@ pub fn run(
     let evaluate = |population: &[Chromosome]| -> Vec<f64> {
         population.par_iter().map(|chromosome| cost(&decode(chromosome))).collect()
     };
-    let mut population: Vec<Chromosome> =
-        (0..settings.population).map(|_| genes.iter().map(|_| random.random_range(0..=levels)).collect()).collect();
+    let mut population: Vec<Chromosome> = (0..settings.population.max(2))
+        .map(|_| genes.iter().map(|_| random.random_range(0..=levels)).collect())
+        .collect();
     for (chromosome, seed) in population.iter_mut().zip(seeds) {
         let code = |(gene, &value): (&Gene, &f64)| (gene.fraction(value) * f64::from(levels)).round() as u32;
         *chromosome = genes.iter().zip(seed).map(code).collect();
@@ -131,7 +132,8 @@ fn fittest(population: &[Chromosome], costs: &[f64]) -> (Chromosome, f64) {
         .iter()
         .zip(costs)
         .min_by(|a, b| a.1.total_cmp(b.1))
-        .expect("a population is never empty: the command line demands at least 2 chromosomes");
+        // `run` makes at least two chromosomes.
+        .expect("a population is never empty");
     (chromosome.clone(), *cost)
 }
 
