@@ -14,7 +14,7 @@ use estimator_core::{Inadmissible, Lookup, Range, Scheme, Voigt, VoigtParameters
 pub struct Conditions {
     /// Discretisation.
     pub scheme: Scheme,
-    /// Retreat that counts as a reversal, V; `None` for [`DEADBAND`] of the voltage span.
+    /// Retreat that counts as a reversal, V; `None` for 0.083 % of the voltage span.
     pub deadband: Option<f64>,
     /// How wide the displacement limits may be, as a multiple of the training stroke.
     pub limit: f64,
@@ -51,7 +51,7 @@ struct Located {
 
 /// Deadband where none is given, as a fraction of the voltage span: a few steps of a 12-bit converter. No round fraction,
 /// so that a generated ramp does not retreat by exactly the deadband in a tick, which f32 and f64 would see differently.
-pub const DEADBAND: f64 = 0.83e-3;
+const DEADBAND: f64 = 0.83e-3;
 /// Room beyond the training voltages that a table still covers, as a fraction of their span.
 const VOLTAGE_MARGIN: f64 = 0.05;
 /// Displacement limits that are tried, as fractions of the way from the training stroke to the largest allowed.
