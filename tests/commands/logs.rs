@@ -1,7 +1,6 @@
 //! What a log may be like: a sensor with any offset, late, falling or of something else, a glitch, a voltage that rests.
 
-use super::options::refused;
-use super::{MEASURED, json, number, piezo, root};
+use super::{MEASURED, json, number, piezo, refused, root};
 use host_tools::log::{Log, ReadOptions, read, write_csv};
 use host_tools::rig::{EXCITATIONS, Rig};
 use serde_json::Value;

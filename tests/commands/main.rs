@@ -40,4 +40,19 @@ fn number(value: &Value, pointer: &str) -> f64 {
     value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {pointer} in {value}"))
 }
 
+/// Runs a command that must fail with code 2 and say each of these; returns what it says.
+fn refused(arguments: &[&str], says: &[&str]) -> String {
+    let output = piezo().args(arguments).assert().code(2).get_output().clone();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    for part in says {
+        assert!(message.contains(part), "{arguments:?} should say {part:?}, but says: {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+    message
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("temporary folders have UTF-8 names here")
+}
+
 const MEASURED: &str = "tests/data/picma-p885-1hz.csv";

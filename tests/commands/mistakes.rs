@@ -1,22 +1,7 @@
 //! What a user can get wrong: a message that names it and a remedy, exit code 2, and nothing written.
 
-use super::{MEASURED, data, piezo};
+use super::{MEASURED, data, refused, text};
 use std::fs;
-use std::path::Path;
-
-/// Runs a command that must fail with code 2 and say each of these.
-fn refused(arguments: &[&str], says: &[&str]) {
-    let output = piezo().args(arguments).assert().code(2).get_output().clone();
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    for part in says {
-        assert!(message.contains(part), "{arguments:?} should say {part:?}, but says: {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("temporary folders have UTF-8 names here")
-}
 
 #[test]
 fn unusable_logs_name_file_line_and_remedy() {

@@ -1,27 +1,12 @@
 //! What the options and the verbs promise: errors over several logs, what a table was trained on, refusals by name.
 
 use super::logs::{rig, write};
-use super::{MEASURED, json, number, piezo};
+use super::{MEASURED, json, number, piezo, refused, text};
 use estimator_core::{Form, Scheme};
 use host_tools::table_file::TableFile;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Runs a command that must fail with code 2 and say each of these; returns what it says.
-pub fn refused(arguments: &[&str], says: &[&str]) -> String {
-    let output = piezo().args(arguments).assert().code(2).get_output().clone();
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    for part in says {
-        assert!(message.contains(part), "{arguments:?} should say {part:?}, but says: {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
-    message
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("temporary folders have UTF-8 names here")
-}
 
 const TABLE: &str = "tests/data/table/table.toml";
 const SHORT: [&str; 4] = ["--generations", "15", "--rounds", "3"];
