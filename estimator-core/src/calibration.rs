@@ -27,15 +27,19 @@ pub struct AdcCalibration {
 
 impl AdcCalibration {
     /// The amplifier's voltage, V.
-    #[inline]
     pub fn voltage<T: Real>(&self, code: AdcCode) -> T {
-        T::of(self.offset_v) + self.signed_gain::<T>() * T::of(f32::from(code.0))
+        self.line(T::zero()).at(code)
+    }
+
+    /// The straight line from codes to the voltage relative to `zero`, V.
+    pub fn line<T: Real>(&self, zero: T) -> Line<T> {
+        Line { offset: T::of(self.offset_v) - zero, slope: self.signed_gain() }
     }
 
     /// The code that a voltage (V) gives, as the converter rounds and saturates.
     pub fn code<T: Real>(&self, voltage: T) -> AdcCode {
         let exact = (voltage - T::of(self.offset_v)) / self.signed_gain::<T>();
-        AdcCode((exact + T::of(0.5)).to_u16_saturating().min(self.full_scale))
+        AdcCode(nearest(exact, self.full_scale))
     }
 
     /// Whether the code says "beyond the range" rather than a voltage.
@@ -44,9 +48,23 @@ impl AdcCalibration {
         code.0 == 0 || code.0 >= self.full_scale
     }
 
-    #[inline]
     fn signed_gain<T: Real>(&self) -> T {
         T::of(if self.invert { -self.gain_v_per_code } else { self.gain_v_per_code })
+    }
+}
+
+/// A straight line over codes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Line<T> {
+    offset: T,
+    slope: T,
+}
+
+impl<T: Real> Line<T> {
+    /// Its value at a code.
+    #[inline]
+    pub fn at(&self, code: AdcCode) -> T {
+        self.offset + self.slope * T::of(f32::from(code.0))
     }
 }
 
@@ -67,13 +85,26 @@ impl DacCalibration {
     #[inline]
     pub fn code<T: Real>(&self, displacement: T) -> DacCode {
         let exact = T::of(self.offset_code) + T::of(self.gain_codes_per_um) * displacement;
-        DacCode((exact + T::of(0.5)).to_u16_saturating().min(self.full_scale))
+        DacCode(nearest(exact, self.full_scale))
+    }
+
+    /// Whether the code says "that far, or farther".
+    #[inline]
+    pub fn saturated(&self, code: DacCode) -> bool {
+        code.0 == 0 || code.0 >= self.full_scale
     }
 
     /// The displacement (µm) that a code stands for.
     pub fn displacement<T: Real>(&self, code: DacCode) -> T {
         (T::of(f32::from(code.0)) - T::of(self.offset_code)) / T::of(self.gain_codes_per_um)
     }
+}
+
+/// The nearest code of a converter; 0 for NaN.
+#[inline]
+fn nearest<T: Real>(exact: T, full_scale: u16) -> u16 {
+    // No more than the full scale, which fits.
+    (exact + T::of(0.5)).to_u32_saturating().min(full_scale.into()) as u16
 }
 
 #[cfg(test)]

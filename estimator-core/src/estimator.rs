@@ -1,23 +1,25 @@
 //! The estimator: a raw ADC code in, a displacement, a DAC code and a status out, each tick.
 //!
-//! It never returns NaN and never leaves the table's displacement limits, whatever codes come in. The displacement
+//! It never returns NaN and never leaves the table's displacement limits (less the zero, where one was set), whatever
+//! codes come in. The displacement
 //! that `tick` k returns is the one predicted for tick k + 1, when the DAC's trigger puts it out (Eq. 4.8: `y(k+1)`
 //! from `V(k)` and `y(k)`).
 //!
 //! A sensorless estimate starts somewhere: at the first tick it is assumed that the actuator has rested at that tick's
 //! voltage (the static displacement, no reversal seen). [`Estimator::start_at`] states something better where it is known.
 
-use crate::calibration::{AdcCode, DacCode};
+use crate::calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, Line};
 use crate::extremum::Extremum;
 use crate::lookup::Lookup;
 use crate::math::Real;
 use crate::model::{State, Terms, Voigt};
 use crate::range::Range;
-use crate::table::{Admitted, Form, Table};
+use crate::table::{Admitted, Form};
+use serde::{Deserialize, Serialize};
 
 bitflags::bitflags! {
     /// What a tick has to report.
-    #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+    #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
     pub struct Status: u8 {
         /// The ADC stands at an end of its range: the voltage is at least that large.
         const ADC_SATURATED = 1 << 0;
@@ -33,7 +35,7 @@ bitflags::bitflags! {
 /// What a tick gives.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Estimate<T> {
-    /// Displacement at the next tick, µm relative to the model's zero.
+    /// Displacement at the next tick, µm relative to the model's zero, or to where [`Estimator::set_zero`] was called.
     pub displacement: T,
     /// The same as the DAC takes it.
     pub dac: DacCode,
@@ -57,18 +59,25 @@ impl core::error::Error for LookupMismatch {}
 /// A running estimator. Made from an [`Admitted`] table only.
 #[derive(Clone, Debug)]
 pub struct Estimator<'l, T> {
-    table: Table,
+    adc: AdcCalibration,
+    dac: DacCalibration,
+    /// Of codes, relative to the model's zero, V.
+    voltage: Line<T>,
     voltage_zero: T,
     voltage_range: Range<T>,
     limits: Range<T>,
+    deadband: T,
     model: Voigt<T>,
     lookup: Option<&'l Lookup<T>>,
-    state: Option<State<T>>,
+    /// Of use once the estimator has started.
+    state: State<T>,
+    started: bool,
+    zero: T,
 }
 
 impl<'l, T: Real> Estimator<'l, T> {
-    /// An estimator for a table. `lookup` must be what [`Table::lookup`] makes where its form is tabulated,
-    /// and `None` where it is direct.
+    /// An estimator for a table. `lookup` must be what [`Table::lookup`](crate::Table::lookup) makes where its form is
+    /// tabulated, and `None` where it is direct.
     pub fn new(table: &Admitted, lookup: Option<&'l Lookup<T>>) -> Result<Self, LookupMismatch> {
         let fits = match (table.form, lookup) {
             (Form::Direct, None) => true,
@@ -78,77 +87,133 @@ impl<'l, T: Real> Estimator<'l, T> {
         if !fits {
             return Err(LookupMismatch);
         }
+        let voltage_zero = T::of(table.voltage_zero_v);
         Ok(Self {
-            table: **table,
-            voltage_zero: T::of(table.voltage_zero_v),
+            adc: table.adc,
+            dac: table.dac,
+            voltage: table.adc.line(voltage_zero),
+            voltage_zero,
             voltage_range: table.voltage_range_v.of(),
             limits: table.displacement_limits_um.of(),
+            deadband: T::of(table.deadband_v),
             model: table.coefficients(),
             lookup,
-            state: None,
+            state: State::new(T::zero(), T::zero()),
+            started: false,
+            zero: T::zero(),
         })
     }
 
     /// Starts anew from a known displacement (µm relative to the model's zero), with no reversal seen. Returns whether it
     /// lay within the limits; beyond, the start is at the nearest.
     pub fn start_at(&mut self, displacement: T) -> bool {
-        self.state = Some(self.state_at(displacement));
+        self.start(displacement);
         self.limits.contains(displacement)
+    }
+
+    /// Starts anew, from rest at the next tick's voltage, with the model's zero.
+    pub fn restart(&mut self) {
+        self.state = State::new(T::zero(), self.deadband);
+        self.started = false;
+        self.zero = T::zero();
+    }
+
+    /// Calls the displacement of now 0, as at rest, where creep has carried the actuator from what the model knows.
+    pub fn set_zero(&mut self) {
+        self.zero = if self.started { self.state.displacement } else { T::zero() };
     }
 
     /// The last reversal; zeros before the first.
     pub fn last_extremum(&self) -> Extremum<T> {
-        let zero = Extremum { voltage: T::zero(), displacement: T::zero() };
-        self.state.map_or(zero, |state| state.last_extremum())
+        self.state.last_extremum()
     }
 
     /// One tick: the code of this tick's conversion in, the displacement at the next tick out.
+    ///
+    /// What is rare, and the direct form, is compiled apart: the ordinary tabulated tick calls nothing.
     #[inline]
     pub fn tick(&mut self, code: AdcCode) -> Estimate<T> {
-        let mut estimate = self.tick_volts(self.table.adc.voltage(code));
-        if self.table.adc.saturated(code) {
-            estimate.status |= Status::ADC_SATURATED;
+        let voltage = self.voltage.at(code);
+        match self.lookup {
+            Some(lookup) if self.voltage_range.contains(voltage) && !self.adc.saturated(code) => {
+                self.step(voltage, lookup.terms(voltage), Status::empty())
+            }
+            _ => self.advance(voltage, self.adc.saturated(code)),
         }
-        estimate
     }
 
     /// One tick with the amplifier's voltage in V.
-    #[inline]
     pub fn tick_volts(&mut self, amplifier: T) -> Estimate<T> {
-        let mut status = Status::empty();
-        let wanted = amplifier - self.voltage_zero;
+        self.advance(amplifier - self.voltage_zero, false)
+    }
+
+    #[inline(never)]
+    fn advance(&mut self, wanted: T, saturated: bool) -> Estimate<T> {
         let voltage = self.voltage_range.clamp(wanted);
-        if voltage != wanted {
-            status |= Status::VOLTAGE_OUT_OF_RANGE;
-        }
-        let terms = self.terms(voltage);
-        let mut state = match self.state {
-            Some(state) => state,
-            // a < 1 in every admitted table.
-            None => self.state_at(terms.c / (T::one() - terms.a)),
-        };
-        let free = self.model.step_with(&mut state, voltage, terms);
-        state.displacement = self.limits.clamp(free);
-        if state.displacement != free {
-            status |= Status::CLAMPED;
-        }
-        self.state = Some(state);
-        let dac = self.table.dac.code(state.displacement);
-        if dac.0 == 0 || dac.0 >= self.table.dac.full_scale {
-            status |= Status::DAC_SATURATED;
-        }
-        Estimate { displacement: state.displacement, dac, status }
+        let mut status = Status::empty();
+        status.set(Status::ADC_SATURATED, saturated);
+        status.set(Status::VOLTAGE_OUT_OF_RANGE, voltage != wanted);
+        let terms = self.lookup.map_or_else(|| self.model.terms(voltage), |lookup| lookup.terms(voltage));
+        self.step(voltage, terms, status)
     }
 
-    #[inline]
-    fn terms(&self, voltage: T) -> Terms<T> {
-        match self.lookup {
-            Some(lookup) => lookup.terms(voltage),
-            None => self.model.terms(voltage),
+    #[inline(always)]
+    fn step(&mut self, voltage: T, terms: Terms<T>, status: Status) -> Estimate<T> {
+        let Terms { a, c, m } = terms;
+        if !self.started {
+            self.begin(voltage, a, c, m, status)
+        } else if self.state.track(voltage) {
+            self.turn(a, c, m, status)
+        } else {
+            self.finish(terms, status)
         }
     }
 
-    fn state_at(&self, displacement: T) -> State<T> {
-        State::new(self.limits.clamp(displacement), T::of(self.table.deadband_v))
+    /// The first tick: the actuator is taken to have rested at this voltage. The terms come apart, in registers.
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self, voltage: T, a: T, c: T, m: T, status: Status) -> Estimate<T> {
+        // a < 1 in every admitted table.
+        self.start(c / (T::one() - a));
+        self.state.track(voltage);
+        self.finish(Terms { a, c, m }, status)
+    }
+
+    fn start(&mut self, displacement: T) {
+        self.state = State::new(self.limits.clamp(displacement), self.deadband);
+        self.started = true;
+    }
+
+    /// A tick that reveals a reversal.
+    #[cold]
+    #[inline(never)]
+    fn turn(&mut self, a: T, c: T, m: T, status: Status) -> Estimate<T> {
+        self.model.turn(&mut self.state);
+        self.finish(Terms { a, c, m }, status)
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, terms: Terms<T>, status: Status) -> Estimate<T> {
+        let free = self.state.apply(terms);
+        let displacement = free - self.zero;
+        let dac = self.dac.code(displacement);
+        if self.limits.contains(free) && !self.dac.saturated(dac) {
+            Estimate { displacement, dac, status }
+        } else {
+            self.limited(free, status)
+        }
+    }
+
+    /// A displacement beyond the limits or the DAC's range.
+    #[cold]
+    #[inline(never)]
+    fn limited(&mut self, free: T, mut status: Status) -> Estimate<T> {
+        let limited = self.limits.clamp(free);
+        self.state.displacement = limited;
+        let displacement = limited - self.zero;
+        let dac = self.dac.code(displacement);
+        status.set(Status::CLAMPED, limited != free);
+        status.set(Status::DAC_SATURATED, self.dac.saturated(dac));
+        Estimate { displacement, dac, status }
     }
 }

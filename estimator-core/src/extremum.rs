@@ -49,6 +49,7 @@ impl<T: Real> Tracker<T> {
 
     /// Takes the voltage (V) and displacement (µm) of this tick. `true` when this tick revealed a reversal, so that
     /// [`last`](Self::last) has changed.
+    #[inline]
     pub fn update(&mut self, voltage: T, displacement: T) -> bool {
         let now = Extremum { voltage, displacement };
         let reversal = match &mut self.direction {

@@ -11,7 +11,7 @@ use crate::range::Range;
 /// Number of knots.
 pub const KNOTS: usize = 257;
 /// Number of intervals between them.
-const INTERVALS: u16 = KNOTS as u16 - 1;
+const INTERVALS: u32 = KNOTS as u32 - 1;
 
 /// Where the knots stand.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -26,7 +26,7 @@ pub struct Grid<T> {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Position<T> {
     /// The knot on the left; below [`KNOTS`] − 1.
-    index: u16,
+    index: u32,
     /// Weight of the knot on its right, 0 … 1.
     weight: T,
 }
@@ -41,9 +41,14 @@ impl<T: Real> Grid<T> {
     #[inline]
     pub fn locate(&self, voltage: T) -> Position<T> {
         let knots = (voltage - self.first) * self.per_volt;
-        let index = knots.to_u16_saturating().min(INTERVALS - 1);
-        let weight = knots - T::of(f32::from(index));
-        Position { index, weight: weight.max(T::zero()).min(T::one()) }
+        let index = knots.to_u32_saturating();
+        if knots >= T::zero() && index < INTERVALS {
+            Position { index, weight: knots - T::of(index as f32) }
+        } else if knots > T::zero() {
+            Position { index: INTERVALS - 1, weight: T::one() }
+        } else {
+            Position { index: 0, weight: T::zero() }
+        }
     }
 }
 
@@ -62,11 +67,11 @@ pub fn covered<T: Real>(voltage: Range<T>) -> Range<T> {
     let step = interval(voltage);
     let crosses_zero = voltage.min < T::zero() && T::zero() < voltage.max;
     let first = if crosses_zero { (voltage.min / step).floor() * step } else { voltage.min };
-    Range { min: first, max: first + T::of(f32::from(INTERVALS)) * step }
+    Range { min: first, max: first + T::of(INTERVALS as f32) * step }
 }
 
 fn interval<T: Real>(voltage: Range<T>) -> T {
-    voltage.span() / T::of(f32::from(INTERVALS - 1))
+    voltage.span() / T::of((INTERVALS - 1) as f32)
 }
 
 impl<T: Real> Lookup<T> {
@@ -90,7 +95,7 @@ impl<T: Real> Lookup<T> {
     /// The affine map at a position that this lookup's grid, or an equal one, has located.
     #[inline]
     pub fn at(&self, position: Position<T>) -> Terms<T> {
-        let left = usize::from(position.index);
+        let left = position.index as usize;
         let (left, right) = (&self.knots[left], &self.knots[left + 1]);
         let mean = |l: T, r: T| l + position.weight * (r - l);
         Terms { a: mean(left.a, right.a), c: mean(left.c, right.c), m: mean(left.m, right.m) }

@@ -31,8 +31,8 @@ pub trait Real: FloatCore + Debug + Display + Send + Sync + 'static {
     fn ln(self) -> Self;
     /// The value of a number of the parameter table.
     fn of(value: f32) -> Self;
-    /// Towards zero, saturating at 0 and `u16::MAX`; 0 for NaN.
-    fn to_u16_saturating(self) -> u16;
+    /// Towards zero, saturating at 0 and `u32::MAX`; 0 for NaN. One instruction of the target, unlike the same to `u16`.
+    fn to_u32_saturating(self) -> u32;
 
     /// `sgn(self)·|self|^exponent`, 0 at 0 whatever the exponent: the shape of every power term of the models.
     ///
@@ -81,8 +81,9 @@ impl Real for f32 {
         value
     }
 
-    fn to_u16_saturating(self) -> u16 {
-        self as u16
+    #[inline]
+    fn to_u32_saturating(self) -> u32 {
+        self as u32
     }
 }
 
@@ -103,8 +104,8 @@ impl Real for f64 {
         value.into()
     }
 
-    fn to_u16_saturating(self) -> u16 {
-        self as u16
+    fn to_u32_saturating(self) -> u32 {
+        self as u32
     }
 }
 

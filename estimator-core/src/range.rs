@@ -17,8 +17,9 @@ impl<T: Real> Range<T> {
     /// The nearest value of the interval; its lower end for NaN.
     #[inline]
     pub fn clamp(self, value: T) -> T {
-        // In this order a NaN becomes a number.
-        value.max(self.min).min(self.max)
+        // Comparisons, because `max` and `min` of an f32 are library calls on the target. A NaN fails both.
+        let raised = if value >= self.min { value } else { self.min };
+        if raised <= self.max { raised } else { self.max }
     }
 
     /// Upper end less lower end.
@@ -27,6 +28,7 @@ impl<T: Real> Range<T> {
     }
 
     /// Whether the value lies in the interval.
+    #[inline]
     pub fn contains(self, value: T) -> bool {
         self.min <= value && value <= self.max
     }

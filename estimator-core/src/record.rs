@@ -24,6 +24,12 @@ const HEADER: usize = 8;
 const CHECKSUM: usize = 4;
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
+/// The checksum at the end of a record, by which two tables are told apart. (A CRC over the whole record, its own
+/// checksum included, is one and the same for all.)
+pub fn checksum(record: &[u8]) -> Option<u32> {
+    record.last_chunk::<CHECKSUM>().map(|bytes| u32::from_le_bytes(*bytes))
+}
+
 impl Admitted {
     /// Writes the record into the start of `buffer`; returns its length, or `None` when the buffer is too small
     /// ([`MAX_LENGTH`] always suffices).

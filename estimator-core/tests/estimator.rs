@@ -135,6 +135,24 @@ fn what_is_wrong_is_said() {
 }
 
 #[test]
+fn the_zero_can_be_set_and_a_restart_forgets_it() {
+    with_lookup(table(), |mut estimator| {
+        let codes = [3.0f32, 7.0, 12.0, 4.0].map(|v| table().adc.code(v));
+        let first = codes.map(|code| estimator.tick(code));
+        let mut twin = estimator.clone();
+        estimator.set_zero();
+        let zero = twin.tick(codes[3]).displacement;
+        let rest = estimator.tick(codes[3]);
+        let after = twin.tick(codes[3]).displacement - estimator.tick(codes[3]).displacement;
+        assert!(rest.displacement.abs() < 0.1 && (zero - rest.displacement - after).abs() < 1e-6);
+        assert_eq!(rest.dac, table().dac.code(rest.displacement));
+        estimator.restart();
+        estimator.set_zero();
+        assert_eq!(codes.map(|code| estimator.tick(code)), first, "before the first tick there is nothing to call 0");
+    });
+}
+
+#[test]
 fn a_lookup_must_be_the_table_s_own() {
     let direct = table().admit().unwrap();
     let lookup = direct.lookup::<f32>();

@@ -1,7 +1,7 @@
 //! `--adc-span`, `--dac-span` and the converters' full scales, as the command line says them.
 
 use clap::Args;
-use estimator_core::{AdcCalibration, DacCalibration, Range, Table};
+use estimator_core::{AdcCalibration, AdcCode, DacCalibration, DacCode, Range, Table};
 use std::str::FromStr;
 
 /// What code 0 and what the full-scale code stand for.
@@ -76,11 +76,11 @@ impl CalibrationOptions {
     /// Changes a table's calibration where something else is stated.
     pub fn apply(&self, table: &mut Table) {
         let adc_span = self.adc_span.unwrap_or_else(|| {
-            let voltage = |code| table.adc.voltage(estimator_core::AdcCode(code));
+            let voltage = |code| table.adc.voltage(AdcCode(code));
             Span { zero: voltage(0), full: voltage(table.adc.full_scale) }
         });
         let dac_span = self.dac_span.unwrap_or_else(|| {
-            let displacement = |code| table.dac.displacement(estimator_core::DacCode(code));
+            let displacement = |code| table.dac.displacement(DacCode(code));
             Span { zero: displacement(0), full: displacement(table.dac.full_scale) }
         });
         if self.adc_span.is_some() || self.adc_full_scale.is_some() {
@@ -90,6 +90,38 @@ impl CalibrationOptions {
             table.dac = dac_calibration(dac_span, self.dac_full_scale.unwrap_or(table.dac.full_scale));
         }
     }
+}
+
+/// What does not fit between a table and its converters, in words.
+pub fn misfits(table: &Table) -> Vec<String> {
+    let mut misfits = Vec::new();
+    let volts = |code| table.adc.voltage::<f64>(AdcCode(code)) - f64::from(table.voltage_zero_v);
+    let (ends, range) = ([volts(0), volts(table.adc.full_scale)], table.voltage_range_v);
+    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    if low > f64::from(range.min) || high < f64::from(range.max) {
+        misfits.push(format!(
+            "the ADC sees {low:.3} … {high:.3} V, the table is for {} … {} V: a wider --adc-span, by another divider",
+            range.min, range.max
+        ));
+    }
+    if table.dac.saturated(table.dac.code(0.0f64)) {
+        misfits.push(
+            "displacement 0, where the output goes on a fault, is not within the DAC's range: another --dac-span"
+                .to_owned(),
+        );
+    }
+    let um = |code| table.dac.displacement::<f64>(DacCode(code));
+    let (ends, limits) = ([um(0), um(table.dac.full_scale)], table.displacement_limits_um);
+    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    // A calibration that was assumed ends at the limits, to within rounding.
+    let room = 1e-4 * f64::from(limits.span());
+    if low > f64::from(limits.min) + room || high < f64::from(limits.max) - room {
+        misfits.push(format!(
+            "the DAC reaches {low:.3} … {high:.3} µm, the table's limits are {} … {} µm: a wider --dac-span",
+            limits.min, limits.max
+        ));
+    }
+    misfits
 }
 
 fn adc_calibration(span: Span, full_scale: u16) -> AdcCalibration {
@@ -109,7 +141,6 @@ fn dac_calibration(span: Span, full_scale: u16) -> DacCalibration {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use estimator_core::{AdcCode, DacCode};
 
     #[test]
     fn a_span_reads_as_it_is_written_and_may_be_inverted() {
@@ -134,6 +165,23 @@ mod tests {
         let (adc, dac) = CalibrationOptions::default().calibration(voltage, 50.0, limits);
         assert!(adc.voltage::<f64>(AdcCode(1)) < 30.0 && adc.voltage::<f64>(AdcCode(4094)) > 70.0);
         assert_eq!((dac.code(-6.0f64), dac.code(7.0f64)), (DacCode(0), DacCode(4095)));
+    }
+
+    #[test]
+    fn converters_that_do_not_fit_are_told() {
+        let fits = |adc: (f64, f64), dac: (f64, f64)| {
+            let (_, admitted) = crate::table_file::TableFile::load("../tests/data/table/table.toml".as_ref()).unwrap();
+            let mut table = *admitted;
+            let span = |(zero, full)| Some(Span { zero, full });
+            let options = CalibrationOptions { adc_span: span(adc), dac_span: span(dac), ..Default::default() };
+            options.apply(&mut table);
+            misfits(&table).len()
+        };
+        assert_eq!(fits((-1.0, 4.0), (-8.0, 52.0)), 0);
+        assert_eq!(fits((4.0, -1.0), (52.0, -8.0)), 0, "inverting ones fit as well");
+        assert_eq!(fits((0.0, 2.0), (-8.0, 52.0)), 1);
+        assert_eq!(fits((-1.0, 4.0), (-1.0, 40.0)), 1);
+        assert_eq!(fits((-1.0, 4.0), (10.0, 52.0)), 2, "no safe value, and not all of the limits");
     }
 
     #[test]

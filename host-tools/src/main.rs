@@ -1,7 +1,9 @@
 //! `piezo`: parses arguments, runs a verb, turns what comes of it into an exit code.
 
 use clap::{Parser, Subcommand};
-use host_tools::command::{emit, identify, reproduce, simulate, validate};
+use host_tools::command::{
+    emit, erase, flash, identify, info, monitor, pil, pull, push, record, reproduce, reset, simulate, validate, zero,
+};
 use std::process::ExitCode;
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
@@ -13,8 +15,9 @@ struct Cli {
     verb: Verb,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` was exceeded; 2 the arguments or a file are \
-                          wrong: no file is left half-written.";
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` was exceeded, a bit of `pil` differs, or `record` \
+                          ended before its time; 2 the arguments, a file or the device are wrong: no file is left \
+                          half-written.";
 
 #[derive(Subcommand)]
 enum Verb {
@@ -35,6 +38,40 @@ enum Verb {
     /// The thesis's validation errors beside ours on the synthetic rig.
     #[command(after_help = "Example: piezo reproduce --json")]
     Reproduce(reproduce::Reproduce),
+    /// Who the device is, which table it runs, how it is, and what to do about it.
+    #[command(after_help = "Example: piezo info --port /dev/ttyACM0")]
+    Info(info::Info),
+    /// A table → the device's parameter store.
+    #[command(after_help = "Example: piezo push out/board/table.toml --reset --port /dev/ttyACM0")]
+    Push(push::Push),
+    /// The table that the device runs → a file.
+    #[command(after_help = "Example: piezo pull --out table.bin --port /dev/ttyACM0")]
+    Pull(pull::Pull),
+    /// Empties the device's parameter store; the table of its firmware image is used from the next reset on.
+    #[command(after_help = "Example: piezo erase --reset --port /dev/ttyACM0")]
+    Erase(erase::Erase),
+    /// Displacement, voltage and faults, live.
+    #[command(after_help = "Example: piezo monitor --port /dev/ttyACM0")]
+    Monitor(monitor::Monitor),
+    /// The device's voltage and estimate → a log.
+    #[command(after_help = "Example: piezo record --out log.csv --seconds 10 --port /dev/ttyACM0")]
+    Record(record::Record),
+    /// Logs through the device's tick, compared bit for bit with the host (processor in the loop).
+    #[command(
+        after_help = "Example: piezo pil out/board/table.toml tests/data/picma-p885-1hz.csv --port tcp:127.0.0.1:4444"
+    )]
+    Pil(pil::Pil),
+    /// Calls the displacement of now 0, as at rest.
+    #[command(after_help = "Example: piezo zero --port /dev/ttyACM0")]
+    Zero(zero::Zero),
+    /// Restarts the device.
+    #[command(after_help = "Example: piezo reset --port /dev/ttyACM0")]
+    Reset(reset::Reset),
+    /// Firmware and table → the board, by a debug probe (through probe-rs).
+    #[command(
+        after_help = "Example: piezo flash --image target/thumbv7em-none-eabihf/release/nucleo-g474re --table out/board/table.toml"
+    )]
+    Flash(flash::Flash),
 }
 
 fn main() -> ExitCode {
@@ -44,6 +81,16 @@ fn main() -> ExitCode {
         Verb::Simulate(arguments) => simulate::run(&arguments),
         Verb::Emit(arguments) => emit::run(&arguments),
         Verb::Reproduce(arguments) => reproduce::run(&arguments),
+        Verb::Info(arguments) => info::run(&arguments),
+        Verb::Push(arguments) => push::run(&arguments),
+        Verb::Pull(arguments) => pull::run(&arguments),
+        Verb::Erase(arguments) => erase::run(&arguments),
+        Verb::Monitor(arguments) => monitor::run(&arguments),
+        Verb::Record(arguments) => record::run(&arguments),
+        Verb::Pil(arguments) => pil::run(&arguments),
+        Verb::Zero(arguments) => zero::run(&arguments),
+        Verb::Reset(arguments) => reset::run(&arguments),
+        Verb::Flash(arguments) => flash::run(&arguments),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,

@@ -166,6 +166,7 @@ impl Rig {
             sample_period: 1.0 / self.fs,
             voltage,
             displacement: Some(displacement),
+            displacement_estimated: false,
         }
     }
 

@@ -32,6 +32,18 @@ fn what_is_compiled_here_is_what_the_tool_writes() {
 }
 
 #[test]
+fn the_firmware_s_table_is_what_the_tool_writes() {
+    let options = ["--form", "direct", "--adc-full-scale", "65520", "--dac-span", "-8:52"];
+    let emit = piezo().args(["emit", TABLE, "--face", "rust"]).args(options).assert().success();
+    let committed = fs::read(data("../../firmware/src/table.rs")).unwrap();
+    assert!(
+        emit.get_output().stdout.trim_ascii_end() == committed.trim_ascii_end(),
+        "make it again: piezo emit {TABLE} {} --face rust > firmware/src/table.rs",
+        options.join(" ")
+    );
+}
+
+#[test]
 fn the_record_equals_the_toml_and_toml_is_a_fixed_point() {
     let (file, admitted) = TableFile::load(&data("table/table.toml")).unwrap();
     let record = piezo().args(["emit", TABLE, "--face", "binary"]).assert().success().get_output().stdout.clone();

@@ -1,11 +1,13 @@
 //! Whole commands, as a user types them, on the measured log and on the synthetic rig.
 
 mod demo;
+mod device;
 mod faces;
 mod logs;
 mod mistakes;
 mod options;
 mod readme;
+mod recorded;
 mod rig;
 
 use assert_cmd::Command;

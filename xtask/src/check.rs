@@ -8,7 +8,10 @@ use std::{
 use clap::{Args, builder::PossibleValuesParser};
 use xshell::Shell;
 
-use crate::step::{STEPS, Step};
+use crate::{
+    step::{STEPS, Step},
+    tool,
+};
 
 /// Which checks to run, and how.
 #[derive(Args)]
@@ -74,7 +77,7 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> ExitCode {
 
 fn execute(sh: &Shell, step: &Step) -> Outcome {
     let start = Instant::now();
-    let result = step.tool.map_or(Ok(()), |tool| tool.require(sh)).and_then(|()| (step.run)(sh));
+    let result = tool::require(sh, step.tools).and_then(|()| (step.run)(sh));
     match result {
         Ok(()) => Outcome::Passed(start.elapsed()),
         Err(error) => {

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail, ensure};
 use tempfile::TempDir;
 use xshell::{Cmd, Shell, cmd};
 
-use crate::root;
+use crate::{artifact, root};
 
 /// Cortex-M4F, hard float.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
@@ -34,6 +34,40 @@ pub fn cargo(sh: &Shell) -> Result<Cmd<'_>> {
     }
 }
 
+/// A board the firmware runs on; its name is also that of the binary and of the feature.
+#[derive(Clone, Copy)]
+pub enum Board {
+    /// The board itself: ST's NUCLEO-G474RE.
+    NucleoG474re,
+    /// Arm's AN386 image of the MPS2, as QEMU emulates it.
+    Mps2An386,
+}
+
+impl Board {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::NucleoG474re, Self::Mps2An386];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::NucleoG474re => "nucleo-g474re",
+            Self::Mps2An386 => "mps2-an386",
+        }
+    }
+
+    /// What makes cargo build for this board and for no other.
+    pub fn arguments(self) -> [&'static str; 5] {
+        ["--no-default-features", "--features", self.name(), "--bin", self.name()]
+    }
+}
+
+/// Builds the firmware for a board; returns the image's path.
+///
+/// # Errors
+/// It does not build.
+pub fn image(sh: &Shell, board: Board) -> Result<PathBuf> {
+    artifact::build(cargo(sh)?.arg("fw").args(board.arguments()), board.name())
+}
+
 /// Makes [`cargo`] succeed.
 ///
 /// # Errors
@@ -43,9 +77,16 @@ pub fn setup(sh: &Shell) -> Result<()> {
         println!("embedded: no rustup here fetches {TARGET}; taking Debian's compiler");
         debian(sh)?;
     }
-    let version = cargo(sh)?.arg("--version").quiet().read()?;
-    println!("embedded: {version} builds for {TARGET}");
     Ok(())
+}
+
+/// Which [`cargo`] it is.
+///
+/// # Errors
+/// See [`cargo`].
+pub fn describe(sh: &Shell) -> Result<String> {
+    let version = cargo(sh)?.arg("--version").quiet().read()?;
+    Ok(format!("{version} builds for {TARGET}"))
 }
 
 fn rustup_add(sh: &Shell) -> bool {

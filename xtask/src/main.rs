@@ -1,13 +1,18 @@
 //! `cargo xtask`: the chores of this repository.
 //!
-//! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI.
+//! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts the
+//! firmware without a board; `size` says what it takes of the chip.
 
+mod artifact;
 mod check;
-mod chromium;
 mod embedded;
+mod emulate;
+mod image;
+mod qemu;
 mod root;
-mod setup;
+mod size;
 mod step;
+mod tool;
 
 use std::{path::Path, process::ExitCode};
 
@@ -29,6 +34,10 @@ enum Chore {
     Setup,
     /// Run the checks, all of them or those named, in the order of the list
     Test(check::Arguments),
+    /// Start the firmware in QEMU, for `piezo` to talk to as to a board
+    Emulate(emulate::Arguments),
+    /// Print what the firmware takes of the chip: flash, RAM, instructions per tick
+    Size(size::Arguments),
 }
 
 fn main() -> Result<ExitCode> {
@@ -37,7 +46,9 @@ fn main() -> Result<ExitCode> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask has left the repository's root folder")?;
     sh.change_dir(root);
     match arguments.chore {
-        Chore::Setup => setup::all(&sh).map(|()| ExitCode::SUCCESS),
+        Chore::Setup => tool::setup(&sh, &step::tools()).map(|()| ExitCode::SUCCESS),
         Chore::Test(arguments) => Ok(check::run(&sh, &arguments)),
+        Chore::Emulate(arguments) => emulate::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
+        Chore::Size(arguments) => size::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
     }
 }

@@ -1,9 +1,15 @@
 //! The list of checks.
 
-use anyhow::Result;
-use xshell::{Shell, cmd};
+use anyhow::{Result, ensure};
+use xshell::{Cmd, Shell, cmd};
 
-use crate::{chromium, embedded, setup::Tool};
+use crate::{
+    artifact,
+    embedded::{self, Board, TARGET},
+    image::Image,
+    size,
+    tool::{self, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, QEMU, Tool},
+};
 
 /// One check.
 pub struct Step {
@@ -12,62 +18,122 @@ pub struct Step {
     /// What it proves, in a line.
     pub about: &'static str,
     /// What it needs beyond cargo.
-    pub tool: Option<Tool>,
+    pub tools: &'static [&'static Tool],
     /// Runs it; an error is the check's failure.
     pub run: fn(&Shell) -> Result<()>,
 }
 
 /// Every check, the quick ones first.
-pub const STEPS: [Step; 6] = [
-    Step { name: "fmt", about: "the sources are formatted", tool: None, run: fmt },
-    Step { name: "clippy", about: "no lint fires", tool: None, run: clippy },
-    Step { name: "doc", about: "the documentation builds without a warning", tool: None, run: doc },
-    Step { name: "test", about: "unit, property and command tests on the host", tool: None, run: test },
+pub const STEPS: [Step; 8] = [
+    Step { name: "fmt", about: "the sources are formatted", tools: &[], run: fmt },
+    Step { name: "clippy", about: "no lint fires", tools: &[], run: clippy },
+    Step { name: "doc", about: "the documentation builds without a warning", tools: &[], run: doc },
+    Step { name: "test", about: "unit, property and command tests on the host", tools: &[], run: test },
     Step {
-        name: "no-std",
-        about: "estimator-core builds for the microcontroller",
-        tool: Some(Tool::Embedded),
-        run: no_std,
+        name: "firmware",
+        about: "the firmware builds for both boards, without a lint and without software f64",
+        tools: &[&EMBEDDED],
+        run: firmware,
+    },
+    Step {
+        name: "emulated",
+        about: "the host tool and the firmware in QEMU understand each other; a tick takes no more than it should",
+        tools: &[&EMBEDDED, &QEMU],
+        run: emulated,
+    },
+    Step {
+        name: "board",
+        about: "the board's own image does its work in a CPU emulator",
+        tools: &[&EMBEDDED, &CMAKE, &MAKE, &PKG_CONFIG, &LIBCLANG],
+        run: board,
     },
     Step {
         name: "browser",
         about: "the HTML report is sound in a browser, on a phone's width and a desktop's",
-        tool: Some(Tool::Chromium),
+        tools: &[&CHROMIUM],
         run: browser,
     },
 ];
+
+/// Every tool that a check needs, once.
+pub fn tools() -> Vec<&'static Tool> {
+    let mut tools: Vec<&Tool> = STEPS.iter().flat_map(|step| step.tools).copied().collect();
+    tools.sort_by_key(|tool| tool.name);
+    tools.dedup_by_key(|tool| tool.name);
+    tools
+}
 
 fn fmt(sh: &Shell) -> Result<()> {
     Ok(cmd!(sh, "cargo fmt --all --check").run()?)
 }
 
+/// Packages with a step of their own: they need a target or a compiler that not everybody has.
+const APART: [&str; 4] = ["--exclude", "firmware", "--exclude", "board-emulator-test"];
+/// What of the firmware is no board's.
+const PORTABLE: [&str; 4] = ["--package", "firmware", "--lib", "--no-default-features"];
+
 fn clippy(sh: &Shell) -> Result<()> {
-    cmd!(sh, "cargo clippy --workspace --all-targets -- -D warnings").run()?;
+    cmd!(sh, "cargo clippy --workspace {APART...} --all-targets -- -D warnings").run()?;
+    cmd!(sh, "cargo clippy {PORTABLE...} --tests -- -D warnings").run()?;
     // The host tool's feature is the core's too.
     Ok(cmd!(sh, "cargo clippy -p estimator-core -p host-tools --features host-tools/micromath,estimator-core/micromath --all-targets -- -D warnings").run()?)
 }
 
 fn doc(sh: &Shell) -> Result<()> {
-    Ok(cmd!(sh, "cargo doc --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings").run()?)
+    let _deny = sh.push_env("RUSTDOCFLAGS", "-D warnings");
+    cmd!(sh, "cargo doc --workspace {APART...} --no-deps").run()?;
+    Ok(cmd!(sh, "cargo doc {PORTABLE...} --no-deps").run()?)
+}
+
+/// The tests that start nothing but what cargo brings.
+fn host_tests(sh: &Shell) -> Cmd<'_> {
+    let others =
+        ["report-browser-test", "qemu-test", "instruction-count"].map(|package| format!("--exclude={package}"));
+    cmd!(sh, "cargo test --workspace {APART...} {others...}")
 }
 
 fn test(sh: &Shell) -> Result<()> {
-    cmd!(sh, "cargo test --workspace --exclude report-browser-test").run()?;
+    host_tests(sh).run()?;
+    cmd!(sh, "cargo test {PORTABLE...} --tests").run()?;
     Ok(cmd!(sh, "cargo test -p estimator-core --features micromath").run()?)
 }
 
-fn no_std(sh: &Shell) -> Result<()> {
-    let target = embedded::TARGET;
-    for features in [&[][..], &["--features", "micromath"]] {
+fn firmware(sh: &Shell) -> Result<()> {
+    for board in Board::ALL {
         embedded::cargo(sh)?
-            .args(["build", "-p", "estimator-core", "--release", "--target", target])
-            .args(features)
+            .args(["clippy", "--release", "--package", "firmware", "--target", TARGET, "--lib"])
+            .args(board.arguments())
+            .args(["--", "-D", "warnings"])
             .run()?;
+        let image = Image::read(&embedded::image(sh, board)?)?;
+        let found = image.soft_doubles();
+        ensure!(
+            found.is_empty(),
+            "something computes in f64, which takes hundreds of instructions: {}",
+            found.join(" ")
+        );
     }
-    Ok(())
+    let micromath =
+        ["build", "--release", "--package", "estimator-core", "--features", "micromath", "--target", TARGET];
+    Ok(embedded::cargo(sh)?.args(micromath).run()?)
+}
+
+fn emulated(sh: &Shell) -> Result<()> {
+    cmd!(sh, "cargo test --package instruction-count").run()?;
+    let image = embedded::image(sh, Board::Mps2An386)?;
+    // Built for the tests on the host already.
+    let piezo = artifact::build(host_tests(sh).arg("--no-run"), "piezo")?;
+    cmd!(sh, "cargo test --package qemu-test").env("FIRMWARE_IMAGE_MPS2", image).env("PIEZO", &piezo).run()?;
+    size::check(sh, &piezo)
+}
+
+fn board(sh: &Shell) -> Result<()> {
+    let image = embedded::image(sh, Board::NucleoG474re)?;
+    cmd!(sh, "cargo clippy --package board-emulator-test --all-targets -- -D warnings").run()?;
+    Ok(cmd!(sh, "cargo test --package board-emulator-test").env("FIRMWARE_IMAGE", image).run()?)
 }
 
 fn browser(sh: &Shell) -> Result<()> {
-    let chrome = chromium::find()?;
+    let chrome = tool::chromium()?;
     Ok(cmd!(sh, "cargo test -p report-browser-test -- --nocapture").env("CHROME", chrome).run()?)
 }

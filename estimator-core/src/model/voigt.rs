@@ -184,6 +184,19 @@ impl<T: Real> State<T> {
     pub fn last_extremum(&self) -> Extremum<T> {
         self.tracker.last()
     }
+
+    /// Takes this tick's voltage (V); `true` when it reveals a reversal.
+    #[inline]
+    pub fn track(&mut self, voltage: T) -> bool {
+        self.tracker.update(voltage, self.displacement)
+    }
+
+    /// Goes on to the next tick; returns its displacement (µm).
+    #[inline]
+    pub fn apply(&mut self, terms: Terms<T>) -> T {
+        self.displacement = terms.apply(self.displacement, self.ext);
+        self.displacement
+    }
 }
 
 impl<T: Real> Voigt<T> {
@@ -214,7 +227,6 @@ impl<T: Real> Voigt<T> {
     }
 
     /// 1/(d(V)·b), 1/s.
-    #[inline]
     pub fn rate(&self, voltage: T) -> T {
         let x = (self.lambda_beta - self.lambda * voltage).exp();
         self.rate_scale * (T::of(2.0) + x + T::one() / x)
@@ -251,12 +263,12 @@ impl<T: Real> Voigt<T> {
 
     /// `g·sgn(V_ext)·|V_ext|^h`, µm/s.
     pub fn voltage_term(&self, voltage: T) -> T {
-        self.g * voltage.signed_pow(self.h)
+        if self.g == T::zero() { T::zero() } else { self.g * voltage.signed_pow(self.h) }
     }
 
     /// `e_µm·sgn(y_ext)·|y_ext|^f`, µm/s.
     pub fn displacement_term(&self, displacement: T) -> T {
-        self.e_um * displacement.signed_pow(self.f)
+        if self.e_um == T::zero() { T::zero() } else { self.e_um * displacement.signed_pow(self.f) }
     }
 
     /// Both extremum terms, µm/s.
@@ -273,10 +285,14 @@ impl<T: Real> Voigt<T> {
     /// One tick with the affine map given, as the tabulated form and the identification have it.
     #[inline]
     pub fn step_with(&self, state: &mut State<T>, voltage: T, terms: Terms<T>) -> T {
-        if state.tracker.update(voltage, state.displacement) {
-            state.ext = self.extremum_input(state.tracker.last());
+        if state.track(voltage) {
+            self.turn(state);
         }
-        state.displacement = terms.apply(state.displacement, state.ext);
-        state.displacement
+        state.apply(terms)
+    }
+
+    /// Takes the reversal that [`State::track`] has found into account.
+    pub fn turn(&self, state: &mut State<T>) {
+        state.ext = self.extremum_input(state.tracker.last());
     }
 }

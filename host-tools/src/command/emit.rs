@@ -1,7 +1,7 @@
 //! `piezo emit`: the faces of a table, in another form or with another calibration where asked.
 
 use super::print::out;
-use crate::calibration::CalibrationOptions;
+use crate::calibration::{CalibrationOptions, misfits};
 use crate::identify::Doubt;
 use crate::output;
 use crate::table_file::{TableFile, record, rust_source};
@@ -68,6 +68,7 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         None => {}
     }
     let admitted = file.admit()?;
+    misfits(&admitted).iter().for_each(|misfit| eprintln!("piezo: careful: {misfit}"));
     if let Some(folder) = &arguments.out {
         file.write_faces(folder)?;
         let faces = ["table.toml", "table.rs", "table.bin"].map(|name| folder.join(name));

@@ -2,10 +2,21 @@
 //! whether it succeeded.
 
 pub mod emit;
+pub mod erase;
+pub mod flash;
 pub mod identify;
+pub mod info;
+pub mod link;
+pub mod monitor;
+pub mod pil;
+pub mod pull;
+pub mod push;
+pub mod record;
 pub mod reproduce;
+pub mod reset;
 pub mod simulate;
 pub mod validate;
+pub mod zero;
 
 mod print;
 

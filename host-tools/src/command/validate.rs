@@ -72,14 +72,14 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     let within = |limit: Option<f64>, value: f64| limit.is_none_or(|limit| value <= limit);
     let passed = within(arguments.max_mae, judged) && within(arguments.max_percent, percent);
     if arguments.json {
-        let logs: Vec<Value> = comparisons.iter().zip(&trained_on).map(to_json).collect();
+        let logs: Vec<Value> = comparisons.iter().zip(&logs).zip(&trained_on).map(to_json).collect();
         let report = json!({ "logs": logs, "all": { "mil": mil, "sil": sil }, "passed": passed });
         out(&serde_json::to_string_pretty(&report)?);
         return Ok(passed);
     }
     out("Simulation from each log's first sample: the f64 reference (MIL) and the f32 core of the target (SIL).");
     out(&heading("log"));
-    for (comparison, trained_on) in comparisons.iter().zip(&trained_on) {
+    for ((comparison, log), trained_on) in comparisons.iter().zip(&logs).zip(&trained_on) {
         out(&row(&format!("{}  f64 (MIL)", comparison.name), &comparison.mil));
         out(&row(&format!("{}  f32 (SIL)", comparison.name), &comparison.sil));
         out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
@@ -87,6 +87,9 @@ pub fn run(arguments: &Validate) -> Result<bool> {
             out(&format!(
                 "    the table was trained on {from:.2} … {to:.2} s of this log: these errors prove nothing there"
             ));
+        }
+        if log.displacement_estimated {
+            out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
         }
         if !comparison.status.is_empty() {
             out(&format!("    {}", remarks(comparison.status)));
@@ -125,7 +128,7 @@ fn remarks(status: Status) -> String {
     raised.collect::<Vec<_>>().join("; ")
 }
 
-fn to_json((comparison, trained_on_s): (&Comparison, &Option<(f64, f64)>)) -> Value {
+fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64, f64)>)) -> Value {
     let status: Vec<&str> = comparison.status.iter_names().map(|(name, _)| name).collect();
     json!({
         "log": comparison.name,
@@ -134,5 +137,6 @@ fn to_json((comparison, trained_on_s): (&Comparison, &Option<(f64, f64)>)) -> Va
         "mil_sil_um": comparison.mil_sil_um,
         "status": status,
         "trained_on_s": trained_on_s,
+        "displacement_estimated": log.displacement_estimated,
     })
 }

@@ -8,6 +8,11 @@ use std::fmt;
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[serde(tag = "doubt", rename_all = "kebab-case")]
 pub enum Doubt {
+    /// The displacement of a log is an estimate.
+    EstimatedDisplacement {
+        /// Name of the log.
+        log: String,
+    },
     /// A searched coordinate ended at an end of its range.
     AtBound {
         /// Its name.
@@ -101,6 +106,12 @@ pub enum Doubt {
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::EstimatedDisplacement { log } => write!(
+                f,
+                "the displacement of {log} is a device's estimate (piezo record), no sensor's: fitted to it the model learns \
+                 that estimator with its errors, and an error on it looks too good; use logs with a real sensor's \
+                 displacement"
+            ),
             Self::AtBound { gene, value } => write!(
                 f,
                 "`{gene}` ended at the end of its range ({value:.4}): the optimum may lie beyond, or the logs do not \
@@ -214,6 +225,7 @@ mod tests {
     #[test]
     fn every_doubt_says_what_helps() {
         let all = [
+            Doubt::EstimatedDisplacement { log: "c".into() },
             Doubt::AtBound { gene: "p", value: 2.5 },
             Doubt::PoorFit { percent: 40.0 },
             Doubt::FallsWithVoltage,

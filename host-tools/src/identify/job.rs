@@ -153,7 +153,7 @@ impl Job {
                 failed.into_iter().find(|(failed, _)| *failed == model).context("it was not searched for")?;
             return Err(error.context(format!("model {model}")));
         };
-        let mut doubts = doubts(&candidates[chosen], &character, self.cost);
+        let mut doubts = [self.estimates(), doubts(&candidates[chosen], &character, self.cost)].concat();
         if let Some(Delay { at_bound: true, ticks }) = estimated {
             doubts.push(Doubt::DelayAtBound { delay_ms: f64::from(ticks) * recipe.tick_s() * 1e3 });
         }
@@ -165,6 +165,12 @@ impl Job {
         let logs = [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat();
         let failed = failed.into_iter().map(|(model, error)| (model, format!("{error:#}"))).collect();
         Ok(Outcome { candidates, failed, chosen, reason, doubts, recipe, logs })
+    }
+
+    /// A doubt for each log that is no sensor's.
+    fn estimates(&self) -> Vec<Doubt> {
+        let logs = self.training.iter().chain(&self.held_out).filter(|log| log.displacement_estimated);
+        logs.map(|log| Doubt::EstimatedDisplacement { log: log.name.clone() }).collect()
     }
 
     fn delay_search(&self) -> DelaySearch {

@@ -22,6 +22,8 @@ pub(super) struct Channels {
     pub time: Option<Channel>,
     pub voltage: Option<Channel>,
     pub displacement: Option<Channel>,
+    /// The displacement's column is named an estimate.
+    pub displacement_estimated: bool,
 }
 
 impl Channels {
@@ -94,6 +96,7 @@ impl Channels {
             time: channel(0, Quantity::Time).filter(|_| first == 1),
             voltage: channel(first, Quantity::Voltage),
             displacement: channel(first + 1, Quantity::Displacement),
+            displacement_estimated: false,
         }
     }
 }

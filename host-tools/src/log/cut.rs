@@ -35,6 +35,7 @@ impl Log {
             sample_period: self.sample_period,
             voltage: self.voltage[rows.clone()].to_vec(),
             displacement: self.displacement.as_ref().map(|displacement| displacement[rows].to_vec()),
+            displacement_estimated: self.displacement_estimated,
         }
     }
 }
@@ -53,6 +54,7 @@ mod tests {
             sample_period: 0.01,
             voltage: rows.clone(),
             displacement: Some(rows),
+            displacement_estimated: false,
         }
     }
 

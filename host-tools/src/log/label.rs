@@ -47,9 +47,14 @@ impl Label {
             "t" | "time" | "timestamp" | "time stamp" | "elapsed time" => Some(Quantity::Time),
             "v" | "u" | "voltage" | "drive voltage" | "input voltage" | "amplifier voltage" | "actuator voltage"
             | "piezo voltage" => Some(Quantity::Voltage),
-            "y" | "x" | "displacement" | "disp" | "position" | "pos" | "measured displacement" => {
-                Some(Quantity::Displacement)
-            }
+            "y"
+            | "x"
+            | "displacement"
+            | "disp"
+            | "position"
+            | "pos"
+            | "measured displacement"
+            | "estimated displacement" => Some(Quantity::Displacement),
             _ => None,
         }
     }
@@ -60,6 +65,11 @@ impl Label {
             (Some(Ok(unit)), "") => Some(unit.quantity()),
             _ => self.named_quantity(),
         }
+    }
+
+    /// Whether the name says that the column is an estimate, as `piezo record` names its displacement.
+    pub fn says_estimated(&self) -> bool {
+        self.name.split(' ').next() == Some("estimated")
     }
 
     /// The unit, if it is one of `quantity`.
@@ -133,6 +143,7 @@ mod tests {
             "pos in micron",
             "x.um",
             "Measured displacement, um",
+            "estimated_displacement_um",
             "um",
         ] {
             assert_eq!(read_as(name), displacement, "{name}");
@@ -143,6 +154,16 @@ mod tests {
         }
         assert_eq!(read_as("Drive_Voltage"), (Some(Quantity::Voltage), None));
         assert_eq!(read_as("voltage (furlong)"), (Some(Quantity::Voltage), None));
+    }
+
+    #[test]
+    fn an_estimate_is_known_by_its_name() {
+        for name in ["estimated_displacement_um", "Estimated Displacement [nm]", "estimated position / um"] {
+            assert!(Label::new(name).says_estimated(), "{name}");
+        }
+        for name in ["displacement_um", "measured displacement (um)", "um", "underestimated_um"] {
+            assert!(!Label::new(name).says_estimated(), "{name}");
+        }
     }
 
     #[test]

@@ -57,6 +57,8 @@ pub struct Log {
     pub voltage: Vec<f64>,
     /// Displacement of each sample, µm; `None` only where [`ReadOptions::displacement_required`] is off.
     pub displacement: Option<Vec<f64>>,
+    /// The displacement is an estimate and no sensor's, by the name of its column.
+    pub displacement_estimated: bool,
 }
 
 /// What the user says about a log that its file does not.
@@ -94,6 +96,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
         sample_period,
         voltage: recording.voltage,
         displacement: recording.displacement,
+        displacement_estimated: recording.channels.displacement_estimated,
     })
 }
 

@@ -72,6 +72,21 @@ fn the_table_without_options_says_which_to_add() {
 }
 
 #[test]
+fn an_estimate_is_known_however_its_column_was_chosen() {
+    let estimated = |header: &str, columns: &str| {
+        let text = header.to_owned() + &rows(0.001, |t, v, y| format!("{t},{v},{y},{y}"));
+        parsed(&text, &options(columns, None)).unwrap().displacement_estimated
+    };
+    let recorded = "time_s,voltage_V,estimated_displacement_um,n\n";
+    assert!(estimated(recorded, ""));
+    assert!(estimated(recorded, "time=1,voltage=2,displacement=3"));
+    assert!(!estimated("time_s,voltage_V,displacement_um,n\n", ""));
+    let both = "time_s,voltage_V,estimated_displacement_um,sensor_um\n";
+    assert!(!estimated(both, "time=1,voltage=2,displacement=sensor"), "the sensor's column was chosen");
+    assert!(!estimated("", "time=1,voltage=2,displacement=3"), "nothing names it");
+}
+
+#[test]
 fn hash_and_name() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sine.10hz.csv");

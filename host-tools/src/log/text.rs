@@ -86,7 +86,7 @@ fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Fault> {
 
 /// Columns from `--columns`, else from the header; errors say which option to add.
 fn choose(labels: Option<&[Label]>, count: usize, file: &str, options: &ReadOptions) -> Result<Channels, Fault> {
-    let channels = match (&options.columns, labels) {
+    let mut channels = match (&options.columns, labels) {
         (Some(columns), labels) => channels::from_columns(columns, count, labels)?,
         (None, Some(labels)) => channels::from_header(labels)?,
         (None, None) => {
@@ -99,6 +99,9 @@ fn choose(labels: Option<&[Label]>, count: usize, file: &str, options: &ReadOpti
         }
     };
     channels.check_complete(count, labels, file, options)?;
+    channels.displacement_estimated = labels
+        .zip(channels.displacement)
+        .is_some_and(|(labels, displacement)| labels[displacement.index].says_estimated());
     Ok(channels)
 }
 

@@ -199,6 +199,7 @@ mod tests {
             sample_period: 1.0 / hertz,
             voltage: (0..rows).map(f64::from).collect(),
             displacement: Some((0..rows).map(|k| 2.0 * f64::from(k)).collect()),
+            displacement_estimated: false,
         }
     }
 

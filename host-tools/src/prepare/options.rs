@@ -204,6 +204,7 @@ mod tests {
             sample_period: 5e-4,
             voltage: (0..200).map(|k| offset_v + 2.0 * phase(k).sin()).collect(),
             displacement: Some((0..200).map(|k| offset_um + 10.0 * (phase(k) - 0.2).sin()).collect()),
+            displacement_estimated: false,
         }
     }
 

@@ -1,0 +1,42 @@
+//! Linker arguments of the binaries, the memory map of the chosen board, and the commit that the image is built from.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::{env, fs};
+
+fn main() {
+    println!("cargo:rustc-env=GIT_COMMIT={}", commit());
+    let board = match (env::var_os("CARGO_FEATURE_NUCLEO_G474RE"), env::var_os("CARGO_FEATURE_MPS2_AN386")) {
+        (Some(_), None) => "NUCLEO_G474RE",
+        (None, Some(_)) => "MPS2_AN386",
+        (None, None) => return,
+        (Some(_), Some(_)) => panic!("choose one board: --no-default-features --features mps2-an386"),
+    };
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    let aliases: String =
+        ["FLASH", "RAM", "PARAMETERS"].map(|region| format!("REGION_ALIAS({region}, {board}_{region});\n")).concat();
+    fs::write(out.join("board.x"), aliases).expect("OUT_DIR can be written");
+    // A device crate of the emulated board would have this; its vectors stand in the board's own file.
+    if board == "MPS2_AN386" {
+        fs::write(out.join("device.x"), "").expect("OUT_DIR can be written");
+    }
+    println!("cargo:rustc-link-search={}", out.display());
+    println!("cargo:rerun-if-changed=../memory.x");
+    for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
+        println!("cargo:rustc-link-arg-bins={argument}");
+    }
+}
+
+/// The commit, marked when the sources differ from it; "unknown" away from a repository.
+fn commit() -> String {
+    // Whatever is in the image decides whether it is the commit's.
+    for path in [".git/HEAD", ".git/index", "estimator-core/src", "firmware/src", "parameter-store/src", "protocol/src"]
+    {
+        println!("cargo:rerun-if-changed=../{path}");
+    }
+    let git = Command::new("git").args(["describe", "--always", "--dirty", "--abbrev=10"]).output();
+    git.ok()
+        .filter(|output| output.status.success())
+        .and_then(|output| String::from_utf8(output.stdout).ok())
+        .map_or_else(|| "unknown".to_owned(), |text| text.trim().to_owned())
+}

@@ -1,0 +1,139 @@
+//! Arm's AN386 (Cortex-M4F, 25 MHz) for the MPS2 board, as QEMU emulates it: all of the firmware but the STM32.
+//!
+//! The tick is CMSDK timer 0 at 2 kHz. There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, and
+//! the "DAC" is a word in memory. The link is UART 0. The flash is memory that a reset keeps and a power-on does not.
+#![no_std]
+#![no_main]
+
+mod clock;
+mod registers;
+mod uart;
+
+use core::cell::Cell;
+use core::panic::PanicInfo;
+use core::ptr::{addr_of, addr_of_mut};
+use core::sync::atomic::{AtomicU16, AtomicU32, Ordering::Relaxed};
+
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception, interrupt};
+use defmt_rtt as _;
+use embassy_executor::Spawner;
+use embassy_sync::blocking_mutex::CriticalSectionMutex;
+use estimator_core::AdcCode;
+use firmware::peripherals::TICK_HZ;
+use firmware::run::TELEMETRY;
+use firmware::{Converters, Peripherals, Tick, last_words};
+use parameter_store::RamFlash;
+use protocol::ResetCause;
+use registers::{CORE_HZ, Interrupt as interrupt};
+
+/// As the primary board's, so that the same tables fit.
+const CONVERTERS: Converters = Converters { adc_full_scale: 65_520, dac_full_scale: 4095 };
+
+/// The tick on its way to the interrupt that owns it.
+static ARMED: CriticalSectionMutex<Cell<Option<Tick<'static>>>> = CriticalSectionMutex::new(Cell::new(None));
+/// What the DAC would put out at the next trigger.
+static DAC: AtomicU16 = AtomicU16::new(0);
+
+#[embassy_executor::main]
+async fn main(_spawner: Spawner) {
+    // Cannot fail: this is the only call.
+    let mut core = cortex_m::Peripherals::take().expect("the core's peripherals are taken once");
+    clock::start(core.SYST);
+    registers::start_cycle_counter();
+    uart::start();
+    interrupt::Timer0.enable(&mut core.NVIC, 0);
+    interrupt::Uart0Receive.enable(&mut core.NVIC, 0x40);
+    let (flash, reset) = flash();
+    let pages = 0..flash.len() as u32;
+    let board = Peripherals {
+        board: "mps2-an386 (emulated)",
+        converters: CONVERTERS,
+        cycles_per_tick: CORE_HZ / TICK_HZ,
+        receiver: uart::Receiver,
+        transmitter: uart::Transmitter,
+        flash: RamFlash::new(flash),
+        pages,
+        reset,
+        supply_mv: None,
+        supply_good: true,
+        feed_watchdog: || {},
+        start: |tick: Tick<'static>| {
+            ARMED.lock(|armed| armed.set(Some(tick)));
+            registers::start_timer(CORE_HZ / TICK_HZ);
+        },
+        flash_errors: || 0,
+        line_errors: || 0,
+        restart: || SCB::sys_reset(),
+    };
+    match firmware::run(board).await {
+        Ok(never) => match never {},
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// The tick's interrupt, of the highest priority (which the clock's has as well).
+#[interrupt]
+fn Timer0() {
+    static mut TICK: Option<Tick<'static>> = None;
+    let started = registers::cycles();
+    registers::acknowledge_timer();
+    let Some(tick) = TICK.as_mut() else {
+        *TICK = ARMED.lock(Cell::take);
+        return;
+    };
+    DAC.store(tick.sample(triangle(), started).0, Relaxed);
+    TELEMETRY.took(registers::cycles().wrapping_sub(started), CORE_HZ / TICK_HZ);
+}
+
+#[interrupt]
+fn Uart0Receive() {
+    uart::received();
+}
+
+/// One second of it is 2,000 codes: up and down between 3,000 and 62,000.
+fn triangle() -> AdcCode {
+    static PHASE: AtomicU32 = AtomicU32::new(0);
+    let phase = PHASE.load(Relaxed);
+    PHASE.store((phase + 1) % TICK_HZ, Relaxed);
+    AdcCode((3_000 + 59 * phase.min(TICK_HZ - phase)) as u16)
+}
+
+/// The parameter pages, erased if this is the first start since power-on, and why the board started.
+fn flash() -> (&'static mut [u8], ResetCause) {
+    unsafe extern "C" {
+        static mut __parameters_start: u8;
+        static __parameters_end: u8;
+    }
+    let start = addr_of_mut!(__parameters_start);
+    let length = addr_of!(__parameters_end) as usize - start as usize;
+    // SAFETY: memory.x keeps this region free of everything else, and this function is called once.
+    let flash = unsafe { core::slice::from_raw_parts_mut(start, length) };
+    // QEMU starts with zeros, which no store leaves behind.
+    if flash.iter().all(|&byte| byte == 0) {
+        flash.fill(0xFF);
+        (flash, ResetCause::BROWN_OUT)
+    } else {
+        (flash, ResetCause::SOFTWARE)
+    }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    // SAFETY: nothing else runs any more.
+    unsafe { last_words::keep_panic(info) };
+    SCB::sys_reset()
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    // SAFETY: nothing else runs any more.
+    unsafe { last_words::keep_hard_fault(frame) };
+    SCB::sys_reset()
+}
+
+#[exception]
+unsafe fn DefaultHandler(interrupt: i16) {
+    panic!("interrupt {interrupt} has no handler");
+}

@@ -1,0 +1,305 @@
+//! ST's NUCLEO-G474RE: STM32G474RE at 170 MHz from the board's 24 MHz crystal.
+//!
+//! | what | where |
+//! |---|---|
+//! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, sixteenfold oversampling: codes up to 65,520 |
+//! | estimate | PA4 (A2), DAC1 channel 1, 12 bits |
+//! | high while the tick runs, for an oscilloscope | PA8 (D7) |
+//! | link | LPUART1 on PA2, PA3: the ST-Link's virtual COM port |
+//! | trigger of both converters | TIM6, 2 kHz |
+//! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
+//!
+//! Sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz, 22.6 µs; the interrupt follows. Every other interrupt has a lower
+//! priority, so only a critical section (embassy's own, tens of instructions each) can delay the tick.
+#![no_std]
+#![no_main]
+
+use core::cell::Cell;
+use core::panic::PanicInfo;
+use core::ptr::addr_of;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use cortex_m::peripheral::{DWT, SCB};
+use cortex_m_rt::{ExceptionFrame, exception};
+use defmt_rtt as _;
+use embassy_executor::Spawner;
+use embassy_stm32::adc::{Adc, AdcChannel as _, AdcConfig, Exten, InjectedAdc, SampleTime};
+use embassy_stm32::dac::{Ch1, DacChannel, Mode, Value};
+use embassy_stm32::flash::Flash;
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::interrupt::typelevel::{Handler, LPUART1 as LPUART1Interrupt};
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::mode::Async;
+use embassy_stm32::pac::{self, timer::vals::Mms};
+use embassy_stm32::peripherals::{ADC1, DMA1_CH2, LPUART1, TIM6};
+use embassy_stm32::time::Hertz;
+use embassy_stm32::timer::low_level::{RoundTo, Timer};
+use embassy_stm32::triggers::TIM6_TRGO;
+use embassy_stm32::usart::{self, BufferedInterruptHandler, BufferedUart};
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::{Config, Peri, bind_interrupts, dma, flash, interrupt, rcc};
+use embassy_sync::blocking_mutex::CriticalSectionMutex;
+use estimator_core::AdcCode;
+use firmware::peripherals::TICK_HZ;
+use firmware::run::TELEMETRY;
+use firmware::{Converters, Peripherals, Tick, last_words};
+use protocol::{BAUD, ResetCause};
+use static_cell::ConstStaticCell;
+
+bind_interrupts!(struct Irqs {
+    DMA1_CHANNEL2 => dma::InterruptHandler<DMA1_CH2>;
+    FLASH => flash::InterruptHandler;
+    LPUART1 => LineErrors, BufferedInterruptHandler<LPUART1>;
+});
+
+/// Counts what the driver drops without a word: overrun, framing and noise.
+struct LineErrors;
+
+impl Handler<LPUART1Interrupt> for LineErrors {
+    unsafe fn on_interrupt() {
+        let state = pac::LPUART1.isr().read();
+        if state.ore() || state.fe() || state.ne() {
+            LINE_ERRORS.store(LINE_ERRORS.load(Relaxed).wrapping_add(1), Relaxed);
+        }
+    }
+}
+
+const CORE_HZ: u32 = 170_000_000;
+/// Sixteen conversions of 12 bits, added up.
+const CONVERTERS: Converters = Converters { adc_full_scale: 16 * 4095, dac_full_scale: 4095 };
+/// From the trigger to the interrupt, cycles, and a little for its entry: sixteen times 60 clocks of the ADC, each four of
+/// the core's.
+const CONVERSION: u32 = 16 * 60 * 4 + 100;
+/// `OVSR`: the ratio is 2 to this plus one.
+const SIXTEENFOLD: u8 = 3;
+/// Longest that the tick or the main loop may stand still, µs; a start that must repair the parameter pages (two erases of
+/// up to 25 ms) fits.
+const WATCHDOG_US: u32 = 200_000;
+/// The supply that converters, divider and calibration are made for, mV, and how far off it may be: 5 %.
+const SUPPLY_MV: u16 = 3300;
+const SUPPLY_TOLERANCE_MV: u16 = 165;
+
+/// What the converter's interrupt owns.
+struct Armed {
+    tick: Tick<'static>,
+    adc: InjectedAdc<'static, ADC1, 1>,
+    dac: DacChannel<'static, Async>,
+    marker: Output<'static>,
+}
+
+/// On its way there.
+static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
+/// Flash words that could not be corrected.
+static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
+/// Errors of the serial line.
+static LINE_ERRORS: AtomicU32 = AtomicU32::new(0);
+
+unsafe extern "C" {
+    /// Symbols of memory.x: their addresses are meant.
+    static __flash_start: u8;
+    static __parameters_start: u8;
+    static __parameters_end: u8;
+    static __vrefint_calibration: u16;
+}
+
+#[embassy_executor::main]
+async fn main(_spawner: Spawner) {
+    let reset = reset_cause();
+    // With its reset values, half a second: a crystal that does not start must not be waited for for ever.
+    pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::START));
+    let p = embassy_stm32::init(clocks());
+    // Otherwise a page is 4 KiB, both parameter pages are one, and an erase stops the code.
+    assert!(pac::FLASH.optr().read().dbank(), "the flash is not in dual-bank mode: set the option bit DBANK");
+    // Cannot fail: this is the only call.
+    let mut core = cortex_m::Peripherals::take().expect("the core's peripherals are taken once");
+    core.DCB.enable_trace();
+    core.DWT.enable_cycle_counter();
+    defmt::info!("nucleo-g474re, reset cause {=u8:b}", reset.bits());
+
+    static TRANSMIT: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
+    static RECEIVE: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
+    let mut line = usart::Config::default();
+    line.baudrate = BAUD;
+    let uart = BufferedUart::new(p.LPUART1, p.PA3, p.PA2, TRANSMIT.take(), RECEIVE.take(), Irqs, line);
+    // Cannot fail: the rate is a constant that LPUART1 reaches from 170 MHz.
+    let (transmitter, receiver) = uart.expect("LPUART1 reaches the rate").split();
+    for other in [interrupt::LPUART1, interrupt::TIM5, interrupt::FLASH, interrupt::DMA1_CHANNEL2] {
+        other.set_priority(Priority::P6);
+    }
+    interrupt::ADC1_2.set_priority(Priority::P0);
+
+    let oversampling = AdcConfig { oversampling_ratio: Some(SIXTEENFOLD), ..AdcConfig::default() };
+    let mut adc = Adc::new(p.ADC1, oversampling);
+    let supply_mv = supply_mv(&mut adc);
+    // The driver oversamples regular conversions only.
+    pac::ADC1.cfgr2().modify(|w| w.set_jovse(true));
+    let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
+    watchdog.unleash();
+
+    let flash_start = addr_of!(__flash_start) as u32;
+    let pages = addr_of!(__parameters_start) as u32 - flash_start..addr_of!(__parameters_end) as u32 - flash_start;
+    let (tim6, dac1, dma, pa0) = (p.TIM6, p.DAC1, p.DMA1_CH2, p.PA0);
+    let marker = Output::new(p.PA8, Level::Low, Speed::High);
+    let board = Peripherals {
+        board: "nucleo-g474re",
+        converters: CONVERTERS,
+        cycles_per_tick: CORE_HZ / TICK_HZ,
+        receiver,
+        transmitter,
+        flash: Flash::new(p.FLASH, Irqs),
+        pages,
+        reset,
+        supply_mv: Some(supply_mv),
+        supply_good: supply_mv.abs_diff(SUPPLY_MV) <= SUPPLY_TOLERANCE_MV,
+        feed_watchdog: || watchdog.pet(),
+        start: |tick| {
+            // Before the converters listen: loading the prescaler is a trigger too.
+            let timer = trigger(tim6);
+            // The pin, analogue since reset, stays high-impedance until the output register holds the safe code: the driver
+            // switches a channel on before it can be given a code, so this one starts without the pin.
+            let mut dac = DacChannel::new_triggered_internal::<_, Ch1, _>(dac1, dma, TIM6_TRGO, Irqs);
+            dac.set(Value::Bit12Right(TELEMETRY.safe.load(Relaxed)));
+            dac.set_mode(Mode::NormalExternalBuffered);
+            dac.enable();
+            // The constructor chooses the trigger and leaves it off.
+            dac.set_triggering(true);
+            let channel = (pa0.degrade_adc(), SampleTime::CYCLES47_5);
+            let adc = adc.setup_injected_conversions([channel], TIM6_TRGO, Exten::RISING_EDGE, true);
+            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, dac, marker })));
+            // SAFETY: the handler below is ready, and no critical section masks by priority.
+            unsafe { interrupt::ADC1_2.enable() };
+            timer.start();
+            // Dropped, it would stop.
+            core::mem::forget(timer);
+        },
+        flash_errors: || FLASH_ERRORS.load(Relaxed),
+        line_errors: || LINE_ERRORS.load(Relaxed),
+        restart: || SCB::sys_reset(),
+    };
+    match firmware::run(board).await {
+        Ok(never) => match never {},
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// The tick. See [`Tick`] for its contract.
+#[interrupt]
+fn ADC1_2() {
+    static mut OWNED: Option<Armed> = None;
+    let started = DWT::cycle_count();
+    let Some(Armed { tick, adc, dac, marker }) = OWNED.as_mut() else {
+        // The first time: the request stays, so the handler is entered again at once.
+        *OWNED = ARMED.lock(Cell::take);
+        return;
+    };
+    marker.set_high();
+    let [code] = adc.read_injected_samples();
+    dac.set(Value::Bit12Right(tick.sample(AdcCode(code), started).0));
+    TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION);
+    marker.set_low();
+}
+
+/// 170 MHz: 24 MHz / 6 · 85 / 2.
+fn clocks() -> Config {
+    use rcc::{Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux::Adcsel};
+    let mut config = Config::default();
+    config.rcc.hse = Some(Hse { freq: Hertz(24_000_000), mode: HseMode::Oscillator });
+    config.rcc.pll = Some(Pll {
+        source: PllSource::HSE,
+        prediv: PllPreDiv::DIV6,
+        mul: PllMul::MUL85,
+        divp: None,
+        divq: None,
+        divr: Some(PllRDiv::DIV2),
+    });
+    config.rcc.sys = Sysclk::PLL1_R;
+    config.rcc.boost = true;
+    config.rcc.mux.adc12sel = Adcsel::SYS;
+    // The cycle counter must go on while the core sleeps, or lost ticks would not be seen.
+    config.enable_debug_during_sleep = true;
+    config
+}
+
+/// TIM6, not started, with its trigger output at exactly 2 kHz.
+fn trigger(tim6: Peri<'static, TIM6>) -> Timer<'static, TIM6> {
+    let timer = Timer::new(tim6);
+    timer.set_frequency(Hertz(TICK_HZ), RoundTo::Slower);
+    // Loads the prescaler; without it the first period is too short.
+    timer.generate_update_event();
+    let registers = timer.regs_basic();
+    registers.cr2().modify(|w| w.set_mms(Mms::UPDATE));
+    // Of the registers, because `get_frequency` of embassy-stm32 0.6 divides by one count too few.
+    let counts = (u32::from(registers.psc().read()) + 1) * (u32::from(registers.arr().read().arr()) + 1);
+    assert!(counts * TICK_HZ == timer.get_clock_frequency().0, "TIM6 does not reach {TICK_HZ} Hz: {counts} counts");
+    timer
+}
+
+/// Analogue supply by the internal reference, mV (RM0440, "Internal voltage reference").
+fn supply_mv(adc: &mut Adc<'static, ADC1>) -> u16 {
+    /// Supply at which the factory calibrated, mV.
+    const CALIBRATED_MV: u32 = 3000;
+    let mut reference = adc.enable_vrefint();
+    // Its buffer needs 12 µs.
+    cortex_m::asm::delay(CORE_HZ / 50_000);
+    let code = adc.blocking_read(&mut reference, SampleTime::CYCLES247_5);
+    // SAFETY: the factory's calibration word, in read-only memory.
+    let calibration = unsafe { addr_of!(__vrefint_calibration).read_volatile() };
+    let mv = CALIBRATED_MV * u32::from(calibration) / u32::from(code.max(1));
+    mv.min(u16::MAX.into()) as u16
+}
+
+/// Why the chip started; clears the flags for the next time.
+fn reset_cause() -> ResetCause {
+    let flags = pac::RCC.csr().read();
+    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    let causes = [
+        (flags.borrstf(), ResetCause::BROWN_OUT),
+        (flags.pinrstf(), ResetCause::PIN),
+        (flags.sftrstf(), ResetCause::SOFTWARE),
+        (flags.iwdgrstf(), ResetCause::WATCHDOG),
+        (flags.oblrstf() || flags.wwdgrstf() || flags.lpwrrstf(), ResetCause::OTHER),
+    ];
+    causes.into_iter().filter(|(set, _)| *set).map(|(_, cause)| cause).collect()
+}
+
+/// The DAC to its safe value, at once. Before the DAC runs this does nothing: the registers have no clock.
+fn output_safe() {
+    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(TELEMETRY.safe.load(Relaxed)));
+    // The code goes out as soon as no trigger is waited for.
+    pac::DAC1.cr().modify(|w| w.set_ten(0, false));
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    output_safe();
+    // SAFETY: nothing else runs any more.
+    unsafe { last_words::keep_panic(info) };
+    SCB::sys_reset()
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    cortex_m::interrupt::disable();
+    output_safe();
+    // SAFETY: nothing else runs any more.
+    unsafe { last_words::keep_hard_fault(frame) };
+    SCB::sys_reset()
+}
+
+/// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
+/// which the parameter store's checksums refuse.
+#[exception]
+unsafe fn NonMaskableInt() {
+    let state = pac::FLASH.eccr().read();
+    if !(state.eccd() && state.bk_ecc()) {
+        panic!("non-maskable interrupt, flash ECC state {:#010x}", state.0);
+    }
+    pac::FLASH.eccr().modify(|w| w.set_eccd(true));
+    FLASH_ERRORS.store(FLASH_ERRORS.load(Relaxed).saturating_add(1), Relaxed);
+}
+
+#[exception]
+unsafe fn DefaultHandler(interrupt: i16) {
+    panic!("interrupt {interrupt} has no handler");
+}

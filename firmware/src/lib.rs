@@ -1,0 +1,31 @@
+//! The estimator on a microcontroller: everything but the peripherals.
+//!
+//! ```text
+//!            highest priority                       async, may be late
+//! timer ─► ADC ─► interrupt ─► Tick ─► DAC          Link ◄─► serial line
+//!                    samples ─────┼──► queue ─────►  │
+//!                    commands ◄───┼─── queue ◄────── ├──► ParameterStore ◄─► flash
+//!                    Telemetry ◄──┘    atomics ────►  └──► watchdog
+//! ```
+//!
+//! A board (`src/board/`) brings up its peripherals, hands them to [`run()`], and calls [`Tick::sample`] from the
+//! interrupt of its converter. It knows no logic; nothing here knows a register. The tick shares nothing with the rest but
+//! single-producer single-consumer queues and atomics: it takes no lock and waits for nobody.
+#![cfg_attr(not(test), no_std)]
+
+pub mod boot;
+pub mod last_words;
+pub mod link;
+pub mod peripherals;
+pub mod run;
+/// The parameter table of the image, made by `piezo emit --face rust`.
+#[rustfmt::skip]
+pub mod table;
+pub mod telemetry;
+pub mod tick;
+pub mod watch;
+
+pub use peripherals::{Converters, Peripherals};
+pub use run::run;
+pub use telemetry::Telemetry;
+pub use tick::Tick;

@@ -1,0 +1,193 @@
+//! What the device answers to a request.
+
+use crate::boot::{self, TICK_US};
+use crate::peripherals::Converters;
+use crate::telemetry::Telemetry;
+use crate::tick::{Command, Numbered};
+use core::sync::atomic::Ordering::Relaxed;
+use embassy_time::{Duration, Timer};
+use embedded_storage_async::nor_flash::NorFlash;
+use estimator_core::record::{MAX_LENGTH, VERSION, checksum};
+use estimator_core::{AdcCode, Admitted};
+use heapless::spsc::{Consumer, Producer};
+use parameter_store::ParameterStore;
+use protocol::{Codes, Health, Identity, Mode, Record, Refusal, Reply, Request, ResetCause, TableSource, Text, text};
+
+/// How long a change of mode may take; it happens at the next tick.
+const OBEYED: Duration = Duration::from_millis(20);
+const POLL: Duration = Duration::from_micros(250);
+
+/// All that requests are about.
+pub struct Device<F: NorFlash> {
+    /// The board's name.
+    pub board: &'static str,
+    /// Its converters.
+    pub converters: Converters,
+    /// Counts of its cycle counter from tick to tick.
+    pub cycles_per_tick: u32,
+    /// Why it started.
+    pub reset: ResetCause,
+    /// Analogue supply at boot, mV.
+    pub supply_mv: Option<u16>,
+    /// Uncorrectable flash words met so far.
+    pub flash_errors: fn() -> u32,
+    /// Errors of the serial line that its driver does not report by itself.
+    pub line_errors: fn() -> u32,
+    /// Starts the board again.
+    pub restart: fn() -> !,
+    /// The table in use.
+    pub table: Option<Admitted>,
+    /// Where it comes from.
+    pub source: TableSource,
+    /// The last run's message.
+    pub last_words: Option<Text<160>>,
+    /// The parameter store.
+    pub store: ParameterStore<F>,
+    /// What the tick leaves to read.
+    pub telemetry: &'static Telemetry,
+    /// To the tick.
+    pub commands: Producer<'static, Command>,
+    /// To the tick, in [`Mode::Pil`].
+    pub feed: Producer<'static, AdcCode>,
+    /// From the tick.
+    pub samples: Consumer<'static, Numbered>,
+    /// Frames refused so far.
+    pub frames_refused: u32,
+    /// Errors of the serial line that its driver has reported so far.
+    pub read_errors: u32,
+}
+
+impl<F: NorFlash> Device<F> {
+    /// Does what is asked. A reset is left to the caller, after the reply.
+    pub async fn answer(&mut self, request: Request) -> Reply {
+        let done = match request {
+            Request::Identify => return Reply::Identity(self.identity()),
+            Request::Health => return Reply::Health(self.health()),
+            Request::Pull => return self.record().map_or(Reply::Refused(Refusal::NoTable), Reply::Table),
+            Request::Feed(codes) => return self.feed(&codes),
+            Request::Push { record, while_estimating } => self.push(&record, while_estimating).await,
+            Request::Erase { while_estimating } => self.erase(while_estimating).await,
+            Request::SetMode(mode) => self.set_mode(mode).await,
+            Request::SetZero => self.set_zero(),
+            Request::Stream(on) => {
+                self.stream(on);
+                Ok(())
+            }
+            Request::Forget => {
+                self.forget();
+                Ok(())
+            }
+            Request::Reset => Ok(()),
+        };
+        done.map_or_else(Reply::Refused, |()| Reply::Done)
+    }
+
+    fn identity(&self) -> Identity {
+        Identity {
+            board: text(self.board),
+            firmware: text(env!("CARGO_PKG_VERSION")),
+            git: text(env!("GIT_COMMIT")),
+            record_version: VERSION,
+            tick_us: TICK_US,
+            adc_full_scale: self.converters.adc_full_scale,
+            dac_full_scale: self.converters.dac_full_scale,
+            source: self.source.clone(),
+            model: self.table.map_or_else(Text::new, |table| text(table.model)),
+            table_crc: self.record().and_then(|record| checksum(&record)).unwrap_or(0),
+        }
+    }
+
+    fn health(&self) -> Health {
+        let telemetry = self.telemetry;
+        Health {
+            mode: telemetry.mode(),
+            ticks: telemetry.ticks.load(Relaxed),
+            faults: telemetry.faults(),
+            faults_seen: telemetry.faults_seen(),
+            reset: self.reset,
+            last_words: self.last_words.clone(),
+            cycles_last: telemetry.cycles_last.load(Relaxed),
+            cycles_max: telemetry.cycles_max.load(Relaxed),
+            cycles_period: self.cycles_per_tick,
+            missed: telemetry.missed.load(Relaxed),
+            adc_saturated: telemetry.adc_saturated.load(Relaxed),
+            voltage_out_of_range: telemetry.voltage_out_of_range.load(Relaxed),
+            clamped: telemetry.clamped.load(Relaxed),
+            dac_saturated: telemetry.dac_saturated.load(Relaxed),
+            samples_dropped: telemetry.dropped.load(Relaxed),
+            frames_refused: self.frames_refused,
+            line_errors: (self.line_errors)().wrapping_add(self.read_errors),
+            flash_errors: (self.flash_errors)(),
+            supply_mv: self.supply_mv,
+        }
+    }
+
+    fn forget(&mut self) {
+        self.telemetry.forget();
+        self.last_words = None;
+        self.frames_refused = 0;
+        self.read_errors = 0;
+    }
+
+    fn record(&self) -> Option<Record> {
+        let mut buffer = [0; MAX_LENGTH];
+        let length = self.table?.encode(&mut buffer)?;
+        Record::from_slice(buffer.get(..length)?).ok()
+    }
+
+    async fn push(&mut self, record: &[u8], while_estimating: bool) -> Result<(), Refusal> {
+        boot::parse(record, self.converters).map_err(Refusal::Table)?;
+        self.may_write(while_estimating)?;
+        self.store.store(record).await.map_err(|error| Refusal::Store(text(error)))
+    }
+
+    async fn erase(&mut self, while_estimating: bool) -> Result<(), Refusal> {
+        self.may_write(while_estimating)?;
+        self.store.erase().await.map_err(|error| Refusal::Store(text(error)))
+    }
+
+    fn may_write(&self, while_estimating: bool) -> Result<(), Refusal> {
+        if self.estimating() && !while_estimating { Err(Refusal::Estimating) } else { Ok(()) }
+    }
+
+    fn set_zero(&mut self) -> Result<(), Refusal> {
+        if self.estimating() {
+            self.commands.enqueue(Command::SetZero).map_err(|_| Refusal::Busy)
+        } else {
+            Err(Refusal::NotEstimating)
+        }
+    }
+
+    fn estimating(&self) -> bool {
+        self.telemetry.mode() == Mode::Estimate && self.table.is_some()
+    }
+
+    /// Streaming starts with samples of now and ends with the change of mode.
+    fn stream(&mut self, on: bool) {
+        self.telemetry.streaming.store(false, Relaxed);
+        while self.samples.dequeue().is_some() {}
+        self.telemetry.streaming.store(on, Relaxed);
+    }
+
+    async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
+        let epoch = self.telemetry.epoch.load(Relaxed);
+        self.commands.enqueue(Command::SetMode(mode)).map_err(|_| Refusal::Busy)?;
+        for _ in 0..OBEYED.as_ticks() / POLL.as_ticks() {
+            if self.telemetry.epoch.load(Relaxed) != epoch {
+                self.stream(false);
+                return Ok(());
+            }
+            Timer::after(POLL).await;
+        }
+        Err(Refusal::Busy)
+    }
+
+    fn feed(&mut self, codes: &Codes) -> Reply {
+        if self.telemetry.mode() != Mode::Pil {
+            return Reply::Refused(Refusal::NotPil);
+        }
+        let room = codes.iter().take_while(|&&code| self.feed.enqueue(AdcCode(code)).is_ok()).count();
+        // At most 64.
+        Reply::Fed(room as u16)
+    }
+}

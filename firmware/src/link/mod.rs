@@ -1,0 +1,110 @@
+//! The serial link: answers requests one at a time and carries samples away.
+//!
+//! It never delays a tick. What it cannot carry away in time stays in the queue; what finds the queue full is dropped by
+//! the tick and counted, and the gap shows in the samples' numbers.
+
+mod device;
+
+pub use device::Device;
+
+use core::sync::atomic::Ordering::Relaxed;
+use embassy_futures::select::{Either, select};
+use embassy_futures::yield_now;
+use embassy_time::{Duration, Timer};
+use embedded_io_async::{Read, Write};
+use embedded_storage_async::nor_flash::NorFlash;
+use protocol::frame::MAX_FRAME;
+use protocol::sample::MAX_BATCH;
+use protocol::{Deframer, FrameError, Refusal, Reply, Request, Samples, ToDevice, ToHost, encode};
+
+/// Longest wait before samples are sent: eight of them.
+const PACE: Duration = Duration::from_millis(4);
+/// What a reply needs at most to leave the serial line's own buffers.
+const DRAIN: Duration = Duration::from_millis(10);
+
+/// The link over a serial line.
+pub struct Link<R, W, F: NorFlash> {
+    device: Device<F>,
+    receiver: R,
+    transmitter: W,
+    deframer: Deframer,
+    frame: [u8; MAX_FRAME],
+}
+
+impl<R: Read, W: Write, F: NorFlash> Link<R, W, F> {
+    /// A link for a device.
+    pub fn new(device: Device<F>, receiver: R, transmitter: W) -> Self {
+        Self { device, receiver, transmitter, deframer: Deframer::new(), frame: [0; MAX_FRAME] }
+    }
+
+    /// Serves it for ever.
+    pub async fn serve(mut self) -> core::convert::Infallible {
+        let mut bytes = [0; 64];
+        loop {
+            match select(self.receiver.read(&mut bytes), Timer::after(PACE)).await {
+                Either::First(Ok(length)) => self.take(&bytes[..length.min(64)]).await,
+                Either::First(Err(_)) => self.device.read_errors = self.device.read_errors.wrapping_add(1),
+                Either::Second(()) => {}
+            }
+            self.carry().await;
+            // A sender that never pauses must not keep the watchdog's keeper waiting.
+            yield_now().await;
+        }
+    }
+
+    async fn take(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            match self.deframer.push::<ToDevice>(byte) {
+                None => {}
+                Some(Err(error)) => {
+                    self.device.frames_refused = self.device.frames_refused.wrapping_add(1);
+                    if matches!(error, FrameError::Version { .. }) {
+                        // Whoever asked learns from this frame's version which one is spoken here.
+                        self.send(&ToHost::Reply { to: 0, reply: Reply::Refused(Refusal::Version) }).await;
+                    }
+                }
+                Some(Ok(ToDevice { sequence, request })) => {
+                    let reset = request == Request::Reset;
+                    let reply = self.device.answer(request).await;
+                    self.send(&ToHost::Reply { to: sequence, reply }).await;
+                    if reset {
+                        Timer::after(DRAIN).await;
+                        (self.device.restart)()
+                    }
+                }
+            }
+        }
+    }
+
+    async fn carry(&mut self) {
+        while self.device.telemetry.streaming.load(Relaxed)
+            && let Some(samples) = self.batch()
+        {
+            self.send(&ToHost::Samples(samples)).await;
+        }
+    }
+
+    /// The waiting samples of consecutive ticks, as many as a frame takes.
+    fn batch(&mut self) -> Option<Samples> {
+        let queue = &mut self.device.samples;
+        let first = queue.peek()?.tick;
+        let mut batch = Samples { first, samples: heapless::Vec::new() };
+        for tick in (0..MAX_BATCH as u32).map(|k| first.wrapping_add(k)) {
+            if queue.peek().is_none_or(|next| next.tick != tick) {
+                break;
+            }
+            let Some(next) = queue.dequeue() else { break };
+            if batch.samples.push(next.sample).is_err() {
+                break;
+            }
+        }
+        Some(batch)
+    }
+
+    async fn send(&mut self, message: &ToHost) {
+        let Some(frame) = encode(message, &mut self.frame) else { return };
+        if self.transmitter.write_all(frame).await.is_err() || self.transmitter.flush().await.is_err() {
+            self.device.read_errors = self.device.read_errors.wrapping_add(1);
+        }
+    }
+}

@@ -1,0 +1,75 @@
+// Made by `piezo emit`; change table.toml instead.
+// Logs 63f15b78b7a097e3, seed 1, training MAE 0.3061 µm.
+
+#[allow(unused_imports, reason = "which variants a table names depends on the table")]
+use estimator_core::{
+    AdcCalibration, DacCalibration, Digest, Form::*, Model::*, Provenance, Range, Scheme::*, Table, VoigtParameters,
+};
+
+/// The compiled-in parameter table.
+pub const TABLE: Table = Table {
+    model: Voigt,
+    sample_period_us: 500,
+    scheme: ForwardEuler,
+    deadband_v: 0.002988,
+    voltage_zero_v: 0.0,
+    displacement_zero_um: -118.681114,
+    form: Direct,
+    voltage_range_v: Range {
+        min: -0.18,
+        max: 3.78,
+    },
+    displacement_limits_um: Range {
+        min: -3.1082249,
+        max: 47.29719,
+    },
+    parameters: VoigtParameters {
+        alpha_um: 651.67566,
+        beta_v: -0.53082806,
+        lambda_per_v: 0.21425441,
+        b_ohm: 1041.8104,
+        p: 1.1474788,
+        g_um_per_s: 0.0,
+        h: 0.0,
+        e_m_per_s: 0.0,
+        f: 0.0,
+    },
+    adc: AdcCalibration {
+        gain_v_per_code: 6.648352e-5,
+        offset_v: -0.378,
+        invert: false,
+        full_scale: 65520,
+    },
+    dac: DacCalibration {
+        gain_codes_per_um: 68.25,
+        offset_code: 546.0,
+        full_scale: 4095,
+    },
+    provenance: Provenance {
+        logs: Digest(
+            [
+                99,
+                241,
+                91,
+                120,
+                183,
+                160,
+                151,
+                227,
+            ],
+        ),
+        seed: 1,
+        tool_version: [
+            0,
+            1,
+            0,
+        ],
+        train_mae_um: 0.30611727,
+        validation_mae_um: Some(
+            0.30946946,
+        ),
+        validation_max_um: Some(
+            0.83143723,
+        ),
+    },
+};

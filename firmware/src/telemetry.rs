@@ -1,0 +1,143 @@
+//! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`], and nothing
+//! interrupts it, so plain loads and stores are enough.
+
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
+use estimator_core::Status;
+use protocol::{Faults, Mode};
+
+/// Counters and latches of the tick.
+#[derive(Debug, Default)]
+pub struct Telemetry {
+    /// Ticks since start.
+    pub ticks: AtomicU32,
+    /// Cycles that the last tick took.
+    pub cycles_last: AtomicU32,
+    /// The most that one took.
+    pub cycles_max: AtomicU32,
+    /// Ticks that came late or not at all, or were not done in time for their output.
+    pub missed: AtomicU32,
+    /// Ticks with the ADC at an end of its range.
+    pub adc_saturated: AtomicU32,
+    /// Ticks with the voltage beyond the table's range.
+    pub voltage_out_of_range: AtomicU32,
+    /// Ticks with the displacement clamped.
+    pub clamped: AtomicU32,
+    /// Ticks with the DAC at an end of its range.
+    pub dac_saturated: AtomicU32,
+    /// Samples that found the queue full.
+    pub dropped: AtomicU32,
+    /// The last tick was not done in time for its output.
+    pub overdue: AtomicBool,
+    /// The DAC's safe code.
+    pub safe: AtomicU16,
+    /// Whether samples are wanted; written by the link.
+    pub streaming: AtomicBool,
+    /// How often the mode has been set; even the same again counts.
+    pub epoch: AtomicU8,
+    faults: AtomicU8,
+    faults_seen: AtomicU8,
+    mode: AtomicU8,
+}
+
+/// Adds to a counter that only the tick writes.
+#[inline]
+pub fn add(counter: &AtomicU32, more: u32) {
+    counter.store(counter.load(Relaxed).wrapping_add(more), Relaxed);
+}
+
+impl Telemetry {
+    /// All zeros.
+    pub const fn new() -> Self {
+        Self {
+            ticks: AtomicU32::new(0),
+            cycles_last: AtomicU32::new(0),
+            cycles_max: AtomicU32::new(0),
+            missed: AtomicU32::new(0),
+            adc_saturated: AtomicU32::new(0),
+            voltage_out_of_range: AtomicU32::new(0),
+            clamped: AtomicU32::new(0),
+            dac_saturated: AtomicU32::new(0),
+            dropped: AtomicU32::new(0),
+            overdue: AtomicBool::new(false),
+            safe: AtomicU16::new(0),
+            streaming: AtomicBool::new(false),
+            epoch: AtomicU8::new(0),
+            faults: AtomicU8::new(0),
+            faults_seen: AtomicU8::new(0),
+            mode: AtomicU8::new(0),
+        }
+    }
+
+    /// How long a tick took, entry to exit, and how long it might have, cycles. The board's interrupt handler says so when
+    /// it is done.
+    #[inline]
+    pub fn took(&self, cycles: u32, allowed: u32) {
+        if cycles > allowed {
+            self.overdue.store(true, Relaxed);
+        }
+        self.cycles_last.store(cycles, Relaxed);
+        if cycles > self.cycles_max.load(Relaxed) {
+            self.cycles_max.store(cycles, Relaxed);
+        }
+    }
+
+    /// What is wrong now.
+    pub fn faults(&self) -> Faults {
+        Faults::from_bits_retain(self.faults.load(Relaxed))
+    }
+
+    /// What has been wrong.
+    pub fn faults_seen(&self) -> Faults {
+        Faults::from_bits_retain(self.faults_seen.load(Relaxed))
+    }
+
+    /// What the tick does.
+    pub fn mode(&self) -> Mode {
+        [Mode::Estimate, Mode::Pil, Mode::Pause][usize::from(self.mode.load(Relaxed).min(2))]
+    }
+
+    /// Forgets counts and faults seen.
+    pub fn forget(&self) {
+        let counters = [
+            &self.cycles_max,
+            &self.missed,
+            &self.adc_saturated,
+            &self.voltage_out_of_range,
+            &self.clamped,
+            &self.dac_saturated,
+            &self.dropped,
+        ];
+        counters.iter().for_each(|counter| counter.store(0, Relaxed));
+        self.faults_seen.store(0, Relaxed);
+    }
+
+    pub(crate) fn set_mode(&self, mode: Mode) {
+        self.mode.store(mode as u8, Relaxed);
+        self.epoch.store(self.epoch.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    #[inline]
+    pub(crate) fn set_faults(&self, faults: Faults) {
+        self.faults.store(faults.bits(), Relaxed);
+        let wrong = faults.difference(Faults::SAFE_OUTPUT).bits();
+        self.faults_seen.store(self.faults_seen.load(Relaxed) | wrong, Relaxed);
+    }
+
+    #[inline]
+    pub(crate) fn count(&self, status: Status) {
+        if status.is_empty() {
+            return;
+        }
+        let counters = [
+            (Status::ADC_SATURATED, &self.adc_saturated),
+            (Status::VOLTAGE_OUT_OF_RANGE, &self.voltage_out_of_range),
+            (Status::CLAMPED, &self.clamped),
+            (Status::DAC_SATURATED, &self.dac_saturated),
+        ];
+        for (bit, counter) in counters {
+            if status.contains(bit) {
+                add(counter, 1);
+            }
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! When odd ticks are a fault, and when it has passed.
+//!
+//! One odd tick is a status bit in its sample. A fault is a score: an odd tick adds [`ODD`], a good one takes 1 away, so that a
+//! voltage that is clipped for a fifth of the time is found out as well as one that is always. A fault lasts until
+//! [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
+
+use crate::peripherals::TICK_HZ;
+use estimator_core::{AdcCode, Status};
+use protocol::Faults;
+
+/// Odd ticks in a row, near an end of the ADC's range, that are a fault: 10 ms.
+pub const SATURATED: u32 = TICK_HZ / 100;
+/// Ticks in a row with one and the same code that are a fault: 10 s. With sixteenfold oversampling the converter's own
+/// noise moves the code many times a second, whatever its input does.
+pub const STUCK: u32 = 10 * TICK_HZ;
+/// Odd ticks in a row, beyond the table's voltage range, that are a fault: 1 s.
+pub const OUT_OF_RANGE: u32 = TICK_HZ;
+/// Late or missed ticks in a row that are a fault of the output too: 10 ms. One alone costs the estimate one step.
+pub const MISSED: u32 = TICK_HZ / 100;
+/// How long a fault outlasts its cause: 1 s.
+pub const HOLD: u32 = TICK_HZ;
+/// What an odd tick weighs.
+pub const ODD: u32 = 4;
+/// This part of the ADC's range at either end is too near the end: an amplifier in front of it, or an offset of its own, may
+/// keep a saturated input from its very last code.
+const MARGIN: u16 = 128;
+
+/// The faults that send the DAC to its safe value.
+pub const UNSAFE: Faults = Faults::ADC_SATURATED
+    .union(Faults::ADC_STUCK)
+    .union(Faults::OUT_OF_CALIBRATION)
+    .union(Faults::SUPPLY)
+    .union(Faults::NO_TABLE);
+
+/// The scores so far.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    good_codes: core::ops::Range<u16>,
+    last: Option<AdcCode>,
+    same: u32,
+    saturated: u32,
+    out_of_range: u32,
+    missed: u32,
+    found: Faults,
+    hold: u32,
+}
+
+/// Whether a score has reached its limit.
+#[inline]
+fn score(score: &mut u32, odd: bool, limit: u32) -> bool {
+    *score = if odd { (*score + ODD).min(ODD * limit) } else { score.saturating_sub(1) };
+    *score >= ODD * limit
+}
+
+impl Watch {
+    /// For an ADC with this largest code.
+    pub fn new(adc_full_scale: u16) -> Self {
+        let margin = adc_full_scale / MARGIN;
+        Self {
+            good_codes: margin + 1..adc_full_scale - margin,
+            last: None,
+            same: 0,
+            saturated: 0,
+            out_of_range: 0,
+            missed: 0,
+            found: Faults::empty(),
+            hold: 0,
+        }
+    }
+
+    /// The lasting faults after this tick, and whether they call for a safe output.
+    #[inline]
+    pub fn look(&mut self, code: AdcCode, status: Status, missed: bool) -> Lasting {
+        let beyond = status.contains(Status::VOLTAGE_OUT_OF_RANGE);
+        self.same = if self.last == Some(code) { self.same.saturating_add(1) } else { 0 };
+        self.last = Some(code);
+        let mut now = Faults::empty();
+        now.set(Faults::ADC_SATURATED, score(&mut self.saturated, !self.good_codes.contains(&code.0), SATURATED));
+        now.set(Faults::OUT_OF_CALIBRATION, score(&mut self.out_of_range, beyond, OUT_OF_RANGE));
+        now.set(Faults::ADC_STUCK, self.same >= STUCK);
+        now.set(Faults::MISSED_DEADLINE, score(&mut self.missed, missed, MISSED));
+        if !now.is_empty() {
+            self.found |= now;
+            self.hold = HOLD;
+        } else if self.hold > 0 {
+            self.hold -= 1;
+            if self.hold == 0 {
+                self.found = Faults::empty();
+                return Lasting::Passed;
+            }
+        }
+        if self.found.is_empty() { Lasting::None } else { Lasting::Faults(self.found) }
+    }
+}
+
+/// What [`Watch::look`] finds.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Lasting {
+    /// All is well.
+    None,
+    /// All is well again, from now on.
+    Passed,
+    /// These last: the output is not to be believed.
+    Faults(Faults),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FULL: u16 = 65_520;
+    const GOOD: Status = Status::empty();
+
+    fn moving(k: u32) -> AdcCode {
+        AdcCode(30_000 + (k % 2) as u16)
+    }
+
+    /// Ticks until a fault shows, and from its last cause until it has passed.
+    fn life(tick: impl Fn(u32) -> (AdcCode, Status, bool)) -> (u32, Faults, u32) {
+        let mut watch = Watch::new(FULL);
+        let look = |watch: &mut Watch, (code, status, missed)| watch.look(code, status, missed);
+        let (after, faults) = (1..100_000)
+            .find_map(|k| match look(&mut watch, tick(k)) {
+                Lasting::Faults(faults) => Some((k, faults)),
+                _ => None,
+            })
+            .expect("a fault");
+        let passed = (1..).find(|&k| look(&mut watch, (moving(k), GOOD, false)) == Lasting::Passed).expect("its end");
+        assert_eq!(look(&mut watch, (moving(passed + 1), GOOD, false)), Lasting::None);
+        (after, faults, passed)
+    }
+
+    #[test]
+    fn lasting_oddities_become_faults_and_pass_a_second_after_their_end() {
+        let beyond = Status::VOLTAGE_OUT_OF_RANGE;
+        for end in [0, FULL / MARGIN, FULL - FULL / MARGIN, FULL] {
+            let at_the_end = |k| (AdcCode(end.saturating_add((k % 2) as u16).min(end)), GOOD, false);
+            assert_eq!(life(at_the_end), (SATURATED, Faults::ADC_SATURATED, HOLD), "{end}");
+        }
+        assert_eq!(life(|k| (moving(k), beyond, false)), (OUT_OF_RANGE, Faults::OUT_OF_CALIBRATION, HOLD));
+        assert_eq!(life(|k| (moving(k), GOOD, true)), (MISSED, Faults::MISSED_DEADLINE, HOLD));
+        let stuck = life(|_| (AdcCode(7_000), GOOD, false));
+        assert_eq!(stuck, (STUCK + 1, Faults::ADC_STUCK, HOLD), "the first code is no repetition");
+    }
+
+    #[test]
+    fn what_is_clipped_a_third_of_the_time_is_found_and_a_tenth_is_not() {
+        // A sine of 100 Hz: twenty ticks.
+        let clipped =
+            |part: u32| move |k: u32| (AdcCode(if k % 20 < part { FULL } else { 30_000 + k as u16 % 2 }), GOOD, false);
+        let (after, faults, _) = life(clipped(7));
+        assert!(faults == Faults::ADC_SATURATED && after < 4_000, "{after}");
+        let mut watch = Watch::new(FULL);
+        let tick = clipped(2);
+        assert!((0..100_000).all(|k| {
+            let (code, status, missed) = tick(k);
+            watch.look(code, status, missed) == Lasting::None
+        }));
+    }
+}

@@ -1,0 +1,215 @@
+//! What the device answers, and which table it starts with.
+
+mod common;
+
+use common::{CONVERTERS, PERIOD, compiled, other, record, tick, triangle};
+use core::sync::atomic::Ordering::Relaxed;
+use embassy_futures::block_on;
+use estimator_core::{Admitted, Table};
+use firmware::boot::{self, Chosen};
+use firmware::link::Device;
+use firmware::table::TABLE;
+use parameter_store::{ParameterStore, RamFlash};
+use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+type Flash = RamFlash<'static>;
+
+fn flash(memory: Vec<u8>) -> ParameterStore<Flash> {
+    let pages = 0..memory.len() as u32;
+    ParameterStore::new(RamFlash::new(memory.leak()), pages).unwrap()
+}
+
+/// A device whose ticks run in a thread, ten times as fast as they should, until it is dropped.
+struct Bench {
+    device: Device<Flash>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        self.stop.store(true, Relaxed);
+    }
+}
+
+impl Bench {
+    fn new(table: Option<Admitted>) -> Self {
+        let (mut tick, rest) = tick(table.as_ref(), Faults::empty());
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        std::thread::spawn(move || {
+            for k in 0.. {
+                if stopped.load(Relaxed) {
+                    return;
+                }
+                tick.sample(triangle(k), k.wrapping_mul(PERIOD));
+                std::thread::sleep(std::time::Duration::from_micros(50));
+            }
+        });
+        let device = Device {
+            board: "bench",
+            converters: CONVERTERS,
+            cycles_per_tick: PERIOD,
+            reset: ResetCause::WATCHDOG,
+            supply_mv: Some(3301),
+            flash_errors: || 3,
+            line_errors: || 0,
+            restart: || unreachable!("nothing here asks the device itself to restart"),
+            table,
+            source: TableSource::Compiled { reason: text("no table is stored") },
+            last_words: Some(text("panicked")),
+            store: flash(vec![0xFF; 4096]),
+            telemetry: rest.telemetry,
+            commands: rest.commands,
+            feed: rest.feed,
+            samples: rest.samples,
+            frames_refused: 4,
+            read_errors: 5,
+        };
+        Self { device, stop }
+    }
+
+    fn ask(&mut self, request: Request) -> Reply {
+        block_on(self.device.answer(request))
+    }
+
+    fn stored(&mut self) -> Option<Vec<u8>> {
+        block_on(self.device.store.load()).unwrap().map(<[u8]>::to_vec)
+    }
+}
+
+fn push(table: &Admitted, while_estimating: bool) -> Request {
+    Request::Push { record: record(table), while_estimating }
+}
+
+#[test]
+fn a_table_is_written_when_nothing_is_estimated_or_when_told_to() {
+    let mut bench = Bench::new(Some(compiled()));
+    assert_eq!(bench.ask(push(&other(), false)), Reply::Refused(Refusal::Estimating));
+    assert_eq!(bench.ask(Request::Erase { while_estimating: false }), Reply::Refused(Refusal::Estimating));
+    assert_eq!(bench.stored(), None);
+    assert_eq!(bench.ask(push(&other(), true)), Reply::Done);
+    assert_eq!(bench.stored(), Some(record(&other()).to_vec()));
+    assert_eq!(bench.ask(Request::Pull), Reply::Table(record(&compiled())), "it is used from the next reset on");
+    for mode in [Mode::Pause, Mode::Pil] {
+        assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Done);
+        assert_eq!(bench.ask(push(&compiled(), false)), Reply::Done);
+        assert_eq!(bench.stored(), Some(record(&compiled()).to_vec()));
+        assert_eq!(bench.ask(Request::Erase { while_estimating: false }), Reply::Done);
+        assert_eq!(bench.stored(), None);
+    }
+}
+
+#[test]
+fn what_it_cannot_run_is_refused_and_the_old_table_stays() {
+    let mut bench = Bench::new(Some(compiled()));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
+    assert_eq!(bench.ask(push(&other(), false)), Reply::Done);
+    let change = |edit: fn(&mut Table)| {
+        let mut table = *compiled();
+        edit(&mut table);
+        record(&table.admit().expect("still admissible"))
+    };
+    let mut corrupt = record(&compiled());
+    corrupt[40] ^= 1;
+    let refused = [
+        (corrupt, "corrupt"),
+        (record(&compiled())[..60].iter().copied().collect(), "truncated"),
+        (Default::default(), "truncated"),
+        (change(|table| table.adc.full_scale = 4095), "--adc-full-scale 65520"),
+        (change(|table| table.dac.full_scale = 65_535), "--dac-full-scale 4095"),
+        (change(|table| table.sample_period_us = 400), "tick of 400 us"),
+    ];
+    for (bad, why) in refused {
+        match bench.ask(Request::Push { record: bad, while_estimating: false }) {
+            Reply::Refused(Refusal::Table(reason)) => assert!(reason.contains(why), "{reason} / {why}"),
+            reply => panic!("{why}: {reply:?}"),
+        }
+        assert_eq!(bench.stored(), Some(record(&other()).to_vec()));
+    }
+}
+
+#[test]
+fn it_says_who_and_how_it_is() {
+    let mut bench = Bench::new(Some(compiled()));
+    let Reply::Identity(identity) = bench.ask(Request::Identify) else { panic!() };
+    assert_eq!((&*identity.board, identity.tick_us, identity.adc_full_scale), ("bench", 500, 65_520));
+    assert_eq!(identity.model, "Voigt (4.8)");
+    assert_eq!(identity.source, TableSource::Compiled { reason: text("no table is stored") });
+    let checksum = |table: &Admitted| estimator_core::record::checksum(&record(table)).unwrap();
+    assert_eq!(identity.table_crc, checksum(&compiled()));
+    assert_ne!(identity.table_crc, checksum(&other()));
+    let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
+    assert_eq!((health.reset, health.supply_mv, health.flash_errors), (ResetCause::WATCHDOG, Some(3301), 3));
+    assert_eq!((health.frames_refused, health.line_errors), (4, 5));
+    assert_eq!(health.last_words.unwrap(), "panicked");
+    assert_eq!(bench.ask(Request::Forget), Reply::Done);
+    let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
+    assert_eq!((health.frames_refused, health.line_errors, health.last_words), (0, 0, None));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done, "which takes a tick");
+    let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
+    assert!(health.ticks > 0);
+    let mut empty = Bench::new(None);
+    assert_eq!(empty.ask(Request::Pull), Reply::Refused(Refusal::NoTable));
+    assert_eq!(empty.ask(push(&compiled(), false)), Reply::Done, "without a table nothing is estimated");
+}
+
+#[test]
+fn zero_is_set_only_where_something_is_estimated() {
+    let mut bench = Bench::new(Some(compiled()));
+    assert_eq!(bench.ask(Request::SetZero), Reply::Done);
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
+    assert_eq!(bench.ask(Request::SetZero), Reply::Refused(Refusal::NotEstimating));
+    assert_eq!(Bench::new(None).ask(Request::SetZero), Reply::Refused(Refusal::NotEstimating));
+}
+
+#[test]
+fn codes_are_taken_in_their_mode_and_as_many_as_there_is_room() {
+    let mut bench = Bench::new(Some(compiled()));
+    let codes = || Request::Feed([30_000; 64].iter().copied().collect());
+    assert_eq!(bench.ask(codes()), Reply::Refused(Refusal::NotPil));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pil)), Reply::Done);
+    let mut taken = 0;
+    // Much faster than ticks: the queue fills.
+    let full = (0..1_000).any(|_| match bench.ask(codes()) {
+        Reply::Fed(64) => {
+            taken += 64;
+            false
+        }
+        Reply::Fed(some) => {
+            taken += usize::from(some);
+            true
+        }
+        reply => panic!("{reply:?}"),
+    });
+    assert!(full && taken >= 255, "{taken}");
+}
+
+#[test]
+fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_why() {
+    let choose =
+        |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, CONVERTERS));
+    let mut store = flash(vec![0xFF; 4096]);
+    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    assert_eq!((table, source), (Some(compiled()), TableSource::Compiled { reason: text("no table is stored") }));
+    assert!(!fallback, "nothing was lost");
+    for _ in 0..30 {
+        block_on(store.store(&record(&compiled()))).unwrap();
+        block_on(store.store(&record(&other()))).unwrap();
+    }
+    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    assert_eq!((table, source, fallback), (Some(other()), TableSource::Stored, false));
+
+    block_on(store.store(b"PZTB\x63\x00\x00\x00and more")).unwrap();
+    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
+    assert!(fallback && table == Some(compiled()) && reason.contains("format version 99"), "{reason}");
+
+    let Chosen { table, source, fallback } = choose(&mut store, Table { deadband_v: f32::NAN, ..TABLE });
+    let TableSource::None { stored, compiled } = source else { panic!("{source:?}") };
+    assert!(
+        fallback && table.is_none() && stored.contains("format version 99") && compiled.contains("deadband_v"),
+        "{compiled}"
+    );
+}

@@ -1,0 +1,238 @@
+//! What is behind the socket: requests in, replies and samples out.
+
+use super::Manners;
+use crate::table_file::record;
+use estimator_core::record::checksum;
+use estimator_core::{AdcCode, Admitted, Estimator, Form, Table};
+use protocol::frame::MAX_FRAME;
+use protocol::sample::MAX_BATCH;
+use protocol::{
+    Deframer, Faults, Health, Identity, Mode, Record, Refusal, Reply, Request, ResetCause, Sample, Samples,
+    TableSource, ToDevice, ToHost, encode, text,
+};
+use std::collections::VecDeque;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
+
+/// A frame of protocol version 2 with nothing in it, and the checksum that it needs.
+const VERSION_2: [u8; 7] = [6, 2, 0xA1, 0x8E, 0x0C, 0x3C, 0];
+
+/// The table of its firmware image.
+pub fn compiled() -> Admitted {
+    let bytes = include_bytes!("../../../../tests/data/table/table.bin");
+    Table { form: Form::Direct, ..*Table::parse(bytes).unwrap() }.admit().unwrap()
+}
+
+/// The device behind the socket.
+pub struct State {
+    manners: Manners,
+    requests: u32,
+    feeds: u32,
+    stored: Option<Record>,
+    table: Admitted,
+    estimator: Estimator<'static, f32>,
+    mode: Mode,
+    streaming: bool,
+    number: u32,
+    fed: VecDeque<u16>,
+}
+
+impl State {
+    pub fn new(manners: Manners) -> Self {
+        let table = compiled();
+        Self {
+            streaming: manners.streams,
+            manners,
+            requests: 0,
+            feeds: 0,
+            stored: None,
+            table,
+            estimator: Estimator::new(&table, None).unwrap(),
+            mode: Mode::Estimate,
+            number: 0,
+            fed: VecDeque::new(),
+        }
+    }
+
+    /// Answers one host until it leaves, or the test ends.
+    pub fn serve(&mut self, mut stream: TcpStream, stop: &AtomicBool) {
+        stream.set_nonblocking(false).unwrap();
+        stream.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
+        if self.streaming {
+            stream.write_all(&[17, 3, 99, 0]).unwrap();
+        }
+        let mut deframer = Deframer::new();
+        let mut bytes = [0; 512];
+        while !stop.load(Relaxed) {
+            let length = match stream.read(&mut bytes) {
+                Ok(0) => return,
+                Ok(length) => length,
+                Err(_) => 0,
+            };
+            for &byte in &bytes[..length] {
+                if let Some(Ok(ToDevice { sequence, request })) = deframer.push(byte) {
+                    let reply = self.reply(sequence, request);
+                    let _ = stream.write_all(&reply);
+                }
+            }
+            for _ in 0..2 {
+                let samples = self.samples();
+                let _ = stream.write_all(&samples);
+            }
+        }
+    }
+
+    /// The bytes that go back.
+    fn reply(&mut self, to: u16, request: Request) -> Vec<u8> {
+        let number = self.requests;
+        self.requests += 1;
+        let mut lost = self.manners.lose_replies.contains(&number);
+        if matches!(request, Request::Feed(_)) {
+            lost |= self.manners.lose_replies_to_feed.contains(&self.feeds);
+            self.feeds += 1;
+        }
+        let reply = self.answer(request);
+        if self.manners.newer {
+            return VERSION_2.to_vec();
+        }
+        let mut frame = framed(&ToHost::Reply { to, reply });
+        if lost {
+            frame.clear();
+        } else if self.manners.damage_replies.contains(&number) {
+            frame[2] = if frame[2] == 1 { 2 } else { 1 };
+        }
+        frame
+    }
+
+    fn answer(&mut self, request: Request) -> Reply {
+        match request {
+            Request::Identify => return Reply::Identity(self.identity()),
+            Request::Health => return Reply::Health(self.health()),
+            Request::Pull => return Reply::Table(Record::from_slice(&record(&self.table)).unwrap()),
+            Request::Forget | Request::SetZero => {}
+            Request::Push { record, while_estimating } => {
+                if let Err(error) = Table::parse(&record) {
+                    return Reply::Refused(Refusal::Table(text(error)));
+                }
+                match self.refusal(while_estimating) {
+                    None => self.stored = Some(record),
+                    Some(refusal) => return Reply::Refused(refusal),
+                }
+            }
+            Request::Erase { while_estimating } => match self.refusal(while_estimating) {
+                None => self.stored = None,
+                Some(refusal) => return Reply::Refused(refusal),
+            },
+            Request::Stream(on) => self.streaming = on,
+            Request::SetMode(mode) => self.enter(mode),
+            Request::Feed(_) if self.mode != Mode::Pil => return Reply::Refused(Refusal::NotPil),
+            Request::Feed(codes) => {
+                let room = codes.len().min(255 - self.fed.len());
+                self.fed.extend(&codes[..room]);
+                return Reply::Fed(room as u16);
+            }
+            Request::Reset => {
+                let stored = self.stored.as_ref().map(|record| Table::parse(record).unwrap());
+                self.table = stored.unwrap_or_else(compiled);
+                self.estimator = Estimator::new(&self.table, None).unwrap();
+                self.enter(Mode::Estimate);
+            }
+        }
+        Reply::Done
+    }
+
+    /// Of a write of flash.
+    fn refusal(&self, while_estimating: bool) -> Option<Refusal> {
+        if self.manners.store_fails {
+            Some(Refusal::Store(text("the flash reports an error")))
+        } else if self.mode == Mode::Estimate && !while_estimating {
+            Some(Refusal::Estimating)
+        } else {
+            None
+        }
+    }
+
+    fn enter(&mut self, mode: Mode) {
+        self.mode = mode;
+        self.streaming = false;
+        self.number = 0;
+        self.fed.clear();
+        self.estimator.restart();
+    }
+
+    /// The frame of what the next ticks give; nothing where they give nothing or nobody wants it.
+    fn samples(&mut self) -> Vec<u8> {
+        // Where nobody watches, its time stands still.
+        if self.mode == Mode::Estimate && !self.streaming {
+            return Vec::new();
+        }
+        let first = self.number;
+        let mut batch = Samples { first, samples: Default::default() };
+        while batch.samples.len() < MAX_BATCH && self.manners.falls_silent_at.is_none_or(|tick| self.number < tick) {
+            let code = match self.mode {
+                Mode::Estimate => Some(1500 + (self.number % 1000) as u16),
+                Mode::Pil => {
+                    let unasked = self.manners.gives_unasked && self.number > 0;
+                    self.fed.pop_front().or(unasked.then_some(0))
+                }
+                Mode::Pause => None,
+            };
+            let Some(code) = code else { break };
+            let estimate = self.estimator.tick(AdcCode(code));
+            let wrong = self.manners.wrong_at == Some(self.number);
+            let displacement = f32::from_bits(estimate.displacement.to_bits() ^ u32::from(wrong));
+            let sample = Sample { code, displacement, status: estimate.status, faults: Faults::empty() };
+            batch.samples.push(sample).unwrap();
+            self.number += 1;
+        }
+        let lost = self.manners.lose_samples_from.take_if(|tick| self.number > *tick).is_some();
+        if batch.samples.is_empty() || !self.streaming || lost { Vec::new() } else { framed(&ToHost::Samples(batch)) }
+    }
+
+    fn identity(&self) -> Identity {
+        let reason = text("no table is stored");
+        Identity {
+            board: text("fake"),
+            firmware: text("0.1.0"),
+            git: text("test"),
+            record_version: estimator_core::record::VERSION + u16::from(self.manners.newer_records),
+            tick_us: self.table.sample_period_us,
+            adc_full_scale: compiled().adc.full_scale,
+            dac_full_scale: compiled().dac.full_scale,
+            source: if self.stored.is_some() { TableSource::Stored } else { TableSource::Compiled { reason } },
+            model: text(self.table.model),
+            table_crc: checksum(&record(&self.table)).unwrap(),
+        }
+    }
+
+    fn health(&self) -> Health {
+        Health {
+            mode: self.mode,
+            ticks: self.number,
+            faults: Faults::SAFE_OUTPUT,
+            faults_seen: Faults::ADC_STUCK,
+            reset: ResetCause::SOFTWARE,
+            last_words: Some(text("panicked at the disco")),
+            cycles_last: 850,
+            cycles_max: 1700,
+            cycles_period: 85_000,
+            missed: 0,
+            adc_saturated: 0,
+            voltage_out_of_range: 3,
+            clamped: 0,
+            dac_saturated: 0,
+            samples_dropped: 0,
+            frames_refused: 1,
+            line_errors: 0,
+            flash_errors: 0,
+            supply_mv: Some(3298),
+        }
+    }
+}
+
+fn framed(message: &ToHost) -> Vec<u8> {
+    let mut buffer = [0; MAX_FRAME];
+    encode(message, &mut buffer).unwrap().to_vec()
+}

@@ -1,0 +1,21 @@
+//! The host's end of the link to a device ([`protocol`]), and what is done with a device over it or over a debug probe.
+
+pub mod client;
+pub mod error;
+pub mod interrupt;
+pub mod pages;
+pub mod pil;
+pub mod port;
+pub mod probe;
+pub mod recording;
+pub mod window;
+pub mod words;
+
+#[cfg(test)]
+pub(crate) mod fake;
+#[cfg(test)]
+mod tests;
+
+pub use client::Client;
+pub use error::LinkError;
+pub use port::Address;

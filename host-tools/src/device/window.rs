@@ -1,0 +1,163 @@
+//! The last second of a stream of samples.
+
+use estimator_core::{AdcCalibration, AdcCode, Status};
+use protocol::{Faults, Sample, Samples};
+use std::collections::VecDeque;
+
+/// How a frame of samples stands to the one before.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Sequel {
+    /// At its end.
+    Follows,
+    /// So many ticks later.
+    Lost(u32),
+    /// Before it: the device counts from 0 again, since its mode was set or it was restarted.
+    Anew,
+}
+
+/// Finds gaps in the numbers of samples.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Numbers {
+    next: Option<u32>,
+}
+
+impl Numbers {
+    /// How this frame stands to the one before.
+    pub fn take(&mut self, samples: &Samples) -> Sequel {
+        let expected = self.next.replace(samples.first.wrapping_add(samples.samples.len() as u32));
+        match expected.map_or(0, |expected| samples.first.wrapping_sub(expected)) {
+            0 => Sequel::Follows,
+            gap if gap < 1 << 31 => Sequel::Lost(gap),
+            _ => Sequel::Anew,
+        }
+    }
+}
+
+/// The last second.
+#[derive(Clone, Debug)]
+pub struct Window {
+    calibration: AdcCalibration,
+    /// Samples of a second.
+    length: usize,
+    samples: VecDeque<Sample>,
+    numbers: Numbers,
+    received: u64,
+    lost: u64,
+}
+
+/// Least, last and largest.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Extent {
+    /// Least.
+    pub min: f32,
+    /// Last.
+    pub last: f32,
+    /// Largest.
+    pub max: f32,
+}
+
+impl Window {
+    /// A window of `length` samples.
+    pub fn new(calibration: AdcCalibration, length: usize) -> Self {
+        Self { calibration, length, samples: VecDeque::new(), numbers: Numbers::default(), received: 0, lost: 0 }
+    }
+
+    /// Takes the next frame.
+    pub fn take(&mut self, samples: &Samples) {
+        match self.numbers.take(samples) {
+            Sequel::Follows => {}
+            Sequel::Lost(ticks) => self.lost += u64::from(ticks),
+            Sequel::Anew => self.samples.clear(),
+        }
+        self.received += samples.samples.len() as u64;
+        self.samples.extend(&samples.samples);
+        let surplus = self.samples.len().saturating_sub(self.length);
+        self.samples.drain(..surplus);
+    }
+
+    /// Forgets the samples, but not what was counted.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+    }
+
+    /// Samples received since the start.
+    pub fn received(&self) -> u64 {
+        self.received
+    }
+
+    /// Samples lost since the start.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// The last ADC code.
+    pub fn code(&self) -> Option<u16> {
+        self.samples.back().map(|sample| sample.code)
+    }
+
+    /// Displacement, µm.
+    pub fn displacement(&self) -> Option<Extent> {
+        self.extent(|sample| sample.displacement)
+    }
+
+    /// Voltage, V.
+    pub fn voltage(&self) -> Option<Extent> {
+        self.extent(|sample| self.calibration.voltage(AdcCode(sample.code)))
+    }
+
+    /// Every status bit.
+    pub fn status(&self) -> Status {
+        self.samples.iter().fold(Status::empty(), |all, sample| all | sample.status)
+    }
+
+    /// Every fault.
+    pub fn faults(&self) -> Faults {
+        self.samples.iter().fold(Faults::empty(), |all, sample| all | sample.faults)
+    }
+
+    fn extent(&self, of: impl Fn(&Sample) -> f32) -> Option<Extent> {
+        let last = of(self.samples.back()?);
+        let start = Extent { min: last, last, max: last };
+        Some(self.samples.iter().map(of).fold(start, |extent, x| Extent {
+            min: extent.min.min(x),
+            max: extent.max.max(x),
+            ..extent
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(first: u32, displacements: &[f32]) -> Samples {
+        let sample =
+            |&displacement| Sample { code: 100, displacement, status: Status::CLAMPED, faults: Faults::empty() };
+        Samples { first, samples: displacements.iter().map(sample).collect() }
+    }
+
+    #[test]
+    fn gaps_are_counted_and_the_second_slides() {
+        let calibration = AdcCalibration { gain_v_per_code: 0.01, offset_v: -2.0, invert: false, full_scale: 4095 };
+        let mut window = Window::new(calibration, 3);
+        assert_eq!(window.displacement(), None);
+        window.take(&frame(10, &[9.0, 1.0]));
+        window.take(&frame(12, &[3.0]));
+        window.take(&frame(20, &[2.0]));
+        assert_eq!((window.received(), window.lost()), (4, 7));
+        assert_eq!(window.displacement(), Some(Extent { min: 1.0, last: 2.0, max: 3.0 }));
+        assert_eq!(window.voltage().map(|v| v.last), Some(-1.0));
+        assert_eq!(window.code(), Some(100));
+        assert_eq!((window.status(), window.faults()), (Status::CLAMPED, Faults::empty()));
+        window.take(&frame(0, &[5.0]));
+        assert_eq!((window.lost(), window.displacement().map(|y| y.min)), (7, Some(5.0)), "it started anew");
+    }
+
+    #[test]
+    fn numbers_run_over() {
+        let mut numbers = Numbers::default();
+        assert_eq!(numbers.take(&frame(u32::MAX, &[1.0, 2.0])), Sequel::Follows);
+        assert_eq!(numbers.take(&frame(1, &[1.0])), Sequel::Follows);
+        assert_eq!(numbers.take(&frame(5, &[1.0])), Sequel::Lost(3));
+    }
+}

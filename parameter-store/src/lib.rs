@@ -1,0 +1,174 @@
+//! Two flash pages in which a parameter table survives a power cut.
+//!
+//! Each page holds one numbered record, or nothing:
+//!
+//! | offset | bytes | content |
+//! |---|---|---|
+//! | 0 | 4 | number, little-endian; each record's is one more than the last one's |
+//! | 4 | 4 | length of the record, little-endian |
+//! | 8 | n | the record |
+//! | 8 + n | 4 | CRC-32 (ISO-HDLC) of all before, little-endian; then zeros up to a whole flash word |
+//!
+//! The newest record is the whole one with the higher number. A new one goes into the *other* page: that page is erased,
+//! checked to be blank, written, and read back, while the newest is not touched. So whatever a cut erase or write leaves, the
+//! last record is found or the new one; nothing but checksums is ever believed. (sequential-storage, which judges a page by
+//! its first and last word, loses a table by some erases that are cut; the tests here find them.)
+//!
+//! The store does not know what a record means: what it gives back must still be parsed.
+#![cfg_attr(not(test), no_std)]
+
+mod ram_flash;
+
+pub use ram_flash::{RamFlash, RamFlashError};
+
+use core::ops::Range;
+use crc::{CRC_32_ISO_HDLC, Crc};
+use embedded_storage_async::nor_flash::NorFlash;
+
+/// Longest record, bytes.
+pub const MAX_RECORD: usize = 248;
+
+const HEADER: usize = 8;
+const CHECKSUM: usize = 4;
+/// Longest content of a page, in whole words of any flash this is for.
+const BUFFER: usize = (HEADER + MAX_RECORD + CHECKSUM).next_multiple_of(WORD);
+/// No flash word may be longer, bytes.
+const WORD: usize = 32;
+
+static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// Why the store failed. What was stored before is untouched.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StoreError {
+    /// The pages do not fit this flash: not two of its pages, or its words are too long.
+    Layout,
+    /// The flash itself reported an error.
+    Flash,
+    /// The record is longer than [`MAX_RECORD`].
+    TooLong,
+    /// An erased page is not blank.
+    NotErased,
+    /// What was read back is not what was written.
+    NotWritten,
+}
+
+impl core::fmt::Display for StoreError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Layout => "the parameter pages do not fit the flash",
+            Self::Flash => "the flash reports an error",
+            Self::TooLong => "the record is too long",
+            Self::NotErased => "an erased page is not blank: the flash is worn or protected; try again",
+            Self::NotWritten => "what was read back is not what was written: the flash is worn or protected; try again",
+        })
+    }
+}
+
+impl core::error::Error for StoreError {}
+
+/// The store.
+pub struct ParameterStore<F: NorFlash> {
+    flash: F,
+    /// Start of either page, bytes from the flash's start.
+    pages: [u32; 2],
+    buffer: [u8; BUFFER],
+}
+
+/// The newest record.
+#[derive(Clone, Copy)]
+struct Newest {
+    page: usize,
+    number: u32,
+}
+
+impl<F: NorFlash> ParameterStore<F> {
+    /// A store in these bytes of the flash (offsets from its start): two of its pages.
+    pub fn new(flash: F, pages: Range<u32>) -> Result<Self, StoreError> {
+        let page = F::ERASE_SIZE as u32;
+        let fits = pages.start.is_multiple_of(page) && pages.end.checked_sub(pages.start) == Some(2 * page);
+        if !fits || BUFFER > F::ERASE_SIZE || !WORD.is_multiple_of(F::WRITE_SIZE) {
+            return Err(StoreError::Layout);
+        }
+        Ok(Self { flash, pages: [pages.start, pages.start + page], buffer: [0; BUFFER] })
+    }
+
+    /// The newest whole record; `None` in an empty store.
+    pub async fn load(&mut self) -> Result<Option<&[u8]>, StoreError> {
+        let Some(newest) = self.newest().await? else { return Ok(None) };
+        // Read again: the buffer may hold the other page.
+        let length = self.read(newest.page).await?.map_or(0, |(_, length)| length);
+        Ok(self.buffer.get(HEADER..HEADER + length))
+    }
+
+    /// Writes a record. A power cut at any instant leaves the last record or this one.
+    pub async fn store(&mut self, record: &[u8]) -> Result<(), StoreError> {
+        if record.len() > MAX_RECORD {
+            return Err(StoreError::TooLong);
+        }
+        let newest = self.newest().await?;
+        let (page, number) = newest.map_or((0, 0), |last| (1 - last.page, last.number.wrapping_add(1)));
+        self.clear(page).await?;
+
+        let end = HEADER + record.len();
+        self.buffer.fill(0);
+        self.buffer[..4].copy_from_slice(&number.to_le_bytes());
+        self.buffer[4..HEADER].copy_from_slice(&(record.len() as u32).to_le_bytes());
+        self.buffer[HEADER..end].copy_from_slice(record);
+        let checksum = CRC.checksum(&self.buffer[..end]);
+        self.buffer[end..end + CHECKSUM].copy_from_slice(&checksum.to_le_bytes());
+        let whole = (end + CHECKSUM).next_multiple_of(F::WRITE_SIZE);
+        self.flash.write(self.pages[page], &self.buffer[..whole]).await.map_err(|_| StoreError::Flash)?;
+
+        // A flash driver need not notice a failed write (embassy-stm32 0.6's interrupt clears the error flags).
+        match self.read(page).await? {
+            Some((found, length)) if found == number && self.buffer[HEADER..HEADER + length] == *record => Ok(()),
+            _ => Err(StoreError::NotWritten),
+        }
+    }
+
+    /// Empties the store: the older record first, so that a cut never brings it back.
+    pub async fn erase(&mut self) -> Result<(), StoreError> {
+        let newest = self.newest().await?.map_or(0, |newest| newest.page);
+        self.clear(1 - newest).await?;
+        self.clear(newest).await
+    }
+
+    async fn newest(&mut self) -> Result<Option<Newest>, StoreError> {
+        let mut newest: Option<Newest> = None;
+        for page in 0..self.pages.len() {
+            let Some((number, _)) = self.read(page).await? else { continue };
+            // Numbers wrap; the two that are compared are neighbours.
+            if newest.is_none_or(|other| number.wrapping_sub(other.number) < u32::MAX / 2) {
+                newest = Some(Newest { page, number });
+            }
+        }
+        Ok(newest)
+    }
+
+    /// Reads a page into the buffer: number and length of its record, if it is whole.
+    async fn read(&mut self, page: usize) -> Result<Option<(u32, usize)>, StoreError> {
+        self.flash.read(self.pages[page], &mut self.buffer).await.map_err(|_| StoreError::Flash)?;
+        let [n0, n1, n2, n3, l0, l1, l2, l3, ..] = self.buffer;
+        let length = u32::from_le_bytes([l0, l1, l2, l3]) as usize;
+        if length > MAX_RECORD {
+            return Ok(None);
+        }
+        let (content, rest) = self.buffer.split_at(HEADER + length);
+        let whole = rest.first_chunk().is_some_and(|stored| u32::from_le_bytes(*stored) == CRC.checksum(content));
+        Ok(whole.then_some((u32::from_le_bytes([n0, n1, n2, n3]), length)))
+    }
+
+    /// Erases a page and sees that it is blank, all of it.
+    async fn clear(&mut self, page: usize) -> Result<(), StoreError> {
+        let (start, end) = (self.pages[page], self.pages[page] + F::ERASE_SIZE as u32);
+        self.flash.erase(start, end).await.map_err(|_| StoreError::Flash)?;
+        let mut word = [0; WORD];
+        for offset in (start..end).step_by(WORD) {
+            self.flash.read(offset, &mut word).await.map_err(|_| StoreError::Flash)?;
+            if word.iter().any(|&byte| byte != 0xFF) {
+                return Err(StoreError::NotErased);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,92 @@
+//! Memory that obeys the rules of the STM32G474's flash: pages of 2 KiB, double words written once between erases.
+//!
+//! For the emulated board, for making a page image on the host, and for tests.
+
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+
+/// Bytes that are erased together.
+pub const PAGE: usize = 2048;
+/// Bytes that are written together.
+pub const WORD: usize = 8;
+
+/// Flash in memory.
+pub struct RamFlash<'m> {
+    memory: &'m mut [u8],
+}
+
+impl<'m> RamFlash<'m> {
+    /// Takes memory as flash, with what is in it. Erased flash is all 0xFF.
+    pub fn new(memory: &'m mut [u8]) -> Self {
+        Self { memory }
+    }
+}
+
+/// What the flash refuses.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum RamFlashError {
+    /// Beyond its end.
+    OutOfBounds,
+    /// Not a whole word or page.
+    NotAligned,
+    /// A word that is not erased.
+    NotErased,
+}
+
+impl NorFlashError for RamFlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::OutOfBounds => NorFlashErrorKind::OutOfBounds,
+            Self::NotAligned => NorFlashErrorKind::NotAligned,
+            Self::NotErased => NorFlashErrorKind::Other,
+        }
+    }
+}
+
+impl ErrorType for RamFlash<'_> {
+    type Error = RamFlashError;
+}
+
+impl ReadNorFlash for RamFlash<'_> {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), RamFlashError> {
+        let start = offset as usize;
+        let stored = self.memory.get(start..start.saturating_add(bytes.len())).ok_or(RamFlashError::OutOfBounds)?;
+        bytes.copy_from_slice(stored);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.memory.len()
+    }
+}
+
+impl NorFlash for RamFlash<'_> {
+    const WRITE_SIZE: usize = WORD;
+    const ERASE_SIZE: usize = PAGE;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), RamFlashError> {
+        let (from, to) = (from as usize, to as usize);
+        if !from.is_multiple_of(PAGE) || !to.is_multiple_of(PAGE) {
+            return Err(RamFlashError::NotAligned);
+        }
+        self.memory.get_mut(from..to).ok_or(RamFlashError::OutOfBounds)?.fill(0xFF);
+        Ok(())
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), RamFlashError> {
+        let start = offset as usize;
+        if !start.is_multiple_of(WORD) || !bytes.len().is_multiple_of(WORD) {
+            return Err(RamFlashError::NotAligned);
+        }
+        let place = self.memory.get_mut(start..start.saturating_add(bytes.len())).ok_or(RamFlashError::OutOfBounds)?;
+        for (word, new) in place.chunks_exact_mut(WORD).zip(bytes.chunks_exact(WORD)) {
+            // As on the chip: a written word may only be cleared to all zeros.
+            if word.iter().any(|&byte| byte != 0xFF) && new.iter().any(|&byte| byte != 0) {
+                return Err(RamFlashError::NotErased);
+            }
+            word.copy_from_slice(new);
+        }
+        Ok(())
+    }
+}

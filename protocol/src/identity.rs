@@ -1,0 +1,48 @@
+//! Who the device is.
+
+use crate::Text;
+use serde::{Deserialize, Serialize};
+
+/// Where the table in use comes from.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub enum TableSource {
+    /// The parameter store.
+    Stored,
+    /// The firmware image, because the store had none that could be used.
+    Compiled {
+        /// Why.
+        reason: Text<120>,
+    },
+    /// Neither had one that could be used.
+    None {
+        /// Why not the stored one.
+        stored: Text<120>,
+        /// Why not the compiled one.
+        compiled: Text<120>,
+    },
+}
+
+/// Who the device is.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Identity {
+    /// The board.
+    pub board: Text<24>,
+    /// The firmware's version.
+    pub firmware: Text<16>,
+    /// The commit it was built from; with a mark when the sources had been changed.
+    pub git: Text<24>,
+    /// The table record's format version that it reads ([`estimator_core::record::VERSION`]).
+    pub record_version: u16,
+    /// Tick, µs.
+    pub tick_us: u32,
+    /// The ADC's largest code, oversampling included; a table must be made for it.
+    pub adc_full_scale: u16,
+    /// The DAC's largest code; a table must be made for it.
+    pub dac_full_scale: u16,
+    /// Where the table in use comes from.
+    pub source: TableSource,
+    /// The model of the table in use, as it prints itself; empty without one.
+    pub model: Text<32>,
+    /// The checksum of the table's record ([`estimator_core::record::checksum`]); 0 without one.
+    pub table_crc: u32,
+}

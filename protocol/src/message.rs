@@ -1,0 +1,138 @@
+//! Requests, replies, and what comes unasked.
+
+use crate::Text;
+use crate::health::Health;
+use crate::identity::Identity;
+use crate::sample::Samples;
+use estimator_core::record::MAX_LENGTH;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// A table's binary record ([`estimator_core::record`]).
+pub type Record = Vec<u8, MAX_LENGTH>;
+/// ADC codes to be fed to the tick.
+pub type Codes = Vec<u16, 64>;
+
+/// What the tick does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+pub enum Mode {
+    /// Estimates from the ADC; the DAC follows.
+    #[default]
+    Estimate,
+    /// Estimates from codes fed over the link (processor in the loop), one a tick, none where there is none; the DAC is safe.
+    Pil,
+    /// Estimates nothing; the DAC is safe.
+    Pause,
+}
+
+/// Host to device.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct ToDevice {
+    /// Comes back in the reply.
+    pub sequence: u16,
+    /// What is wanted.
+    pub request: Request,
+}
+
+/// What the host may ask.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub enum Request {
+    /// Who are you? → [`Reply::Identity`]
+    Identify,
+    /// How are you? → [`Reply::Health`]
+    Health,
+    /// Forget counts, faults seen, and last words. → [`Reply::Done`]
+    Forget,
+    /// The table in use. → [`Reply::Table`]
+    Pull,
+    /// Store a table; it is used from the next reset on. → [`Reply::Done`]
+    Push {
+        /// Its record.
+        record: Record,
+        /// Write although the tick is estimating: flash operations may cost ticks.
+        while_estimating: bool,
+    },
+    /// Empty the parameter store; the compiled table is used from the next reset on. → [`Reply::Done`]
+    Erase {
+        /// As in [`Self::Push`].
+        while_estimating: bool,
+    },
+    /// Stream samples, or stop. → [`Reply::Done`]
+    Stream(bool),
+    /// Call the displacement of now 0. → [`Reply::Done`]
+    SetZero,
+    /// Change what the tick does; the estimate starts anew, from rest, samples are counted from 0, and streaming ends.
+    /// → [`Reply::Done`]
+    SetMode(Mode),
+    /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]
+    Feed(Codes),
+    /// Start again. → [`Reply::Done`], then the reset.
+    Reset,
+}
+
+/// Device to host.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub enum ToHost {
+    /// The answer to a request.
+    Reply {
+        /// The request's sequence number.
+        to: u16,
+        /// The answer.
+        reply: Reply,
+    },
+    /// Samples, while streaming.
+    Samples(Samples),
+}
+
+/// What the device may answer.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub enum Reply {
+    /// To [`Request::Identify`].
+    Identity(Identity),
+    /// To [`Request::Health`].
+    Health(Health),
+    /// To [`Request::Pull`].
+    Table(Record),
+    /// It is done.
+    Done,
+    /// To [`Request::Feed`]: how many codes there was room for; the rest must be sent again.
+    Fed(u16),
+    /// It is not done.
+    Refused(Refusal),
+}
+
+/// Why the device does not do it.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub enum Refusal {
+    /// Writing flash while estimating, without having been told to.
+    Estimating,
+    /// The record is not one that this device can run.
+    Table(Text<120>),
+    /// The parameter store could not be written or read.
+    Store(Text<120>),
+    /// There is no table to send.
+    NoTable,
+    /// There is no displacement to call 0: nothing is being estimated from the ADC.
+    NotEstimating,
+    /// Codes were fed, but the mode is not [`Mode::Pil`].
+    NotPil,
+    /// Too many requests at once; ask again.
+    Busy,
+    /// The request was of another protocol version. The reply says which the device speaks by its own frame.
+    Version,
+}
+
+impl core::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Estimating => write!(f, "it is estimating, and writing flash may cost ticks"),
+            Self::Table(reason) => write!(f, "the table is refused: {reason}"),
+            Self::Store(reason) => write!(f, "the parameter store failed: {reason}"),
+            Self::NoTable => write!(f, "it has no admissible table"),
+            Self::NotEstimating => write!(f, "it is not estimating"),
+            Self::NotPil => write!(f, "it takes fed samples in processor-in-the-loop mode only"),
+            Self::Busy => write!(f, "it is busy; ask again"),
+            Self::Version => write!(f, "it speaks another version of the protocol"),
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! What a tick gives, as it is streamed.
+
+use crate::health::Faults;
+use estimator_core::Status;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Most samples in one frame.
+pub const MAX_BATCH: usize = 32;
+
+/// One tick.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Sample {
+    /// What the converter read ([`estimator_core::AdcCode`]); the table's calibration makes volts of it.
+    pub code: u16,
+    /// Displacement at the next tick, µm relative to the zero; 0 where nothing was estimated.
+    pub displacement: f32,
+    /// What the estimator reported.
+    pub status: Status,
+    /// What the device reports.
+    pub faults: Faults,
+}
+
+/// Samples of consecutive ticks.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Samples {
+    /// Number of the first sample's tick, counted from 0 when the mode was entered. A gap to the last frame's end is loss.
+    pub first: u32,
+    /// The samples.
+    pub samples: Vec<Sample, MAX_BATCH>,
+}

@@ -1,0 +1,160 @@
+//! Every message survives the line, the longest fit a frame, and no damage gets through or stops what follows.
+
+use estimator_core::Status;
+use proptest::prelude::*;
+use protocol::frame::MAX_FRAME;
+use protocol::{
+    Deframer, Faults, FrameError, Health, Identity, Mode, Refusal, Reply, Request, ResetCause, Sample, Samples,
+    TableSource, ToDevice, ToHost, VERSION, encode, text,
+};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+fn frame(message: &impl Serialize) -> Vec<u8> {
+    encode(message, &mut [0; MAX_FRAME]).expect("a message fits its frame").to_vec()
+}
+
+fn receive<M: DeserializeOwned>(bytes: &[u8]) -> Vec<Result<M, FrameError>> {
+    let mut deframer = Deframer::new();
+    bytes.iter().filter_map(|&byte| deframer.push(byte)).collect()
+}
+
+/// Requests at their longest.
+fn requests() -> Vec<Request> {
+    let record = [0xA5; 192].iter().copied().collect();
+    vec![
+        Request::Identify,
+        Request::Health,
+        Request::Forget,
+        Request::Pull,
+        Request::Push { record, while_estimating: true },
+        Request::Erase { while_estimating: false },
+        Request::Stream(true),
+        Request::SetZero,
+        Request::SetMode(Mode::Pil),
+        Request::Feed([u16::MAX; 64].iter().copied().collect()),
+        Request::Reset,
+    ]
+}
+
+fn samples(count: usize) -> Samples {
+    let sample = Sample { code: u16::MAX, displacement: f32::MIN, status: Status::all(), faults: Faults::all() };
+    Samples { first: u32::MAX, samples: (0..count).map(|_| sample).collect() }
+}
+
+/// What the device sends, at its longest.
+fn answers() -> Vec<ToHost> {
+    let health = Health {
+        mode: Mode::Pause,
+        ticks: u32::MAX,
+        faults: Faults::all(),
+        faults_seen: Faults::all(),
+        reset: ResetCause::all(),
+        last_words: Some(text("x".repeat(200))),
+        cycles_last: u32::MAX,
+        cycles_max: u32::MAX,
+        cycles_period: u32::MAX,
+        missed: u32::MAX,
+        adc_saturated: u32::MAX,
+        voltage_out_of_range: u32::MAX,
+        clamped: u32::MAX,
+        dac_saturated: u32::MAX,
+        samples_dropped: u32::MAX,
+        frames_refused: u32::MAX,
+        line_errors: u32::MAX,
+        flash_errors: u32::MAX,
+        supply_mv: Some(u16::MAX),
+    };
+    let identity = Identity {
+        board: text("x".repeat(99)),
+        firmware: text("x".repeat(99)),
+        git: text("x".repeat(99)),
+        record_version: u16::MAX,
+        tick_us: u32::MAX,
+        adc_full_scale: u16::MAX,
+        dac_full_scale: u16::MAX,
+        source: TableSource::None { stored: text("x".repeat(200)), compiled: text("x".repeat(200)) },
+        model: text("x".repeat(99)),
+        table_crc: u32::MAX,
+    };
+    let replies = [
+        Reply::Health(health),
+        Reply::Identity(identity),
+        Reply::Table([0; 192].iter().copied().collect()),
+        Reply::Done,
+        Reply::Fed(64),
+        Reply::Refused(Refusal::Table(text("µ".repeat(200)))),
+    ];
+    let replies = replies.into_iter().map(|reply| ToHost::Reply { to: u16::MAX, reply });
+    replies.chain([ToHost::Samples(samples(32)), ToHost::Samples(samples(1))]).collect()
+}
+
+#[test]
+fn every_message_at_its_longest_survives_the_line() {
+    for request in requests() {
+        let message = ToDevice { sequence: u16::MAX, request };
+        assert_eq!(receive(&frame(&message)), [Ok(message)]);
+    }
+    for message in answers() {
+        assert_eq!(receive(&frame(&message)), [Ok(message)]);
+    }
+}
+
+/// What these bytes are is what devices and tools in the field say to each other: a change needs a new [`VERSION`].
+#[test]
+fn the_wire_format_is_pinned() {
+    let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
+    assert_eq!(hex(frame(&message)), "0f01ac0209030102f0ff03937c717700");
+    assert_eq!(hex(frame(&ToHost::Samples(samples(1)))), "160101ffffffff0f01ffff03ffff7fff0fff9ac325e300");
+    let all: Vec<u8> = answers().iter().flat_map(frame).collect();
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
+    assert_eq!((VERSION, crc), (1, 1308410859));
+}
+
+#[test]
+fn another_version_is_refused_by_name() {
+    let mut content = vec![VERSION + 1, 7];
+    content.extend(crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&content).to_le_bytes());
+    let mut bytes = vec![0; 32];
+    let length = cobs::encode(&content, &mut bytes);
+    bytes.truncate(length);
+    bytes.push(0);
+    assert_eq!(receive::<ToHost>(&bytes), [Err(FrameError::Version { found: VERSION + 1 })]);
+}
+
+#[test]
+fn too_long_empty_and_trailing() {
+    let good = ToDevice { sequence: 1, request: Request::Identify };
+    let mut bytes = vec![0, 0, 0];
+    bytes.extend([1; 3 * MAX_FRAME]);
+    bytes.push(0);
+    bytes.extend(frame(&good));
+    assert_eq!(receive(&bytes), [Err(FrameError::TooLong), Ok(good.clone())]);
+    assert_eq!(receive::<ToHost>(&frame(&(good, 1u8, 2u8, 3u8))), [Err(FrameError::Content)]);
+}
+
+proptest! {
+    /// A damaged frame is refused, and the next one is received.
+    #[test]
+    fn damage_costs_one_frame(which in 0usize..11, at in 0usize..400, flip in 1u8.., cut: bool) {
+        let message = ToDevice { sequence: 9, request: requests()[which].clone() };
+        let mut bytes = frame(&message);
+        let at = at % (bytes.len() - 1);
+        if cut { bytes.remove(at); } else { bytes[at] ^= flip; }
+        // A flip that makes a delimiter splits the frame.
+        let good = ToDevice { sequence: 10, request: Request::Health };
+        bytes.extend(frame(&good));
+        let received = receive::<ToDevice>(&bytes);
+        let (last, before) = received.split_last().expect("the good frame");
+        prop_assert_eq!(last, &Ok(good));
+        prop_assert!(before.iter().all(Result::is_err) && before.len() <= 2);
+    }
+
+    #[test]
+    fn noise_is_no_message(noise in prop::collection::vec(any::<u8>(), 0..2000)) {
+        for found in receive::<ToDevice>(&noise).into_iter().chain(receive(&noise)) {
+            prop_assert!(found.is_err());
+        }
+    }
+}

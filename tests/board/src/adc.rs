@@ -1,0 +1,263 @@
+//! ADC1 (RM0440): injected conversions started by TIM6's trigger, with hardware oversampling, and regular ones of the
+//! internal reference started by software.
+//!
+//! A conversion takes (sampling time + 12.5) ADC clocks times the oversampling ratio. The code that JDR1 or DR shows comes
+//! from outside as it is; its range is checked against the oversampling that the registers ask for. Calibration and
+//! switching on take no time. Injected and regular conversions do not delay each other. Refused: sequences of several
+//! channels, other resolutions and alignments, the JSQR queue, DMA, continuous and externally started regular conversion.
+
+use anyhow::{Result, bail, ensure};
+
+use crate::{CORE_HZ, NEVER, field, rcc::Rcc, record::Conversion, record::Record};
+
+const ISR: u32 = 0x00;
+const IER: u32 = 0x04;
+const CR: u32 = 0x08;
+const CFGR: u32 = 0x0C;
+const CFGR2: u32 = 0x10;
+const SMPR1: u32 = 0x14;
+const SMPR2: u32 = 0x18;
+const SQR1: u32 = 0x30;
+const DR: u32 = 0x40;
+const JSQR: u32 = 0x4C;
+const JDR1: u32 = 0x80;
+const CCR: u32 = 0x308;
+
+const ADRDY: u32 = 1 << 0;
+const EOC: u32 = 1 << 2;
+const EOS: u32 = 1 << 3;
+const JEOC: u32 = 1 << 5;
+const JEOS: u32 = 1 << 6;
+
+const ADEN: u32 = 1 << 0;
+const ADDIS: u32 = 1 << 1;
+const ADSTART: u32 = 1 << 2;
+const JADSTART: u32 = 1 << 3;
+const ADSTP: u32 = 1 << 4;
+const JADSTP: u32 = 1 << 5;
+const ADVREGEN: u32 = 1 << 28;
+const DEEPPWD: u32 = 1 << 29;
+const ADCAL: u32 = 1 << 31;
+
+const OVRMOD: u32 = 1 << 12;
+const JQDIS: u32 = 1 << 31;
+const ROVSE: u32 = 1 << 0;
+const JOVSE: u32 = 1 << 1;
+const VREFEN: u32 = 1 << 22;
+
+/// TIM6's TRGO among the injected triggers, rising edge: JEXTSEL 14, JEXTEN 1.
+const TIM6_TRGO: u32 = 14 | 1 << 5;
+/// ADC1's channels: that of the amplifier's voltage, and of the internal reference.
+const AMPLIFIER: u32 = 1;
+const VREFINT: u32 = 18;
+const FASTEST_HZ: u32 = 60_000_000;
+/// PRESC's dividers.
+const DIVIDERS: [u32; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
+/// SMPx's sampling times in half ADC clocks.
+const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
+
+/// What the pin and the reference give.
+pub struct Inputs {
+    /// The code JDR1 shows at the n-th injected conversion, counted from 0.
+    pub codes: Box<dyn FnMut(u64) -> u16>,
+    pub converted: u64,
+    /// The code of the internal reference.
+    pub reference: u16,
+}
+
+impl Default for Inputs {
+    fn default() -> Self {
+        Self { codes: Box::new(|_| 0), converted: 0, reference: 1505 }
+    }
+}
+
+#[derive(Default)]
+pub struct Adc {
+    isr: u32,
+    ier: u32,
+    cr: u32,
+    cfgr: u32,
+    cfgr2: u32,
+    sampling: [u32; 2],
+    sequence: u32,
+    injected: u32,
+    data: u32,
+    injected_data: u32,
+    common: u32,
+    /// Trigger and end of the injected conversion going on.
+    converting: Option<(u64, u64)>,
+    /// End of the regular conversion going on.
+    measuring: Option<u64>,
+}
+
+impl Adc {
+    pub fn new() -> Self {
+        Self { cr: DEEPPWD, cfgr: JQDIS, ..Self::default() }
+    }
+
+    pub fn due(&self) -> u64 {
+        self.converting.map_or(NEVER, |(_, end)| end).min(self.measuring.unwrap_or(NEVER))
+    }
+
+    pub fn interrupt(&self) -> bool {
+        self.isr & self.ier != 0
+    }
+
+    /// Oversampling ratio and right shift.
+    fn oversampling(&self, enabled: u32) -> (u32, u32) {
+        if self.cfgr2 & enabled == 0 { (1, 0) } else { (2 << field(self.cfgr2, 2, 3), field(self.cfgr2, 5, 4)) }
+    }
+
+    /// Core clocks that `ratio` samples of a channel take.
+    fn duration(&self, channel: u32, ratio: u32, rcc: &Rcc) -> Result<u64> {
+        let hz = match field(self.common, 16, 2) {
+            0 => rcc.adc_hz()? / DIVIDERS[field(self.common, 18, 4).min(11) as usize],
+            mode => CORE_HZ >> (mode - 1),
+        };
+        ensure!(hz <= FASTEST_HZ, "ADC1 runs at {hz} Hz; it stands {FASTEST_HZ} Hz");
+        let sampling = field(self.sampling[channel as usize / 10], 3 * (channel % 10), 3);
+        let half_clocks = (SAMPLING[sampling as usize] + 25) * u64::from(ratio);
+        Ok(half_clocks * u64::from(CORE_HZ) / (2 * u64::from(hz)))
+    }
+
+    /// TIM6's trigger.
+    pub fn trigger(&mut self, at: u64, rcc: &Rcc, record: &mut Record) -> Result<()> {
+        if self.cr & (ADEN | JADSTART) != ADEN | JADSTART || field(self.injected, 2, 7) != TIM6_TRGO {
+            return Ok(());
+        }
+        if self.converting.is_some() {
+            record.lost_triggers += 1;
+            return Ok(());
+        }
+        let channel = field(self.injected, 9, 5);
+        ensure!(channel == AMPLIFIER, "channel {channel} is converted; channel {AMPLIFIER} is connected");
+        ensure!(self.cfgr & !OVRMOD == JQDIS, "CFGR = {:#x}: a mode that is not modelled", self.cfgr);
+        let (ratio, _) = self.oversampling(JOVSE);
+        self.converting = Some((at, at + self.duration(channel, ratio, rcc)?));
+        Ok(())
+    }
+
+    /// The conversion that ends at `at`.
+    pub fn advance(&mut self, at: u64, inputs: &mut Inputs, record: &mut Record) -> Result<()> {
+        if self.measuring == Some(at) {
+            self.measuring = None;
+            self.data = self.fitting(inputs.reference, ROVSE)?;
+            self.isr |= EOC | EOS;
+            self.cr &= !ADSTART;
+        }
+        if let Some((trigger, end)) = self.converting.filter(|&(_, end)| end == at) {
+            self.converting = None;
+            let code = (inputs.codes)(inputs.converted);
+            inputs.converted += 1;
+            self.injected_data = self.fitting(code, JOVSE)?;
+            record.conversions.push(Conversion { trigger, end, code, late: self.isr & JEOS != 0 });
+            self.isr |= JEOC | JEOS;
+        }
+        Ok(())
+    }
+
+    /// The code, if the oversampling that is set can give it.
+    fn fitting(&self, code: u16, enabled: u32) -> Result<u32> {
+        let (ratio, shift) = self.oversampling(enabled);
+        let greatest = (4095 * ratio) >> shift;
+        ensure!(greatest <= 0xFFFF, "{ratio} samples shifted by {shift} overflow the 16 bits of the data register");
+        ensure!(
+            u32::from(code) <= greatest,
+            "code {code} was fed; oversampled {ratio} times, shifted by {shift}, the greatest is {greatest}"
+        );
+        Ok(code.into())
+    }
+
+    /// Oversampling ratio and right shift of injected conversions.
+    pub fn injected_oversampling(&self) -> (u32, u32) {
+        self.oversampling(JOVSE)
+    }
+
+    pub fn read(&mut self, offset: u32) -> Option<u32> {
+        Some(match offset {
+            ISR => self.isr,
+            IER => self.ier,
+            CR => self.cr,
+            CFGR => self.cfgr,
+            CFGR2 => self.cfgr2,
+            SMPR1 | SMPR2 => self.sampling[(offset - SMPR1) as usize / 4],
+            SQR1 => self.sequence,
+            JSQR => self.injected,
+            CCR => self.common,
+            DR => {
+                self.isr &= !EOC;
+                self.data
+            }
+            JDR1 => {
+                self.isr &= !JEOC;
+                self.injected_data
+            }
+            _ => return None,
+        })
+    }
+
+    pub fn write(&mut self, offset: u32, value: u32, now: u64, rcc: &Rcc) -> Result<bool> {
+        let idle = self.cr & (ADSTART | JADSTART) == 0;
+        match offset {
+            ISR => self.isr &= !value,
+            IER => self.ier = value,
+            CR => self.control(value, now, rcc)?,
+            CFGR => self.cfgr = value,
+            CFGR2 | SMPR1 | SMPR2 if !idle => bail!("register {offset:#x} is written while conversions are on"),
+            CFGR2 => self.cfgr2 = value,
+            SMPR1 | SMPR2 => self.sampling[(offset - SMPR1) as usize / 4] = value,
+            SQR1 => self.sequence = value,
+            JSQR => {
+                ensure!(value & 3 == 0, "JSQR = {value:#x}: only a single injected channel is modelled");
+                self.injected = value;
+            }
+            CCR => self.common = value,
+            DR | JDR1 => {}
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// CR: its bits can be set by writing 1 and are cleared by the hardware, but for the voltage regulator's.
+    fn control(&mut self, value: u32, now: u64, rcc: &Rcc) -> Result<()> {
+        if value & ADCAL != 0 {
+            ensure!(value & ADVREGEN != 0 && self.cr & ADEN == 0, "ADCAL needs ADVREGEN and no ADEN");
+        }
+        let sticky = ADEN | ADSTART | JADSTART;
+        let before = self.cr & sticky;
+        let mut after = before | value & sticky;
+        ensure!(after == before || value & DEEPPWD == 0 && value & ADVREGEN != 0, "ADC1 is used without its regulator");
+        if after & ADEN == 0 {
+            after = 0;
+        }
+        if value & ADSTP != 0 {
+            after &= !ADSTART;
+            self.measuring = None;
+        }
+        if value & JADSTP != 0 {
+            after &= !JADSTART;
+            self.converting = None;
+        }
+        if value & ADDIS != 0 && after & (ADSTART | JADSTART) == 0 {
+            after = 0;
+        }
+        if after & !before & ADEN != 0 {
+            self.isr |= ADRDY;
+        }
+        if after & !before & ADSTART != 0 {
+            let channel = field(self.sequence, 6, 5);
+            ensure!(
+                self.sequence & 0xF == 0 && channel == VREFINT && self.common & VREFEN != 0,
+                "a regular conversion of channel {channel}; the model has that of the switched-on VREFINT, {VREFINT}, alone"
+            );
+            ensure!(self.cfgr & !OVRMOD == JQDIS, "CFGR = {:#x}: a mode that is not modelled", self.cfgr);
+            let (ratio, _) = self.oversampling(ROVSE);
+            self.measuring = Some(now + self.duration(channel, ratio, rcc)?);
+        }
+        self.cr = value & (ADVREGEN | DEEPPWD | 1 << 30) | after;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

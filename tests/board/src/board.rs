@@ -1,0 +1,213 @@
+//! The board as a test holds it: power, reset, the host's serial line, the voltage at the ADC, flash and RAM.
+
+use std::mem;
+
+use anyhow::{Context, Result, bail};
+
+use crate::{
+    CORE_HZ, Garbage, Image, Record,
+    contents::{Contents, Tear},
+    cpu::{self, Chip, Core},
+    machine::Machine,
+    memory::{RAM, RAM_SIZE},
+    rcc::Reset,
+};
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The time is over.
+    Time,
+    /// The condition holds.
+    Condition,
+    /// The chip resets; [`Board::reboot`] goes on.
+    Reset(Reset),
+    /// Power went during the flash operation that [`Board::cut_power`] chose.
+    PowerCut,
+    /// A fault in HardFault or NMI, or one that could not be stacked: the core stands still.
+    Lockup,
+}
+
+/// A NUCLEO-G474RE with its firmware.
+pub struct Board {
+    garbage: Garbage,
+    pub(crate) chip: Chip,
+    pub(crate) core: Core,
+}
+
+impl Board {
+    /// Power comes to a new board: bank 2 is erased, the supply is 3.3 V. Nothing runs before [`Board::run`].
+    ///
+    /// # Errors
+    /// The CPU emulator failed.
+    pub fn power_on(image: &Image) -> Result<Self> {
+        let chip = cpu::build(image.flash(), Machine::powered())?;
+        let mut board = Self { garbage: Garbage::new(1), chip, core: Core::default() };
+        board.reboot(Reset::PowerOn)?;
+        Ok(board)
+    }
+
+    /// The chip resets and the firmware starts over; what was recorded stays. The flash is kept, an erase or program in its
+    /// midst torn; RAM is kept but for a loss of power, which leaves garbage.
+    ///
+    /// # Errors
+    /// The CPU emulator failed.
+    pub fn reboot(&mut self, cause: Reset) -> Result<()> {
+        let tear = Tear::Midst(self.garbage.word());
+        self.machine_mut().reset(cause, tear);
+        if cause == Reset::PowerOn {
+            let ram: Vec<u8> = (0..RAM_SIZE / 8).flat_map(|_| self.garbage.word().to_le_bytes()).collect();
+            self.chip.mem_write(RAM, &ram)?;
+        }
+        self.restart()
+    }
+
+    /// Runs for `seconds` of the board's time, or until something ends the run.
+    ///
+    /// # Errors
+    /// The firmware did what a model cannot follow, or what is wrong on the chip as well; or the run before ended for good.
+    pub fn run(&mut self, seconds: f64) -> Result<Stop> {
+        self.run_until(seconds, |_| false)
+    }
+
+    /// Runs until `condition` holds, which is looked at after every exception and every sleep, but for no longer than
+    /// `seconds`.
+    ///
+    /// # Errors
+    /// As [`Board::run`].
+    pub fn run_until(&mut self, seconds: f64, mut condition: impl FnMut(&Self) -> bool) -> Result<Stop> {
+        let machine = self.machine_mut();
+        machine.deadline = machine.clock + (seconds * f64::from(CORE_HZ)) as u64;
+        machine.look_at = 0;
+        loop {
+            match &self.machine().end {
+                Some(Ok(stop)) => return Ok(*stop),
+                Some(Err(refusal)) => bail!("{}: {refusal}", self.place()),
+                None if condition(self) => return Ok(Stop::Condition),
+                None if self.machine().clock >= self.machine().deadline => return Ok(Stop::Time),
+                None => {}
+            }
+            if let Err(error) = self.step() {
+                self.machine_mut().refuse(&error);
+            }
+        }
+    }
+
+    /// Where the firmware is, for messages.
+    fn place(&self) -> String {
+        let at = self.machine().clock as f64 / f64::from(CORE_HZ);
+        format!("the firmware at {:#x}, {at:.6} s after power-on", self.core.pc)
+    }
+
+    pub(crate) fn machine(&self) -> &Machine {
+        &self.chip.get_data().machine
+    }
+
+    pub(crate) fn machine_mut(&mut self) -> &mut Machine {
+        &mut self.chip.get_data_mut().machine
+    }
+
+    /// Core clocks since power-on.
+    #[must_use]
+    pub fn clock(&self) -> u64 {
+        self.machine().clock
+    }
+
+    /// Of [`Board::clock`], those in which no instruction ran: sleep, waiting for the flash, exception entry and return.
+    #[must_use]
+    pub fn skipped(&self) -> u64 {
+        self.machine().skipped
+    }
+
+    /// What happened since power-on.
+    #[must_use]
+    pub fn record(&self) -> &Record {
+        &self.machine().bench.record
+    }
+
+    /// Puts bytes on the serial line to the board, behind those still on their way.
+    pub fn send(&mut self, bytes: &[u8]) {
+        let machine = self.machine_mut();
+        machine.bench.wire.sent.extend(bytes);
+        machine.listen();
+    }
+
+    /// The bytes that have come from the board since the last call.
+    pub fn take_received(&mut self) -> Vec<u8> {
+        mem::take(&mut self.machine_mut().bench.wire.received)
+    }
+
+    /// The number of bytes that [`Board::take_received`] would give.
+    #[must_use]
+    pub fn received(&self) -> usize {
+        self.machine().bench.wire.received.len()
+    }
+
+    /// From now on, the n-th injected conversion, counted from 0, shows `codes(n)` in JDR1.
+    pub fn feed(&mut self, codes: impl FnMut(u64) -> u16 + 'static) {
+        let inputs = &mut self.machine_mut().bench.inputs;
+        inputs.codes = Box::new(codes);
+        inputs.converted = 0;
+    }
+
+    /// Sets ADC1's code of the internal reference: 1655 × 3.0 V / supply.
+    pub fn set_reference(&mut self, code: u16) {
+        self.machine_mut().bench.inputs.reference = code;
+    }
+
+    /// Ratio and right shift that ADC1's injected conversions are oversampled with.
+    #[must_use]
+    pub fn oversampling(&self) -> (u32, u32) {
+        self.machine().adc.injected_oversampling()
+    }
+
+    /// The code at the pin of DAC1's channel 1, if it is driven.
+    #[must_use]
+    pub fn output(&self) -> Option<u16> {
+        self.machine().dac.output()
+    }
+
+    /// Power will go during the `nth` flash operation from now, counted from 1, which leaves `tear`.
+    pub fn cut_power(&mut self, nth: usize, tear: Tear) {
+        let bench = &mut self.machine_mut().bench;
+        bench.cut = Some((bench.record.flash.len() + nth, tear));
+    }
+
+    /// Bank 2 of the flash.
+    #[must_use]
+    pub fn contents(&self) -> &Contents {
+        &self.machine().flash.contents
+    }
+
+    /// Changes bank 2 behind the firmware's back.
+    pub fn contents_mut(&mut self) -> &mut Contents {
+        &mut self.machine_mut().flash.contents
+    }
+
+    /// What the firmware has written to a register that no model has a rule for.
+    #[must_use]
+    pub fn plain(&self, address: u32) -> u32 {
+        self.machine().plain.get(&address).copied().unwrap_or(0)
+    }
+
+    /// Changes a word of the RAM or a register, as the core's own store would.
+    ///
+    /// # Errors
+    /// There is neither at the address.
+    pub fn poke(&mut self, address: u32, value: u32) -> Result<()> {
+        self.chip
+            .mem_write(address.into(), &value.to_le_bytes())
+            .with_context(|| format!("neither memory nor register at {address:#x}"))
+    }
+
+    /// Leads the core astray: it goes on at `address`, whatever it was about to do.
+    pub fn jump(&mut self, address: u32) {
+        self.core.pc = address & !1;
+        self.core.asleep = false;
+    }
+
+    /// Instructions of every finished run of a handler, without handlers nested in it, by [exception](crate::exception) number.
+    pub fn instructions(&self, exception: u8) -> impl Iterator<Item = u64> {
+        self.record().services.get(&exception).into_iter().flatten().filter_map(|service| service.instructions)
+    }
+}

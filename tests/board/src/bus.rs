@@ -1,0 +1,197 @@
+//! What the core's loads and stores reach: registers by their address, and bank 2 of the flash.
+
+use anyhow::{Result, bail};
+
+use crate::{
+    NEVER,
+    board::Stop,
+    machine::Machine,
+    nvic::Written,
+    rcc::Reset,
+    record::{FlashKind, FlashOperation},
+};
+
+// The peripherals with a model, by the 1 KiB that each has.
+const TIM5: u32 = 0x4000_0C00;
+const TIM6: u32 = 0x4000_1000;
+const IWDG: u32 = 0x4000_3000;
+const LPUART1: u32 = 0x4000_8000;
+const RCC: u32 = 0x4002_1000;
+const FLASH: u32 = 0x4002_2000;
+const ADC: u32 = 0x5000_0000;
+const DAC: u32 = 0x5000_0800;
+const SCS: u32 = 0xE000_E000;
+
+const MODELLED: [u32; 8] = [TIM5, TIM6, IWDG, LPUART1, RCC, FLASH, ADC, DAC];
+/// Registers of 16 bits or less, which may be written without the rest of the word: prescalers, LPUART1_TDR.
+const SHORT: [u32; 3] = [TIM5 + 0x28, TIM6 + 0x28, LPUART1 + 0x28];
+
+const DWT_CTRL: u32 = 0xE000_1000;
+const DWT_CYCCNT: u32 = 0xE000_1004;
+const DEMCR: u32 = 0xE000_EDFC;
+
+impl Machine {
+    fn cycle_counter_runs(&self) -> bool {
+        let set = |address, bit: u32| self.plain.get(&address).is_some_and(|value| value & bit != 0);
+        set(DWT_CTRL, 1) && set(DEMCR, 1 << 24)
+    }
+
+    pub fn read(&mut self, address: u32, size: u32) -> u32 {
+        self.fire();
+        let word = match self.read_word(address & !3) {
+            Ok(Some(word)) => word,
+            Ok(None) => {
+                self.bench.record.plain.insert(address & !3);
+                self.plain.get(&(address & !3)).copied().unwrap_or(0)
+            }
+            Err(error) => {
+                self.refuse(&error);
+                0
+            }
+        };
+        // Reading data clears flags.
+        self.look_at = 0;
+        word >> (8 * (address & 3)) & (u32::MAX >> (32 - 8 * size))
+    }
+
+    /// Without its clock a peripheral reads as 0 and takes no writes.
+    fn clocked(&mut self, address: u32) -> bool {
+        let clocked = self.rcc.clocked(address & !0x3FF);
+        if !clocked {
+            self.bench.record.unclocked.insert(address);
+        }
+        clocked
+    }
+
+    /// The word, if there is a rule for it.
+    fn read_word(&mut self, address: u32) -> Result<Option<u32>> {
+        if !self.clocked(address) {
+            return Ok(Some(0));
+        }
+        let offset = address & 0x3FF;
+        Ok(match address & !0x3FF {
+            TIM5 => self.tim5.read(offset, self.clock),
+            TIM6 => self.tim6.read(offset, self.clock),
+            LPUART1 => self.uart.read(offset),
+            RCC => self.rcc.read(offset),
+            FLASH => {
+                let value = self.flash.read(offset);
+                if self.flash.due() != NEVER {
+                    // Whoever reads a register of the busy flash waits for it; nothing is lost in not polling.
+                    self.skip();
+                }
+                value
+            }
+            ADC => self.adc.read(offset),
+            DAC => self.dac.read(offset),
+            _ if address == DWT_CYCCNT => {
+                Some(if self.cycle_counter_runs() { self.clock.wrapping_sub(self.cycles) as u32 } else { 0 })
+            }
+            _ if address & !0xFFF == SCS => self.nvic.read(address & 0xFFF)?,
+            _ => None,
+        })
+    }
+
+    pub fn write(&mut self, address: u32, size: u32, value: u32) {
+        self.fire();
+        self.look_at = 0;
+        match self.write_word(address, size, value) {
+            Ok(true) => {}
+            Ok(false) => {
+                let word = address & !3;
+                self.bench.record.plain.insert(word);
+                let shift = 8 * (address & 3);
+                let mask = (u32::MAX >> (32 - 8 * size)) << shift;
+                let old = self.plain.entry(word).or_default();
+                *old = *old & !mask | value << shift & mask;
+            }
+            Err(error) => self.refuse(&error),
+        }
+    }
+
+    /// Whether there is a rule for the register.
+    fn write_word(&mut self, address: u32, size: u32, value: u32) -> Result<bool> {
+        if !self.clocked(address) {
+            return Ok(true);
+        }
+        if address & !0xFFF == SCS {
+            return Ok(match self.nvic.write(address & 0xFFF, size, value)? {
+                Written::Done => true,
+                Written::Plain => false,
+                Written::Reset => {
+                    self.end = Some(Ok(Stop::Reset(Reset::Software)));
+                    true
+                }
+            });
+        }
+        let (now, offset) = (self.clock, address & 0x3FF);
+        Ok(match address & !0x3FF {
+            page if size != 4 && MODELLED.contains(&page) && !SHORT.contains(&address) => {
+                bail!("{size} bytes are written to register {address:#x}; only whole words are modelled");
+            }
+            TIM5 => self.tim5.write(offset, value, now)?.is_some(),
+            TIM6 => match self.tim6.write(offset, value, now)? {
+                Some(trigger) => {
+                    if self.tim6.running() {
+                        self.rcc.check_core()?;
+                    }
+                    if trigger {
+                        self.trigger(now)?;
+                    }
+                    true
+                }
+                None => false,
+            },
+            IWDG => self.watchdog.write(offset, value, now)?,
+            LPUART1 => {
+                self.rcc.check_uart()?;
+                self.uart.write(offset, value, now)?
+            }
+            RCC => self.rcc.write(offset, value),
+            FLASH if self.flash.read(offset).is_some() => {
+                self.stall();
+                let started = self.flash.write(offset, value, self.clock)?;
+                self.started(started);
+                true
+            }
+            ADC => self.adc.write(offset, value, now, &self.rcc)?,
+            DAC => self.dac.write(offset, value, now, &mut self.bench.record.outputs),
+            _ if address == DWT_CYCCNT => {
+                self.cycles = now.wrapping_sub(value.into());
+                true
+            }
+            _ => false,
+        })
+    }
+
+    /// A load from bank 2.
+    pub fn load(&mut self, offset: u32, size: u32) -> u32 {
+        self.fire();
+        self.stall();
+        self.look_at = 0;
+        self.flash.load(offset, size)
+    }
+
+    /// A store to bank 2.
+    pub fn store(&mut self, offset: u32, size: u32, value: u32) {
+        self.fire();
+        self.stall();
+        self.look_at = 0;
+        match self.flash.store(offset, size, value, self.clock) {
+            Ok(started) => self.started(started),
+            Err(error) => self.refuse(&error),
+        }
+    }
+
+    fn started(&mut self, operation: Option<(FlashKind, u32)>) {
+        let Some((kind, address)) = operation else { return };
+        self.bench.record.flash.push(FlashOperation { clock: self.clock, kind, address });
+        if let Some((nth, tear)) = self.bench.cut
+            && nth == self.bench.record.flash.len()
+        {
+            self.bench.cut = None;
+            self.flash.stop(tear);
+            self.end = Some(Ok(Stop::PowerCut));
+        }
+    }
+}

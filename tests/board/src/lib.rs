@@ -1,0 +1,72 @@
+//! The NUCLEO-G474RE without the board: the unmodified firmware image on an emulated Cortex-M4F, among models of the
+//! STM32G474's registers as ST's reference manual RM0440 describes them.
+//!
+//! [`Board`] is the board, [`Image`] the firmware, [`Record`] what happened. Each peripheral is a file of its own that says
+//! what its model leaves out. Two rules hold for all: a register without a model is plain memory, and
+//! [`Record::plain`] lists it (of the core's own registers, the others are refused); a use that the model cannot follow
+//! ends the run with an error, never with a guess.
+//!
+//! Time is counted in core clocks of 1 / 170 MHz. An executed instruction takes one clock, entering an exception 12,
+//! returning 10, going from one to the next 6; a sleeping core and one that polls the flash skip to the next event. Events
+//! happen at their exact clock and interrupts are taken before the next instruction, so that two runs are equal to the
+//! bit. What this proves is the firmware's logic. It proves nothing about cycles, bus waits, caches, analogue behaviour or
+//! errata, and has no DMA, no MPU, no debugger and no memory at address 0.
+
+mod adc;
+mod board;
+mod bus;
+mod contents;
+mod cpu;
+mod dac;
+mod exceptions;
+mod flash;
+mod image;
+mod machine;
+mod memory;
+mod nvic;
+#[cfg(test)]
+mod programs;
+mod rcc;
+mod record;
+mod timer;
+mod uart;
+mod watchdog;
+
+pub use board::{Board, Stop};
+pub use contents::{Contents, Tear};
+pub use image::Image;
+pub use nvic::exception;
+pub use rcc::Reset;
+pub use record::{Conversion, Fault, FlashKind, FlashOperation, Latch, Record, Service};
+
+/// Core clocks a second; the image's clock tree must make just these.
+pub const CORE_HZ: u32 = 170_000_000;
+
+/// No event to come.
+const NEVER: u64 = u64::MAX;
+
+/// The core clocks in so many microseconds.
+const fn microseconds(us: u64) -> u64 {
+    us * (CORE_HZ / 1_000_000) as u64
+}
+
+/// `width` bits of a register's value from bit `shift` on.
+const fn field(value: u32, shift: u32, width: u32) -> u32 {
+    value >> shift & ((1 << width) - 1)
+}
+
+/// A repeatable sequence (xorshift64*), for the content of memory that nobody has written.
+struct Garbage(u64);
+
+impl Garbage {
+    fn new(seed: u64) -> Self {
+        Self(seed | 1 << 63)
+    }
+
+    fn word(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
+    }
+}

@@ -1,0 +1,220 @@
+//! What lies behind the core's bus: the clock, the peripherals, and the wires between them.
+
+use std::{collections::HashMap, mem};
+
+use anyhow::{Error, Result};
+
+use crate::{
+    NEVER,
+    adc::{Adc, Inputs},
+    board::Stop,
+    contents::{Contents, Tear},
+    dac::Dac,
+    exception,
+    flash::Flash,
+    nvic::Nvic,
+    rcc::{Rcc, Reset},
+    record::Record,
+    timer::Timer,
+    uart::{Uart, Wire},
+    watchdog::Watchdog,
+};
+
+/// Reset values among the registers without a rule that firmware depends on: FLASH_ACR, PWR_CR5, GPIOA_MODER.
+const PLAIN: [(u32, u32); 3] = [(0x4002_2000, 0x0004_0600), (0x4000_7080, 0x100), (0x4800_0000, 0xABFF_FFFF)];
+
+/// What is around the chip and stays when it is reset.
+#[derive(Default)]
+pub struct Bench {
+    pub inputs: Inputs,
+    pub wire: Wire,
+    pub record: Record,
+    /// Power goes during the operation that makes the record of them this long.
+    pub cut: Option<(usize, Tear)>,
+}
+
+/// What the core is to do.
+pub enum Look {
+    /// The next instruction.
+    Go,
+    /// Nothing: the run ends.
+    Stop,
+    /// This exception, if its mask registers let it.
+    Take(u8),
+}
+
+pub struct Machine {
+    pub clock: u64,
+    /// Of these, the ones in which no instruction ran.
+    pub skipped: u64,
+    /// The core looks for interrupts before the first instruction from here on.
+    pub look_at: u64,
+    /// When the run ends.
+    pub deadline: u64,
+    /// The event register of WFE and SEV.
+    pub event: bool,
+    /// Why nothing runs before the next reset, if so: an end, or what the models refuse.
+    pub end: Option<Result<Stop, String>>,
+    pub bench: Bench,
+    pub nvic: Nvic,
+    pub(crate) rcc: Rcc,
+    pub flash: Flash,
+    pub adc: Adc,
+    pub dac: Dac,
+    pub(crate) tim5: Timer,
+    pub(crate) tim6: Timer,
+    pub(crate) uart: Uart,
+    pub(crate) watchdog: Watchdog,
+    pub(crate) plain: HashMap<u32, u32>,
+    /// The clock at which CYCCNT was 0.
+    pub(crate) cycles: u64,
+}
+
+impl Machine {
+    fn new(clock: u64, skipped: u64, bench: Bench, contents: Contents, rcc: Rcc) -> Self {
+        let mut machine = Self {
+            clock,
+            skipped,
+            look_at: 0,
+            deadline: 0,
+            event: false,
+            end: None,
+            bench,
+            nvic: Nvic::new(),
+            rcc,
+            flash: Flash::new(contents),
+            adc: Adc::new(),
+            dac: Dac::default(),
+            tim5: Timer::new(u32::MAX, 4),
+            tim6: Timer::new(0xFFFF, 0),
+            uart: Uart::new(),
+            watchdog: Watchdog::new(),
+            plain: PLAIN.into(),
+            cycles: 0,
+        };
+        machine.listen();
+        machine
+    }
+
+    /// A board whose power has just come.
+    pub fn powered() -> Self {
+        Self::new(0, 0, Bench::default(), Contents::erased(), Rcc::new(Reset::PowerOn, 0))
+    }
+
+    /// A reset: the registers get their reset values; a flash operation in its midst leaves `tear`.
+    pub fn reset(&mut self, cause: Reset, tear: Tear) {
+        self.flash.stop(tear);
+        let (bench, contents) = (mem::take(&mut self.bench), mem::take(&mut self.flash.contents));
+        *self = Self::new(self.clock, self.skipped, bench, contents, Rcc::new(cause, self.rcc.reset_flags()));
+    }
+
+    /// The host has put bytes on the wire.
+    pub fn listen(&mut self) {
+        self.uart.listen(self.clock, &self.bench.wire);
+    }
+
+    pub fn refuse(&mut self, error: &Error) {
+        self.end.get_or_insert_with(|| Err(format!("{error:#}")));
+    }
+
+    /// The clock of the next event.
+    fn due(&self) -> u64 {
+        [self.tim5.due, self.tim6.due, self.adc.due(), self.uart.due(), self.flash.due(), self.watchdog.due]
+            .into_iter()
+            .fold(NEVER, u64::min)
+    }
+
+    /// Everything that is due by now, in its order.
+    pub(crate) fn fire(&mut self) {
+        loop {
+            let at = self.due();
+            if at > self.clock || self.end.is_some() {
+                return;
+            }
+            if let Err(error) = self.advance(at) {
+                self.refuse(&error);
+            }
+        }
+    }
+
+    fn advance(&mut self, at: u64) -> Result<()> {
+        if self.tim5.due == at {
+            self.tim5.advance(at);
+        }
+        if self.adc.due() == at {
+            self.adc.advance(at, &mut self.bench.inputs, &mut self.bench.record)?;
+        }
+        if self.tim6.due == at && self.tim6.advance(at) {
+            self.trigger(at)?;
+        }
+        if self.uart.due() == at {
+            self.uart.advance(at, &mut self.bench.wire, &mut self.bench.record.overruns)?;
+        }
+        if self.flash.due() == at {
+            self.flash.advance();
+        }
+        if self.watchdog.due == at {
+            self.watchdog.due = NEVER;
+            self.end = Some(Ok(Stop::Reset(Reset::Watchdog)));
+        }
+        Ok(())
+    }
+
+    /// TIM6's TRGO.
+    pub(crate) fn trigger(&mut self, at: u64) -> Result<()> {
+        self.dac.trigger(at, &mut self.bench.record.outputs);
+        self.adc.trigger(at, &self.rcc, &mut self.bench.record)
+    }
+
+    /// Makes happen what is due, and says what the core is to do before its next instruction.
+    pub fn look(&mut self) -> Look {
+        self.fire();
+        self.nvic.update(self.lines(), self.flash.double_error());
+        self.look_at = self.due().min(self.deadline);
+        if self.end.is_some() || self.clock >= self.deadline {
+            return Look::Stop;
+        }
+        self.nvic.next().map_or(Look::Go, Look::Take)
+    }
+
+    fn lines(&self) -> u128 {
+        [
+            (self.flash.interrupt(), exception::FLASH),
+            (self.adc.interrupt(), exception::ADC1_2),
+            (self.tim5.interrupt(), exception::TIM5),
+            (self.tim6.interrupt(), exception::TIM6),
+            (self.uart.interrupt(), exception::LPUART1),
+        ]
+        .into_iter()
+        .fold(0, |lines, (high, exception)| lines | u128::from(high) << (exception - 16))
+    }
+
+    /// Lets time pass without instructions, to the next event or the end of the run.
+    pub fn skip(&mut self) {
+        let to = self.due().min(self.deadline).max(self.clock);
+        self.skipped += to - self.clock;
+        self.clock = to;
+    }
+
+    /// Holds the core until the flash is no longer busy; events happen, interrupts wait.
+    pub(crate) fn stall(&mut self) {
+        while self.flash.due() != NEVER && self.end.is_none() {
+            let to = self.due().max(self.clock);
+            self.skipped += to - self.clock;
+            self.clock = to;
+            self.fire();
+        }
+    }
+
+    /// Takes `clocks` of exception entry or return.
+    pub fn spend(&mut self, clocks: u64) {
+        self.clock += clocks;
+        self.skipped += clocks;
+        self.look_at = 0;
+    }
+
+    /// Instructions executed so far.
+    pub fn instructions(&self) -> u64 {
+        self.clock - self.skipped
+    }
+}

@@ -1,0 +1,202 @@
+//! RCC, reset and clock control (RM0440): ready bits, reset flags, and the frequencies that the registers ask for.
+//!
+//! Oscillators are ready at once. HSE has the NUCLEO's 24 MHz. Time runs at 170 MHz from the start, also while the firmware
+//! still runs on HSI16. A reset of a single peripheral does nothing. A peripheral without its clock is dead.
+
+use anyhow::{Result, bail, ensure};
+
+use crate::{CORE_HZ, field};
+
+const HSI_HZ: u32 = 16_000_000;
+const HSE_HZ: u32 = 24_000_000;
+
+const CR: usize = 0x00;
+const CFGR: usize = 0x08;
+const PLLCFGR: usize = 0x0C;
+const AHB1ENR: usize = 0x48;
+const AHB2ENR: usize = 0x4C;
+const APB1ENR1: usize = 0x58;
+const APB1ENR2: usize = 0x5C;
+const CCIPR: usize = 0x88;
+const BDCR: usize = 0x90;
+const CSR: usize = 0x94;
+const CRRCR: usize = 0x98;
+const END: usize = 0xA0;
+
+const RMVF: u32 = 1 << 23;
+const FLAGS: u32 = 0xFE00_0000;
+const PIN: u32 = 1 << 26;
+
+/// What starts the firmware, and the flags that say so. Every reset but that of power also pulls the NRST pin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reset {
+    /// Power came or came back: brown-out and pin flag, the others cleared; memory holds garbage.
+    PowerOn,
+    /// The NRST pin alone.
+    Pin,
+    /// SYSRESETREQ.
+    Software,
+    /// The independent watchdog.
+    Watchdog,
+}
+
+impl Reset {
+    fn flags(self) -> u32 {
+        PIN | match self {
+            Self::PowerOn => 1 << 27,
+            Self::Pin => 0,
+            Self::Software => 1 << 28,
+            Self::Watchdog => 1 << 29,
+        }
+    }
+}
+
+pub struct Rcc([u32; END / 4]);
+
+impl Rcc {
+    /// After `reset`, which came when the flags were `earlier`: they stay until the firmware removes them or power goes.
+    pub fn new(reset: Reset, earlier: u32) -> Self {
+        let mut rcc = Self([0; END / 4]);
+        let kept = if reset == Reset::PowerOn { 0 } else { earlier };
+        for (offset, value) in
+            [(CR, 0x500), (CFGR, 5), (PLLCFGR, 0x1000), (AHB1ENR, 0x100), (CSR, kept | reset.flags())]
+        {
+            rcc.0[offset / 4] = value;
+        }
+        rcc
+    }
+
+    fn get(&self, offset: usize) -> u32 {
+        self.0[offset / 4]
+    }
+
+    pub fn reset_flags(&self) -> u32 {
+        self.get(CSR) & FLAGS
+    }
+
+    pub fn read(&self, offset: u32) -> Option<u32> {
+        let offset = offset as usize;
+        let value = *self.0.get(offset / 4)?;
+        // The bits that follow others: a ready bit its oscillator's, SWS the switch SW.
+        let (from, by) = match offset {
+            CR => (0x0101_0000, 1),
+            CFGR => (0x3, 2),
+            BDCR | CSR | CRRCR => (0x1, 1),
+            _ => return Some(value),
+        };
+        let mut value = value & !(from << by) | (value & from) << by;
+        if offset == CR {
+            value = value & !(1 << 10) | (value & 1 << 8) << 2;
+        }
+        Some(value)
+    }
+
+    pub fn write(&mut self, offset: u32, value: u32) -> bool {
+        let offset = offset as usize;
+        let Some(register) = self.0.get_mut(offset / 4) else { return false };
+        *register = match offset {
+            CSR if value & RMVF != 0 => value & !(FLAGS | RMVF),
+            CSR => value & !FLAGS | *register & FLAGS,
+            _ => value,
+        };
+        true
+    }
+
+    /// The PLL's outputs P and R.
+    fn pll(&self) -> Result<(u32, u32)> {
+        let value = self.get(PLLCFGR);
+        let source = match value & 3 {
+            2 => HSI_HZ,
+            3 => HSE_HZ,
+            _ => bail!("the PLL has no source (PLLCFGR = {value:#x})"),
+        };
+        let vco = source / (field(value, 4, 4) + 1) * field(value, 8, 7);
+        let p = match (field(value, 27, 5), field(value, 17, 1)) {
+            (0, 0) => 7,
+            (0, _) => 17,
+            (divider, _) => divider,
+        };
+        Ok((vco / p, vco / (2 * (field(value, 25, 2) + 1))))
+    }
+
+    /// That the core and the timers on APB1 run at [`CORE_HZ`], which every other model takes for granted.
+    pub fn check_core(&self) -> Result<()> {
+        let value = self.get(CFGR);
+        let system = match value & 3 {
+            1 => HSI_HZ,
+            2 => HSE_HZ,
+            3 => self.pll()?.1,
+            _ => bail!("no system clock is chosen"),
+        };
+        ensure!(
+            system == CORE_HZ && field(value, 4, 4) < 8 && field(value, 8, 3) < 4,
+            "the clock tree makes {system} Hz (CFGR = {value:#x}); the models need a core and an APB1 of {CORE_HZ} Hz"
+        );
+        Ok(())
+    }
+
+    /// The clock of ADC1 before its own prescaler.
+    pub fn adc_hz(&self) -> Result<u32> {
+        match field(self.get(CCIPR), 28, 2) {
+            1 => Ok(self.pll()?.0),
+            2 => Ok(CORE_HZ),
+            _ => bail!("ADC1 has no clock: ADC12SEL chooses none"),
+        }
+    }
+
+    /// That LPUART1 runs on PCLK1 or the system clock, which are one here.
+    pub fn check_uart(&self) -> Result<()> {
+        ensure!(field(self.get(CCIPR), 10, 2) < 2, "LPUART1 on HSI16 or LSE is not modelled");
+        Ok(())
+    }
+
+    /// Whether the peripheral that begins at `base` has its bus clock.
+    pub fn clocked(&self, base: u32) -> bool {
+        let (register, bit) = match base {
+            0x4000_0C00 => (APB1ENR1, 3),
+            0x4000_1000 => (APB1ENR1, 4),
+            0x4000_7000 => (APB1ENR1, 28),
+            0x4000_8000 => (APB1ENR2, 0),
+            0x4002_2000 => (AHB1ENR, 8),
+            0x4800_0000 => (AHB2ENR, 0),
+            0x5000_0000 => (AHB2ENR, 13),
+            0x5000_0800 => (AHB2ENR, 16),
+            _ => return true,
+        };
+        self.get(register) & 1 << bit != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reset_flags_stay_until_removed_or_power_goes() {
+        let flags = |reset, earlier| Rcc::new(reset, earlier).reset_flags();
+        let power = flags(Reset::PowerOn, FLAGS);
+        assert_eq!(power, 0x0C00_0000);
+        let watchdog = flags(Reset::Watchdog, power);
+        assert_eq!(watchdog, 0x2C00_0000);
+        let mut rcc = Rcc::new(Reset::Software, watchdog);
+        rcc.write(CSR as u32, 1);
+        assert_eq!(rcc.read(CSR as u32), Some(0x3C00_0003), "LSI on keeps them");
+        rcc.write(CSR as u32, RMVF | 1);
+        assert_eq!(rcc.read(CSR as u32), Some(3));
+    }
+
+    #[test]
+    fn the_clock_tree_is_computed() {
+        let mut rcc = Rcc::new(Reset::PowerOn, 0);
+        assert!(rcc.check_core().is_err(), "HSI16");
+        // HSE / 6 × 85, R = 2, P = 5
+        rcc.write(PLLCFGR as u32, 3 | 5 << 4 | 85 << 8 | 1 << 24 | 5 << 27);
+        rcc.write(CFGR as u32, 3);
+        rcc.check_core().unwrap();
+        assert!(rcc.adc_hz().is_err());
+        rcc.write(CCIPR as u32, 1 << 28);
+        assert_eq!(rcc.adc_hz().unwrap(), 68_000_000);
+        rcc.write(CFGR as u32, 3 | 4 << 8);
+        assert!(rcc.check_core().is_err(), "APB1 at half the clock");
+    }
+}

@@ -1,0 +1,267 @@
+//! LPUART1 with its FIFOs (RM0440), and the wire to the host: 8N1, bytes in both directions at the line rate.
+//!
+//! The host sends at its own rate; firmware that is not within 2 % of it is refused. A byte that finds the receiver full is
+//! lost and raises the overrun flag. Framing, noise and parity errors never happen. FIFO thresholds and DMA are refused.
+
+use std::collections::VecDeque;
+
+use anyhow::{Result, ensure};
+
+use crate::{CORE_HZ, NEVER, field};
+
+const CR1: u32 = 0x00;
+const CR3: u32 = 0x08;
+const BRR: u32 = 0x0C;
+const ISR: u32 = 0x1C;
+const ICR: u32 = 0x20;
+const RDR: u32 = 0x24;
+const TDR: u32 = 0x28;
+const PRESC: u32 = 0x2C;
+
+const UE: u32 = 1 << 0;
+const RE: u32 = 1 << 2;
+const TE: u32 = 1 << 3;
+const FIFOEN: u32 = 1 << 29;
+
+const ORE: u32 = 1 << 3;
+const IDLE: u32 = 1 << 4;
+const RXNE: u32 = 1 << 5;
+const TC: u32 = 1 << 6;
+const TXE: u32 = 1 << 7;
+const TEACK: u32 = 1 << 21;
+const REACK: u32 = 1 << 22;
+
+/// CR3: error interrupt, and what is refused: half duplex, DMA, flow control, FIFO threshold interrupts.
+const EIE: u32 = 1 << 0;
+const REFUSED: u32 = 1 << 3 | 3 << 6 | 3 << 8 | 1 << 23 | 1 << 28;
+/// Start bit, eight data bits, stop bit.
+const BITS: u64 = 10;
+const DIVIDERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
+
+/// The host's line rate, and the core clocks that its bytes take.
+const BAUD: u32 = 921_600;
+const BYTE: u64 = BITS * CORE_HZ as u64 / BAUD as u64;
+
+/// The host's end of the line.
+#[derive(Default)]
+pub struct Wire {
+    pub sent: VecDeque<u8>,
+    pub received: Vec<u8>,
+}
+
+pub struct Uart {
+    cr1: u32,
+    cr3: u32,
+    divider: u32,
+    prescaler: u32,
+    /// ORE, IDLE and TC; the other flags follow from the FIFOs.
+    flags: u32,
+    receiver: VecDeque<u8>,
+    transmitter: VecDeque<u8>,
+    /// The byte on the line and the clock at which it is through.
+    sending: Option<(u8, u64)>,
+    /// The clock at which the host's next byte is through or, behind the last, the line has been idle for a byte.
+    receiving: u64,
+}
+
+impl Uart {
+    pub fn new() -> Self {
+        Self {
+            cr1: 0,
+            cr3: 0,
+            divider: 0,
+            prescaler: 0,
+            flags: TC,
+            receiver: VecDeque::new(),
+            transmitter: VecDeque::new(),
+            sending: None,
+            receiving: NEVER,
+        }
+    }
+
+    pub fn due(&self) -> u64 {
+        self.receiving.min(self.sending.map_or(NEVER, |(_, end)| end))
+    }
+
+    /// The host has put bytes on the wire.
+    pub fn listen(&mut self, now: u64, wire: &Wire) {
+        if (self.receiving == NEVER || self.receiving <= now) && !wire.sent.is_empty() {
+            self.receiving = now + BYTE;
+        }
+    }
+
+    fn depth(&self) -> usize {
+        if self.cr1 & FIFOEN == 0 { 1 } else { 8 }
+    }
+
+    /// Core clocks a byte takes, if that is what it takes the host.
+    fn byte(&self) -> Result<u64> {
+        let own = BITS * u64::from(self.divider) * DIVIDERS[field(self.prescaler, 0, 4).min(11) as usize] / 256;
+        ensure!(own.abs_diff(BYTE) * 50 <= BYTE, "a byte takes LPUART1 {own} clocks, the host ({BAUD} baud) {BYTE}");
+        Ok(own)
+    }
+
+    fn send(&mut self, at: u64) -> Result<()> {
+        self.sending = match self.transmitter.pop_front() {
+            Some(byte) => Some((byte, at + self.byte()?)),
+            None => None,
+        };
+        Ok(())
+    }
+
+    /// What is due at `at`. Adds the bytes lost to `overruns`.
+    pub fn advance(&mut self, at: u64, wire: &mut Wire, overruns: &mut u32) -> Result<()> {
+        if let Some((byte, _)) = self.sending.filter(|&(_, end)| end == at) {
+            wire.received.push(byte);
+            self.send(at)?;
+            if self.sending.is_none() {
+                self.flags |= TC;
+            }
+        }
+        if self.receiving == at {
+            match wire.sent.pop_front() {
+                Some(byte) => {
+                    self.receive(byte, overruns)?;
+                    self.receiving = at + BYTE;
+                }
+                None => {
+                    self.flags |= IDLE;
+                    self.receiving = NEVER;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, byte: u8, overruns: &mut u32) -> Result<()> {
+        if self.cr1 & (UE | RE) != UE | RE {
+            return Ok(());
+        }
+        self.byte()?;
+        if self.receiver.len() < self.depth() {
+            self.receiver.push_back(byte);
+        } else {
+            self.flags |= ORE;
+            *overruns += 1;
+        }
+        Ok(())
+    }
+
+    fn status(&self) -> u32 {
+        let when = |condition, flag| if condition { flag } else { 0 };
+        self.flags
+            | when(!self.receiver.is_empty(), RXNE)
+            | when(self.transmitter.len() < self.depth(), TXE)
+            | when(self.cr1 & (UE | TE) == UE | TE, TEACK)
+            | when(self.cr1 & (UE | RE) == UE | RE, REACK)
+    }
+
+    pub fn interrupt(&self) -> bool {
+        let status = self.status();
+        // IDLE, RXNE, TC and TXE have their enables at the same places of CR1; an overrun counts as RXNE or as an error.
+        status & self.cr1 & (IDLE | RXNE | TC | TXE) != 0
+            || status & ORE != 0 && (self.cr1 & RXNE != 0 || self.cr3 & EIE != 0)
+    }
+
+    pub fn read(&mut self, offset: u32) -> Option<u32> {
+        Some(match offset {
+            CR1 => self.cr1,
+            CR3 => self.cr3,
+            BRR => self.divider,
+            PRESC => self.prescaler,
+            ISR => self.status(),
+            ICR | TDR => 0,
+            RDR => self.receiver.pop_front().unwrap_or(0).into(),
+            _ => return None,
+        })
+    }
+
+    pub fn write(&mut self, offset: u32, value: u32, now: u64) -> Result<bool> {
+        match offset {
+            CR1 => {
+                // M1, PCE and M0 make other frames than 8N1.
+                ensure!(value & (1 << 28 | 1 << 12 | 1 << 10) == 0, "CR1 = {value:#x}: only 8N1 is modelled");
+                self.cr1 = value;
+            }
+            CR3 => {
+                ensure!(
+                    value & REFUSED == 0,
+                    "CR3 = {value:#x}: DMA, flow control or FIFO thresholds are not modelled"
+                );
+                self.cr3 = value;
+            }
+            BRR => self.divider = value & 0xF_FFFF,
+            PRESC => self.prescaler = value,
+            ICR => self.flags &= !(value & (ORE | IDLE | TC)),
+            TDR => {
+                ensure!(self.cr1 & (UE | TE) == UE | TE, "TDR is written while the transmitter is off");
+                ensure!(self.transmitter.len() < self.depth(), "TDR is written while the transmitter is full");
+                self.flags &= !TC;
+                self.transmitter.push_back(value as u8);
+                if self.sending.is_none() {
+                    self.send(now)?;
+                }
+            }
+            ISR | RDR => {}
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(cr1: u32) -> (Uart, Wire) {
+        let (mut uart, wire) = (Uart::new(), Wire::default());
+        uart.write(BRR, 47_222, 0).unwrap();
+        uart.write(CR1, UE | RE | TE | cr1, 0).unwrap();
+        (uart, wire)
+    }
+
+    fn run(uart: &mut Uart, wire: &mut Wire) -> (u64, u32) {
+        let (mut last, mut overruns) = (0, 0);
+        while uart.due() != NEVER {
+            last = uart.due();
+            uart.advance(last, wire, &mut overruns).unwrap();
+        }
+        (last, overruns)
+    }
+
+    #[test]
+    fn bytes_leave_at_the_line_rate() {
+        let (mut uart, mut wire) = line(FIFOEN | TC);
+        for byte in b"frame" {
+            uart.write(TDR, u32::from(*byte), 0).unwrap();
+        }
+        assert!(!uart.interrupt());
+        let (last, _) = run(&mut uart, &mut wire);
+        assert_eq!((wire.received.as_slice(), last), (b"frame".as_slice(), 5 * 1844));
+        assert!(uart.interrupt(), "transmission complete");
+    }
+
+    #[test]
+    fn a_receiver_nobody_reads_keeps_the_first_bytes_and_says_that_it_lost_some() {
+        for (cr1, depth) in [(0, 1), (FIFOEN, 8)] {
+            let (mut uart, mut wire) = line(cr1 | RXNE);
+            wire.sent.extend(b"0123456789");
+            uart.listen(0, &wire);
+            let (last, overruns) = run(&mut uart, &mut wire);
+            assert_eq!((last, overruns), (11 * 1844, 10 - depth), "ten bytes, and one of silence");
+            let read: Vec<u8> = (0..depth).map(|_| uart.read(RDR).unwrap() as u8).collect();
+            assert_eq!(read, &b"0123456789"[..depth as usize]);
+            assert_eq!(uart.status() & (ORE | IDLE | RXNE), ORE | IDLE);
+            assert!(uart.interrupt());
+            uart.write(ICR, ORE, 0).unwrap();
+            assert!(!uart.interrupt());
+        }
+    }
+
+    #[test]
+    fn another_baud_rate_than_the_hosts_is_refused() {
+        let (mut uart, _) = line(0);
+        uart.write(BRR, 47_222 * 8, 0).unwrap();
+        assert!(uart.write(TDR, 0, 0).is_err());
+    }
+}

@@ -1,0 +1,147 @@
+//! The verbs that talk to a device, where there is none, or none that answers; and what they would do to a board.
+
+use super::{MEASURED, data, json, piezo, refused, text};
+use std::fs;
+use std::net::TcpListener;
+use std::path::Path;
+
+/// The verbs and what each needs beside a port.
+const VERBS: [&[&str]; 8] = [
+    &["info"],
+    &["pull", "--out", "-"],
+    &["erase", "--pause"],
+    &["monitor", "--seconds", "1"],
+    &["zero"],
+    &["reset"],
+    &["push", "tests/data/table/table.bin"],
+    &["pil", "tests/data/table/table.toml", MEASURED],
+];
+
+/// A table for the primary board, in a folder.
+fn for_the_board(folder: &Path) -> String {
+    let out = folder.join("board");
+    let table = data("table/table.toml");
+    piezo().args(["emit", text(&table), "--adc-full-scale", "65520", "--out", text(&out)]).assert().success();
+    text(&out.join("table.toml")).to_owned()
+}
+
+#[test]
+fn a_port_that_is_not_there_is_named_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = folder.path().join("ttyACM7");
+    let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let socket = format!("tcp:{free}");
+    for verb in VERBS {
+        refused(&[verb, &["--port", text(&port)]].concat(), &["ttyACM7", "no such port", "port"]);
+        refused(&[verb, &["--port", &socket]].concat(), &[&socket, "nothing listens", "cargo xtask emulate"]);
+        refused(&[verb, &["--port", "tcp:nowhere"]].concat(), &["tcp:HOST:PORT"]);
+        refused(verb, &["--port"]);
+    }
+    refused(&["info", "--port", text(&data("table/table.toml"))], &["table.toml", "serial port"]);
+}
+
+#[test]
+fn a_port_at_which_nobody_answers_says_what_it_may_be() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = format!("tcp:{}", listener.local_addr().unwrap());
+    refused(&["info", "--port", &port], &[&port, "no answer", "piezo flash", "protocol version"]);
+}
+
+#[test]
+fn a_recording_that_cannot_be_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log.csv");
+    refused(&["record", "--out", text(&log), "--port", "tcp:127.0.0.1:1"], &["tcp:127.0.0.1:1"]);
+    refused(&["record", "--out", text(folder.path()), "--port", "tcp:127.0.0.1:1"], &["folder"]);
+    let both = ["--seconds", "1", "--samples", "1"];
+    refused(&[&["record", "--out", text(&log), "--port", "tcp:127.0.0.1:1"], &both[..]].concat(), &["--samples"]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_table_that_cannot_be_is_refused_before_the_port_is_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut record = fs::read(data("table/table.bin")).unwrap();
+    record[50] ^= 4;
+    let corrupt = folder.path().join("corrupt.bin");
+    fs::write(&corrupt, record).unwrap();
+    let port = ["--port", "tcp:127.0.0.1:1"];
+    refused(&[&["push", text(&corrupt)], &port[..]].concat(), &["corrupt.bin", "refused"]);
+    refused(&[&["push", "nowhere.bin"], &port[..]].concat(), &["nowhere.bin"]);
+    refused(&[&["push", MEASURED], &port[..]].concat(), &["picma", "no table.toml"]);
+    refused(&[&["pil", "tests/data/table/table.toml"], &port[..]].concat(), &["log"]);
+    refused(&[&["pil", MEASURED, MEASURED], &port[..]].concat(), &["same bytes"]);
+    refused(&["flash", "--table", text(&corrupt), "--dry-run"], &["corrupt.bin", "refused"]);
+}
+
+#[test]
+fn flash_shows_the_commands_it_would_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = for_the_board(folder.path());
+    let plan = json(piezo().args(["flash", "--table", &table, "--probe", "0483:374e", "--dry-run", "--json"]));
+    assert_eq!(
+        plan["commands"],
+        serde_json::json!([
+            "probe-rs download --non-interactive --chip STM32G474RETx --probe 0483:374e --verify --binary-format bin \
+             --base-address 0x0807f000 parameter-pages.bin",
+            "probe-rs reset --non-interactive --chip STM32G474RETx --probe 0483:374e",
+        ])
+    );
+    assert_eq!(plan["written"], false);
+    let elsewhere = ["--parameters-at", "0x0803f000", "--chip", "STM32G431RBTx"];
+    let plan = json(piezo().args(["flash", "--table", &table, "--dry-run", "--json"]).args(elsewhere));
+    let command = plan["commands"][0].as_str().unwrap();
+    assert!(command.contains("--base-address 0x0803f000") && command.contains("STM32G431RBTx"), "{command}");
+}
+
+#[test]
+fn flash_refuses_what_does_not_fit_the_board() {
+    refused(&["flash"], &["--image", "--table"]);
+    let table = "tests/data/table/table.toml";
+    refused(&["flash", "--table", table, "--dry-run"], &[table, "--adc-full-scale 65520"]);
+    refused(&["flash", "--image", table, "--dry-run"], &[table, "ELF", "cargo fw"]);
+    refused(&["flash", "--image", "nowhere.elf", "--dry-run"], &["nowhere.elf"]);
+    let folder = tempfile::tempdir().unwrap();
+    let table = for_the_board(folder.path());
+    for at in ["0x0807f001", "soon", "0xfffff800"] {
+        refused(&["flash", "--table", &table, "--parameters-at", at, "--dry-run"], &["--parameters-at"]);
+    }
+}
+
+/// With a program of that name that writes down what it is told.
+#[cfg(unix)]
+#[test]
+fn flash_hands_the_parameter_pages_to_probe_rs_and_says_when_that_fails() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let table = for_the_board(folder.path());
+    let flash = |script: Option<&str>| {
+        let programs = folder.path().join("bin");
+        fs::create_dir_all(&programs).unwrap();
+        if let Some(script) = script {
+            let program = programs.join("probe-rs");
+            fs::write(&program, format!("#!/bin/sh\nPATH=/bin:/usr/bin\ncd '{}'\n{script}\n", folder.path().display()))
+                .unwrap();
+            fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+        }
+        let mut command = piezo();
+        command.args(["flash", "--table", &table]).env("PATH", &programs);
+        command.assert()
+    };
+    let complaint = |output: &std::process::Output| String::from_utf8_lossy(&output.stderr).into_owned();
+
+    let missing = complaint(flash(None).code(2).get_output());
+    assert!(missing.contains("cargo install probe-rs-tools"), "{missing}");
+    let failed = complaint(flash(Some("echo No probe was found >&2; exit 1")).code(2).get_output());
+    for part in ["No probe was found", "probe-rs list", "udev"] {
+        assert!(failed.contains(part), "{part:?} is missing in {failed}");
+    }
+    // The last argument of the first command is the file.
+    flash(Some("echo \"$@\" >> told; for last; do :; done; [ -f \"$last\" ] && cp \"$last\" pages; true")).success();
+    let told = fs::read_to_string(folder.path().join("told")).unwrap();
+    assert_eq!(told.lines().map(|line| line.split(' ').next().unwrap()).collect::<Vec<_>>(), ["download", "reset"]);
+    let pages = fs::read(folder.path().join("pages")).unwrap();
+    let record = fs::read(Path::new(&table).with_file_name("table.bin")).unwrap();
+    assert_eq!(pages.len(), 4096);
+    assert!(pages.windows(record.len()).any(|bytes| bytes == record), "the record is not in the pages");
+}

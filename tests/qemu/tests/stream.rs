@@ -1,0 +1,33 @@
+//! The verbs that look at a running device.
+
+use qemu_test::Board;
+use serde_json::Value;
+use std::fs;
+
+#[test]
+fn what_is_recorded_is_a_log_that_the_other_verbs_read() {
+    let board = Board::power_on();
+    board.does("record", &["--out", "log.csv", "--samples", "6000"]);
+    let log = fs::read_to_string(board.folder.path().join("log.csv")).unwrap();
+    let (header, rows) = log.split_once('\n').unwrap();
+    assert_eq!(header, "time_s,voltage_V,estimated_displacement_um");
+    assert_eq!(rows.lines().count(), 6000);
+    // The emulated converter goes up and down once a second, and the estimate with it.
+    let table = board.table("same", &["--form", "direct", "--dac-span", "-8:52"]);
+    let report = board.reads("validate", &[table.to_str().unwrap(), "log.csv", "--json"]);
+    let figures = report.to_string();
+    assert!(figures.contains("mae"), "{figures}");
+}
+
+#[test]
+fn monitor_and_zero() {
+    let board = Board::power_on();
+    let lines = board.does("monitor", &["--seconds", "3", "--json"]);
+    let seconds: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert!(!seconds.is_empty(), "a line a second");
+    board.does("zero", &[]);
+    let info = board.does("info", &["--forget"]);
+    assert!(info.contains("mps2-an386") && info.contains("Voigt (4.8)"), "{info}");
+    let health = &board.info()["health"];
+    assert_eq!((&health["missed"], &health["samples_dropped"]), (&Value::from(0), &Value::from(0)), "{health:#}");
+}

@@ -1,0 +1,32 @@
+//! Where cargo puts what it builds.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+use xshell::{Cmd, Shell, cmd};
+
+/// Runs a `cargo build` and returns the path of the file of this name that it makes. Cargo says itself where that is:
+/// settings, environment and the choice of compiler all have a part in it.
+///
+/// # Errors
+/// The build fails, or makes no such file.
+pub fn build(cargo_build: Cmd<'_>, file_name: &str) -> Result<PathBuf> {
+    let messages = cargo_build.arg("--message-format=json-render-diagnostics").read()?;
+    messages
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Value>(line).ok())
+        .filter_map(|message| Some(message.get("filenames")?.as_array()?.clone()))
+        .flatten()
+        .filter_map(|path| Some(PathBuf::from(path.as_str()?)))
+        .find(|path| path.file_name() == Path::new(file_name).file_name())
+        .with_context(|| format!("cargo built no {file_name}"))
+}
+
+/// Builds the host tool as the tests do, which is optimised, too, but quicker built; returns its path.
+///
+/// # Errors
+/// It does not build.
+pub fn piezo(sh: &Shell) -> Result<PathBuf> {
+    build(cmd!(sh, "cargo build --package host-tools --bin piezo"), "piezo")
+}
