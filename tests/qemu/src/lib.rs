@@ -4,10 +4,10 @@
 //! sets them. Each [`Board`] is a QEMU of its own.
 
 use serde_json::Value;
-use std::io::{Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, ChildStderr, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -17,6 +17,8 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// A QEMU with the firmware in it, powered on.
 pub struct Board {
     qemu: Child,
+    /// Open for as long as QEMU may write there.
+    _complaints: BufReader<ChildStderr>,
     port: u16,
     /// For files of the test.
     pub folder: TempDir,
@@ -43,20 +45,31 @@ pub fn repository(path: &str) -> PathBuf {
 }
 
 impl Board {
-    /// Powers a board on and waits until it answers.
+    /// Powers a board on.
     pub fn power_on() -> Self {
-        // Free now; that somebody takes it before QEMU does is possible, and would be noticed.
-        let port = TcpListener::bind(("127.0.0.1", 0)).and_then(|l| l.local_addr()).expect("a free port").port();
-        let qemu = Command::new("qemu-system-arm")
+        let mut qemu = Command::new("qemu-system-arm")
             .args(["-M", "mps2-an386", "-cpu", "cortex-m4", "-nographic", "-monitor", "none"])
             // Time goes by instructions, 64 ns each, so that a busy machine makes no tick late.
             .args(["-icount", "shift=6,sleep=on", "-kernel"])
             .arg(from_environment("FIRMWARE_IMAGE_MPS2"))
-            .args(["-serial", &format!("tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on")])
+            // A free port of QEMU's own choosing, which it says while it waits for the first connection.
+            .args(["-serial", "tcp:127.0.0.1:0,server=on,wait=on,nodelay=on"])
             .stdin(Stdio::null())
+            .stderr(Stdio::piped())
             .spawn()
             .expect("qemu-system-arm starts: `cargo xtask setup` installs it");
-        let board = Self { qemu, port, folder: TempDir::new().expect("a temporary folder") };
+        let mut complaints = BufReader::new(qemu.stderr.take().expect("piped"));
+        let mut said = String::new();
+        let port = loop {
+            let start = said.len();
+            assert_ne!(complaints.read_line(&mut said).expect("text"), 0, "QEMU says no port, but: {said}");
+            let port =
+                said[start..].split_once("disconnected:tcp:127.0.0.1:").and_then(|(_, port)| port.split_once(','));
+            if let Some((port, _)) = port {
+                break port.parse().expect("a port's number");
+            }
+        };
+        let board = Self { qemu, _complaints: complaints, port, folder: TempDir::new().expect("a temporary folder") };
         drop(board.line());
         board
     }

@@ -5,7 +5,7 @@ use protocol::{BAUD, Deframer, Reply, Request, ToDevice, ToHost, encode};
 use qemu_test::{Board, send_through};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
 /// The emulated UART takes some ten thousand bytes a second; the board's emulator is sent a hundred thousand frames.
@@ -91,7 +91,12 @@ fn the_full_stream_is_gapless_and_fits_the_line() {
     let start = Instant::now();
     while samples < 6_000 {
         assert!(start.elapsed() < Duration::from_secs(60), "{samples} samples in a minute");
-        let length = line.read(&mut buffer).unwrap_or(0);
+        let length = match line.read(&mut buffer) {
+            Ok(0) => panic!("the emulator has closed the line"),
+            Ok(length) => length,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => 0,
+            Err(error) => panic!("the line: {error}"),
+        };
         bytes += length;
         for message in buffer[..length].iter().filter_map(|&byte| deframer.push::<ToHost>(byte)) {
             if let ToHost::Samples(batch) = message.expect("whole frames") {
