@@ -76,7 +76,7 @@ fn clippy(sh: &Shell) -> Result<()> {
     cmd!(sh, "cargo clippy --workspace {APART...} --all-targets -- -D warnings").run()?;
     cmd!(sh, "cargo clippy {PORTABLE...} --tests -- -D warnings").run()?;
     // The host tool's feature is the core's too.
-    Ok(cmd!(sh, "cargo clippy -p estimator-core -p host-tools --features host-tools/micromath,estimator-core/micromath --all-targets -- -D warnings").run()?)
+    Ok(cmd!(sh, "cargo clippy --workspace {APART...} --features host-tools/micromath,estimator-core/micromath --all-targets -- -D warnings").run()?)
 }
 
 fn doc(sh: &Shell) -> Result<()> {
@@ -85,15 +85,14 @@ fn doc(sh: &Shell) -> Result<()> {
     Ok(cmd!(sh, "cargo doc {PORTABLE...} --no-deps").run()?)
 }
 
-/// The tests that start nothing but what cargo brings.
-fn host_tests(sh: &Shell) -> Cmd<'_> {
-    let others =
-        ["report-browser-test", "qemu-test", "instruction-count"].map(|package| format!("--exclude={package}"));
-    cmd!(sh, "cargo test --workspace {APART...} {others...}")
+/// The workspace's tests, all built with the same features, so that each package is compiled once. What needs more than
+/// cargo brings is run by name only.
+fn tests(sh: &Shell) -> Cmd<'_> {
+    cmd!(sh, "cargo test --workspace {APART...}")
 }
 
 fn test(sh: &Shell) -> Result<()> {
-    host_tests(sh).run()?;
+    tests(sh).run()?;
     cmd!(sh, "cargo test {PORTABLE...} --tests").run()?;
     Ok(cmd!(sh, "cargo test -p estimator-core --features micromath").run()?)
 }
@@ -119,11 +118,14 @@ fn firmware(sh: &Shell) -> Result<()> {
 }
 
 fn emulated(sh: &Shell) -> Result<()> {
-    cmd!(sh, "cargo test --package instruction-count").run()?;
     let image = embedded::image(sh, Board::Mps2An386)?;
     // Built for the tests on the host already.
-    let piezo = artifact::build(host_tests(sh).arg("--no-run"), "piezo")?;
-    cmd!(sh, "cargo test --package qemu-test").env("FIRMWARE_IMAGE_MPS2", image).env("PIEZO", &piezo).run()?;
+    let piezo = artifact::build(tests(sh).arg("--no-run"), "piezo")?;
+    tests(sh)
+        .args(["exact", "link", "pil", "store", "stream"].map(|test| format!("--test={test}")))
+        .env("FIRMWARE_IMAGE_MPS2", image)
+        .env("PIEZO", &piezo)
+        .run()?;
     size::check(sh, &piezo)
 }
 
@@ -135,5 +137,6 @@ fn board(sh: &Shell) -> Result<()> {
 
 fn browser(sh: &Shell) -> Result<()> {
     let chrome = tool::chromium()?;
-    Ok(cmd!(sh, "cargo test -p report-browser-test -- --nocapture").env("CHROME", chrome).run()?)
+    let by_name = ["checks", "report"].map(|test| format!("--test={test}"));
+    Ok(tests(sh).args(by_name).args(["--", "--nocapture"]).env("CHROME", chrome).run()?)
 }
