@@ -30,8 +30,8 @@ fn span(safe: &[bool]) -> Option<(usize, usize, usize)> {
     Some((first, last, safe.iter().filter(|&&safe| safe).count()))
 }
 
-/// How long a fault outlasts its cause: a second.
-const HOLD: usize = 2000;
+/// How long the output is safe after a fault's last cause: a second, and the tick at which the estimate starts anew.
+const HOLD: usize = 2001;
 
 #[test]
 fn an_adc_at_an_end_of_its_range_for_ten_milliseconds_is_a_fault() -> Result<()> {
