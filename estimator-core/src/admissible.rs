@@ -40,6 +40,8 @@ pub enum Inadmissible<T = f32> {
         /// The displacement that can be reached, µm.
         reach: Range<T>,
     },
+    /// A model beyond the Voigt family whose recursion is unstable.
+    NoBound,
 }
 
 impl<T: Real> core::fmt::Display for Inadmissible<T> {
@@ -55,6 +57,7 @@ impl<T: Real> core::fmt::Display for Inadmissible<T> {
                 "unbounded: some sequence of reversals draws the displacement to {} … {} µm, beyond its limits",
                 reach.min, reach.max
             ),
+            Self::NoBound => write!(f, "unstable: the recursion has no bound"),
         }
     }
 }
@@ -75,7 +78,12 @@ pub fn check<T: Real>(model: &Voigt<T>, voltage: Range<T>, limits: Range<T>) -> 
             return Err(Inadmissible::Unstable { voltage: v, a });
         }
     }
-    let reach = static_reach(model, voltage, extremum_range(model, voltage, limits));
+    check_reach(Some(static_reach(model, voltage, extremum_range(model, voltage, limits))), limits)
+}
+
+/// Checks the bound that a model beyond the Voigt family has by its structure: what it can reach lies within `limits` (µm).
+pub fn check_reach<T: Real>(reach: Option<Range<T>>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+    let reach = reach.ok_or(Inadmissible::NoBound)?;
     // False for a NaN.
     let inside = limits.min <= reach.min && reach.max <= limits.max;
     if inside { Ok(reach) } else { Err(Inadmissible::Unbounded { reach }) }

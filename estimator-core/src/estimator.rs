@@ -6,15 +6,17 @@
 //! from `V(k)` and `y(k)`).
 //!
 //! A sensorless estimate starts somewhere: at the first tick it is assumed that the actuator has rested at that tick's
-//! voltage (the static displacement, no reversal seen). [`Estimator::start_at`] states something better where it is known.
+//! voltage, with a memory in the middle of all that it may have. [`Estimator::start_at`] states something better where it is
+//! known. Hysteresis forgets what lies within a full swing of the voltage, and so does the estimate: until the voltage has
+//! turned at either end its status says [`Status::NOT_SETTLED`].
 
 use crate::calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, Line};
 use crate::extremum::Extremum;
 use crate::lookup::Lookup;
 use crate::math::Real;
-use crate::model::{State, Terms, Voigt};
+use crate::model::{Engine, State, Terms};
 use crate::range::Range;
-use crate::table::{Admitted, Form};
+use crate::table::Admitted;
 use serde::{Deserialize, Serialize};
 
 bitflags::bitflags! {
@@ -29,6 +31,10 @@ bitflags::bitflags! {
         const CLAMPED = 1 << 2;
         /// The DAC stands at an end of its range: the displacement is at least that far.
         const DAC_SATURATED = 1 << 3;
+        /// The voltage has not turned at either end yet: the estimate still depends on where it was assumed to start.
+        const NOT_SETTLED = 1 << 4;
+        /// No voltage within the range and the slew limit brings the actuator to the reference within this tick.
+        const OUT_OF_REACH = 1 << 5;
     }
 }
 
@@ -56,9 +62,12 @@ impl core::fmt::Display for LookupMismatch {
 
 impl core::error::Error for LookupMismatch {}
 
+/// Reversals of the voltage after which nothing of the start is left: one at either end.
+const SETTLED: u8 = 2;
+
 /// A running estimator. Made from an [`Admitted`] table only.
 #[derive(Clone, Debug)]
-pub struct Estimator<'l, T> {
+pub struct Estimator<'l, T: Real> {
     adc: AdcCalibration,
     dac: DacCalibration,
     /// Of codes, relative to the model's zero, V.
@@ -67,11 +76,15 @@ pub struct Estimator<'l, T> {
     voltage_range: Range<T>,
     limits: Range<T>,
     deadband: T,
-    model: Voigt<T>,
+    engine: Engine<T>,
+    /// Of a Voigt model in tabulated form.
     lookup: Option<&'l Lookup<T>>,
     /// Of use once the estimator has started.
     state: State<T>,
     started: bool,
+    /// [`Status::NOT_SETTLED`], or nothing.
+    settling: Status,
+    reversals: u8,
     zero: T,
 }
 
@@ -79,12 +92,7 @@ impl<'l, T: Real> Estimator<'l, T> {
     /// An estimator for a table. `lookup` must be what [`Table::lookup`](crate::Table::lookup) makes where its form is
     /// tabulated, and `None` where it is direct.
     pub fn new(table: &Admitted, lookup: Option<&'l Lookup<T>>) -> Result<Self, LookupMismatch> {
-        let fits = match (table.form, lookup) {
-            (Form::Direct, None) => true,
-            (Form::Tabulated { .. }, Some(lookup)) => *lookup == table.lookup(),
-            _ => false,
-        };
-        if !fits {
+        if table.lookup().as_ref() != lookup {
             return Err(LookupMismatch);
         }
         let voltage_zero = T::of(table.voltage_zero_v);
@@ -96,10 +104,12 @@ impl<'l, T: Real> Estimator<'l, T> {
             voltage_range: table.voltage_range_v.of(),
             limits: table.displacement_limits_um.of(),
             deadband: T::of(table.deadband_v),
-            model: table.coefficients(),
+            engine: table.engine(),
             lookup,
             state: State::new(T::zero(), T::zero()),
             started: false,
+            settling: Status::NOT_SETTLED,
+            reversals: 0,
             zero: T::zero(),
         })
     }
@@ -107,6 +117,7 @@ impl<'l, T: Real> Estimator<'l, T> {
     /// Starts anew from a known displacement (µm relative to the model's zero), with no reversal seen. Returns whether it
     /// lay within the limits; beyond, the start is at the nearest.
     pub fn start_at(&mut self, displacement: T) -> bool {
+        self.restart();
         self.start(displacement);
         self.limits.contains(displacement)
     }
@@ -115,7 +126,12 @@ impl<'l, T: Real> Estimator<'l, T> {
     pub fn restart(&mut self) {
         self.state = State::new(T::zero(), self.deadband);
         self.started = false;
+        self.settling = Status::NOT_SETTLED;
+        self.reversals = 0;
         self.zero = T::zero();
+        if let Engine::Other(model) = &mut self.engine {
+            model.forget();
+        }
     }
 
     /// Calls the displacement of now 0, as at rest, where creep has carried the actuator from what the model knows.
@@ -136,7 +152,7 @@ impl<'l, T: Real> Estimator<'l, T> {
         let voltage = self.voltage.at(code);
         match self.lookup {
             Some(lookup) if self.voltage_range.contains(voltage) && !self.adc.saturated(code) => {
-                self.step(voltage, lookup.terms(voltage), Status::empty())
+                self.step(voltage, lookup.terms(voltage), self.settling)
             }
             _ => self.advance(voltage, self.adc.saturated(code)),
         }
@@ -150,11 +166,27 @@ impl<'l, T: Real> Estimator<'l, T> {
     #[inline(never)]
     fn advance(&mut self, wanted: T, saturated: bool) -> Estimate<T> {
         let voltage = self.voltage_range.clamp(wanted);
-        let mut status = Status::empty();
+        let mut status = self.settling;
         status.set(Status::ADC_SATURATED, saturated);
         status.set(Status::VOLTAGE_OUT_OF_RANGE, voltage != wanted);
-        let terms = self.lookup.map_or_else(|| self.model.terms(voltage), |lookup| lookup.terms(voltage));
-        self.step(voltage, terms, status)
+        match (&mut self.engine, self.lookup) {
+            (Engine::Voigt(_), Some(lookup)) => self.step(voltage, lookup.terms(voltage), status),
+            (Engine::Voigt(model), None) => {
+                let terms = model.terms(voltage);
+                self.step(voltage, terms, status)
+            }
+            (Engine::Other(model), _) => {
+                if self.state.track(voltage) {
+                    self.reversals = self.reversals.saturating_add(1);
+                }
+                let known = self.started.then_some(self.state.displacement);
+                let free = model.step(voltage, known);
+                self.state.displacement = free;
+                self.started = true;
+                self.settle(&mut status);
+                self.finish(free, status)
+            }
+        }
     }
 
     #[inline(always)]
@@ -165,7 +197,8 @@ impl<'l, T: Real> Estimator<'l, T> {
         } else if self.state.track(voltage) {
             self.turn(a, c, m, status)
         } else {
-            self.finish(terms, status)
+            let free = self.state.apply(terms);
+            self.finish(free, status)
         }
     }
 
@@ -176,7 +209,8 @@ impl<'l, T: Real> Estimator<'l, T> {
         // a < 1 in every admitted table.
         self.start(c / (T::one() - a));
         self.state.track(voltage);
-        self.finish(Terms { a, c, m }, status)
+        let free = self.state.apply(Terms { a, c, m });
+        self.finish(free, status)
     }
 
     fn start(&mut self, displacement: T) {
@@ -187,14 +221,25 @@ impl<'l, T: Real> Estimator<'l, T> {
     /// A tick that reveals a reversal.
     #[cold]
     #[inline(never)]
-    fn turn(&mut self, a: T, c: T, m: T, status: Status) -> Estimate<T> {
-        self.model.turn(&mut self.state);
-        self.finish(Terms { a, c, m }, status)
+    fn turn(&mut self, a: T, c: T, m: T, mut status: Status) -> Estimate<T> {
+        if let Engine::Voigt(model) = &self.engine {
+            model.turn(&mut self.state);
+        }
+        self.reversals = self.reversals.saturating_add(1);
+        self.settle(&mut status);
+        let free = self.state.apply(Terms { a, c, m });
+        self.finish(free, status)
+    }
+
+    fn settle(&mut self, status: &mut Status) {
+        if self.reversals >= SETTLED {
+            self.settling = Status::empty();
+            status.remove(Status::NOT_SETTLED);
+        }
     }
 
     #[inline(always)]
-    fn finish(&mut self, terms: Terms<T>, status: Status) -> Estimate<T> {
-        let free = self.state.apply(terms);
+    fn finish(&mut self, free: T, status: Status) -> Estimate<T> {
         let displacement = free - self.zero;
         let dac = self.dac.code(displacement);
         if self.limits.contains(free) && !self.dac.saturated(dac) {

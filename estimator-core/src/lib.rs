@@ -17,6 +17,7 @@ pub mod admissible;
 pub mod calibration;
 pub mod estimator;
 pub mod extremum;
+pub mod list;
 pub mod lookup;
 pub mod math;
 pub mod model;
@@ -25,11 +26,17 @@ pub mod record;
 pub mod table;
 
 pub use admissible::Inadmissible;
-pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode};
+pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, DriveCalibration};
 pub use estimator::{Estimate, Estimator, Status};
 pub use extremum::{Extremum, Tracker};
+pub use list::List;
 pub use lookup::Lookup;
 pub use math::Real;
-pub use model::{Model, Scheme, State, Terms, Voigt, VoigtParameters};
+pub use model::{
+    BoucWen, BoucWenParameters, Champion, ChampionParameters, Duhem, DuhemParameters, Engine, Linear, MaxwellSlip,
+    MaxwellSlipParameters, Model, Narx, NarxParameters, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiInverse,
+    PrandtlIshlinskiiParameters, Preisach, PreisachParameters, Recursion, Resonance, ResonanceState, Running, Scheme,
+    State, Stop, Superposition, Terms, Voigt, VoigtChain, VoigtChainParameters, VoigtParameters,
+};
 pub use range::Range;
 pub use table::{Admitted, Digest, Form, Provenance, Table, TableError};

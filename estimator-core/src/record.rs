@@ -15,9 +15,9 @@ use crate::table::{Admitted, Table, TableError};
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 /// Format version that this software writes and reads.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// No record is longer than this, bytes.
-pub const MAX_LENGTH: usize = 192;
+pub const MAX_LENGTH: usize = 448;
 
 const MAGIC: [u8; 4] = *b"PZTB";
 const HEADER: usize = 8;

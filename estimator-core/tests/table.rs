@@ -28,8 +28,8 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0100",
-            "7000", // magic, version, length
+            "0200",
+            "7200", // magic, version, length
             "00",
             "f403",
             "00",
@@ -41,6 +41,7 @@ fn record_is_pinned() {
             "0000a041",
             "0000c0c0",
             "0000c040", // ±20 V, ±6 µm
+            "00",       // of the Voigt family
             "79698e44",
             "52703b44",
             "0ef8fc3b",
@@ -57,13 +58,14 @@ fn record_is_pinned() {
             "00009643",
             "00f0ff44",
             "ff1f", // DAC
+            "00",   // no drive
             "a5a5a5a5a5a5a5a5",
             "07",
             "000100",
             "0000803e",
             "01b81e853e",
             "00",       // provenance
-            "778a6590", // CRC-32
+            "20d74cf3", // CRC-32
         ),
         "the format changed: bump record::VERSION and say so in CHANGELOG.md"
     );
@@ -88,7 +90,7 @@ fn each_fault_has_its_own_error() {
         assert!(matches!(Table::parse(&corrupt), Err(TableError::Checksum { .. })), "byte {byte}");
     }
     let mut model = good.clone();
-    model[8] = 9;
+    model[8] = Model::ALL.len() as u8;
     assert_eq!(Table::parse(&resealed(model)).unwrap_err(), TableError::Payload);
     let mut longer = good.clone();
     longer[6] += 1;
@@ -111,7 +113,7 @@ fn a_buffer_that_is_too_small_is_no_panic() {
 
 #[test]
 fn inadmissible_sets_are_refused() {
-    let with = |parameters| Table { parameters, ..table() }.admit().unwrap_err();
+    let with = |parameters| Table { parameters: Parameters::Voigt(parameters), ..table() }.admit().unwrap_err();
     let fast = VoigtParameters { b_ohm: VOIGT.b_ohm / 10.0, ..VOIGT };
     assert!(matches!(with(fast), TableError::Inadmissible(Inadmissible::Unstable { a, .. }) if a < 0.0));
     let frozen = VoigtParameters { alpha_um: 1e12, ..VOIGT };
@@ -123,15 +125,15 @@ fn inadmissible_sets_are_refused() {
     assert!(matches!(refused, TableError::Inadmissible(Inadmissible::Unbounded { reach }) if reach.max > 4.0));
     assert_eq!(with(VoigtParameters { p: 8.0, b_ohm: 1e-7, alpha_um: 1e18, ..VOIGT }), TableError::Overflow);
     // Exact over a tick of any length, so the rate that Euler cannot follow is admitted.
-    let exact = Table { parameters: fast, scheme: Scheme::ZeroOrderHold, ..table() };
+    let exact = Table { parameters: Parameters::Voigt(fast), scheme: Scheme::ZeroOrderHold, ..table() };
     let wide = Table { displacement_limits_um: Range { min: -60.0, max: 60.0 }, ..exact };
     assert!(wide.admit().is_ok(), "{:?}", wide.admit());
     // So fast that nothing of the displacement is left after a tick.
     let instant = VoigtParameters { alpha_um: VOIGT.alpha_um / 300.0, ..VOIGT };
     assert!(
-        Table { parameters: instant, ..wide }.admit().is_ok(),
+        Table { parameters: Parameters::Voigt(instant), ..wide }.admit().is_ok(),
         "{:?}",
-        Table { parameters: instant, ..wide }.admit()
+        Table { parameters: Parameters::Voigt(instant), ..wide }.admit()
     );
     // So slow that an f32 near 1 cannot tell what a tick takes away.
     let slow = VoigtParameters { alpha_um: 2000.0 * VOIGT.alpha_um, ..VOIGT };
@@ -147,11 +149,14 @@ fn numbers_out_of_range_are_refused_by_name() {
         (Table { displacement_limits_um: Range { min: -2e6, max: 1.0 }, ..table() }, "displacement_limits_um"),
         (Table { voltage_range_v: Range { min: -1.0, max: 2e5 }, ..table() }, "100 kV"),
         (Table { form: Form::Tabulated { error_bound_um: -0.1 }, ..table() }, "error_bound_um"),
-        (Table { parameters: VoigtParameters { p: 9.0, ..VOIGT }, ..table() }, "p must"),
-        (Table { parameters: VoigtParameters { f: 1.0, ..VOIGT }, ..table() }, "e_m_per_s and f"),
+        (Table { parameters: Parameters::Voigt(VoigtParameters { p: 9.0, ..VOIGT }), ..table() }, "p must"),
+        (Table { parameters: Parameters::Voigt(VoigtParameters { f: 1.0, ..VOIGT }), ..table() }, "e_m_per_s and f"),
         (Table { dac: DacCalibration { full_scale: 0, ..table().dac }, ..table() }, "dac.full_scale"),
-        (Table { parameters: VoigtParameters { b_ohm: -1.0, ..VOIGT }, ..table() }, "b_ohm"),
-        (Table { parameters: VoigtParameters { g_um_per_s: 1.0, ..VOIGT }, ..table() }, "g_um_per_s"),
+        (Table { parameters: Parameters::Voigt(VoigtParameters { b_ohm: -1.0, ..VOIGT }), ..table() }, "b_ohm"),
+        (
+            Table { parameters: Parameters::Voigt(VoigtParameters { g_um_per_s: 1.0, ..VOIGT }), ..table() },
+            "g_um_per_s",
+        ),
         (Table { adc: AdcCalibration { gain_v_per_code: 0.0, ..table().adc }, ..table() }, "adc.gain_v_per_code"),
         (Table { dac: DacCalibration { gain_codes_per_um: 0.0, ..table().dac }, ..table() }, "dac.gain_codes_per_um"),
     ];
@@ -203,9 +208,10 @@ proptest! {
     #[test]
     fn non_finite_numbers_are_refused(which in 0usize..8, bad in prop_oneof![Just(f32::NAN), Just(f32::INFINITY)]) {
         let mut wrong = table();
+        let mut voigt = VOIGT;
         let (slot, name) = match which {
-            0 => (&mut wrong.parameters.alpha_um, "alpha_um"),
-            1 => (&mut wrong.parameters.f, "f"),
+            0 => (&mut voigt.alpha_um, "alpha_um"),
+            1 => (&mut voigt.f, "f"),
             2 => (&mut wrong.deadband_v, "deadband_v"),
             3 => (&mut wrong.voltage_zero_v, "voltage_zero_v"),
             4 => (&mut wrong.displacement_limits_um.max, "displacement_limits_um"),
@@ -214,6 +220,7 @@ proptest! {
             _ => (&mut wrong.provenance.train_mae_um, "train_mae_um"),
         };
         *slot = bad;
+        wrong.parameters = Parameters::Voigt(voigt);
         prop_assert_eq!(wrong.admit().unwrap_err(), TableError::NonFinite { field: name });
     }
 }

@@ -12,7 +12,7 @@ use embassy_futures::join::join;
 use embassy_time::{Duration, Timer};
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
-use estimator_core::{AdcCode, DacCode, Estimator, Form, Lookup};
+use estimator_core::{AdcCode, DacCode, Estimator, Lookup};
 use heapless::spsc::Queue;
 use parameter_store::{ParameterStore, StoreError};
 use protocol::{Faults, TableSource};
@@ -46,10 +46,7 @@ pub async fn run<R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<'sta
     let (to_link, samples) = SAMPLES.take().split();
 
     let estimator = table.and_then(|table| {
-        let lookup = match table.form {
-            Form::Direct => None,
-            Form::Tabulated { .. } => Some(&*LOOKUP.init_with(|| table.lookup())),
-        };
+        let lookup = table.lookup().map(|lookup| &*LOOKUP.init(lookup));
         // Cannot fail: the lookup has just been made from the table.
         Estimator::new(&table, lookup).ok()
     });

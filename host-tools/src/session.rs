@@ -3,7 +3,7 @@
 //! The voltage stands at every tick; the displacement stands at the instants where it was measured, which may be every
 //! tick or (in a log slower than the tick) every n-th. Errors are taken at the measured instants only.
 
-use estimator_core::{State, Terms, Voigt};
+use estimator_core::{Running, State, Terms, Voigt};
 
 /// One log at the tick, in the model's units: V and µm relative to the model's zeros.
 #[derive(Clone, PartialEq, Debug)]
@@ -63,6 +63,27 @@ impl Session {
                 state.displacement = measured;
             }
         }
+    }
+
+    /// As [`mean_absolute_error`](Self::mean_absolute_error), of a model beyond the Voigt family. Its memory is its own: one-step
+    /// prediction takes the measured displacement and adds the change that the model gives.
+    pub fn mean_absolute_error_of(&self, mut model: Running<f64>, feedback: Feedback) -> f64 {
+        let Some(&start) = self.displacement.first() else { return f64::INFINITY };
+        let (mut tick, mut sum) = (0, 0.0);
+        let (mut estimated, mut last_estimated, mut last_measured) = (start, start, start);
+        for (&instant, &measured) in self.instants.iter().zip(&self.displacement).skip(1) {
+            while tick < instant as usize {
+                estimated = model.step(self.voltage[tick], Some(start));
+                tick += 1;
+            }
+            sum += match feedback {
+                Feedback::Simulation => (estimated - measured).abs(),
+                Feedback::Osp => ((estimated - last_estimated) - (measured - last_measured)).abs(),
+            };
+            (last_estimated, last_measured) = (estimated, measured);
+        }
+        let mean = sum / (self.instants.len() - 1).max(1) as f64;
+        if mean.is_finite() { mean } else { f64::INFINITY }
     }
 
     /// Mean absolute error of a model over the session, µm (Eq. 4.1); infinite when it diverges.

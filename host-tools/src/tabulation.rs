@@ -6,17 +6,18 @@
 //! lookup serves, sixteen to an interval, from the f32 lookup the target has against the f64 direct form. The rounding
 //! of the recursion itself is no part of it, nor is what an error at a reversal does through the displacement term.
 
-use estimator_core::{Form, Range, Table};
+use estimator_core::{Form, Lookup, Range, Table};
 
 /// Between the sampled voltages the error is a little larger.
 const SAMPLING: f64 = 1.01;
 /// Voltages an interval between knots is sampled at.
 const SAMPLES: u32 = 16;
 
-/// Bound of the displacement error between two reversals that tabulating a table's model adds, µm.
+/// Bound of the displacement error between two reversals that tabulating a table's model adds, µm; 0 for a model that has no
+/// tabulated form.
 pub fn error_bound(table: &Table) -> f64 {
-    let lookup = table.lookup::<f32>();
-    let direct = table.coefficients::<f64>();
+    let (Some(single), Some(direct)) = (table.coefficients::<f32>(), table.coefficients::<f64>()) else { return 0.0 };
+    let lookup = Lookup::tabulate(&single, table.voltage_range_v);
     let voltage: Range<f64> = table.voltage_range_v.of();
     let limits: Range<f64> = table.displacement_limits_um.of();
     let displacement = limits.min.abs().max(limits.max.abs());

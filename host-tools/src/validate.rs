@@ -2,7 +2,7 @@
 //! the target runs (SIL) side by side, through the very [`Estimator`] that the firmware has.
 
 use crate::session::Session;
-use estimator_core::{Admitted, Estimator, Form, Real, Status};
+use estimator_core::{Admitted, Estimator, Real, Status};
 use serde::Serialize;
 
 /// Errors of an estimate, µm, at the measured instants after the first.
@@ -135,7 +135,7 @@ pub fn compare(table: &Admitted, session: &Session) -> Comparison {
 
 /// The estimates at the measured instants after the first, and all status bits that were raised on the way.
 fn estimate<T: Real>(table: &Admitted, session: &Session, number: impl Fn(f64) -> T) -> (Vec<T>, Status) {
-    let lookup = matches!(table.form, Form::Tabulated { .. }).then(|| table.lookup());
+    let lookup = table.lookup();
     let mut estimator =
         Estimator::new(table, lookup.as_ref()).expect("the lookup was built from this table, for this form");
     estimator.start_at(number(session.displacement[0]));

@@ -220,7 +220,7 @@ fn an_erased_store_is_empty_and_limits_are_kept() {
     let mut store = ParameterStore::new(RamFlash::new(&mut memory), PAGE as u32..3 * PAGE as u32).unwrap();
     assert_eq!(block_on(store.load()), Ok(None));
     assert_eq!(block_on(store.store(&[7; 249])), Err(StoreError::TooLong));
-    for length in [0, 1, 247, 248] {
+    for length in [0, 1, parameter_store::MAX_RECORD - 1, parameter_store::MAX_RECORD] {
         block_on(store.store(&vec![7; length])).unwrap();
         assert_eq!(block_on(store.load()), Ok(Some(&*vec![7; length])));
     }

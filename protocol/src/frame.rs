@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// No frame is longer than this on the wire, delimiter included, bytes.
-pub const MAX_FRAME: usize = 400;
+pub const MAX_FRAME: usize = 512;
 
 const DELIMITER: u8 = 0;
 const CHECKSUM: usize = 4;

@@ -35,6 +35,7 @@ pub struct ToDevice {
 }
 
 /// What the host may ask.
+#[expect(clippy::large_enum_variant, reason = "there is no heap")]
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub enum Request {
     /// Who are you? → [`Reply::Identity`]

@@ -1,6 +1,7 @@
 //! Every message survives the line, the longest fit a frame, and no damage gets through or stops what follows.
 
 use estimator_core::Status;
+use estimator_core::record::MAX_LENGTH;
 use proptest::prelude::*;
 use protocol::frame::MAX_FRAME;
 use protocol::{
@@ -21,7 +22,7 @@ fn receive<M: DeserializeOwned>(bytes: &[u8]) -> Vec<Result<M, FrameError>> {
 
 /// Requests at their longest.
 fn requests() -> Vec<Request> {
-    let record = [0xA5; 192].iter().copied().collect();
+    let record = [0xA5; MAX_LENGTH].iter().copied().collect();
     vec![
         Request::Identify,
         Request::Health,
@@ -80,7 +81,7 @@ fn answers() -> Vec<ToHost> {
     let replies = [
         Reply::Health(health),
         Reply::Identity(identity),
-        Reply::Table([0; 192].iter().copied().collect()),
+        Reply::Table([0; MAX_LENGTH].iter().copied().collect()),
         Reply::Done,
         Reply::Fed(64),
         Reply::Refused(Refusal::Table(text("µ".repeat(200)))),

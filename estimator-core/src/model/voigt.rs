@@ -23,46 +23,6 @@ use crate::extremum::{Extremum, Tracker};
 use crate::math::Real;
 use serde::{Deserialize, Serialize};
 
-/// Which terms of Eq. (5.3) a parameter set has.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Model {
-    /// Eq. (4.8): five parameters, no extremum term.
-    Voigt,
-    /// Eq. (5.4): the voltage-extremum term `g, h`.
-    VoltageExtremum,
-    /// Eq. (5.5): the displacement-extremum term `e, f`.
-    DisplacementExtremum,
-    /// Eq. (5.3): both.
-    Enhanced,
-}
-
-impl Model {
-    /// All four, simplest first.
-    pub const ALL: [Self; 4] = [Self::Voigt, Self::VoltageExtremum, Self::DisplacementExtremum, Self::Enhanced];
-
-    /// Whether the model has the term `g·sgn(V_ext)·|V_ext|^h`.
-    pub const fn has_voltage_term(self) -> bool {
-        matches!(self, Self::VoltageExtremum | Self::Enhanced)
-    }
-
-    /// Whether the model has the term `e·sgn(y_ext)·|y_ext|^f`.
-    pub const fn has_displacement_term(self) -> bool {
-        matches!(self, Self::DisplacementExtremum | Self::Enhanced)
-    }
-}
-
-impl core::fmt::Display for Model {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.pad(match self {
-            Self::Voigt => "Voigt (4.8)",
-            Self::VoltageExtremum => "voltage-extremum (5.4)",
-            Self::DisplacementExtremum => "displacement-extremum (5.5)",
-            Self::Enhanced => "enhanced (5.3)",
-        })
-    }
-}
-
 /// How the differential equation becomes a recursion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -12,10 +12,10 @@ pub use digest::Digest;
 pub use error::TableError;
 
 use crate::admissible;
-use crate::calibration::{AdcCalibration, DacCalibration};
+use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration};
 use crate::lookup::{self, Lookup};
 use crate::math::Real;
-use crate::model::{Model, Scheme, Voigt, VoigtParameters};
+use crate::model::{Engine, Model, Parameters, Scheme, Voigt, VoigtParameters};
 use crate::range::Range;
 use serde::{Deserialize, Serialize};
 
@@ -73,11 +73,13 @@ pub struct Table {
     /// The estimate never leaves these, µm relative to the model's zero.
     pub displacement_limits_um: Range,
     /// Published parameters.
-    pub parameters: VoigtParameters,
+    pub parameters: Parameters,
     /// Codes to volts.
     pub adc: AdcCalibration,
     /// Displacement to codes.
     pub dac: DacCalibration,
+    /// Voltage to codes, where the DAC is to drive the amplifier; `None` where it is not.
+    pub drive: Option<DriveCalibration>,
     /// Where it comes from.
     pub provenance: Provenance,
 }
@@ -106,7 +108,16 @@ impl Table {
     pub fn admit(self) -> Result<Admitted, TableError> {
         self.check_finite()?;
         self.check_ranges()?;
-        let model = self.coefficients::<f32>();
+        match self.engine::<f32>() {
+            Engine::Voigt(model) => self.check_voigt(&model)?,
+            Engine::Other(model) => {
+                admissible::check_reach(model.reach(self.voltage_range_v), self.displacement_limits_um)?;
+            }
+        }
+        Ok(Admitted(self))
+    }
+
+    fn check_voigt(&self, model: &Voigt<f32>) -> Result<(), TableError> {
         let voltage = match self.form {
             Form::Direct => self.voltage_range_v,
             Form::Tabulated { .. } => lookup::covered(self.voltage_range_v),
@@ -118,18 +129,30 @@ impl Table {
         if overflows {
             return Err(TableError::Overflow);
         }
-        admissible::check(&model, voltage, self.displacement_limits_um)?;
-        Ok(Admitted(self))
+        admissible::check(model, voltage, self.displacement_limits_um)?;
+        Ok(())
     }
 
-    /// The per-tick coefficients in the number type `T`.
-    pub fn coefficients<T: Real>(&self) -> Voigt<T> {
-        Voigt::build(&self.parameters.map(T::of), self.sample_period(), self.scheme)
+    /// The model in the number type `T`.
+    pub fn engine<T: Real>(&self) -> Engine<T> {
+        self.parameters.build(self.sample_period(), self.scheme)
     }
 
-    /// The per-tick functions tabulated over the voltage range.
-    pub fn lookup<T: Real>(&self) -> Lookup<T> {
-        Lookup::tabulate(&self.coefficients(), self.voltage_range_v.of())
+    /// The per-tick coefficients of a model of the Voigt family.
+    pub fn coefficients<T: Real>(&self) -> Option<Voigt<T>> {
+        match self.engine() {
+            Engine::Voigt(model) => Some(model),
+            Engine::Other(_) => None,
+        }
+    }
+
+    /// The per-tick functions tabulated over the voltage range, where that is the form: what an
+    /// [`Estimator`](crate::Estimator) needs.
+    pub fn lookup<T: Real>(&self) -> Option<Lookup<T>> {
+        match self.form {
+            Form::Direct => None,
+            Form::Tabulated { .. } => Some(Lookup::tabulate(&self.coefficients()?, self.voltage_range_v.of())),
+        }
     }
 
     /// Tick, s.
@@ -156,36 +179,33 @@ impl Table {
             ("adc.offset_v", self.adc.offset_v),
             ("dac.gain_codes_per_um", self.dac.gain_codes_per_um),
             ("dac.offset_code", self.dac.offset_code),
+            ("drive.gain_codes_per_v", self.drive.map_or(0.0, |drive| drive.gain_codes_per_v)),
+            ("drive.offset_code", self.drive.map_or(0.0, |drive| drive.offset_code)),
+            ("drive.slew_v_per_s", self.drive.map_or(0.0, |drive| drive.slew_v_per_s)),
             ("train_mae_um", self.provenance.train_mae_um),
             ("validation_mae_um", self.provenance.validation_mae_um.unwrap_or(0.0)),
             ("validation_max_um", self.provenance.validation_max_um.unwrap_or(0.0)),
         ];
-        match self.parameters.named().into_iter().chain(others).find(|(_, x)| !x.is_finite()) {
+        let parameters = match &self.parameters {
+            Parameters::Voigt(of) => of.named(),
+            // Theirs are checked by `Parameters::fault`.
+            _ => VoigtParameters::default().named(),
+        };
+        match parameters.into_iter().chain(others).find(|(_, x)| !x.is_finite()) {
             Some((field, _)) => Err(TableError::NonFinite { field }),
             None => Ok(()),
         }
     }
 
     fn check_ranges(&self) -> Result<(), TableError> {
-        let p = &self.parameters;
-        let exponent = |x: f32| (0.0..=LARGEST_EXPONENT).contains(&x);
         let ordered = |range: Range| range.min < range.max;
         let limits = self.displacement_limits_um;
         let voltages = self.voltage_range_v;
-        let rules: [(&'static str, bool); 19] = [
-            ("alpha_um must be positive", p.alpha_um > 0.0),
-            ("lambda_per_v must be positive", p.lambda_per_v > 0.0),
-            ("b_ohm must be positive", p.b_ohm > 0.0),
-            ("p must lie between 0 and 8", exponent(p.p)),
-            ("h must lie between 0 and 8", exponent(p.h)),
-            ("f must lie between 0 and 8", exponent(p.f)),
+        let rules: [(&'static str, bool); 15] = [
+            ("the parameters must be those of the model", self.parameters.are_of(self.model)),
             (
-                "g_um_per_s and h must be 0 in a model without the voltage-extremum term",
-                self.model.has_voltage_term() || (p.g_um_per_s == 0.0 && p.h == 0.0),
-            ),
-            (
-                "e_m_per_s and f must be 0 in a model without the displacement-extremum term",
-                self.model.has_displacement_term() || (p.e_m_per_s == 0.0 && p.f == 0.0),
+                "only a model of the Voigt family has a tabulated form and a scheme other than forward-euler",
+                self.model.is_voigt() || (self.form == Form::Direct && self.scheme == Scheme::ForwardEuler),
             ),
             ("sample_period_us must lie between 1 and 1000000", (1..=1_000_000).contains(&self.sample_period_us)),
             ("voltage_range_v must be ordered", ordered(voltages)),
@@ -204,10 +224,36 @@ impl Table {
             ("adc.full_scale must be at least 3", self.adc.full_scale >= 3),
             ("dac.gain_codes_per_um must not be 0", self.dac.gain_codes_per_um != 0.0),
             ("dac.full_scale must be at least 1", self.dac.full_scale >= 1),
+            ("drive.gain_codes_per_v must not be 0", self.drive.is_none_or(|drive| drive.gain_codes_per_v != 0.0)),
+            ("drive.slew_v_per_s must not be negative", self.drive.is_none_or(|drive| drive.slew_v_per_s >= 0.0)),
         ];
-        match rules.into_iter().find(|&(_, holds)| !holds) {
-            Some((rule, _)) => Err(TableError::OutOfRange { rule }),
-            None => Ok(()),
-        }
+        let broken = rules.into_iter().find(|&(_, holds)| !holds).map(|(rule, _)| rule);
+        let broken = broken.or_else(|| match &self.parameters {
+            Parameters::Voigt(of) => voigt_fault(of, self.model),
+            others => others.fault(),
+        });
+        broken.map_or(Ok(()), |rule| Err(TableError::OutOfRange { rule }))
     }
+}
+
+/// The rule that parameters of the Voigt family break, if any.
+fn voigt_fault(p: &VoigtParameters, model: Model) -> Option<&'static str> {
+    let exponent = |x: f32| (0.0..=LARGEST_EXPONENT).contains(&x);
+    let rules = [
+        ("alpha_um must be positive", p.alpha_um > 0.0),
+        ("lambda_per_v must be positive", p.lambda_per_v > 0.0),
+        ("b_ohm must be positive", p.b_ohm > 0.0),
+        ("p must lie between 0 and 8", exponent(p.p)),
+        ("h must lie between 0 and 8", exponent(p.h)),
+        ("f must lie between 0 and 8", exponent(p.f)),
+        (
+            "g_um_per_s and h must be 0 in a model without the voltage-extremum term",
+            model.has_voltage_term() || (p.g_um_per_s == 0.0 && p.h == 0.0),
+        ),
+        (
+            "e_m_per_s and f must be 0 in a model without the displacement-extremum term",
+            model.has_displacement_term() || (p.e_m_per_s == 0.0 && p.f == 0.0),
+        ),
+    ];
+    rules.into_iter().find(|&(_, holds)| !holds).map(|(rule, _)| rule)
 }

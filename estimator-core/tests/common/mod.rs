@@ -27,9 +27,10 @@ pub fn table() -> Table {
         form: Form::Direct,
         voltage_range_v: Range { min: -20.0, max: 20.0 },
         displacement_limits_um: Range { min: -6.0, max: 6.0 },
-        parameters: VOIGT,
+        parameters: Parameters::Voigt(VOIGT),
         adc: AdcCalibration { gain_v_per_code: 44.0 / 4095.0, offset_v: -22.0, invert: false, full_scale: 4095 },
         dac: DacCalibration { gain_codes_per_um: 300.0, offset_code: 2047.5, full_scale: 4095 },
+        drive: None,
         provenance: Provenance {
             logs: Digest([0xa5; 8]),
             seed: 7,
@@ -76,7 +77,7 @@ pub fn any_table() -> impl Strategy<Value = Table> {
                 form: if tabulated { Form::Tabulated { error_bound_um: 0.1 } } else { Form::Direct },
                 voltage_range_v: Range { min: low, max: high },
                 displacement_limits_um: Range { min: -30.0, max: 30.0 },
-                parameters: VoigtParameters {
+                parameters: Parameters::Voigt(VoigtParameters {
                     alpha_um: 1e6 * (2.0 + middle + 1.0 / middle) / (rate * lambda * b),
                     beta_v: beta,
                     lambda_per_v: lambda,
@@ -86,7 +87,7 @@ pub fn any_table() -> impl Strategy<Value = Table> {
                     h,
                     e_m_per_s: e,
                     f,
-                },
+                }),
                 adc: AdcCalibration {
                     gain_v_per_code: 1.2 * span / f32::from(full),
                     offset_v: v0 + if invert { high + 0.1 * span } else { low - 0.1 * span },

@@ -5,7 +5,7 @@ use super::error::LinkError;
 use super::interrupt::Interrupt;
 use super::words;
 use anyhow::{Result, bail, ensure};
-use estimator_core::{AdcCode, Admitted, Estimator, Form, Status};
+use estimator_core::{AdcCode, Admitted, Estimator, Status};
 use protocol::{Codes, Mode, Sample};
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -139,7 +139,7 @@ fn settle(client: &mut Client, samples: &mut Vec<Sample>, fed: usize) -> Result<
 
 /// Runs the host's f32 core on the same codes and compares.
 pub fn compare(table: &Admitted, codes: &[AdcCode], samples: &[Sample]) -> Comparison {
-    let lookup = matches!(table.form, Form::Tabulated { .. }).then(|| table.lookup());
+    let lookup = table.lookup();
     let mut estimator =
         Estimator::<f32>::new(table, lookup.as_ref()).expect("the lookup was built from this table, for this form");
     let mut comparison = Comparison {

@@ -6,8 +6,8 @@ use crate::calibration::CalibrationOptions;
 use crate::prepare::Recipe;
 use crate::tabulation;
 use crate::validate::{Comparison, Figures, compare};
-use anyhow::{Context, Result, anyhow};
-use estimator_core::{Admitted, Digest, Form, Provenance, Range, Table};
+use anyhow::{Context, Result, anyhow, ensure};
+use estimator_core::{Admitted, Digest, Form, Provenance, Range, Scheme, Table};
 
 /// An identified model with its table and its errors.
 #[derive(Clone, Debug)]
@@ -43,6 +43,10 @@ const ROUNDING: f64 = 1e-3;
 impl Candidate {
     /// Makes the table and runs it over the sessions of its problem.
     pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self> {
+        ensure!(
+            fit.cost.is_finite() || fit.model.is_voigt(),
+            "no admissible candidate was found: search longer (--evaluations), or raise --limit"
+        );
         let table = table(problem, &fit, setting)?;
         let admit = |table: Table| table.admit().context("the identified table is refused");
         let first = admit(table)?;
@@ -86,16 +90,17 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
     let table = Table {
         model: fit.model,
         sample_period_us: recipe.tick_us,
-        scheme: problem.scheme,
+        scheme: if fit.model.is_voigt() { problem.scheme } else { Scheme::ForwardEuler },
         deadband_v: problem.deadband as f32,
         voltage_zero_v: recipe.voltage_zero_v as f32,
         displacement_zero_um: recipe.displacement_zero_um as f32,
         form: Form::Direct,
         voltage_range_v: single(voltage),
         displacement_limits_um: single(limits),
-        parameters: fit.parameters.map(|x| x as f32),
+        parameters: fit.parameters,
         adc,
         dac,
+        drive: None,
         provenance: Provenance {
             logs: setting.logs,
             seed: setting.seed,
@@ -105,7 +110,7 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
             validation_max_um: None,
         },
     };
-    Ok(if setting.tabulated { tabulation::tabulated(table) } else { table })
+    Ok(if setting.tabulated && fit.model.is_voigt() { tabulation::tabulated(table) } else { table })
 }
 
 /// Version of this tool.

@@ -70,7 +70,7 @@ impl DelaySearch {
                 let problem = Problem::new(recipe.sessions(&fitted)?, recipe.sessions(&judged)?, self.conditions);
                 let fits = identify(&problem, &[Model::Voigt], self.cost, &self.search, progress);
                 let admissible = fits.first().filter(|fit| fit.cost.is_finite());
-                error += admissible.and_then(|fit| problem.held_out(&fit.parameters)).unwrap_or(f64::INFINITY);
+                error += admissible.and_then(|fit| problem.held_out_of(&fit.parameters)).unwrap_or(f64::INFINITY);
             }
             errors.push((ticks, error));
         }

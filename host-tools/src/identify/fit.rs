@@ -1,12 +1,14 @@
 //! Identification of one model or of the whole family: rounds of the genetic algorithm whose ranges shrink around the
 //! best so far, the richer models started from the simpler ones' solutions.
 
+use super::family::{self, Family};
 use super::ga::{self, Best, Elitism, Selection, Settings};
 use super::problem::Problem;
 use super::space::{Gene, Ranges, Space};
+use crate::optimise::{Budget, Optimiser, minimise};
 use crate::session::Feedback;
 use clap::Args;
-use estimator_core::{Model, VoigtParameters};
+use estimator_core::{Model, Parameters, VoigtParameters};
 use serde::{Deserialize, Serialize};
 
 /// Where the first population of a model comes from.
@@ -58,6 +60,12 @@ pub struct SearchOptions {
     /// First population.
     #[arg(long, value_enum, default_value_t = Start::Family)]
     pub start: Start,
+    /// Method for the models beyond the Voigt family, of which only a few numbers are searched.
+    #[arg(long, value_enum, default_value_t = Optimiser::CmaEs)]
+    pub optimiser: Optimiser,
+    /// Candidates that the method may try.
+    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub evaluations: u32,
     /// Seed; the same seed gives the same table on any number of threads.
     #[arg(long, default_value_t = 1)]
     pub seed: u32,
@@ -117,14 +125,15 @@ pub struct Fit {
     /// Which.
     pub model: Model,
     /// Its published parameters.
-    pub parameters: VoigtParameters<f64>,
+    pub parameters: Parameters,
     /// The searched coordinates and where the best lies.
     pub genes: Vec<(Gene, f64)>,
     /// Its cost, µm; infinite when no admissible candidate was found.
     pub cost: f64,
     /// After each generation.
     pub convergence: Vec<Convergence>,
-    space: Space,
+    /// Of the Voigt family.
+    space: Option<Space>,
 }
 
 /// Told of each generation: the model, its best cost so far (µm).
@@ -138,17 +147,20 @@ pub fn identify(
     options: &SearchOptions,
     progress: Progress<'_>,
 ) -> Vec<Fit> {
-    let mut search = |space: &Space, seeds: &[Vec<f64>]| search(problem, space, cost, options, seeds, progress);
     let mut fits: Vec<Fit> = Vec::new();
     for &model in models {
+        let structures = family::of(model, problem);
+        if !structures.is_empty() {
+            fits.push(project(problem, model, &structures, cost, options, progress));
+            continue;
+        }
         let space = Space::new(model, options.ranges, problem.extent());
-        let seeds: Vec<Vec<f64>> = fits
-            .iter()
-            .map(|fit| space.adopt(&fit.space, &fit.genes.iter().map(|(_, value)| *value).collect::<Vec<_>>()))
-            .collect();
-        let mut fit = search(&space, &[]);
-        if options.starts(fits.len()) > 1 {
-            let seeded = search(&space, &seeds);
+        let values = |fit: &Fit| fit.genes.iter().map(|(_, value)| *value).collect::<Vec<_>>();
+        let simpler = fits.iter().filter_map(|fit| Some((fit, fit.space.as_ref()?)));
+        let seeds: Vec<Vec<f64>> = simpler.map(|(fit, theirs)| space.adopt(theirs, &values(fit))).collect();
+        let mut fit = search(problem, &space, cost, options, &[], progress);
+        if options.starts(seeds.len()) > 1 {
+            let seeded = search(problem, &space, cost, options, &seeds, progress);
             if seeded.cost < fit.cost {
                 fit = seeded;
             }
@@ -193,12 +205,82 @@ fn search(
     let best = best.expect("at least one round was run");
     Fit {
         model: space.model,
-        parameters: space.parameters(&best.genes),
+        parameters: Parameters::Voigt(space.parameters(&best.genes).map(|x| x as f32)),
         genes: space.genes.iter().copied().zip(best.genes).collect(),
         cost: best.cost,
         convergence,
-        space: space.clone(),
+        space: Some(space.clone()),
     }
+}
+
+/// A richer structure must better the simpler one's cost by this factor.
+const BETTER: f64 = 0.97;
+
+/// Searches what a model beyond the Voigt family is not linear in; the rest is projected. Of several structures each is
+/// started from the one before it, and the simplest that no other betters counts.
+fn project(
+    problem: &Problem,
+    model: Model,
+    structures: &[Box<dyn Family>],
+    feedback: Feedback,
+    options: &SearchOptions,
+    progress: Progress<'_>,
+) -> Fit {
+    let mut best = Fit {
+        model,
+        parameters: Parameters::Voigt(VoigtParameters::default()),
+        genes: Vec::new(),
+        cost: f64::INFINITY,
+        convergence: Vec::new(),
+        space: None,
+    };
+    for family in structures {
+        let found =
+            search_structure(problem, family.as_ref(), feedback, options, &best, &mut |cost| progress(model, cost));
+        if found.cost < BETTER * best.cost {
+            best = found;
+        }
+    }
+    best
+}
+
+fn search_structure(
+    problem: &Problem,
+    family: &dyn Family,
+    feedback: Feedback,
+    options: &SearchOptions,
+    simpler: &Fit,
+    progress: &mut dyn FnMut(f64),
+) -> Fit {
+    let genes = family.genes();
+    let values = |at: &[f64]| genes.iter().zip(at).map(|(gene, &fraction)| gene.value(fraction)).collect::<Vec<_>>();
+    let parameters = |at: &[f64]| family.project(&values(at), problem);
+    let cost = |at: &[f64]| {
+        let found = parameters(at);
+        found.map_or(f64::INFINITY, |found| family.burden(&values(at)) * problem.cost_of(&found, feedback))
+    };
+    let start = |rest: f64| -> Vec<f64> {
+        let known = simpler.genes.iter().map(|(gene, value)| gene.fraction(*value));
+        known.chain(std::iter::repeat(rest)).take(genes.len()).collect()
+    };
+    let starts: &[Vec<f64>] = if simpler.genes.is_empty() { &[] } else { &[start(0.5), start(0.75)] };
+    let mut convergence = simpler.convergence.clone();
+    let mut shown = (f64::INFINITY, None);
+    let budget = Budget { evaluations: options.evaluations as usize, seed: options.seed.into() };
+    let best = minimise(options.optimiser, genes.len(), budget, starts, &cost, &mut |_, best| {
+        if best.cost < shown.0 {
+            shown = (best.cost, parameters(&best.at).and_then(|found| problem.held_out_of(&found)));
+        }
+        convergence.push(Convergence { training: shown.0, validation: shown.1 });
+        progress(shown.0);
+    });
+    let (parameters, cost) = match parameters(&best.at) {
+        Some(found) => (found, best.cost),
+        None => (simpler.parameters, f64::INFINITY),
+    };
+    let values = values(&best.at);
+    let genes = genes.into_iter().zip(values).collect();
+    Fit { model: simpler.model, parameters, genes, cost, convergence, space: None }
 }
 
 /// The ranges of a round: the original ones shrunk so many times around the best.

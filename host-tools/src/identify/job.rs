@@ -30,6 +30,22 @@ pub enum ModelChoice {
     DisplacementExtremum,
     /// Eq. (5.3).
     Enhanced,
+    /// Kelvin–Voigt elements in series, Eq. (3.20).
+    VoigtChain,
+    /// Play operators and dead zones, Eq. (3.9).
+    PrandtlIshlinskii,
+    /// Elasto-slide elements, Eq. (3.10).
+    MaxwellSlip,
+    /// Coleman and Hodgdon's form of Eq. (3.11).
+    Duhem,
+    /// Bouc–Wen with asymmetry.
+    BoucWen,
+    /// Relays on a grid, Eq. (3.1).
+    Preisach,
+    /// Black box of Table 5.1.
+    Narx,
+    /// The champion: lag, functions of play operators, creep.
+    Champion,
 }
 
 impl ModelChoice {
@@ -41,20 +57,28 @@ impl ModelChoice {
             Self::VoltageExtremum => Some(Model::VoltageExtremum),
             Self::DisplacementExtremum => Some(Model::DisplacementExtremum),
             Self::Enhanced => Some(Model::Enhanced),
+            Self::VoigtChain => Some(Model::VoigtChain),
+            Self::PrandtlIshlinskii => Some(Model::PrandtlIshlinskii),
+            Self::MaxwellSlip => Some(Model::MaxwellSlip),
+            Self::Duhem => Some(Model::Duhem),
+            Self::BoucWen => Some(Model::BoucWen),
+            Self::Preisach => Some(Model::Preisach),
+            Self::Narx => Some(Model::Narx),
+            Self::Champion => Some(Model::Champion),
         }
     }
 
     /// The models to identify, simplest first: the wanted one and, where it starts from them, those it contains.
     pub fn models(self, start: Start) -> Vec<Model> {
-        let Some(wanted) = self.model() else { return Model::ALL.to_vec() };
-        if start == Start::Random {
+        let Some(wanted) = self.model() else { return [&Model::VOIGT_FAMILY[..], &[Model::Champion]].concat() };
+        if start == Start::Random || !wanted.is_voigt() {
             return vec![wanted];
         }
         let contained = |model: &Model| {
             (wanted.has_voltage_term() || !model.has_voltage_term())
                 && (wanted.has_displacement_term() || !model.has_displacement_term())
         };
-        Model::ALL.into_iter().filter(contained).collect()
+        Model::VOIGT_FAMILY.into_iter().filter(contained).collect()
     }
 }
 

@@ -4,6 +4,7 @@ mod candidate;
 mod character;
 mod delay;
 mod doubt;
+mod family;
 mod fit;
 pub mod ga;
 mod job;

@@ -7,7 +7,9 @@
 use super::space::Extent;
 use crate::session::{Feedback, Session};
 use estimator_core::lookup::{Grid, Position};
-use estimator_core::{Inadmissible, Lookup, Range, Scheme, Voigt, VoigtParameters, admissible, lookup};
+use estimator_core::{
+    Engine, Inadmissible, Lookup, Parameters, Range, Scheme, Voigt, VoigtParameters, admissible, lookup,
+};
 
 /// What the user fixes before the search starts.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -37,6 +39,7 @@ pub struct Problem {
     training: Vec<Located>,
     validation: Vec<Located>,
     limit: f64,
+    voltage: Range<f64>,
     voltage_range: Range<f64>,
     stroke: Range<f64>,
     extent: Extent,
@@ -83,6 +86,7 @@ impl Problem {
             training: located(training),
             validation: located(validation),
             limit: conditions.limit,
+            voltage,
             voltage_range,
             stroke,
         }
@@ -102,6 +106,30 @@ impl Problem {
         (!self.validation.is_empty()).then(error)
     }
 
+    /// As [`cost`](Self::cost), of any model.
+    pub fn cost_of(&self, parameters: &Parameters, feedback: Feedback) -> f64 {
+        match self.limits(parameters) {
+            Ok(_) => self.error_of(&self.training, parameters, feedback),
+            Err(_) => f64::INFINITY,
+        }
+    }
+
+    /// As [`held_out`](Self::held_out), of any model.
+    pub fn held_out_of(&self, parameters: &Parameters) -> Option<f64> {
+        let error = || self.error_of(&self.validation, parameters, Feedback::Simulation);
+        (!self.validation.is_empty()).then(error)
+    }
+
+    fn error_of(&self, sessions: &[Located], parameters: &Parameters, feedback: Feedback) -> f64 {
+        match parameters.build(self.extent.tick, self.scheme) {
+            Engine::Voigt(model) => self.error(sessions, &model, feedback),
+            Engine::Other(model) => {
+                let error = |located: &Located| located.session.mean_absolute_error_of(model.clone(), feedback);
+                sessions.iter().map(error).sum::<f64>() / sessions.len().max(1) as f64
+            }
+        }
+    }
+
     /// Mean over the sessions of each one's mean absolute error; each weighs the same whatever its length.
     fn error(&self, sessions: &[Located], model: &Voigt<f64>, feedback: Feedback) -> f64 {
         let lookup = Lookup::tabulate(model, self.voltage_range);
@@ -113,8 +141,13 @@ impl Problem {
     }
 
     /// The tightest displacement limits (µm) within which a parameter set is proven to stay, or why there are none.
-    pub fn limits(&self, parameters: &VoigtParameters<f64>) -> Result<Range<f64>, Inadmissible<f64>> {
-        let model = self.model(parameters);
+    pub fn limits(&self, parameters: &Parameters) -> Result<Range<f64>, Inadmissible<f64>> {
+        let model = match parameters.build(self.extent.tick, self.scheme) {
+            Engine::Voigt(model) => model,
+            Engine::Other(model) => {
+                return admissible::check_reach(model.reach(self.voltage_range), self.limits_at(1.0));
+            }
+        };
         let tightest = LIMIT_STEPS.iter().find(|&&step| self.check(&model, step).is_ok());
         match tightest {
             Some(&step) => Ok(self.limits_at(step)),
@@ -137,9 +170,20 @@ impl Problem {
         self.voltage_range
     }
 
+    /// Voltages of the training sessions, V.
+    pub fn training_voltages(&self) -> Range<f64> {
+        self.voltage
+    }
+
     /// Displacements of the training sessions, µm.
     pub fn stroke(&self) -> Range<f64> {
         self.stroke
+    }
+
+    /// The widest displacement limits that a table may have, µm.
+    pub fn widest_limits(&self) -> Range {
+        let Range { min, max } = self.limits_at(1.0);
+        Range { min: min as f32, max: max as f32 }
     }
 
     /// V* and Y* of the search coordinates.

@@ -57,7 +57,8 @@ pub struct Gene {
 }
 
 impl Gene {
-    const fn linear(name: &'static str, meaning: &'static str, unit: &'static str, min: f64, max: f64) -> Self {
+    /// A coordinate on a linear scale.
+    pub const fn linear(name: &'static str, meaning: &'static str, unit: &'static str, min: f64, max: f64) -> Self {
         Self { name, meaning, unit, min, max, scale: Scale::Linear }
     }
 

@@ -4,7 +4,7 @@ use super::number::{number, quantity};
 use crate::identify::Candidate;
 use crate::identify::space::Gene;
 use crate::validate::{Comparison, Figures};
-use estimator_core::{Form, Model, Scheme, Status, Table};
+use estimator_core::{Form, Model, Parameters, Scheme, Status, Table};
 
 /// An error in µm and in % of the stroke.
 pub struct Cell {
@@ -120,11 +120,12 @@ impl GeneRow {
 }
 
 /// A published parameter or another number of the table: symbol or name, value with unit.
-pub type ParameterRow = (&'static str, String);
+pub type ParameterRow = (String, String);
 
 /// The published parameters of a table.
 pub fn parameters(table: &Table) -> Vec<ParameterRow> {
-    let p = table.parameters.map(f64::from);
+    let Parameters::Voigt(p) = &table.parameters else { return fields(&table.parameters) };
+    let p = p.map(f64::from);
     let mut rows = vec![
         ("α", quantity(p.alpha_um, "µm")),
         ("β", quantity(p.beta_v, "V")),
@@ -138,14 +139,30 @@ pub fn parameters(table: &Table) -> Vec<ParameterRow> {
     if table.model.has_displacement_term() {
         rows.extend([("e", quantity(p.e_m_per_s, "(m/s)/mᶠ")), ("f", number(p.f))]);
     }
-    rows
+    rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// The parameters of a model beyond the Voigt family, as `table.toml` names them.
+fn fields(parameters: &Parameters) -> Vec<ParameterRow> {
+    let shown = |value: &toml::Value| match value {
+        toml::Value::Float(x) => number(*x),
+        toml::Value::Array(values) => {
+            let numbers: Vec<String> = values.iter().map(|x| x.as_float().map_or(x.to_string(), number)).collect();
+            numbers.join(", ")
+        }
+        other => other.to_string(),
+    };
+    // Plain numbers, lists and tables of numbers: TOML has all of them.
+    let Ok(toml::Value::Table(whole)) = toml::Value::try_from(parameters) else { return Vec::new() };
+    let named = whole.iter().filter_map(|(_, model)| model.as_table()).flatten();
+    named.map(|(name, value)| (name.clone(), shown(value))).collect()
 }
 
 /// What else the table says.
 pub fn table(table: &Table) -> Vec<ParameterRow> {
     let range = |min: f32, max: f32, unit: &str| format!("{} … {}", number(min.into()), quantity(max.into(), unit));
     let (volts, limits) = (table.voltage_range_v, table.displacement_limits_um);
-    vec![
+    let rows = vec![
         ("Tick", quantity(table.sample_period_us.into(), "µs")),
         (
             "Discretisation",
@@ -168,5 +185,6 @@ pub fn table(table: &Table) -> Vec<ParameterRow> {
         ("Reversal deadband", quantity(table.deadband_v.into(), "V")),
         ("Voltage zero", quantity(table.voltage_zero_v.into(), "V")),
         ("Displacement zero", quantity(table.displacement_zero_um.into(), "µm")),
-    ]
+    ];
+    rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -6,7 +6,7 @@ use crate::session::{Feedback, Session};
 use crate::validate::{Comparison, Figures, Trace};
 use clap::Parser;
 use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Status};
-use estimator_core::{Admitted, Digest, Form, Provenance, Table, VoigtParameters};
+use estimator_core::{Admitted, Digest, Form, Parameters, Provenance, Table, VoigtParameters};
 
 #[derive(Parser)]
 struct Search {
@@ -34,14 +34,15 @@ fn table(model: Model) -> Admitted {
         form: Form::Direct,
         voltage_range_v: Range { min: -22.0, max: 22.0 },
         displacement_limits_um: Range { min: -15.0, max: 15.0 },
-        parameters: VoigtParameters {
+        parameters: Parameters::Voigt(VoigtParameters {
             alpha_um: 172.0,
             beta_v: 5.2,
             lambda_per_v: 0.051,
             b_ohm: 1416.0,
             p: 1.49,
             ..VoigtParameters::default()
-        },
+        }),
+        drive: None,
         adc: AdcCalibration { gain_v_per_code: 0.0107, offset_v: -22.0, invert: false, full_scale: 4095 },
         dac: DacCalibration { gain_codes_per_um: 100.0, offset_code: 2048.0, full_scale: 4095 },
         provenance: Provenance {

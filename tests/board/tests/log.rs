@@ -29,7 +29,7 @@ fn log_volts() -> Result<Vec<f64>> {
 
 /// The DAC codes that a table's estimator gives for these ADC codes.
 fn predicted(table: &Admitted, codes: &[u16]) -> Vec<u16> {
-    let lookup = matches!(table.form, Form::Tabulated { .. }).then(|| table.lookup());
+    let lookup = table.lookup();
     let mut estimator = Estimator::<f32>::new(table, lookup.as_ref()).expect("the lookup is the table's own");
     codes.iter().map(|&code| estimator.tick(estimator_core::AdcCode(code)).dac.0).collect()
 }

@@ -3,7 +3,7 @@
 
 #[allow(unused_imports, reason = "which variants a table names depends on the table")]
 use estimator_core::{
-    AdcCalibration, DacCalibration, Digest, Form::*, Model::*, Provenance, Range, Scheme::*, Table, VoigtParameters,
+    AdcCalibration, DacCalibration, Digest, Form::*, Model::*, Parameters, Provenance, Range, Scheme::*, Table, VoigtParameters,
 };
 
 /// The compiled-in parameter table.
@@ -25,17 +25,19 @@ pub const TABLE: Table = Table {
         min: -3.1082249,
         max: 47.29719,
     },
-    parameters: VoigtParameters {
-        alpha_um: 651.67566,
-        beta_v: -0.53082806,
-        lambda_per_v: 0.21425441,
-        b_ohm: 1041.8104,
-        p: 1.1474788,
-        g_um_per_s: 0.0,
-        h: 0.0,
-        e_m_per_s: 0.0,
-        f: 0.0,
-    },
+    parameters: Parameters::Voigt(
+        VoigtParameters {
+            alpha_um: 651.67566,
+            beta_v: -0.53082806,
+            lambda_per_v: 0.21425441,
+            b_ohm: 1041.8104,
+            p: 1.1474788,
+            g_um_per_s: 0.0,
+            h: 0.0,
+            e_m_per_s: 0.0,
+            f: 0.0,
+        },
+    ),
     adc: AdcCalibration {
         gain_v_per_code: 0.0010637363,
         offset_v: -0.378,
@@ -47,6 +49,7 @@ pub const TABLE: Table = Table {
         offset_code: 252.51613,
         full_scale: 4095,
     },
+    drive: None,
     provenance: Provenance {
         logs: Digest(
             [

@@ -1,0 +1,408 @@
+//! The champion: what a piezo actuator does between the amplifier's terminals and its tip, a stage after the other.
+//!
+//! ```text
+//! V ─ delay ─ lag with slew limit ─► u ─► N play operators p_i ─► Σ g_i(p_i) ─────┐
+//!                                    └──► creep x_j: τ_j ẋ_j = u − x_j ─► Σ c_j x_j ─┴─ + offset ─ resonance ─► w ─► y = w + κ·w²
+//! ```
+//!
+//! - **Hysteresis.** Every Preisach operator is a superposition of functions of play operators (Brokate and Sprekels,
+//!   *Hysteresis and Phase Transitions*, 1996, ch. 2), so asymmetry and dependence on amplitude need no more than functions
+//!   g_i instead of the weights of Prandtl and Ishlinskii (Eq. 3.9). Here g_i' is a polynomial in Bernstein's basis over what
+//!   p_i can reach, with coefficients of at least 0: each g_i rises, the displacement rises with the voltage, and an inverse exists.
+//! - **Creep** is a chain of Kelvin–Voigt elements (Eq. 3.20) with times a decade apart, which is log-time creep as far as
+//!   a log can tell.
+//! - **Rate dependence** is the amplifier's, a delay and a first-order lag whose rate is limited, and the mechanism's, a
+//!   resonance. The bound of the displacement is the resonance's input's: what swings beyond is left to the table's limits.
+//! - **Curvature** κ is the asymmetry that a loop's whole has, as opposed to its branches.
+//!
+//! With everything else fixed the displacement before κ is linear in the weights, which are found by non-negative least squares.
+
+use super::play::play;
+use super::recursion::{Linear, Recursion, solve};
+use super::resonance::{Resonance, ResonanceState};
+use crate::list::List;
+use crate::math::Real;
+use crate::range::Range;
+use serde::{Deserialize, Serialize};
+
+/// Most play operators.
+pub const PLAYS: usize = 10;
+/// Most weights: those of the plays' functions.
+pub const WEIGHTS: usize = 30;
+/// Most creep elements.
+pub const CREEPS: usize = 4;
+/// Longest delay, ticks.
+pub const LONGEST_DELAY: f32 = 14.0;
+/// How far beyond the span the voltage is foreseen, as a fraction of it.
+const FORESEEN: f32 = 0.05;
+/// Voltages that the delay line remembers; a power of 2.
+const LINE: usize = 16;
+
+/// Published parameters.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChampionParameters {
+    /// Voltages over which the functions of the plays are laid out, V.
+    pub span_v: Range,
+    /// From voltage to actuator, ticks, −1 … 14; a fraction is interpolated. Below 0 the voltage is extrapolated, as far as
+    /// the tick that the estimate is for.
+    pub delay_ticks: f32,
+    /// Fastest change behind the amplifier, V/s; 0 for no limit.
+    pub slew_v_per_s: f32,
+    /// Time constant of the first-order lag, s; 0 for none.
+    pub lag_s: f32,
+    /// Half-widths of the play operators, increasing from 0, V.
+    pub half_widths_v: List<PLAYS>,
+    /// Natural frequency of the mechanism, Hz; 0 for none, else below half the tick rate.
+    pub resonance_hz: f32,
+    /// Its damping ζ, between 0 and 1; 0 without a resonance.
+    pub damping: f32,
+    /// Weights of each play's functions (as many a play, 1 to 3), at least 0: what each adds from one end of the play's travel
+    /// to the other, µm.
+    pub weights_um: List<WEIGHTS>,
+    /// Time constants of creep, s.
+    pub creep_times_s: List<CREEPS>,
+    /// Creep, at least 0, µm/V.
+    pub creep_um_per_v: List<CREEPS>,
+    /// κ, 1/µm.
+    pub curvature_per_um: f32,
+    /// What is added, µm.
+    pub offset_um: f32,
+}
+
+impl ChampionParameters {
+    /// The rule that they break, if any.
+    pub fn fault(&self) -> Option<&'static str> {
+        let count = self.half_widths_v.len();
+        let all = |numbers: &[f32], rule: fn(f32) -> bool| numbers.iter().all(|&x| x.is_finite() && rule(x));
+        let rules = [
+            (
+                "span_v must be ordered",
+                self.span_v.min.is_finite() && self.span_v.max.is_finite() && self.span_v.min < self.span_v.max,
+            ),
+            ("delay_ticks must lie between -1 and 14", (-1.0..=LONGEST_DELAY).contains(&self.delay_ticks)),
+            ("slew_v_per_s must be 0 or positive", self.slew_v_per_s >= 0.0 && self.slew_v_per_s.is_finite()),
+            ("lag_s must lie between 0 and 10", (0.0..=10.0).contains(&self.lag_s)),
+            ("resonance_hz must be 0, or damping must lie between 0 and 1", {
+                let some = self.resonance_hz > 0.0
+                    && self.resonance_hz.is_finite()
+                    && self.damping > 0.0
+                    && self.damping < 1.0;
+                some || (self.resonance_hz == 0.0 && self.damping == 0.0)
+            }),
+            ("half_widths_v must begin with 0", self.half_widths_v.first() == Some(&0.0)),
+            ("half_widths_v must increase, and stay below half of span_v", {
+                let below = self.half_widths_v.iter().all(|&r| 2.0 * r < self.span_v.span());
+                below && self.half_widths_v.windows(2).all(|pair| matches!(pair, [a, b] if a < b))
+            }),
+            ("weights_um must be one, two or three for each half-width, and not negative", {
+                let degree = self.weights_um.len().checked_div(count).unwrap_or(0);
+                (1..=3).contains(&degree)
+                    && degree * count == self.weights_um.len()
+                    && all(&self.weights_um, |w| w >= 0.0)
+            }),
+            (
+                "creep_times_s must lie between 0.001 and 100000",
+                all(&self.creep_times_s, |t| (1e-3..=1e5).contains(&t)),
+            ),
+            ("creep_um_per_v must be as many as creep_times_s, and not negative", {
+                self.creep_um_per_v.len() == self.creep_times_s.len() && all(&self.creep_um_per_v, |c| c >= 0.0)
+            }),
+            ("curvature_per_um and offset_um must be numbers", all(&[self.curvature_per_um, self.offset_um], |_| true)),
+        ];
+        rules.into_iter().find(|&(_, holds)| !holds).map(|(rule, _)| rule)
+    }
+}
+
+/// One play operator and what stands behind it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Element<T> {
+    half_width: T,
+    /// Where its travel begins, and 1/its length.
+    first: T,
+    per_volt: T,
+    weights: [T; 3],
+}
+
+/// Per-tick coefficients.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Champion<T> {
+    centre: T,
+    /// Ends of the span.
+    lowest: T,
+    highest: T,
+    /// Whole ticks of the delay, and the weight of the voltage a tick older; negative to extrapolate.
+    delay: usize,
+    older: T,
+    /// What a voltage ahead of time may be, V.
+    foreseen: Range<T>,
+    /// Most a tick, V; none without a limit.
+    slew: Option<T>,
+    /// What the lag lets in a tick.
+    lag: T,
+    resonance: Option<Resonance<T>>,
+    plays: usize,
+    degree: usize,
+    elements: [Element<T>; PLAYS],
+    creeps: usize,
+    /// What a creep element takes up a tick, and what it gives, µm/V.
+    creep: [(T, T); CREEPS],
+    curvature: T,
+    offset: T,
+}
+
+/// What it remembers.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ChampionState<T> {
+    line: [T; LINE],
+    newest: usize,
+    input: T,
+    plays: [T; PLAYS],
+    creep: [T; CREEPS],
+    /// Of use where there is one.
+    resonance: ResonanceState<T>,
+}
+
+impl<T: Real> Champion<T> {
+    /// Coefficients for ticks of `sample_period` seconds.
+    pub fn build(parameters: &ChampionParameters, sample_period: T) -> Self {
+        let p = parameters;
+        let span: Range<T> = p.span_v.of();
+        let plays = p.half_widths_v.len();
+        let degree = p.weights_um.len().checked_div(plays).unwrap_or(0).clamp(1, 3);
+        let nothing = Element { half_width: T::zero(), first: T::zero(), per_volt: T::zero(), weights: [T::zero(); 3] };
+        let mut elements = [nothing; PLAYS];
+        for ((element, &r), weights) in elements.iter_mut().zip(p.half_widths_v.iter()).zip(p.weights_um.chunks(degree))
+        {
+            let half_width = T::of(r);
+            let travel = span.span() - T::of(2.0) * half_width;
+            *element = Element { half_width, first: span.min + half_width, per_volt: T::one() / travel, ..nothing };
+            for (to, &from) in element.weights.iter_mut().zip(weights) {
+                *to = T::of(from);
+            }
+        }
+        let mut creep = [(T::zero(), T::zero()); CREEPS];
+        for (to, (&time, &gain)) in creep.iter_mut().zip(p.creep_times_s.iter().zip(p.creep_um_per_v.iter())) {
+            *to = (-(-sample_period / T::of(time)).exp_m1(), T::of(gain));
+        }
+        let whole = p.delay_ticks.max(0.0) as usize;
+        Self {
+            centre: span.min + span.span() * T::of(0.5),
+            lowest: span.min,
+            highest: span.max,
+            delay: whole.min(LINE - 2),
+            older: T::of(p.delay_ticks - whole as f32),
+            foreseen: Range {
+                min: span.min - T::of(FORESEEN) * span.span(),
+                max: span.max + T::of(FORESEEN) * span.span(),
+            },
+            slew: (p.slew_v_per_s > 0.0).then(|| T::of(p.slew_v_per_s) * sample_period),
+            lag: if p.lag_s > 0.0 { -(-sample_period / T::of(p.lag_s)).exp_m1() } else { T::one() },
+            resonance: (p.resonance_hz > 0.0)
+                .then(|| Resonance::build(T::of(p.resonance_hz), T::of(p.damping), sample_period)),
+            plays: plays.min(PLAYS),
+            degree,
+            elements,
+            creeps: p.creep_times_s.len().min(CREEPS),
+            creep,
+            curvature: T::of(p.curvature_per_um),
+            offset: T::of(p.offset_um),
+        }
+    }
+
+    /// The resonance, if it has one: what the sum of the columns goes through.
+    pub fn resonance(&self) -> Option<Resonance<T>> {
+        self.resonance
+    }
+
+    /// At rest at a voltage, the plays' memory `bias` half-widths above it, as far as the span allows: −1 after a rise, 1
+    /// after a fall from its ends.
+    fn rest(&self, voltage: T, bias: T) -> ChampionState<T> {
+        let mut state = self.fresh(voltage);
+        for (memory, element) in state.plays.iter_mut().zip(&self.elements) {
+            let left = Range { min: element.first, max: self.highest - element.half_width };
+            *memory = play(left.clamp(voltage + bias * element.half_width), voltage, element.half_width);
+        }
+        state
+    }
+
+    /// At a known displacement. What no memory can have left is a lag's: the actuator is still on its way to this voltage.
+    fn arrive(&self, voltage: T, known: T) -> ChampionState<T> {
+        let one = T::one();
+        let at = |voltage: T, bias: T| self.displacement(&self.rest(voltage, bias));
+        if known < at(voltage, -one) {
+            let lowest = if self.lowest < voltage { self.lowest } else { voltage };
+            self.rest(solve(known, lowest, voltage, |voltage| at(voltage, -one)), -one)
+        } else if known > at(voltage, one) {
+            let highest = if self.highest > voltage { self.highest } else { voltage };
+            self.rest(solve(known, voltage, highest, |voltage| at(voltage, one)), one)
+        } else {
+            self.rest(voltage, solve(known, -one, one, |bias| at(voltage, bias)))
+        }
+    }
+
+    fn fresh(&self, voltage: T) -> ChampionState<T> {
+        ChampionState {
+            line: [voltage; LINE],
+            newest: 0,
+            input: voltage,
+            plays: [voltage; PLAYS],
+            creep: [voltage; CREEPS],
+            resonance: ResonanceState::rest(T::zero()),
+        }
+    }
+
+    /// The displacement of a memory at rest.
+    fn displacement(&self, state: &ChampionState<T>) -> T {
+        self.bend(self.sum(state))
+    }
+
+    /// What the resonance takes in.
+    fn sum(&self, state: &ChampionState<T>) -> T {
+        let mut sum = self.offset;
+        for (element, &p) in self.elements.iter().zip(&state.plays).take(self.plays) {
+            sum = sum + element.function(p, self.degree);
+        }
+        for (&(_, gain), &x) in self.creep.iter().zip(&state.creep).take(self.creeps) {
+            sum = sum + gain * x;
+        }
+        sum
+    }
+
+    /// y = w + κ·w².
+    fn bend(&self, w: T) -> T {
+        w + self.curvature * w * w
+    }
+
+    /// The voltage behind the delay.
+    fn delayed(&self, state: &mut ChampionState<T>, voltage: T) -> T {
+        state.newest = (state.newest + 1) % LINE;
+        if let Some(newest) = state.line.get_mut(state.newest) {
+            *newest = voltage;
+        }
+        let at = |ticks: usize| state.line.get((state.newest + LINE - ticks) % LINE).copied().unwrap_or(voltage);
+        let young = at(self.delay);
+        let between = young + self.older * (at(self.delay + 1) - young);
+        // What is extrapolated stays near the span.
+        if self.older < T::zero() { self.foreseen.clamp(between) } else { between }
+    }
+}
+
+impl<T: Real> Element<T> {
+    /// g_i: a polynomial over the play's travel, and straight beyond.
+    #[inline]
+    fn function(&self, play: T, degree: usize) -> T {
+        let s = (play - self.first) * self.per_volt;
+        let inside = unit(s);
+        let [a, b, c] = self.weights;
+        let within = match degree {
+            1 => a * inside,
+            2 => (a * (T::of(2.0) - inside) + b * inside) * inside,
+            _ => {
+                let rest = T::one() - inside;
+                let square = inside * inside;
+                a * (T::one() - rest * rest * rest) + square * (b * (T::of(3.0) - T::of(2.0) * inside) + c * inside)
+            }
+        };
+        let beyond = s - inside;
+        if beyond == T::zero() { within } else { within + self.slope(degree, beyond < T::zero()) * beyond }
+    }
+
+    /// g_i' at an end of the travel.
+    fn slope(&self, degree: usize, lower: bool) -> T {
+        let [a, b, c] = self.weights;
+        match degree {
+            1 => a,
+            2 => T::of(2.0) * if lower { a } else { b },
+            _ => T::of(3.0) * if lower { a } else { c },
+        }
+    }
+
+    /// What [`function`](Self::function) is with one weight of 1 and the others 0.
+    fn of_weight(&self, index: usize, play: T, degree: usize) -> T {
+        let weights = core::array::from_fn(|other| if other == index { T::one() } else { T::zero() });
+        Self { weights, ..*self }.function(play, degree)
+    }
+}
+
+/// Limited to 0 … 1.
+#[inline]
+fn unit<T: Real>(s: T) -> T {
+    Range { min: T::zero(), max: T::one() }.clamp(s)
+}
+
+impl<T: Real> Recursion<T> for Champion<T> {
+    type State = ChampionState<T>;
+
+    fn begin(&self, voltage: T, displacement: Option<T>) -> ChampionState<T> {
+        let mut state = self.fresh(voltage);
+        match displacement {
+            Some(known) => state = self.arrive(voltage, known),
+            None => {
+                for (state, element) in state.plays.iter_mut().zip(&self.elements) {
+                    *state = play(self.centre, voltage, element.half_width);
+                }
+            }
+        }
+        state.resonance = ResonanceState::rest(self.sum(&state));
+        state
+    }
+
+    fn step(&self, state: &mut ChampionState<T>, voltage: T) -> T {
+        self.advance(state, voltage);
+        let sum = self.sum(state);
+        self.bend(match &self.resonance {
+            Some(resonance) => resonance.step(&mut state.resonance, sum),
+            None => sum,
+        })
+    }
+
+    fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
+        // A delay below 0 looks past the range.
+        let foreseen = if self.older < T::zero() { self.foreseen } else { voltage };
+        let low = if foreseen.min < voltage.min { foreseen.min } else { voltage.min };
+        let high = if foreseen.max > voltage.max { foreseen.max } else { voltage.max };
+        let (mut least, mut most) = (self.offset, self.offset);
+        for element in self.elements.iter().take(self.plays) {
+            // No play stands below the lowest voltage's or above the highest's, in the span or beyond it.
+            let (first, last) = (element.first, self.highest - element.half_width);
+            let (lowest, highest) = (low + element.half_width, high - element.half_width);
+            least = least + element.function(if lowest < first { lowest } else { first }, self.degree);
+            most = most + element.function(if highest > last { highest } else { last }, self.degree);
+        }
+        for &(_, gain) in self.creep.iter().take(self.creeps) {
+            least = least + gain * low;
+            most = most + gain * high;
+        }
+        // κ must not turn the curve within what can be reached.
+        let rises = |w: T| T::one() + T::of(2.0) * self.curvature * w > T::zero();
+        (rises(least) && rises(most)).then(|| Range { min: self.bend(least), max: self.bend(most) })
+    }
+}
+
+impl<T: Real> Linear<T> for Champion<T> {
+    fn advance(&self, state: &mut ChampionState<T>, voltage: T) {
+        let target = self.delayed(state, voltage);
+        let change = self.lag * (target - state.input);
+        let u = state.input
+            + match self.slew {
+                Some(most) => Range { min: -most, max: most }.clamp(change),
+                None => change,
+            };
+        state.input = u;
+        for (state, element) in state.plays.iter_mut().zip(&self.elements).take(self.plays) {
+            *state = play(*state, u, element.half_width);
+        }
+        for (x, &(taken, _)) in state.creep.iter_mut().zip(&self.creep).take(self.creeps) {
+            *x = *x + taken * (u - *x);
+        }
+    }
+
+    fn columns(&self, state: &ChampionState<T>, mut each: impl FnMut(T)) {
+        for (element, &p) in self.elements.iter().zip(&state.plays).take(self.plays) {
+            (0..self.degree).for_each(|index| each(element.of_weight(index, p, self.degree)));
+        }
+        state.creep.iter().take(self.creeps).for_each(|&x| each(x));
+        each(T::one());
+    }
+}

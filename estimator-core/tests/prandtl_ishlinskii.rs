@@ -1,0 +1,245 @@
+//! Properties of the Prandtl-Ishlinskii model and of its exact inverse.
+
+use estimator_core::model::{
+    Linear, PrandtlIshlinskii, PrandtlIshlinskiiInverse, PrandtlIshlinskiiParameters, Recursion,
+};
+use estimator_core::{List, Range, Real};
+use proptest::prelude::*;
+
+const SYMMETRIC: PrandtlIshlinskiiParameters = PrandtlIshlinskiiParameters {
+    thresholds_v: List::of([0.0, 2.0, 5.0, 10.0, 20.0]),
+    weights_um_per_v: List::of([0.08, 0.03, 0.02, 0.0, 0.04]),
+    offset_um: 0.5,
+    dead_zones_um: List::of([]),
+    dead_zone_slopes: List::of([]),
+};
+
+const ASYMMETRIC: PrandtlIshlinskiiParameters = PrandtlIshlinskiiParameters {
+    dead_zones_um: List::of([-3.0, -1.0, 0.0, 2.0, 4.0]),
+    dead_zone_slopes: List::of([0.3, -0.4, 1.2, 0.5, -1.1]),
+    ..SYMMETRIC
+};
+
+const RANGE: Range<f64> = Range { min: -20.0, max: 80.0 };
+
+fn model<T: Real>(parameters: &PrandtlIshlinskiiParameters) -> PrandtlIshlinskii<T> {
+    PrandtlIshlinskii::build(parameters, T::of(1e-4))
+}
+
+fn run<T: Real>(model: &PrandtlIshlinskii<T>, voltages: &[T]) -> Vec<T> {
+    let mut state = model.begin(voltages[0], None);
+    voltages.iter().map(|&voltage| model.step(&mut state, voltage)).collect()
+}
+
+fn voltages() -> impl Strategy<Value = Vec<f64>> {
+    prop::collection::vec(RANGE.min..RANGE.max, 2..60)
+}
+
+fn either() -> impl Strategy<Value = PrandtlIshlinskiiParameters> {
+    prop::sample::select(vec![SYMMETRIC, ASYMMETRIC])
+}
+
+#[test]
+fn first_rise_is_the_sum_of_dead_zones_of_the_voltage() {
+    let model = model::<f64>(&SYMMETRIC);
+    for (voltage, expected) in [(0.0, 0.5), (2.0, 0.66), (5.0, 0.5 + 0.4 + 0.09), (30.0, 0.5 + 2.4 + 0.84 + 0.5 + 0.4)]
+    {
+        let state = &mut model.begin(0.0, None);
+        assert!((model.step(state, voltage) - expected).abs() < 1e-7, "{voltage} V");
+    }
+}
+
+#[test]
+fn minor_loops_between_the_same_voltages_are_congruent() {
+    let model = model::<f64>(&SYMMETRIC);
+    let minor = [20.0, 25.0, 30.0, 26.0, 21.0, 20.0];
+    let shape = |history: &[f64]| {
+        let all: Vec<f64> = history.iter().chain(&minor).copied().collect();
+        let displacements = run(&model, &all)[history.len()..].to_vec();
+        displacements.iter().map(|y| y - displacements[0]).collect::<Vec<_>>()
+    };
+    let (low, high) = (shape(&[0.0, -20.0]), shape(&[0.0, 80.0]));
+    // Both begin from a reversal at 20 V once the loop has gone round.
+    let close = |history: &[f64]| shape(&[history, &[20.0, 30.0]].concat());
+    for (a, b) in close(&[0.0, -20.0]).iter().zip(close(&[0.0, 80.0])) {
+        assert!((a - b).abs() < 1e-12);
+    }
+    assert!(low != high, "the first passes differ");
+}
+
+#[test]
+fn asymmetric_loops_are_not_point_symmetric_and_symmetric_ones_are() {
+    let asymmetry = |parameters| {
+        let y = run(&model::<f64>(parameters), &[0.0, 30.0, -30.0, 0.0, 30.0, 0.0]);
+        (y[3] - 0.5 + (y[5] - 0.5)).abs()
+    };
+    assert!(asymmetry(&SYMMETRIC) < 1e-9);
+    assert!(asymmetry(&ASYMMETRIC) > 0.1);
+}
+
+#[test]
+fn a_known_displacement_is_begun_with_and_one_out_of_reach_comes_nearest() {
+    for parameters in [SYMMETRIC, ASYMMETRIC] {
+        let model = model::<f64>(&parameters);
+        let at = |displacement| model.step(&mut model.begin(30.0, Some(displacement)), 30.0);
+        let (least, most) = (at(-1e6), at(1e6));
+        assert!(most - least > 1.0);
+        for part in [0.0, 0.3, 0.9, 1.0] {
+            let wanted = least + part * (most - least);
+            assert!((at(wanted) - wanted).abs() < 1e-7, "{wanted}");
+        }
+        assert!(at(f64::NAN).is_finite());
+    }
+}
+
+#[test]
+fn every_rule_has_its_fault() {
+    assert_eq!([SYMMETRIC.fault(), ASYMMETRIC.fault()], [None, None]);
+    let broken = [
+        (PrandtlIshlinskiiParameters { weights_um_per_v: List::of([1.0]), ..SYMMETRIC }, "as many"),
+        (PrandtlIshlinskiiParameters { offset_um: f32::NAN, ..SYMMETRIC }, "finite"),
+        (PrandtlIshlinskiiParameters { thresholds_v: List::of([0.0, 2.0, 2.0, 3.0, 4.0]), ..SYMMETRIC }, "increase"),
+        (PrandtlIshlinskiiParameters { thresholds_v: List::of([1.0, 2.0, 3.0, 4.0, 5.0]), ..SYMMETRIC }, "from 0"),
+        (
+            PrandtlIshlinskiiParameters { weights_um_per_v: List::of([1.0, -0.1, 0.0, 0.0, 0.0]), ..SYMMETRIC },
+            "at least 0",
+        ),
+        (PrandtlIshlinskiiParameters { weights_um_per_v: List::of([0.0; 5]), ..SYMMETRIC }, "not all 0"),
+        (
+            PrandtlIshlinskiiParameters { thresholds_v: List::of([]), weights_um_per_v: List::of([]), ..SYMMETRIC },
+            "from 0",
+        ),
+        (PrandtlIshlinskiiParameters { dead_zones_um: List::of([0.0]), ..SYMMETRIC }, "as many"),
+        (PrandtlIshlinskiiParameters { dead_zone_slopes: List::of([0.3, -1.4, 1.2, 0.5, -1.0]), ..ASYMMETRIC }, "sum"),
+        (PrandtlIshlinskiiParameters { dead_zone_slopes: List::of([0.3, -0.4, 1.2, 0.5, -1.8]), ..ASYMMETRIC }, "sum"),
+        (
+            PrandtlIshlinskiiParameters { dead_zones_um: List::of([-3.0, -1.0, 0.1, 2.0, 4.0]), ..ASYMMETRIC },
+            "contain 0",
+        ),
+        (
+            PrandtlIshlinskiiParameters { dead_zones_um: List::of([-1.0, -3.0, 0.0, 2.0, 4.0]), ..ASYMMETRIC },
+            "increase",
+        ),
+    ];
+    for (parameters, part) in broken {
+        assert!(parameters.fault().is_some_and(|fault| fault.contains(part)), "{part}: {:?}", parameters.fault());
+        run(&model::<f32>(&parameters), &[0.0, 10.0, -10.0]);
+    }
+}
+
+#[test]
+fn survives_the_wire() {
+    let mut buffer = [0; 256];
+    let bytes = postcard::to_slice(&ASYMMETRIC, &mut buffer).unwrap();
+    assert_eq!(postcard::from_bytes::<PrandtlIshlinskiiParameters>(bytes), Ok(ASYMMETRIC));
+}
+
+#[test]
+fn no_inverse_without_an_immediate_response() {
+    let sluggish =
+        PrandtlIshlinskiiParameters { weights_um_per_v: List::of([0.0, 0.03, 0.02, 0.0, 0.04]), ..SYMMETRIC };
+    assert_eq!(sluggish.fault(), None);
+    assert!(PrandtlIshlinskiiInverse::build(&model::<f32>(&sluggish)).is_none());
+}
+
+/// Largest voltage error of the inverse after the model, and displacement error of the model after the inverse.
+fn round_trip<T: Real>(parameters: &PrandtlIshlinskiiParameters, voltages: &[T], known: Option<T>) -> [T; 2] {
+    let model = model::<T>(parameters);
+    let inverse = PrandtlIshlinskiiInverse::build(&model).unwrap();
+    let mut forward = model.begin(voltages[0], known);
+    let mut backward = inverse.begin(voltages[0], known);
+    let mut again = forward;
+    let mut worst = [T::zero(); 2];
+    for &voltage in voltages {
+        let displacement = model.step(&mut forward, voltage);
+        let found = inverse.step(&mut backward, displacement);
+        worst[0] = worst[0].max((found - voltage).abs());
+        worst[1] = worst[1].max((model.step(&mut again, found) - displacement).abs());
+    }
+    worst
+}
+
+proptest! {
+    #[test]
+    fn the_inverse_is_exact(parameters in either(), voltages in voltages(), known in prop::option::of(-3.0f64..12.0)) {
+        let [volts, micrometres] = round_trip(&parameters, &voltages, known);
+        prop_assert!(volts < 1e-11 && micrometres < 1e-11, "{} V, {} µm", volts, micrometres);
+        // In f32: 1e-4 V of a range of 100 V, 1e-5 µm of a stroke of 13 µm.
+        let single: Vec<f32> = voltages.iter().map(|&voltage| voltage as f32).collect();
+        let [volts, micrometres] = round_trip(&parameters, &single, known.map(|known| known as f32));
+        prop_assert!(volts < 1e-4 && micrometres < 1e-5, "{} V, {} µm", volts, micrometres);
+    }
+
+    /// A memory that a history has left behind translates too.
+    #[test]
+    fn the_inverse_follows_any_memory(parameters in either(), before in voltages(), after in voltages()) {
+        let model = model::<f64>(&parameters);
+        let inverse = PrandtlIshlinskiiInverse::build(&model).unwrap();
+        let mut forward = model.begin(before[0], None);
+        before.iter().for_each(|&voltage| model.advance(&mut forward, voltage));
+        let mut backward = inverse.follow(&forward);
+        for &voltage in &after {
+            let found = inverse.step(&mut backward, model.step(&mut forward, voltage));
+            prop_assert!((found - voltage).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn the_superposition_is_inverted_exactly(x in -20.0f64..20.0) {
+        let curve = *model::<f64>(&ASYMMETRIC).superposition();
+        prop_assert!((curve.inverse().apply(curve.apply(x)) - x).abs() < 1e-13);
+        prop_assert!(curve.apply(x + 1e-3) > curve.apply(x));
+    }
+
+    /// Voltages on the way, at whatever rate, change nothing.
+    #[test]
+    fn rate_independent(parameters in either(), voltages in voltages(), between in 1u32..9) {
+        let model = model::<f64>(&parameters);
+        let mut slow = vec![voltages[0]];
+        for pair in voltages.windows(2) {
+            slow.extend((1..between).map(|i| pair[0] + (pair[1] - pair[0]) * f64::from(i) / f64::from(between)));
+            slow.push(pair[1]);
+        }
+        let fast = run(&model, &voltages);
+        let at_the_same: Vec<f64> = run(&model, &slow).into_iter().step_by(between as usize).collect();
+        prop_assert_eq!(fast, at_the_same);
+    }
+
+    /// What happened between two voltages is forgotten once both have been passed.
+    #[test]
+    fn wiping_out(parameters in either(), voltages in voltages()) {
+        let model = model::<f64>(&parameters);
+        let outer = [RANGE.max, RANGE.min, RANGE.max];
+        let with: Vec<f64> = [&[0.0][..], &outer[..2], &voltages, &outer[2..]].concat();
+        let without: Vec<f64> = [&[0.0][..], &outer].concat();
+        prop_assert_eq!(run(&model, &with).last().copied(), run(&model, &without).last().copied());
+    }
+
+    #[test]
+    fn stays_within_reach(parameters in either(), voltages in voltages(), known in prop::option::of(-30.0f64..40.0)) {
+        let single = model::<f32>(&parameters);
+        let reach = single.reach(Range { min: RANGE.min as f32, max: RANGE.max as f32 }).unwrap();
+        let mut state = single.begin(voltages[0] as f32, known.map(|known| known as f32));
+        for &voltage in &voltages {
+            let displacement = single.step(&mut state, voltage as f32);
+            prop_assert!(reach.contains(displacement), "{} not in {:?}", displacement, reach);
+        }
+    }
+
+    #[test]
+    fn the_columns_weigh_to_the_displacement(voltages in voltages()) {
+        let model = model::<f64>(&SYMMETRIC);
+        let weights = SYMMETRIC.weights_um_per_v.iter().chain([&SYMMETRIC.offset_um]);
+        let (mut state, mut other) = (model.begin(0.0, None), model.begin(0.0, None));
+        for &voltage in &voltages {
+            let displacement = model.step(&mut state, voltage);
+            model.advance(&mut other, voltage);
+            let mut columns = Vec::new();
+            model.columns(&other, |column| columns.push(column));
+            prop_assert_eq!(columns.len(), 6);
+            let weighed = columns.iter().zip(weights.clone()).map(|(column, &weight)| column * f64::from(weight));
+            let sum: f64 = weighed.sum();
+            prop_assert!((sum - displacement).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! NARX polynomials: for each structure the coefficients follow from one-step prediction by least squares; the structure that
+//! simulates best counts.
+
+use crate::identify::problem::Problem;
+use crate::identify::space::Gene;
+use crate::least_squares::{Normal, Sign};
+use crate::session::Session;
+use estimator_core::{List, Narx, NarxParameters, Parameters, Recursion};
+
+/// One structure.
+pub struct Family {
+    output_order: u8,
+    degree: u8,
+    with_voltage_extremum: bool,
+    with_displacement_extremum: bool,
+}
+
+/// Those of Table 5.1, of degrees 1 to 3.
+pub fn structures() -> Vec<Box<dyn super::Family>> {
+    let extrema = [(false, false), (true, false), (true, true)];
+    let orders = (1..=3).flat_map(|order| (1..=3).map(move |degree| (order, degree)));
+    let all = orders.flat_map(|orders| extrema.map(|extrema| (orders, extrema)));
+    all.map(|((output_order, degree), (with_voltage_extremum, with_displacement_extremum))| {
+        let family = Family { output_order, degree, with_voltage_extremum, with_displacement_extremum };
+        Box::new(family) as Box<dyn super::Family>
+    })
+    .collect()
+}
+
+/// A ridge: the regressors of a slow movement are nearly alike.
+const RIDGE: f64 = 1e-9;
+
+impl super::Family for Family {
+    fn genes(&self) -> Vec<Gene> {
+        Vec::new()
+    }
+
+    fn project(&self, _values: &[f64], problem: &Problem) -> Option<Parameters> {
+        let (voltage, stroke) = (problem.training_voltages(), problem.stroke());
+        let limits = problem.widest_limits();
+        let base = NarxParameters {
+            output_order: self.output_order,
+            input_order: self.output_order,
+            degree: self.degree,
+            with_voltage_extremum: self.with_voltage_extremum,
+            with_displacement_extremum: self.with_displacement_extremum,
+            voltage_centre_v: (0.5 * (voltage.min + voltage.max)) as f32,
+            voltage_scale_v: (0.5 * voltage.span()) as f32,
+            displacement_centre_um: (0.5 * (stroke.min + stroke.max)) as f32,
+            displacement_scale_um: (0.5 * stroke.span()) as f32,
+            deadband_v: problem.deadband as f32,
+            coefficients: List::collect([])?,
+            limits_um: limits,
+        };
+        let model = Narx::<f64>::build(&base, problem.extent().tick);
+        let count = base.count();
+        let mut normal = Normal::new(count).ridge(RIDGE);
+        for session in problem.training() {
+            add(&model, session, &mut normal);
+        }
+        let found = normal.solve(&vec![Sign::Free; count])?;
+        let coefficients = List::collect(found.iter().map(|&x| x as f32))?;
+        let parameters = NarxParameters { coefficients, ..base };
+        parameters.fault().is_none().then_some(Parameters::Narx(parameters))
+    }
+}
+
+/// One row a tick. Between two measurements of a log slower than the tick the displacement is interpolated.
+fn add(model: &Narx<f64>, session: &Session, normal: &mut Normal) {
+    let weight = 1.0 / session.voltage.len().max(1) as f64;
+    let (Some(&voltage), Some(&displacement)) = (session.voltage.first(), session.displacement.first()) else { return };
+    let mut state = model.begin(voltage, Some(displacement));
+    let mut row = Vec::with_capacity(normal.columns());
+    for (instants, values) in session.instants.windows(2).zip(session.displacement.windows(2)) {
+        let (&[from, to], &[first, last]) = (instants, values) else { continue };
+        for tick in from..to {
+            let at = |tick: u32| first + (last - first) * f64::from(tick - from) / f64::from(to - from);
+            model.observe(&mut state, session.voltage[tick as usize], at(tick));
+            row.clear();
+            model.row(&state, |x| row.push(x));
+            normal.add(&row, model.normalise(at(tick + 1)), weight);
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Kelvin–Voigt chains: the shortest and the longest time are searched, those between are spaced evenly on a logarithmic scale;
+//! gains and offset are projected.
+
+use super::projection::Projection;
+use crate::identify::problem::Problem;
+use crate::identify::space::{Gene, Scale};
+use crate::least_squares::Sign;
+use estimator_core::{List, Parameters, Range, VoigtChain, VoigtChainParameters};
+
+/// Elements.
+const ELEMENTS: usize = 10;
+
+/// What is fixed before the search.
+pub struct Family {
+    memory: Range,
+    tick: f64,
+}
+
+impl Family {
+    /// From the extent of the training logs.
+    pub fn new(problem: &Problem) -> Self {
+        let Range { min, max } = problem.voltage_range();
+        Self { memory: Range { min: min as f32, max: max as f32 }, tick: problem.extent().tick }
+    }
+}
+
+impl super::Family for Family {
+    fn genes(&self) -> Vec<Gene> {
+        let logarithmic =
+            |name, meaning, min, max| Gene { scale: Scale::Logarithmic, ..Gene::linear(name, meaning, "s", min, max) };
+        vec![
+            logarithmic("shortest", "shortest time constant", 0.2 * self.tick, 0.1),
+            logarithmic("longest", "longest time constant", 0.2, 100.0),
+        ]
+    }
+
+    fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
+        let &[shortest, longest] = values else { return None };
+        let time = |i: usize| (shortest * libm::pow(longest / shortest, i as f64 / (ELEMENTS - 1) as f64)) as f32;
+        let base = VoigtChainParameters {
+            offset_um: 0.0,
+            instantaneous_um_per_v: 0.0,
+            gains_um_per_v: List::collect([0.0; ELEMENTS])?,
+            times_s: List::collect((0..ELEMENTS).map(time))?,
+            memory_v: self.memory,
+        };
+        let unknowns: Vec<usize> = (0..=ELEMENTS).collect();
+        let projection = Projection {
+            problem,
+            model: &VoigtChain::<f64>::build(&base, self.tick),
+            unknowns: &unknowns,
+            signs: &[Sign::NonNegative; ELEMENTS + 1],
+            resonance: None,
+        };
+        let (found, offset) = projection.solve(|y| y)?;
+        let (instantaneous, gains) = found.split_first()?;
+        let parameters = VoigtChainParameters {
+            offset_um: offset as f32,
+            instantaneous_um_per_v: *instantaneous as f32,
+            gains_um_per_v: List::collect(gains.iter().map(|&gain| gain as f32))?,
+            ..base
+        };
+        parameters.fault().is_none().then_some(Parameters::VoigtChain(parameters))
+    }
+}
