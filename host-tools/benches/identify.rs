@@ -7,6 +7,7 @@ use estimator_core::Model;
 use host_tools::identify::ga::{Elitism, Selection};
 use host_tools::identify::space::{Ranges, Space};
 use host_tools::identify::{Conditions, Problem, SearchOptions, Start, identify};
+use host_tools::optimise::Optimiser;
 use host_tools::prepare::Recipe;
 use host_tools::rig::{EXCITATIONS, Rig, VALIDATION};
 use host_tools::session::{Feedback, Session};
@@ -25,6 +26,8 @@ const THESIS: SearchOptions = SearchOptions {
     selection: Selection::Tournament,
     elitism: Elitism::Aside,
     start: Start::Random,
+    optimiser: Optimiser::CmaEs,
+    evaluations: 1,
     seed: 1,
 };
 

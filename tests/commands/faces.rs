@@ -18,7 +18,7 @@ fn the_rust_const_compiles_and_equals_the_toml() {
     let (_, admitted) = TableFile::load(&data("table/table.toml")).unwrap();
     assert!(matches!(admitted.form, Form::Tabulated { .. }), "the committed table must have a lookup to compare");
     assert_eq!(committed::TABLE, *admitted);
-    assert_eq!(committed::LOOKUP, admitted.lookup::<f32>());
+    assert_eq!(Some(&committed::LOOKUP), admitted.lookup::<f32>().as_ref());
 }
 
 #[test]
