@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod command;
+pub mod compare;
 pub mod device;
 pub mod identify;
 pub mod least_squares;

@@ -2,7 +2,8 @@
 
 use clap::{Parser, Subcommand};
 use host_tools::command::{
-    emit, erase, flash, identify, info, monitor, pil, pull, push, record, reproduce, reset, simulate, validate, zero,
+    compare, emit, erase, flash, identify, info, monitor, pil, pull, push, record, reproduce, reset, simulate,
+    validate, zero,
 };
 use std::process::ExitCode;
 
@@ -24,6 +25,11 @@ enum Verb {
     /// Recorded logs → parameter table (table.toml, table.rs, table.bin) and report.html.
     #[command(after_help = "Example: piezo identify tests/data/picma-p885-1hz.csv --out out/demo")]
     Identify(Box<identify::Identify>),
+    /// Models × logs → what each model's estimate is off on data that none has seen, and what it costs.
+    #[command(
+        after_help = "Example: piezo compare tests/data/picma-p885-1hz.csv --models champion,enhanced,voigt --out out/compare"
+    )]
+    Compare(Box<compare::Compare>),
     /// Table + logs → errors, f64 reference and f32 core side by side.
     #[command(after_help = "Example: piezo validate out/demo/table.toml other.csv --max-percent 2")]
     Validate(validate::Validate),
@@ -77,6 +83,7 @@ enum Verb {
 fn main() -> ExitCode {
     let result = match Cli::parse().verb {
         Verb::Identify(arguments) => identify::run(&arguments),
+        Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Validate(arguments) => validate::run(&arguments),
         Verb::Simulate(arguments) => simulate::run(&arguments),
         Verb::Emit(arguments) => emit::run(&arguments),

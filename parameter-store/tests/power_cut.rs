@@ -3,7 +3,7 @@
 
 use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
-use parameter_store::{ParameterStore, RamFlash, StoreError};
+use parameter_store::{MAX_RECORD, ParameterStore, RamFlash, StoreError};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cell::RefCell;
@@ -219,8 +219,8 @@ fn an_erased_store_is_empty_and_limits_are_kept() {
     }
     let mut store = ParameterStore::new(RamFlash::new(&mut memory), PAGE as u32..3 * PAGE as u32).unwrap();
     assert_eq!(block_on(store.load()), Ok(None));
-    assert_eq!(block_on(store.store(&[7; 249])), Err(StoreError::TooLong));
-    for length in [0, 1, parameter_store::MAX_RECORD - 1, parameter_store::MAX_RECORD] {
+    assert_eq!(block_on(store.store(&[7; MAX_RECORD + 1])), Err(StoreError::TooLong));
+    for length in [0, 1, MAX_RECORD - 1, MAX_RECORD] {
         block_on(store.store(&vec![7; length])).unwrap();
         assert_eq!(block_on(store.load()), Ok(Some(&*vec![7; length])));
     }

@@ -53,7 +53,8 @@ fn tables_that_were_tampered_with_are_refused_by_name() {
     case("b_ohm", "b_ohm = 1.0", &["not admissible"]);
     case("alpha_um", "alpha_um = nan", &["alpha_um is not a finite number"]);
     case("sample_period_us", "sample_period_us = 0", &["sample_period_us"]);
-    case("model", "model = \"preisach\"", &["preisach", "line"]);
+    case("model", "model = \"everett\"", &["everett", "line"]);
+    case("model", "model = \"preisach\"", &["those of the model"]);
     case("deadband_v", "deadband = 1.0", &["deadband", "line"]);
     case("error_bound_um", "error_bound_um = 0.0", &["piezo emit --form tabulated"]);
     fs::write(&table, "[table").unwrap();

@@ -26,6 +26,9 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Instead, what the tick of every model takes, identified on the measured log: JSON for `piezo compare --instructions`
+    #[arg(long)]
+    models: bool,
 }
 
 /// The function that is counted, and the one with which the tick starts anew in another mode.
@@ -50,6 +53,9 @@ struct Counts {
 /// Something does not build or run, or the tick cannot be measured.
 pub fn run(sh: &Shell, arguments: &Arguments) -> Result<()> {
     tool::require(sh, &[&EMBEDDED, &QEMU])?;
+    if arguments.models {
+        return models(sh);
+    }
     let board = Image::read(&embedded::image(sh, Board::NucleoG474re)?)?;
     let [direct, tabulated] = instructions_per_tick(sh, &artifact::piezo(sh)?, &[])?;
     let soft_doubles = board.soft_doubles();
@@ -98,31 +104,71 @@ impl Counts {
     }
 }
 
+/// The names of the models on the command line.
+const MODELS: [&str; 12] = [
+    "voigt",
+    "voltage-extremum",
+    "displacement-extremum",
+    "enhanced",
+    "voigt-chain",
+    "prandtl-ishlinskii",
+    "maxwell-slip",
+    "duhem",
+    "bouc-wen",
+    "preisach",
+    "narx",
+    "champion",
+];
+
+/// Prints what the tick of every model takes, over the first four seconds of the log.
+fn models(sh: &Shell) -> Result<()> {
+    let piezo = artifact::piezo(sh)?;
+    let mut figures = serde_json::Map::new();
+    for model in MODELS {
+        let folder = TempDir::new()?;
+        let out = folder.path();
+        cmd!(sh, "{piezo} identify {LOG} --model {model} --adc-full-scale 65520 --out {out}")
+            .quiet()
+            .ignore_stdout()
+            .run()?;
+        let counts = instructions(sh, &piezo, &out.join("table.toml"), &["--limit", "8000"])?;
+        figures.insert(model.to_owned(), json!({ "max": counts.max, "mean": counts.mean() }));
+    }
+    println!("{:#}", Value::Object(figures));
+    Ok(())
+}
+
 /// The tick's instructions with the direct and with the tabulated form of one table.
 fn instructions_per_tick(sh: &Shell, piezo: &Path, log: &[&str]) -> Result<[Counts; 2]> {
+    let count = |form: &str| -> Result<Counts> {
+        let folder = TempDir::new()?;
+        let tables = folder.path();
+        cmd!(sh, "{piezo} emit {TABLE} --form {form} --adc-full-scale 65520 --out {tables}").read()?;
+        instructions(sh, piezo, &tables.join("table.toml"), log)
+    };
+    Ok([count("direct")?, count("tabulated")?])
+}
+
+/// The instructions of the tick while a table runs on the measured log.
+fn instructions(sh: &Shell, piezo: &Path, table: &Path, log: &[&str]) -> Result<Counts> {
     let path = embedded::image(sh, Board::Mps2An386)?;
     let image = Image::read(&path)?;
     let functions = format!("function={:#x},mark={:#x}", image.function(TICK)?, image.function(RESTART)?);
     let plugin = artifact::build(cmd!(sh, "cargo build --package instruction-count"), "libinstruction_count.so")?;
-    let count = |form: &str| -> Result<Counts> {
-        let folder = TempDir::new()?;
-        let [tables, counts] = ["tables", "counts.json"].map(|name| folder.path().join(name));
-        let table = tables.join("table.toml");
-        let plugin = format!("{},{functions},out={}", plugin.display(), counts.display());
-        let port = qemu::free_port(0)?;
-        let link = format!("tcp:127.0.0.1:{port}");
-        let qemu = Qemu::start(qemu::command(&path, &qemu::socket(port)).args(["-plugin", &plugin]))?;
-        cmd!(sh, "{piezo} emit {TABLE} --form {form} --adc-full-scale 65520 --out {tables}").read()?;
-        cmd!(sh, "{piezo} push {table} --reset --port {link}").read()?;
-        let report: Value =
-            serde_json::from_str(&cmd!(sh, "{piezo} pil {table} {LOG} {log...} --json --port {link}").read()?)?;
-        qemu.quit()?;
-        let stretches: Vec<Counts> =
-            fs::read_to_string(counts)?.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
-        // Before and after the log, the tick estimates what the emulated converter gives.
-        let of_log = |stretch: &Counts| report["ticks"] == stretch.calls && stretch.jumps == 0;
-        let log = stretches.into_iter().find(of_log);
-        log.with_context(|| format!("{TICK} was not called once for each tick of the log, or it was jumped to"))
-    };
-    Ok([count("direct")?, count("tabulated")?])
+    let folder = TempDir::new()?;
+    let counts = folder.path().join("counts.json");
+    let plugin = format!("{},{functions},out={}", plugin.display(), counts.display());
+    let port = qemu::free_port(0)?;
+    let link = format!("tcp:127.0.0.1:{port}");
+    let qemu = Qemu::start(qemu::command(&path, &qemu::socket(port)).args(["-plugin", &plugin]))?;
+    cmd!(sh, "{piezo} push {table} --reset --port {link}").read()?;
+    let report: Value =
+        serde_json::from_str(&cmd!(sh, "{piezo} pil {table} {LOG} {log...} --json --port {link}").read()?)?;
+    qemu.quit()?;
+    let stretches: Vec<Counts> =
+        fs::read_to_string(counts)?.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
+    // Before and after the log, the tick estimates what the emulated converter gives.
+    let of_log = |stretch: &Counts| report["ticks"] == stretch.calls && stretch.jumps == 0;
+    let log = stretches.into_iter().find(of_log);
+    log.with_context(|| format!("{TICK} was not called once for each tick of the log, or it was jumped to"))
 }

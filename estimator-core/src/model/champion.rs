@@ -44,8 +44,8 @@ const LINE: usize = 16;
 pub struct ChampionParameters {
     /// Voltages over which the functions of the plays are laid out, V.
     pub span_v: Range,
-    /// From voltage to actuator, ticks, −1 … 14; a fraction is interpolated. Below 0 the voltage is extrapolated, as far as
-    /// the tick that the estimate is for.
+    /// From voltage to actuator, ticks, −1 … 14; a fraction is interpolated. Below 0 the actuator's input is extrapolated, as
+    /// far as the tick that the estimate is for.
     pub delay_ticks: f32,
     /// Fastest change behind the amplifier, V/s; 0 for no limit.
     pub slew_v_per_s: f32,
@@ -131,10 +131,12 @@ pub struct Champion<T> {
     /// Ends of the span.
     lowest: T,
     highest: T,
-    /// Whole ticks of the delay, and the weight of the voltage a tick older; negative to extrapolate.
+    /// Whole ticks of the delay, and the weight of the voltage a tick older.
     delay: usize,
     older: T,
-    /// What a voltage ahead of time may be, V.
+    /// Ticks by which the input is seen ahead of time, where the delay is below 0.
+    ahead: T,
+    /// What an input ahead of time may be, V.
     foreseen: Range<T>,
     /// Most a tick, V; none without a limit.
     slew: Option<T>,
@@ -157,6 +159,8 @@ pub struct ChampionState<T> {
     line: [T; LINE],
     newest: usize,
     input: T,
+    /// The input as far ahead as it is foreseen: it moves no memory, since it may not come true.
+    seen: T,
     plays: [T; PLAYS],
     creep: [T; CREEPS],
     /// Of use where there is one.
@@ -191,7 +195,8 @@ impl<T: Real> Champion<T> {
             lowest: span.min,
             highest: span.max,
             delay: whole.min(LINE - 2),
-            older: T::of(p.delay_ticks - whole as f32),
+            older: T::of(p.delay_ticks.max(0.0) - whole as f32),
+            ahead: T::of((-p.delay_ticks).max(0.0)),
             foreseen: Range {
                 min: span.min - T::of(FORESEEN) * span.span(),
                 max: span.max + T::of(FORESEEN) * span.span(),
@@ -246,6 +251,7 @@ impl<T: Real> Champion<T> {
             line: [voltage; LINE],
             newest: 0,
             input: voltage,
+            seen: voltage,
             plays: [voltage; PLAYS],
             creep: [voltage; CREEPS],
             resonance: ResonanceState::rest(T::zero()),
@@ -260,8 +266,8 @@ impl<T: Real> Champion<T> {
     /// What the resonance takes in.
     fn sum(&self, state: &ChampionState<T>) -> T {
         let mut sum = self.offset;
-        for (element, &p) in self.elements.iter().zip(&state.plays).take(self.plays) {
-            sum = sum + element.function(p, self.degree);
+        for (element, &memory) in self.elements.iter().zip(&state.plays).take(self.plays) {
+            sum = sum + element.function(play(memory, state.seen, element.half_width), self.degree);
         }
         for (&(_, gain), &x) in self.creep.iter().zip(&state.creep).take(self.creeps) {
             sum = sum + gain * x;
@@ -282,9 +288,7 @@ impl<T: Real> Champion<T> {
         }
         let at = |ticks: usize| state.line.get((state.newest + LINE - ticks) % LINE).copied().unwrap_or(voltage);
         let young = at(self.delay);
-        let between = young + self.older * (at(self.delay + 1) - young);
-        // What is extrapolated stays near the span.
-        if self.older < T::zero() { self.foreseen.clamp(between) } else { between }
+        young + self.older * (at(self.delay + 1) - young)
     }
 }
 
@@ -358,8 +362,8 @@ impl<T: Real> Recursion<T> for Champion<T> {
     }
 
     fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
-        // A delay below 0 looks past the range.
-        let foreseen = if self.older < T::zero() { self.foreseen } else { voltage };
+        // An input seen ahead of time may lie past the range.
+        let foreseen = if self.ahead > T::zero() { self.foreseen } else { voltage };
         let low = if foreseen.min < voltage.min { foreseen.min } else { voltage.min };
         let high = if foreseen.max > voltage.max { foreseen.max } else { voltage.max };
         let (mut least, mut most) = (self.offset, self.offset);
@@ -389,6 +393,7 @@ impl<T: Real> Linear<T> for Champion<T> {
                 Some(most) => Range { min: -most, max: most }.clamp(change),
                 None => change,
             };
+        state.seen = if self.ahead > T::zero() { self.foreseen.clamp(u + self.ahead * (u - state.input)) } else { u };
         state.input = u;
         for (state, element) in state.plays.iter_mut().zip(&self.elements).take(self.plays) {
             *state = play(*state, u, element.half_width);
@@ -399,7 +404,8 @@ impl<T: Real> Linear<T> for Champion<T> {
     }
 
     fn columns(&self, state: &ChampionState<T>, mut each: impl FnMut(T)) {
-        for (element, &p) in self.elements.iter().zip(&state.plays).take(self.plays) {
+        for (element, &memory) in self.elements.iter().zip(&state.plays).take(self.plays) {
+            let p = play(memory, state.seen, element.half_width);
             (0..self.degree).for_each(|index| each(element.of_weight(index, p, self.degree)));
         }
         state.creep.iter().take(self.creeps).for_each(|&x| each(x));

@@ -26,7 +26,7 @@ pub enum SchemeName {
 }
 
 impl SchemeName {
-    fn words(self) -> &'static str {
+    pub(super) fn words(self) -> &'static str {
         match self {
             Self::ForwardEuler => "forward Euler",
             Self::ZeroOrderHold => "zero-order hold",
@@ -58,7 +58,7 @@ pub struct Identify {
     /// Folder for table.toml, table.rs, table.bin, report.html and estimate.svg.
     #[arg(long)]
     pub out: PathBuf,
-    /// Which model; `auto` identifies all four and chooses by what the logs can teach.
+    /// Which model; `auto` identifies the Voigt family and the champion.
     #[arg(long, value_enum, default_value_t = ModelChoice::Auto)]
     pub model: ModelChoice,
     /// What is minimised: the error of one-step prediction, or that of simulation, which is what the estimator does.
@@ -99,6 +99,10 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let hold_out = arguments.hold_out.unwrap_or(if arguments.validate_on.is_empty() { 0.5 } else { 0.0 });
     ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
     ensure!(arguments.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
+    ensure!(
+        arguments.form == FormName::Direct || arguments.model.has_tabulated_form(),
+        "--form tabulated: only the models of the Voigt family have one: leave it out, or choose another --model"
+    );
     let out_folder = arguments.out.display();
     ensure!(!arguments.out.exists() || arguments.out.is_dir(), "{out_folder}: is a file, --out names a folder");
     let job = Job {
@@ -221,7 +225,7 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
 }
 
 /// Zeros and delay in words.
-fn zeros(recipe: &Recipe) -> String {
+pub(super) fn zeros(recipe: &Recipe) -> String {
     format!(
         "{:.4} V and {:.4} µm are the model's zero; the sensor's delay is taken as {:.2} ms",
         recipe.voltage_zero_v,

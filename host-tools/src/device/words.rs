@@ -120,7 +120,7 @@ const FAULTS: [(Faults, Meaning); 8] = [
     ),
 ];
 
-const STATUS: [(Status, Meaning); 4] = [
+const STATUS: [(Status, Meaning); 6] = [
     (
         Status::ADC_SATURATED,
         Meaning {
@@ -147,6 +147,20 @@ const STATUS: [(Status, Meaning); 4] = [
         Meaning {
             what: "the DAC was at an end of its range: the displacement was at least that far",
             remedy: "a wider output: piezo emit --dac-span",
+        },
+    ),
+    (
+        Status::NOT_SETTLED,
+        Meaning {
+            what: "the voltage had not turned at either end since the start: the estimate depended on where that was assumed",
+            remedy: "move the actuator once up and down its range; a start from rest at 0 V needs it least",
+        },
+    ),
+    (
+        Status::OUT_OF_REACH,
+        Meaning {
+            what: "no voltage within the range and the slew limit brought the actuator to the reference in time",
+            remedy: "a slower or smaller reference",
         },
     ),
 ];

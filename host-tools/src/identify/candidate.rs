@@ -80,7 +80,7 @@ impl Candidate {
 fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
     let recipe = &setting.recipe;
     let limits = problem.limits(&fit.parameters).map_err(|cause| {
-        anyhow!("no admissible candidate was found ({cause}): search longer (--generations, --rounds) or raise --limit")
+        anyhow!("no admissible candidate was found ({cause}): search longer (--generations, --rounds, --evaluations) or raise --limit")
     })?;
     let room = ROUNDING * limits.span();
     let limits = Range { min: limits.min - room, max: limits.max + room };

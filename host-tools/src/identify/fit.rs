@@ -5,7 +5,7 @@ use super::family::{self, Family};
 use super::ga::{self, Best, Elitism, Selection, Settings};
 use super::problem::Problem;
 use super::space::{Gene, Ranges, Space};
-use crate::optimise::{Budget, Optimiser, minimise};
+use crate::optimise::{Budget, Minimum, Optimiser, minimise};
 use crate::session::Feedback;
 use clap::Args;
 use estimator_core::{Model, Parameters, VoigtParameters};
@@ -63,8 +63,8 @@ pub struct SearchOptions {
     /// Method for the models beyond the Voigt family, of which only a few numbers are searched.
     #[arg(long, value_enum, default_value_t = Optimiser::CmaEs)]
     pub optimiser: Optimiser,
-    /// Candidates that the method may try.
-    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Candidates that the method may try for each number that is searched.
+    #[arg(long, default_value_t = 250, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub evaluations: u32,
     /// Seed; the same seed gives the same table on any number of threads.
     #[arg(long, default_value_t = 1)]
@@ -213,6 +213,10 @@ fn search(
     }
 }
 
+/// A structure with so many searched numbers has minima that one method alone misses, a resonance above all,
+const MANY: usize = 6;
+/// and is searched by this one, too.
+const SECOND: Optimiser = Optimiser::DifferentialEvolution;
 /// A richer structure must better the simpler one's cost by this factor.
 const BETTER: f64 = 0.97;
 
@@ -259,21 +263,24 @@ fn search_structure(
         let found = parameters(at);
         found.map_or(f64::INFINITY, |found| family.burden(&values(at)) * problem.cost_of(&found, feedback))
     };
-    let start = |rest: f64| -> Vec<f64> {
-        let known = simpler.genes.iter().map(|(gene, value)| gene.fraction(*value));
-        known.chain(std::iter::repeat(rest)).take(genes.len()).collect()
-    };
-    let starts: &[Vec<f64>] = if simpler.genes.is_empty() { &[] } else { &[start(0.5), start(0.75)] };
+    let known: Vec<f64> = simpler.genes.iter().map(|(gene, value)| gene.fraction(*value)).collect();
+    let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(0.5)).take(genes.len()).collect();
+    let starts: Vec<Vec<f64>> = family.starts().into_iter().chain([known]).map(whole).collect();
     let mut convergence = simpler.convergence.clone();
     let mut shown = (f64::INFINITY, None);
-    let budget = Budget { evaluations: options.evaluations as usize, seed: options.seed.into() };
-    let best = minimise(options.optimiser, genes.len(), budget, starts, &cost, &mut |_, best| {
+    let budget = Budget { evaluations: options.evaluations as usize * genes.len().max(1), seed: options.seed.into() };
+    let mut watch = |_: usize, best: &Minimum| {
         if best.cost < shown.0 {
             shown = (best.cost, parameters(&best.at).and_then(|found| problem.held_out_of(&found)));
         }
         convergence.push(Convergence { training: shown.0, validation: shown.1 });
         progress(shown.0);
-    });
+    };
+    let mut best = minimise(options.optimiser, genes.len(), budget, &starts, &cost, &mut watch);
+    if genes.len() >= MANY && options.optimiser != SECOND {
+        let again = minimise(SECOND, genes.len(), budget, &[starts, vec![best.at.clone()]].concat(), &cost, &mut watch);
+        best = if again.cost < best.cost { again } else { best };
+    }
     let (parameters, cost) = match parameters(&best.at) {
         Some(found) => (found, best.cost),
         None => (simpler.parameters, f64::INFINITY),

@@ -20,7 +20,8 @@ use sha2::{Digest as _, Sha256};
 /// Which model to identify.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum ModelChoice {
-    /// All four; the enhanced model where the logs have several amplitudes, else Voigt.
+    /// The Voigt family and the champion, which is chosen; for a tabulated table the enhanced model where the logs have several
+    /// amplitudes, else Voigt.
     Auto,
     /// Eq. (4.8).
     Voigt,
@@ -50,7 +51,7 @@ pub enum ModelChoice {
 
 impl ModelChoice {
     /// The model, or `None` for the choice to be made from the logs.
-    fn model(self) -> Option<Model> {
+    pub fn model(self) -> Option<Model> {
         match self {
             Self::Auto => None,
             Self::Voigt => Some(Model::Voigt),
@@ -68,18 +69,30 @@ impl ModelChoice {
         }
     }
 
+    /// Whether a table of it may be tabulated.
+    pub fn has_tabulated_form(self) -> bool {
+        self.model().is_none_or(Model::is_voigt)
+    }
+
     /// The models to identify, simplest first: the wanted one and, where it starts from them, those it contains.
     pub fn models(self, start: Start) -> Vec<Model> {
-        let Some(wanted) = self.model() else { return [&Model::VOIGT_FAMILY[..], &[Model::Champion]].concat() };
-        if start == Start::Random || !wanted.is_voigt() {
-            return vec![wanted];
+        match self.model() {
+            Some(wanted) => with_contained(wanted, start),
+            None => [&Model::VOIGT_FAMILY[..], &[Model::Champion]].concat(),
         }
-        let contained = |model: &Model| {
-            (wanted.has_voltage_term() || !model.has_voltage_term())
-                && (wanted.has_displacement_term() || !model.has_displacement_term())
-        };
-        Model::VOIGT_FAMILY.into_iter().filter(contained).collect()
     }
+}
+
+/// A model after those that it contains and starts from, simplest first.
+pub fn with_contained(wanted: Model, start: Start) -> Vec<Model> {
+    if start == Start::Random || !wanted.is_voigt() {
+        return vec![wanted];
+    }
+    let contained = |model: &Model| {
+        (wanted.has_voltage_term() || !model.has_voltage_term())
+            && (wanted.has_displacement_term() || !model.has_displacement_term())
+    };
+    Model::VOIGT_FAMILY.into_iter().filter(contained).collect()
 }
 
 /// What to identify from what.
@@ -105,6 +118,21 @@ pub struct Job {
     pub cost: Feedback,
     /// The search.
     pub search: SearchOptions,
+}
+
+/// What every model of a job is identified on and made into a table with.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The sessions, cut, divided and prepared.
+    pub problem: Problem,
+    /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone, in its recipe.
+    pub setting: Setting,
+    /// What each log was used for.
+    pub logs: Vec<LogUse>,
+    /// A doubt for each log that is no sensor's.
+    pub estimates: Vec<Doubt>,
+    /// A doubt of the delay that was found.
+    pub delay_at_bound: Option<Doubt>,
 }
 
 /// What came of it.
@@ -136,13 +164,17 @@ impl Outcome {
 impl Job {
     /// Generations that it takes at most, for a progress bar.
     pub fn generations(&self) -> u64 {
-        let logs = self.training.len();
-        let delay = if self.prepare.delay == AutoOr::Auto { self.delay_search().generations(logs) } else { 0 };
-        delay + self.search.generations_of(&self.model.models(self.search.start))
+        self.generations_before() + self.search.generations_of(&self.model.models(self.search.start))
     }
 
-    /// Does it.
-    pub fn run(&self, progress: Progress<'_>) -> Result<Outcome> {
+    /// Generations that [`prepare`](Self::prepare) takes at most.
+    pub fn generations_before(&self) -> u64 {
+        let logs = self.training.len();
+        if self.prepare.delay == AutoOr::Auto { self.delay_search().generations(logs) } else { 0 }
+    }
+
+    /// Cuts and divides the logs, and decides zeros and delay from what is fitted to.
+    pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared> {
         let (training, held_out) = self.parts()?;
         let mut recipe = self.prepare.resolve(&training);
         let delay = self.delay_search();
@@ -153,14 +185,26 @@ impl Job {
         if let Some(Delay { ticks, .. }) = estimated {
             recipe.delay_ticks = ticks;
         }
-        let problem = Problem::new(recipe.sessions(&training)?, recipe.sessions(&held_out)?, self.conditions);
-        let setting = Setting {
-            recipe: recipe.clone(),
-            calibration: self.calibration.clone(),
-            tabulated: self.tabulated,
-            logs: digest(&training),
-            seed: self.search.seed,
-        };
+        let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
+        let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
+        Ok(Prepared {
+            problem: Problem::new(recipe.sessions(&training)?, recipe.sessions(&held_out)?, self.conditions),
+            setting: Setting {
+                recipe,
+                calibration: self.calibration.clone(),
+                tabulated: self.tabulated,
+                logs: digest(&training),
+                seed: self.search.seed,
+            },
+            logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
+            estimates: self.estimates(),
+            delay_at_bound: estimated.filter(|delay| delay.at_bound).map(|_| Doubt::DelayAtBound { delay_ms }),
+        })
+    }
+
+    /// Does it.
+    pub fn run(&self, progress: Progress<'_>) -> Result<Outcome> {
+        let Prepared { problem, setting, logs, estimates, delay_at_bound } = self.prepare(progress)?;
         let fits = identify(&problem, &self.model.models(self.search.start), self.cost, &self.search, progress);
         let (mut candidates, mut failed) = (Vec::new(), Vec::new());
         for fit in fits {
@@ -177,18 +221,14 @@ impl Job {
                 failed.into_iter().find(|(failed, _)| *failed == model).context("it was not searched for")?;
             return Err(error.context(format!("model {model}")));
         };
-        let mut doubts = [self.estimates(), doubts(&candidates[chosen], &character, self.cost)].concat();
-        if let Some(Delay { at_bound: true, ticks }) = estimated {
-            doubts.push(Doubt::DelayAtBound { delay_ms: f64::from(ticks) * recipe.tick_s() * 1e3 });
-        }
+        let mut doubts = [estimates, doubts(&candidates[chosen], &character, self.cost)].concat();
+        doubts.extend(delay_at_bound);
         doubts.extend(failed.iter().map(|(model, _)| Doubt::NotIdentified { model: *model }));
         if !self.calibration.stated() {
             doubts.push(Doubt::CalibrationAssumed);
         }
-        let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
-        let logs = [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat();
         let failed = failed.into_iter().map(|(model, error)| (model, format!("{error:#}"))).collect();
-        Ok(Outcome { candidates, failed, chosen, reason, doubts, recipe, logs })
+        Ok(Outcome { candidates, failed, chosen, reason, doubts, recipe: setting.recipe, logs })
     }
 
     /// A doubt for each log that is no sensor's.
@@ -226,6 +266,11 @@ impl Job {
     fn choose(&self, character: &Character) -> (Model, String) {
         match self.model.model() {
             Some(model) => (model, "it was asked for.".to_owned()),
+            None if !self.tabulated => (
+                Model::Champion,
+                "it has hysteresis, creep and lag in one; of the thesis's models, which are shown beside it, --model takes another."
+                    .to_owned(),
+            ),
             None if character.single_amplitude() => (
                 Model::Voigt,
                 "the logs have a single amplitude, which cannot teach the extremum terms; the models that have them fit \

@@ -17,7 +17,7 @@ pub use candidate::{Candidate, Setting};
 pub use character::Character;
 pub use doubt::Doubt;
 pub use fit::{Convergence, Fit, Progress, SearchOptions, Start, identify};
-pub use job::{Job, ModelChoice, Outcome};
+pub use job::{Job, ModelChoice, Outcome, Prepared, with_contained};
 pub use log_use::{LogUse, Role};
 pub use problem::{Conditions, Problem};
 pub use suspicion::doubts;

@@ -80,10 +80,15 @@ impl Gene {
     }
 
     /// Whether a value is so close to an end of the interval that the optimum may lie beyond, unless that end is a limit
-    /// of the model itself: a sigmoid without curvature is the pure exponential that β → ±∞ gives.
+    /// of the model itself: a sigmoid without curvature is the pure exponential that β → ±∞ gives, a short lag is none, a high
+    /// slew limit is none.
     pub fn undetermined(&self, value: f64) -> bool {
         let fraction = self.fraction(value);
-        let model_limit = self.name == "curvature" && fraction < 0.5;
+        let model_limit = match self.name {
+            "curvature" | "lag" | "delay" => fraction < 0.5,
+            "slew" => fraction > 0.5,
+            _ => false,
+        };
         !(AT_END..=1.0 - AT_END).contains(&fraction) && !model_limit
     }
 

@@ -5,7 +5,7 @@ use super::character::Character;
 use super::doubt::{Doubt, FEW_REVERSALS};
 use crate::session::Feedback;
 use crate::validate::Trace;
-use estimator_core::{AdcCode, DacCode, Model, Range};
+use estimator_core::{AdcCode, DacCode, Range};
 
 /// More reversals than this multiple of the large ones are noise.
 const NOISY: usize = 3;
@@ -28,7 +28,7 @@ const TRANSIENT: f64 = 2.0;
 pub fn doubts(candidate: &Candidate, character: &Character, cost: Feedback) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     let model = candidate.table.model;
-    let extremum_terms = model != Model::Voigt;
+    let extremum_terms = model.has_voltage_term() || model.has_displacement_term();
     let training = candidate.training_figures();
     let held_out = candidate.held_out_figures();
     if let (Feedback::Osp, Some(training)) = (cost, training) {

@@ -1,6 +1,7 @@
 //! The report of an identification: one HTML file that needs nothing else, for a screen, a phone or paper.
 
 mod axis;
+mod comparison;
 mod errors;
 mod loops;
 mod number;
@@ -16,6 +17,7 @@ mod tests;
 
 use crate::identify::Candidate;
 use askama::Template;
+pub use comparison::{ComparisonReport, comparison};
 pub use picture::picture;
 
 /// What a report says.

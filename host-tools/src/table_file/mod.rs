@@ -39,7 +39,7 @@ pub struct TableFile {
 
 const HEADER: &str = "\
 # Parameter table of a piezo actuator, for sensorless displacement estimation.
-# Units stand in the names: um is micrometre, v volt, us microsecond. Parameters are those of Eq. (4.8) and (5.3).
+# Units stand in the names: um is micrometre, v volt, us microsecond.
 # [table] is what the firmware runs; after changing it (a calibration, say), make its other faces again: piezo emit
 ";
 

@@ -2,6 +2,7 @@
 //! searched; the weights of the plays' functions, creep and offset are projected.
 
 use super::projection::Projection;
+use crate::identify::character::Character;
 use crate::identify::problem::Problem;
 use crate::identify::space::{Gene, Scale};
 use crate::least_squares::Sign;
@@ -34,9 +35,11 @@ struct Family {
     steepest: f64,
 }
 
-/// Simplest first. A log slower than the tick shows neither slew nor resonance.
+/// Simplest first. A log slower than the tick shows neither slew nor resonance, and a single frequency cannot tell them from
+/// hysteresis.
 pub fn structures(problem: &Problem) -> Vec<Box<dyn super::Family>> {
-    let fast = problem.training().any(|session| session.instants.len() == session.voltage.len());
+    let fast = problem.training().any(|session| session.instants.len() == session.voltage.len())
+        && !Character::of(problem.training(), problem.deadband).single_frequency();
     let extras: &[Extra] = if fast { &[Extra::Nothing, Extra::Slew, Extra::Resonance] } else { &[Extra::Nothing] };
     extras.iter().map(|&extra| Box::new(Family::new(extra, problem)) as Box<dyn super::Family>).collect()
 }
@@ -90,7 +93,7 @@ impl super::Family for Family {
         let mut genes = vec![
             Gene::linear("delay", "delay from voltage to actuator", "ticks", -1.0, 14.0),
             logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
-            Gene::linear("curvature", "κ times the stroke", "", -0.4, 0.4),
+            Gene::linear("kappa", "κ times the stroke", "", -0.4, 0.4),
         ];
         if self.extra != Extra::Nothing {
             genes.push(logarithmic("slew", "slew limit, of the steepest voltage", "", 0.05, 20.0));
@@ -105,6 +108,11 @@ impl super::Family for Family {
 
     fn burden(&self, values: &[f64]) -> f64 {
         1.0 + super::DELAYED * values.iter().take(2).map(|ticks| ticks.abs()).sum::<f64>()
+    }
+
+    /// The cost has two basins in κ, one of either sign.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        [0.35, 0.65].map(|curvature| vec![0.1, 0.4, curvature]).to_vec()
     }
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {

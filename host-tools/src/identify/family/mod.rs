@@ -27,6 +27,11 @@ pub trait Family: Sync {
     /// none.
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters>;
 
+    /// Where to start, as fractions of the genes' ranges; genes that are left out start in the middle.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
     /// A factor on the cost, from 1 up, that prefers the simpler of two candidates which the logs can hardly tell apart.
     fn burden(&self, _values: &[f64]) -> f64 {
         1.0

@@ -1,0 +1,235 @@
+//! `piezo compare`: models × logs → errors on held-out data, parameters, time, instructions.
+
+use super::identify::{SchemeName, zeros};
+use super::print::{out, progress};
+use super::{LogOptions, limit};
+use crate::calibration::CalibrationOptions;
+use crate::compare::{self, Judgement, Matrix, Row, read_instructions};
+use crate::identify::{Conditions, Job, ModelChoice, Role, SearchOptions};
+use crate::output;
+use crate::prepare::PrepareOptions;
+use crate::report::{self, ComparisonReport};
+use crate::session::Feedback;
+use crate::validate::Figures;
+use anyhow::{Result, ensure};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use estimator_core::Model;
+use std::path::PathBuf;
+
+/// Arguments of `piezo compare`.
+#[derive(Args, Debug)]
+pub struct Compare {
+    /// Logs to fit to; each weighs the same whatever its length.
+    #[arg(required = true)]
+    pub logs: Vec<PathBuf>,
+    /// Logs that are held out: their errors are reported and decide nothing.
+    #[arg(long, num_args = 1.., value_name = "LOG")]
+    pub validate_on: Vec<PathBuf>,
+    /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
+    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
+    pub hold_out: Option<f64>,
+    /// Which models, separated by commas; all where none is named.
+    #[arg(long, value_name = "MODEL,…", value_delimiter = ',', value_parser = models())]
+    pub models: Vec<Model>,
+    /// Folder for compare.html.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// Instructions per tick on the target, to be shown beside the errors: a JSON map of model names to
+    /// {"max": …, "mean": …}.
+    #[arg(long, value_name = "FILE.json")]
+    pub instructions: Option<PathBuf>,
+    /// What is minimised: the error of one-step prediction, or that of simulation, which is what the estimator does.
+    #[arg(long, value_enum, default_value_t = Feedback::Simulation)]
+    pub cost: Feedback,
+    /// Discretisation of the Voigt family.
+    #[arg(long, value_enum, default_value_t = SchemeName::ForwardEuler)]
+    pub scheme: SchemeName,
+    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
+    /// voltage span where it is not given.
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    pub deadband: Option<f64>,
+    /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
+    #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
+    pub limit: f64,
+    /// Print the result as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Reading of the logs.
+    #[command(flatten)]
+    pub files: LogOptions,
+    /// Preparation of the logs.
+    #[command(flatten)]
+    pub prepare: PrepareOptions,
+    /// The search.
+    #[command(flatten)]
+    pub search: SearchOptions,
+}
+
+/// The names of `identify --model` but `auto`.
+fn models() -> impl TypedValueParser<Value = Model> {
+    let named = ModelChoice::value_variants().iter().filter(|choice| choice.model().is_some());
+    PossibleValuesParser::new(named.filter_map(ValueEnum::to_possible_value)).try_map(|name| {
+        let choice = ModelChoice::from_str(&name, false)?;
+        choice.model().ok_or_else(|| format!("{name} is no model"))
+    })
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Compare) -> Result<bool> {
+    let hold_out = arguments.hold_out.unwrap_or(if arguments.validate_on.is_empty() { 0.5 } else { 0.0 });
+    ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
+    ensure!(arguments.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
+    if let Some(folder) = &arguments.out {
+        ensure!(!folder.exists() || folder.is_dir(), "{}: is a file, --out names a folder", folder.display());
+    }
+    let instructions = arguments.instructions.as_deref().map(read_instructions).transpose()?.unwrap_or_default();
+    let job = Job {
+        training: arguments.files.read_all(&arguments.logs)?,
+        held_out: arguments.files.read_all(&arguments.validate_on)?,
+        hold_out,
+        prepare: arguments.prepare.clone(),
+        model: ModelChoice::Auto,
+        conditions: Conditions {
+            scheme: arguments.scheme.into(),
+            deadband: arguments.deadband,
+            limit: arguments.limit,
+        },
+        tabulated: false,
+        calibration: CalibrationOptions::default(),
+        cost: arguments.cost,
+        search: arguments.search.clone(),
+    };
+    let mut models = Vec::new();
+    for model in if arguments.models.is_empty() { &Model::ALL[..] } else { &arguments.models[..] } {
+        if !models.contains(model) {
+            models.push(*model);
+        }
+    }
+    let bar = progress(compare::generations(&job, &models));
+    let mut matrix = compare::run(&job, &models, &mut |model, cost| {
+        bar.set_prefix(model.to_string());
+        bar.set_message(format!("{cost:.4} µm"));
+        bar.inc(1);
+    })?;
+    bar.finish_and_clear();
+    for row in &mut matrix.rows {
+        row.instructions = instructions.iter().find(|(model, _)| *model == row.model).map(|(_, counts)| *counts);
+    }
+    let facts = facts(arguments, &matrix);
+    if let Some(folder) = &arguments.out {
+        let html = report::comparison(&ComparisonReport { matrix: &matrix, notes: &NOTES, facts: &facts })?;
+        output::folder(folder)?;
+        output::write(&folder.join("compare.html"), html)?;
+    }
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&matrix)?);
+    } else {
+        print(arguments, &matrix, &facts);
+    }
+    Ok(true)
+}
+
+/// How to read the figures.
+const NOTES: [&str; 3] = [
+    "Errors of the estimate in simulation, from the first sample on, on data that decided nothing: mean absolute (MAE), root \
+     mean square (RMS), largest (MAX), and the mean absolute without the constant offset that re-zeroing removes; of the \
+     stroke where it says %. Whoever chooses a model by them has used this data up: prove the choice on another log.",
+    "Parameters: what was searched or solved for by least squares; a grid that was laid out before does not count.",
+    "Seconds: wall-clock time of the model's own search; an extremum model also starts from the results of the simpler ones \
+     of its family, whose time is theirs.",
+];
+
+/// What every model saw, and how.
+fn facts(arguments: &Compare, matrix: &Matrix) -> Vec<(String, String)> {
+    let used = |role: Role| {
+        let logs = matrix.logs.iter().filter(|log| log.role == role);
+        logs.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")
+    };
+    let (recipe, search) = (&matrix.recipe, &arguments.search);
+    let facts = [
+        ("Every model fitted to", used(Role::Training)),
+        ("Held out", used(Role::HeldOut)),
+        ("Zero and delay", zeros(recipe)),
+        ("Tick", format!("{} µs, {} where it is the Voigt family's", recipe.tick_us, arguments.scheme.words())),
+        (
+            "Search",
+            format!(
+                "cost {}, seed {}; Voigt family {} rounds of {} generations of {} chromosomes, the others {} candidates a \
+                 searched number by {}",
+                if arguments.cost == Feedback::Osp { "one-step prediction" } else { "simulation" },
+                search.seed,
+                search.rounds,
+                search.generations,
+                search.population,
+                search.evaluations,
+                search.optimiser
+            ),
+        ),
+        ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
+    ];
+    let doubts = matrix.doubts.iter().map(|doubt| ("Doubt".to_owned(), doubt.to_string()));
+    facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(doubts).collect()
+}
+
+fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {
+    let names = matrix.held_out();
+    let counted = matrix.counted();
+    let heading = |first: &str| {
+        format!(
+            "{first:<30} {:>8} {:>8} {:>8} {:>7} {:>7} {:>11}",
+            "MAE µm", "RMS µm", "MAX µm", "MAE %", "RMS %", "MAE, no off"
+        )
+    };
+    let all =
+        format!("held out, {}", if let [name] = names[..] { name.to_owned() } else { format!("{} logs", names.len()) });
+    let costs = if counted { format!(" {:>9} {:>9}", "instr max", "mean") } else { String::new() };
+    out(&format!("{} {:>9} {:>9} {:>6} {:>8}{costs}", heading(&all), "train MAE", "train RMS", "param.", "seconds"));
+    let nearest = matrix.nearest();
+    let first = |row: &Row| format!("{}{}", if nearest == Some(row.model) { "→ " } else { "  " }, row.model);
+    for row in &matrix.rows {
+        let counts = row.instructions.map_or_else(
+            || format!(" {:>9} {:>9}", "–", "–"),
+            |counts| format!(" {:>9.0} {:>9.1}", counts.max, counts.mean),
+        );
+        let counts = if counted { counts } else { String::new() };
+        match &row.result {
+            Judgement::Identified(errors) => out(&format!(
+                "{} {:>9.4} {:>9.4} {:>6} {:>8.2}{counts}",
+                line(&first(row), &errors.held_out.all),
+                errors.training.all.mae_um,
+                errors.training.all.rmse_um,
+                errors.parameters,
+                row.seconds
+            )),
+            Judgement::Failed { failed } => out(&format!("{:<30} {failed}", first(row))),
+        }
+    }
+    for (index, name) in names.iter().enumerate().filter(|_| names.len() > 1) {
+        out(&format!("\n{}", heading(&format!("held out, {name}"))));
+        for row in &matrix.rows {
+            if let Some(log) = row.errors().and_then(|errors| errors.held_out.logs.get(index)) {
+                out(&line(&first(row), &log.errors));
+            }
+        }
+    }
+    out("");
+    NOTES.iter().for_each(|note| out(note));
+    out("");
+    facts.iter().for_each(|(name, what)| out(&format!("{name}: {what}")));
+    if let Some(folder) = &arguments.out {
+        out(&format!("\nWritten to {}: compare.html", folder.display()));
+    }
+}
+
+fn line(first: &str, figures: &Figures) -> String {
+    format!(
+        "{first:<30} {:>8.4} {:>8.4} {:>8.4} {:>7.3} {:>7.3} {:>11.4}",
+        figures.mae_um,
+        figures.rmse_um,
+        figures.max_um,
+        figures.mae_percent,
+        figures.rmse_percent,
+        figures.mae_without_offset_um
+    )
+}

@@ -1,0 +1,85 @@
+//! Models side by side on the synthetic rig.
+
+use super::{json, number, piezo, refused, text};
+use serde_json::Value;
+use std::fs;
+
+/// Zeros and delay as the rig has them.
+const KNOWN: [&str; 6] = ["--delay", "0", "--voltage-zero", "0", "--displacement-zero", "0"];
+
+/// The champion's error on the held-out triangle is at most 0.12 of Voigt's.
+#[test]
+fn the_champion_beats_voigt_on_what_neither_has_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = folder.path().join("rig");
+    piezo().args(["simulate", "--duration", "1", "--out"]).arg(&rig).assert().success();
+    let log = |name: &str| rig.join(name).with_extension("csv");
+    let counts = folder.path().join("instructions.json");
+    fs::write(&counts, r#"{ "champion": { "max": 1234, "mean": 1200.5 }, "narx": { "max": 9, "mean": 8 } }"#).unwrap();
+    let out = folder.path().join("out");
+    let result = json(
+        piezo()
+            .arg("compare")
+            .args(["sin1", "sin10", "sin100", "tr1", "tr100"].map(log))
+            .arg("--validate-on")
+            .arg(log("tr10"))
+            .args(KNOWN)
+            .args(["--models", "champion,voigt,champion", "--generations", "30", "--rounds", "3"])
+            .args(["--json", "--instructions", text(&counts), "--out", text(&out)]),
+    );
+    let rows = result["rows"].as_array().unwrap();
+    let models: Vec<&Value> = rows.iter().map(|row| &row["model"]).collect();
+    assert_eq!(models, ["champion", "voigt"]);
+    let mae = |row: usize| number(&result, &format!("/rows/{row}/held_out/all/mae_um"));
+    assert!(mae(0) <= 0.12 * mae(1), "champion {} against Voigt {}", mae(0), mae(1));
+    assert_eq!(mae(0), number(&result, "/rows/0/held_out/logs/0/errors/mae_um"));
+    assert_eq!(rows[0]["training"]["logs"].as_array().unwrap().len(), 5);
+    assert_eq!((&rows[1]["parameters"], &rows[1]["instructions"]), (&Value::from(5), &Value::Null));
+    assert_eq!(number(&result, "/rows/0/instructions/mean"), 1200.5);
+    assert!(number(&result, "/rows/0/seconds") > 0.0);
+
+    let page = fs::read_to_string(out.join("compare.html")).unwrap();
+    for words in ["champion", "Voigt (4.8)", "1234", "tr10.csv 0.00 … 1.00 s", "smallest MAE held out"] {
+        assert!(page.contains(words), "{words} is missing");
+    }
+}
+
+/// A model that cannot be admitted is a row; the others are there all the same.
+#[test]
+fn a_model_without_an_admissible_candidate_is_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = folder.path().join("rig");
+    piezo().args(["simulate", "--duration", "0.5", "--out"]).arg(&rig).assert().success();
+    // Two random chromosomes and hardly any room: the genetic algorithm finds nothing.
+    let search = ["--population", "2", "--generations", "0", "--rounds", "1", "--limit", "1.2", "--start", "random"];
+    let out = folder.path().join("out");
+    let result = json(
+        piezo()
+            .arg("compare")
+            .arg(rig.join("tr10.csv"))
+            .args(KNOWN)
+            .args(["--models", "enhanced,champion", "--json", "--out", text(&out)])
+            .args(search),
+    );
+    let why = result.pointer("/rows/0/failed").and_then(Value::as_str).expect("enhanced fails");
+    assert!(why.contains("no admissible candidate"), "{why}");
+    assert!(number(&result, "/rows/1/held_out/all/mae_um") > 0.0);
+    assert!(fs::read_to_string(out.join("compare.html")).unwrap().contains("no admissible candidate"));
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let log = super::MEASURED;
+    refused(&["compare", log, "--models", "voigt,fancy", "--out", text(&out)], &["fancy", "champion"]);
+    refused(&["compare", log, "--models", "auto", "--out", text(&out)], &["auto"]);
+    refused(
+        &["compare", log, "--hold-out", "0", "--models", "preisach", "--out", text(&out)],
+        &["nothing is held out"],
+    );
+    let counts = folder.path().join("counts.json");
+    fs::write(&counts, r#"{ "fancy": { "max": 1, "mean": 1 } }"#).unwrap();
+    refused(&["compare", log, "--instructions", text(&counts), "--out", text(&out)], &["counts.json", "fancy"]);
+    assert!(!out.exists(), "nothing may be written");
+}
