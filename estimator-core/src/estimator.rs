@@ -106,7 +106,7 @@ impl<'l, T: Real> Estimator<'l, T> {
             deadband: T::of(table.deadband_v),
             engine: table.engine(),
             lookup,
-            state: State::new(T::zero(), T::zero()),
+            state: State::new(T::zero(), T::of(table.deadband_v)),
             started: false,
             settling: Status::NOT_SETTLED,
             reversals: 0,

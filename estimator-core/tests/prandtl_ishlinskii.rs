@@ -12,6 +12,7 @@ const SYMMETRIC: PrandtlIshlinskiiParameters = PrandtlIshlinskiiParameters {
     offset_um: 0.5,
     dead_zones_um: List::of([]),
     dead_zone_slopes: List::of([]),
+    memory_v: Range { min: -20.0, max: 80.0 },
 };
 
 const ASYMMETRIC: PrandtlIshlinskiiParameters = PrandtlIshlinskiiParameters {
@@ -97,6 +98,8 @@ fn every_rule_has_its_fault() {
     assert_eq!([SYMMETRIC.fault(), ASYMMETRIC.fault()], [None, None]);
     let broken = [
         (PrandtlIshlinskiiParameters { weights_um_per_v: List::of([1.0]), ..SYMMETRIC }, "as many"),
+        (PrandtlIshlinskiiParameters { memory_v: Range { min: 0.0, max: 39.0 }, ..SYMMETRIC }, "half of memory_v"),
+        (PrandtlIshlinskiiParameters { memory_v: Range { min: 1.0, max: f32::NAN }, ..SYMMETRIC }, "ordered"),
         (PrandtlIshlinskiiParameters { offset_um: f32::NAN, ..SYMMETRIC }, "finite"),
         (PrandtlIshlinskiiParameters { thresholds_v: List::of([0.0, 2.0, 2.0, 3.0, 4.0]), ..SYMMETRIC }, "increase"),
         (PrandtlIshlinskiiParameters { thresholds_v: List::of([1.0, 2.0, 3.0, 4.0, 5.0]), ..SYMMETRIC }, "from 0"),

@@ -18,7 +18,7 @@
 //! The exact inverse is in `prandtl_ishlinskii_inverse`.
 
 use super::dead_zone::{self, DEAD_ZONES, Superposition};
-use super::play::{play, virgin};
+use super::play::play;
 use super::recursion::{Linear, Recursion, solve};
 use crate::list::List;
 use crate::math::Real;
@@ -42,6 +42,8 @@ pub struct PrandtlIshlinskiiParameters {
     pub dead_zones_um: List<DEAD_ZONES>,
     /// Slopes beyond the dead zones, no unit.
     pub dead_zone_slopes: List<DEAD_ZONES>,
+    /// Voltages between which the actuator has been before the start, V: what its memory may be.
+    pub memory_v: Range,
 }
 
 impl PrandtlIshlinskiiParameters {
@@ -61,6 +63,12 @@ impl PrandtlIshlinskiiParameters {
         if weights.iter().any(|weight| *weight < 0.0) || weights.iter().all(|weight| *weight == 0.0) {
             return Some("weights_um_per_v must be at least 0 and not all 0");
         }
+        if !(self.memory_v.min.is_finite() && self.memory_v.max.is_finite() && self.memory_v.min <= self.memory_v.max) {
+            return Some("memory_v must be ordered");
+        }
+        if thresholds.iter().any(|r| 2.0 * r > self.memory_v.span()) {
+            return Some("thresholds_v must not exceed half of memory_v");
+        }
         dead_zone::fault(&self.dead_zones_um, &self.dead_zone_slopes)
     }
 }
@@ -73,6 +81,7 @@ pub struct PrandtlIshlinskii<T> {
     pub(super) weights: [T; PLAYS],
     pub(super) offset: T,
     pub(super) superposition: Superposition<T>,
+    memory: Range<T>,
 }
 
 /// The plays, V.
@@ -91,6 +100,7 @@ impl<T: Real> PrandtlIshlinskii<T> {
             weights: [T::zero(); PLAYS],
             offset: T::of(parameters.offset_um),
             superposition: Superposition::build(&parameters.dead_zones_um, &parameters.dead_zone_slopes),
+            memory: parameters.memory_v.of(),
         };
         model.thresholds.iter_mut().zip(parameters.thresholds_v.iter()).for_each(|(to, &from)| *to = T::of(from));
         model.weights.iter_mut().zip(parameters.weights_um_per_v.iter()).for_each(|(to, &from)| *to = T::of(from));
@@ -121,10 +131,15 @@ impl<T: Real> Recursion<T> for PrandtlIshlinskii<T> {
     type State = PrandtlIshlinskiiState<T>;
 
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
-        let Some(displacement) = displacement else { return self.plays(|threshold| virgin(voltage, threshold)) };
-        let at = |theta: T| self.displacement_of(|threshold| voltage + theta * threshold);
+        let left = |memory: T, threshold: T| {
+            let range = Range { min: self.memory.min + threshold, max: self.memory.max - threshold };
+            play(range.clamp(memory), voltage, threshold)
+        };
+        // From rest, Eq. (3.8): relaxed at 0 V, or as near to it as the memory goes.
+        let Some(displacement) = displacement else { return self.plays(|threshold| left(T::zero(), threshold)) };
+        let at = |theta: T| self.displacement_of(|threshold| left(voltage + theta * threshold, threshold));
         let theta = solve(displacement, -T::one(), T::one(), at);
-        self.plays(|threshold| voltage + theta * threshold)
+        self.plays(|threshold| left(voltage + theta * threshold, threshold))
     }
 
     #[inline]
@@ -138,8 +153,8 @@ impl<T: Real> Recursion<T> for PrandtlIshlinskii<T> {
         self.superposition.apply(sum)
     }
 
-    /// Every play is within ±r of some voltage of the range, whatever it began with, and `S` increases. The bound is
-    /// attained by [`begin`](Recursion::begin) at an end of the range. Widened by the rounding of the sums.
+    /// No play stands below r above the lowest voltage, nor above r below the highest, of the range or the memory, and `S`
+    /// increases. Widened by the rounding of the sums.
     fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
         let rounding = T::of(64.0) * T::epsilon();
         let plays = || self.thresholds.iter().zip(&self.weights).take(self.count);
@@ -147,13 +162,15 @@ impl<T: Real> Recursion<T> for PrandtlIshlinskii<T> {
             let mut sum = self.offset;
             let mut magnitude = self.offset.abs();
             for (&threshold, &weight) in plays() {
-                sum = sum + weight * (from + sign * threshold);
+                sum = sum + weight * (from - sign * threshold);
                 magnitude = magnitude + weight * (from.abs() + threshold);
             }
             let outer = sum + sign * rounding * magnitude;
             self.superposition.apply(outer) + sign * rounding * self.superposition.magnitude(outer)
         };
-        Some(Range { min: end(voltage.min, -T::one()), max: end(voltage.max, T::one()) })
+        let low = if self.memory.min < voltage.min { self.memory.min } else { voltage.min };
+        let high = if self.memory.max > voltage.max { self.memory.max } else { voltage.max };
+        Some(Range { min: end(low, -T::one()), max: end(high, T::one()) })
     }
 }
 

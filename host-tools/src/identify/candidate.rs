@@ -45,7 +45,7 @@ impl Candidate {
     pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self> {
         ensure!(
             fit.cost.is_finite() || fit.model.is_voigt(),
-            "no admissible candidate was found: search longer (--evaluations), or raise --limit"
+            "no admissible candidate was found: try logs of more amplitudes, a longer search (--evaluations) or another --limit"
         );
         let table = table(problem, &fit, setting)?;
         let admit = |table: Table| table.admit().context("the identified table is refused");

@@ -180,10 +180,10 @@ impl Problem {
         self.stroke
     }
 
-    /// The widest displacement limits that a table may have, µm.
+    /// The widest displacement limits that a table may have, rounded inwards, µm.
     pub fn widest_limits(&self) -> Range {
         let Range { min, max } = self.limits_at(1.0);
-        Range { min: min as f32, max: max as f32 }
+        Range { min: (min as f32).next_up(), max: (max as f32).next_down() }
     }
 
     /// V* and Y* of the search coordinates.

@@ -13,6 +13,7 @@ pub struct Family {
     degree: u8,
     with_voltage_extremum: bool,
     with_displacement_extremum: bool,
+    ridge: f64,
 }
 
 /// Those of Table 5.1, of degrees 1 to 3.
@@ -20,15 +21,17 @@ pub fn structures() -> Vec<Box<dyn super::Family>> {
     let extrema = [(false, false), (true, false), (true, true)];
     let orders = (1..=3).flat_map(|order| (1..=3).map(move |degree| (order, degree)));
     let all = orders.flat_map(|orders| extrema.map(|extrema| (orders, extrema)));
-    all.map(|((output_order, degree), (with_voltage_extremum, with_displacement_extremum))| {
-        let family = Family { output_order, degree, with_voltage_extremum, with_displacement_extremum };
-        Box::new(family) as Box<dyn super::Family>
+    all.flat_map(|((output_order, degree), (with_voltage_extremum, with_displacement_extremum))| {
+        RIDGES.map(|ridge| {
+            let family = Family { output_order, degree, with_voltage_extremum, with_displacement_extremum, ridge };
+            Box::new(family) as Box<dyn super::Family>
+        })
     })
     .collect()
 }
 
-/// A ridge: the regressors of a slow movement are nearly alike.
-const RIDGE: f64 = 1e-9;
+/// The regressors of a slow movement are nearly alike, and what predicts one step best is often unstable.
+const RIDGES: [f64; 3] = [1e-9, 1e-6, 1e-4];
 
 impl super::Family for Family {
     fn genes(&self) -> Vec<Gene> {
@@ -54,7 +57,7 @@ impl super::Family for Family {
         };
         let model = Narx::<f64>::build(&base, problem.extent().tick);
         let count = base.count();
-        let mut normal = Normal::new(count).ridge(RIDGE);
+        let mut normal = Normal::new(count).ridge(self.ridge);
         for session in problem.training() {
             add(&model, session, &mut normal);
         }

@@ -15,6 +15,7 @@ const DEAD_ZONES: [(f64, &str); 4] = [(0.15, "slope 1"), (0.4, "slope 2"), (0.6,
 /// What is fixed before the search.
 pub struct Family {
     widest: f64,
+    memory: Range,
     stroke: Range<f64>,
     tick: f64,
 }
@@ -22,8 +23,14 @@ pub struct Family {
 impl Family {
     /// From the extent of the training logs.
     pub fn new(problem: &Problem) -> Self {
-        let half = 0.5 * problem.training_voltages().span();
-        Self { widest: half * (PLAYS - 1) as f64 / PLAYS as f64, stroke: problem.stroke(), tick: problem.extent().tick }
+        let voltages = problem.training_voltages();
+        let half = 0.5 * voltages.span();
+        Self {
+            widest: half * (PLAYS - 1) as f64 / PLAYS as f64,
+            memory: Range { min: voltages.min as f32, max: voltages.max as f32 },
+            stroke: problem.stroke(),
+            tick: problem.extent().tick,
+        }
     }
 
     /// Where the dead zones end and their slopes, in order, the one of width 0 among them.
@@ -53,6 +60,7 @@ impl super::Family for Family {
             offset_um: 0.0,
             dead_zones_um: List::collect(zones.iter().copied())?,
             dead_zone_slopes: List::collect(slopes.iter().copied())?,
+            memory_v: self.memory,
         };
         if base.fault().is_some() {
             return None;
