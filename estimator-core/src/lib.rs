@@ -36,7 +36,7 @@ pub use model::{
     BoucWen, BoucWenParameters, Champion, ChampionParameters, Duhem, DuhemParameters, Engine, Linear, MaxwellSlip,
     MaxwellSlipParameters, Model, Narx, NarxParameters, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiInverse,
     PrandtlIshlinskiiParameters, Preisach, PreisachParameters, Recursion, Resonance, ResonanceState, Running, Scheme,
-    State, Stop, Superposition, Terms, Voigt, VoigtChain, VoigtChainParameters, VoigtParameters,
+    State, Stop, Superposition, Terms, Voigt, VoigtChain, VoigtChainParameters, VoigtParameters, solve,
 };
 pub use range::Range;
 pub use table::{Admitted, Digest, Form, Provenance, Table, TableError};

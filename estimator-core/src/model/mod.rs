@@ -4,6 +4,8 @@
 mod bouc_wen;
 mod bouc_wen_branch;
 mod champion;
+mod champion_parameters;
+mod champion_play;
 mod dead_zone;
 mod duhem;
 mod duhem_conditions;
@@ -24,7 +26,8 @@ mod voigt;
 mod voigt_chain;
 
 pub use bouc_wen::{BoucWen, BoucWenParameters, BoucWenState};
-pub use champion::{Champion, ChampionParameters};
+pub use champion::Champion;
+pub use champion_parameters::ChampionParameters;
 pub use dead_zone::{DEAD_ZONES, Superposition};
 pub use duhem::{Duhem, DuhemParameters, DuhemState};
 pub use duhem_conditions::{DuhemCondition, unmet_condition};
