@@ -100,25 +100,6 @@ impl DacCalibration {
     }
 }
 
-/// `code = offset + gain·voltage`, where the DAC drives the amplifier instead of telling the displacement.
-#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DriveCalibration {
-    /// Codes per V of the amplifier's output; negative where the chain inverts, never 0.
-    pub gain_codes_per_v: f32,
-    /// The code (with fraction) of 0 V at the amplifier's output.
-    pub offset_code: f32,
-    /// Fastest change that is asked of the amplifier, V/s; 0 for no limit.
-    pub slew_v_per_s: f32,
-}
-
-impl DriveCalibration {
-    /// The code of a voltage at the amplifier's output (V), rounded and limited to 0 … `full_scale`.
-    pub fn code<T: Real>(&self, voltage: T, full_scale: u16) -> DacCode {
-        DacCode(nearest(T::of(self.offset_code) + T::of(self.gain_codes_per_v) * voltage, full_scale))
-    }
-}
-
 /// The nearest code of a converter; 0 for NaN.
 #[inline]
 fn nearest<T: Real>(exact: T, full_scale: u16) -> u16 {

@@ -33,8 +33,6 @@ bitflags::bitflags! {
         const DAC_SATURATED = 1 << 3;
         /// The voltage has not turned at either end yet: the estimate still depends on where it was assumed to start.
         const NOT_SETTLED = 1 << 4;
-        /// No voltage within the range and the slew limit brings the actuator to the reference within this tick.
-        const OUT_OF_REACH = 1 << 5;
     }
 }
 

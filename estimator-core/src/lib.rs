@@ -26,7 +26,7 @@ pub mod record;
 pub mod table;
 
 pub use admissible::Inadmissible;
-pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, DriveCalibration};
+pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode};
 pub use estimator::{Estimate, Estimator, Status};
 pub use extremum::{Extremum, Tracker};
 pub use list::List;

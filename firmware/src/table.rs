@@ -47,7 +47,6 @@ pub const TABLE: Table = Table {
         offset_code: 546.0,
         full_scale: 4095,
     },
-    drive: None,
     provenance: Provenance {
         logs: Digest(
             [

@@ -12,7 +12,7 @@ pub use digest::Digest;
 pub use error::TableError;
 
 use crate::admissible;
-use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration};
+use crate::calibration::{AdcCalibration, DacCalibration};
 use crate::lookup::{self, Lookup};
 use crate::math::Real;
 use crate::model::{Engine, Model, Parameters, Scheme, Voigt, VoigtParameters};
@@ -78,8 +78,6 @@ pub struct Table {
     pub adc: AdcCalibration,
     /// Displacement to codes.
     pub dac: DacCalibration,
-    /// Voltage to codes, where the DAC is to drive the amplifier; `None` where it is not.
-    pub drive: Option<DriveCalibration>,
     /// Where it comes from.
     pub provenance: Provenance,
 }
@@ -179,9 +177,6 @@ impl Table {
             ("adc.offset_v", self.adc.offset_v),
             ("dac.gain_codes_per_um", self.dac.gain_codes_per_um),
             ("dac.offset_code", self.dac.offset_code),
-            ("drive.gain_codes_per_v", self.drive.map_or(0.0, |drive| drive.gain_codes_per_v)),
-            ("drive.offset_code", self.drive.map_or(0.0, |drive| drive.offset_code)),
-            ("drive.slew_v_per_s", self.drive.map_or(0.0, |drive| drive.slew_v_per_s)),
             ("train_mae_um", self.provenance.train_mae_um),
             ("validation_mae_um", self.provenance.validation_mae_um.unwrap_or(0.0)),
             ("validation_max_um", self.provenance.validation_max_um.unwrap_or(0.0)),
@@ -201,7 +196,7 @@ impl Table {
         let ordered = |range: Range| range.min < range.max;
         let limits = self.displacement_limits_um;
         let voltages = self.voltage_range_v;
-        let rules: [(&'static str, bool); 15] = [
+        let rules: [(&'static str, bool); 13] = [
             ("the parameters must be those of the model", self.parameters.are_of(self.model)),
             (
                 "only a model of the Voigt family has a tabulated form and a scheme other than forward-euler",
@@ -224,8 +219,6 @@ impl Table {
             ("adc.full_scale must be at least 3", self.adc.full_scale >= 3),
             ("dac.gain_codes_per_um must not be 0", self.dac.gain_codes_per_um != 0.0),
             ("dac.full_scale must be at least 1", self.dac.full_scale >= 1),
-            ("drive.gain_codes_per_v must not be 0", self.drive.is_none_or(|drive| drive.gain_codes_per_v != 0.0)),
-            ("drive.slew_v_per_s must not be negative", self.drive.is_none_or(|drive| drive.slew_v_per_s >= 0.0)),
         ];
         let broken = rules.into_iter().find(|&(_, holds)| !holds).map(|(rule, _)| rule);
         let broken = broken.or_else(|| match &self.parameters {

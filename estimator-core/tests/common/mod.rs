@@ -30,7 +30,6 @@ pub fn table() -> Table {
         parameters: Parameters::Voigt(VOIGT),
         adc: AdcCalibration { gain_v_per_code: 44.0 / 4095.0, offset_v: -22.0, invert: false, full_scale: 4095 },
         dac: DacCalibration { gain_codes_per_um: 300.0, offset_code: 2047.5, full_scale: 4095 },
-        drive: None,
         provenance: Provenance {
             logs: Digest([0xa5; 8]),
             seed: 7,

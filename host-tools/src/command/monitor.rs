@@ -261,7 +261,7 @@ mod tests {
         assert!(object["displacement_um"].is_number() && object["voltage_V"].is_number(), "{object}");
         assert_eq!((&object["samples"], &object["lost"]), (&json!(7), &json!(8)));
         let picture = picture(&window, LIMITS, Some(1999.7)).join("\n");
-        for part in ["µm", " V ", "█", "2000 samples a second", "all is well"] {
+        for part in ["µm", " V ", "█", "2000 samples a second", "had not turned at either end"] {
             assert!(picture.contains(part), "{part:?} is missing in\n{picture}");
         }
     }

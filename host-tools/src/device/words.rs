@@ -120,7 +120,7 @@ const FAULTS: [(Faults, Meaning); 8] = [
     ),
 ];
 
-const STATUS: [(Status, Meaning); 6] = [
+const STATUS: [(Status, Meaning); 5] = [
     (
         Status::ADC_SATURATED,
         Meaning {
@@ -154,13 +154,6 @@ const STATUS: [(Status, Meaning); 6] = [
         Meaning {
             what: "the voltage had not turned at either end since the start: the estimate depended on where that was assumed",
             remedy: "move the actuator once up and down its range; a start from rest at 0 V needs it least",
-        },
-    ),
-    (
-        Status::OUT_OF_REACH,
-        Meaning {
-            what: "no voltage within the range and the slew limit brought the actuator to the reference in time",
-            remedy: "a slower or smaller reference",
         },
     ),
 ];

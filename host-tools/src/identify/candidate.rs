@@ -100,7 +100,6 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
         parameters: fit.parameters,
         adc,
         dac,
-        drive: None,
         provenance: Provenance {
             logs: setting.logs,
             seed: setting.seed,

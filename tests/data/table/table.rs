@@ -49,7 +49,6 @@ pub const TABLE: Table = Table {
         offset_code: 252.51613,
         full_scale: 4095,
     },
-    drive: None,
     provenance: Provenance {
         logs: Digest(
             [
