@@ -85,7 +85,7 @@ pub fn check<T: Real>(model: &Voigt<T>, voltage: Range<T>, limits: Range<T>) -> 
 pub fn check_reach<T: Real>(reach: Option<Range<T>>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
     let reach = reach.ok_or(Inadmissible::NoBound)?;
     // False for a NaN.
-    let inside = limits.min <= reach.min && reach.max <= limits.max;
+    let inside = limits.min <= reach.min && reach.min <= reach.max && reach.max <= limits.max;
     if inside { Ok(reach) } else { Err(Inadmissible::Unbounded { reach }) }
 }
 

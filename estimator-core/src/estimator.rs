@@ -8,7 +8,8 @@
 //! A sensorless estimate starts somewhere: at the first tick it is assumed that the actuator has rested at that tick's
 //! voltage, with a memory in the middle of all that it may have. [`Estimator::start_at`] states something better where it is
 //! known. Hysteresis forgets what lies within a full swing of the voltage, and so does the estimate: until the voltage has
-//! turned at either end its status says [`Status::NOT_SETTLED`].
+//! turned at either end of a swing its status says [`Status::NOT_SETTLED`]. What a larger swing would wipe out, and slow creep,
+//! may still be the start's.
 
 use crate::calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, Line};
 use crate::extremum::Extremum;
@@ -113,7 +114,7 @@ impl<'l, T: Real> Estimator<'l, T> {
     }
 
     /// Starts anew from a known displacement (µm relative to the model's zero), with no reversal seen. Returns whether it
-    /// lay within the limits; beyond, the start is at the nearest.
+    /// lay within the limits; beyond, the start is at the nearest, as it is where no memory of the model gives it.
     pub fn start_at(&mut self, displacement: T) -> bool {
         self.restart();
         self.start(displacement);
@@ -174,11 +175,11 @@ impl<'l, T: Real> Estimator<'l, T> {
                 self.step(voltage, terms, status)
             }
             (Engine::Other(model), _) => {
+                let known = self.started.then_some(self.state.displacement);
+                let free = model.step(voltage, known);
                 if self.state.track(voltage) {
                     self.reversals = self.reversals.saturating_add(1);
                 }
-                let known = self.started.then_some(self.state.displacement);
-                let free = model.step(voltage, known);
                 self.state.displacement = free;
                 self.started = true;
                 self.settle(&mut status);

@@ -1,4 +1,4 @@
-//! Displacement of a piezo actuator from the amplifier's voltage alone, one affine map a tick.
+//! Displacement of a piezo actuator from the amplifier's voltage alone.
 //!
 //! No `std`, no allocation, no I/O, no `unsafe`. Everything is generic over [`Real`] (`f32` on the target, `f64` as
 //! the reference), so the number that was validated on the host and the number that leaves the DAC come from one source.

@@ -49,7 +49,9 @@ proptest! {
     #[test]
     fn stays_within_reach(parameters in any(), voltages in voltages(), known in prop::option::of(-30.0f64..30.0)) {
         let model = Champion::<f64>::build(&parameters, TICK);
-        let reach = model.reach(Range { min: -5.0, max: 105.0 }).unwrap();
+        let range = if parameters == PLAIN { Range { min: 20.0, max: 80.0 } } else { Range { min: -5.0, max: 105.0 } };
+        let voltages: Vec<f64> = voltages.into_iter().map(|v| range.clamp(v)).collect();
+        let reach = model.reach(range).unwrap();
         for y in run(&parameters, &voltages, known) {
             prop_assert!(reach.min - 1e-9 <= y && y <= reach.max + 1e-9, "{y} not in {reach:?}");
         }
@@ -173,6 +175,13 @@ fn every_rule_has_its_fault() {
     for (parameters, rule) in broken {
         assert!(parameters.fault().is_some_and(|fault| fault.contains(rule)), "{rule}: {:?}", parameters.fault());
     }
+    for (resonance_hz, damping) in [(1e30, 0.05), (1e-40, 0.05), (1500.0, 0.05), (300.0, 1e-9)] {
+        let unsound = ChampionParameters { resonance_hz, damping, ..PLAIN };
+        assert_eq!(unsound.fault(), None);
+        let reach = Champion::<f32>::build(&unsound, TICK as f32).reach(Range { min: 0.0, max: 100.0 });
+        assert_eq!(reach, None, "{resonance_hz} Hz, {damping}");
+    }
+    assert!(Champion::<f32>::build(&RINGING, TICK as f32).reach(Range { min: 0.0, max: 100.0 }).is_some());
     // A curvature that turns within the stroke has no bound and no inverse.
     let turning = ChampionParameters { curvature_per_um: -0.2, ..PLAIN };
     assert_eq!(Champion::<f64>::build(&turning, TICK).reach(Range { min: 0.0, max: 100.0 }), None);

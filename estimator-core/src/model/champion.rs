@@ -237,13 +237,17 @@ impl<T: Real> Recursion<T> for Champion<T> {
             least = least + element.function(if lowest < first { lowest } else { first }, self.degree);
             most = most + element.function(if highest > last { highest } else { last }, self.degree);
         }
+        // Creep may begin anywhere in the span, too.
+        let lowest = if self.lowest < low { self.lowest } else { low };
+        let highest = if self.highest > high { self.highest } else { high };
         for &(_, gain) in self.creep.iter().take(self.creeps) {
-            least = least + gain * low;
-            most = most + gain * high;
+            least = least + gain * lowest;
+            most = most + gain * highest;
         }
         // κ must not turn the curve within what can be reached.
         let rises = |w: T| T::one() + T::of(2.0) * self.curvature * w > T::zero();
-        (rises(least) && rises(most)).then(|| Range { min: self.bend(least), max: self.bend(most) })
+        let sound = self.resonance.is_none_or(|resonance| resonance.sound());
+        (sound && rises(least) && rises(most)).then(|| Range { min: self.bend(least), max: self.bend(most) })
     }
 }
 

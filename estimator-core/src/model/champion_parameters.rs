@@ -34,7 +34,7 @@ pub struct ChampionParameters {
     /// Weights of each play's functions (as many a play, 1 to 3), at least 0: what each adds from one end of the play's travel
     /// to the other, µm.
     pub weights_um: List<WEIGHTS>,
-    /// Time constants of creep, s.
+    /// Time constants of creep, at most 20 s: an f32 does not see slower ones move.
     pub creep_times_s: List<CREEPS>,
     /// Creep, at least 0, µm/V.
     pub creep_um_per_v: List<CREEPS>,
@@ -75,10 +75,7 @@ impl ChampionParameters {
                     && degree * count == self.weights_um.len()
                     && all(&self.weights_um, |w| w >= 0.0)
             }),
-            (
-                "creep_times_s must lie between 0.001 and 100000",
-                all(&self.creep_times_s, |t| (1e-3..=1e5).contains(&t)),
-            ),
+            ("creep_times_s must lie between 0.001 and 20", all(&self.creep_times_s, |t| (1e-3..=20.0).contains(&t))),
             ("creep_um_per_v must be as many as creep_times_s, and not negative", {
                 self.creep_um_per_v.len() == self.creep_times_s.len() && all(&self.creep_um_per_v, |c| c >= 0.0)
             }),

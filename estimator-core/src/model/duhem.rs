@@ -62,6 +62,9 @@ impl DuhemParameters {
         if self.alpha_per_v <= 0.0 || self.saturation_v <= 0.0 {
             return Some("alpha_per_v and saturation_v must be above 0");
         }
+        if self.alpha_per_v * self.saturation_v > 1e4 {
+            return Some("alpha_per_v times saturation_v must be at most 10000");
+        }
         if self.f1_um_per_v < 0.0 || self.slope(self.saturation_v) < 0.0 {
             return Some("f must not fall: f1 and f1 + 3 f3 saturation^2 must be at least 0");
         }

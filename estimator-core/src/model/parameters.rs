@@ -25,15 +25,6 @@ impl<M, S> Run<M, S> {
         let model = &self.model;
         model.step(self.state.get_or_insert_with(|| model.begin(voltage, known)), voltage)
     }
-
-    fn peek<T: Real>(&self, voltage: T, known: Option<T>) -> T
-    where
-        M: Recursion<T, State = S>,
-        S: Clone,
-    {
-        let mut state = self.state.clone().unwrap_or_else(|| self.model.begin(voltage, known));
-        self.model.step(&mut state, voltage)
-    }
 }
 
 /// A model's coefficients, and the memory of all but the Voigt family's, which is a [`State`](super::State).
@@ -112,11 +103,6 @@ macro_rules! models {
             /// long at rest at its voltage, with the displacement that is known there.
             pub fn step(&mut self, voltage: T, known: Option<T>) -> T {
                 match self { $(Self::$model(run) => run.step(voltage, known),)* }
-            }
-
-            /// What [`step`](Self::step) would return, with nothing remembered.
-            pub fn peek(&self, voltage: T, known: Option<T>) -> T {
-                match self { $(Self::$model(run) => run.peek(voltage, known),)* }
             }
 
             /// As [`Recursion::reach`].

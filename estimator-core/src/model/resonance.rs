@@ -12,7 +12,12 @@ pub struct Resonance<T> {
     lag: T,
     /// exp(A·t_s) on displacement and velocity, the latter in µm a tick.
     free: [[T; 2]; 2],
+    /// The frequency is below half the tick rate.
+    below_half: bool,
 }
+
+/// Part of the swing's square that a tick takes away at least: an f32 does not see less.
+const LEAST_LOSS: f32 = 1.0 / 1_048_576.0;
 
 /// What it remembers.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -42,8 +47,17 @@ impl<T: Real> Resonance<T> {
         let (sin, cos) = (shrunk * sin / root, shrunk * cos);
         Self {
             lag: two * damping / angle,
+            below_half: angle < T::of(core::f32::consts::PI),
             free: [[cos + damping * sin, sin / angle], [-angle * sin, cos - damping * sin]],
         }
+    }
+
+    /// Whether it swings, and swings out, in this number type: no number overflows, the frequency is below half the tick rate,
+    /// and a tick takes at least a part of 2⁻²⁰ of the swing.
+    pub fn sound(&self) -> bool {
+        let [[a, b], [c, d]] = self.free;
+        let finite = [self.lag, a, b, c, d].iter().all(|x| x.is_finite());
+        finite && self.below_half && a * d - b * c <= T::one() - T::of(LEAST_LOSS)
     }
 
     /// The displacement a tick later, when the input has gone straight to `input`.

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Form {
-    /// One exponential and one power a tick.
+    /// As the equations say: for the Voigt family one exponential and one power a tick.
     Direct,
     /// Linear interpolation between [`crate::lookup::KNOTS`] knots.
     Tabulated {
@@ -54,7 +54,7 @@ pub struct Provenance {
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table {
-    /// Which terms the model has.
+    /// Which model it is; [`parameters`](Self::parameters) are its.
     pub model: Model,
     /// Tick, µs; 500 is 2 kHz.
     pub sample_period_us: u32,

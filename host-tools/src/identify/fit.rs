@@ -267,11 +267,15 @@ fn search_structure(
     let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(0.5)).take(genes.len()).collect();
     let starts: Vec<Vec<f64>> = family.starts().into_iter().chain([known]).map(whole).collect();
     let mut convergence = simpler.convergence.clone();
-    let mut shown = (f64::INFINITY, None);
+    let (mut least, mut shown) = (f64::INFINITY, (f64::INFINITY, None));
     let budget = Budget { evaluations: options.evaluations as usize * genes.len().max(1), seed: options.seed.into() };
     let mut watch = |_: usize, best: &Minimum| {
-        if best.cost < shown.0 {
-            shown = (best.cost, parameters(&best.at).and_then(|found| problem.held_out_of(&found)));
+        if best.cost < least {
+            least = best.cost;
+            shown = match parameters(&best.at) {
+                Some(found) => (problem.cost_of(&found, feedback), problem.held_out_of(&found)),
+                None => shown,
+            };
         }
         convergence.push(Convergence { training: shown.0, validation: shown.1 });
         progress(shown.0);
@@ -282,7 +286,7 @@ fn search_structure(
         best = if again.cost < best.cost { again } else { best };
     }
     let (parameters, cost) = match parameters(&best.at) {
-        Some(found) => (found, best.cost),
+        Some(found) => (found, problem.cost_of(&found, feedback)),
         None => (simpler.parameters, f64::INFINITY),
     };
     let values = values(&best.at);
