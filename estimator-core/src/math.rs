@@ -27,8 +27,6 @@ pub trait Real: FloatCore + Debug + Display + Send + Sync + 'static {
     fn exp(self) -> Self;
     /// `exp(self) − 1` without cancellation near 0; libm in every build.
     fn exp_m1(self) -> Self;
-    /// Sine and cosine; libm in every build.
-    fn sin_cos(self) -> (Self, Self);
     /// Natural logarithm; −∞ for 0. Call it with values of at least 0.
     fn ln(self) -> Self;
     /// The value of a number of the parameter table.
@@ -79,10 +77,6 @@ impl Real for f32 {
         libm::expm1f(self)
     }
 
-    fn sin_cos(self) -> (Self, Self) {
-        (libm::sinf(self), libm::cosf(self))
-    }
-
     fn of(value: f32) -> Self {
         value
     }
@@ -104,10 +98,6 @@ impl Real for f64 {
 
     fn exp_m1(self) -> Self {
         libm::expm1(self)
-    }
-
-    fn sin_cos(self) -> (Self, Self) {
-        (libm::sin(self), libm::cos(self))
     }
 
     fn of(value: f32) -> Self {

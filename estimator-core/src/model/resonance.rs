@@ -42,7 +42,7 @@ impl<T: Real> Resonance<T> {
         let angle = two * T::of(core::f32::consts::PI) * hertz * sample_period;
         // √(1 − ζ²) as exp(ln(…)/2).
         let root = ((T::one() - damping * damping).ln() / two).exp();
-        let (sin, cos) = (angle * root).sin_cos();
+        let (sin, cos) = sin_cos(angle * root);
         let shrunk = (-damping * angle).exp();
         let (sin, cos) = (shrunk * sin / root, shrunk * cos);
         Self {
@@ -77,6 +77,26 @@ impl<T: Real> Resonance<T> {
     }
 }
 
+/// Sine and cosine of an angle from 0 to π: Taylor's series of a quarter of it, doubled twice. libm's for f32 computes in f64,
+/// which the target has no unit for.
+fn sin_cos<T: Real>(angle: T) -> (T, T) {
+    let x = angle * T::of(0.25);
+    let square = x * x;
+    // Σ (−x²)ⁿ/(2n+1)!·x and Σ (−x²)ⁿ/(2n)!, from the last term on.
+    let series = |first: u16| {
+        (0..8u16).rev().fold(T::one(), |sum, n| {
+            let k = 2 * n + first;
+            T::one() - square * sum / T::of(f32::from(k * (k + 1)))
+        })
+    };
+    let mut sin = x * series(2);
+    let mut cos = series(1);
+    for _ in 0..2 {
+        (sin, cos) = (T::of(2.0) * sin * cos, T::one() - T::of(2.0) * sin * sin);
+    }
+    (sin, cos)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,6 +124,18 @@ mod tests {
             let exact = (ramp(t) - ramp(t - TICK)) / TICK;
             let found = resonance.step(&mut state, 1.0);
             assert!((found - exact).abs() < 1e-6, "tick {k}: {found} {exact}");
+        }
+    }
+
+    #[test]
+    fn sine_and_cosine_are_the_library_s() {
+        for k in 0..=1000 {
+            let angle = core::f64::consts::PI * f64::from(k) / 1000.0;
+            let (sin, cos) = sin_cos(angle);
+            assert!((sin - angle.sin()).abs() < 1e-13 && (cos - angle.cos()).abs() < 1e-13, "{angle}");
+            let (sin, cos) = sin_cos(angle as f32);
+            let (sin, cos) = (f64::from(sin), f64::from(cos));
+            assert!((sin - angle.sin()).abs() < 1e-6 && (cos - angle.cos()).abs() < 1e-6, "{angle}");
         }
     }
 

@@ -62,6 +62,17 @@ impl Gene {
         Self { name, meaning, unit, min, max, scale: Scale::Linear }
     }
 
+    /// A coordinate on a logarithmic scale; its interval is positive.
+    pub const fn logarithmic(
+        name: &'static str,
+        meaning: &'static str,
+        unit: &'static str,
+        min: f64,
+        max: f64,
+    ) -> Self {
+        Self { name, meaning, unit, min, max, scale: Scale::Logarithmic }
+    }
+
     /// The value at a fraction of the interval.
     pub fn value(&self, fraction: f64) -> f64 {
         match self.scale {
@@ -241,14 +252,7 @@ const TABLE_4_5: [Gene; 5] = [
 
 fn data_genes(extent: Extent) -> Vec<Gene> {
     vec![
-        Gene {
-            name: "rate",
-            meaning: "1/time constant at 0 V",
-            unit: "1/s",
-            min: 2.0,
-            max: 0.95 / extent.tick,
-            scale: Scale::Logarithmic,
-        },
+        Gene::logarithmic("rate", "1/time constant at 0 V", "1/s", 2.0, 0.95 / extent.tick),
         Gene::linear("gain", "static displacement at V*", "Y*", 0.5, 2.0),
         Gene::linear("p", "exponent P of the drive", "", 0.4, 2.5),
         Gene::linear("slope", "slope of ln rate at 0 V", "1/V*", -1.0, 1.0),

@@ -2,7 +2,7 @@
 
 use super::projection::Projection;
 use crate::identify::problem::Problem;
-use crate::identify::space::{Gene, Scale};
+use crate::identify::space::Gene;
 use crate::least_squares::Sign;
 use estimator_core::{BoucWen, BoucWenParameters, Parameters};
 
@@ -21,13 +21,9 @@ impl Family {
 
 impl super::Family for Family {
     fn genes(&self) -> Vec<Gene> {
-        let logarithmic = |name, meaning, unit, min, max| Gene {
-            scale: Scale::Logarithmic,
-            ..Gene::linear(name, meaning, unit, min, max)
-        };
         vec![
-            logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
-            logarithmic("beta", "β times the voltage span", "", 0.1, 100.0),
+            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            Gene::logarithmic("beta", "β times the voltage span", "", 0.1, 100.0),
             Gene::linear("gamma", "γ, of β", "", -0.95, 1.0),
             Gene::linear("delta", "δ, of what β and γ allow", "", -0.95, 0.95),
         ]

@@ -4,7 +4,7 @@
 use super::projection::Projection;
 use crate::identify::character::Character;
 use crate::identify::problem::Problem;
-use crate::identify::space::{Gene, Scale};
+use crate::identify::space::Gene;
 use crate::least_squares::Sign;
 use estimator_core::{Champion, ChampionParameters, List, Parameters, Range};
 
@@ -86,22 +86,18 @@ impl Family {
 
 impl super::Family for Family {
     fn genes(&self) -> Vec<Gene> {
-        let logarithmic = |name, meaning, unit, min, max| Gene {
-            scale: Scale::Logarithmic,
-            ..Gene::linear(name, meaning, unit, min, max)
-        };
         let mut genes = vec![
             Gene::linear("delay", "delay from voltage to actuator", "ticks", -1.0, 14.0),
-            logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
             Gene::linear("kappa", "κ times the stroke", "", -0.4, 0.4),
         ];
         if self.extra != Extra::Nothing {
-            genes.push(logarithmic("slew", "slew limit, of the steepest voltage", "", 0.05, 20.0));
+            genes.push(Gene::logarithmic("slew", "slew limit, of the steepest voltage", "", 0.05, 20.0));
         }
         if self.extra == Extra::Resonance {
             let most = 0.45 / self.tick;
-            genes.push(logarithmic("resonance", "natural frequency", "Hz", 0.02 * most, most));
-            genes.push(logarithmic("damping", "ζ of the resonance", "", 0.003, 0.7));
+            genes.push(Gene::logarithmic("resonance", "natural frequency", "Hz", 0.02 * most, most));
+            genes.push(Gene::logarithmic("damping", "ζ of the resonance", "", 0.003, 0.7));
         }
         genes
     }

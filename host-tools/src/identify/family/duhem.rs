@@ -2,7 +2,7 @@
 
 use super::projection::Projection;
 use crate::identify::problem::Problem;
-use crate::identify::space::{Gene, Scale};
+use crate::identify::space::Gene;
 use crate::least_squares::Sign;
 use estimator_core::{Duhem, DuhemParameters, Parameters};
 
@@ -23,13 +23,9 @@ impl Family {
 
 impl super::Family for Family {
     fn genes(&self) -> Vec<Gene> {
-        let logarithmic = |name, meaning, unit, min, max| Gene {
-            scale: Scale::Logarithmic,
-            ..Gene::linear(name, meaning, unit, min, max)
-        };
         vec![
-            logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
-            logarithmic("alpha", "α times the voltage span", "", 0.1, 100.0),
+            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            Gene::logarithmic("alpha", "α times the voltage span", "", 0.1, 100.0),
         ]
     }
 

@@ -3,7 +3,7 @@
 
 use super::projection::Projection;
 use crate::identify::problem::Problem;
-use crate::identify::space::{Gene, Scale};
+use crate::identify::space::Gene;
 use crate::least_squares::Sign;
 use estimator_core::{List, Parameters, Range, VoigtChain, VoigtChainParameters};
 
@@ -26,11 +26,9 @@ impl Family {
 
 impl super::Family for Family {
     fn genes(&self) -> Vec<Gene> {
-        let logarithmic =
-            |name, meaning, min, max| Gene { scale: Scale::Logarithmic, ..Gene::linear(name, meaning, "s", min, max) };
         vec![
-            logarithmic("shortest", "shortest time constant", 0.2 * self.tick, 0.1),
-            logarithmic("longest", "longest time constant", 0.2, 100.0),
+            Gene::logarithmic("shortest", "shortest time constant", "s", 0.2 * self.tick, 0.1),
+            Gene::logarithmic("longest", "longest time constant", "s", 0.2, 100.0),
         ]
     }
 
