@@ -1,6 +1,7 @@
 //! Between the converters' codes and the model's units. A raw code is a newtype and never a bare integer.
 
 use crate::math::Real;
+use crate::range::Range;
 use serde::{Deserialize, Serialize};
 
 /// A code as the analogue-to-digital converter (with its oversampling) delivers it.
@@ -97,6 +98,57 @@ impl DacCalibration {
     /// The displacement (µm) that a code stands for.
     pub fn displacement<T: Real>(&self, code: DacCode) -> T {
         (T::of(f32::from(code.0)) - T::of(self.offset_code)) / T::of(self.gain_codes_per_um)
+    }
+}
+
+/// Where the DAC drives the amplifier instead of showing the displacement: `code = offset + gain·voltage`, and what it may
+/// be driven to.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriveCalibration {
+    /// Codes per V at the amplifier; negative where the output inverts, never 0.
+    pub gain_codes_per_v: f32,
+    /// The code (with fraction) of 0 V at the amplifier.
+    pub offset_code: f32,
+    /// What the amplifier may be driven to.
+    pub limits: DriveLimits,
+}
+
+impl DriveCalibration {
+    /// The code of an amplifier voltage (V), rounded and limited to the converter's range.
+    #[inline]
+    pub fn code<T: Real>(&self, voltage: T, full_scale: u16) -> DacCode {
+        let exact = T::of(self.offset_code) + T::of(self.gain_codes_per_v) * voltage;
+        DacCode(nearest(exact, full_scale))
+    }
+}
+
+/// What the amplifier may be driven to.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriveLimits {
+    /// Amplifier voltages, V; within the table's voltage range.
+    pub range_v: Range,
+    /// Amplifier voltage when nothing is wanted, V; within `range_v`.
+    pub rest_v: f32,
+    /// Fastest change, V/s; greater than 0.
+    pub slew_v_per_s: f32,
+}
+
+impl DriveLimits {
+    /// The rule that they break, if any. `voltages`: those that the table's model was identified on, at the amplifier, V.
+    pub fn fault(&self, voltages: Range) -> Option<&'static str> {
+        let Self { range_v, rest_v, slew_v_per_s } = *self;
+        let rules = [
+            ("the drive's range_v must be ordered", range_v.min < range_v.max),
+            (
+                "the drive's range_v must lie within the voltages that the model was identified on",
+                voltages.contains(range_v.min) && voltages.contains(range_v.max),
+            ),
+            ("the drive's rest_v must lie within its range_v", range_v.contains(rest_v)),
+            ("the drive's slew_v_per_s must be positive", slew_v_per_s > 0.0 && slew_v_per_s.is_finite()),
+        ];
+        rules.into_iter().find(|&(_, holds)| !holds).map(|(rule, _)| rule)
     }
 }
 

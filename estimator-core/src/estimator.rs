@@ -8,8 +8,8 @@
 //! A sensorless estimate starts somewhere: at the first tick it is assumed that the actuator has rested at that tick's
 //! voltage, with a memory in the middle of all that it may have. [`Estimator::start_at`] states something better where it is
 //! known. Hysteresis forgets what lies within a full swing of the voltage, and so does the estimate: until the voltage has
-//! turned at either end of a swing its status says [`Status::NOT_SETTLED`]. What a larger swing would wipe out, and slow creep,
-//! may still be the start's.
+//! turned at either end of a swing of [`SETTLED_SWING`] of its range, the status says [`Status::NOT_SETTLED`]. What a larger
+//! swing would wipe out, and slow creep, may still be the start's.
 
 use crate::calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, Line};
 use crate::extremum::Extremum;
@@ -32,8 +32,11 @@ bitflags::bitflags! {
         const CLAMPED = 1 << 2;
         /// The DAC stands at an end of its range: the displacement is at least that far.
         const DAC_SATURATED = 1 << 3;
-        /// The voltage has not turned at either end yet: the estimate still depends on where it was assumed to start.
+        /// The voltage has not turned at either end of a full swing yet: the estimate still depends on where it was assumed to
+        /// start.
         const NOT_SETTLED = 1 << 4;
+        /// The wanted displacement cannot be had at this tick: the voltage or its slew rate is at a limit.
+        const OUT_OF_REACH = 1 << 5;
     }
 }
 
@@ -61,8 +64,8 @@ impl core::fmt::Display for LookupMismatch {
 
 impl core::error::Error for LookupMismatch {}
 
-/// Reversals of the voltage after which nothing of the start is left: one at either end.
-const SETTLED: u8 = 2;
+/// Part of the table's voltage range that must lie between reversals for the estimate to count as settled.
+pub const SETTLED_SWING: f32 = 0.5;
 
 /// A running estimator. Made from an [`Admitted`] table only.
 #[derive(Clone, Debug)]
@@ -83,8 +86,14 @@ pub struct Estimator<'l, T: Real> {
     started: bool,
     /// [`Status::NOT_SETTLED`], or nothing.
     settling: Status,
-    reversals: u8,
+    /// Voltages of the reversals so far.
+    turned: Range<T>,
     zero: T,
+}
+
+/// No reversal yet.
+fn nowhere<T: Real>() -> Range<T> {
+    Range { min: T::infinity(), max: T::neg_infinity() }
 }
 
 impl<'l, T: Real> Estimator<'l, T> {
@@ -108,7 +117,7 @@ impl<'l, T: Real> Estimator<'l, T> {
             state: State::new(T::zero(), T::of(table.deadband_v)),
             started: false,
             settling: Status::NOT_SETTLED,
-            reversals: 0,
+            turned: nowhere(),
             zero: T::zero(),
         })
     }
@@ -126,7 +135,7 @@ impl<'l, T: Real> Estimator<'l, T> {
         self.state = State::new(T::zero(), self.deadband);
         self.started = false;
         self.settling = Status::NOT_SETTLED;
-        self.reversals = 0;
+        self.turned = nowhere();
         self.zero = T::zero();
         if let Engine::Other(model) = &mut self.engine {
             model.forget();
@@ -178,11 +187,10 @@ impl<'l, T: Real> Estimator<'l, T> {
                 let known = self.started.then_some(self.state.displacement);
                 let free = model.step(voltage, known);
                 if self.state.track(voltage) {
-                    self.reversals = self.reversals.saturating_add(1);
+                    self.settle(&mut status);
                 }
                 self.state.displacement = free;
                 self.started = true;
-                self.settle(&mut status);
                 self.finish(free, status)
             }
         }
@@ -224,14 +232,17 @@ impl<'l, T: Real> Estimator<'l, T> {
         if let Engine::Voigt(model) = &self.engine {
             model.turn(&mut self.state);
         }
-        self.reversals = self.reversals.saturating_add(1);
         self.settle(&mut status);
         let free = self.state.apply(Terms { a, c, m });
         self.finish(free, status)
     }
 
+    /// After a reversal.
     fn settle(&mut self, status: &mut Status) {
-        if self.reversals >= SETTLED {
+        let at = self.state.last_extremum().voltage;
+        let Range { min, max } = self.turned;
+        self.turned = Range { min: if at < min { at } else { min }, max: if at > max { at } else { max } };
+        if self.turned.span() >= T::of(SETTLED_SWING) * self.voltage_range.span() {
             self.settling = Status::empty();
             status.remove(Status::NOT_SETTLED);
         }

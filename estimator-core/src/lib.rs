@@ -4,8 +4,9 @@
 //! the reference), so the number that was validated on the host and the number that leaves the DAC come from one source.
 //!
 //! ```text
-//! bytes ─► Table::parse ─► Admitted ─► Estimator ── AdcCode ─► tick ─► Estimate { displacement, DacCode, Status }
-//!               │               └─ Voigt (published parameters → per-tick coefficients), Lookup (the same, tabulated)
+//! bytes ─► Table::parse ─► Admitted ─┬► Estimator ── AdcCode ─► tick ─► Estimate { displacement, DacCode, Status }
+//!               │                    ├► Inverse ── reference ─► tick ─► Commanded { voltage, displacement, Status }
+//!               │                    └─ Engine (parameters → per-tick coefficients of any model), Lookup (Voigt's, tabulated)
 //!               └─ refuses what is truncated, corrupt, of another version, not finite, or not admissible
 //! ```
 //!
@@ -17,6 +18,7 @@ pub mod admissible;
 pub mod calibration;
 pub mod estimator;
 pub mod extremum;
+pub mod inverse;
 pub mod list;
 pub mod lookup;
 pub mod math;
@@ -26,9 +28,10 @@ pub mod record;
 pub mod table;
 
 pub use admissible::Inadmissible;
-pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode};
+pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, DriveCalibration, DriveLimits};
 pub use estimator::{Estimate, Estimator, Status};
 pub use extremum::{Extremum, Tracker};
+pub use inverse::{Commanded, Inverse, NoInverse};
 pub use list::List;
 pub use lookup::Lookup;
 pub use math::Real;

@@ -15,9 +15,9 @@ use crate::table::{Admitted, Table, TableError};
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 /// Format version that this software writes and reads.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// No record is longer than this, bytes.
-pub const MAX_LENGTH: usize = 448;
+pub const MAX_LENGTH: usize = 384;
 
 const MAGIC: [u8; 4] = *b"PZTB";
 const HEADER: usize = 8;

@@ -28,8 +28,8 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0200",
-            "7100", // magic, version, length
+            "0300",
+            "7200", // magic, version, length
             "00",
             "f403",
             "00",
@@ -58,13 +58,14 @@ fn record_is_pinned() {
             "00009643",
             "00f0ff44",
             "ff1f", // DAC
+            "00",   // no drive
             "a5a5a5a5a5a5a5a5",
             "07",
             "000100",
             "0000803e",
             "01b81e853e",
             "00",       // provenance
-            "71ddb2af", // CRC-32
+            "316b3ac1", // CRC-32
         ),
         "the format changed: bump record::VERSION and say so in CHANGELOG.md"
     );

@@ -4,7 +4,7 @@
 //!            highest priority                       async, may be late
 //! timer ─► ADC ─► interrupt ─► Tick ─► DAC          Link ◄─► serial line
 //!                    samples ─────┼──► queue ─────►  │
-//!                    commands ◄───┼─── queue ◄────── ├──► ParameterStore ◄─► flash
+//!        commands, references ◄───┼─── queues ◄───── ├──► ParameterStore ◄─► flash
 //!                    Telemetry ◄──┘    atomics ────►  └──► watchdog
 //! ```
 //!
@@ -14,6 +14,7 @@
 #![cfg_attr(not(test), no_std)]
 
 pub mod boot;
+pub mod drive;
 pub mod last_words;
 pub mod link;
 pub mod peripherals;

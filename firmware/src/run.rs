@@ -1,6 +1,7 @@
 //! Puts the parts together and never ends.
 
 use crate::boot::{self, Chosen};
+use crate::drive::Drive;
 use crate::last_words;
 use crate::link::{Device, Link};
 use crate::peripherals::Peripherals;
@@ -33,6 +34,7 @@ pub async fn run<R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<'sta
 ) -> Result<core::convert::Infallible, StoreError> {
     static COMMANDS: ConstStaticCell<Queue<Command, 4>> = ConstStaticCell::new(Queue::new());
     static FED: ConstStaticCell<Queue<AdcCode, 256>> = ConstStaticCell::new(Queue::new());
+    static REFERENCES: ConstStaticCell<Queue<f32, 256>> = ConstStaticCell::new(Queue::new());
     static SAMPLES: ConstStaticCell<Queue<Numbered, 256>> = ConstStaticCell::new(Queue::new());
     static LOOKUP: StaticCell<Lookup<f32>> = StaticCell::new();
 
@@ -43,6 +45,7 @@ pub async fn run<R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<'sta
     log_start(&source);
     let (to_tick, commands) = COMMANDS.take().split();
     let (feed, fed) = FED.take().split();
+    let (refer, references) = REFERENCES.take().split();
     let (to_link, samples) = SAMPLES.take().split();
 
     let estimator = table.and_then(|table| {
@@ -50,14 +53,17 @@ pub async fn run<R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<'sta
         // Cannot fail: the lookup has just been made from the table.
         Estimator::new(&table, lookup).ok()
     });
-    // The safe output says "at the model's zero", which is where an unpowered actuator is; without a table nobody knows
-    // which code that is, and it is half scale.
-    let safe = table.map_or(DacCode(board.converters.dac_full_scale / 2), |table| table.dac.code(0.0f32));
+    // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest; without a
+    // table nobody knows which code that is, and it is half scale.
+    let safe = table.map_or(DacCode(board.converters.dac_full_scale / 2), |table| {
+        Drive::rest(&table).unwrap_or_else(|| table.dac.code(0.0f32))
+    });
+    let drive = table.as_ref().and_then(Drive::new);
     let mut standing = Faults::empty();
     standing.set(Faults::SUPPLY, !board.supply_good);
     standing.set(Faults::TABLE_FALLBACK, fallback);
-    let queues = Queues { commands, fed, samples: to_link };
-    let tick = Tick::new(estimator, safe, board.converters, queues, &TELEMETRY, board.cycles_per_tick, standing);
+    let queues = Queues { commands, fed, references, samples: to_link };
+    let tick = Tick::new(estimator, drive, safe, board.converters, queues, &TELEMETRY, board.cycles_per_tick, standing);
 
     let device = Device {
         board: board.board,
@@ -75,6 +81,7 @@ pub async fn run<R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<'sta
         telemetry: &TELEMETRY,
         commands: to_tick,
         feed,
+        refer,
         samples,
         frames_refused: 0,
         read_errors: 0,

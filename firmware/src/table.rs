@@ -3,7 +3,7 @@
 
 #[allow(unused_imports, reason = "which variants a table names depends on the table")]
 use estimator_core::{
-    AdcCalibration, DacCalibration, Digest, Form::*, Model::*, Parameters, Provenance, Range, Scheme::*, Table, VoigtParameters,
+    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, Form::*, Model::*, Parameters, Provenance, Range, Scheme::*, Table, VoigtParameters,
 };
 
 /// The compiled-in parameter table.
@@ -47,6 +47,7 @@ pub const TABLE: Table = Table {
         offset_code: 546.0,
         full_scale: 4095,
     },
+    drive: None,
     provenance: Provenance {
         logs: Digest(
             [

@@ -24,6 +24,10 @@ pub struct Telemetry {
     pub clamped: AtomicU32,
     /// Ticks with the DAC at an end of its range.
     pub dac_saturated: AtomicU32,
+    /// Ticks with the wanted displacement out of reach.
+    pub out_of_reach: AtomicU32,
+    /// Ticks, since the mode was set, that found no reference after the first.
+    pub starved: AtomicU32,
     /// Samples that found the queue full.
     pub dropped: AtomicU32,
     /// The last tick was not done in time for its output.
@@ -57,6 +61,8 @@ impl Telemetry {
             voltage_out_of_range: AtomicU32::new(0),
             clamped: AtomicU32::new(0),
             dac_saturated: AtomicU32::new(0),
+            out_of_reach: AtomicU32::new(0),
+            starved: AtomicU32::new(0),
             dropped: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
             safe: AtomicU16::new(0),
@@ -93,7 +99,7 @@ impl Telemetry {
 
     /// What the tick does.
     pub fn mode(&self) -> Mode {
-        [Mode::Estimate, Mode::Pil, Mode::Pause][usize::from(self.mode.load(Relaxed).min(2))]
+        [Mode::Estimate, Mode::Pil, Mode::Pause, Mode::Follow][usize::from(self.mode.load(Relaxed).min(3))]
     }
 
     /// Forgets counts and faults seen.
@@ -105,6 +111,7 @@ impl Telemetry {
             &self.voltage_out_of_range,
             &self.clamped,
             &self.dac_saturated,
+            &self.out_of_reach,
             &self.dropped,
         ];
         counters.iter().for_each(|counter| counter.store(0, Relaxed));
@@ -113,6 +120,7 @@ impl Telemetry {
 
     pub(crate) fn set_mode(&self, mode: Mode) {
         self.mode.store(mode as u8, Relaxed);
+        self.starved.store(0, Relaxed);
         self.epoch.store(self.epoch.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
@@ -133,6 +141,7 @@ impl Telemetry {
             (Status::VOLTAGE_OUT_OF_RANGE, &self.voltage_out_of_range),
             (Status::CLAMPED, &self.clamped),
             (Status::DAC_SATURATED, &self.dac_saturated),
+            (Status::OUT_OF_REACH, &self.out_of_reach),
         ];
         for (bit, counter) in counters {
             if status.contains(bit) {

@@ -5,8 +5,10 @@
 //! latched by the *next* trigger: whatever the tick's duration, the output has no jitter, as long as it is done in time.
 //! One tick is 500 µs, 85,000 cycles at 170 MHz. A tick that comes late or not at all, or is not done in time for its output,
 //! is counted, and the sample says so; the numbers of the samples skip ticks that did not come. No lock, no log, no allocation,
-//! no `f64`.
+//! no `f64`. Where the DAC drives the amplifier ([`Drive`]), the same holds of its voltage: the reference of tick k moves
+//! it at tick k + 1, and the displacement a tick after that.
 
+use crate::drive::Drive;
 use crate::peripherals::Converters;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{Lasting, UNSAFE, Watch};
@@ -39,6 +41,8 @@ pub struct Queues<'q> {
     pub commands: Consumer<'q, Command>,
     /// From the link, in [`Mode::Pil`]; one a tick is taken.
     pub fed: Consumer<'q, AdcCode>,
+    /// From the link, in [`Mode::Follow`], µm; one a tick is taken.
+    pub references: Consumer<'q, f32>,
     /// To the link, while it streams.
     pub samples: Producer<'q, Numbered>,
 }
@@ -46,6 +50,8 @@ pub struct Queues<'q> {
 /// Everything the interrupt owns.
 pub struct Tick<'q> {
     estimator: Option<Estimator<'q, f32>>,
+    /// Where the DAC drives the amplifier.
+    drive: Option<Drive>,
     queues: Queues<'q>,
     telemetry: &'q Telemetry,
     period: u32,
@@ -63,8 +69,10 @@ pub struct Tick<'q> {
 impl<'q> Tick<'q> {
     /// `period`: counts of the cycle counter from tick to tick. `standing`: faults known since boot. Without an estimator
     /// the DAC stays at `safe`.
+    #[expect(clippy::too_many_arguments, reason = "called once, and each is another thing")]
     pub fn new(
         estimator: Option<Estimator<'q, f32>>,
+        drive: Option<Drive>,
         safe: DacCode,
         converters: Converters,
         queues: Queues<'q>,
@@ -75,7 +83,8 @@ impl<'q> Tick<'q> {
         telemetry.safe.store(safe.0, Relaxed);
         let standing = if estimator.is_some() { standing } else { standing | Faults::NO_TABLE };
         let (mode, watch) = (Mode::default(), Watch::new(converters.adc_full_scale));
-        Self { estimator, queues, telemetry, period, standing, safe, mode, converters, watch, number: 0, last: None }
+        let (number, last) = (0, None);
+        Self { estimator, drive, queues, telemetry, period, standing, safe, mode, converters, watch, number, last }
     }
 
     /// One tick: the code just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
@@ -86,7 +95,7 @@ impl<'q> Tick<'q> {
             self.obey(command);
         }
         let code = match self.mode {
-            Mode::Estimate => Some(code),
+            Mode::Estimate | Mode::Follow => Some(code),
             Mode::Pil => self.queues.fed.dequeue(),
             Mode::Pause => None,
         };
@@ -94,34 +103,53 @@ impl<'q> Tick<'q> {
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
         let (dac, faults) = match code {
             Some(code) => self.estimate(code, missed, faults),
-            None => (self.safe, faults | Faults::SAFE_OUTPUT),
+            None => (self.safe_output(), faults | Faults::SAFE_OUTPUT),
         };
         self.telemetry.set_faults(faults);
         dac
     }
 
     fn estimate(&mut self, code: AdcCode, missed: Option<u32>, mut faults: Faults) -> (DacCode, Faults) {
-        let estimate = match &mut self.estimator {
+        let Estimate { displacement, dac, mut status } = match &mut self.estimator {
             Some(estimator) => tick_sample(estimator, code),
             None => Estimate { displacement: 0.0, dac: self.safe, status: Status::empty() },
         };
-        self.telemetry.count(estimate.status);
         let mut safe = true;
         // Fed codes are not the ADC's: they say nothing of its health, and their ticks come when they are fed.
-        if self.mode == Mode::Estimate {
+        if self.mode != Mode::Pil {
             self.number = self.number.wrapping_add(missed.unwrap_or(0));
-            match self.watch.look(code, estimate.status, missed.is_some()) {
+            match self.watch.look(code, status, missed.is_some()) {
                 Lasting::None => safe = faults.intersects(UNSAFE),
                 // What it has made of the bad codes is forgotten.
                 Lasting::Passed => self.restart(),
                 Lasting::Faults(lasting) => faults |= lasting,
             }
         }
+        let dac = match &mut self.drive {
+            Some(drive) if self.mode == Mode::Follow => {
+                if safe {
+                    drive.stop();
+                }
+                let next = self.queues.references.dequeue();
+                if next.is_none() && drive.following() {
+                    add(&self.telemetry.starved, 1);
+                }
+                let (dac, reached) = drive.follow(next);
+                safe = !drive.following();
+                status |= reached;
+                dac
+            }
+            Some(_) => {
+                safe = true;
+                self.safe_output()
+            }
+            None if safe => self.safe,
+            None => dac,
+        };
+        self.telemetry.count(status);
         faults.set(Faults::SAFE_OUTPUT, safe);
-        let dac = if safe { self.safe } else { estimate.dac };
         if self.telemetry.streaming.load(Relaxed) {
-            let Estimate { displacement, status, .. } = estimate;
-            let sample = Sample { code: code.0, displacement, status, faults };
+            let sample = Sample { code: code.0, displacement, dac: dac.0, status, faults };
             if self.queues.samples.enqueue(Numbered { tick: self.number, sample }).is_err() {
                 add(&self.telemetry.dropped, 1);
             }
@@ -144,6 +172,11 @@ impl<'q> Tick<'q> {
         Some(lost)
     }
 
+    /// The safe value, or a tick on the way to it.
+    fn safe_output(&mut self) -> DacCode {
+        self.drive.as_mut().map_or(self.safe, Drive::release)
+    }
+
     fn restart(&mut self) {
         if let Some(estimator) = &mut self.estimator {
             tick_restart(estimator);
@@ -157,7 +190,11 @@ impl<'q> Tick<'q> {
                 self.number = 0;
                 self.watch = Watch::new(self.converters.adc_full_scale);
                 while self.queues.fed.dequeue().is_some() {}
+                while self.queues.references.dequeue().is_some() {}
                 self.restart();
+                if let Some(drive) = &mut self.drive {
+                    drive.restart();
+                }
                 self.telemetry.set_mode(mode);
             }
             Command::SetZero => {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{CONVERTERS, PERIOD, compiled, other, record, tick, triangle};
+use common::{CONVERTERS, PERIOD, compiled, driving, other, record, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use estimator_core::{Admitted, Table};
@@ -63,6 +63,7 @@ impl Bench {
             telemetry: rest.telemetry,
             commands: rest.commands,
             feed: rest.feed,
+            refer: rest.refer,
             samples: rest.samples,
             frames_refused: 4,
             read_errors: 5,
@@ -184,6 +185,26 @@ fn codes_are_taken_in_their_mode_and_as_many_as_there_is_room() {
         reply => panic!("{reply:?}"),
     });
     assert!(full && taken >= 255, "{taken}");
+}
+
+#[test]
+fn references_are_taken_where_the_dac_drives_and_are_numbers() {
+    let refer = |wanted: f32| Request::Refer([wanted; 64].iter().copied().collect());
+    let mut plain = Bench::new(Some(compiled()));
+    assert_eq!(plain.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::NoDrive));
+    let mut bench = Bench::new(Some(driving()));
+    assert_eq!(bench.ask(refer(10.0)), Reply::Refused(Refusal::NotFollowing));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Done);
+    for odd in [f32::NAN, f32::INFINITY] {
+        assert_eq!(bench.ask(refer(odd)), Reply::Refused(Refusal::NotFinite));
+    }
+    assert_eq!(bench.ask(push(&other(), false)), Reply::Refused(Refusal::Estimating), "flash may cost ticks");
+    assert_eq!(bench.ask(Request::SetZero), Reply::Refused(Refusal::NotEstimating), "references have the model's zero");
+    let full = (0..1_000).any(|_| match bench.ask(refer(10.0)) {
+        Reply::Referred { taken, .. } => taken < 64,
+        reply => panic!("{reply:?}"),
+    });
+    assert!(full);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `--adc-span`, `--dac-span` and the converters' full scales, as the command line says them.
 
+use crate::drive::DriveOptions;
 use clap::Args;
 use estimator_core::{AdcCalibration, AdcCode, DacCalibration, DacCode, Range, Table};
 use std::str::FromStr;
@@ -42,6 +43,9 @@ pub struct CalibrationOptions {
     /// Largest DAC code; 4095 where nothing else is known.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub dac_full_scale: Option<u16>,
+    /// The DAC as the amplifier's input.
+    #[command(flatten)]
+    pub drive: DriveOptions,
 }
 
 /// A 12-bit converter.
@@ -89,6 +93,7 @@ impl CalibrationOptions {
         if self.dac_span.is_some() || self.dac_full_scale.is_some() {
             table.dac = dac_calibration(dac_span, self.dac_full_scale.unwrap_or(table.dac.full_scale));
         }
+        self.drive.apply(table);
     }
 }
 
@@ -103,6 +108,9 @@ pub fn misfits(table: &Table) -> Vec<String> {
             "the ADC sees {low:.3} … {high:.3} V, the table is for {} … {} V: a wider --adc-span, by another divider",
             range.min, range.max
         ));
+    }
+    if table.drive.is_some() {
+        return misfits;
     }
     if table.dac.saturated(table.dac.code(0.0f64)) {
         misfits.push(

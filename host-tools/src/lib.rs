@@ -4,6 +4,8 @@ pub mod calibration;
 pub mod command;
 pub mod compare;
 pub mod device;
+pub mod drive;
+pub mod feedforward;
 pub mod identify;
 pub mod least_squares;
 pub mod log;

@@ -2,8 +2,8 @@
 
 use clap::{Parser, Subcommand};
 use host_tools::command::{
-    compare, emit, erase, flash, identify, info, monitor, pil, pull, push, record, reproduce, reset, simulate,
-    validate, zero,
+    compare, emit, erase, feedforward, flash, follow, identify, info, monitor, pil, pull, push, record, reproduce,
+    reset, simulate, validate, zero,
 };
 use std::process::ExitCode;
 
@@ -16,8 +16,8 @@ struct Cli {
     verb: Verb,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` was exceeded, a bit of `pil` differs, or `record` \
-                          ended before its time; 2 the arguments, a file or the device are wrong: no file is left \
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` or `feedforward` was exceeded, a bit of `pil` \
+                          differs, or `record` ended before its time, or `follow` was stopped by a fault; 2 the arguments, a file or the device are wrong: no file is left \
                           half-written.";
 
 #[derive(Subcommand)]
@@ -41,6 +41,9 @@ enum Verb {
         after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --form tabulated --out out/board"
     )]
     Emit(emit::Emit),
+    /// Table + wanted trajectory → the voltages that bring the actuator there, by the model's inverse.
+    #[command(after_help = "Example: piezo feedforward out/demo/table.toml wanted.csv --slew 100 --out voltages.csv")]
+    Feedforward(feedforward::Feedforward),
     /// The thesis's validation errors beside ours on the synthetic rig.
     #[command(after_help = "Example: piezo reproduce --json")]
     Reproduce(reproduce::Reproduce),
@@ -67,6 +70,9 @@ enum Verb {
         after_help = "Example: piezo pil out/board/table.toml tests/data/picma-p885-1hz.csv --port tcp:127.0.0.1:4444"
     )]
     Pil(pil::Pil),
+    /// A wanted trajectory → the device, whose DAC drives the amplifier there; its estimate on the way as a log.
+    #[command(after_help = "Example: piezo follow wanted.csv --out followed.csv --port /dev/ttyACM0")]
+    Follow(follow::Follow),
     /// Calls the displacement of now 0, as at rest.
     #[command(after_help = "Example: piezo zero --port /dev/ttyACM0")]
     Zero(zero::Zero),
@@ -87,6 +93,7 @@ fn main() -> ExitCode {
         Verb::Validate(arguments) => validate::run(&arguments),
         Verb::Simulate(arguments) => simulate::run(&arguments),
         Verb::Emit(arguments) => emit::run(&arguments),
+        Verb::Feedforward(arguments) => feedforward::run(&arguments),
         Verb::Reproduce(arguments) => reproduce::run(&arguments),
         Verb::Info(arguments) => info::run(&arguments),
         Verb::Push(arguments) => push::run(&arguments),
@@ -95,6 +102,7 @@ fn main() -> ExitCode {
         Verb::Monitor(arguments) => monitor::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Pil(arguments) => pil::run(&arguments),
+        Verb::Follow(arguments) => follow::run(&arguments),
         Verb::Zero(arguments) => zero::run(&arguments),
         Verb::Reset(arguments) => reset::run(&arguments),
         Verb::Flash(arguments) => flash::run(&arguments),

@@ -22,7 +22,7 @@ bitflags::bitflags! {
         const NO_TABLE = 1 << 5;
         /// A stored table could not be used, so another one is.
         const TABLE_FALLBACK = 1 << 6;
-        /// The DAC stands at its safe value, by a fault or because the mode is not [`Mode::Estimate`].
+        /// The DAC stands at its safe value, or is on its way there: by a fault, or because nothing is put out in this mode.
         const SAFE_OUTPUT = 1 << 7;
     }
 }
@@ -75,6 +75,8 @@ pub struct Health {
     pub clamped: u32,
     /// Ticks with the DAC at an end of its range.
     pub dac_saturated: u32,
+    /// Ticks with the wanted displacement out of reach.
+    pub out_of_reach: u32,
     /// Samples that the link could not carry away.
     pub samples_dropped: u32,
     /// Frames refused by the device.

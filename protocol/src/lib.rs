@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Every message travels in a frame of its own ([`frame`]): versioned, CRC-checked, delimited so that either side finds
-//! its feet again after noise. Requests may be sent again when no reply comes: only [`Request::Feed`] and
-//! [`Request::SetZero`] do more on the second time.
+//! its feet again after noise. Requests may be sent again when no reply comes: only [`Request::Feed`],
+//! [`Request::Refer`] and [`Request::SetZero`] do more on the second time.
 #![cfg_attr(not(test), no_std)]
 
 pub mod frame;
@@ -20,11 +20,11 @@ pub mod sample;
 pub use frame::{Deframer, FrameError, encode};
 pub use health::{Faults, Health, ResetCause};
 pub use identity::{Identity, TableSource};
-pub use message::{Codes, Mode, Record, Refusal, Reply, Request, ToDevice, ToHost};
+pub use message::{Codes, Mode, Record, References, Refusal, Reply, Request, ToDevice, ToHost};
 pub use sample::{Sample, Samples};
 
 /// Version of everything in this crate. It is the first byte of every frame; frames of another are refused by name.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
 /// The serial line's rate, bit/s, 8 data bits, no parity, one stop bit. The full stream takes about a quarter of it.
 pub const BAUD: u32 = 921_600;

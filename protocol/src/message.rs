@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 pub type Record = Vec<u8, MAX_LENGTH>;
 /// ADC codes to be fed to the tick.
 pub type Codes = Vec<u16, 64>;
+/// Wanted displacements, µm relative to the model's zero.
+pub type References = Vec<f32, 64>;
 
 /// What the tick does.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
@@ -23,6 +25,10 @@ pub enum Mode {
     Pil,
     /// Estimates nothing; the DAC is safe.
     Pause,
+    /// Estimates from the ADC, while the DAC drives the amplifier to where the references want the displacement, one a tick, the
+    /// last one where there is none; at rest before the first. A fault sends it back to rest, and there it stays until the mode
+    /// is set again.
+    Follow,
 }
 
 /// Host to device.
@@ -67,6 +73,8 @@ pub enum Request {
     SetMode(Mode),
     /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]
     Feed(Codes),
+    /// Wanted displacements for the next ticks, in [`Mode::Follow`]. → [`Reply::Referred`]
+    Refer(References),
     /// Start again. → [`Reply::Done`], then the reset.
     Reset,
 }
@@ -98,6 +106,13 @@ pub enum Reply {
     Done,
     /// To [`Request::Feed`]: how many codes there was room for; the rest must be sent again.
     Fed(u16),
+    /// To [`Request::Refer`].
+    Referred {
+        /// How many there was room for; the rest must be sent again.
+        taken: u16,
+        /// Ticks since the mode was set that found no reference after the first, and held the last one.
+        starved: u32,
+    },
     /// It is not done.
     Refused(Refusal),
 }
@@ -117,6 +132,12 @@ pub enum Refusal {
     NotEstimating,
     /// Codes were fed, but the mode is not [`Mode::Pil`].
     NotPil,
+    /// The table does not say how the DAC drives the amplifier, or there is none.
+    NoDrive,
+    /// References came, but the mode is not [`Mode::Follow`].
+    NotFollowing,
+    /// A reference is not a finite number.
+    NotFinite,
     /// Too many requests at once; ask again.
     Busy,
     /// The request was of another protocol version. The reply says which the device speaks by its own frame.
@@ -132,6 +153,11 @@ impl core::fmt::Display for Refusal {
             Self::NoTable => write!(f, "it has no admissible table"),
             Self::NotEstimating => write!(f, "it is not estimating"),
             Self::NotPil => write!(f, "it takes fed samples in processor-in-the-loop mode only"),
+            Self::NoDrive => {
+                write!(f, "its table does not say how the DAC drives the amplifier: piezo emit --drive-span, then push")
+            }
+            Self::NotFollowing => write!(f, "it takes references in the mode that follows them only"),
+            Self::NotFinite => write!(f, "a reference is not a finite number"),
             Self::Busy => write!(f, "it is busy; ask again"),
             Self::Version => write!(f, "it speaks another version of the protocol"),
         }

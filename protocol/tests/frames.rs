@@ -34,12 +34,14 @@ fn requests() -> Vec<Request> {
         Request::SetZero,
         Request::SetMode(Mode::Pil),
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
+        Request::Refer([f32::MAX; 64].iter().copied().collect()),
         Request::Reset,
     ]
 }
 
 fn samples(count: usize) -> Samples {
-    let sample = Sample { code: u16::MAX, displacement: f32::MIN, status: Status::all(), faults: Faults::all() };
+    let sample =
+        Sample { code: u16::MAX, displacement: f32::MIN, dac: u16::MAX, status: Status::all(), faults: Faults::all() };
     Samples { first: u32::MAX, samples: (0..count).map(|_| sample).collect() }
 }
 
@@ -60,6 +62,7 @@ fn answers() -> Vec<ToHost> {
         voltage_out_of_range: u32::MAX,
         clamped: u32::MAX,
         dac_saturated: u32::MAX,
+        out_of_reach: u32::MAX,
         samples_dropped: u32::MAX,
         frames_refused: u32::MAX,
         line_errors: u32::MAX,
@@ -84,6 +87,7 @@ fn answers() -> Vec<ToHost> {
         Reply::Table([0; MAX_LENGTH].iter().copied().collect()),
         Reply::Done,
         Reply::Fed(64),
+        Reply::Referred { taken: 64, starved: u32::MAX },
         Reply::Refused(Refusal::Table(text("µ".repeat(200)))),
     ];
     let replies = replies.into_iter().map(|reply| ToHost::Reply { to: u16::MAX, reply });
@@ -106,11 +110,11 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f01ac0209030102f0ff03937c717700");
-    assert_eq!(hex(frame(&ToHost::Samples(samples(1)))), "160101ffffffff0f01ffff03ffff7fff1fffcbd1e7a900");
+    assert_eq!(hex(frame(&message)), "0f02ac0209030102f0ff0390c7469c00");
+    assert_eq!(hex(frame(&ToHost::Samples(samples(1)))), "190201ffffffff0f01ffff03ffff7fffffff033fff62d2113400");
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (1, 984746080));
+    assert_eq!((VERSION, crc), (2, 1129244955));
 }
 
 #[test]

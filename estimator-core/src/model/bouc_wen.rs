@@ -198,6 +198,10 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
         }
         Some(reach)
     }
+
+    fn prompt(&self) -> Option<Self> {
+        Some(*self)
+    }
 }
 
 /// Columns: `u`, `u²`, `h`, 1; weights: `d1_um_per_v`, `d2_um_per_v2`, `c_um_per_v`, `offset_um`.

@@ -249,6 +249,10 @@ impl<T: Real> Recursion<T> for Champion<T> {
         let sound = self.resonance.is_none_or(|resonance| resonance.sound());
         (sound && rises(least) && rises(most)).then(|| Range { min: self.bend(least), max: self.bend(most) })
     }
+
+    fn prompt(&self) -> Option<Self> {
+        Some(Self { delay: 0, older: T::zero(), ahead: T::zero(), resonance: None, ..*self })
+    }
 }
 
 impl<T: Real> Linear<T> for Champion<T> {

@@ -241,6 +241,10 @@ impl<T: Real> Recursion<T> for Duhem<T> {
             max: self.offset + self.f(voltage.max - self.centre) + memory,
         })
     }
+
+    fn prompt(&self) -> Option<Self> {
+        Some(*self)
+    }
 }
 
 /// Columns and weights: `v − z0` (`f1_um_per_v`), `v³ − 3·z2` (`f3_um_per_v3`; v³ straight on beyond saturation), `z0`

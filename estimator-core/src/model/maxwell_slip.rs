@@ -214,4 +214,8 @@ impl<T: Real> Recursion<T> for MaxwellSlip<T> {
         };
         Some(Range { min: end(voltage.min, -T::one()), max: end(voltage.max, T::one()) })
     }
+
+    fn prompt(&self) -> Option<Self> {
+        Some(*self)
+    }
 }

@@ -292,4 +292,9 @@ impl<T: Real> Recursion<T> for Narx<T> {
     fn reach(&self, _voltage: Range<T>) -> Option<Range<T>> {
         (self.limits.min <= self.limits.max).then_some(self.limits)
     }
+
+    /// None: the polynomial need neither rise with the newest voltage nor have stable zeros.
+    fn prompt(&self) -> Option<Self> {
+        None
+    }
 }

@@ -25,6 +25,22 @@ impl<M, S> Run<M, S> {
         let model = &self.model;
         model.step(self.state.get_or_insert_with(|| model.begin(voltage, known)), voltage)
     }
+
+    fn peek<T: Real>(&self, voltage: T) -> T
+    where
+        M: Recursion<T, State = S>,
+        S: Clone,
+    {
+        let mut state = self.state.clone().unwrap_or_else(|| self.model.begin(voltage, None));
+        self.model.step(&mut state, voltage)
+    }
+
+    fn prompt<T: Real>(&self) -> Option<Self>
+    where
+        M: Recursion<T, State = S>,
+    {
+        Some(Self { model: self.model.prompt()?, state: None })
+    }
 }
 
 /// A model's coefficients, and the memory of all but the Voigt family's, which is a [`State`](super::State).
@@ -91,7 +107,7 @@ macro_rules! models {
 
         /// Any model beyond the Voigt family, running: coefficients and memory.
         #[derive(Clone, PartialEq, Debug)]
-                pub enum Running<T: Real> {
+        pub enum Running<T: Real> {
             $(
                 #[doc = concat!("[`", stringify!($coefficients), "`].")]
                 $model(Run<$coefficients<T>, <$coefficients<T> as Recursion<T>>::State>),
@@ -105,9 +121,19 @@ macro_rules! models {
                 match self { $(Self::$model(run) => run.step(voltage, known),)* }
             }
 
+            /// What [`step`](Self::step) would return.
+            pub fn peek(&self, voltage: T) -> T {
+                match self { $(Self::$model(run) => run.peek(voltage),)* }
+            }
+
             /// As [`Recursion::reach`].
             pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
                 match self { $(Self::$model(run) => run.model.reach(voltage),)* }
+            }
+
+            /// As [`Recursion::prompt`], with nothing remembered.
+            pub fn prompt(&self) -> Option<Self> {
+                Some(match self { $(Self::$model(run) => Self::$model(run.prompt()?),)* })
             }
 
             /// Forgets everything.

@@ -172,6 +172,10 @@ impl<T: Real> Recursion<T> for PrandtlIshlinskii<T> {
         let high = if self.memory.max > voltage.max { self.memory.max } else { voltage.max };
         Some(Range { min: end(low, -T::one()), max: end(high, T::one()) })
     }
+
+    fn prompt(&self) -> Option<Self> {
+        Some(*self)
+    }
 }
 
 impl<T: Real> Linear<T> for PrandtlIshlinskii<T> {

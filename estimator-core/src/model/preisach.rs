@@ -125,6 +125,10 @@ impl<T: Real> Recursion<T> for Preisach<T> {
         let never = self.everett.between(end, self.place(voltage.max));
         Some(Range { min: self.offset + always - rounding, max: self.offset + (total - never) + rounding })
     }
+
+    fn prompt(&self) -> Option<Self> {
+        Some(*self)
+    }
 }
 
 impl<T: Real> Linear<T> for Preisach<T> {

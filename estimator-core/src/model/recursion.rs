@@ -4,7 +4,7 @@ use crate::math::Real;
 use crate::range::Range;
 
 /// A model's per-tick coefficients.
-pub trait Recursion<T: Real> {
+pub trait Recursion<T: Real>: Sized {
     /// What it remembers from tick to tick.
     type State: Clone + PartialEq + core::fmt::Debug;
 
@@ -18,6 +18,10 @@ pub trait Recursion<T: Real> {
     /// The displacements (µm) that some sequence of voltages of this range (V) can reach; `None` where the recursion is
     /// unstable or has no bound.
     fn reach(&self, voltage: Range<T>) -> Option<Range<T>>;
+
+    /// The model without what no inverse can undo within a tick (a delay, a resonance): its displacement a tick later rises
+    /// with this tick's voltage, whatever its memory. `None` where it does not.
+    fn prompt(&self) -> Option<Self>;
 }
 
 /// A model whose displacement is a weighted sum, with everything else fixed: what variable projection needs.

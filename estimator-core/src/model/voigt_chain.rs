@@ -195,6 +195,10 @@ impl<T: Real> Recursion<T> for VoigtChain<T> {
             max: self.offset + at_once * voltage.max + slow * max,
         })
     }
+
+    fn prompt(&self) -> Option<Self> {
+        Some(*self)
+    }
 }
 
 /// Columns: `V` of this tick, `x_1` … `x_n` a tick later, 1; weights: `instantaneous_um_per_v`, `gains_um_per_v`,

@@ -1,6 +1,7 @@
 //! Why a parameter table was refused.
 
 use crate::admissible::Inadmissible;
+use crate::inverse::NoInverse;
 use core::fmt;
 
 /// Why a parameter table was refused; each cause has its own variant.
@@ -45,6 +46,8 @@ pub enum TableError {
     Overflow,
     /// Unstable or unbounded.
     Inadmissible(Inadmissible),
+    /// It is to drive the amplifier, and has no inverse to do so.
+    Drive(NoInverse),
 }
 
 impl From<Inadmissible> for TableError {
@@ -70,6 +73,7 @@ impl fmt::Display for TableError {
             Self::OutOfRange { rule } => write!(f, "{rule}"),
             Self::Overflow => write!(f, "the parameters overflow within the voltage range or the displacement limits"),
             Self::Inadmissible(cause) => write!(f, "not admissible: {cause}"),
+            Self::Drive(cause) => write!(f, "it cannot drive the amplifier: {cause}"),
         }
     }
 }

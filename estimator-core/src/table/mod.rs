@@ -12,7 +12,8 @@ pub use digest::Digest;
 pub use error::TableError;
 
 use crate::admissible;
-use crate::calibration::{AdcCalibration, DacCalibration};
+use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration, DriveLimits};
+use crate::inverse::{Ground, Inverse, NoInverse};
 use crate::lookup::{self, Lookup};
 use crate::math::Real;
 use crate::model::{Engine, Model, Parameters, Scheme, Voigt, VoigtParameters};
@@ -78,6 +79,8 @@ pub struct Table {
     pub adc: AdcCalibration,
     /// Displacement to codes.
     pub dac: DacCalibration,
+    /// Where the DAC drives the amplifier: volts to codes, and limits. It then shows no displacement.
+    pub drive: Option<DriveCalibration>,
     /// Where it comes from.
     pub provenance: Provenance,
 }
@@ -101,6 +104,39 @@ const LARGEST_VOLTAGE_V: f32 = 1e5;
 /// Exponents beyond this are refused.
 const LARGEST_EXPONENT: f32 = 8.0;
 
+impl Admitted {
+    /// The inverse of the model, at rest, within limits that may be other than the table's own.
+    pub fn inverse<T: Real>(&self, limits: &DriveLimits) -> Result<Inverse<T>, NoInverse> {
+        let zero = self.voltage_zero_v;
+        let Range { min, max } = self.voltage_range_v;
+        if let Some(rule) = limits.fault(Range { min: min + zero, max: max + zero }) {
+            return Err(NoInverse::Limits(rule));
+        }
+        let ground = Ground {
+            voltage_zero: T::of(zero),
+            deadband: T::of(self.deadband_v),
+            sample_period: self.sample_period(),
+            displacement_span: T::of(self.displacement_limits_um.span()),
+        };
+        Inverse::build(self.engine(), &ground, limits)
+    }
+
+    fn check_drive(&self, drive: &DriveCalibration) -> Result<(), TableError> {
+        let DriveCalibration { gain_codes_per_v, offset_code, limits } = *drive;
+        if !gain_codes_per_v.is_finite() || !offset_code.is_finite() || gain_codes_per_v == 0.0 {
+            return Err(TableError::OutOfRange { rule: "the drive's gain and offset must be finite, the gain not 0" });
+        }
+        self.inverse::<f32>(&limits).map_err(TableError::Drive)?;
+        let codes = [limits.range_v.min, limits.range_v.max].map(|volts| offset_code + gain_codes_per_v * volts);
+        let scale = Range { min: -0.5, max: f32::from(self.dac.full_scale) + 0.5 };
+        if codes.iter().all(|&code| scale.contains(code)) {
+            Ok(())
+        } else {
+            Err(TableError::OutOfRange { rule: "the drive's range_v must lie within what the DAC can put out" })
+        }
+    }
+}
+
 impl Table {
     /// Checks everything, admissibility in the target's `f32` included.
     pub fn admit(self) -> Result<Admitted, TableError> {
@@ -112,7 +148,11 @@ impl Table {
                 admissible::check_reach(model.reach(self.voltage_range_v), self.displacement_limits_um)?;
             }
         }
-        Ok(Admitted(self))
+        let admitted = Admitted(self);
+        match &self.drive {
+            Some(drive) => admitted.check_drive(drive).map(|()| admitted),
+            None => Ok(admitted),
+        }
     }
 
     fn check_voigt(&self, model: &Voigt<f32>) -> Result<(), TableError> {

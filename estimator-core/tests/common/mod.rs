@@ -1,6 +1,8 @@
 //! A table to test with: Table 4.6's simulation set, calibrated to a 12-bit converter over ±22 V.
 #![allow(dead_code, reason = "each test crate uses its part")]
 
+pub mod models;
+
 use estimator_core::*;
 use proptest::prelude::*;
 
@@ -30,6 +32,7 @@ pub fn table() -> Table {
         parameters: Parameters::Voigt(VOIGT),
         adc: AdcCalibration { gain_v_per_code: 44.0 / 4095.0, offset_v: -22.0, invert: false, full_scale: 4095 },
         dac: DacCalibration { gain_codes_per_um: 300.0, offset_code: 2047.5, full_scale: 4095 },
+        drive: None,
         provenance: Provenance {
             logs: Digest([0xa5; 8]),
             seed: 7,

@@ -11,7 +11,9 @@ use estimator_core::record::{MAX_LENGTH, VERSION, checksum};
 use estimator_core::{AdcCode, Admitted};
 use heapless::spsc::{Consumer, Producer};
 use parameter_store::ParameterStore;
-use protocol::{Codes, Health, Identity, Mode, Record, Refusal, Reply, Request, ResetCause, TableSource, Text, text};
+use protocol::{
+    Codes, Health, Identity, Mode, Record, References, Refusal, Reply, Request, ResetCause, TableSource, Text, text,
+};
 
 /// How long a change of mode may take; it happens at the next tick.
 const OBEYED: Duration = Duration::from_millis(20);
@@ -49,6 +51,8 @@ pub struct Device<F: NorFlash> {
     pub commands: Producer<'static, Command>,
     /// To the tick, in [`Mode::Pil`].
     pub feed: Producer<'static, AdcCode>,
+    /// To the tick, in [`Mode::Follow`].
+    pub refer: Producer<'static, f32>,
     /// From the tick.
     pub samples: Consumer<'static, Numbered>,
     /// Frames refused so far.
@@ -65,6 +69,7 @@ impl<F: NorFlash> Device<F> {
             Request::Health => return Reply::Health(self.health()),
             Request::Pull => return self.record().map_or(Reply::Refused(Refusal::NoTable), Reply::Table),
             Request::Feed(codes) => return self.feed(&codes),
+            Request::Refer(references) => return self.refer(&references),
             Request::Push { record, while_estimating } => self.push(&record, while_estimating).await,
             Request::Erase { while_estimating } => self.erase(while_estimating).await,
             Request::SetMode(mode) => self.set_mode(mode).await,
@@ -114,6 +119,7 @@ impl<F: NorFlash> Device<F> {
             voltage_out_of_range: telemetry.voltage_out_of_range.load(Relaxed),
             clamped: telemetry.clamped.load(Relaxed),
             dac_saturated: telemetry.dac_saturated.load(Relaxed),
+            out_of_reach: telemetry.out_of_reach.load(Relaxed),
             samples_dropped: telemetry.dropped.load(Relaxed),
             frames_refused: self.frames_refused,
             line_errors: (self.line_errors)().wrapping_add(self.read_errors),
@@ -151,7 +157,7 @@ impl<F: NorFlash> Device<F> {
     }
 
     fn set_zero(&mut self) -> Result<(), Refusal> {
-        if self.estimating() {
+        if self.table.is_some() && self.telemetry.mode() == Mode::Estimate {
             self.commands.enqueue(Command::SetZero).map_err(|_| Refusal::Busy)
         } else {
             Err(Refusal::NotEstimating)
@@ -159,7 +165,7 @@ impl<F: NorFlash> Device<F> {
     }
 
     fn estimating(&self) -> bool {
-        self.telemetry.mode() == Mode::Estimate && self.table.is_some()
+        matches!(self.telemetry.mode(), Mode::Estimate | Mode::Follow) && self.table.is_some()
     }
 
     /// Streaming starts with samples of now and ends with the change of mode.
@@ -170,6 +176,9 @@ impl<F: NorFlash> Device<F> {
     }
 
     async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
+        if mode == Mode::Follow && self.table.is_none_or(|table| table.drive.is_none()) {
+            return Err(Refusal::NoDrive);
+        }
         let epoch = self.telemetry.epoch.load(Relaxed);
         self.commands.enqueue(Command::SetMode(mode)).map_err(|_| Refusal::Busy)?;
         for _ in 0..OBEYED.as_ticks() / POLL.as_ticks() {
@@ -189,5 +198,17 @@ impl<F: NorFlash> Device<F> {
         let room = codes.iter().take_while(|&&code| self.feed.enqueue(AdcCode(code)).is_ok()).count();
         // At most 64.
         Reply::Fed(room as u16)
+    }
+
+    fn refer(&mut self, references: &References) -> Reply {
+        if self.telemetry.mode() != Mode::Follow {
+            return Reply::Refused(Refusal::NotFollowing);
+        }
+        if !references.iter().all(|reference| reference.is_finite()) {
+            return Reply::Refused(Refusal::NotFinite);
+        }
+        let room = references.iter().take_while(|&&reference| self.refer.enqueue(reference).is_ok()).count();
+        // At most 64.
+        Reply::Referred { taken: room as u16, starved: self.telemetry.starved.load(Relaxed) }
     }
 }

@@ -4,7 +4,9 @@
 pub mod compare;
 pub mod emit;
 pub mod erase;
+pub mod feedforward;
 pub mod flash;
+pub mod follow;
 pub mod identify;
 pub mod info;
 pub mod link;
@@ -48,7 +50,7 @@ fn limit(text: &str) -> Result<f64, String> {
 
 impl LogOptions {
     fn read(&self, path: &Path) -> Result<Log> {
-        let options = ReadOptions { columns: self.columns.clone(), sample_rate: self.fs, displacement_required: true };
+        let options = ReadOptions { columns: self.columns.clone(), sample_rate: self.fs, ..ReadOptions::default() };
         Ok(read(path, &options)?)
     }
 

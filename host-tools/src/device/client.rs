@@ -8,8 +8,8 @@ use super::error::LinkError;
 use super::port::{Address, Port};
 use protocol::frame::MAX_FRAME;
 use protocol::{
-    Codes, Deframer, FrameError, Health, Identity, Mode, Record, Refusal, Reply, Request, Samples, ToDevice, ToHost,
-    encode,
+    Codes, Deframer, FrameError, Health, Identity, Mode, Record, References, Refusal, Reply, Request, Samples,
+    ToDevice, ToHost, encode,
 };
 use std::collections::VecDeque;
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -141,6 +141,15 @@ impl Client {
         }
     }
 
+    /// Hands wanted displacements (µm) over for the next ticks; returns how many there was room for, and how many ticks have
+    /// found none so far.
+    pub fn refer(&mut self, references: References) -> Result<(usize, u32), LinkError> {
+        match self.request(Request::Refer(references))? {
+            Reply::Referred { taken, starved } => Ok((taken.into(), starved)),
+            _ => Err(self.confused()),
+        }
+    }
+
     /// Restarts the device and waits until it is back.
     pub fn restart(&mut self) -> Result<Identity, LinkError> {
         self.done(Request::Reset)?;
@@ -167,7 +176,7 @@ impl Client {
     /// Asks, and asks again where that does no harm.
     pub fn request(&mut self, request: Request) -> Result<Reply, LinkError> {
         let (tries, patience) = match request {
-            Request::Feed(_) | Request::SetZero => (1, REPLY),
+            Request::Feed(_) | Request::Refer(_) | Request::SetZero => (1, REPLY),
             Request::Push { .. } | Request::Erase { .. } => (TRIES, WRITTEN),
             _ => (TRIES, REPLY),
         };

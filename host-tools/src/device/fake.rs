@@ -7,7 +7,7 @@ use super::client::Client;
 use super::port::Address;
 use estimator_core::Admitted;
 use protocol::Identity;
-use state::{State, compiled};
+use state::{State, compiled, driving};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -33,10 +33,16 @@ pub struct Manners {
     pub wrong_at: Option<u32>,
     /// It streams when the host comes, and the host comes in the middle of a frame.
     pub streams: bool,
-    /// It answers in version 2 of the protocol.
+    /// It answers in version 3 of the protocol.
     pub newer: bool,
     /// It reads a newer format of records.
     pub newer_records: bool,
+    /// So many ticks find no reference.
+    pub starved: u32,
+    /// From this tick on it stands at its safe value by a fault.
+    pub faulty_from: Option<u32>,
+    /// Its table says that the DAC drives the amplifier.
+    pub drives: bool,
     /// Every write of flash fails.
     pub store_fails: bool,
 }
@@ -46,6 +52,7 @@ pub struct Fake {
     address: Address,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
+    drives: bool,
 }
 
 impl Fake {
@@ -55,6 +62,7 @@ impl Fake {
         let address = Address::Tcp(listener.local_addr().unwrap().to_string());
         let stop = Arc::new(AtomicBool::new(false));
         listener.set_nonblocking(true).unwrap();
+        let drives = manners.drives;
         let mut state = State::new(manners);
         let stopped = stop.clone();
         let thread = std::thread::spawn(move || {
@@ -65,7 +73,7 @@ impl Fake {
                 }
             }
         });
-        Self { address, stop, thread: Some(thread) }
+        Self { address, stop, thread: Some(thread), drives }
     }
 
     pub fn address(&self) -> &Address {
@@ -78,7 +86,7 @@ impl Fake {
 
     /// The table it was built with.
     pub fn table(&self) -> Admitted {
-        compiled()
+        if self.drives { driving() } else { compiled() }
     }
 }
 

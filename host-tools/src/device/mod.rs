@@ -2,6 +2,7 @@
 
 pub mod client;
 pub mod error;
+pub mod follow;
 pub mod interrupt;
 pub mod pages;
 pub mod pil;

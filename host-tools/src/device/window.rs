@@ -131,8 +131,13 @@ mod tests {
     use super::*;
 
     fn frame(first: u32, displacements: &[f32]) -> Samples {
-        let sample =
-            |&displacement| Sample { code: 100, displacement, status: Status::CLAMPED, faults: Faults::empty() };
+        let sample = |&displacement| Sample {
+            code: 100,
+            displacement,
+            dac: 7,
+            status: Status::CLAMPED,
+            faults: Faults::empty(),
+        };
         Samples { first, samples: displacements.iter().map(sample).collect() }
     }
 

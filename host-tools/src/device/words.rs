@@ -56,6 +56,7 @@ pub fn mode(mode: Mode) -> &'static str {
         Mode::Estimate => "estimates from its ADC",
         Mode::Pil => "waits for fed samples (processor in the loop) and estimates nothing else",
         Mode::Pause => "is paused and estimates nothing",
+        Mode::Follow => "drives the amplifier to where it is told, and estimates from its ADC",
     }
 }
 
@@ -114,13 +115,14 @@ const FAULTS: [(Faults, Meaning); 8] = [
     (
         Faults::SAFE_OUTPUT,
         Meaning {
-            what: "the DAC stands at its safe value and does not follow the estimate",
-            remedy: "mend what else is wrong; where nothing is, piezo reset makes it estimate again",
+            what: "the DAC stands at its safe value",
+            remedy: "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the \
+                     amplifier rests until piezo follow",
         },
     ),
 ];
 
-const STATUS: [(Status, Meaning); 5] = [
+const STATUS: [(Status, Meaning); 6] = [
     (
         Status::ADC_SATURATED,
         Meaning {
@@ -152,8 +154,16 @@ const STATUS: [(Status, Meaning); 5] = [
     (
         Status::NOT_SETTLED,
         Meaning {
-            what: "the voltage had not turned at either end since the start: the estimate depended on where that was assumed",
+            what: "the voltage had not turned at either end of half its range since the start: the estimate depended on where \
+                   that was assumed",
             remedy: "move the actuator once up and down its range; a start from rest at 0 V needs it least",
+        },
+    ),
+    (
+        Status::OUT_OF_REACH,
+        Meaning {
+            what: "the wanted displacement was out of reach: the voltage or its slew rate stood at the drive's limit",
+            remedy: "ask for less or more slowly, or widen the limits: piezo emit --drive-range, --drive-slew",
         },
     ),
 ];

@@ -87,7 +87,7 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
     let voltage = problem.voltage_range();
     let (adc, dac) = setting.calibration.calibration(voltage, recipe.voltage_zero_v, limits);
     let single = |range: Range<f64>| Range { min: range.min as f32, max: range.max as f32 };
-    let table = Table {
+    let mut table = Table {
         model: fit.model,
         sample_period_us: recipe.tick_us,
         scheme: if fit.model.is_voigt() { problem.scheme } else { Scheme::ForwardEuler },
@@ -100,6 +100,7 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
         parameters: fit.parameters,
         adc,
         dac,
+        drive: None,
         provenance: Provenance {
             logs: setting.logs,
             seed: setting.seed,
@@ -109,6 +110,7 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
             validation_max_um: None,
         },
     };
+    setting.calibration.drive.apply(&mut table);
     Ok(if setting.tabulated && fit.model.is_voigt() { tabulation::tabulated(table) } else { table })
 }
 

@@ -67,11 +67,9 @@ impl Channels {
             Some(labels) => example(labels),
             None => Self::in_order(count).to_string(),
         };
-        let required = match options.displacement_required {
-            true => [Quantity::Voltage, Quantity::Displacement].as_slice(),
-            false => &[Quantity::Voltage],
-        };
-        if let Some(&quantity) = required.iter().find(|&&q| self.get(q).is_none()) {
+        let required =
+            [(Quantity::Voltage, options.voltage_required), (Quantity::Displacement, options.displacement_required)];
+        if let Some((quantity, _)) = required.into_iter().find(|&(q, required)| required && self.get(q).is_none()) {
             return Err(Fault::NoColumn {
                 quantity,
                 columns: labels.map_or_else(|| format!("1 to {count}"), listed),

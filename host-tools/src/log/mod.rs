@@ -53,7 +53,7 @@ pub struct Log {
     pub start_s: f64,
     /// Sample period, s.
     pub sample_period: f64,
-    /// Voltage of each sample, V.
+    /// Voltage of each sample, V; empty only where [`ReadOptions::voltage_required`] is off.
     pub voltage: Vec<f64>,
     /// Displacement of each sample, µm; `None` only where [`ReadOptions::displacement_required`] is off.
     pub displacement: Option<Vec<f64>>,
@@ -70,12 +70,14 @@ pub struct ReadOptions {
     pub sample_rate: Option<f64>,
     /// Refuse a log without displacement.
     pub displacement_required: bool,
+    /// Refuse one without voltage. A wanted trajectory has none.
+    pub voltage_required: bool,
 }
 
 impl Default for ReadOptions {
-    /// Nothing stated, displacement required.
+    /// Nothing stated, voltage and displacement required.
     fn default() -> Self {
-        Self { columns: None, sample_rate: None, displacement_required: true }
+        Self { columns: None, sample_rate: None, displacement_required: true, voltage_required: true }
     }
 }
 
@@ -130,7 +132,7 @@ fn parse(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<(Recording, 
     } else {
         text::read(bytes, file, options)?
     };
-    let rows = recording.voltage.len();
+    let rows = recording.rows();
     if rows < MINIMUM_ROWS {
         return Err(Fault::FewRows { rows, minimum: MINIMUM_ROWS }.into());
     }
@@ -147,6 +149,12 @@ struct Recording {
     time: Option<Vec<f64>>,
     voltage: Vec<f64>,
     displacement: Option<Vec<f64>>,
+}
+
+impl Recording {
+    fn rows(&self) -> usize {
+        self.displacement.as_ref().map_or(self.voltage.len(), Vec::len)
+    }
 }
 
 /// Where the first row of a recording stands.

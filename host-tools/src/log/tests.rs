@@ -16,6 +16,7 @@ pub(super) fn options(columns: &str, sample_rate: Option<f64>) -> ReadOptions {
         columns: (!columns.is_empty()).then(|| columns.parse().unwrap()),
         sample_rate,
         displacement_required: true,
+        voltage_required: true,
     }
 }
 
@@ -157,6 +158,7 @@ fn any_options() -> impl Strategy<Value = ReadOptions> {
     let rate = prop::option::of(prop_oneof![Just(2000.0), any::<f64>()]);
     (columns, rate, any::<bool>()).prop_map(|(columns, rate, displacement_required)| ReadOptions {
         displacement_required,
+        voltage_required: true,
         ..options(columns, rate)
     })
 }

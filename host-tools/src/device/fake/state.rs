@@ -3,7 +3,7 @@
 use super::Manners;
 use crate::table_file::record;
 use estimator_core::record::checksum;
-use estimator_core::{AdcCode, Admitted, Estimator, Form, Table};
+use estimator_core::{AdcCode, Admitted, DriveCalibration, DriveLimits, Estimator, Form, Inverse, Range, Table};
 use protocol::frame::MAX_FRAME;
 use protocol::sample::MAX_BATCH;
 use protocol::{
@@ -16,13 +16,24 @@ use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
-/// A frame of protocol version 2 with nothing in it, and the checksum that it needs.
-const VERSION_2: [u8; 7] = [6, 2, 0xA1, 0x8E, 0x0C, 0x3C, 0];
+/// A frame of protocol version 3 with nothing in it, and the checksum that it needs.
+const VERSION_3: [u8; 7] = [6, 3, 0x37, 0xBE, 0x0B, 0x4B, 0];
 
 /// The table of its firmware image.
 pub fn compiled() -> Admitted {
     let bytes = include_bytes!("../../../../tests/data/table/table.bin");
     Table { form: Form::Direct, ..*Table::parse(bytes).unwrap() }.admit().unwrap()
+}
+
+/// The same, with its DAC driving an amplifier of 0 … 4 V.
+pub fn driving() -> Admitted {
+    let limits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
+    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits };
+    Table { drive: Some(drive), ..*compiled() }.admit().unwrap()
+}
+
+fn inverse(table: &Admitted) -> Option<Inverse<f32>> {
+    Some(table.inverse(&table.drive?.limits).unwrap())
 }
 
 /// The device behind the socket.
@@ -37,11 +48,13 @@ pub struct State {
     streaming: bool,
     number: u32,
     fed: VecDeque<u16>,
+    inverse: Option<Inverse<f32>>,
+    references: VecDeque<f32>,
 }
 
 impl State {
     pub fn new(manners: Manners) -> Self {
-        let table = compiled();
+        let table = if manners.drives { driving() } else { compiled() };
         Self {
             streaming: manners.streams,
             manners,
@@ -53,6 +66,8 @@ impl State {
             mode: Mode::Estimate,
             number: 0,
             fed: VecDeque::new(),
+            inverse: inverse(&table),
+            references: VecDeque::new(),
         }
     }
 
@@ -95,7 +110,7 @@ impl State {
         }
         let reply = self.answer(request);
         if self.manners.newer {
-            return VERSION_2.to_vec();
+            return VERSION_3.to_vec();
         }
         let mut frame = framed(&ToHost::Reply { to, reply });
         if lost {
@@ -126,6 +141,7 @@ impl State {
                 Some(refusal) => return Reply::Refused(refusal),
             },
             Request::Stream(on) => self.streaming = on,
+            Request::SetMode(Mode::Follow) if self.inverse.is_none() => return Reply::Refused(Refusal::NoDrive),
             Request::SetMode(mode) => self.enter(mode),
             Request::Feed(_) if self.mode != Mode::Pil => return Reply::Refused(Refusal::NotPil),
             Request::Feed(codes) => {
@@ -133,9 +149,16 @@ impl State {
                 self.fed.extend(&codes[..room]);
                 return Reply::Fed(room as u16);
             }
+            Request::Refer(_) if self.mode != Mode::Follow => return Reply::Refused(Refusal::NotFollowing),
+            Request::Refer(references) => {
+                let room = references.len().min(255 - self.references.len());
+                self.references.extend(&references[..room]);
+                return Reply::Referred { taken: room as u16, starved: self.manners.starved };
+            }
             Request::Reset => {
                 let stored = self.stored.as_ref().map(|record| Table::parse(record).unwrap());
                 self.table = stored.unwrap_or_else(compiled);
+                self.inverse = inverse(&self.table);
                 self.estimator = Estimator::new(&self.table, None).unwrap();
                 self.enter(Mode::Estimate);
             }
@@ -159,6 +182,7 @@ impl State {
         self.streaming = false;
         self.number = 0;
         self.fed.clear();
+        self.references.clear();
         self.estimator.restart();
     }
 
@@ -178,17 +202,28 @@ impl State {
                     self.fed.pop_front().or(unasked.then_some(0))
                 }
                 Mode::Pause => None,
+                // Its time stands still where nobody wants anything.
+                Mode::Follow => self.references.pop_front().map(|reference| self.driven(reference)),
             };
             let Some(code) = code else { break };
             let estimate = self.estimator.tick(AdcCode(code));
             let wrong = self.manners.wrong_at == Some(self.number);
             let displacement = f32::from_bits(estimate.displacement.to_bits() ^ u32::from(wrong));
-            let sample = Sample { code, displacement, status: estimate.status, faults: Faults::empty() };
+            let (dac, status) = (estimate.dac.0, estimate.status);
+            let faulty = self.manners.faulty_from.is_some_and(|tick| self.number >= tick);
+            let faults = if faulty { Faults::ADC_SATURATED | Faults::SAFE_OUTPUT } else { Faults::empty() };
+            let sample = Sample { code, displacement, dac, status, faults };
             batch.samples.push(sample).unwrap();
             self.number += 1;
         }
         let lost = self.manners.lose_samples_from.take_if(|tick| self.number > *tick).is_some();
         if batch.samples.is_empty() || !self.streaming || lost { Vec::new() } else { framed(&ToHost::Samples(batch)) }
+    }
+
+    /// The code that the ADC reads of an amplifier which follows at once.
+    fn driven(&mut self, reference: f32) -> u16 {
+        let voltage = self.inverse.as_mut().unwrap().tick(reference).voltage;
+        self.table.adc.code(voltage).0
     }
 
     fn identity(&self) -> Identity {
@@ -223,6 +258,7 @@ impl State {
             voltage_out_of_range: 3,
             clamped: 0,
             dac_saturated: 0,
+            out_of_reach: 0,
             samples_dropped: 0,
             frames_refused: 1,
             line_errors: 0,

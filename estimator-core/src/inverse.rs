@@ -1,0 +1,180 @@
+//! The inverse: the voltage that brings the actuator to a wanted displacement, a tick at a time ("reversibility" of
+//! Table 3.1).
+//!
+//! The displacement a tick later rises with this tick's voltage, whatever the memory, in every model that has an inverse.
+//! So the voltage is found on the model itself, by [`solve`] over what the limits allow, and one and the same code inverts
+//! them all. It runs its own copy of the model, fed with the voltages that it gives: no measured voltage comes in, so that
+//! the actuator cannot be made to swing by it.
+//!
+//! A delay and a resonance are left out of that copy ([`crate::Recursion::prompt`]): the displacement comes later by the delay, which whoever knows
+//! the reference ahead of time can make up for, and a reference that is fast for the resonance excites it. A lag is undone:
+//! where the reference moves fast the voltage leads, as far as the limits let it.
+
+use crate::calibration::DriveLimits;
+use crate::math::Real;
+use crate::model::{Engine, State, solve};
+use crate::range::Range;
+
+/// Why a table has no inverse.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum NoInverse {
+    /// Its model has none.
+    Model,
+    /// The displacement does not rise from the lower end of the voltages to the upper.
+    Falling,
+    /// The limits break this rule.
+    Limits(&'static str),
+}
+
+impl core::fmt::Display for NoInverse {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Model => write!(f, "this model has no inverse"),
+            Self::Falling => write!(f, "the displacement does not rise with the voltage"),
+            Self::Limits(rule) => write!(f, "{rule}"),
+        }
+    }
+}
+
+impl core::error::Error for NoInverse {}
+
+/// What a tick gives.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Commanded<T> {
+    /// Amplifier voltage from the next tick on, V.
+    pub voltage: T,
+    /// What the model without delay and resonance gives for it a tick later, µm relative to the model's zero.
+    pub displacement: T,
+    /// Whether that is what was wanted, to within [`REACHED`].
+    pub reached: bool,
+}
+
+/// How near the reference counts as reached, as a fraction of the displacement limits' width.
+pub const REACHED: f32 = 1e-4;
+
+/// What an inverse must know of its model's table.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Ground<T> {
+    /// Amplifier voltage that the model calls 0, V.
+    pub voltage_zero: T,
+    /// Retreat that counts as a reversal, V.
+    pub deadband: T,
+    /// Tick, s.
+    pub sample_period: T,
+    /// Width of the displacement limits, µm.
+    pub displacement_span: T,
+}
+
+/// A running inverse.
+#[derive(Clone, Debug)]
+pub struct Inverse<T: Real> {
+    engine: Engine<T>,
+    /// Of the Voigt family.
+    state: State<T>,
+    deadband: T,
+    /// Relative to the model's zero, V, as are all voltages here.
+    range: Range<T>,
+    rest: T,
+    /// Most change a tick, V.
+    stride: T,
+    near: T,
+    voltage_zero: T,
+    voltage: T,
+}
+
+impl<T: Real> Inverse<T> {
+    /// The inverse of a model, at rest; [`Admitted::inverse`](crate::Admitted::inverse) knows what it needs. Limits that break
+    /// [their rules](DriveLimits::fault) are refused.
+    pub fn build(engine: Engine<T>, ground: &Ground<T>, limits: &DriveLimits) -> Result<Self, NoInverse> {
+        let engine = match engine {
+            Engine::Voigt(model) => Engine::Voigt(model),
+            Engine::Other(model) => Engine::Other(model.prompt().ok_or(NoInverse::Model)?),
+        };
+        let zero = ground.voltage_zero;
+        let range: Range<T> = limits.range_v.of();
+        let range = Range { min: range.min - zero, max: range.max - zero };
+        let rest = range.clamp(T::of(limits.rest_v) - zero);
+        let mut inverse = Self {
+            engine,
+            state: State::new(T::zero(), ground.deadband),
+            deadband: ground.deadband,
+            range,
+            rest,
+            stride: T::of(limits.slew_v_per_s) * ground.sample_period,
+            near: T::of(REACHED) * ground.displacement_span,
+            voltage_zero: zero,
+            voltage: rest,
+        };
+        let low = inverse.settle(range.min);
+        let high = inverse.settle(range.max);
+        inverse.restart();
+        if low < high { Ok(inverse) } else { Err(NoInverse::Falling) }
+    }
+
+    /// Starts anew, long at rest at the rest voltage.
+    pub fn restart(&mut self) {
+        self.settle(self.rest);
+    }
+
+    /// At rest at a voltage; returns the displacement there.
+    fn settle(&mut self, voltage: T) -> T {
+        self.voltage = voltage;
+        match &mut self.engine {
+            Engine::Voigt(model) => {
+                // a < 1 in every admitted table.
+                let terms = model.terms(voltage);
+                self.state = State::new(terms.c / (T::one() - terms.a), self.deadband);
+                model.step(&mut self.state, voltage)
+            }
+            Engine::Other(model) => {
+                model.forget();
+                model.step(voltage, None)
+            }
+        }
+    }
+
+    /// One tick: takes the displacement wanted a tick after the voltage stands (µm relative to the model's zero), returns the
+    /// voltage. Of several the nearest to the last one is taken; a reference that is no number changes nothing.
+    pub fn tick(&mut self, reference: T) -> Commanded<T> {
+        let here = self.peek(self.voltage);
+        let voltage = if here < reference {
+            let room = self.room(self.range.max - self.voltage);
+            self.voltage + solve(reference, T::zero(), room, |way| self.peek(self.voltage + way))
+        } else if here > reference {
+            let room = self.room(self.voltage - self.range.min);
+            self.voltage - solve(-reference, T::zero(), room, |way| -self.peek(self.voltage - way))
+        } else {
+            self.voltage
+        };
+        let commanded = self.go(voltage);
+        // No number is never reached.
+        Commanded { reached: (commanded.displacement - reference).abs() <= self.near, ..commanded }
+    }
+
+    /// One tick towards the rest voltage, as fast as the limits allow.
+    pub fn release(&mut self) -> Commanded<T> {
+        let near = Range { min: self.voltage - self.stride, max: self.voltage + self.stride };
+        self.go(near.clamp(self.rest))
+    }
+
+    fn room(&self, to_the_end: T) -> T {
+        if to_the_end < self.stride { to_the_end } else { self.stride }
+    }
+
+    fn go(&mut self, voltage: T) -> Commanded<T> {
+        self.voltage = self.range.clamp(voltage);
+        let displacement = match &mut self.engine {
+            Engine::Voigt(model) => model.step(&mut self.state, self.voltage),
+            Engine::Other(model) => model.step(self.voltage, None),
+        };
+        Commanded { voltage: self.voltage + self.voltage_zero, displacement, reached: true }
+    }
+
+    /// What [`go`](Self::go) would give.
+    fn peek(&self, voltage: T) -> T {
+        match &self.engine {
+            Engine::Voigt(model) => model.step(&mut self.state.clone(), voltage),
+            Engine::Other(model) => model.peek(voltage),
+        }
+    }
+}

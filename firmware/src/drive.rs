@@ -1,0 +1,71 @@
+//! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse.
+//!
+//! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
+//! wrong, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a reset or a panic.
+
+use estimator_core::{Admitted, DacCode, DriveCalibration, Inverse, Status};
+
+/// The drive and what it is after.
+pub struct Drive {
+    inverse: Inverse<f32>,
+    calibration: DriveCalibration,
+    full_scale: u16,
+    reference: Option<f32>,
+    stopped: bool,
+}
+
+impl Drive {
+    /// The drive of a table that has one.
+    pub fn new(table: &Admitted) -> Option<Self> {
+        let calibration = table.drive?;
+        // Cannot fail: the table was admitted with it.
+        let inverse = table.inverse(&calibration.limits).ok()?;
+        Some(Self { inverse, calibration, full_scale: table.dac.full_scale, reference: None, stopped: false })
+    }
+
+    /// The code of the rest voltage.
+    pub fn rest(table: &Admitted) -> Option<DacCode> {
+        table.drive.map(|drive| drive.code(drive.limits.rest_v, table.dac.full_scale))
+    }
+
+    /// Wants nothing any more, and listens again after a [`stop`](Self::stop). The voltage stays where it is.
+    pub fn restart(&mut self) {
+        self.reference = None;
+        self.stopped = false;
+    }
+
+    /// Wants nothing any more, whatever comes, until [`restart`](Self::restart).
+    pub fn stop(&mut self) {
+        self.reference = None;
+        self.stopped = true;
+    }
+
+    /// One tick after a reference: the new one (µm), else the last one; at rest before the first. With it, what there is to
+    /// say.
+    pub fn follow(&mut self, next: Option<f32>) -> (DacCode, Status) {
+        if !self.stopped {
+            self.reference = next.or(self.reference);
+        }
+        let Some(reference) = self.reference else { return (self.release(), Status::empty()) };
+        let commanded = tick_inverse(&mut self.inverse, reference);
+        let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
+        (self.calibration.code(commanded.voltage, self.full_scale), status)
+    }
+
+    /// Whether references are followed.
+    pub fn following(&self) -> bool {
+        self.reference.is_some()
+    }
+
+    /// One tick towards the rest voltage.
+    pub fn release(&mut self) -> DacCode {
+        self.calibration.code(self.inverse.release().voltage, self.full_scale)
+    }
+}
+
+/// The inverse's tick as a function of its own, so that its instructions can be counted in an image.
+#[inline(never)]
+#[unsafe(no_mangle)]
+fn tick_inverse(inverse: &mut Inverse<f32>, reference: f32) -> estimator_core::Commanded<f32> {
+    inverse.tick(reference)
+}

@@ -1,0 +1,122 @@
+//! The DAC as the amplifier's input.
+
+mod common;
+
+use common::{Other, PERIOD, SAFE, compiled, driving, tick, triangle};
+use core::sync::atomic::Ordering::Relaxed;
+use estimator_core::{AdcCode, DacCode, Status};
+use firmware::Tick;
+use firmware::tick::Command;
+use firmware::watch::SATURATED;
+use protocol::{Faults, Mode};
+
+/// A driving tick and its ADC, which moves with whatever: the inverse does not look at it.
+struct Bench {
+    tick: Tick<'static>,
+    other: Other,
+    k: u32,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let (tick, other) = tick(Some(&driving()), Faults::empty());
+        other.telemetry.streaming.store(true, Relaxed);
+        Self { tick, other, k: 0 }
+    }
+
+    fn set(&mut self, mode: Mode) {
+        self.other.commands.enqueue(Command::SetMode(mode)).unwrap();
+    }
+
+    fn step_with(&mut self, code: AdcCode) -> (DacCode, Status, Faults) {
+        self.k += 1;
+        let dac = self.tick.sample(code, self.k * PERIOD);
+        let sample = std::iter::from_fn(|| self.other.samples.dequeue()).last().map(|numbered| numbered.sample);
+        if let Some(sample) = sample {
+            assert_eq!(DacCode(sample.dac), dac, "the sample says what the DAC was given");
+        }
+        let (status, faults) = sample.map_or((Status::empty(), Faults::all()), |s| (s.status, s.faults));
+        (dac, status, faults)
+    }
+
+    fn step(&mut self) -> (DacCode, Status, Faults) {
+        self.step_with(triangle(self.k))
+    }
+}
+
+/// Half a volt on the drive's scale.
+const REST: DacCode = DacCode(512);
+
+#[test]
+fn without_references_it_rests_whatever_is_estimated() {
+    let mut bench = Bench::new();
+    for mode in [Mode::Estimate, Mode::Follow, Mode::Pause, Mode::Pil] {
+        bench.set(mode);
+        for _ in 0..500 {
+            let (dac, _, faults) = bench.step();
+            assert!(dac == REST && faults.contains(Faults::SAFE_OUTPUT), "{mode:?}: {dac:?} {faults:?}");
+        }
+    }
+    let (mut plain, _) = tick(Some(&compiled()), Faults::empty());
+    assert_ne!(plain.sample(triangle(900), 0), SAFE, "without a drive the DAC shows the displacement");
+}
+
+#[test]
+fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
+    let table = driving();
+    let drive = table.drive.unwrap();
+    let mut core = table.inverse::<f32>(&drive.limits).unwrap();
+    // As many ticks at rest as the bench has been given.
+    let mut bench = Bench::new();
+    bench.set(Mode::Follow);
+    for _ in 0..10 {
+        bench.step();
+        core.release();
+    }
+    let wave = |k: u32| 18.0 + 12.0 * (k as f32 * 0.02).sin();
+    for k in 0..2_000 {
+        bench.other.refer.enqueue(wave(k)).unwrap();
+        let expected = core.tick(wave(k));
+        let (dac, status, faults) = bench.step();
+        assert_eq!(dac, drive.code(expected.voltage, 4095), "tick {k}");
+        assert_eq!(status.contains(Status::OUT_OF_REACH), !expected.reached);
+        assert!(!faults.contains(Faults::SAFE_OUTPUT));
+    }
+    for _ in 0..2_000 {
+        let expected = core.tick(wave(1_999));
+        assert_eq!(bench.step().0, drive.code(expected.voltage, 4095));
+    }
+    assert!(bench.other.telemetry.out_of_reach.load(Relaxed) > 0, "the first reference is a jump");
+}
+
+#[test]
+fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
+    let mut bench = Bench::new();
+    bench.set(Mode::Follow);
+    // 40 V/s is 20 mV or 20.5 codes a tick.
+    let stride = 21;
+    let mut last = REST.0;
+    let mut follow = |bench: &mut Bench, code: Option<AdcCode>| {
+        let _ = bench.other.refer.enqueue(30.0);
+        let code = code.unwrap_or(triangle(bench.k));
+        let (dac, _, faults) = bench.step_with(code);
+        assert!(dac.0.abs_diff(last) <= stride, "{last} → {}", dac.0);
+        last = dac.0;
+        (dac, faults)
+    };
+    for _ in 0..1_000 {
+        follow(&mut bench, None);
+    }
+    assert!(follow(&mut bench, None).0.0 > REST.0 + 500);
+    let faults = (0..SATURATED + 200).map(|_| follow(&mut bench, Some(AdcCode(65_520))).1).last();
+    assert!(faults.is_some_and(|faults| faults.contains(Faults::ADC_SATURATED | Faults::SAFE_OUTPUT)), "{faults:?}");
+    // The fault passes; references still come.
+    for _ in 0..5_000 {
+        follow(&mut bench, None);
+    }
+    let (dac, faults) = follow(&mut bench, None);
+    assert_eq!((dac, faults), (REST, Faults::SAFE_OUTPUT));
+    bench.set(Mode::Follow);
+    let dac = (0..1_000).map(|_| follow(&mut bench, None).0).last().unwrap();
+    assert!(dac.0 > REST.0 + 500, "set again, it follows again");
+}

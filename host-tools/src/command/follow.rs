@@ -1,0 +1,216 @@
+//! `piezo follow`: a wanted trajectory to a device whose DAC drives the amplifier.
+//!
+//! The reference of tick k moves the DAC at tick k + 1 and the displacement a tick after that, later by the model's delay;
+//! the log sets what was wanted beside what was estimated at the same instant.
+
+use super::LogOptions;
+use super::link::{PortOption, note_damage, running_table};
+use super::print::{out, progress};
+use crate::device::follow::{Followed, follow};
+use crate::device::interrupt::Interrupt;
+use crate::device::{Client, words};
+use crate::feedforward::{Trajectory, delay_ticks};
+use crate::log::{ReadOptions, read};
+use crate::output;
+use anyhow::{Result, ensure};
+use clap::Args;
+use estimator_core::{AdcCode, Admitted, Status};
+use protocol::Mode;
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Arguments of `piezo follow`.
+#[derive(Args, Debug)]
+pub struct Follow {
+    /// Where the displacement is wanted: a log with time and displacement (time_s,displacement_um), relative to the model's
+    /// zero; straight between its samples.
+    pub trajectory: PathBuf,
+    /// The voltage read by the ADC, the estimate and what was wanted, as a log.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// Stay at the last displacement instead of going back to rest.
+    #[arg(long)]
+    pub stay: bool,
+    /// Print what was done as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The device.
+    #[command(flatten)]
+    pub port: PortOption,
+    /// Reading of the trajectory.
+    #[command(flatten)]
+    pub log: LogOptions,
+}
+
+/// Runs the verb; `false` where a fault ended it or the link fell behind.
+pub fn run(arguments: &Follow) -> Result<bool> {
+    let interrupt = Interrupt::watch()?;
+    let options = ReadOptions {
+        columns: arguments.log.columns.clone(),
+        sample_rate: arguments.log.fs,
+        displacement_required: true,
+        voltage_required: false,
+    };
+    let log = read(&arguments.trajectory, &options)?;
+    if let Some(path) = &arguments.out {
+        ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
+    }
+    let (mut client, _) = arguments.port.connect()?;
+    let table = running_table(&mut client)?;
+    let trajectory = Trajectory::of(&log, table.sample_period());
+    let references: Vec<f32> = trajectory.0.iter().map(|&wanted| wanted as f32).collect();
+    let late = 2.0 + delay_ticks(&table);
+    let ticks = references.len() + late.ceil() as usize;
+    let bar = progress(ticks as u64);
+    let followed = follow(&mut client, &references, ticks, &interrupt, &mut |ticks| bar.set_position(ticks as u64));
+    bar.finish_and_clear();
+    // Whatever happened, it goes to rest, but where it is to stay.
+    let rested = match (&followed, arguments.stay) {
+        (Ok(followed), true) if followed.stopped.is_empty() => client.stream(false),
+        _ => rest(&mut client),
+    };
+    let followed = followed?;
+    rested?;
+    note_damage(&client);
+    let rows = rows(&table, &trajectory, &followed, late);
+    if let Some(path) = &arguments.out {
+        output::write(path, csv(&rows))?;
+    }
+    tell(arguments, &table, &followed, &rows)
+}
+
+fn rest(client: &mut Client) -> Result<(), crate::device::LinkError> {
+    client.set_mode(Mode::Estimate)
+}
+
+/// An instant.
+struct Row {
+    seconds: f64,
+    voltage: f64,
+    estimated: f64,
+    wanted: f64,
+}
+
+fn rows(table: &Admitted, trajectory: &Trajectory, followed: &Followed, late: f64) -> Vec<Row> {
+    let tick_s: f64 = table.sample_period();
+    let pairs = followed.samples.windows(2).enumerate();
+    pairs
+        .map(|(before, pair)| Row {
+            seconds: (before + 1) as f64 * tick_s,
+            voltage: table.adc.voltage(AdcCode(pair[1].code)),
+            // Each estimate is of the tick after its sample's.
+            estimated: pair[0].displacement.into(),
+            wanted: trajectory.at((before + 1) as f64 - late),
+        })
+        .collect()
+}
+
+fn csv(rows: &[Row]) -> String {
+    let mut text = "time_s,voltage_V,estimated_displacement_um,wanted_um\n".to_owned();
+    for Row { seconds, voltage, estimated, wanted } in rows {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{seconds:.6},{voltage:.6},{estimated:.6},{wanted:.6}");
+    }
+    text
+}
+
+fn tell(arguments: &Follow, table: &Admitted, followed: &Followed, rows: &[Row]) -> Result<bool> {
+    let status = followed.samples.iter().fold(Status::empty(), |all, sample| all | sample.status);
+    let near = 1e-2 * f64::from(table.displacement_limits_um.span());
+    let error = |row: &Row| (row.estimated - row.wanted).abs();
+    let met = rows.iter().position(|row| error(row) < near);
+    let met_rows = met.map_or(&[][..], |from| &rows[from..]);
+    let mean = met_rows.iter().map(error).sum::<f64>() / met_rows.len().max(1) as f64;
+    let most = met_rows.iter().map(error).fold(0.0, f64::max);
+    let good = followed.stopped.is_empty() && followed.starved == 0;
+    if arguments.json {
+        let summary = json!({
+            "out": arguments.out,
+            "ticks": followed.samples.len(),
+            "starved": followed.starved,
+            "stopped": followed.stopped.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
+            "status": status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
+            "met_after_s": met.and_then(|row| rows.get(row)).map(|row| row.seconds),
+            "estimate_off_mae_um": met.map(|_| mean),
+            "estimate_off_max_um": met.map(|_| most),
+        });
+        out(&serde_json::to_string_pretty(&summary)?);
+        return Ok(good);
+    }
+    match met.and_then(|row| rows.get(row)) {
+        Some(first) => out(&format!(
+            "{} ticks; the estimate was {mean:.4} µm off what was wanted on average, {most:.4} µm at most, from {:.3} s on",
+            followed.samples.len(),
+            first.seconds
+        )),
+        None => out(&format!(
+            "{} ticks; the estimate never came near what was wanted: does the DAC drive this amplifier, and the ADC read it?",
+            followed.samples.len()
+        )),
+    }
+    if let Some(path) = &arguments.out {
+        out(&path.display().to_string());
+    }
+    words::status(status).for_each(|meaning| out(&format!("- {}\n  → {}", meaning.what, meaning.remedy)));
+    if followed.starved > 0 {
+        out(&format!(
+            "FAILED: on {} ticks no reference had come, and the last one was held: is this machine too busy?",
+            followed.starved
+        ));
+    }
+    if !followed.stopped.is_empty() {
+        out(&format!(
+            "FAILED: a fault sent the drive back to rest after {} ticks: {}",
+            followed.samples.len(),
+            words::list(words::faults(followed.stopped))
+        ));
+    }
+    Ok(good)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::fake::{Fake, Manners};
+
+    fn followed(manners: Manners) -> (Result<bool>, Option<String>) {
+        let fake = Fake::start(Manners { drives: true, ..manners });
+        let folder = tempfile::tempdir().unwrap();
+        let trajectory = folder.path().join("wanted.csv");
+        let wave = (0..500).map(|k| {
+            let t = f64::from(k) * 1e-3;
+            format!("{t:.3},{}\n", 20.0 + 5.0 * (t * 20.0).sin())
+        });
+        std::fs::write(&trajectory, "time_s,displacement_um\n".to_owned() + &wave.collect::<String>()).unwrap();
+        let log = folder.path().join("followed.csv");
+        let arguments = Follow {
+            trajectory,
+            out: Some(log.clone()),
+            stay: false,
+            json: true,
+            port: PortOption { port: fake.address().clone() },
+            log: LogOptions { columns: None, fs: None },
+        };
+        (run(&arguments), std::fs::read_to_string(log).ok())
+    }
+
+    #[test]
+    fn what_was_wanted_stands_beside_what_was_estimated() {
+        let (done, log) = followed(Manners::default());
+        assert!(done.unwrap());
+        let log = log.unwrap();
+        let row = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+        let rows: Vec<Vec<f64>> = log.lines().skip(1).map(row).collect();
+        assert_eq!(rows.len(), 1000);
+        // The fake's amplifier follows a tick earlier than a board's.
+        assert!(rows.iter().skip(200).all(|row| (row[2] - row[3]).abs() < 0.3));
+    }
+
+    #[test]
+    fn a_fault_on_the_way_is_a_failure_and_the_log_is_kept() {
+        let (done, log) = followed(Manners { faulty_from: Some(100), ..Manners::default() });
+        assert!(!done.unwrap());
+        assert_eq!(log.unwrap().lines().count(), 100);
+    }
+}
