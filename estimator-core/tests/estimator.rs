@@ -117,8 +117,11 @@ fn starts_at_rest_and_stays_there() {
 fn what_is_wrong_is_said() {
     let narrow = Table { dac: DacCalibration { gain_codes_per_um: 1000.0, ..table().dac }, ..table() };
     with_lookup(narrow, |mut estimator| {
-        // One reversal at either end settles it: 2 V and 1 V, seen when the voltage has left them.
-        for (voltage, settled) in [(1.0f32, false), (2.0, false), (1.0, false), (2.0, true), (1.0, true)] {
+        // Reversals that lie half of the 40 V apart settle it, seen when the voltage has left them: 2, 1 and 3 V do not; −17.5
+        // and 3 V do.
+        let swing = [1.0f32, 2.0, 1.0, 3.0, -17.5];
+        let voltages = swing.map(|voltage| (voltage, false)).into_iter().chain([(4.0, true), (3.0, true)]);
+        for (voltage, settled) in voltages {
             let status = estimator.tick(narrow.adc.code(voltage)).status;
             assert_eq!(status, if settled { Status::empty() } else { Status::NOT_SETTLED });
         }

@@ -36,8 +36,8 @@ pub trait Linear<T: Real>: Recursion<T> {
 /// Steps of [`solve`]: as many as an f32's mantissa has bits, and a few more for the ends.
 const BISECTIONS: usize = 28;
 
-/// The argument between `low` and `high` at which a non-decreasing function has this value; the nearest end where it has it
-/// nowhere. Always the same number of steps, so that it takes as long on every tick.
+/// The lowest argument between `low` and `high` at which a non-decreasing function has at least this value; `high` itself where
+/// it has not. Always the same number of steps, so that it takes as long on every tick.
 pub fn solve<T: Real>(value: T, mut low: T, mut high: T, function: impl Fn(T) -> T) -> T {
     let half = T::of(0.5);
     for _ in 0..BISECTIONS {
@@ -48,5 +48,5 @@ pub fn solve<T: Real>(value: T, mut low: T, mut high: T, function: impl Fn(T) ->
             high = middle;
         }
     }
-    low + (high - low) * half
+    high
 }

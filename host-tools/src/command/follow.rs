@@ -204,7 +204,7 @@ mod tests {
         let rows: Vec<Vec<f64>> = log.lines().skip(1).map(row).collect();
         assert_eq!(rows.len(), 1000);
         // The fake's amplifier follows a tick earlier than a board's.
-        assert!(rows.iter().skip(200).all(|row| (row[2] - row[3]).abs() < 0.3));
+        assert!(rows.iter().skip(400).all(|row| (row[2] - row[3]).abs() < 0.3));
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub struct State {
     fed: VecDeque<u16>,
     inverse: Option<Inverse<f32>>,
     references: VecDeque<f32>,
+    last: Option<f32>,
+    tail: u32,
 }
 
 impl State {
@@ -68,6 +70,8 @@ impl State {
             fed: VecDeque::new(),
             inverse: inverse(&table),
             references: VecDeque::new(),
+            last: None,
+            tail: 0,
         }
     }
 
@@ -153,6 +157,8 @@ impl State {
             Request::Refer(references) => {
                 let room = references.len().min(255 - self.references.len());
                 self.references.extend(&references[..room]);
+                // A frame that is not full is the last.
+                self.tail = if references.len() < 64 { 10 } else { 0 };
                 return Reply::Referred { taken: room as u16, starved: self.manners.starved };
             }
             Request::Reset => {
@@ -183,6 +189,7 @@ impl State {
         self.number = 0;
         self.fed.clear();
         self.references.clear();
+        (self.last, self.tail) = (None, 0);
         self.estimator.restart();
     }
 
@@ -202,8 +209,7 @@ impl State {
                     self.fed.pop_front().or(unasked.then_some(0))
                 }
                 Mode::Pause => None,
-                // Its time stands still where nobody wants anything.
-                Mode::Follow => self.references.pop_front().map(|reference| self.driven(reference)),
+                Mode::Follow => self.wanted().map(|reference| self.driven(reference)),
             };
             let Some(code) = code else { break };
             let estimate = self.estimator.tick(AdcCode(code));
@@ -218,6 +224,14 @@ impl State {
         }
         let lost = self.manners.lose_samples_from.take_if(|tick| self.number > *tick).is_some();
         if batch.samples.is_empty() || !self.streaming || lost { Vec::new() } else { framed(&ToHost::Samples(batch)) }
+    }
+
+    /// The next reference. Its time stands still where there is none, but for some ticks after the last.
+    fn wanted(&mut self) -> Option<f32> {
+        let next = self.references.pop_front().or(self.last.filter(|_| self.tail > 0));
+        self.tail -= u32::from(self.references.is_empty() && self.tail > 0);
+        self.last = next.or(self.last);
+        next
     }
 
     /// The code that the ADC reads of an amplifier which follows at once.
