@@ -121,6 +121,11 @@ impl DriveCalibration {
         let exact = T::of(self.offset_code) + T::of(self.gain_codes_per_v) * voltage;
         DacCode(nearest(exact, full_scale))
     }
+
+    /// The amplifier voltage (V) that a code stands for.
+    pub fn voltage<T: Real>(&self, code: DacCode) -> T {
+        (T::of(f32::from(code.0)) - T::of(self.offset_code)) / T::of(self.gain_codes_per_v)
+    }
 }
 
 /// What the amplifier may be driven to.

@@ -2,8 +2,8 @@
 //! Table 3.1).
 //!
 //! The displacement a tick later rises with this tick's voltage, whatever the memory, in every model that has an inverse.
-//! So the voltage is found on the model itself, by [`solve`] over what the limits allow, and one and the same code inverts
-//! them all. It runs its own copy of the model, fed with the voltages that it gives: no measured voltage comes in, so that
+//! So the voltage is found on the model itself, by a bracketed secant over what the limits allow, and one and the same code
+//! inverts them all. It runs its own copy of the model, fed with the voltages that it gives: no measured voltage comes in, so that
 //! the actuator cannot be made to swing by it.
 //!
 //! A delay and a resonance are left out of that copy ([`crate::Recursion::prompt`]): the displacement comes later by the delay, which whoever knows
@@ -12,7 +12,7 @@
 
 use crate::calibration::DriveLimits;
 use crate::math::Real;
-use crate::model::{Engine, State, solve};
+use crate::model::{Engine, State};
 use crate::range::Range;
 
 /// Why a table has no inverse.
@@ -51,6 +51,12 @@ pub struct Commanded<T> {
 
 /// How near the reference counts as reached, as a fraction of the displacement limits' width.
 pub const REACHED: f32 = 1e-4;
+
+/// How near is near enough to stop searching, as a fraction of that.
+const FINE: f32 = 1e-2;
+
+/// Most steps of the search; every third halves the bracket, so that what is left is as small as an f32 can tell.
+const STEPS: usize = 36;
 
 /// What an inverse must know of its model's table.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -134,21 +140,51 @@ impl<T: Real> Inverse<T> {
     }
 
     /// One tick: takes the displacement wanted a tick after the voltage stands (µm relative to the model's zero), returns the
-    /// voltage. Of several the nearest to the last one is taken; a reference that is no number changes nothing.
+    /// voltage. A reference that is no number changes nothing.
     pub fn tick(&mut self, reference: T) -> Commanded<T> {
-        let here = self.peek(self.voltage);
-        let voltage = if here < reference {
+        let here = self.peek(self.voltage) - reference;
+        let fine = self.near * T::of(FINE);
+        let voltage = if here < -fine {
             let room = self.room(self.range.max - self.voltage);
-            self.voltage + solve(reference, T::zero(), room, |way| self.peek(self.voltage + way))
-        } else if here > reference {
+            self.voltage + self.way(-here, room, |way| reference - self.peek(self.voltage + way))
+        } else if here > fine {
             let room = self.room(self.voltage - self.range.min);
-            self.voltage - solve(-reference, T::zero(), room, |way| -self.peek(self.voltage - way))
+            self.voltage - self.way(here, room, |way| self.peek(self.voltage - way) - reference)
         } else {
             self.voltage
         };
         let commanded = self.go(voltage);
         // No number is never reached.
         Commanded { reached: (commanded.displacement - reference).abs() <= self.near, ..commanded }
+    }
+
+    /// How far to go, at most `room`, until what is missing, `missing` at first and less the farther, is gone: regula falsi
+    /// after Dowell and Jarratt (1971), with a bisection at every third step.
+    fn way(&self, missing: T, room: T, at: impl Fn(T) -> T) -> T {
+        let half = T::of(0.5);
+        let fine = self.near * T::of(FINE);
+        let (mut low, mut high) = ((T::zero(), missing), (room, at(room)));
+        if high.1 >= -fine {
+            return room;
+        }
+        let mut way = room;
+        for step in 1..=STEPS {
+            let secant = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1));
+            // Also where the secant is no number.
+            let inside = secant > low.0 && secant < high.0 && step % 3 != 0;
+            way = if inside { secant } else { low.0 + (high.0 - low.0) * half };
+            let left = at(way);
+            if left.abs() <= fine {
+                break;
+            }
+            // The end that stays counts half, so that it does not stay for ever.
+            if left > T::zero() {
+                (low, high) = ((way, left), (high.0, high.1 * half));
+            } else {
+                (low, high) = ((low.0, low.1 * half), (way, left));
+            }
+        }
+        way
     }
 
     /// One tick towards the rest voltage, as fast as the limits allow.

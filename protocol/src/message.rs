@@ -41,7 +41,6 @@ pub struct ToDevice {
 }
 
 /// What the host may ask.
-#[expect(clippy::large_enum_variant, reason = "there is no heap")]
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub enum Request {
     /// Who are you? → [`Reply::Identity`]

@@ -122,7 +122,7 @@ fn emulated(sh: &Shell) -> Result<()> {
     // Built for the tests on the host already.
     let piezo = artifact::build(tests(sh).arg("--no-run"), "piezo")?;
     tests(sh)
-        .args(["exact", "link", "models", "pil", "store", "stream"].map(|test| format!("--test={test}")))
+        .args(["exact", "follow", "link", "models", "pil", "store", "stream"].map(|test| format!("--test={test}")))
         .env("FIRMWARE_IMAGE_MPS2", image)
         .env("PIEZO", &piezo)
         .run()?;

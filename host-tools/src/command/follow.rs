@@ -14,7 +14,7 @@ use crate::log::{ReadOptions, read};
 use crate::output;
 use anyhow::{Result, ensure};
 use clap::Args;
-use estimator_core::{AdcCode, Admitted, Status};
+use estimator_core::{AdcCode, Admitted, DacCode, Status};
 use protocol::Mode;
 use serde_json::json;
 use std::fmt::Write;
@@ -26,7 +26,7 @@ pub struct Follow {
     /// Where the displacement is wanted: a log with time and displacement (time_s,displacement_um), relative to the model's
     /// zero; straight between its samples.
     pub trajectory: PathBuf,
-    /// The voltage read by the ADC, the estimate and what was wanted, as a log.
+    /// The voltage read by the ADC, the estimate, what was wanted, and the voltage that the DAC stood for, as a log.
     #[arg(long)]
     pub out: Option<PathBuf>,
     /// Stay at the last displacement instead of going back to rest.
@@ -90,6 +90,8 @@ struct Row {
     voltage: f64,
     estimated: f64,
     wanted: f64,
+    /// What the DAC stands for, V at the amplifier.
+    driven: f64,
 }
 
 fn rows(table: &Admitted, trajectory: &Trajectory, followed: &Followed, late: f64) -> Vec<Row> {
@@ -102,15 +104,17 @@ fn rows(table: &Admitted, trajectory: &Trajectory, followed: &Followed, late: f6
             // Each estimate is of the tick after its sample's.
             estimated: pair[0].displacement.into(),
             wanted: trajectory.at((before + 1) as f64 - late),
+            // The code of a sample is put out a tick later.
+            driven: table.drive.map_or(0.0, |drive| drive.voltage(DacCode(pair[0].dac))),
         })
         .collect()
 }
 
 fn csv(rows: &[Row]) -> String {
-    let mut text = "time_s,voltage_V,estimated_displacement_um,wanted_um\n".to_owned();
-    for Row { seconds, voltage, estimated, wanted } in rows {
+    let mut text = "time_s,voltage_V,estimated_displacement_um,wanted_um,driven_V\n".to_owned();
+    for Row { seconds, voltage, estimated, wanted, driven } in rows {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{seconds:.6},{voltage:.6},{estimated:.6},{wanted:.6}");
+        let _ = writeln!(text, "{seconds:.6},{voltage:.6},{estimated:.6},{wanted:.6},{driven:.6}");
     }
     text
 }

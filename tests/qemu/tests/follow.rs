@@ -1,0 +1,42 @@
+//! A wanted trajectory over the emulated UART to a firmware whose DAC drives the amplifier.
+
+use qemu_test::Board;
+use serde_json::Value;
+use std::fs;
+
+#[test]
+fn a_trajectory_is_followed_at_the_device_s_pace() {
+    let board = Board::power_on();
+    let wanted: String = (0..2000)
+        .map(|k| {
+            let t = f64::from(k) * 1e-3;
+            format!("{t:.3},{:.4}\n", 15.0 + 8.0 * (t * 9.0).sin())
+        })
+        .collect();
+    fs::write(board.folder.path().join("wanted.csv"), format!("time_s,displacement_um\n{wanted}")).unwrap();
+    let complaint = board.refuses("follow", &["wanted.csv"]);
+    assert!(complaint.contains("--drive-span"), "{complaint}");
+
+    let drive = ["--drive-span", "0:4", "--drive-slew", "100", "--drive-rest", "0.5", "--form", "direct"];
+    let table = board.table("driving", &drive);
+    board.does("push", &[table.to_str().unwrap(), "--pause", "--reset"]);
+    let said = board.does("follow", &["wanted.csv", "--out", "followed.csv", "--json"]);
+    let report: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!((&report["starved"], &report["ticks"]), (&Value::from(0), &Value::from(4001)), "{report:#}");
+    assert_eq!(report["stopped"], Value::Array(Vec::new()), "{report:#}");
+    let log = fs::read_to_string(board.folder.path().join("followed.csv")).unwrap();
+    assert_eq!(log.lines().count(), 4001);
+    // The planned voltages are those that the device put out, to half a code of 4 V/4095.
+    let plan = ["feedforward", "wanted.csv", "--out", "planned.csv"];
+    board.reads("feedforward", &[table.to_str().unwrap(), plan[1], plan[2], plan[3], "--json"]);
+    let column = |name: &str, index: usize| -> Vec<f64> {
+        let text = fs::read_to_string(board.folder.path().join(name)).unwrap();
+        text.lines().skip(1).map(|line| line.split(',').nth(index).unwrap().parse().unwrap()).collect()
+    };
+    let (planned, driven) = (column("planned.csv", 1), column("followed.csv", 4));
+    // Once on the way: the plan knows the first wanted value a tick before the device does.
+    let worst = planned[300..3900].iter().zip(&driven[300..]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(worst < 2e-3, "{worst} V");
+    let health = &board.info()["health"];
+    assert_eq!((&health["missed"], &health["mode"]), (&Value::from(0), &Value::from("Estimate")), "{health:#}");
+}
