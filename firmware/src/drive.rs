@@ -11,6 +11,7 @@ pub struct Drive {
     calibration: DriveCalibration,
     full_scale: u16,
     reference: Option<f32>,
+    going: bool,
     stopped: bool,
 }
 
@@ -20,7 +21,14 @@ impl Drive {
         let calibration = table.drive?;
         // Cannot fail: the table was admitted with it.
         let inverse = table.inverse(&calibration.limits).ok()?;
-        Some(Self { inverse, calibration, full_scale: table.dac.full_scale, reference: None, stopped: false })
+        Some(Self {
+            inverse,
+            calibration,
+            full_scale: table.dac.full_scale,
+            reference: None,
+            going: false,
+            stopped: false,
+        })
     }
 
     /// The code of the rest voltage.
@@ -28,9 +36,10 @@ impl Drive {
         table.drive.map(|drive| drive.code(drive.limits.rest_v, table.dac.full_scale))
     }
 
-    /// Wants nothing any more, and listens again after a [`stop`](Self::stop). The voltage stays where it is.
+    /// Wants nothing any more, waits for [`go`](Self::go), and listens again after a [`stop`](Self::stop). The voltage stays where it is.
     pub fn restart(&mut self) {
         self.reference = None;
+        self.going = false;
         self.stopped = false;
     }
 
@@ -52,7 +61,17 @@ impl Drive {
         (self.calibration.code(commanded.voltage, self.full_scale), status)
     }
 
-    /// Whether references are followed.
+    /// Takes references from now on.
+    pub fn go(&mut self) {
+        self.going = true;
+    }
+
+    /// Whether it takes references.
+    pub fn going(&self) -> bool {
+        self.going
+    }
+
+    /// Whether a reference is followed.
     pub fn following(&self) -> bool {
         self.reference.is_some()
     }

@@ -24,6 +24,8 @@ pub enum Command {
     SetMode(Mode),
     /// Call the displacement of now 0.
     SetZero,
+    /// Follow the references that wait and those that come.
+    Go,
 }
 
 /// A sample and its tick, counted from 0 when the mode was set.
@@ -130,7 +132,7 @@ impl<'q> Tick<'q> {
                 if safe {
                     drive.stop();
                 }
-                let next = self.queues.references.dequeue();
+                let next = if drive.going() { self.queues.references.dequeue() } else { None };
                 if next.is_none() && drive.following() {
                     add(&self.telemetry.starved, 1);
                 }
@@ -196,6 +198,11 @@ impl<'q> Tick<'q> {
                     drive.restart();
                 }
                 self.telemetry.set_mode(mode);
+            }
+            Command::Go => {
+                if let Some(drive) = &mut self.drive {
+                    drive.go();
+                }
             }
             Command::SetZero => {
                 if let Some(estimator) = &mut self.estimator {

@@ -189,7 +189,7 @@ fn codes_are_taken_in_their_mode_and_as_many_as_there_is_room() {
 
 #[test]
 fn references_are_taken_where_the_dac_drives_and_are_numbers() {
-    let refer = |wanted: f32| Request::Refer([wanted; 64].iter().copied().collect());
+    let refer = |wanted: f32| Request::Refer { references: [wanted; 64].iter().copied().collect(), go: false };
     let mut plain = Bench::new(Some(compiled()));
     assert_eq!(plain.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::NoDrive));
     let mut bench = Bench::new(Some(driving()));
@@ -204,7 +204,15 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
         Reply::Referred { taken, .. } => taken < 64,
         reply => panic!("{reply:?}"),
     });
-    assert!(full);
+    assert!(full, "nothing is taken before it is to go");
+    assert_eq!(
+        bench.ask(Request::Refer { references: Default::default(), go: true }),
+        Reply::Referred { taken: 0, starved: 0 }
+    );
+    let start = std::time::Instant::now();
+    while matches!(bench.ask(refer(10.0)), Reply::Referred { taken: 0, .. }) {
+        assert!(start.elapsed() < std::time::Duration::from_secs(10), "ticks make room");
+    }
 }
 
 #[test]

@@ -28,6 +28,10 @@ impl Bench {
         self.other.commands.enqueue(Command::SetMode(mode)).unwrap();
     }
 
+    fn go(&mut self) {
+        self.other.commands.enqueue(Command::Go).unwrap();
+    }
+
     fn step_with(&mut self, code: AdcCode) -> (DacCode, Status, Faults) {
         self.k += 1;
         let dac = self.tick.sample(code, self.k * PERIOD);
@@ -73,6 +77,14 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
         bench.step();
         core.release();
     }
+    bench.other.refer.enqueue(20.0).unwrap();
+    for _ in 0..10 {
+        assert_eq!(bench.step().0, REST, "references wait until they are to be followed");
+        core.release();
+    }
+    bench.go();
+    let first = core.tick(20.0);
+    assert_eq!(bench.step().0, drive.code(first.voltage, 4095));
     let wave = |k: u32| 18.0 + 12.0 * (k as f32 * 0.02).sin();
     for k in 0..2_000 {
         bench.other.refer.enqueue(wave(k)).unwrap();
@@ -104,6 +116,7 @@ fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
         last = dac.0;
         (dac, faults)
     };
+    bench.go();
     for _ in 0..1_000 {
         follow(&mut bench, None);
     }
@@ -117,6 +130,7 @@ fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
     let (dac, faults) = follow(&mut bench, None);
     assert_eq!((dac, faults), (REST, Faults::SAFE_OUTPUT));
     bench.set(Mode::Follow);
+    bench.go();
     let dac = (0..1_000).map(|_| follow(&mut bench, None).0).last().unwrap();
     assert!(dac.0 > REST.0 + 500, "set again, it follows again");
 }

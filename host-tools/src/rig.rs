@@ -120,39 +120,75 @@ pub struct Recording {
 const PLAYS: usize = 10;
 const CREEP: [(f64, f64); 3] = [(0.05, 0.002), (0.5, 0.002), (5.0, 0.003)];
 
+/// Amplifier and actuator, a sample at a time.
+struct Actuator<'r> {
+    rig: &'r Rig,
+    step: f64,
+    keep: f64,
+    amplifier: f64,
+    plays: [f64; PLAYS],
+    creep: [f64; CREEP.len()],
+}
+
+impl Actuator<'_> {
+    /// Takes a voltage (V), returns the true displacement (µm).
+    fn step(&mut self, voltage: f64) -> f64 {
+        let half_width = |i: usize| 2.0 * i as f64;
+        let weight = |i: usize| match i {
+            0 => 0.15,
+            _ => self.rig.hysteresis * 0.012 * (1.2 - 0.6 * (i - 1) as f64 / (PLAYS - 2) as f64),
+        };
+        self.amplifier = self.keep * self.amplifier + (1.0 - self.keep) * voltage;
+        let amplifier = self.amplifier;
+        let mut w = 0.0;
+        for (i, play) in self.plays.iter_mut().enumerate() {
+            *play = play.clamp(amplifier - half_width(i), amplifier + half_width(i));
+            w += weight(i) * *play;
+        }
+        for (state, (tau, gain)) in self.creep.iter_mut().zip(CREEP) {
+            *state += self.step / tau * (self.rig.creep * gain * amplifier - *state);
+            w += *state;
+        }
+        w * (1.0 + self.rig.asymmetry * w)
+    }
+}
+
 impl Rig {
     /// Records one log.
     pub fn record(&self, excitation: Excitation) -> Recording {
         let count = (self.duration * self.fs).round() as usize;
         let step = 1.0 / self.fs;
-        let keep = libm::exp(-TAU * self.cutoff * step);
-        let half_width = |i: usize| 2.0 * i as f64;
-        let weight = |i: usize| match i {
-            0 => 0.15,
-            _ => self.hysteresis * 0.012 * (1.2 - 0.6 * (i - 1) as f64 / (PLAYS - 2) as f64),
-        };
         let mut noise = self.noise(excitation);
-        let mut plays = [0.0f64; PLAYS];
-        let mut creep = [0.0f64; CREEP.len()];
-        let mut amplifier = self.command(excitation, 0.0);
+        let mut actuator = self.actuator(self.command(excitation, 0.0));
         let mut recording = Recording { voltage: Vec::with_capacity(count), displacement: Vec::with_capacity(count) };
         for k in 0..count {
             let voltage = self.command(excitation, k as f64 * step);
-            amplifier = keep * amplifier + (1.0 - keep) * voltage;
-            let mut w = 0.0;
-            for (i, play) in plays.iter_mut().enumerate() {
-                *play = play.clamp(amplifier - half_width(i), amplifier + half_width(i));
-                w += weight(i) * *play;
-            }
-            for (state, (tau, gain)) in creep.iter_mut().zip(CREEP) {
-                *state += step / tau * (self.creep * gain * amplifier - *state);
-                w += *state;
-            }
+            let displacement = actuator.step(voltage);
             let (sensor, reading) = noise();
-            recording.displacement.push(w * (1.0 + self.asymmetry * w) + 1e-3 * self.noise_nm * sensor);
+            recording.displacement.push(displacement + 1e-3 * self.noise_nm * sensor);
             recording.voltage.push(self.quantised(voltage + self.voltage_noise * reading));
         }
         recording
+    }
+
+    /// True displacements (µm) at ticks of so many samples, where each voltage (V) stands for a tick, from rest at 0 V.
+    pub fn respond(&self, voltages: &[f64], samples: usize) -> Vec<f64> {
+        let mut actuator = self.actuator(0.0);
+        let mut tick = |&voltage: &f64| {
+            let first = actuator.step(voltage);
+            (1..samples).for_each(|_| {
+                actuator.step(voltage);
+            });
+            first
+        };
+        voltages.iter().map(&mut tick).collect()
+    }
+
+    /// The actuator behind an amplifier that stands at a voltage (V).
+    fn actuator(&self, amplifier: f64) -> Actuator<'_> {
+        let step = 1.0 / self.fs;
+        let keep = libm::exp(-TAU * self.cutoff * step);
+        Actuator { rig: self, step, keep, amplifier, plays: [0.0; PLAYS], creep: [0.0; CREEP.len()] }
     }
 
     /// The recording as a log.

@@ -73,7 +73,12 @@ pub enum Request {
     /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]
     Feed(Codes),
     /// Wanted displacements for the next ticks, in [`Mode::Follow`]. → [`Reply::Referred`]
-    Refer(References),
+    Refer {
+        /// One a tick.
+        references: References,
+        /// Follow them from now on. Until then they wait, so that the first ones need not be in a hurry.
+        go: bool,
+    },
     /// Start again. → [`Reply::Done`], then the reset.
     Reset,
 }

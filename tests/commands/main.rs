@@ -4,6 +4,7 @@ mod compare;
 mod demo;
 mod device;
 mod faces;
+mod feedforward;
 mod logs;
 mod mistakes;
 mod options;

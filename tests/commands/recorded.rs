@@ -2,7 +2,7 @@
 
 use super::logs::rig;
 use super::{MEASURED, json, piezo, text};
-use host_tools::log::write_csv;
+use host_tools::log::{Displacement, write_csv};
 use host_tools::table_file::TableFile;
 use serde_json::{Value, json};
 use std::fs;
@@ -14,9 +14,8 @@ const DOUBT: &str = "is a device's estimate";
 /// One of the rig's logs as `piezo record` would have written it.
 fn recorded(folder: &Path, name: &str) -> PathBuf {
     let (path, log) = (folder.join(name).with_extension("csv"), rig(name));
-    write_csv(&path, log.sample_period, &log.voltage, &log.displacement.unwrap()).unwrap();
-    let written = fs::read_to_string(&path).unwrap();
-    fs::write(&path, written.replacen(",displacement_um", ",estimated_displacement_um", 1)).unwrap();
+    let displacement = log.displacement.unwrap();
+    write_csv(&path, log.sample_period, &log.voltage, &displacement, Displacement::Estimated).unwrap();
     path
 }
 

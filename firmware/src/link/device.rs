@@ -69,7 +69,7 @@ impl<F: NorFlash> Device<F> {
             Request::Health => return Reply::Health(self.health()),
             Request::Pull => return self.record().map_or(Reply::Refused(Refusal::NoTable), Reply::Table),
             Request::Feed(codes) => return self.feed(&codes),
-            Request::Refer(references) => return self.refer(&references),
+            Request::Refer { references, go } => return self.refer(&references, go),
             Request::Push { record, while_estimating } => self.push(&record, while_estimating).await,
             Request::Erase { while_estimating } => self.erase(while_estimating).await,
             Request::SetMode(mode) => self.set_mode(mode).await,
@@ -200,12 +200,15 @@ impl<F: NorFlash> Device<F> {
         Reply::Fed(room as u16)
     }
 
-    fn refer(&mut self, references: &References) -> Reply {
+    fn refer(&mut self, references: &References, go: bool) -> Reply {
         if self.telemetry.mode() != Mode::Follow {
             return Reply::Refused(Refusal::NotFollowing);
         }
         if !references.iter().all(|reference| reference.is_finite()) {
             return Reply::Refused(Refusal::NotFinite);
+        }
+        if go && self.commands.enqueue(Command::Go).is_err() {
+            return Reply::Refused(Refusal::Busy);
         }
         let room = references.iter().take_while(|&&reference| self.refer.enqueue(reference).is_ok()).count();
         // At most 64.

@@ -5,7 +5,7 @@ use super::print::out;
 use crate::calibration::Span;
 use crate::drive::{identified_on, limits, ordered};
 use crate::feedforward::{Plan, Trajectory, delay_ticks, plan};
-use crate::log::{ReadOptions, read, write_csv};
+use crate::log::{Displacement, ReadOptions, read, write_csv};
 use crate::prepare::not_negative;
 use crate::table_file::TableFile;
 use anyhow::{Context, Result, bail, ensure};
@@ -62,7 +62,7 @@ pub fn run(arguments: &Feedforward) -> Result<bool> {
     let tick_s: f64 = table.sample_period();
     let plan = plan(&table, &limits, &Trajectory::of(&trajectory, tick_s))
         .with_context(|| format!("{}: no voltages can be planned", arguments.table.display()))?;
-    write_csv(&arguments.out, tick_s, &plan.voltage, &plan.displacement)
+    write_csv(&arguments.out, tick_s, &plan.voltage, &plan.displacement, Displacement::Estimated)
         .with_context(|| format!("{name}: cannot be written"))?;
     tell(arguments, &table, &limits, &plan)
 }

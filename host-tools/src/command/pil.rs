@@ -87,6 +87,7 @@ pub fn run(arguments: &Pil) -> Result<bool> {
 
 /// The ADC codes that a log's voltages give on this device, a tick each.
 fn codes(log: &Log, recipe: &Recipe, table: &Admitted, limit: Option<u64>) -> Result<Vec<AdcCode>> {
+    let recipe = recipe.of(log);
     let session = recipe.session(&recipe.cut(log))?;
     let limit = limit.map_or(usize::MAX, |limit| usize::try_from(limit).unwrap_or(usize::MAX));
     let amplifier = session.voltage.iter().map(|v| v + recipe.voltage_zero_v);

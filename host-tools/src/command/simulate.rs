@@ -1,6 +1,7 @@
 //! `piezo simulate`: the synthetic rig's six logs.
 
 use super::print::out;
+use crate::log::{Displacement, write_csv};
 use crate::output;
 use crate::rig::{EXCITATIONS, Recording, Rig};
 use anyhow::{Result, ensure};
@@ -53,7 +54,7 @@ pub fn run(arguments: &Simulate) -> Result<bool> {
     for excitation in EXCITATIONS {
         let path = arguments.out.join(format!("{}.csv", excitation.name));
         let Recording { voltage, displacement } = rig.record(excitation);
-        crate::log::write_csv(&path, 1.0 / rig.fs, &voltage, &displacement)?;
+        write_csv(&path, 1.0 / rig.fs, &voltage, &displacement, Displacement::Measured)?;
         if !arguments.json {
             out(&format!("{}  {} samples at {} Hz", path.display(), voltage.len(), rig.fs));
         }

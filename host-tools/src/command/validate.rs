@@ -59,6 +59,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     let logs = arguments.files.read_all(&arguments.logs)?;
     let mut comparisons = Vec::new();
     for log in &logs {
+        let recipe = recipe.of(log);
         comparisons.push(compare(&table, &recipe.session(&recipe.cut(log))?));
     }
     let trained_on: Vec<Option<(f64, f64)>> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();

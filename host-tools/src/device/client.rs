@@ -141,10 +141,10 @@ impl Client {
         }
     }
 
-    /// Hands wanted displacements (µm) over for the next ticks; returns how many there was room for, and how many ticks have
+    /// Hands wanted displacements (µm) over for the next ticks, and lets the device `go`; returns how many there was room for, and how many ticks have
     /// found none so far.
-    pub fn refer(&mut self, references: References) -> Result<(usize, u32), LinkError> {
-        match self.request(Request::Refer(references))? {
+    pub fn refer(&mut self, references: References, go: bool) -> Result<(usize, u32), LinkError> {
+        match self.request(Request::Refer { references, go })? {
             Reply::Referred { taken, starved } => Ok((taken.into(), starved)),
             _ => Err(self.confused()),
         }
@@ -176,7 +176,7 @@ impl Client {
     /// Asks, and asks again where that does no harm.
     pub fn request(&mut self, request: Request) -> Result<Reply, LinkError> {
         let (tries, patience) = match request {
-            Request::Feed(_) | Request::Refer(_) | Request::SetZero => (1, REPLY),
+            Request::Feed(_) | Request::Refer { .. } | Request::SetZero => (1, REPLY),
             Request::Push { .. } | Request::Erase { .. } => (TRIES, WRITTEN),
             _ => (TRIES, REPLY),
         };

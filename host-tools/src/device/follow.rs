@@ -42,14 +42,16 @@ pub fn follow(
     client.stream(true)?;
     let mut followed = Followed::default();
     let mut numbers = Numbers::default();
-    let (mut sent, mut news) = (0, Instant::now());
+    let (mut sent, mut going, mut news) = (0, false, Instant::now());
     while followed.samples.len() < ticks && followed.stopped.is_empty() {
         ensure!(!interrupt.wanted(), "interrupted after {} of {ticks} ticks", followed.samples.len());
         let next = &references[sent..references.len().min(sent + CHUNK)];
         let mut full = next.is_empty();
-        if !full {
+        // It goes once its queue is full, or holds all.
+        if !full || !going {
             let chunk: References = next.iter().copied().collect();
-            let (taken, starved) = match client.refer(chunk) {
+            going |= sent + next.len() == references.len();
+            let (taken, starved) = match client.refer(chunk, going) {
                 Err(LinkError::Unknown { .. }) => bail!(
                     "a reply was lost, so that nobody knows which references the device has taken: after {} of {ticks} ticks",
                     followed.samples.len()
@@ -57,6 +59,7 @@ pub fn follow(
                 answer => answer?,
             };
             full = taken < next.len();
+            going |= full;
             sent += taken.min(next.len());
             followed.starved = starved;
         }

@@ -35,7 +35,7 @@ use error::Located;
 pub use error::{LogError, Number, Place};
 pub use fault::Fault;
 pub use units::{Quantity, Unit, UnknownUnit};
-pub use write::write_csv;
+pub use write::{Displacement, write_csv};
 
 /// Fewest rows that make a log.
 pub const MINIMUM_ROWS: usize = 16;

@@ -6,6 +6,15 @@ use std::path::Path;
 use super::clock::whole_rate;
 use crate::output::beside;
 
+/// Whose a displacement is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Displacement {
+    /// A sensor's.
+    Measured,
+    /// A model's; the column's name says so.
+    Estimated,
+}
+
 /// Writes `time_s,voltage_V,displacement_um`, a row a sample, time from 0 at `sample_period` (s), voltage in V and
 /// displacement in µm, with the fewest digits that read back as the same numbers.
 ///
@@ -14,7 +23,13 @@ use crate::output::beside;
 /// # Errors
 /// Series of different lengths, a number that is not finite, a period that is not positive
 /// ([`ErrorKind::InvalidInput`]); whatever the file system reports.
-pub fn write_csv(path: &Path, sample_period: f64, voltage: &[f64], displacement: &[f64]) -> io::Result<()> {
+pub fn write_csv(
+    path: &Path,
+    sample_period: f64,
+    voltage: &[f64],
+    displacement: &[f64],
+    whose: Displacement,
+) -> io::Result<()> {
     let invalid = |what: String| Err(Error::new(ErrorKind::InvalidInput, what));
     if voltage.len() != displacement.len() {
         let (v, y) = (voltage.len(), displacement.len());
@@ -30,7 +45,8 @@ pub fn write_csv(path: &Path, sample_period: f64, voltage: &[f64], displacement:
 
     let file = beside(path)?;
     let mut out = BufWriter::new(&file);
-    writeln!(out, "time_s,voltage_V,displacement_um")?;
+    let estimated = if whose == Displacement::Estimated { "estimated_" } else { "" };
+    writeln!(out, "time_s,voltage_V,{estimated}displacement_um")?;
     let rate = whole_rate(sample_period, 0.0);
     for (k, (v, y)) in voltage.iter().zip(displacement).enumerate() {
         // k/rate is the double nearest to the true time, and so prints short; k·period is not.
@@ -56,7 +72,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.csv");
         let ramp: Vec<f64> = (0..20).map(f64::from).collect();
-        write_csv(&path, 0.0005, &ramp, &ramp).unwrap();
+        write_csv(&path, 0.0005, &ramp, &ramp, Displacement::Measured).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         assert_eq!(text.lines().nth(8), Some("0.0035,7,7"), "k·period would print 0.0035000000000000005");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
@@ -78,7 +94,7 @@ mod tests {
             (f64::NAN, vec![1.0], vec![1.0]),
             (0.001, vec![f64::NAN], vec![1.0]),
         ] {
-            let error = write_csv(&path, period, &voltage, &displacement).unwrap_err();
+            let error = write_csv(&path, period, &voltage, &displacement, Displacement::Measured).unwrap_err();
             assert_eq!(error.kind(), ErrorKind::InvalidInput);
         }
         assert!(!path.exists());

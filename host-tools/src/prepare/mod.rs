@@ -107,6 +107,17 @@ impl Recipe {
         }
     }
 
+    /// What is to be done to one log. One of a device's estimates, or of a plan, is in the table's units as it is: V at the
+    /// amplifier, µm relative to the model's zero.
+    pub fn of(&self, log: &Log) -> Self {
+        if log.displacement_estimated {
+            let Self { voltage_zero_v, decimation, .. } = *self;
+            Self { voltage_zero_v, decimation, ..Self::at_tick(self.tick_us) }
+        } else {
+            self.clone()
+        }
+    }
+
     /// What keeps the recipe from being used, if anything.
     pub fn fault(&self) -> Option<&'static str> {
         let scale = |x: f64| x.is_finite() && x != 0.0;

@@ -79,8 +79,8 @@ fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
     let first = bench.board.record().outputs.len();
     let mut sent = 0;
     while sent < references.len() {
-        let chunk = references[sent..].iter().take(64).copied().collect();
-        match bench.ask(Request::Refer(chunk))? {
+        let references = references[sent..].iter().take(64).copied().collect();
+        match bench.ask(Request::Refer { references, go: true })? {
             Reply::Referred { taken, starved: 0 } => sent += usize::from(taken),
             other => bail!("{name}: {other:?}"),
         }

@@ -52,6 +52,7 @@ pub struct State {
     references: VecDeque<f32>,
     last: Option<f32>,
     tail: u32,
+    going: bool,
 }
 
 impl State {
@@ -72,6 +73,7 @@ impl State {
             references: VecDeque::new(),
             last: None,
             tail: 0,
+            going: false,
         }
     }
 
@@ -153,10 +155,11 @@ impl State {
                 self.fed.extend(&codes[..room]);
                 return Reply::Fed(room as u16);
             }
-            Request::Refer(_) if self.mode != Mode::Follow => return Reply::Refused(Refusal::NotFollowing),
-            Request::Refer(references) => {
+            Request::Refer { .. } if self.mode != Mode::Follow => return Reply::Refused(Refusal::NotFollowing),
+            Request::Refer { references, go } => {
                 let room = references.len().min(255 - self.references.len());
                 self.references.extend(&references[..room]);
+                self.going |= go;
                 // A frame that is not full is the last.
                 self.tail = if references.len() < 64 { 10 } else { 0 };
                 return Reply::Referred { taken: room as u16, starved: self.manners.starved };
@@ -189,7 +192,7 @@ impl State {
         self.number = 0;
         self.fed.clear();
         self.references.clear();
-        (self.last, self.tail) = (None, 0);
+        (self.last, self.tail, self.going) = (None, 0, false);
         self.estimator.restart();
     }
 
@@ -228,6 +231,9 @@ impl State {
 
     /// The next reference. Its time stands still where there is none, but for some ticks after the last.
     fn wanted(&mut self) -> Option<f32> {
+        if !self.going {
+            return None;
+        }
         let next = self.references.pop_front().or(self.last.filter(|_| self.tail > 0));
         self.tail -= u32::from(self.references.is_empty() && self.tail > 0);
         self.last = next.or(self.last);

@@ -1,0 +1,94 @@
+//! A wanted trajectory becomes voltages, and what cannot be is refused.
+
+use super::{json, number, piezo, root};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A slow swing about 15 µm, as a file.
+fn wanted(folder: &Path) -> PathBuf {
+    let rows = (0..3000).map(|k| {
+        let t = f64::from(k) * 1e-3;
+        format!("{t:.3},{:.5}\n", 15.0 + 9.0 * (t * 6.0).sin())
+    });
+    let path = folder.join("wanted.csv");
+    fs::write(&path, "time_s,displacement_um\n".to_owned() + &rows.collect::<String>()).unwrap();
+    path
+}
+
+fn table() -> PathBuf {
+    root().join("tests/data/table/table.toml")
+}
+
+#[test]
+fn the_model_of_the_voltages_is_the_trajectory() {
+    let out = tempfile::tempdir().unwrap();
+    let voltages = out.path().join("voltages.csv");
+    let plan = json(
+        piezo()
+            .arg("feedforward")
+            .args([&table(), &wanted(out.path())])
+            .args(["--slew", "200", "--rest", "1.2", "--json", "--out"])
+            .arg(&voltages),
+    );
+    // The table is tabulated and its inverse is not: between them lies the tabulation's error.
+    assert!(number(&plan, "/round_trip/max_um") < 0.05, "{plan:#}");
+    assert!(number(&plan, "/voltage_v/max") < 3.79 && number(&plan, "/fastest_v_per_s") <= 200.01, "{plan:#}");
+    assert_eq!(number(&plan, "/ticks"), 5999.0);
+    // What was written is a log, of which the same table makes the same displacement.
+    let report = json(piezo().arg("validate").args([&table(), &voltages]).args(["--json", "--max-mae", "0.02"]));
+    assert!(number(&report, "/logs/0/mil/mae_um") < 0.02, "{report:#}");
+}
+
+#[test]
+fn a_threshold_fails_and_impossible_wishes_are_told() {
+    let out = tempfile::tempdir().unwrap();
+    let (wanted, voltages) = (wanted(out.path()), out.path().join("voltages.csv"));
+    let feedforward = |more: &[&str]| {
+        let mut command = piezo();
+        command.arg("feedforward").args([&table(), &wanted]).arg("--out").arg(&voltages).args(more);
+        command.output().unwrap()
+    };
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let slow = feedforward(&["--slew", "2", "--max-error", "0.1"]);
+    assert_eq!(slow.status.code(), Some(1));
+    assert!(text(&slow.stdout).contains("stood at a limit") && text(&slow.stdout).contains("FAILED"));
+    fs::remove_file(&voltages).unwrap();
+    for (more, why) in [
+        (&[][..], "--slew"),
+        (&["--slew", "100", "--range", "0:60"], "identified on"),
+        (&["--slew", "100", "--range", "0:3", "--rest", "3.5"], "rest_v"),
+        (&["--slew", "0"], "slew"),
+    ] {
+        let refused = feedforward(more);
+        assert_eq!(refused.status.code(), Some(2), "{more:?}");
+        assert!(text(&refused.stderr).contains(why), "{more:?}: {}", text(&refused.stderr));
+        assert!(!voltages.exists());
+    }
+}
+
+#[test]
+fn a_drive_is_calibrated_with_its_slew_rate_and_kept_in_every_face() {
+    let out = tempfile::tempdir().unwrap();
+    let emit = |more: &[&str]| {
+        let mut command = piezo();
+        command.arg("emit").arg(table()).arg("--out").arg(out.path()).args(more);
+        command.output().unwrap()
+    };
+    assert_eq!(emit(&["--drive-span", "0:4"]).status.code(), Some(2), "a drive without a slew rate");
+    let refused = emit(&["--drive-span", "0:4", "--drive-slew", "100", "--drive-rest", "3.9"]);
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("rest_v"), "{refused:?}");
+    let made = emit(&["--drive-span", "4:-1", "--drive-slew", "100"]);
+    assert!(made.status.success(), "{made:?}");
+    let toml = fs::read_to_string(out.path().join("table.toml")).unwrap();
+    assert!(toml.contains("[table.drive]") && toml.contains("slew_v_per_s = 100"), "{toml}");
+    let rust = fs::read_to_string(out.path().join("table.rs")).unwrap();
+    assert!(rust.contains("DriveLimits {"), "{rust}");
+    let plan = json(
+        piezo()
+            .arg("feedforward")
+            .args([&out.path().join("table.toml"), &wanted(out.path())])
+            .args(["--json", "--out"])
+            .arg(out.path().join("voltages.csv")),
+    );
+    assert_eq!(number(&plan, "/limits/slew_v_per_s"), 100.0);
+}
