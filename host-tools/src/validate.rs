@@ -92,6 +92,17 @@ pub struct Trace {
     pub estimated: Vec<f64>,
 }
 
+/// The f32 core as a device starts: without the sensor's first reading, from rest at the first voltage.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Cold {
+    /// From the first sample on.
+    pub all: Figures,
+    /// From where it counts as settled ([`Status::NOT_SETTLED`]); `None` where it never does.
+    pub settled: Option<Figures>,
+    /// When that is, s from the first sample.
+    pub settled_after_s: Option<f64>,
+}
+
 /// One log against a table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Comparison {
@@ -103,6 +114,8 @@ pub struct Comparison {
     pub sil: Figures,
     /// Largest difference of the two estimates, µm.
     pub mil_sil_um: f64,
+    /// The f32 core told nothing.
+    pub cold: Cold,
     /// Every status bit that the f32 core raised.
     pub status: Status,
     /// The reference beside the sensor.
@@ -111,8 +124,9 @@ pub struct Comparison {
 
 /// Runs a table over a session.
 pub fn compare(table: &Admitted, session: &Session) -> Comparison {
-    let (reference, _) = estimate::<f64>(table, session, |v| v);
-    let (single, status) = estimate::<f32>(table, session, |v| v as f32);
+    let first = session.displacement[0];
+    let (reference, _) = estimate::<f64>(table, session, Some(first), |v| v);
+    let (single, raised) = estimate::<f32>(table, session, Some(first as f32), |v| v as f32);
     let single: Vec<f64> = single.into_iter().map(f64::from).collect();
     let measured = &session.displacement[1..];
     let instants = &session.instants[1..];
@@ -122,7 +136,8 @@ pub fn compare(table: &Admitted, session: &Session) -> Comparison {
         mil: Figures::of(&reference, measured),
         sil: Figures::of(&single, measured),
         mil_sil_um: reference.iter().zip(&single).map(difference).fold(0.0, f64::max),
-        status,
+        cold: cold(table, session),
+        status: raised.into_iter().fold(Status::empty(), Status::union),
         trace: Trace {
             time_s: instants.iter().map(|&tick| session.start_s + f64::from(tick) * session.tick_s).collect(),
             // The last instant's own voltage is the one after the last tick that was run.
@@ -133,17 +148,38 @@ pub fn compare(table: &Admitted, session: &Session) -> Comparison {
     }
 }
 
-/// The estimates at the measured instants after the first, and all status bits that were raised on the way.
-fn estimate<T: Real>(table: &Admitted, session: &Session, number: impl Fn(f64) -> T) -> (Vec<T>, Status) {
+fn cold(table: &Admitted, session: &Session) -> Cold {
+    let (estimates, raised) = estimate::<f32>(table, session, None, |v| v as f32);
+    let estimates: Vec<f64> = estimates.into_iter().map(f64::from).collect();
+    let (instants, measured) = (&session.instants[1..], &session.displacement[1..]);
+    let settled = raised.iter().position(|status| !status.contains(Status::NOT_SETTLED));
+    Cold {
+        all: Figures::of(&estimates, measured),
+        settled: settled.map(|from| Figures::of(&estimates[from..], &measured[from..])),
+        settled_after_s: settled.map(|from| f64::from(instants[from]) * session.tick_s),
+    }
+}
+
+/// The estimates at the measured instants after the first, with the status bits that were raised on the way to each. `start`
+/// is the displacement (µm) that the estimator is told.
+fn estimate<T: Real>(
+    table: &Admitted,
+    session: &Session,
+    start: Option<T>,
+    number: impl Fn(f64) -> T,
+) -> (Vec<T>, Vec<Status>) {
     let lookup = table.lookup();
     let mut estimator =
         Estimator::new(table, lookup.as_ref()).expect("the lookup was built from this table, for this form");
-    estimator.start_at(number(session.displacement[0]));
+    if let Some(start) = start {
+        estimator.start_at(start);
+    }
     let mut estimates = Vec::with_capacity(session.displacement.len());
-    let mut raised = Status::empty();
+    let mut statuses = Vec::with_capacity(session.displacement.len());
     let mut tick = 0;
     for &instant in &session.instants[1..] {
         let mut displacement = T::nan();
+        let mut raised = Status::empty();
         while tick < instant as usize {
             let estimate = estimator.tick_volts(number(session.voltage[tick] + f64::from(table.voltage_zero_v)));
             displacement = estimate.displacement;
@@ -151,6 +187,7 @@ fn estimate<T: Real>(table: &Admitted, session: &Session, number: impl Fn(f64) -
             tick += 1;
         }
         estimates.push(displacement);
+        statuses.push(raised);
     }
-    (estimates, raised)
+    (estimates, statuses)
 }

@@ -5,7 +5,7 @@ use super::print::out;
 use crate::device::words::{self, Meaning};
 use anyhow::Result;
 use clap::Args;
-use estimator_core::{AdcCode, Admitted, DacCode, Form, Status, Table, TableError};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Form, Status, Table, TableError};
 use protocol::{Faults, Health, Identity, VERSION};
 use serde_json::{Value, json};
 
@@ -120,7 +120,10 @@ pub fn describe(table: &Admitted) -> Vec<String> {
         Form::Tabulated { error_bound_um } => format!("tabulated (adds at most {error_bound_um} µm)"),
     };
     let volts = |code| table.adc.voltage::<f32>(AdcCode(code));
-    let um = |code| table.dac.displacement::<f32>(DacCode(code));
+    let output = |code| match &table.drive {
+        Some(drive) => format!("{:.3} V", drive.voltage::<f32>(DacCode(code))),
+        None => format!("{:.3} µm", table.dac.displacement::<f32>(DacCode(code))),
+    };
     let (adc, dac) = (table.adc.full_scale, table.dac.full_scale);
     let (voltage, limits, made) = (table.voltage_range_v, table.displacement_limits_um, &table.provenance);
     let [major, minor, patch] = made.tool_version;
@@ -135,17 +138,29 @@ pub fn describe(table: &Admitted) -> Vec<String> {
             voltage.min, voltage.max, table.voltage_zero_v, limits.min, limits.max
         ),
         format!(
-            "ADC 0 … {adc} is {:.3} … {:.3} V, DAC 0 … {dac} is {:.3} … {:.3} µm",
+            "ADC 0 … {adc} is {:.3} … {:.3} V, DAC 0 … {dac} is {} … {}{}",
             volts(0),
             volts(adc),
-            um(0),
-            um(dac)
+            output(0),
+            output(dac),
+            driven(table)
         ),
         format!(
             "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training; {held_out}",
             made.logs, made.seed, made.train_mae_um
         ),
     ]
+}
+
+/// What the DAC drives, if anything.
+fn driven(table: &Admitted) -> String {
+    table.drive.map_or(String::new(), |drive| {
+        let DriveLimits { range_v, rest_v, slew_v_per_s } = drive.limits;
+        format!(
+            ": it drives the amplifier, to {:.3} … {:.3} V at {slew_v_per_s} V/s, rests at {rest_v} V (piezo follow)",
+            range_v.min, range_v.max
+        )
+    })
 }
 
 fn bullet(when: &str, Meaning { what, remedy }: Meaning) -> String {
@@ -159,6 +174,7 @@ fn counts(health: &Health) -> impl Iterator<Item = (Status, u32)> {
         (Status::VOLTAGE_OUT_OF_RANGE, health.voltage_out_of_range),
         (Status::CLAMPED, health.clamped),
         (Status::DAC_SATURATED, health.dac_saturated),
+        (Status::OUT_OF_REACH, health.out_of_reach),
     ];
     counts.into_iter().filter(|(_, ticks)| *ticks > 0)
 }

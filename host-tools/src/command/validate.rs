@@ -78,11 +78,25 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         out(&serde_json::to_string_pretty(&report)?);
         return Ok(passed);
     }
-    out("Simulation from each log's first sample: the f64 reference (MIL) and the f32 core of the target (SIL).");
+    out(
+        "Simulation from each log's first sample: the f64 reference (MIL) and the f32 core of the target (SIL), told the \
+         sensor's first reading.",
+    );
     out(&heading("log"));
     for ((comparison, log), trained_on) in comparisons.iter().zip(&logs).zip(&trained_on) {
         out(&row(&format!("{}  f64 (MIL)", comparison.name), &comparison.mil));
         out(&row(&format!("{}  f32 (SIL)", comparison.name), &comparison.sil));
+        let cold = &comparison.cold;
+        out(&row(&format!("{}  f32, cold", comparison.name), &cold.all));
+        if let Some(settled) = &cold.settled {
+            out(&row(&format!("{}  f32, settled", comparison.name), settled));
+        }
+        out(&match cold.settled_after_s {
+            Some(after) => format!("    cold: started as a device is, told nothing; settled: the same after {after:.2} s"),
+            None => "    cold: started as a device is, told nothing; it never counts as settled, since the voltage does not turn \
+                     at either end of half the table's range"
+                .to_owned(),
+        });
         out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
         if let Some((from, to)) = trained_on {
             out(&format!(
@@ -92,8 +106,9 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         if log.displacement_estimated {
             out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
         }
-        if !comparison.status.is_empty() {
-            out(&format!("    {}", remarks(comparison.status)));
+        let remarks = remarks(comparison.status);
+        if !remarks.is_empty() {
+            out(&format!("    {remarks}"));
         }
     }
     if comparisons.len() > 1 {
@@ -136,6 +151,7 @@ fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64
         "mil": comparison.mil,
         "sil": comparison.sil,
         "mil_sil_um": comparison.mil_sil_um,
+        "cold": comparison.cold,
         "status": status,
         "trained_on_s": trained_on_s,
         "displacement_estimated": log.displacement_estimated,

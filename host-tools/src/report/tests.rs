@@ -3,7 +3,7 @@
 use super::*;
 use crate::identify::{Conditions, Fit, Problem, SearchOptions, identify};
 use crate::session::{Feedback, Session};
-use crate::validate::{Comparison, Figures, Trace};
+use crate::validate::{Cold, Comparison, Figures, Trace};
 use clap::Parser;
 use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Status};
 use estimator_core::{Admitted, Digest, Form, Parameters, Provenance, Table, VoigtParameters};
@@ -81,6 +81,7 @@ fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
         mil: figures,
         sil: figures,
         mil_sil_um: 1e-6,
+        cold: Cold { all: figures, settled: None, settled_after_s: None },
         status: Status::empty(),
         trace: Trace { time_s, voltage, measured, estimated },
     }
