@@ -13,6 +13,8 @@ fn parameters() -> VoigtChainParameters {
         gains_um_per_v: List::of([0.004, 0.003, 0.005]),
         times_s: List::of([0.01, 0.3, 8.0]),
         memory_v: Range { min: -20.0, max: 120.0 },
+        voltage_extremum_um_per_v: 0.0,
+        deadband_v: 0.1,
     }
 }
 
@@ -94,9 +96,33 @@ fn a_known_displacement_is_creep_of_the_slowest_elements() {
     );
     let found = voltages(rested + 0.35 + 0.03);
     assert!(found[3] == 120.0 && (found[2] - 60.0).abs() < 1e-4 && (found[1] - 50.0).abs() < 1e-9, "{found:?}");
-    assert_eq!(voltages(1e6), [50.0, 120.0, 120.0, 120.0, 1.0]);
+    assert_eq!(voltages(1e6), [50.0, 120.0, 120.0, 120.0, 0.0, 1.0]);
     let mut state = chain.begin(50.0, Some(rested + 0.2));
     assert!((chain.step(&mut state, 50.0) - rested - 0.2).abs() < 2e-5);
+}
+
+/// From the first reversal on, and only then, the loop's two sides differ by g times the voltage between the turning
+/// points.
+#[test]
+fn the_extremum_term_opens_a_slow_loop() {
+    let p = VoigtChainParameters { voltage_extremum_um_per_v: -0.01, ..parameters() };
+    let plain = VoigtChain::<f64>::build(&parameters(), PERIOD);
+    let (chain, inverse_range) = (VoigtChain::<f64>::build(&p, PERIOD), Range { min: -20.0, max: 120.0 });
+    let (mut state, mut linear) = (chain.begin(0.0, None), plain.begin(0.0, None));
+    // 0 → 100 → 20 → 100 V at 0.2 V a tick: 400 ticks and more each, against a lag of 20.
+    let ramp = (0..=500).map(|k| 0.2 * f64::from(k)).chain((100..500).rev().map(|k| 0.2 * f64::from(k)));
+    let ramp: Vec<f64> = ramp.chain((101..=500).map(|k| 0.2 * f64::from(k))).collect();
+    let middle = [300, 500 + 250, 900 + 250];
+    for (k, &voltage) in ramp.iter().enumerate() {
+        let asked = chain.step(&mut state.clone(), voltage);
+        let reveals = k == 501 || k == 901;
+        assert_eq!((chain.voltage_for(&state, asked, inverse_range) - voltage).abs() > 1e-6, reveals, "{k}");
+        let term = chain.step(&mut state, voltage) - plain.step(&mut linear, voltage);
+        if let Some(index) = middle.iter().position(|&at| at == k) {
+            let expected = [0.0, -0.01 * 100.0, -0.01 * 20.0][index];
+            assert!((term - expected).abs() < 1e-4, "{k}: {term} {expected}");
+        }
+    }
 }
 
 #[test]
@@ -114,6 +140,9 @@ fn what_breaks_a_rule_is_refused_and_still_builds() {
         VoigtChainParameters { gains_um_per_v: List::of([1.0, -1.0, 1.0]), ..good },
         VoigtChainParameters { instantaneous_um_per_v: -0.1, ..good },
         VoigtChainParameters { memory_v: Range { min: 1.0, max: 0.0 }, ..good },
+        VoigtChainParameters { voltage_extremum_um_per_v: f32::INFINITY, ..good },
+        VoigtChainParameters { deadband_v: -0.1, ..good },
+        VoigtChainParameters { deadband_v: f32::NAN, ..good },
     ];
     for bad in bad {
         assert!(bad.fault().is_some(), "{bad:?}");
@@ -137,6 +166,7 @@ prop_compose! {
         instantaneous_um_per_v in 0f32..0.5,
         elements in prop::collection::vec((0f32..0.1, 1e-4f32..50.0), 1..=20),
         memory in (-150f32..150.0, 0f32..100.0),
+        extremum in prop_oneof![Just(0f32), -0.05f32..0.05],
     ) -> VoigtChainParameters {
         let mut time = 0.0;
         VoigtChainParameters {
@@ -145,6 +175,8 @@ prop_compose! {
             gains_um_per_v: List::collect(elements.iter().map(|e| e.0)).unwrap(),
             times_s: List::collect(elements.iter().map(|e| { time += e.1; time })).unwrap(),
             memory_v: Range { min: memory.0, max: memory.0 + memory.1 },
+            voltage_extremum_um_per_v: extremum,
+            deadband_v: 0.1,
         }
     }
 }
@@ -172,7 +204,9 @@ proptest! {
     /// The voltage of a tick that the inverse names gives the displacement that was asked for.
     #[test]
     fn the_inverse_is_one(p in any_set(), before in prop::collection::vec(-20f64..120.0, 1..9), then in -20f64..120.0) {
-        let chain = VoigtChain::<f64>::build(&p, PERIOD);
+        // A tick that reveals a reversal is the exception that an extremum term makes; within this deadband there is
+        // none.
+        let chain = VoigtChain::<f64>::build(&VoigtChainParameters { deadband_v: 200.0, ..p }, PERIOD);
         let mut state = chain.begin(before[0], None);
         for voltage in before {
             chain.step(&mut state, voltage);
@@ -186,7 +220,8 @@ proptest! {
     #[test]
     fn the_columns_weighed_are_the_displacement(p in any_set(), voltages in prop::collection::vec(-20f64..120.0, 1..9)) {
         let chain = VoigtChain::<f64>::build(&p, PERIOD);
-        let weights: Vec<f64> = [p.instantaneous_um_per_v].iter().chain(p.gains_um_per_v.iter()).chain(&[p.offset_um])
+        let weights: Vec<f64> = [p.instantaneous_um_per_v].iter().chain(p.gains_um_per_v.iter())
+            .chain(&[p.voltage_extremum_um_per_v, p.offset_um])
             .map(|&w| w.into()).collect();
         let mut state = chain.begin(voltages[0], None);
         for voltage in voltages {

@@ -1,7 +1,8 @@
-//! Models side by side: each identified on the same training data, with the same seed and search options, and judged by its
-//! simulation errors (µm) on logs that decided nothing. Zeros and delay are decided once, from the training data.
+//! Models side by side: each identified on the same training data, with the same seed, method and budget of
+//! evaluations, and judged by its simulation errors (µm) on logs that decided nothing. Zeros and delay are decided
+//! once, from the training data.
 
-use crate::identify::{Candidate, Doubt, Fit, Job, LogUse, Prepared, Progress, identify, with_contained};
+use crate::identify::{Candidate, Doubt, Fit, Identification, Job, LogUse, Prepared, Progress, with_contained};
 use crate::prepare::Recipe;
 use crate::validate::{Comparison, Figures};
 use anyhow::{Context, Result, ensure};
@@ -33,6 +34,8 @@ pub struct Row {
     pub model: Model,
     /// Wall-clock time of its own search, s; that of the simpler models it starts from is theirs.
     pub seconds: f64,
+    /// Candidates that were evaluated in it.
+    pub evaluations: usize,
     /// What a tick of it takes on the target, where that was measured.
     pub instructions: Option<Instructions>,
     /// Its errors, or why it has no admissible candidate.
@@ -131,21 +134,20 @@ pub fn read_instructions(path: &Path) -> Result<Vec<(Model, Instructions)>> {
     read().with_context(|| format!("{}: {remedy}", path.display()))
 }
 
-/// Callbacks of a search beyond the Voigt family, roughly, for a progress bar.
-const CALLBACKS: u64 = 100;
+/// Callbacks of a model's search, roughly, for a progress bar.
+const CALLBACKS: u64 = 700;
 
 /// Calls of `progress` that [`run`] makes, roughly.
 pub fn generations(job: &Job, models: &[Model]) -> u64 {
-    let searched = searches(job, models).concat();
-    let (voigt, others): (Vec<Model>, Vec<Model>) = searched.into_iter().partition(|model| model.is_voigt());
-    job.generations_before() + job.search.generations_of(&voigt) + CALLBACKS * others.len() as u64
+    job.generations_before() + CALLBACKS * searches(job, models).concat().len() as u64
 }
 
-/// Identifies the models and judges them. The job's own choice of a model is not looked at.
+/// Identifies the models, each with at most so many evaluations of candidates, and judges them. The job's own choice of
+/// a model is not looked at.
 ///
 /// # Errors
 /// Nothing is held out, or the logs cannot be prepared. A model without an admissible candidate is a row.
-pub fn run(job: &Job, models: &[Model], progress: Progress<'_>) -> Result<Matrix> {
+pub fn run(job: &Job, models: &[Model], budget: usize, progress: Progress<'_>) -> Result<Matrix> {
     let Prepared { problem, setting, logs, estimates, delay_at_bound } = job.prepare(progress)?;
     ensure!(problem.validation().next().is_some(), "nothing is held out: use --hold-out or --validate-on");
     let mut found: Vec<(Fit, f64)> = Vec::new();
@@ -161,7 +163,9 @@ pub fn run(job: &Job, models: &[Model], progress: Progress<'_>) -> Result<Matrix
             }
             last = now;
         };
-        let fits = identify(&problem, &group, job.cost, &job.search, &mut |model, cost| {
+        let identification =
+            Identification { problem: &problem, cost: job.cost, options: &job.search, budget: Some(budget) };
+        let fits = identification.run(&group, &mut |model, cost| {
             charge(Some(&model));
             progress(model, cost);
         });
@@ -174,6 +178,7 @@ pub fn run(job: &Job, models: &[Model], progress: Progress<'_>) -> Result<Matrix
         Some(Row {
             model: *model,
             seconds: *seconds,
+            evaluations: fit.evaluations,
             instructions: None,
             result: match result {
                 Ok(errors) => Judgement::Identified(Box::new(errors)),
@@ -213,7 +218,10 @@ fn errors(candidate: &Candidate) -> Result<Errors> {
 pub fn parameters(fit: &Fit) -> usize {
     let solved = match &fit.parameters {
         Parameters::Voigt(_) => 0,
-        Parameters::VoigtChain(of) => of.gains_um_per_v.len() + ["instantaneous", "offset"].len(),
+        Parameters::VoigtChain(of) => {
+            let extremum = usize::from(of.voltage_extremum_um_per_v != 0.0);
+            of.gains_um_per_v.len() + ["instantaneous", "offset"].len() + extremum
+        }
         Parameters::PrandtlIshlinskii(of) => of.weights_um_per_v.len() + ["offset"].len(),
         Parameters::MaxwellSlip(of) => of.stiffness_v_per_um.len() + ["base stiffness", "offset"].len(),
         Parameters::Duhem(_) => ["f1", "f3", "g0", "g2", "offset"].len(),

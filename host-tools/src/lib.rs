@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod command;
 pub mod compare;
+pub mod cost;
 pub mod device;
 pub mod drive;
 pub mod feedforward;

@@ -1,8 +1,12 @@
-//! A log brought to the tick, and the two ways of running a model over it (Eq. 4.3, 4.4).
+//! A log brought to the tick, and a model run over it: by itself, or fed with a share of the measurement (Eq. 4.3,
+//! 4.4).
 //!
 //! The voltage stands at every tick; the displacement stands at the instants where it was measured, which may be every
 //! tick or (in a log slower than the tick) every n-th. Errors are taken at the measured instants only.
 
+pub use crate::cost::Feedback;
+
+use crate::cost::Cost;
 use estimator_core::{Running, State, Terms, Voigt};
 
 /// One log at the tick, in the model's units: V and µm relative to the model's zeros.
@@ -22,17 +26,6 @@ pub struct Session {
     pub tick_s: f64,
 }
 
-/// What feeds the recursion.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Feedback {
-    /// One-step prediction, Eq. (4.3): each step starts from the measured displacement. In a log slower than the tick
-    /// one step is one interval of the log.
-    Osp,
-    /// Simulation, Eq. (4.4): the model's own displacement, from the first measured sample on.
-    Simulation,
-}
-
 impl Session {
     /// A session from its parts; it starts where its log does.
     pub fn new(name: String, voltage: Vec<f64>, instants: Vec<u32>, displacement: Vec<f64>, tick_s: f64) -> Self {
@@ -41,12 +34,13 @@ impl Session {
     }
 
     /// Runs a model's recursion over the session and hands each measured instant after the first to `at`, as (predicted
-    /// displacement, measured displacement). `terms` gives the affine map of a tick, in the direct form or tabulated.
+    /// displacement, measured displacement). `terms` gives the affine map of a tick, in the direct form or tabulated;
+    /// `weight`, 0 … 1, is the share of each measurement in what the recursion goes on from.
     pub fn run(
         &self,
         model: &Voigt<f64>,
         deadband: f64,
-        feedback: Feedback,
+        weight: f64,
         terms: impl Fn(usize) -> Terms<f64>,
         mut at: impl FnMut(f64, f64),
     ) {
@@ -59,44 +53,51 @@ impl Session {
                 tick += 1;
             }
             at(state.displacement, measured);
-            if feedback == Feedback::Osp {
-                state.displacement = measured;
+            if weight > 0.0 {
+                state.displacement = mixed(state.displacement, measured, weight);
             }
         }
     }
 
-    /// As [`mean_absolute_error`](Self::mean_absolute_error), of a model beyond the Voigt family. Its memory is its own: one-step
-    /// prediction takes the measured displacement and adds the change that the model gives.
-    pub fn mean_absolute_error_of(&self, mut model: Running<f64>, feedback: Feedback) -> f64 {
+    /// Mean size of a model's errors over the session in a cost's norm; infinite when it diverges.
+    pub fn mean_error(
+        &self,
+        model: &Voigt<f64>,
+        deadband: f64,
+        cost: Cost,
+        terms: impl Fn(usize) -> Terms<f64>,
+    ) -> f64 {
+        let mut sum = 0.0;
+        let at = |predicted: f64, measured: f64| sum += cost.norm.size(predicted - measured);
+        self.run(model, deadband, cost.weight(), terms, at);
+        self.mean(sum)
+    }
+
+    /// As [`mean_error`](Self::mean_error), of a model beyond the Voigt family. Its memory is its own, so that feedback
+    /// corrects what it gives and not where it stands: an offset, 0 at first, of which each measurement leaves 1 − w
+    /// and adds w times what the model by itself is off. One-step prediction is the measured displacement and the
+    /// change that the model gives.
+    pub fn mean_error_of(&self, mut model: Running<f64>, cost: Cost) -> f64 {
         let Some(&start) = self.displacement.first() else { return f64::INFINITY };
-        let (mut tick, mut sum) = (0, 0.0);
-        let (mut estimated, mut last_estimated, mut last_measured) = (start, start, start);
+        let (mut tick, mut sum, mut estimated, mut offset) = (0, 0.0, start, 0.0);
         for (&instant, &measured) in self.instants.iter().zip(&self.displacement).skip(1) {
             while tick < instant as usize {
                 estimated = model.step(self.voltage[tick], Some(start));
                 tick += 1;
             }
-            sum += match feedback {
-                Feedback::Simulation => (estimated - measured).abs(),
-                Feedback::Osp => ((estimated - last_estimated) - (measured - last_measured)).abs(),
-            };
-            (last_estimated, last_measured) = (estimated, measured);
+            sum += cost.norm.size(estimated + offset - measured);
+            offset = mixed(offset, measured - estimated, cost.weight());
         }
-        let mean = sum / (self.instants.len() - 1).max(1) as f64;
-        if mean.is_finite() { mean } else { f64::INFINITY }
+        self.mean(sum)
     }
 
-    /// Mean absolute error of a model over the session, µm (Eq. 4.1); infinite when it diverges.
-    pub fn mean_absolute_error(
-        &self,
-        model: &Voigt<f64>,
-        deadband: f64,
-        feedback: Feedback,
-        terms: impl Fn(usize) -> Terms<f64>,
-    ) -> f64 {
-        let mut sum = 0.0;
-        self.run(model, deadband, feedback, terms, |predicted, measured| sum += (predicted - measured).abs());
+    fn mean(&self, sum: f64) -> f64 {
         let mean = sum / (self.instants.len() - 1).max(1) as f64;
         if mean.is_finite() { mean } else { f64::INFINITY }
     }
+}
+
+/// From the one to the other by a weight; exactly the one at 0, the other at 1.
+fn mixed(one: f64, other: f64, weight: f64) -> f64 {
+    (1.0 - weight) * one + weight * other
 }

@@ -24,12 +24,15 @@ fn the_champion_beats_voigt_on_what_neither_has_seen() {
             .arg("--validate-on")
             .arg(log("tr10"))
             .args(KNOWN)
-            .args(["--models", "champion,voigt,champion", "--generations", "30", "--rounds", "3"])
+            .args(["--models", "champion,voigt,preisach,champion", "--budget", "1500"])
             .args(["--json", "--instructions", text(&counts), "--out", text(&out)]),
     );
     let rows = result["rows"].as_array().unwrap();
     let models: Vec<&Value> = rows.iter().map(|row| &row["model"]).collect();
-    assert_eq!(models, ["champion", "voigt"]);
+    assert_eq!(models, ["champion", "voigt", "preisach"]);
+    let evaluations: Vec<f64> = (0..3).map(|row| number(&result, &format!("/rows/{row}/evaluations"))).collect();
+    assert!((1498.0..=1500.0).contains(&evaluations[0]), "{evaluations:?}");
+    assert_eq!(evaluations[1..], [1500.0, 1.0]);
     let mae = |row: usize| number(&result, &format!("/rows/{row}/held_out/all/mae_um"));
     assert!(mae(0) <= 0.12 * mae(1), "champion {} against Voigt {}", mae(0), mae(1));
     assert_eq!(mae(0), number(&result, "/rows/0/held_out/logs/0/errors/mae_um"));
@@ -39,7 +42,9 @@ fn the_champion_beats_voigt_on_what_neither_has_seen() {
     assert!(number(&result, "/rows/0/seconds") > 0.0);
 
     let page = fs::read_to_string(out.join("compare.html")).unwrap();
-    for words in ["champion", "Voigt (4.8)", "1234", "tr10.csv 0.00 … 1.00 s", "smallest MAE held out"] {
+    for words in
+        ["champion", "Voigt (4.8)", "1234", "tr10.csv 0.00 … 1.00 s", "Evaluations", "1500", "smallest MAE held out"]
+    {
         assert!(page.contains(words), "{words} is missing");
     }
 }
@@ -50,15 +55,15 @@ fn a_model_without_an_admissible_candidate_is_a_row() {
     let folder = tempfile::tempdir().unwrap();
     let rig = folder.path().join("rig");
     piezo().args(["simulate", "--duration", "0.5", "--out"]).arg(&rig).assert().success();
-    // Two random chromosomes and hardly any room: the genetic algorithm finds nothing.
-    let search = ["--population", "2", "--generations", "0", "--rounds", "1", "--limit", "1.2", "--start", "random"];
+    // Two candidates and hardly any room: nothing is found.
+    let search = ["--budget", "2", "--limit", "1.2", "--start", "random"];
     let out = folder.path().join("out");
     let result = json(
         piezo()
             .arg("compare")
             .arg(rig.join("tr10.csv"))
             .args(KNOWN)
-            .args(["--models", "enhanced,champion", "--json", "--out", text(&out)])
+            .args(["--models", "enhanced,preisach", "--json", "--out", text(&out)])
             .args(search),
     );
     let why = result.pointer("/rows/0/failed").and_then(Value::as_str).expect("enhanced fails");
@@ -77,6 +82,11 @@ fn what_cannot_be_compared_is_refused() {
     refused(
         &["compare", log, "--hold-out", "0", "--models", "preisach", "--out", text(&out)],
         &["nothing is held out"],
+    );
+    refused(&["compare", log, "--budget", "0", "--out", text(&out)], &["--budget"]);
+    refused(
+        &["compare", log, "--feedback-weight", "0.5", "--out", text(&out)],
+        &["--feedback-weight", "--cost multi-step"],
     );
     let counts = folder.path().join("counts.json");
     fs::write(&counts, r#"{ "fancy": { "max": 1, "mean": 1 } }"#).unwrap();

@@ -95,18 +95,26 @@ fn a_stated_calibration_is_no_longer_doubted() {
 #[test]
 fn every_choice_of_the_search_is_kept_in_the_table() {
     let folder = tempfile::tempdir().unwrap();
-    let choices = "--scheme zero-order-hold --selection roulette --decimate average --form tabulated --cost osp";
-    let choices: Vec<&str> = choices.split(' ').chain(["--hold-out", "0.3"]).collect();
+    let choices =
+        "--scheme zero-order-hold --selection roulette --decimate average --form tabulated --cost multi-step --norm l2";
+    let choices: Vec<&str> = choices.split(' ').chain(["--feedback-weight", "0.2", "--hold-out", "0.3"]).collect();
     let (table, _) = sin10(folder.path(), &choices);
     let (file, admitted) = TableFile::load(&table).unwrap();
     assert_eq!(admitted.scheme, Scheme::ZeroOrderHold);
     assert!(matches!(admitted.form, Form::Tabulated { .. }));
     let written = fs::read_to_string(&table).unwrap();
-    for line in
-        ["scheme = \"zero-order-hold\"", "selection = \"roulette\"", "decimation = \"average\"", "cost = \"osp\""]
-    {
+    for line in [
+        "scheme = \"zero-order-hold\"",
+        "selection = \"roulette\"",
+        "decimation = \"average\"",
+        "cost = \"multi-step\"",
+        "norm = \"l2\"",
+        "feedback_weight = 0.2",
+    ] {
         assert!(written.lines().any(|there| there == line), "{line} is missing in {written}");
     }
+    let report = fs::read_to_string(table.with_file_name("report.html")).unwrap();
+    assert!(report.contains("multi-step with feedback weight 0.2, root mean square error"));
     let parts: Vec<(f64, f64)> = file.logs.iter().map(|log| (log.from_s, log.to_s)).collect();
     let [(from, split), (there, to)] = parts[..] else { panic!("{parts:?}") };
     assert!(from == 0.0 && (split - 0.35).abs() < 1e-9 && there == split && (to - 0.5).abs() < 1e-9, "{parts:?}");

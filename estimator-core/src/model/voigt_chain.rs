@@ -2,20 +2,26 @@
 //!
 //! ```text
 //! y(t) = F/k_m + Σ F/k_i·(1 − exp(−k_i·t/b_i))           Eq. (3.20), step of height F; k_m is the instantaneous spring
-//! y = offset + gain_0·V + Σ gain_i·x_i,   dx_i/dt = (V − x_i)/τ_i          µm, V; gain_i = 1/k_i, τ_i = b_i/k_i
+//! y = offset + gain_0·V + Σ gain_i·x_i + g·x_e      µm, V; gain_i = 1/k_i, τ_i = b_i/k_i
+//! dx_i/dt = (V − x_i)/τ_i,   dx_e/dt = (V_ext − x_e)/τ_1
 //! x_i ← x_i + (V − x_i)·k_i,   k_i = 1 − exp(−t_s/τ_i)     one tick, exact for a voltage held over it; k_i by expm1
 //! ```
 //!
 //! (Eq. 3.20 prints the exponent without its minus.) The sum takes this tick's voltage and the `x_i` a tick later.
 //!
+//! **Extremum term.** The chain is linear and has no hysteresis; the thesis recommends extremum terms for other models
+//! too (6.2). `g` weighs the voltage at the last reversal, which as in Eq. (5.3) acts through an element's lag, here
+//! the fastest one's. It is of either sign, 0 before the first reversal, and left out where g = 0.
+//!
 //! **Resolution.** With τ = 100 s and 2 kHz, `k` is 5e-6 and a plain `f32` stands still once `k·(V − x)` is below half
 //! a unit in the last place of `x`: with 0.7 V to go at 100 V already. Each `x_i` therefore carries what its last
 //! addition lost into the next (Kahan's compensated sum; two more subtractions and two additions an element and tick).
-//! What remains is the relative rounding of `k`, of the difference and of the product, so that with n elements `f32`
-//! stays within `(n + 16)·2⁻²⁴·(|offset| + Σ gain·max|V|)` of `f64`, for any τ; the tests assert it over 100 s up to τ
-//! = 100 s.
+//! What remains is the relative rounding of `k`, of the difference and of the product, so that with n elements and no
+//! extremum term `f32` stays within `(n + 16)·2⁻²⁴·(|offset| + Σ gain·max|V|)` of `f64`, for any τ; the tests assert
+//! it over 100 s up to τ = 100 s.
 
 use super::{Linear, Recursion};
+use crate::extremum::Tracker;
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
@@ -37,12 +43,16 @@ pub struct VoigtChainParameters {
     pub times_s: List<ELEMENTS>,
     /// Voltages between which an element may stand at the start, V: a known displacement says no more than that.
     pub memory_v: Range,
+    /// g: what a volt of the last reversal adds, µm/V; 0 for a chain without the extremum term.
+    pub voltage_extremum_um_per_v: f32,
+    /// Retreat that counts as a reversal, V; at least 0.
+    pub deadband_v: f32,
 }
 
 impl VoigtChainParameters {
     /// The rule that the set breaks.
     pub fn fault(&self) -> Option<&'static str> {
-        let Self { offset_um, instantaneous_um_per_v, gains_um_per_v: gains, times_s: times, memory_v } = self;
+        let Self { offset_um, instantaneous_um_per_v, gains_um_per_v: gains, times_s: times, memory_v, .. } = self;
         let sum = gains.iter().fold(*instantaneous_um_per_v, |sum, gain| sum + gain);
         if !(offset_um.is_finite() && sum.is_finite()) {
             return Some("offset_um, instantaneous_um_per_v and gains_um_per_v must be finite");
@@ -59,6 +69,9 @@ impl VoigtChainParameters {
         }
         if !(memory_v.min.is_finite() && memory_v.max.is_finite() && memory_v.min <= memory_v.max) {
             return Some("memory_v must be a finite range");
+        }
+        if !(self.voltage_extremum_um_per_v.is_finite() && self.deadband_v.is_finite() && self.deadband_v >= 0.0) {
+            return Some("voltage_extremum_um_per_v and deadband_v must be finite, deadband_v at least 0");
         }
         None
     }
@@ -98,6 +111,9 @@ pub struct VoigtChain<T> {
     static_gain: T,
     inverse_tick_gain: T,
     memory: Range<T>,
+    /// g, with the fastest element's k.
+    extremum: Element<T>,
+    deadband: T,
 }
 
 /// The voltages (V) that the chain remembers.
@@ -105,6 +121,8 @@ pub struct VoigtChain<T> {
 pub struct VoigtChainState<T> {
     voltage: T,
     elements: [Compensated<T>; ELEMENTS],
+    extremum: Compensated<T>,
+    tracker: Tracker<T>,
 }
 
 impl<T: Real> VoigtChain<T> {
@@ -128,6 +146,11 @@ impl<T: Real> VoigtChain<T> {
             static_gain,
             inverse_tick_gain: if tick_gain > T::zero() { T::one() / tick_gain } else { T::zero() },
             memory: p.memory_v.of(),
+            extremum: Element {
+                gain: T::of(p.voltage_extremum_um_per_v),
+                fraction: elements.first().map_or(T::zero(), |element| element.fraction),
+            },
+            deadband: T::of(p.deadband_v),
         }
     }
 
@@ -136,12 +159,16 @@ impl<T: Real> VoigtChain<T> {
         self.static_gain
     }
 
-    /// The inverse: the voltage (V) of this range whose tick brings the displacement (µm) there, or nearest to it.
+    /// The inverse: the voltage (V) of this range whose tick brings the displacement (µm) there, or nearest to it. With
+    /// an extremum term that is so unless this very tick reveals a reversal.
     pub fn voltage_for(&self, state: &VoigtChainState<T>, displacement: T, voltage: Range<T>) -> T {
         let mut remaining = displacement - self.offset;
         for (element, x) in self.used().zip(&state.elements) {
             remaining = remaining - element.gain * (x.value - x.value * element.fraction);
         }
+        let mut extremum = state.extremum;
+        extremum.approach(state.tracker.last().voltage, self.extremum.fraction);
+        remaining = remaining - self.extremum.gain * extremum.value;
         voltage.clamp(remaining * self.inverse_tick_gain)
     }
 
@@ -158,7 +185,9 @@ impl<T: Real> Recursion<T> for VoigtChain<T> {
     /// is left, and so on.
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
         let rested = Compensated { value: voltage, lost: T::zero() };
-        let mut state = VoigtChainState { voltage, elements: [rested; ELEMENTS] };
+        let extremum = Compensated { value: T::zero(), lost: T::zero() };
+        let tracker = Tracker::new(self.deadband);
+        let mut state = VoigtChainState { voltage, elements: [rested; ELEMENTS], extremum, tracker };
         let Some(displacement) = displacement else { return state };
         let memory = Range {
             min: if voltage < self.memory.min { voltage } else { self.memory.min },
@@ -182,17 +211,22 @@ impl<T: Real> Recursion<T> for VoigtChain<T> {
         for (element, x) in self.used().zip(&state.elements) {
             displacement = displacement + element.gain * x.value;
         }
-        displacement
+        displacement + self.extremum.gain * state.extremum.value
     }
 
-    /// Every `x` is a mean of voltages that were applied or remembered at the start, and every gain is at least 0.
+    /// Every `x` is a mean of voltages that were applied or remembered at the start, and every gain is at least 0;
+    /// `x_e` is one of 0 and voltages that were applied, and g of either sign.
     fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
         let min = if voltage.min < self.memory.min { voltage.min } else { self.memory.min };
         let max = if voltage.max > self.memory.max { voltage.max } else { self.memory.max };
         let (slow, at_once) = (self.static_gain - self.instantaneous, self.instantaneous);
+        let zero = T::zero();
+        let low = self.extremum.gain * if voltage.min < zero { voltage.min } else { zero };
+        let high = self.extremum.gain * if voltage.max > zero { voltage.max } else { zero };
+        let (low, high) = if low < high { (low, high) } else { (high, low) };
         Some(Range {
-            min: self.offset + at_once * voltage.min + slow * min,
-            max: self.offset + at_once * voltage.max + slow * max,
+            min: self.offset + at_once * voltage.min + slow * min + low,
+            max: self.offset + at_once * voltage.max + slow * max + high,
         })
     }
 
@@ -201,14 +235,19 @@ impl<T: Real> Recursion<T> for VoigtChain<T> {
     }
 }
 
-/// Columns: `V` of this tick, `x_1` … `x_n` a tick later, 1; weights: `instantaneous_um_per_v`, `gains_um_per_v`,
-/// `offset_um`.
+/// Columns: `V` of this tick, `x_1` … `x_n` and `x_e` a tick later, 1; weights: `instantaneous_um_per_v`,
+/// `gains_um_per_v`, `voltage_extremum_um_per_v`, `offset_um`. Where g is 0, so is `x_e`.
 impl<T: Real> Linear<T> for VoigtChain<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
         state.voltage = voltage;
         for (element, x) in self.used().zip(&mut state.elements) {
             x.approach(voltage, element.fraction);
+        }
+        if self.extremum.gain != T::zero() {
+            // Only the voltage of a reversal is asked for.
+            state.tracker.update(voltage, T::zero());
+            state.extremum.approach(state.tracker.last().voltage, self.extremum.fraction);
         }
     }
 
@@ -217,6 +256,7 @@ impl<T: Real> Linear<T> for VoigtChain<T> {
         for x in state.elements.iter().take(self.count) {
             each(x.value);
         }
+        each(state.extremum.value);
         each(T::one());
     }
 }

@@ -1,15 +1,14 @@
 //! `piezo compare`: models × logs → errors on held-out data, parameters, time, instructions.
 
-use super::identify::{SchemeName, zeros};
+use super::fitting::Fitting;
+use super::identify::zeros;
 use super::print::{out, progress};
-use super::{LogOptions, limit};
-use crate::calibration::CalibrationOptions;
 use crate::compare::{self, Judgement, Matrix, Row, read_instructions};
-use crate::identify::{Conditions, Job, ModelChoice, Role, SearchOptions};
+use crate::cost::Cost;
+use crate::identify::{ModelChoice, Role, SearchOptions, Start};
+use crate::optimise::Optimiser;
 use crate::output;
-use crate::prepare::PrepareOptions;
 use crate::report::{self, ComparisonReport};
-use crate::session::Feedback;
 use crate::validate::Figures;
 use anyhow::{Result, ensure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -20,15 +19,6 @@ use std::path::PathBuf;
 /// Arguments of `piezo compare`.
 #[derive(Args, Debug)]
 pub struct Compare {
-    /// Logs to fit to; each weighs the same whatever its length.
-    #[arg(required = true)]
-    pub logs: Vec<PathBuf>,
-    /// Logs that are held out: their errors are reported and decide nothing.
-    #[arg(long, num_args = 1.., value_name = "LOG")]
-    pub validate_on: Vec<PathBuf>,
-    /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
-    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
-    pub hold_out: Option<f64>,
     /// Which models, separated by commas; all where none is named.
     #[arg(long, value_name = "MODEL,…", value_delimiter = ',', value_parser = models())]
     pub models: Vec<Model>,
@@ -39,31 +29,23 @@ pub struct Compare {
     /// {"max": …, "mean": …}.
     #[arg(long, value_name = "FILE.json")]
     pub instructions: Option<PathBuf>,
-    /// What is minimised: the error of one-step prediction, or that of simulation, which is what the estimator does.
-    #[arg(long, value_enum, default_value_t = Feedback::Simulation)]
-    pub cost: Feedback,
-    /// Discretisation of the Voigt family.
-    #[arg(long, value_enum, default_value_t = SchemeName::ForwardEuler)]
-    pub scheme: SchemeName,
-    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
-    /// voltage span where it is not given.
-    #[arg(long, value_name = "V", allow_negative_numbers = true)]
-    pub deadband: Option<f64>,
-    /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
-    #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
-    pub limit: f64,
-    /// Print the result as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// Reading of the logs.
+    /// Candidates that may be evaluated for each model, of all its structures and by all methods together. A model in
+    /// which nothing is to be searched takes one, its least-squares solution; one with several such structures one
+    /// each.
+    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    pub budget: u32,
+    /// Method for every model.
+    #[arg(long, value_enum, default_value_t = Optimiser::CmaEs)]
+    pub optimiser: Optimiser,
+    /// Where the search of an extremum model starts: at the best of the simpler models' solutions, or in the middle.
+    #[arg(long, value_enum, default_value_t = Start::Family)]
+    pub start: Start,
+    /// Seed; the same seed gives the same result on any number of threads.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u32,
+    /// What is fitted to what.
     #[command(flatten)]
-    pub files: LogOptions,
-    /// Preparation of the logs.
-    #[command(flatten)]
-    pub prepare: PrepareOptions,
-    /// The search.
-    #[command(flatten)]
-    pub search: SearchOptions,
+    pub fitting: Fitting,
 }
 
 /// The names of `identify --model` but `auto`.
@@ -77,29 +59,13 @@ fn models() -> impl TypedValueParser<Value = Model> {
 
 /// Runs the verb.
 pub fn run(arguments: &Compare) -> Result<bool> {
-    let hold_out = arguments.hold_out.unwrap_or(if arguments.validate_on.is_empty() { 0.5 } else { 0.0 });
-    ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
-    ensure!(arguments.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
     if let Some(folder) = &arguments.out {
         ensure!(!folder.exists() || folder.is_dir(), "{}: is a file, --out names a folder", folder.display());
     }
     let instructions = arguments.instructions.as_deref().map(read_instructions).transpose()?.unwrap_or_default();
-    let job = Job {
-        training: arguments.files.read_all(&arguments.logs)?,
-        held_out: arguments.files.read_all(&arguments.validate_on)?,
-        hold_out,
-        prepare: arguments.prepare.clone(),
-        model: ModelChoice::Auto,
-        conditions: Conditions {
-            scheme: arguments.scheme.into(),
-            deadband: arguments.deadband,
-            limit: arguments.limit,
-        },
-        tabulated: false,
-        calibration: CalibrationOptions::default(),
-        cost: arguments.cost,
-        search: arguments.search.clone(),
-    };
+    let Compare { optimiser, start, seed, .. } = *arguments;
+    let job = arguments.fitting.job(&SearchOptions { optimiser, start, seed, ..SearchOptions::default() })?;
+    let budget = arguments.budget as usize;
     let mut models = Vec::new();
     for model in if arguments.models.is_empty() { &Model::ALL[..] } else { &arguments.models[..] } {
         if !models.contains(model) {
@@ -107,7 +73,7 @@ pub fn run(arguments: &Compare) -> Result<bool> {
         }
     }
     let bar = progress(compare::generations(&job, &models));
-    let mut matrix = compare::run(&job, &models, &mut |model, cost| {
+    let mut matrix = compare::run(&job, &models, budget, &mut |model, cost| {
         bar.set_prefix(model.to_string());
         bar.set_message(format!("{cost:.4} µm"));
         bar.inc(1);
@@ -116,13 +82,13 @@ pub fn run(arguments: &Compare) -> Result<bool> {
     for row in &mut matrix.rows {
         row.instructions = instructions.iter().find(|(model, _)| *model == row.model).map(|(_, counts)| *counts);
     }
-    let facts = facts(arguments, &matrix);
+    let facts = facts(arguments, job.cost, &matrix);
     if let Some(folder) = &arguments.out {
         let html = report::comparison(&ComparisonReport { matrix: &matrix, notes: &NOTES, facts: &facts })?;
         output::folder(folder)?;
         output::write(&folder.join("compare.html"), html)?;
     }
-    if arguments.json {
+    if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&matrix)?);
     } else {
         print(arguments, &matrix, &facts);
@@ -131,39 +97,35 @@ pub fn run(arguments: &Compare) -> Result<bool> {
 }
 
 /// How to read the figures.
-const NOTES: [&str; 3] = [
+const NOTES: [&str; 4] = [
     "Errors of the estimate in simulation, from the first sample on, on data that decided nothing: mean absolute (MAE), root \
      mean square (RMS), largest (MAX), and the mean absolute without the constant offset that re-zeroing removes; of the \
      stroke where it says %. Whoever chooses a model by them has used this data up: prove the choice on another log.",
     "Parameters: what was searched or solved for by least squares; a grid that was laid out before does not count.",
-    "Seconds: wall-clock time of the model's own search; an extremum model also starts from the results of the simpler ones \
-     of its family, whose time is theirs.",
+    "Evals: candidates that were evaluated, of the same budget for every model; a model in which nothing is searched takes one, \
+     its least-squares solution, for each of its structures.",
+    "Seconds: wall-clock time of the model's own search. An extremum model starts from the results of the simpler ones of \
+     its family, whose evaluations and time are theirs (--start random: it does not).",
 ];
 
 /// What every model saw, and how.
-fn facts(arguments: &Compare, matrix: &Matrix) -> Vec<(String, String)> {
+fn facts(arguments: &Compare, cost: Cost, matrix: &Matrix) -> Vec<(String, String)> {
     let used = |role: Role| {
         let logs = matrix.logs.iter().filter(|log| log.role == role);
         logs.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")
     };
-    let (recipe, search) = (&matrix.recipe, &arguments.search);
+    let recipe = &matrix.recipe;
     let facts = [
         ("Every model fitted to", used(Role::Training)),
         ("Held out", used(Role::HeldOut)),
         ("Zero and delay", zeros(recipe)),
-        ("Tick", format!("{} µs, {} where it is the Voigt family's", recipe.tick_us, arguments.scheme.words())),
+        ("Tick", format!("{} µs, {} where it is the Voigt family's", recipe.tick_us, arguments.fitting.scheme.words())),
+        ("Cost", cost.to_string()),
         (
             "Search",
             format!(
-                "cost {}, seed {}; Voigt family {} rounds of {} generations of {} chromosomes, the others {} candidates a \
-                 searched number by {}",
-                if arguments.cost == Feedback::Osp { "one-step prediction" } else { "simulation" },
-                search.seed,
-                search.rounds,
-                search.generations,
-                search.population,
-                search.evaluations,
-                search.optimiser
+                "{} evaluations a model at most, by {}, seed {}",
+                arguments.budget, arguments.optimiser, arguments.seed
             ),
         ),
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
@@ -184,7 +146,15 @@ fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {
     let all =
         format!("held out, {}", if let [name] = names[..] { name.to_owned() } else { format!("{} logs", names.len()) });
     let costs = if counted { format!(" {:>9} {:>9}", "instr max", "mean") } else { String::new() };
-    out(&format!("{} {:>9} {:>9} {:>6} {:>8}{costs}", heading(&all), "train MAE", "train RMS", "param.", "seconds"));
+    out(&format!(
+        "{} {:>9} {:>9} {:>6} {:>6} {:>8}{costs}",
+        heading(&all),
+        "train MAE",
+        "train RMS",
+        "param.",
+        "evals",
+        "seconds"
+    ));
     let nearest = matrix.nearest();
     let first = |row: &Row| format!("{}{}", if nearest == Some(row.model) { "→ " } else { "  " }, row.model);
     for row in &matrix.rows {
@@ -195,11 +165,12 @@ fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {
         let counts = if counted { counts } else { String::new() };
         match &row.result {
             Judgement::Identified(errors) => out(&format!(
-                "{} {:>9.4} {:>9.4} {:>6} {:>8.2}{counts}",
+                "{} {:>9.4} {:>9.4} {:>6} {:>6} {:>8.2}{counts}",
                 line(&first(row), &errors.held_out.all),
                 errors.training.all.mae_um,
                 errors.training.all.rmse_um,
                 errors.parameters,
+                row.evaluations,
                 row.seconds
             )),
             Judgement::Failed { failed } => out(&format!("{:<30} {failed}", first(row))),

@@ -1,91 +1,35 @@
 //! `piezo identify`: logs → a proven parameter table and a report.
 
 use super::emit::FormName;
+use super::fitting::Fitting;
 use super::print::{heading, out, progress, row};
-use super::{LogOptions, limit};
 use crate::calibration::CalibrationOptions;
-use crate::identify::{Candidate, Conditions, Job, ModelChoice, Outcome, Role, SearchOptions};
+use crate::cost::Cost;
+use crate::identify::{Candidate, Job, ModelChoice, Outcome, Role, SearchOptions};
 use crate::output;
-use crate::prepare::{PrepareOptions, Recipe};
+use crate::prepare::Recipe;
 use crate::report::{self, Report};
-use crate::session::Feedback;
 use crate::table_file::TableFile;
 use anyhow::{Context, Result, ensure};
-use clap::{Args, ValueEnum};
-use estimator_core::Scheme;
+use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-
-/// Discretisation on the command line.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub enum SchemeName {
-    /// The thesis's.
-    ForwardEuler,
-    /// Exact for a voltage that stays for the tick; stable for any rate.
-    ZeroOrderHold,
-}
-
-impl SchemeName {
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Self::ForwardEuler => "forward Euler",
-            Self::ZeroOrderHold => "zero-order hold",
-        }
-    }
-}
-
-impl From<SchemeName> for Scheme {
-    fn from(name: SchemeName) -> Self {
-        match name {
-            SchemeName::ForwardEuler => Self::ForwardEuler,
-            SchemeName::ZeroOrderHold => Self::ZeroOrderHold,
-        }
-    }
-}
 
 /// Arguments of `piezo identify`.
 #[derive(Args, Debug)]
 pub struct Identify {
-    /// Logs to fit to; each weighs the same whatever its length.
-    #[arg(required = true)]
-    pub logs: Vec<PathBuf>,
-    /// Logs that are held out: their errors are reported and decide nothing.
-    #[arg(long, num_args = 1.., value_name = "LOG")]
-    pub validate_on: Vec<PathBuf>,
-    /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
-    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
-    pub hold_out: Option<f64>,
     /// Folder for table.toml, table.rs, table.bin, report.html and estimate.svg.
     #[arg(long)]
     pub out: PathBuf,
     /// Which model; `auto` identifies the Voigt family and the champion.
     #[arg(long, value_enum, default_value_t = ModelChoice::Auto)]
     pub model: ModelChoice,
-    /// What is minimised: the error of one-step prediction, or that of simulation, which is what the estimator does.
-    #[arg(long, value_enum, default_value_t = Feedback::Simulation)]
-    pub cost: Feedback,
-    /// Discretisation.
-    #[arg(long, value_enum, default_value_t = SchemeName::ForwardEuler)]
-    pub scheme: SchemeName,
     /// How the table's per-tick functions are evaluated on the target.
     #[arg(long, value_enum, default_value_t = FormName::Direct)]
     pub form: FormName,
-    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
-    /// voltage span where it is not given.
-    #[arg(long, value_name = "V", allow_negative_numbers = true)]
-    pub deadband: Option<f64>,
-    /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
-    #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
-    pub limit: f64,
-    /// Print the result as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// Reading of the logs.
+    /// What is fitted to what.
     #[command(flatten)]
-    pub files: LogOptions,
-    /// Preparation of the logs.
-    #[command(flatten)]
-    pub prepare: PrepareOptions,
+    pub fitting: Fitting,
     /// The search.
     #[command(flatten)]
     pub search: SearchOptions,
@@ -96,9 +40,6 @@ pub struct Identify {
 
 /// Runs the verb.
 pub fn run(arguments: &Identify) -> Result<bool> {
-    let hold_out = arguments.hold_out.unwrap_or(if arguments.validate_on.is_empty() { 0.5 } else { 0.0 });
-    ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
-    ensure!(arguments.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
     ensure!(
         arguments.form == FormName::Direct || arguments.model.has_tabulated_form(),
         "--form tabulated: only the models of the Voigt family have one: leave it out, or choose another --model"
@@ -106,20 +47,10 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let out_folder = arguments.out.display();
     ensure!(!arguments.out.exists() || arguments.out.is_dir(), "{out_folder}: is a file, --out names a folder");
     let job = Job {
-        training: arguments.files.read_all(&arguments.logs)?,
-        held_out: arguments.files.read_all(&arguments.validate_on)?,
-        hold_out,
-        prepare: arguments.prepare.clone(),
         model: arguments.model,
-        conditions: Conditions {
-            scheme: arguments.scheme.into(),
-            deadband: arguments.deadband,
-            limit: arguments.limit,
-        },
         tabulated: arguments.form == FormName::Tabulated,
         calibration: arguments.calibration.clone(),
-        cost: arguments.cost,
-        search: arguments.search.clone(),
+        ..arguments.fitting.job(&arguments.search)?
     };
     let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
@@ -129,8 +60,8 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     })?;
     bar.finish_and_clear();
     let verdict = verdict(&outcome);
-    write(arguments, &outcome, &verdict)?;
-    if arguments.json {
+    write(arguments, job.cost, &outcome, &verdict)?;
+    if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict))?);
     } else {
         summary(arguments, &outcome, &verdict);
@@ -138,7 +69,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     Ok(true)
 }
 
-fn write(arguments: &Identify, outcome: &Outcome, verdict: &[String]) -> Result<()> {
+fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]) -> Result<()> {
     let candidate = outcome.candidate();
     let doubts: Vec<String> = outcome.doubts.iter().map(ToString::to_string).collect();
     let file = TableFile {
@@ -146,7 +77,9 @@ fn write(arguments: &Identify, outcome: &Outcome, verdict: &[String]) -> Result<
         doubts: doubts.clone(),
         table: *candidate.table,
         recipe: outcome.recipe.clone(),
-        cost: Some(arguments.cost),
+        cost: Some(cost.feedback),
+        norm: Some(cost.norm),
+        feedback_weight: cost.feedback_weight,
         search: Some(arguments.search.clone()),
         logs: outcome.logs.clone(),
     };
@@ -158,7 +91,7 @@ fn write(arguments: &Identify, outcome: &Outcome, verdict: &[String]) -> Result<
         doubts: &doubts,
         chosen: candidate,
         candidates: &outcome.candidates,
-        facts: &facts(arguments, outcome),
+        facts: &facts(arguments, cost, outcome),
     })?;
     let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
     let picture = report::picture(shown, &format!("{}: {}", shown.name, candidate.table.model))?;
@@ -235,24 +168,19 @@ pub(super) fn zeros(recipe: &Recipe) -> String {
 }
 
 /// Provenance for the report.
-fn facts(arguments: &Identify, outcome: &Outcome) -> Vec<(String, String)> {
+fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, String)> {
     let recipe = &outcome.recipe;
     let search = &arguments.search;
     let mut facts = vec![
         ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
-        ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.scheme.words())),
+        ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme.words())),
         ("Zero".to_owned(), zeros(recipe)),
+        ("Cost".to_owned(), cost.to_string()),
         (
             "Search".to_owned(),
             format!(
-                "cost {}, seed {}, {} rounds of {} generations, {} chromosomes of {} bits a gene, mutation {}",
-                if arguments.cost == Feedback::Osp { "one-step prediction" } else { "simulation" },
-                search.seed,
-                search.rounds,
-                search.generations,
-                search.population,
-                search.bits,
-                search.mutation
+                "seed {}, {} rounds of {} generations, {} chromosomes of {} bits a gene, mutation {}",
+                search.seed, search.rounds, search.generations, search.population, search.bits, search.mutation
             ),
         ),
     ];
@@ -274,7 +202,11 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> Value {
         .map(|candidate| {
             json!({
                 "model": candidate.table.model,
+                "cost": candidate.fit.minimised.feedback,
+                "norm": candidate.fit.minimised.norm,
+                "feedback_weight": candidate.fit.minimised.feedback_weight,
                 "cost_um": candidate.fit.cost,
+                "evaluations": candidate.fit.evaluations,
                 "parameters": candidate.table.parameters,
                 "training": candidate.training_figures(),
                 "held_out": candidate.held_out_figures(),

@@ -21,6 +21,7 @@ pub mod simulate;
 pub mod validate;
 pub mod zero;
 
+mod fitting;
 mod print;
 
 use crate::log::{Columns, Log, ReadOptions, read};

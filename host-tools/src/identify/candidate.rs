@@ -45,7 +45,7 @@ impl Candidate {
     pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self> {
         ensure!(
             fit.cost.is_finite() || fit.model.is_voigt(),
-            "no admissible candidate was found: try logs of more amplitudes, a longer search (--evaluations) or another --limit"
+            "no admissible candidate was found: try logs of more amplitudes, a longer search (--evaluations, --budget) or another --limit"
         );
         let table = table(problem, &fit, setting)?;
         let admit = |table: Table| table.admit().context("the identified table is refused");
@@ -80,7 +80,7 @@ impl Candidate {
 fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
     let recipe = &setting.recipe;
     let limits = problem.limits(&fit.parameters).map_err(|cause| {
-        anyhow!("no admissible candidate was found ({cause}): search longer (--generations, --rounds, --evaluations) or raise --limit")
+        anyhow!("no admissible candidate was found ({cause}): search longer (--generations, --rounds, --evaluations, --budget) or raise --limit")
     })?;
     let room = ROUNDING * limits.span();
     let limits = Range { min: limits.min - room, max: limits.max + room };

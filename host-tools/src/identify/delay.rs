@@ -5,11 +5,12 @@
 //! model's own lag does what a delay does, so the estimate runs to whatever bound it is given; it is bounded by what the
 //! sensor can have, and the result says when it ended there.
 
-use super::fit::{Progress, SearchOptions, Start, identify};
+use super::fit::{Progress, identify};
 use super::problem::{Conditions, Problem};
+use super::search_options::{SearchOptions, Start};
+use crate::cost::Cost;
 use crate::log::Log;
 use crate::prepare::{PrepareOptions, Recipe};
-use crate::session::Feedback;
 use anyhow::Result;
 use estimator_core::Model;
 
@@ -30,7 +31,7 @@ pub struct DelaySearch {
     /// Ticks between two delays that are tried.
     step: u32,
     conditions: Conditions,
-    cost: Feedback,
+    cost: Cost,
     search: SearchOptions,
 }
 
@@ -42,7 +43,7 @@ const TRIED: u32 = 10;
 
 impl DelaySearch {
     /// A search like the identification's, of one model and from random starts.
-    pub fn new(prepare: &PrepareOptions, conditions: Conditions, cost: Feedback, search: &SearchOptions) -> Self {
+    pub fn new(prepare: &PrepareOptions, conditions: Conditions, cost: Cost, search: &SearchOptions) -> Self {
         let largest = (prepare.max_delay * 1e3 / f64::from(prepare.tick_us)).round() as u32;
         Self {
             largest,
@@ -70,7 +71,8 @@ impl DelaySearch {
                 let problem = Problem::new(recipe.sessions(&fitted)?, recipe.sessions(&judged)?, self.conditions);
                 let fits = identify(&problem, &[Model::Voigt], self.cost, &self.search, progress);
                 let admissible = fits.first().filter(|fit| fit.cost.is_finite());
-                error += admissible.and_then(|fit| problem.held_out_of(&fit.parameters)).unwrap_or(f64::INFINITY);
+                error +=
+                    admissible.and_then(|fit| problem.held_out_of(&fit.parameters, self.cost)).unwrap_or(f64::INFINITY);
             }
             errors.push((ticks, error));
         }

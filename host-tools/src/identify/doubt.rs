@@ -41,11 +41,11 @@ pub enum Doubt {
     },
     /// Nothing was held out.
     NothingHeldOut,
-    /// Fitted one step ahead, it runs away from the sensor in simulation.
+    /// Fitted with the measured displacement fed back, it runs away from the sensor without.
     Diverges {
-        /// One-step error, µm.
-        one_step_um: f64,
-        /// Simulation MAE in training, µm.
+        /// Error with the feedback, µm.
+        fed_um: f64,
+        /// Error in simulation, µm, in the same norm; both in training.
         simulation_um: f64,
     },
     /// A training log begins with something that fits much worse than the rest.
@@ -143,10 +143,10 @@ impl fmt::Display for Doubt {
                     "nothing was held out, so nothing is known of data it has not seen: use --validate-on or --hold-out"
                 )
             }
-            Self::Diverges { one_step_um, simulation_um } => write!(
+            Self::Diverges { fed_um, simulation_um } => write!(
                 f,
-                "one step ahead the error is {one_step_um:.4} µm, but in simulation, which is what the estimator does, \
-                 {simulation_um:.3} µm: use --cost simulation"
+                "fed with the measured displacement the error is {fed_um:.4} µm, but in simulation, which is what the \
+                 estimator does, {simulation_um:.3} µm: use --cost simulation"
             ),
             Self::Transient { log, until_s } => write!(
                 f,
@@ -232,7 +232,7 @@ mod tests {
             Doubt::NotIdentified { model: Model::Enhanced },
             Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
             Doubt::NothingHeldOut,
-            Doubt::Diverges { one_step_um: 0.01, simulation_um: 3.0 },
+            Doubt::Diverges { fed_um: 0.01, simulation_um: 3.0 },
             Doubt::Transient { log: "a".into(), until_s: 0.3 },
             Doubt::FewReversals { reversals: 2 },
             Doubt::SingleFrequency,

@@ -1,4 +1,5 @@
-//! Parameter identification: the model error as a cost (Eq. 4.1), minimised by the genetic algorithm.
+//! Parameter identification: the model error as a cost (Eq. 4.1), minimised by the genetic algorithm or, of what a
+//! model is not linear in, by another method.
 
 mod candidate;
 mod character;
@@ -9,15 +10,21 @@ mod fit;
 pub mod ga;
 mod job;
 mod log_use;
+mod model_choice;
 mod problem;
+mod rounds;
+mod search_options;
 pub mod space;
+mod structures;
 mod suspicion;
 
 pub use candidate::{Candidate, Setting};
 pub use character::Character;
 pub use doubt::Doubt;
-pub use fit::{Convergence, Fit, Progress, SearchOptions, Start, identify};
-pub use job::{Job, ModelChoice, Outcome, Prepared, with_contained};
+pub use fit::{Convergence, Fit, Identification, Progress, identify};
+pub use job::{Job, Outcome, Prepared};
 pub use log_use::{LogUse, Role};
+pub use model_choice::{ModelChoice, with_contained};
 pub use problem::{Conditions, Problem};
+pub use search_options::{SearchOptions, Start};
 pub use suspicion::doubts;

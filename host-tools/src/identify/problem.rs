@@ -5,7 +5,8 @@
 //! of the finished table in its own form.
 
 use super::space::Extent;
-use crate::session::{Feedback, Session};
+use crate::cost::Cost;
+use crate::session::Session;
 use estimator_core::lookup::{Grid, Position};
 use estimator_core::{
     Engine, Inadmissible, Lookup, Parameters, Range, Scheme, Voigt, VoigtParameters, admissible, lookup,
@@ -93,51 +94,50 @@ impl Problem {
     }
 
     /// Cost of a parameter set: its training error (µm), infinite where it is not admissible.
-    pub fn cost(&self, parameters: &VoigtParameters<f64>, feedback: Feedback) -> f64 {
-        let model = self.model(parameters);
-        // The widest limits first: nearly every set that has any has those.
-        let admissible = LIMIT_STEPS.iter().rev().any(|&step| self.check(&model, step).is_ok());
-        if admissible { self.error(&self.training, &model, feedback) } else { f64::INFINITY }
+    pub fn cost(&self, parameters: &VoigtParameters<f64>, cost: impl Into<Cost>) -> f64 {
+        self.cost_of_voigt(&self.model(parameters), cost.into())
     }
 
-    /// Simulation error on what was held out, µm; `None` where nothing was.
-    pub fn held_out(&self, parameters: &VoigtParameters<f64>) -> Option<f64> {
-        let error = || self.error(&self.validation, &self.model(parameters), Feedback::Simulation);
+    /// Simulation error on what was held out in the norm of a cost, µm; `None` where nothing was.
+    pub fn held_out(&self, parameters: &VoigtParameters<f64>, cost: Cost) -> Option<f64> {
+        let error = || self.error(&self.validation, &self.model(parameters), cost.in_simulation());
         (!self.validation.is_empty()).then(error)
     }
 
     /// As [`cost`](Self::cost), of any model.
-    pub fn cost_of(&self, parameters: &Parameters, feedback: Feedback) -> f64 {
-        match self.limits(parameters) {
-            Ok(_) => self.error_of(&self.training, parameters, feedback),
-            Err(_) => f64::INFINITY,
+    pub fn cost_of(&self, parameters: &Parameters, cost: Cost) -> f64 {
+        match parameters.build(self.extent.tick, self.scheme) {
+            Engine::Voigt(model) => self.cost_of_voigt(&model, cost),
+            Engine::Other(_) if self.limits(parameters).is_err() => f64::INFINITY,
+            Engine::Other(_) => self.error_of(&self.training, parameters, cost),
         }
+    }
+
+    fn cost_of_voigt(&self, model: &Voigt<f64>, cost: Cost) -> f64 {
+        // The widest limits first: nearly every set that has any has those.
+        let admissible = LIMIT_STEPS.iter().rev().any(|&step| self.check(model, step).is_ok());
+        if admissible { self.error(&self.training, model, cost) } else { f64::INFINITY }
     }
 
     /// As [`held_out`](Self::held_out), of any model.
-    pub fn held_out_of(&self, parameters: &Parameters) -> Option<f64> {
-        let error = || self.error_of(&self.validation, parameters, Feedback::Simulation);
+    pub fn held_out_of(&self, parameters: &Parameters, cost: Cost) -> Option<f64> {
+        let error = || self.error_of(&self.validation, parameters, cost.in_simulation());
         (!self.validation.is_empty()).then(error)
     }
 
-    fn error_of(&self, sessions: &[Located], parameters: &Parameters, feedback: Feedback) -> f64 {
+    fn error_of(&self, sessions: &[Located], parameters: &Parameters, cost: Cost) -> f64 {
         match parameters.build(self.extent.tick, self.scheme) {
-            Engine::Voigt(model) => self.error(sessions, &model, feedback),
-            Engine::Other(model) => {
-                let error = |located: &Located| located.session.mean_absolute_error_of(model.clone(), feedback);
-                sessions.iter().map(error).sum::<f64>() / sessions.len().max(1) as f64
-            }
+            Engine::Voigt(model) => self.error(sessions, &model, cost),
+            Engine::Other(model) => mean(sessions, cost, |located| located.session.mean_error_of(model.clone(), cost)),
         }
     }
 
-    /// Mean over the sessions of each one's mean absolute error; each weighs the same whatever its length.
-    fn error(&self, sessions: &[Located], model: &Voigt<f64>, feedback: Feedback) -> f64 {
+    fn error(&self, sessions: &[Located], model: &Voigt<f64>, cost: Cost) -> f64 {
         let lookup = Lookup::tabulate(model, self.voltage_range);
-        let error = |located: &Located| {
+        mean(sessions, cost, |located| {
             let terms = |tick: usize| lookup.at(located.positions[tick]);
-            located.session.mean_absolute_error(model, self.deadband, feedback, terms)
-        };
-        sessions.iter().map(error).sum::<f64>() / sessions.len().max(1) as f64
+            located.session.mean_error(model, self.deadband, cost, terms)
+        })
     }
 
     /// The tightest displacement limits (µm) within which a parameter set is proven to stay, or why there are none.
@@ -203,6 +203,11 @@ impl Problem {
     fn check(&self, model: &Voigt<f64>, step: f64) -> Result<Range<f64>, Inadmissible<f64>> {
         admissible::check(model, lookup::covered(self.voltage_range), self.limits_at(step))
     }
+}
+
+/// The error (µm) over sessions, each weighing the same whatever its length, from each one's mean size of errors.
+fn mean(sessions: &[Located], cost: Cost, size: impl Fn(&Located) -> f64) -> f64 {
+    cost.norm.error(sessions.iter().map(size).sum::<f64>() / sessions.len().max(1) as f64)
 }
 
 fn hull<'a>(values: impl Iterator<Item = &'a f64>) -> Range<f64> {

@@ -3,9 +3,9 @@
 use super::candidate::Candidate;
 use super::character::Character;
 use super::doubt::{Doubt, FEW_REVERSALS};
-use crate::session::Feedback;
+use crate::cost::{Cost, Norm};
 use crate::validate::Trace;
-use estimator_core::{AdcCode, DacCode, Range};
+use estimator_core::{AdcCode, DacCode, Parameters, Range};
 
 /// More reversals than this multiple of the large ones are noise.
 const NOISY: usize = 3;
@@ -13,7 +13,7 @@ const NOISY: usize = 3;
 const POOR: f64 = 5.0;
 /// Held-out error beyond this multiple of the training error.
 const FAR: f64 = 1.5;
-/// Simulation error beyond this multiple of the one-step error of a one-step fit, and
+/// Simulation error beyond this multiple of the error that a fit with feedback has with it, and
 const DIVERGED: f64 = 10.0;
 /// beyond this fraction of the stroke.
 const DIVERGED_STROKE: f64 = 0.1;
@@ -25,16 +25,22 @@ const SINGLE_PRECISION: f64 = 1e-4;
 const TRANSIENT: f64 = 2.0;
 
 /// Every doubt about a candidate, gravest first.
-pub fn doubts(candidate: &Candidate, character: &Character, cost: Feedback) -> Vec<Doubt> {
+pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     let model = candidate.table.model;
-    let extremum_terms = model.has_voltage_term() || model.has_displacement_term();
+    let in_chain =
+        matches!(candidate.table.parameters, Parameters::VoigtChain(of) if of.voltage_extremum_um_per_v != 0.0);
+    let extremum_terms = in_chain || model.has_voltage_term() || model.has_displacement_term();
     let training = candidate.training_figures();
     let held_out = candidate.held_out_figures();
-    if let (Feedback::Osp, Some(training)) = (cost, training) {
-        let (one_step_um, simulation_um) = (candidate.fit.cost, training.mae_um);
-        if simulation_um > DIVERGED * one_step_um && simulation_um > DIVERGED_STROKE * training.stroke_um {
-            doubts.push(Doubt::Diverges { one_step_um, simulation_um });
+    if let (true, Some(training)) = (cost.weight() > 0.0, training) {
+        let simulation_um = match cost.norm {
+            Norm::L1 => training.mae_um,
+            Norm::L2 => training.rmse_um,
+        };
+        let fed_um = candidate.fit.cost;
+        if simulation_um > DIVERGED * fed_um && simulation_um > DIVERGED_STROKE * training.stroke_um {
+            doubts.push(Doubt::Diverges { fed_um, simulation_um });
         }
     }
     if let Some(training) = training.filter(|training| training.mae_percent > POOR) {

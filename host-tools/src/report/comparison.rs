@@ -142,6 +142,7 @@ fn beside(row: &Row, errors: &Errors) -> Vec<(&'static str, Cell)> {
         ("Training MAE, µm", error(training.mae_um, training.mae_percent)),
         ("Training RMS, µm", error(training.rmse_um, training.rmse_percent)),
         ("Parameters", plain(errors.parameters.to_string())),
+        ("Evaluations", plain(row.evaluations.to_string())),
         ("Seconds", plain(format!("{:.2}", row.seconds))),
     ];
     if let Some(counts) = row.instructions {

@@ -138,10 +138,11 @@ fn search_figures(report: &Report<'_>, limit: usize) -> Vec<Figure> {
     let chosen = report.chosen;
     let mut figures = Vec::new();
     if let Some(drawing) = errors::convergence(&chosen.fit.convergence, limit) {
-        let caption =
-            "Error of the best candidate after each generation. Where the training error still falls and the \
-                       held-out error rises, the model learns the recording and no longer the actuator."
-                .to_owned();
+        let caption = format!(
+            "Error of the best candidate after each generation ({}; held out always in simulation). Where the training error \
+             still falls and the held-out error rises, the model learns the recording and no longer the actuator.",
+            chosen.fit.minimised
+        );
         let name = "Convergence".to_owned();
         figures.push(Figure { svg: drawing.inline(&format!("{name}. {caption}")), name, role: "", caption });
     }

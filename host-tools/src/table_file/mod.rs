@@ -5,10 +5,10 @@ mod constant;
 
 pub use constant::rust_source;
 
+use crate::cost::{Feedback, Norm};
 use crate::identify::{LogUse, SearchOptions};
 use crate::output;
 use crate::prepare::Recipe;
-use crate::session::Feedback;
 use anyhow::{Context, Result, anyhow, bail};
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::{Admitted, Table};
@@ -28,8 +28,12 @@ pub struct TableFile {
     pub table: Table,
     /// How logs are prepared for it.
     pub recipe: Recipe,
-    /// What was minimised; none where it was written by hand.
+    /// Whose error was minimised; none where it was written by hand.
     pub cost: Option<Feedback>,
+    /// Which error.
+    pub norm: Option<Norm>,
+    /// The measurement's share in what each step started from, of the cost `multi-step`.
+    pub feedback_weight: Option<f64>,
     /// How it was searched for; none where it was written by hand.
     pub search: Option<SearchOptions>,
     /// The logs it saw and those held out.

@@ -9,6 +9,7 @@ mod narx;
 mod prandtl_ishlinskii;
 mod preisach;
 mod projection;
+pub mod voigt;
 mod voigt_chain;
 
 use super::problem::Problem;
@@ -42,7 +43,7 @@ pub trait Family: Sync {
 /// family, whose parameters are all searched.
 pub fn of(model: Model, problem: &Problem) -> Vec<Box<dyn Family>> {
     match model {
-        Model::VoigtChain => vec![Box::new(voigt_chain::Family::new(problem))],
+        Model::VoigtChain => voigt_chain::structures(problem),
         Model::PrandtlIshlinskii => vec![Box::new(prandtl_ishlinskii::Family::new(problem))],
         Model::MaxwellSlip => vec![Box::new(maxwell_slip::Family::new(problem))],
         Model::Duhem => vec![Box::new(duhem::Family::new(problem))],

@@ -1,5 +1,5 @@
 //! Kelvin–Voigt chains: the shortest and the longest time are searched, those between are spaced evenly on a logarithmic scale;
-//! gains and offset are projected.
+//! gains and offset are projected, and in the second structure the weight of the voltage at the last reversal.
 
 use super::projection::Projection;
 use crate::identify::problem::Problem;
@@ -14,13 +14,24 @@ const ELEMENTS: usize = 10;
 pub struct Family {
     memory: Range,
     tick: f64,
+    deadband: f64,
+    extremum: bool,
+}
+
+/// Without and with the extremum term.
+pub fn structures(problem: &Problem) -> Vec<Box<dyn super::Family>> {
+    [false, true].map(|extremum| Box::new(Family::new(problem, extremum)) as Box<dyn super::Family>).into()
 }
 
 impl Family {
-    /// From the extent of the training logs.
-    pub fn new(problem: &Problem) -> Self {
+    fn new(problem: &Problem, extremum: bool) -> Self {
         let Range { min, max } = problem.voltage_range();
-        Self { memory: Range { min: min as f32, max: max as f32 }, tick: problem.extent().tick }
+        Self {
+            memory: Range { min: min as f32, max: max as f32 },
+            tick: problem.extent().tick,
+            deadband: problem.deadband,
+            extremum,
+        }
     }
 }
 
@@ -41,21 +52,28 @@ impl super::Family for Family {
             gains_um_per_v: List::collect([0.0; ELEMENTS])?,
             times_s: List::collect((0..ELEMENTS).map(time))?,
             memory_v: self.memory,
+            // Any but 0 has the column.
+            voltage_extremum_um_per_v: if self.extremum { 1.0 } else { 0.0 },
+            deadband_v: self.deadband as f32,
         };
-        let unknowns: Vec<usize> = (0..=ELEMENTS).collect();
+        let unknowns: Vec<usize> = (0..=ELEMENTS + usize::from(self.extremum)).collect();
+        let mut signs = vec![Sign::NonNegative; ELEMENTS + 1];
+        signs.resize(unknowns.len(), Sign::Free);
         let projection = Projection {
             problem,
             model: &VoigtChain::<f64>::build(&base, self.tick),
             unknowns: &unknowns,
-            signs: &[Sign::NonNegative; ELEMENTS + 1],
+            signs: &signs,
             resonance: None,
         };
         let (found, offset) = projection.solve(|y| y)?;
-        let (instantaneous, gains) = found.split_first()?;
+        let (instantaneous, rest) = found.split_first()?;
+        let (gains, extremum) = rest.split_at_checked(ELEMENTS)?;
         let parameters = VoigtChainParameters {
             offset_um: offset as f32,
             instantaneous_um_per_v: *instantaneous as f32,
             gains_um_per_v: List::collect(gains.iter().map(|&gain| gain as f32))?,
+            voltage_extremum_um_per_v: extremum.first().map_or(0.0, |&weight| weight as f32),
             ..base
         };
         parameters.fault().is_none().then_some(Parameters::VoigtChain(parameters))
