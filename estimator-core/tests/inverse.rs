@@ -21,12 +21,15 @@ fn limits(model: Model) -> DriveLimits {
     }
 }
 
-/// The table without what an inverse leaves out.
+/// The table without what an inverse leaves out, and without a displacement that jumps at a reversal.
 fn prompt(model: Model) -> Admitted {
     let table = table_of(model);
     let parameters = match table.parameters {
         Parameters::Champion(of) => {
             Parameters::Champion(ChampionParameters { delay_ticks: 0.0, resonance_hz: 0.0, damping: 0.0, ..of })
+        }
+        Parameters::VoigtChain(of) => {
+            Parameters::VoigtChain(VoigtChainParameters { voltage_extremum_um_per_v: 0.0, deadband_v: 0.0, ..of })
         }
         other => other,
     };
@@ -101,6 +104,17 @@ fn a_delay_and_a_resonance_are_left_out_and_come_late() {
         let late = judge.tick_volts(commanded.voltage).displacement;
         assert!(k < 200 || (late - wanted(k - 3)).abs() < 1e-3, "tick {k}: {late} {}", wanted(k - 3));
     }
+}
+
+#[test]
+fn a_displacement_that_jumps_at_a_reversal_is_missed_by_no_more_than_the_jump() {
+    let table = table_of(Model::VoigtChain).admit().unwrap();
+    let Parameters::VoigtChain(of) = table.parameters else { panic!("the chain's") };
+    let (middle, half) = reachable::<f64>(&table, &LIMITS);
+    let wave = |k: u16| middle + 0.8 * half * (f64::from(k) * 0.006).sin();
+    let (worst, _) = round_trip::<f64>(&table, &LIMITS, wave, 8_000);
+    let jump = 2.0 * f64::from(of.voltage_extremum_um_per_v.abs() * LIMITS.range_v.max);
+    assert!(worst > 1e-3 && worst < jump, "{worst} of {jump}");
 }
 
 #[test]

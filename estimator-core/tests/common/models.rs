@@ -15,6 +15,8 @@ pub fn parameters(model: Model) -> Parameters {
         Model::VoigtChain => Parameters::VoigtChain(VoigtChainParameters {
             offset_um: -1.5,
             instantaneous_um_per_v: 0.2,
+            voltage_extremum_um_per_v: -0.01,
+            deadband_v: 0.1,
             gains_um_per_v: list((0..20).map(|i| 0.002 + 0.0001 * i as f32)),
             times_s: list((0..20).map(|i| 0.001 * 1.7f32.powi(i))),
             memory_v,
