@@ -64,7 +64,7 @@ impl core::fmt::Display for LookupMismatch {
 
 impl core::error::Error for LookupMismatch {}
 
-/// Part of the table's voltage range that must lie between reversals for the estimate to count as settled.
+/// Part of the table's voltage range that must lie between two successive reversals for the estimate to count as settled.
 pub const SETTLED_SWING: f32 = 0.5;
 
 /// A running estimator. Made from an [`Admitted`] table only.
@@ -86,14 +86,11 @@ pub struct Estimator<'l, T: Real> {
     started: bool,
     /// [`Status::NOT_SETTLED`], or nothing.
     settling: Status,
-    /// Voltages of the reversals so far.
-    turned: Range<T>,
+    /// Voltage of the last reversal; no number before the first.
+    turned: T,
+    /// [`SETTLED_SWING`] of the voltage range, V.
+    swing: T,
     zero: T,
-}
-
-/// No reversal yet.
-fn nowhere<T: Real>() -> Range<T> {
-    Range { min: T::infinity(), max: T::neg_infinity() }
 }
 
 impl<'l, T: Real> Estimator<'l, T> {
@@ -117,7 +114,8 @@ impl<'l, T: Real> Estimator<'l, T> {
             state: State::new(T::zero(), T::of(table.deadband_v)),
             started: false,
             settling: Status::NOT_SETTLED,
-            turned: nowhere(),
+            turned: T::nan(),
+            swing: T::of(SETTLED_SWING * table.voltage_range_v.span()),
             zero: T::zero(),
         })
     }
@@ -135,7 +133,7 @@ impl<'l, T: Real> Estimator<'l, T> {
         self.state = State::new(T::zero(), self.deadband);
         self.started = false;
         self.settling = Status::NOT_SETTLED;
-        self.turned = nowhere();
+        self.turned = T::nan();
         self.zero = T::zero();
         if let Engine::Other(model) = &mut self.engine {
             model.forget();
@@ -240,9 +238,9 @@ impl<'l, T: Real> Estimator<'l, T> {
     /// After a reversal.
     fn settle(&mut self, status: &mut Status) {
         let at = self.state.last_extremum().voltage;
-        let Range { min, max } = self.turned;
-        self.turned = Range { min: if at < min { at } else { min }, max: if at > max { at } else { max } };
-        if self.turned.span() >= T::of(SETTLED_SWING) * self.voltage_range.span() {
+        let swing = at - self.turned;
+        self.turned = at;
+        if swing.abs() >= self.swing {
             self.settling = Status::empty();
             status.remove(Status::NOT_SETTLED);
         }
