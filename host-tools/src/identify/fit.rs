@@ -1,7 +1,7 @@
 //! Identification of one model or of the whole family: rounds of the genetic algorithm whose ranges shrink around the
 //! best so far, the richer models started from the simpler ones' solutions.
 
-use super::family::{self, Family};
+use super::family::{self, BlackBoxInputs, Family};
 use super::ga::{self, Best, Elitism, Selection, Settings};
 use super::problem::Problem;
 use super::space::{Gene, Ranges, Space};
@@ -168,6 +168,17 @@ pub fn identify(
         fits.push(fit);
     }
     fits
+}
+
+/// Identifies the NARX model with these inputs alone, of the degree from 1 to 3 that costs least.
+pub fn identify_black_box(
+    problem: &Problem,
+    inputs: BlackBoxInputs,
+    cost: Feedback,
+    options: &SearchOptions,
+    progress: Progress<'_>,
+) -> Fit {
+    project(problem, Model::Narx, &family::black_boxes(inputs), cost, options, progress)
 }
 
 fn search(

@@ -11,6 +11,8 @@ mod preisach;
 mod projection;
 mod voigt_chain;
 
+pub use narx::{BlackBoxInputs, structures_with as black_boxes};
+
 use super::problem::Problem;
 use super::space::Gene;
 use estimator_core::{Model, Parameters};
