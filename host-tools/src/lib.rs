@@ -14,6 +14,7 @@ pub mod optimise;
 pub mod output;
 pub mod prepare;
 pub mod report;
+pub mod reproduce;
 pub mod rig;
 pub mod session;
 pub mod table_file;

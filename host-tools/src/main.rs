@@ -44,9 +44,11 @@ enum Verb {
     /// Table + wanted trajectory → the voltages that bring the actuator there, by the model's inverse.
     #[command(after_help = "Example: piezo feedforward out/demo/table.toml wanted.csv --slew 100 --out voltages.csv")]
     Feedforward(feedforward::Feedforward),
-    /// The thesis's validation errors beside ours on the synthetic rig.
-    #[command(after_help = "Example: piezo reproduce --json")]
-    Reproduce(reproduce::Reproduce),
+    /// The thesis's tables and figures beside ours, on the synthetic rig or on your own logs.
+    #[command(
+        after_help = "Examples: piezo reproduce --json; piezo reproduce all --out out/thesis; piezo reproduce loops features --logs a.csv b.csv --validate-on c.csv"
+    )]
+    Reproduce(Box<reproduce::Reproduce>),
     /// Who the device is, which table it runs, how it is, and what to do about it.
     #[command(after_help = "Example: piezo info --port /dev/ttyACM0")]
     Info(info::Info),

@@ -4,8 +4,6 @@
 //! The voltage stands at every tick; the displacement stands at the instants where it was measured, which may be every
 //! tick or (in a log slower than the tick) every n-th. Errors are taken at the measured instants only.
 
-pub use crate::cost::Feedback;
-
 use crate::cost::Cost;
 use estimator_core::{Running, State, Terms, Voigt};
 

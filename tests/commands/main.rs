@@ -10,6 +10,7 @@ mod mistakes;
 mod options;
 mod readme;
 mod recorded;
+mod reproduce;
 mod rig;
 
 use assert_cmd::Command;

@@ -1,144 +1,177 @@
-//! `piezo reproduce`: the thesis's validation errors (Tables 4.8, 5.3, 5.4) beside those of the same models, identified
-//! the same way on the synthetic rig: five modelling logs, the 10 Hz triangle held out, validation by simulation.
+//! `piezo reproduce`: the thesis's tables and figures beside those of the same models on the synthetic rig, or on the
+//! user's own logs.
 
-use super::limit;
+use super::identify::zeros;
 use super::print::{out, progress};
+use super::{LogOptions, limit};
 use crate::calibration::CalibrationOptions;
-use crate::identify::{Candidate, Conditions, Problem, SearchOptions, Setting, identify};
-use crate::prepare::Recipe;
-use crate::rig::{EXCITATIONS, Rig, VALIDATION};
-use crate::session::Feedback;
-use anyhow::{Context, Result};
+use crate::cost::Feedback;
+use crate::identify::{Conditions, Job, ModelChoice, Role, SearchOptions};
+use crate::output;
+use crate::prepare::PrepareOptions;
+use crate::report::{self, ReproductionReport};
+use crate::reproduce::{self, Bench, Item, Section};
+use crate::rig::Rig;
+use anyhow::{Result, ensure};
 use clap::Args;
-use estimator_core::{Digest, Model};
-use serde::Serialize;
+use serde_json::{Map, Value};
+use std::path::PathBuf;
 
 /// Arguments of `piezo reproduce`.
 #[derive(Args, Debug)]
 pub struct Reproduce {
-    /// Print an array of objects, one a model and cost.
+    /// What of the thesis.
+    #[arg(value_enum, value_name = "ITEM", default_values_t = [Item::Errors])]
+    pub items: Vec<Item>,
+    /// Your own modelling logs instead of the synthetic rig's.
+    #[arg(long, num_args = 1.., value_name = "LOG")]
+    pub logs: Vec<PathBuf>,
+    /// Your own logs to validate on: they decide nothing.
+    #[arg(long, num_args = 1.., value_name = "LOG", requires = "logs")]
+    pub validate_on: Vec<PathBuf>,
+    /// Hold out this fraction at the end of each of your modelling logs; 0.5 unless --validate-on names logs.
+    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true, requires = "logs")]
+    pub hold_out: Option<f64>,
+    /// Folder for reproduce.html, the tables and figures on one page.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print JSON: an array of objects, one a model and cost, of the errors alone; else an object with each item by its
+    /// name.
     #[arg(long)]
     pub json: bool,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
     #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
     pub limit: f64,
     /// Seed of the rig's noise.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, conflicts_with = "logs")]
     pub rig_seed: u64,
+    /// Reading of the logs.
+    #[command(flatten)]
+    pub files: LogOptions,
+    /// Preparation of the logs. `auto` takes the rig's known zeros, 0 V and 0 µm.
+    #[command(flatten)]
+    pub prepare: PrepareOptions,
     /// The search.
     #[command(flatten)]
     pub search: SearchOptions,
 }
 
-/// One model identified with one cost.
-#[derive(Serialize)]
-struct Row {
-    model: Model,
-    cost: Feedback,
-    mae_um: f64,
-    max_um: f64,
-    thesis_mae_um: Option<f64>,
-    thesis_max_um: Option<f64>,
-}
-
-/// Tables 4.8 (Voigt), 5.3 (OSP) and 5.4 (simulation): MAE and MAX on the validation log, µm; of the models it has.
-fn thesis(model: Model, cost: Feedback) -> Option<(f64, f64)> {
-    match (cost, model) {
-        (Feedback::Osp, Model::Voigt) => Some((0.3324, 0.9937)),
-        (Feedback::Osp, Model::VoltageExtremum) => Some((0.299, 1.02)),
-        (Feedback::Osp, Model::DisplacementExtremum) => Some((0.381, 0.778)),
-        (Feedback::Osp, Model::Enhanced) => Some((0.163, 0.586)),
-        (Feedback::Simulation, Model::Voigt) => Some((0.3357, 0.9313)),
-        (Feedback::Simulation, Model::VoltageExtremum) => Some((0.294, 0.973)),
-        (Feedback::Simulation, Model::DisplacementExtremum) => Some((0.365, 1.041)),
-        (Feedback::Simulation, Model::Enhanced) => Some((0.252, 0.804)),
-        _ => None,
-    }
-}
-
-/// Tick, µs: every fifth of the rig's 10,000 samples a second, as in the thesis.
-const TICK_US: u32 = 500;
-
-/// The thesis's models, and the one that goes beyond them, which is fitted to simulation only.
-const SIMULATED: [Model; 5] =
-    [Model::Voigt, Model::VoltageExtremum, Model::DisplacementExtremum, Model::Enhanced, Model::Champion];
-
 /// Runs the verb.
 pub fn run(arguments: &Reproduce) -> Result<bool> {
-    let problem = problem(arguments)?;
-    let setting = Setting {
-        recipe: Recipe::at_tick(TICK_US),
-        calibration: CalibrationOptions::default(),
-        tabulated: false,
-        logs: Digest::default(),
-        seed: arguments.search.seed,
-    };
-    let bar = progress(2 * arguments.search.generations_of(&Model::VOIGT_FAMILY));
-    let mut rows = Vec::new();
-    for cost in [Feedback::Osp, Feedback::Simulation] {
-        let models = if cost == Feedback::Osp { &Model::VOIGT_FAMILY[..] } else { &SIMULATED };
-        let fits = identify(&problem, models, cost, &arguments.search, &mut |model, best| {
-            bar.set_prefix(model.to_string());
-            bar.set_message(format!("{cost:?} {best:.4} µm"));
-            bar.inc(1);
-        });
-        for fit in fits {
-            let model = fit.model;
-            let candidate = Candidate::new(&problem, fit, &setting)?;
-            let figures = candidate.held_out_figures().context("the rig's validation log is missing")?;
-            let thesis = thesis(model, cost);
-            rows.push(Row {
-                model,
-                cost,
-                mae_um: figures.mae_um,
-                max_um: figures.max_um,
-                thesis_mae_um: thesis.map(|(mae, _)| mae),
-                thesis_max_um: thesis.map(|(_, max)| max),
-            });
-        }
+    let items = Item::asked(&arguments.items);
+    if let Some(folder) = &arguments.out {
+        ensure!(!folder.exists() || folder.is_dir(), "{}: is a file, --out names a folder", folder.display());
     }
+    let (job, rig) = job(arguments)?;
+    let length = items.iter().map(|item| item.generations(&job.search)).sum::<u64>() + job.generations_before();
+    let bar = progress(length);
+    let mut step = |model: estimator_core::Model, best: f64| {
+        bar.set_prefix(model.to_string());
+        bar.set_message(format!("{best:.4} µm"));
+        bar.inc(1);
+    };
+    let mut bench = Bench::new(job, rig, &mut step)?;
+    let sections = reproduce::run(&mut bench, &items, &mut step)?;
     bar.finish_and_clear();
+    let facts = facts(&bench);
+    if let Some(folder) = &arguments.out {
+        let shown: Vec<&Section> = sections.iter().map(|(_, section)| section).collect();
+        let html = report::reproduction(&ReproductionReport { sections: &shown, whose: bench.whose(), facts: &facts })?;
+        output::folder(folder)?;
+        output::write(&folder.join("reproduce.html"), html)?;
+    }
     if arguments.json {
-        out(&serde_json::to_string_pretty(&rows)?);
+        out(&json(&sections)?);
     } else {
-        print(&rows);
+        print(arguments, &sections, &facts);
     }
     Ok(true)
 }
 
-fn problem(arguments: &Reproduce) -> Result<Problem> {
-    let rig = Rig { seed: arguments.rig_seed, ..Rig::default() };
-    let (mut training, mut held_out) = (Vec::new(), Vec::new());
-    for excitation in EXCITATIONS {
-        let session = Recipe::at_tick(TICK_US).session(&rig.log(excitation))?;
-        if excitation.name == VALIDATION { held_out.push(session) } else { training.push(session) }
-    }
-    Ok(Problem::new(training, held_out, Conditions { limit: arguments.limit, ..Conditions::default() }))
+/// What everything is identified on.
+fn job(arguments: &Reproduce) -> Result<(Job, Option<Rig>)> {
+    let own = !arguments.logs.is_empty();
+    let rig = (!own).then(|| Rig { seed: arguments.rig_seed, ..Rig::default() });
+    let hold_out = arguments.hold_out.unwrap_or(if own && arguments.validate_on.is_empty() { 0.5 } else { 0.0 });
+    ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
+    let (training, held_out) = match &rig {
+        Some(rig) => Bench::logs_of(rig),
+        None => (arguments.files.read_all(&arguments.logs)?, arguments.files.read_all(&arguments.validate_on)?),
+    };
+    let job = Job {
+        training,
+        held_out,
+        hold_out,
+        prepare: if own { arguments.prepare.clone() } else { Bench::zeroed(&arguments.prepare) },
+        model: ModelChoice::Auto,
+        conditions: Conditions { limit: arguments.limit, ..Conditions::default() },
+        tabulated: false,
+        calibration: CalibrationOptions::default(),
+        cost: Feedback::Simulation.into(),
+        search: arguments.search.clone(),
+    };
+    Ok((job, rig))
 }
 
-fn print(rows: &[Row]) {
-    out(
-        "Validation on the 10 Hz triangle, held out, in simulation. Ours: the synthetic rig. Thesis: its own actuator.",
-    );
-    out(&format!(
-        "{:<28} {:<11} {:>8} {:>8} {:>9} {:>11} {:>11} {:>9}",
-        "model", "cost", "MAE µm", "MAX µm", "of Voigt", "thesis MAE", "thesis MAX", "of Voigt"
-    ));
-    for row in rows {
-        let voigt = rows.iter().find(|other| other.model == Model::Voigt && other.cost == row.cost);
-        let of_voigt = |value: f64, of: fn(&Row) -> f64| voigt.map_or(1.0, |voigt| value / of(voigt));
-        let thesis_of_voigt = row.thesis_mae_um.zip(voigt.and_then(|voigt| voigt.thesis_mae_um)).map(|(a, b)| a / b);
-        let shown = |value: Option<f64>, digits| value.map_or("–".to_owned(), |value| format!("{value:.digits$}"));
-        out(&format!(
-            "{:<28} {:<11} {:>8.4} {:>8.4} {:>9.2} {:>11} {:>11} {:>9}",
-            row.model,
-            if row.cost == Feedback::Osp { "OSP" } else { "simulation" },
-            row.mae_um,
-            row.max_um,
-            of_voigt(row.mae_um, |row| row.mae_um),
-            shown(row.thesis_mae_um, 4),
-            shown(row.thesis_max_um, 4),
-            shown(thesis_of_voigt, 2)
-        ));
+/// The errors alone are an array, as they have always been.
+fn json(sections: &[(Item, Section)]) -> Result<String> {
+    if let [(Item::Errors, errors)] = sections {
+        return Ok(errors.json.clone());
     }
+    let named = sections.iter().map(|(item, section)| Ok((item.name(), section.data()?)));
+    Ok(serde_json::to_string_pretty(&named.collect::<Result<Map<String, Value>>>()?)?)
+}
+
+fn print(arguments: &Reproduce, sections: &[(Item, Section)], facts: &[(String, String)]) {
+    for (index, (item, section)) in sections.iter().enumerate() {
+        if sections.len() > 1 || *item != Item::Errors {
+            out(&format!("{}== {} ==\n", if index > 0 { "\n" } else { "" }, section.title));
+        }
+        out(&section.text());
+    }
+    if !arguments.logs.is_empty() {
+        out("");
+        facts.iter().for_each(|(name, what)| out(&format!("{name}: {what}")));
+    }
+    if let Some(folder) = &arguments.out {
+        out(&format!("\nWritten to {}: reproduce.html", folder.display()));
+    }
+}
+
+/// Where the figures come from.
+fn facts(bench: &Bench) -> Vec<(String, String)> {
+    let (recipe, search) = (&bench.prepared.setting.recipe, bench.search());
+    let used = |role: Role| {
+        let logs = bench.prepared.logs.iter().filter(|log| log.role == role);
+        logs.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")
+    };
+    let actuator = match &bench.rig {
+        Some(rig) => format!("the synthetic rig, seed {}", rig.seed),
+        None => "that of the given logs".to_owned(),
+    };
+    let facts = [
+        ("Actuator", actuator),
+        ("Modelled", used(Role::Training)),
+        ("Held out", used(Role::HeldOut)),
+        ("Zero and delay", zeros(recipe)),
+        ("Tick", format!("{} µs, forward Euler", recipe.tick_us)),
+        (
+            "Search",
+            format!(
+                "seed {}; Voigt family {} rounds of {} generations of {} chromosomes of {} bits a gene, the others {} \
+                 candidates a searched number by {}",
+                search.seed,
+                search.rounds,
+                search.generations,
+                search.population,
+                search.bits,
+                search.evaluations,
+                search.optimiser
+            ),
+        ),
+        ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
+    ];
+    let doubts = bench.prepared.estimates.iter().chain(&bench.prepared.delay_at_bound);
+    let doubts = doubts.map(|doubt| ("Doubt".to_owned(), doubt.to_string()));
+    facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(doubts).collect()
 }

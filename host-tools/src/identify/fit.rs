@@ -1,7 +1,7 @@
 //! Identification of one model or of several: the Voigt family by the genetic algorithm, the richer models started from
 //! the simpler ones' solutions; the others by variable projection.
 
-use super::family::{self, voigt};
+use super::family::{self, BlackBoxInputs, voigt};
 use super::problem::Problem;
 use super::search_options::SearchOptions;
 use super::space::{Gene, Space};
@@ -51,6 +51,18 @@ pub fn identify(
     progress: Progress<'_>,
 ) -> Vec<Fit> {
     Identification { problem, cost: cost.into(), options, budget: None }.run(models, progress)
+}
+
+/// Identifies the NARX model with these inputs alone, of the degree from 1 to 3 that costs least.
+pub fn identify_black_box(
+    problem: &Problem,
+    inputs: BlackBoxInputs,
+    cost: impl Into<Cost>,
+    options: &SearchOptions,
+    progress: Progress<'_>,
+) -> Fit {
+    let identification = Identification { problem, cost: cost.into(), options, budget: None };
+    identification.projected(Model::Narx, &family::black_boxes(inputs), progress)
 }
 
 /// What is identified from what, and how.

@@ -2,11 +2,13 @@
 
 mod axis;
 mod comparison;
+pub mod drawn;
 mod errors;
 mod loops;
 mod number;
 mod page;
 mod picture;
+mod reproduction;
 mod rows;
 mod svg;
 mod thin;
@@ -19,6 +21,8 @@ use crate::identify::Candidate;
 use askama::Template;
 pub use comparison::{ComparisonReport, comparison};
 pub use picture::picture;
+pub use reproduction::{ReproductionReport, reproduction};
+pub(crate) use thin::reversals;
 
 /// What a report says.
 #[derive(Clone, Copy, Debug)]

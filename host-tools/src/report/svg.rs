@@ -98,6 +98,14 @@ impl Drawing {
         }
     }
 
+    /// A circle around a point.
+    pub fn circle(&mut self, panel: &Panel, class: &str, point: Point) {
+        if panel.x.contains(point.0) && panel.y.contains(point.1) {
+            let ((x, y), r) = (panel.at(point), 0.45 * self.font);
+            self.body += &format!(r#"<circle class="{class}" fill="none" cx="{x:.1}" cy="{y:.1}" r="{r:.1}"/>"#);
+        }
+    }
+
     /// Marks a stretch of the horizontal axis.
     pub fn window(&mut self, panel: &Panel, from: f64, to: f64) {
         let Frame { top, height, .. } = panel.frame;

@@ -1,8 +1,9 @@
 //! The whole report of small, hand-made logs.
 
 use super::*;
+use crate::cost::Feedback;
 use crate::identify::{Conditions, Fit, Problem, SearchOptions, identify};
-use crate::session::{Feedback, Session};
+use crate::session::Session;
 use crate::validate::{Cold, Comparison, Figures, Trace};
 use clap::Parser;
 use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Status};

@@ -12,6 +12,8 @@ mod projection;
 pub mod voigt;
 mod voigt_chain;
 
+pub use narx::{BlackBoxInputs, structures_with as black_boxes};
+
 use super::problem::Problem;
 use super::space::Gene;
 use estimator_core::{Model, Parameters};

@@ -16,18 +16,39 @@ pub struct Family {
     ridge: f64,
 }
 
+/// What a black box of Table 5.1 looks at.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BlackBoxInputs {
+    /// r_y, which is r_u too: 1 to 3.
+    pub output_order: u8,
+    /// V_ext.
+    pub with_voltage_extremum: bool,
+    /// y_ext.
+    pub with_displacement_extremum: bool,
+}
+
 /// Those of Table 5.1, of degrees 1 to 3.
 pub fn structures() -> Vec<Box<dyn super::Family>> {
     let extrema = [(false, false), (true, false), (true, true)];
     let orders = (1..=3).flat_map(|order| (1..=3).map(move |degree| (order, degree)));
     let all = orders.flat_map(|orders| extrema.map(|extrema| (orders, extrema)));
     all.flat_map(|((output_order, degree), (with_voltage_extremum, with_displacement_extremum))| {
-        RIDGES.map(|ridge| {
-            let family = Family { output_order, degree, with_voltage_extremum, with_displacement_extremum, ridge };
-            Box::new(family) as Box<dyn super::Family>
-        })
+        of(BlackBoxInputs { output_order, with_voltage_extremum, with_displacement_extremum }, degree)
     })
     .collect()
+}
+
+/// Those with these inputs, of degrees 1 to 3.
+pub fn structures_with(inputs: BlackBoxInputs) -> Vec<Box<dyn super::Family>> {
+    (1..=3).flat_map(|degree| of(inputs, degree)).collect()
+}
+
+fn of(inputs: BlackBoxInputs, degree: u8) -> [Box<dyn super::Family>; RIDGES.len()] {
+    let BlackBoxInputs { output_order, with_voltage_extremum, with_displacement_extremum } = inputs;
+    RIDGES.map(|ridge| {
+        let family = Family { output_order, degree, with_voltage_extremum, with_displacement_extremum, ridge };
+        Box::new(family) as Box<dyn super::Family>
+    })
 }
 
 /// The regressors of a slow movement are nearly alike, and what predicts one step best is often unstable.
