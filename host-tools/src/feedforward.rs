@@ -63,7 +63,7 @@ pub struct RoundTrip {
 /// Ticks from a voltage to its displacement, beyond the one of every model.
 pub fn delay_ticks(table: &Admitted) -> f64 {
     match &table.parameters {
-        Parameters::Champion(of) => f64::from(of.delay_ticks),
+        Parameters::Champion(of) => f64::from(of.delay_ticks.max(0.0)),
         _ => 0.0,
     }
 }

@@ -251,7 +251,7 @@ impl<T: Real> Recursion<T> for Champion<T> {
     }
 
     fn prompt(&self) -> Option<Self> {
-        Some(Self { delay: 0, older: T::zero(), ahead: T::zero(), resonance: None, ..*self })
+        Some(Self { delay: 0, older: T::zero(), resonance: None, ..*self })
     }
 }
 
