@@ -115,11 +115,20 @@ pub struct DriveCalibration {
 }
 
 impl DriveCalibration {
-    /// The code of an amplifier voltage (V), rounded and limited to the converter's range.
-    #[inline]
+    /// The code of an amplifier voltage (V), rounded, but to no voltage beyond the limits, and limited to the converter's range.
     pub fn code<T: Real>(&self, voltage: T, full_scale: u16) -> DacCode {
         let exact = T::of(self.offset_code) + T::of(self.gain_codes_per_v) * voltage;
-        DacCode(nearest(exact, full_scale))
+        let code = nearest(exact, full_scale);
+        let Range { min, max } = self.limits.range_v;
+        let stands_for: T = self.voltage(DacCode(code));
+        let (beyond, below) = (stands_for > T::of(max), stands_for < T::of(min));
+        let larger_is_higher = self.gain_codes_per_v > 0.0;
+        DacCode(match (beyond, below) {
+            (true, _) if larger_is_higher => code.saturating_sub(1),
+            (_, true) if !larger_is_higher => code.saturating_sub(1),
+            (true, _) | (_, true) => code.saturating_add(1).min(full_scale),
+            _ => code,
+        })
     }
 
     /// The amplifier voltage (V) that a code stands for.

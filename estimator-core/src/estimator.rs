@@ -64,7 +64,7 @@ impl core::fmt::Display for LookupMismatch {
 
 impl core::error::Error for LookupMismatch {}
 
-/// Part of the table's voltage range that must lie between two successive reversals for the estimate to count as settled.
+/// Part of the table's voltage range that must lie between reversals for the estimate to count as settled.
 pub const SETTLED_SWING: f32 = 0.5;
 
 /// A running estimator. Made from an [`Admitted`] table only.
@@ -86,8 +86,8 @@ pub struct Estimator<'l, T: Real> {
     started: bool,
     /// [`Status::NOT_SETTLED`], or nothing.
     settling: Status,
-    /// Voltage of the last reversal; no number before the first.
-    turned: T,
+    /// Voltages of the reversals so far; inside out before the first.
+    turned: Range<T>,
     /// [`SETTLED_SWING`] of the voltage range, V.
     swing: T,
     zero: T,
@@ -114,7 +114,7 @@ impl<'l, T: Real> Estimator<'l, T> {
             state: State::new(T::zero(), T::of(table.deadband_v)),
             started: false,
             settling: Status::NOT_SETTLED,
-            turned: T::nan(),
+            turned: Range { min: T::infinity(), max: T::neg_infinity() },
             swing: T::of(SETTLED_SWING * table.voltage_range_v.span()),
             zero: T::zero(),
         })
@@ -133,7 +133,7 @@ impl<'l, T: Real> Estimator<'l, T> {
         self.state = State::new(T::zero(), self.deadband);
         self.started = false;
         self.settling = Status::NOT_SETTLED;
-        self.turned = T::nan();
+        self.turned = Range { min: T::infinity(), max: T::neg_infinity() };
         self.zero = T::zero();
         if let Engine::Other(model) = &mut self.engine {
             model.forget();
@@ -238,9 +238,13 @@ impl<'l, T: Real> Estimator<'l, T> {
     /// After a reversal.
     fn settle(&mut self, status: &mut Status) {
         let at = self.state.last_extremum().voltage;
-        let swing = at - self.turned;
-        self.turned = at;
-        if swing.abs() >= self.swing {
+        if at < self.turned.min {
+            self.turned.min = at;
+        }
+        if at > self.turned.max {
+            self.turned.max = at;
+        }
+        if self.turned.span() >= self.swing {
             self.settling = Status::empty();
             status.remove(Status::NOT_SETTLED);
         }

@@ -20,7 +20,7 @@ use crate::range::Range;
 pub enum NoInverse {
     /// Its model has none.
     Model,
-    /// The displacement does not rise from the lower end of the voltages to the upper.
+    /// The displacement at rest does not rise with the voltage all the way from the lower end of the range to the upper.
     Falling,
     /// The limits break this rule.
     Limits(&'static str),
@@ -55,8 +55,11 @@ pub const REACHED: f32 = 1e-4;
 /// How near is near enough to stop searching, as a fraction of that.
 const FINE: f32 = 1e-2;
 
-/// Most steps of the search; every third halves the bracket, so that what is left is as small as an f32 can tell.
-const STEPS: usize = 36;
+/// Most steps of the search; every second halves the bracket, so that a tick always ends.
+const STEPS: usize = 24;
+
+/// Parts of the range at whose ends the displacement at rest must rise.
+const PARTS: u8 = 32;
 
 /// What an inverse must know of its model's table.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -111,10 +114,14 @@ impl<T: Real> Inverse<T> {
             voltage_zero: zero,
             voltage: rest,
         };
-        let low = inverse.settle(range.min);
-        let high = inverse.settle(range.max);
+        let at = |part: u8| range.min + range.span() * T::of(f32::from(part) / f32::from(PARTS));
+        let mut last = inverse.settle(range.min);
+        let rises = (1..=PARTS).all(|part| {
+            let here = inverse.settle(at(part));
+            core::mem::replace(&mut last, here) < here
+        });
         inverse.restart();
-        if low < high { Ok(inverse) } else { Err(NoInverse::Falling) }
+        if rises { Ok(inverse) } else { Err(NoInverse::Falling) }
     }
 
     /// Starts anew, long at rest at the rest voltage.
@@ -159,7 +166,7 @@ impl<T: Real> Inverse<T> {
     }
 
     /// How far to go, at most `room`, until what is missing, `missing` at first and less the farther, is gone: regula falsi
-    /// after Dowell and Jarratt (1971), with a bisection at every third step.
+    /// after Dowell and Jarratt (1971), with a bisection at every second step.
     fn way(&self, missing: T, room: T, at: impl Fn(T) -> T) -> T {
         let half = T::of(0.5);
         let fine = self.near * T::of(FINE);
@@ -167,22 +174,25 @@ impl<T: Real> Inverse<T> {
         if high.1 >= -fine {
             return room;
         }
-        let mut way = room;
+        let (mut way, mut stayed) = (room, None);
         for step in 1..=STEPS {
             let secant = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1));
             // Also where the secant is no number.
-            let inside = secant > low.0 && secant < high.0 && step % 3 != 0;
+            let inside = secant > low.0 && secant < high.0 && step % 2 == 1;
             way = if inside { secant } else { low.0 + (high.0 - low.0) * half };
             let left = at(way);
             if left.abs() <= fine {
                 break;
             }
-            // The end that stays counts half, so that it does not stay for ever.
-            if left > T::zero() {
-                (low, high) = ((way, left), (high.0, high.1 * half));
+            // An end that stays for a second time counts half, so that it does not stay for ever.
+            let above = left > T::zero();
+            let weight = if stayed == Some(above) { half } else { T::one() };
+            if above {
+                (low, high) = ((way, left), (high.0, high.1 * weight));
             } else {
-                (low, high) = ((low.0, low.1 * half), (way, left));
+                (low, high) = ((low.0, low.1 * weight), (way, left));
             }
+            stayed = Some(above);
         }
         way
     }

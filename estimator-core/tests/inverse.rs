@@ -99,6 +99,16 @@ fn a_delay_and_a_resonance_are_left_out_and_come_late() {
         (table.inverse::<f64>(&LIMITS).unwrap(), Estimator::<f64>::new(&table, None).unwrap());
     judge.tick_volts(LIMITS.rest_v.into());
     let wanted = |k: i32| 4.0 + 2.0 * (f64::from(k) * 0.01).sin();
+    // What a slow reference makes of a resonance at 400 Hz is far below what a delay of a tick makes.
+    let ringing = ChampionParameters { delay_ticks: 0.0, ..of };
+    let ringing = Table { parameters: Parameters::Champion(ringing), ..table_of(Model::Champion) }.admit().unwrap();
+    let (mut free, mut rings) =
+        (ringing.inverse::<f64>(&LIMITS).unwrap(), Estimator::<f64>::new(&ringing, None).unwrap());
+    rings.tick_volts(LIMITS.rest_v.into());
+    for k in 0..4_000 {
+        let reached = rings.tick_volts(free.tick(wanted(k)).voltage).displacement;
+        assert!(k < 1_000 || (reached - wanted(k)).abs() < 5e-3, "tick {k}: {reached} {}", wanted(k));
+    }
     for k in 0..2_000 {
         let commanded = inverse.tick(wanted(k));
         let late = judge.tick_volts(commanded.voltage).displacement;
@@ -163,6 +173,10 @@ fn models_and_limits_without_an_inverse_are_refused() {
     let down = BoucWenParameters { d1_um_per_v: -0.2, d2_um_per_v2: 0.0, ..of };
     let falling = Table { parameters: Parameters::BoucWen(down), drive: None, ..table_of(Model::BoucWen) };
     assert_eq!(refused(&falling.admit().unwrap(), &LIMITS), NoInverse::Falling);
+    // It rises from end to end, and falls behind the vertex.
+    let bent = BoucWenParameters { d1_um_per_v: 0.2, d2_um_per_v2: -0.002, ..of };
+    let bent = Table { parameters: Parameters::BoucWen(bent), drive: None, ..table_of(Model::BoucWen) };
+    assert_eq!(refused(&bent.admit().unwrap(), &LIMITS), NoInverse::Falling);
     let cases = [
         (DriveLimits { range_v: Range { min: 60.0, max: 0.0 }, ..LIMITS }, "ordered"),
         (DriveLimits { range_v: Range { min: 0.0, max: f32::NAN }, ..LIMITS }, "ordered"),

@@ -1,9 +1,14 @@
 //! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse.
 //!
 //! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
-//! wrong, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a reset or a panic.
+//! wrong, or nobody speaks any more, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a
+//! reset or a panic.
 
+use crate::peripherals::TICK_HZ;
 use estimator_core::{Admitted, DacCode, DriveCalibration, Inverse, Status};
+
+/// Ticks without a reference after which the voltage goes back to rest, where it is not to stay: a second.
+pub const HUNGER: u32 = TICK_HZ;
 
 /// The drive and what it is after.
 pub struct Drive {
@@ -12,6 +17,9 @@ pub struct Drive {
     full_scale: u16,
     reference: Option<f32>,
     going: bool,
+    stay: bool,
+    /// Ticks without a reference.
+    hungry: u32,
     stopped: bool,
 }
 
@@ -27,6 +35,8 @@ impl Drive {
             full_scale: table.dac.full_scale,
             reference: None,
             going: false,
+            stay: false,
+            hungry: 0,
             stopped: false,
         })
     }
@@ -40,6 +50,7 @@ impl Drive {
     pub fn restart(&mut self) {
         self.reference = None;
         self.going = false;
+        self.hungry = 0;
         self.stopped = false;
     }
 
@@ -53,7 +64,11 @@ impl Drive {
     /// say.
     pub fn follow(&mut self, next: Option<f32>) -> (DacCode, Status) {
         if !self.stopped {
+            self.hungry = if next.is_some() { 0 } else { self.hungry.saturating_add(1) };
             self.reference = next.or(self.reference);
+            if self.hungry >= HUNGER && !self.stay && self.following() {
+                self.stop();
+            }
         }
         let Some(reference) = self.reference else { return (self.release(), Status::empty()) };
         let commanded = tick_inverse(&mut self.inverse, reference);
@@ -61,9 +76,10 @@ impl Drive {
         (self.calibration.code(commanded.voltage, self.full_scale), status)
     }
 
-    /// Takes references from now on.
-    pub fn go(&mut self) {
+    /// Takes references from now on; stays at the last one for good, or until none has come for [`HUNGER`].
+    pub fn go(&mut self, stay: bool) {
         self.going = true;
+        self.stay = stay;
     }
 
     /// Whether it takes references.

@@ -11,7 +11,7 @@
 use crate::drive::Drive;
 use crate::peripherals::Converters;
 use crate::telemetry::{Telemetry, add};
-use crate::watch::{Lasting, UNSAFE, Watch};
+use crate::watch::{Lasting, Watch};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Estimate, Estimator, Status};
 use heapless::spsc::{Consumer, Producer};
@@ -24,8 +24,11 @@ pub enum Command {
     SetMode(Mode),
     /// Call the displacement of now 0.
     SetZero,
-    /// Follow the references that wait and those that come.
-    Go,
+    /// Follow the references that wait and those that come, and stay at the last one, or not for long.
+    Go {
+        /// For good.
+        stay: bool,
+    },
 }
 
 /// A sample and its tick, counted from 0 when the mode was set.
@@ -121,7 +124,7 @@ impl<'q> Tick<'q> {
         if self.mode != Mode::Pil {
             self.number = self.number.wrapping_add(missed.unwrap_or(0));
             match self.watch.look(code, status, missed.is_some()) {
-                Lasting::None => safe = faults.intersects(UNSAFE),
+                Lasting::None => safe = faults.intersects(Faults::UNSAFE),
                 // What it has made of the bad codes is forgotten.
                 Lasting::Passed => self.restart(),
                 Lasting::Faults(lasting) => faults |= lasting,
@@ -148,6 +151,10 @@ impl<'q> Tick<'q> {
             None if safe => self.safe,
             None => dac,
         };
+        if self.drive.is_some() {
+            // The DAC shows no displacement.
+            status.remove(Status::DAC_SATURATED);
+        }
         self.telemetry.count(status);
         faults.set(Faults::SAFE_OUTPUT, safe);
         if self.telemetry.streaming.load(Relaxed) {
@@ -199,9 +206,9 @@ impl<'q> Tick<'q> {
                 }
                 self.telemetry.set_mode(mode);
             }
-            Command::Go => {
+            Command::Go { stay } => {
                 if let Some(drive) = &mut self.drive {
-                    drive.go();
+                    drive.go(stay);
                 }
             }
             Command::SetZero => {

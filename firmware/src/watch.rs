@@ -25,13 +25,6 @@ pub const ODD: u32 = 4;
 /// keep a saturated input from its very last code.
 const MARGIN: u16 = 128;
 
-/// The faults that send the DAC to its safe value.
-pub const UNSAFE: Faults = Faults::ADC_SATURATED
-    .union(Faults::ADC_STUCK)
-    .union(Faults::OUT_OF_CALIBRATION)
-    .union(Faults::SUPPLY)
-    .union(Faults::NO_TABLE);
-
 /// The scores so far.
 #[derive(Clone, Debug)]
 pub struct Watch {

@@ -81,14 +81,17 @@ impl Bench {
 }
 
 fn push(table: &Admitted, while_estimating: bool) -> Request {
-    Request::Push { record: record(table), while_estimating }
+    Request::Push { record: record(table), while_estimating, rewired: false }
 }
 
 #[test]
 fn a_table_is_written_when_nothing_is_estimated_or_when_told_to() {
     let mut bench = Bench::new(Some(compiled()));
     assert_eq!(bench.ask(push(&other(), false)), Reply::Refused(Refusal::Estimating));
-    assert_eq!(bench.ask(Request::Erase { while_estimating: false }), Reply::Refused(Refusal::Estimating));
+    assert_eq!(
+        bench.ask(Request::Erase { while_estimating: false, rewired: false }),
+        Reply::Refused(Refusal::Estimating)
+    );
     assert_eq!(bench.stored(), None);
     assert_eq!(bench.ask(push(&other(), true)), Reply::Done);
     assert_eq!(bench.stored(), Some(record(&other()).to_vec()));
@@ -97,7 +100,7 @@ fn a_table_is_written_when_nothing_is_estimated_or_when_told_to() {
         assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Done);
         assert_eq!(bench.ask(push(&compiled(), false)), Reply::Done);
         assert_eq!(bench.stored(), Some(record(&compiled()).to_vec()));
-        assert_eq!(bench.ask(Request::Erase { while_estimating: false }), Reply::Done);
+        assert_eq!(bench.ask(Request::Erase { while_estimating: false, rewired: false }), Reply::Done);
         assert_eq!(bench.stored(), None);
     }
 }
@@ -123,7 +126,7 @@ fn what_it_cannot_run_is_refused_and_the_old_table_stays() {
         (change(|table| table.sample_period_us = 400), "tick of 400 us"),
     ];
     for (bad, why) in refused {
-        match bench.ask(Request::Push { record: bad, while_estimating: false }) {
+        match bench.ask(Request::Push { record: bad, while_estimating: false, rewired: false }) {
             Reply::Refused(Refusal::Table(reason)) => assert!(reason.contains(why), "{reason} / {why}"),
             reply => panic!("{why}: {reply:?}"),
         }
@@ -189,7 +192,8 @@ fn codes_are_taken_in_their_mode_and_as_many_as_there_is_room() {
 
 #[test]
 fn references_are_taken_where_the_dac_drives_and_are_numbers() {
-    let refer = |wanted: f32| Request::Refer { references: [wanted; 64].iter().copied().collect(), go: false };
+    let refer =
+        |wanted: f32| Request::Refer { references: [wanted; 64].iter().copied().collect(), go: false, stay: false };
     let mut plain = Bench::new(Some(compiled()));
     assert_eq!(plain.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::NoDrive));
     let mut bench = Bench::new(Some(driving()));
@@ -198,7 +202,7 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
     for odd in [f32::NAN, f32::INFINITY] {
         assert_eq!(bench.ask(refer(odd)), Reply::Refused(Refusal::NotFinite));
     }
-    assert_eq!(bench.ask(push(&other(), false)), Reply::Refused(Refusal::Estimating), "flash may cost ticks");
+    assert_eq!(bench.ask(push(&driving(), false)), Reply::Refused(Refusal::Estimating), "flash may cost ticks");
     assert_eq!(bench.ask(Request::SetZero), Reply::Refused(Refusal::NotEstimating), "references have the model's zero");
     let full = (0..1_000).any(|_| match bench.ask(refer(10.0)) {
         Reply::Referred { taken, .. } => taken < 64,
@@ -206,13 +210,28 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
     });
     assert!(full, "nothing is taken before it is to go");
     assert_eq!(
-        bench.ask(Request::Refer { references: Default::default(), go: true }),
+        bench.ask(Request::Refer { references: Default::default(), go: true, stay: true }),
         Reply::Referred { taken: 0, starved: 0 }
     );
     let start = std::time::Instant::now();
     while matches!(bench.ask(refer(10.0)), Reply::Referred { taken: 0, .. }) {
         assert!(start.elapsed() < std::time::Duration::from_secs(10), "ticks make room");
     }
+}
+
+#[test]
+fn the_dac_is_not_rewired_by_a_table_alone() {
+    let push = |table: &Admitted, rewired| Request::Push { record: record(table), while_estimating: true, rewired };
+    let erase = |rewired| Request::Erase { while_estimating: true, rewired };
+    let (mut plain, mut drives) = (Bench::new(Some(compiled())), Bench::new(Some(driving())));
+    for (bench, table) in [(&mut plain, driving()), (&mut drives, compiled())] {
+        assert_eq!(bench.ask(push(&table, false)), Reply::Refused(Refusal::Rewired));
+        assert_eq!(bench.stored(), None);
+        assert_eq!(bench.ask(push(&table, true)), Reply::Done);
+    }
+    assert_eq!(plain.ask(erase(false)), Reply::Done, "the compiled table has no drive either");
+    assert_eq!(drives.ask(erase(false)), Reply::Refused(Refusal::Rewired));
+    assert_eq!(drives.ask(erase(true)), Reply::Done);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use common::{Other, PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Status};
 use firmware::Tick;
+use firmware::drive::HUNGER;
 use firmware::tick::Command;
 use firmware::watch::SATURATED;
 use protocol::{Faults, Mode};
@@ -28,8 +29,8 @@ impl Bench {
         self.other.commands.enqueue(Command::SetMode(mode)).unwrap();
     }
 
-    fn go(&mut self) {
-        self.other.commands.enqueue(Command::Go).unwrap();
+    fn go(&mut self, stay: bool) {
+        self.other.commands.enqueue(Command::Go { stay }).unwrap();
     }
 
     fn step_with(&mut self, code: AdcCode) -> (DacCode, Status, Faults) {
@@ -82,7 +83,7 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
         assert_eq!(bench.step().0, REST, "references wait until they are to be followed");
         core.release();
     }
-    bench.go();
+    bench.go(true);
     let first = core.tick(20.0);
     assert_eq!(bench.step().0, drive.code(first.voltage, 4095));
     let wave = |k: u32| 18.0 + 12.0 * (k as f32 * 0.02).sin();
@@ -116,7 +117,7 @@ fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
         last = dac.0;
         (dac, faults)
     };
-    bench.go();
+    bench.go(true);
     for _ in 0..1_000 {
         follow(&mut bench, None);
     }
@@ -130,7 +131,29 @@ fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
     let (dac, faults) = follow(&mut bench, None);
     assert_eq!((dac, faults), (REST, Faults::SAFE_OUTPUT));
     bench.set(Mode::Follow);
-    bench.go();
+    bench.go(true);
     let dac = (0..1_000).map(|_| follow(&mut bench, None).0).last().unwrap();
     assert!(dac.0 > REST.0 + 500, "set again, it follows again");
+}
+
+#[test]
+fn where_nobody_speaks_any_more_it_goes_back_to_rest_unless_it_is_to_stay() {
+    for stay in [true, false] {
+        let mut bench = Bench::new();
+        bench.set(Mode::Follow);
+        bench.step();
+        bench.other.refer.enqueue(20.0).unwrap();
+        bench.go(stay);
+        let held = (0..HUNGER).map(|_| bench.step().0).last().unwrap();
+        assert!(held.0 > REST.0 + 300);
+        let (later, _, faults) = (0..HUNGER).map(|_| bench.step()).last().unwrap();
+        assert_eq!(later == REST, !stay, "{later:?}");
+        assert_eq!(faults.contains(Faults::SAFE_OUTPUT), !stay);
+    }
+}
+
+#[test]
+fn with_a_table_that_is_not_the_stored_one_the_output_stays_safe() {
+    let (mut tick, _) = tick(Some(&compiled()), Faults::TABLE_FALLBACK);
+    assert!((0..3_000).all(|k| tick.sample(triangle(k), k * PERIOD) == SAFE));
 }

@@ -41,8 +41,14 @@ pub fn ordered(span: Span) -> Range {
 }
 
 impl DriveOptions {
-    /// Makes a table's DAC drive the amplifier, where that is stated.
-    pub fn apply(&self, table: &mut Table) {
+    /// Makes a table's DAC drive the amplifier, where that is stated; a drive that the table has is kept, for a DAC that may
+    /// have had another full scale, `before`.
+    pub fn apply(&self, table: &mut Table, before: u16) {
+        if let Some(drive) = &mut table.drive {
+            let factor = f64::from(table.dac.full_scale) / f64::from(before);
+            drive.gain_codes_per_v = (f64::from(drive.gain_codes_per_v) * factor) as f32;
+            drive.offset_code = (f64::from(drive.offset_code) * factor) as f32;
+        }
         let (Some(span), Some(slew)) = (self.drive_span, self.drive_slew) else { return };
         let gain = f64::from(table.dac.full_scale) / (span.full - span.zero);
         let (dac, model) = (ordered(span), identified_on(table));

@@ -27,6 +27,17 @@ bitflags::bitflags! {
     }
 }
 
+impl Faults {
+    /// The faults that send the DAC to its safe value. With a table that is not the one stored nobody knows what the DAC is
+    /// wired to.
+    pub const UNSAFE: Self = Self::ADC_SATURATED
+        .union(Self::ADC_STUCK)
+        .union(Self::OUT_OF_CALIBRATION)
+        .union(Self::SUPPLY)
+        .union(Self::NO_TABLE)
+        .union(Self::TABLE_FALLBACK);
+}
+
 bitflags::bitflags! {
     /// Why the device started.
     #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]

@@ -26,8 +26,8 @@ pub enum Mode {
     /// Estimates nothing; the DAC is safe.
     Pause,
     /// Estimates from the ADC, while the DAC drives the amplifier to where the references want the displacement, one a tick, the
-    /// last one where there is none; at rest before the first. A fault sends it back to rest, and there it stays until the mode
-    /// is set again.
+    /// last one where there is none; at rest before the first. A fault, or a second without references, sends it back to rest,
+    /// and there it stays until the mode is set again.
     Follow,
 }
 
@@ -57,11 +57,15 @@ pub enum Request {
         record: Record,
         /// Write although the tick is estimating: flash operations may cost ticks.
         while_estimating: bool,
+        /// Write although the DAC is then no longer wired as it was: it drives the amplifier by one of the tables only.
+        rewired: bool,
     },
     /// Empty the parameter store; the compiled table is used from the next reset on. → [`Reply::Done`]
     Erase {
         /// As in [`Self::Push`].
         while_estimating: bool,
+        /// As in [`Self::Push`], of the compiled table.
+        rewired: bool,
     },
     /// Stream samples, or stop. → [`Reply::Done`]
     Stream(bool),
@@ -78,6 +82,8 @@ pub enum Request {
         references: References,
         /// Follow them from now on. Until then they wait, so that the first ones need not be in a hurry.
         go: bool,
+        /// Stay at the last one for good. Otherwise the voltage goes back to rest when none has come for a second.
+        stay: bool,
     },
     /// Start again. → [`Reply::Done`], then the reset.
     Reset,
@@ -138,6 +144,10 @@ pub enum Refusal {
     NotPil,
     /// The table does not say how the DAC drives the amplifier, or there is none.
     NoDrive,
+    /// There is a fault that keeps the DAC at its safe value: nothing can be followed.
+    Faulty,
+    /// The DAC drives the amplifier by one of the tables only: the one in use, or the one that would be used.
+    Rewired,
     /// References came, but the mode is not [`Mode::Follow`].
     NotFollowing,
     /// A reference is not a finite number.
@@ -160,6 +170,12 @@ impl core::fmt::Display for Refusal {
             Self::NoDrive => {
                 write!(f, "its table does not say how the DAC drives the amplifier: piezo emit --drive-span, then push")
             }
+            Self::Faulty => write!(f, "a fault keeps its output at rest: piezo info says which"),
+            Self::Rewired => write!(
+                f,
+                "by the one table the DAC drives the amplifier, by the other it shows the displacement: unplug it, say --rewired, \
+                 and plug it where it then belongs"
+            ),
             Self::NotFollowing => write!(f, "it takes references in the mode that follows them only"),
             Self::NotFinite => write!(f, "a reference is not a finite number"),
             Self::Busy => write!(f, "it is busy; ask again"),

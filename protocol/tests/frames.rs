@@ -28,13 +28,13 @@ fn requests() -> Vec<Request> {
         Request::Health,
         Request::Forget,
         Request::Pull,
-        Request::Push { record, while_estimating: true },
-        Request::Erase { while_estimating: false },
+        Request::Push { record, while_estimating: true, rewired: true },
+        Request::Erase { while_estimating: false, rewired: false },
         Request::Stream(true),
         Request::SetZero,
         Request::SetMode(Mode::Pil),
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
-        Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true },
+        Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true, stay: true },
         Request::Reset,
     ]
 }

@@ -11,6 +11,12 @@ use std::fs;
 #[allow(clippy::excessive_precision, clippy::unreadable_literal, reason = "as the tool prints it")]
 mod committed;
 
+/// The same of a champion that drives an amplifier.
+#[path = "../data/table/champion/table.rs"]
+#[rustfmt::skip]
+#[allow(clippy::excessive_precision, clippy::unreadable_literal, reason = "as the tool prints it")]
+mod champion;
+
 const TABLE: &str = "tests/data/table/table.toml";
 
 #[test]
@@ -19,6 +25,16 @@ fn the_rust_const_compiles_and_equals_the_toml() {
     assert!(matches!(admitted.form, Form::Tabulated { .. }), "the committed table must have a lookup to compare");
     assert_eq!(committed::TABLE, *admitted);
     assert_eq!(Some(&committed::LOOKUP), admitted.lookup::<f32>().as_ref());
+}
+
+#[test]
+fn a_champion_s_const_compiles_and_equals_the_toml() {
+    let (_, admitted) = TableFile::load(&data("table/champion/table.toml")).unwrap();
+    assert!(admitted.drive.is_some());
+    assert_eq!(champion::TABLE, *admitted);
+    let printed = piezo().args(["emit", "tests/data/table/champion/table.toml", "--face", "rust"]).assert().success();
+    let committed = fs::read(data("table/champion/table.rs")).unwrap();
+    assert_eq!(printed.get_output().stdout.trim_ascii_end(), committed.trim_ascii_end());
 }
 
 #[test]

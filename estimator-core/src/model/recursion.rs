@@ -20,7 +20,8 @@ pub trait Recursion<T: Real>: Sized {
     fn reach(&self, voltage: Range<T>) -> Option<Range<T>>;
 
     /// The model without what no inverse can undo within a tick (a delay, a resonance): its displacement a tick later rises
-    /// with this tick's voltage, whatever its memory. `None` where it does not.
+    /// with this tick's voltage, but for a jump at a reversal. `None` where it need not; that parameters which bend it make it
+    /// fall is the inverse's to find out.
     fn prompt(&self) -> Option<Self>;
 }
 

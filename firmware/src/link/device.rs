@@ -2,6 +2,7 @@
 
 use crate::boot::{self, TICK_US};
 use crate::peripherals::Converters;
+use crate::table::TABLE;
 use crate::telemetry::Telemetry;
 use crate::tick::{Command, Numbered};
 use core::sync::atomic::Ordering::Relaxed;
@@ -12,7 +13,8 @@ use estimator_core::{AdcCode, Admitted};
 use heapless::spsc::{Consumer, Producer};
 use parameter_store::ParameterStore;
 use protocol::{
-    Codes, Health, Identity, Mode, Record, References, Refusal, Reply, Request, ResetCause, TableSource, Text, text,
+    Codes, Faults, Health, Identity, Mode, Record, References, Refusal, Reply, Request, ResetCause, TableSource, Text,
+    text,
 };
 
 /// How long a change of mode may take; it happens at the next tick.
@@ -69,9 +71,9 @@ impl<F: NorFlash> Device<F> {
             Request::Health => return Reply::Health(self.health()),
             Request::Pull => return self.record().map_or(Reply::Refused(Refusal::NoTable), Reply::Table),
             Request::Feed(codes) => return self.feed(&codes),
-            Request::Refer { references, go } => return self.refer(&references, go),
-            Request::Push { record, while_estimating } => self.push(&record, while_estimating).await,
-            Request::Erase { while_estimating } => self.erase(while_estimating).await,
+            Request::Refer { references, go, stay } => return self.refer(&references, go, stay),
+            Request::Push { record, while_estimating, rewired } => self.push(&record, while_estimating, rewired).await,
+            Request::Erase { while_estimating, rewired } => self.erase(while_estimating, rewired).await,
             Request::SetMode(mode) => self.set_mode(mode).await,
             Request::SetZero => self.set_zero(),
             Request::Stream(on) => {
@@ -141,15 +143,23 @@ impl<F: NorFlash> Device<F> {
         Record::from_slice(buffer.get(..length)?).ok()
     }
 
-    async fn push(&mut self, record: &[u8], while_estimating: bool) -> Result<(), Refusal> {
-        boot::parse(record, self.converters).map_err(Refusal::Table)?;
+    async fn push(&mut self, record: &[u8], while_estimating: bool, rewired: bool) -> Result<(), Refusal> {
+        let table = boot::parse(record, self.converters).map_err(Refusal::Table)?;
+        self.may_rewire(table.drive.is_some(), rewired)?;
         self.may_write(while_estimating)?;
         self.store.store(record).await.map_err(|error| Refusal::Store(text(error)))
     }
 
-    async fn erase(&mut self, while_estimating: bool) -> Result<(), Refusal> {
+    async fn erase(&mut self, while_estimating: bool, rewired: bool) -> Result<(), Refusal> {
+        self.may_rewire(TABLE.drive.is_some(), rewired)?;
         self.may_write(while_estimating)?;
         self.store.erase().await.map_err(|error| Refusal::Store(text(error)))
+    }
+
+    /// Whether the next table may be one by which the DAC drives the amplifier, or no longer does.
+    fn may_rewire(&self, drives: bool, rewired: bool) -> Result<(), Refusal> {
+        let same = self.table.is_none_or(|table| table.drive.is_some() == drives);
+        if same || rewired { Ok(()) } else { Err(Refusal::Rewired) }
     }
 
     fn may_write(&self, while_estimating: bool) -> Result<(), Refusal> {
@@ -179,6 +189,9 @@ impl<F: NorFlash> Device<F> {
         if mode == Mode::Follow && self.table.is_none_or(|table| table.drive.is_none()) {
             return Err(Refusal::NoDrive);
         }
+        if mode == Mode::Follow && self.telemetry.faults().intersects(Faults::UNSAFE) {
+            return Err(Refusal::Faulty);
+        }
         let epoch = self.telemetry.epoch.load(Relaxed);
         self.commands.enqueue(Command::SetMode(mode)).map_err(|_| Refusal::Busy)?;
         for _ in 0..OBEYED.as_ticks() / POLL.as_ticks() {
@@ -200,14 +213,14 @@ impl<F: NorFlash> Device<F> {
         Reply::Fed(room as u16)
     }
 
-    fn refer(&mut self, references: &References, go: bool) -> Reply {
+    fn refer(&mut self, references: &References, go: bool, stay: bool) -> Reply {
         if self.telemetry.mode() != Mode::Follow {
             return Reply::Refused(Refusal::NotFollowing);
         }
         if !references.iter().all(|reference| reference.is_finite()) {
             return Reply::Refused(Refusal::NotFinite);
         }
-        if go && self.commands.enqueue(Command::Go).is_err() {
+        if go && self.commands.enqueue(Command::Go { stay }).is_err() {
             return Reply::Refused(Refusal::Busy);
         }
         let room = references.iter().take_while(|&&reference| self.refer.enqueue(reference).is_ok()).count();

@@ -63,7 +63,9 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let late = 2.0 + delay_ticks(&table);
     let ticks = references.len() + late.ceil() as usize;
     let bar = progress(ticks as u64);
-    let followed = follow(&mut client, &references, ticks, &interrupt, &mut |ticks| bar.set_position(ticks as u64));
+    let followed = follow(&mut client, &references, arguments.stay, ticks, &interrupt, &mut |ticks| {
+        bar.set_position(ticks as u64)
+    });
     bar.finish_and_clear();
     // Whatever happened, it goes to rest, but where it is to stay.
     let rested = match (&followed, arguments.stay) {

@@ -1,6 +1,6 @@
 //! What the verbs that talk to a device have in common: `--port`, the table to be written, and how flash is written.
 
-use crate::device::{Address, Client, LinkError};
+use crate::device::{Address, Anyway, Client, LinkError};
 use crate::table_file::{self, TableFile};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
@@ -36,6 +36,10 @@ pub struct WriteOptions {
     /// Restart the device afterwards, and check that it has taken effect. This includes --pause.
     #[arg(long)]
     pub reset: bool,
+    /// The DAC is unplugged, or plugged where it belongs by the new table: by the one it drives the amplifier, by the other it
+    /// shows the displacement.
+    #[arg(long)]
+    pub rewired: bool,
     /// Check everything and write nothing.
     #[arg(long)]
     pub dry_run: bool,
@@ -49,7 +53,7 @@ impl WriteOptions {
     pub fn write(
         &self,
         client: &mut Client,
-        write: impl FnOnce(&mut Client, bool) -> Result<(), LinkError>,
+        write: impl FnOnce(&mut Client, Anyway) -> Result<(), LinkError>,
     ) -> Result<Option<Identity>> {
         let pause = self.pause || (self.reset && !self.while_estimating);
         if !pause && !self.while_estimating && estimating(client)? {
@@ -64,7 +68,8 @@ impl WriteOptions {
         if pause {
             client.set_mode(Mode::Pause)?;
         }
-        let written = write(client, self.while_estimating);
+        let anyway = Anyway { while_estimating: self.while_estimating, rewired: self.rewired };
+        let written = write(client, anyway);
         let resumed = match pause && (written.is_err() || !self.reset) {
             true => client.set_mode(Mode::Estimate),
             false => Ok(()),
@@ -208,7 +213,8 @@ mod tests {
     use super::*;
     use crate::device::fake::{Fake, Manners};
 
-    const CAREFUL: WriteOptions = WriteOptions { while_estimating: false, pause: false, reset: false, dry_run: false };
+    const CAREFUL: WriteOptions =
+        WriteOptions { while_estimating: false, pause: false, reset: false, dry_run: false, rewired: false };
 
     /// Pushes the device's own table; returns where its table comes from afterwards, and what it does.
     fn push(options: &WriteOptions, manners: Manners) -> (Result<Option<Identity>>, TableSource, Mode) {

@@ -44,6 +44,15 @@ pub struct Client {
     samples: VecDeque<Samples>,
 }
 
+/// What may not keep a device from writing flash.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Anyway {
+    /// That it is estimating, and that this may cost ticks.
+    pub while_estimating: bool,
+    /// That the DAC drives the amplifier by only one of the tables.
+    pub rewired: bool,
+}
+
 impl Client {
     /// Opens the port and asks who is there. A stream that an earlier run left on is stopped.
     ///
@@ -100,13 +109,15 @@ impl Client {
     }
 
     /// Stores a record.
-    pub fn push(&mut self, record: Record, while_estimating: bool) -> Result<(), LinkError> {
-        self.done(Request::Push { record, while_estimating })
+    pub fn push(&mut self, record: Record, anyway: Anyway) -> Result<(), LinkError> {
+        let Anyway { while_estimating, rewired } = anyway;
+        self.done(Request::Push { record, while_estimating, rewired })
     }
 
     /// Empties the parameter store.
-    pub fn erase(&mut self, while_estimating: bool) -> Result<(), LinkError> {
-        self.done(Request::Erase { while_estimating })
+    pub fn erase(&mut self, anyway: Anyway) -> Result<(), LinkError> {
+        let Anyway { while_estimating, rewired } = anyway;
+        self.done(Request::Erase { while_estimating, rewired })
     }
 
     /// Clears counts, faults seen, and last words.
@@ -141,10 +152,11 @@ impl Client {
         }
     }
 
-    /// Hands wanted displacements (µm) over for the next ticks, and lets the device `go`; returns how many there was room for, and how many ticks have
+    /// Hands wanted displacements (µm) over for the next ticks, and lets the device `go`, to `stay` at the last
+    /// one; returns how many there was room for, and how many ticks have
     /// found none so far.
-    pub fn refer(&mut self, references: References, go: bool) -> Result<(usize, u32), LinkError> {
-        match self.request(Request::Refer { references, go })? {
+    pub fn refer(&mut self, references: References, go: bool, stay: bool) -> Result<(usize, u32), LinkError> {
+        match self.request(Request::Refer { references, go, stay })? {
             Reply::Referred { taken, starved } => Ok((taken.into(), starved)),
             _ => Err(self.confused()),
         }

@@ -26,7 +26,7 @@ pub struct Followed {
     pub stopped: Faults,
 }
 
-/// Sends references, and collects `ticks` samples from the first one on, or as many as come before a fault. The device is
+/// Sends references, the last of which is to `stay` or not, and collects `ticks` samples from the first one on, or as many as come before a fault. The device is
 /// left in [`Mode::Follow`], at the last reference.
 ///
 /// # Errors
@@ -34,6 +34,7 @@ pub struct Followed {
 pub fn follow(
     client: &mut Client,
     references: &[f32],
+    stay: bool,
     ticks: usize,
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
@@ -51,7 +52,7 @@ pub fn follow(
         if !full || !going {
             let chunk: References = next.iter().copied().collect();
             going |= sent + next.len() == references.len();
-            let (taken, starved) = match client.refer(chunk, going) {
+            let (taken, starved) = match client.refer(chunk, going, stay) {
                 Err(LinkError::Unknown { .. }) => bail!(
                     "a reply was lost, so that nobody knows which references the device has taken: after {} of {ticks} ticks",
                     followed.samples.len()
@@ -86,16 +87,14 @@ pub fn follow(
 fn take(followed: &mut Followed, samples: &[Sample], ticks: usize) {
     for sample in samples {
         let resting = sample.faults.contains(Faults::SAFE_OUTPUT);
-        if resting && followed.samples.is_empty() && sample.faults == Faults::SAFE_OUTPUT {
-            // Before the first reference.
-            continue;
+        let waiting = followed.samples.is_empty() && !sample.faults.intersects(Faults::UNSAFE);
+        if resting && !waiting {
+            followed.stopped = sample.faults;
+            return;
         }
         if resting {
-            followed.stopped = sample.faults.difference(Faults::SAFE_OUTPUT);
-            if followed.stopped.is_empty() {
-                followed.stopped = Faults::SAFE_OUTPUT;
-            }
-            return;
+            // Before the first reference.
+            continue;
         }
         if followed.samples.len() < ticks {
             followed.samples.push(*sample);
@@ -112,7 +111,7 @@ mod tests {
         let fake = Fake::start(Manners { drives: true, ..manners });
         let (mut client, _) = fake.connect();
         let wave: Vec<f32> = (0..1000).map(|k| 20.0 + 5.0 * (k as f32 * 0.02).sin()).collect();
-        follow(&mut client, &wave, 1000, &Interrupt::default(), &mut |_| {})
+        follow(&mut client, &wave, true, 1000, &Interrupt::default(), &mut |_| {})
     }
 
     #[test]
@@ -127,14 +126,29 @@ mod tests {
     fn a_fault_ends_it_and_hunger_is_told() {
         let followed = run(Manners { faulty_from: Some(300), starved: 7, ..Manners::default() }).unwrap();
         assert_eq!(followed.samples.len(), 300);
-        assert_eq!((followed.starved, followed.stopped), (7, Faults::ADC_SATURATED));
+        assert_eq!((followed.starved, followed.stopped), (7, Faults::ADC_SATURATED | Faults::SAFE_OUTPUT));
+    }
+
+    #[test]
+    fn what_is_odd_before_the_first_reference_ends_nothing_but_an_unsafe_fault_does() {
+        let sample = |faults| Sample { code: 1, displacement: 0.0, dac: 0, status: Default::default(), faults };
+        let after = |faults: &[Faults]| {
+            let mut followed = Followed::default();
+            take(&mut followed, &faults.iter().map(|&faults| sample(faults)).collect::<Vec<_>>(), 10);
+            (followed.samples.len(), followed.stopped)
+        };
+        let safe = Faults::SAFE_OUTPUT;
+        let none = Faults::empty();
+        assert_eq!(after(&[safe, safe | Faults::MISSED_DEADLINE, safe, none, none]), (2, none));
+        assert_eq!(after(&[safe, safe | Faults::ADC_STUCK, none]), (0, safe | Faults::ADC_STUCK));
+        assert_eq!(after(&[none, Faults::MISSED_DEADLINE, safe]), (2, safe));
     }
 
     #[test]
     fn a_device_without_a_drive_and_lost_samples_are_errors() {
         let fake = Fake::start(Manners::default());
         let (mut client, _) = fake.connect();
-        let refused = follow(&mut client, &[1.0], 1, &Interrupt::default(), &mut |_| {}).unwrap_err().to_string();
+        let refused = follow(&mut client, &[1.0], true, 1, &Interrupt::default(), &mut |_| {}).unwrap_err().to_string();
         assert!(refused.contains("--drive-span"), "{refused}");
         let lost = run(Manners { lose_samples_from: Some(500), ..Manners::default() }).unwrap_err().to_string();
         assert!(lost.contains("samples were lost"), "{lost}");

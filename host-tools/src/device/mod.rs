@@ -17,6 +17,6 @@ pub(crate) mod fake;
 #[cfg(test)]
 mod tests;
 
-pub use client::Client;
+pub use client::{Anyway, Client};
 pub use error::LinkError;
 pub use port::Address;

@@ -2,6 +2,7 @@
 
 use super::fake::{Fake, Manners};
 use super::{Client, LinkError};
+use crate::device::Anyway;
 use protocol::{Mode, Record, Refusal, Request, TableSource};
 
 /// Requests that connecting takes: the stream is stopped, and the device identified.
@@ -81,9 +82,12 @@ fn refusals_say_why() {
         LinkError::Refused { refusal, .. } => *refusal,
         other => panic!("{other}"),
     };
-    assert_eq!(refusal(client.push(record(&fake), false).unwrap_err()), Refusal::Estimating);
+    assert_eq!(refusal(client.push(record(&fake), Anyway::default()).unwrap_err()), Refusal::Estimating);
     let corrupt = Record::from_slice(&[0; 100]).unwrap();
-    assert!(matches!(refusal(client.push(corrupt, true).unwrap_err()), Refusal::Table(_)));
+    assert!(matches!(
+        refusal(client.push(corrupt, Anyway { while_estimating: true, rewired: false }).unwrap_err()),
+        Refusal::Table(_)
+    ));
     assert_eq!(refusal(client.request(Request::Feed(Default::default())).unwrap_err()), Refusal::NotPil);
 }
 
@@ -93,7 +97,7 @@ fn a_pushed_table_is_in_use_after_the_restart() {
     let (mut client, identity) = fake.connect();
     assert!(matches!(identity.source, TableSource::Compiled { .. }));
     client.set_mode(Mode::Pause).unwrap();
-    client.push(record(&fake), false).unwrap();
+    client.push(record(&fake), Anyway::default()).unwrap();
     assert_eq!(client.restart().unwrap().source, TableSource::Stored);
     assert_eq!(client.health().unwrap().mode, Mode::Estimate);
 }

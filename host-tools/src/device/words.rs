@@ -71,7 +71,8 @@ const FAULTS: [(Faults, Meaning); 8] = [
     (
         Faults::TABLE_FALLBACK,
         Meaning {
-            what: "the stored table cannot be used, so the one of the firmware image is, which may be another actuator's",
+            what: "the stored table cannot be used, so the one of the firmware image is, which may be another actuator's: the output \
+                   stays safe",
             remedy: "piezo info says why; store it again: piezo push",
         },
     ),

@@ -110,7 +110,8 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
             validation_max_um: None,
         },
     };
-    setting.calibration.drive.apply(&mut table);
+    let full_scale = table.dac.full_scale;
+    setting.calibration.drive.apply(&mut table, full_scale);
     Ok(if setting.tabulated && fit.model.is_voigt() { tabulation::tabulated(table) } else { table })
 }
 

@@ -137,7 +137,9 @@ fn parse(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<(Recording, 
         return Err(Fault::FewRows { rows, minimum: MINIMUM_ROWS }.into());
     }
     let sample_period = clock::sample_period(&recording, options.sample_rate)?;
-    plausible::check(&recording)?;
+    if options.voltage_required {
+        plausible::check(&recording)?;
+    }
     Ok((recording, sample_period))
 }
 

@@ -8,15 +8,7 @@ use super::units::Quantity;
 /// Refuses a constant voltage or displacement, a voltage span outside 1 mV to 5 kV and a displacement span outside
 /// 1 nm to 10 mm.
 pub(super) fn check(recording: &Recording) -> Result<(), Located> {
-    if recording.channels.voltage.is_some() {
-        check_span(
-            recording,
-            Quantity::Voltage,
-            &recording.voltage,
-            (1e-3, "less than 1 mV"),
-            (5e3, "more than 5 kV"),
-        )?;
-    }
+    check_span(recording, Quantity::Voltage, &recording.voltage, (1e-3, "less than 1 mV"), (5e3, "more than 5 kV"))?;
     match &recording.displacement {
         Some(displacement) => check_span(
             recording,

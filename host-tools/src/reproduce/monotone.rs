@@ -1,7 +1,8 @@
 //! Whether a model can be inverted tick by tick: from each memory that it comes to along the logs, the displacement of
 //! the next tick over this tick's voltage, within what the logs' voltage moves in a tick.
 //!
-//! Where that rises strictly from every memory, any displacement within reach has exactly one voltage.
+//! Where that rises strictly from every memory, any displacement within reach has exactly one voltage. A delay and a resonance are
+//! left out, as the inverse leaves them out.
 
 use super::walker::Walker;
 use crate::session::Session;
@@ -35,7 +36,7 @@ impl Probes {
         let mut probes = Self::default();
         for session in sessions {
             let Some(&first) = session.voltage.first() else { continue };
-            let mut walker = Walker::new(table, first, session.displacement.first().copied());
+            let mut walker = Walker::prompt(table, first, session.displacement.first().copied());
             let every = session.voltage.len().div_ceil(PROBED).max(1);
             for (tick, pair) in session.voltage.windows(2).enumerate() {
                 let &[now, next] = pair else { continue };

@@ -7,7 +7,7 @@ use crate::cost::Feedback;
 use crate::feedforward::{Trajectory, plan};
 use crate::identify::{Problem, Progress, SearchOptions};
 use crate::rig::Rig;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use estimator_core::{Admitted, DriveLimits, Model, Range};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -73,6 +73,11 @@ pub fn generations(search: &SearchOptions) -> u64 {
 /// The logs are a user's: there is nothing to drive.
 pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
     let rig = bench.rig.clone().context("only the rig can be driven; a user's logs say nothing of other voltages")?;
+    let recipe = &bench.prepared.setting.recipe;
+    ensure!(
+        recipe.voltage_zero_v == 0.0 && recipe.displacement_zero_um == 0.0,
+        "the rig is driven from its own zeros: leave out --voltage-zero and --displacement-zero"
+    );
     bench.identify(Feedback::Simulation, &Model::ALL, progress);
     let problem = bench.problem();
     let tick_s = problem.extent().tick;
@@ -87,7 +92,8 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
 
     let volts = scaling(problem);
     let scaled = |wanted: &Trajectory| {
-        let voltages: Vec<f64> = wanted.0.iter().map(|&y| volts(y)).collect();
+        // It knows the trajectory ahead of time as the inverses do.
+        let voltages: Vec<f64> = (0..wanted.0.len()).map(|tick| volts(wanted.at(tick as f64 + 1.0))).collect();
         driven(&voltages, &wanted.0)
     };
     let plain: Vec<f64> = trajectories.iter().map(scaled).collect();
@@ -135,7 +141,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
     }
     let mut notes = vec![format!(
         "Each voltage stands for a tick; judged from {FROM} s on, against the true displacement. Amplitudes are 40 to 80 % of half \
-         the training stroke. Plain scaling: the line of least squares through the training logs. Round trip: the identified model \
+         the training stroke. Plain scaling: the line of least squares through the training logs, a tick ahead as the inverses are. Round trip: the identified model \
          at the voltages of its own inverse."
     )];
     notes.extend(rows.iter().filter_map(|row| Some(format!("{}: {}.", row.name, row.failed.as_ref()?))));

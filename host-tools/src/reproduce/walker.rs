@@ -23,6 +23,18 @@ impl Walker {
         Self { engine, state: State::new(start.unwrap_or(rest), f64::from(table.deadband_v)), start }
     }
 
+    /// The same without delay and resonance, as its inverse has it; whole where it has none.
+    pub fn prompt(table: &Table, voltage: f64, start: Option<f64>) -> Self {
+        let whole = Self::new(table, voltage, start);
+        match &whole.engine {
+            Engine::Other(model) => match model.prompt() {
+                Some(prompt) => Self { engine: Engine::Other(prompt), ..whole },
+                None => whole,
+            },
+            Engine::Voigt(_) => whole,
+        }
+    }
+
     /// One tick: takes its voltage (V), returns the displacement (µm) a tick later.
     pub fn step(&mut self, voltage: f64) -> f64 {
         match &mut self.engine {

@@ -13,8 +13,10 @@ pub fn rust_source(table: &Admitted) -> String {
         "// Made by `piezo emit`; change table.toml instead.\n\
          // Logs {}, seed {}, training MAE {:.4} µm.\n\n\
          #[allow(unused_imports, reason = \"which variants a table names depends on the table\")]\n\
-         use estimator_core::{{\n    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, Form::*, Model::*, \
-         Parameters, Provenance, Range, Scheme::*, Table, VoigtParameters,\n}};\n\n\
+         use estimator_core::{{\n    AdcCalibration, BoucWenParameters, ChampionParameters, DacCalibration, Digest, \
+         DriveCalibration, DriveLimits,\n    DuhemParameters, Form::*, List, MaxwellSlipParameters, Model::*, NarxParameters, \
+         Parameters,\n    PrandtlIshlinskiiParameters, PreisachParameters, Provenance, Range, Scheme::*, Table, \
+         VoigtChainParameters,\n    VoigtParameters,\n}};\n\n\
          /// The compiled-in parameter table.\n\
          pub const TABLE: Table = {:#?};\n",
         provenance.logs, provenance.seed, provenance.train_mae_um, **table

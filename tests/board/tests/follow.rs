@@ -72,7 +72,10 @@ fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
     bench.push(table)?;
     bench.restart()?;
     ensure!(bench.table()? == *table, "{name}: the stored table is used");
-    let references: Vec<f32> = (0..3_000).map(wanted).collect();
+    let mut references: Vec<f32> = (0..3_000).map(wanted).collect();
+    // From end to end, which no voltage reaches in a tick.
+    references.extend([24.0; 300]);
+    references.extend([4.0; 300]);
     let rest = table.drive.map(|drive| drive.code(LIMITS.rest_v, 4095).0);
     bench.does(Request::SetMode(Mode::Follow))?;
     let served = bench.board.instructions(exception::ADC1_2).count();
@@ -80,7 +83,7 @@ fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
     let mut sent = 0;
     while sent < references.len() {
         let references = references[sent..].iter().take(64).copied().collect();
-        match bench.ask(Request::Refer { references, go: true })? {
+        match bench.ask(Request::Refer { references, go: true, stay: true })? {
             Reply::Referred { taken, starved: 0 } => sent += usize::from(taken),
             other => bail!("{name}: {other:?}"),
         }

@@ -12,7 +12,7 @@ fn a_pushed_table_is_used_from_the_next_start_on_until_it_is_erased() -> Result<
     let mut bench = Bench::started()?;
     let (compiled, identity) = (bench.table()?, bench.identity()?);
     let new = reseeded(&compiled, 2);
-    let push = Request::Push { record: record(&new), while_estimating: false };
+    let push = Request::Push { record: record(&new), while_estimating: false, rewired: true };
     assert_eq!(bench.ask(push)?, Reply::Refused(Refusal::Estimating));
     bench.push(&new)?;
     assert_eq!(bench.identity()?, identity, "not before the reset");
@@ -24,7 +24,7 @@ fn a_pushed_table_is_used_from_the_next_start_on_until_it_is_erased() -> Result<
         bench.reboot(cause)?;
         assert_eq!(bench.identity()?, stored, "{cause:?}");
     }
-    bench.does(Request::Erase { while_estimating: true })?;
+    bench.does(Request::Erase { while_estimating: true, rewired: true })?;
     bench.restart()?;
     assert_eq!(bench.identity()?, identity);
     Ok(())
@@ -41,7 +41,7 @@ fn a_corrupt_record_changes_nothing() -> Result<()> {
     for at in [0, 5, 60, whole.len() - 1] {
         let mut corrupt = whole.clone();
         corrupt[at] ^= 0x10;
-        let reply = bench.ask(Request::Push { record: corrupt, while_estimating: true })?;
+        let reply = bench.ask(Request::Push { record: corrupt, while_estimating: true, rewired: true })?;
         assert!(matches!(reply, Reply::Refused(Refusal::Table(_))), "byte {at}: {reply:?}");
     }
     assert_eq!(bench.board.record().flash.len(), flash, "the flash is not touched");

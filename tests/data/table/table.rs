@@ -3,7 +3,10 @@
 
 #[allow(unused_imports, reason = "which variants a table names depends on the table")]
 use estimator_core::{
-    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, Form::*, Model::*, Parameters, Provenance, Range, Scheme::*, Table, VoigtParameters,
+    AdcCalibration, BoucWenParameters, ChampionParameters, DacCalibration, Digest, DriveCalibration, DriveLimits,
+    DuhemParameters, Form::*, List, MaxwellSlipParameters, Model::*, NarxParameters, Parameters,
+    PrandtlIshlinskiiParameters, PreisachParameters, Provenance, Range, Scheme::*, Table, VoigtChainParameters,
+    VoigtParameters,
 };
 
 /// The compiled-in parameter table.

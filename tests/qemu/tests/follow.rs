@@ -27,7 +27,10 @@ fn a_trajectory_is_followed_at_the_device_s_pace() {
 
     let drive = ["--drive-span", "0:4", "--drive-slew", "100", "--drive-rest", "0.5", "--form", "direct"];
     let table = board.table("driving", &drive);
-    board.does("push", &[table.to_str().unwrap(), "--pause", "--reset"]);
+    let push = [table.to_str().unwrap(), "--pause", "--reset"];
+    let complaint = board.refuses("push", &push);
+    assert!(complaint.contains("--rewired"), "{complaint}");
+    board.does("push", &[&push[..], &["--rewired"]].concat());
     // The emulated clock does not wait for a host that is busy with something else; the verb says so and fails then.
     let report = (0..5).map(|_| followed(&board)).find(|report| report["starved"] == 0).expect("not busy all the time");
     assert_eq!((&report["ticks"], &report["stopped"]), (&Value::from(4001), &Value::Array(Vec::new())), "{report:#}");

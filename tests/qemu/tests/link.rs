@@ -26,9 +26,9 @@ fn bad_frame(random: &mut ChaCha8Rng) -> Vec<u8> {
         let requests = [
             Request::Health,
             Request::Reset,
-            Request::Erase { while_estimating: true },
+            Request::Erase { while_estimating: true, rewired: true },
             Request::Feed([30_000; 16].iter().copied().collect()),
-            Request::Push { record: [7; 100].iter().copied().collect(), while_estimating: true },
+            Request::Push { record: [7; 100].iter().copied().collect(), while_estimating: true, rewired: true },
         ];
         let mut bytes = frame(requests[random.random_range(0..requests.len())].clone());
         let at = random.random_range(0..bytes.len() - 1);

@@ -133,7 +133,7 @@ impl State {
             Request::Health => return Reply::Health(self.health()),
             Request::Pull => return Reply::Table(Record::from_slice(&record(&self.table)).unwrap()),
             Request::Forget | Request::SetZero => {}
-            Request::Push { record, while_estimating } => {
+            Request::Push { record, while_estimating, .. } => {
                 if let Err(error) = Table::parse(&record) {
                     return Reply::Refused(Refusal::Table(text(error)));
                 }
@@ -142,7 +142,7 @@ impl State {
                     Some(refusal) => return Reply::Refused(refusal),
                 }
             }
-            Request::Erase { while_estimating } => match self.refusal(while_estimating) {
+            Request::Erase { while_estimating, .. } => match self.refusal(while_estimating) {
                 None => self.stored = None,
                 Some(refusal) => return Reply::Refused(refusal),
             },
@@ -156,7 +156,7 @@ impl State {
                 return Reply::Fed(room as u16);
             }
             Request::Refer { .. } if self.mode != Mode::Follow => return Reply::Refused(Refusal::NotFollowing),
-            Request::Refer { references, go } => {
+            Request::Refer { references, go, .. } => {
                 let room = references.len().min(255 - self.references.len());
                 self.references.extend(&references[..room]);
                 self.going |= go;

@@ -153,7 +153,7 @@ pub fn frame(sequence: u16, request: Request) -> Vec<u8> {
 }
 
 pub fn push(table: &Admitted) -> Request {
-    Request::Push { record: record(table), while_estimating: true }
+    Request::Push { record: record(table), while_estimating: true, rewired: true }
 }
 
 pub fn record(table: &Admitted) -> Record {

@@ -21,8 +21,8 @@ impl Noise {
         let record = || Record::from_iter([7; 20]);
         let mut bytes = match self.below(6) {
             0 => frame(7, Request::Reset),
-            1 => frame(7, Request::Erase { while_estimating: true }),
-            2 => frame(7, Request::Push { record: record(), while_estimating: true }),
+            1 => frame(7, Request::Erase { while_estimating: true, rewired: true }),
+            2 => frame(7, Request::Push { record: record(), while_estimating: true, rewired: true }),
             3 => frame(7, Request::Health),
             _ => (0..1 + self.below(40)).map(|_| self.below(256) as u8).collect(),
         };
