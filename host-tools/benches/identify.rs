@@ -4,13 +4,14 @@
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use estimator_core::Model;
+use host_tools::cost::Feedback;
 use host_tools::identify::ga::{Elitism, Selection};
 use host_tools::identify::space::{Ranges, Space};
 use host_tools::identify::{Conditions, Problem, SearchOptions, Start, identify};
 use host_tools::optimise::Optimiser;
 use host_tools::prepare::Recipe;
 use host_tools::rig::{EXCITATIONS, Rig, VALIDATION};
-use host_tools::session::{Feedback, Session};
+use host_tools::session::Session;
 use std::hint::black_box;
 use std::time::Duration;
 

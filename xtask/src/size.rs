@@ -84,7 +84,7 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> Result<()> {
 
 /// What a tick may take; a little more than it takes.
 const MOST_DIRECT: u64 = 450;
-const MOST_TABULATED: u64 = 150;
+const MOST_TABULATED: u64 = 160;
 
 /// Counts over the first four seconds of the log, and sees that neither form takes more than it should.
 ///
