@@ -54,9 +54,9 @@ const FULL_SCALE: u16 = 4095;
 const ADC_ROOM: f64 = 0.05;
 
 impl CalibrationOptions {
-    /// Whether both spans were stated.
+    /// Whether the ADC's span was stated, and what the DAC's codes are.
     pub fn stated(&self) -> bool {
-        self.adc_span.is_some() && self.dac_span.is_some()
+        self.adc_span.is_some() && (self.dac_span.is_some() || self.drive.drive_span.is_some())
     }
 
     /// The calibration of a new table, assumed where it is not stated. `voltage` is relative to `voltage_zero`.

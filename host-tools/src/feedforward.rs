@@ -47,6 +47,8 @@ pub struct Plan {
     pub wanted: Vec<f64>,
     /// Ticks on which a limit was in the way.
     pub out_of_reach: usize,
+    /// Amplifier voltage before, V.
+    pub rest: f64,
 }
 
 /// How well the model of the inverse meets the trajectory.
@@ -68,6 +70,21 @@ pub fn delay_ticks(table: &Admitted) -> f64 {
     }
 }
 
+/// Displacements (µm) long at rest at the lowest and the highest voltage: what can be held.
+pub fn reach(table: &Admitted, limits: &DriveLimits) -> [f64; 2] {
+    [limits.range_v.min, limits.range_v.max].map(|voltage| {
+        let lookup = table.lookup();
+        let mut model =
+            Estimator::<f64>::new(table, lookup.as_ref()).expect("the lookup was built from this table, for this form");
+        model.tick_volts(voltage.into()).displacement
+    })
+}
+
+/// How near to what is wanted (µm) counts as there, once.
+pub fn near(table: &Admitted) -> f64 {
+    1e-3 * f64::from(table.displacement_limits_um.span())
+}
+
 /// Plans a trajectory from rest at the limits' rest voltage.
 pub fn plan(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> Result<Plan, NoInverse> {
     let mut inverse: Inverse<f64> = table.inverse(limits)?;
@@ -78,7 +95,13 @@ pub fn plan(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> 
     let mut now = model.tick_volts(limits.rest_v.into()).displacement;
     let count = trajectory.0.len();
     let series = || Vec::with_capacity(count);
-    let mut plan = Plan { voltage: series(), displacement: series(), wanted: trajectory.0.clone(), out_of_reach: 0 };
+    let mut plan = Plan {
+        voltage: series(),
+        displacement: series(),
+        wanted: trajectory.0.clone(),
+        out_of_reach: 0,
+        rest: limits.rest_v.into(),
+    };
     for tick in 0..count {
         let commanded = inverse.tick(trajectory.at(tick as f64 + ahead));
         plan.out_of_reach += usize::from(!commanded.reached);
@@ -102,9 +125,15 @@ impl Plan {
         })
     }
 
-    /// Fastest change of the voltage, V a tick.
+    /// Fastest change of the voltage, from its rest on, V a tick.
     pub fn fastest(&self) -> f64 {
-        self.voltage.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
+        let from = std::iter::once(&self.rest).chain(&self.voltage);
+        from.zip(&self.voltage).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max)
+    }
+
+    /// The first tick on which the displacement is within `near` µm of what is wanted.
+    pub fn met(&self, near: f64) -> Option<usize> {
+        self.displacement.iter().zip(&self.wanted).position(|(y, r)| (y - r).abs() < near)
     }
 }
 

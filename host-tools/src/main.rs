@@ -16,8 +16,8 @@ struct Cli {
     verb: Verb,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` or `feedforward` was exceeded, a bit of `pil` \
-                          differs, or `record` ended before its time, or `follow` was stopped by a fault; 2 the arguments, a file or the device are wrong: no file is left \
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` or `feedforward` was exceeded or a trajectory not met, a bit of `pil` \
+                          differs, or `record` ended before its time, or `follow` was stopped by a fault or waited for the host; 2 the arguments, a file or the device are wrong: no file is left \
                           half-written.";
 
 #[derive(Subcommand)]

@@ -1,6 +1,6 @@
 //! Writing results: beside the target first, then renamed, so that nothing is ever half-written.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use std::io::Write;
 use std::path::Path;
 use tempfile::NamedTempFile;
@@ -25,6 +25,18 @@ pub fn beside(path: &Path) -> std::io::Result<NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
+}
+
+/// Refuses to write over what is read.
+pub fn not_over(path: &Path, inputs: &[&Path]) -> Result<()> {
+    let same =
+        |input: &&&Path| path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input));
+    match inputs.iter().find(same) {
+        Some(input) => {
+            bail!("{}: --out would overwrite {}, which is read: name another file", path.display(), input.display())
+        }
+        None => Ok(()),
+    }
 }
 
 /// Creates a folder and those above it.

@@ -92,3 +92,28 @@ fn a_drive_is_calibrated_with_its_slew_rate_and_kept_in_every_face() {
     );
     assert_eq!(number(&plan, "/limits/slew_v_per_s"), 100.0);
 }
+
+#[test]
+fn what_is_wanted_may_be_a_hold_of_two_rows_and_is_never_written_over() {
+    let out = tempfile::tempdir().unwrap();
+    let (hold, voltages) = (out.path().join("hold.csv"), out.path().join("voltages.csv"));
+    fs::write(&hold, "0,20\n1,20\n").unwrap();
+    let feedforward = |target: &Path| {
+        let mut command = piezo();
+        command.arg("feedforward").args([&table(), &hold]).arg("--out").arg(target);
+        command.args(["--columns", "time=1,displacement=2:um", "--slew", "100", "--json"]);
+        command
+    };
+    let plan = json(&mut feedforward(&voltages));
+    assert_eq!(number(&plan, "/ticks"), 2001.0);
+    assert!(number(&plan, "/reach_um/0") < 1.0 && number(&plan, "/reach_um/1") > 30.0, "{plan:#}");
+    for input in [&hold, &table()] {
+        let before = fs::read(input).unwrap();
+        let refused = feedforward(input).assert().code(2).get_output().stderr.clone();
+        assert!(String::from_utf8_lossy(&refused).contains("overwrite"));
+        assert_eq!(fs::read(input).unwrap(), before);
+    }
+    fs::write(&hold, "0,200\n1,200\n").unwrap();
+    let never = feedforward(&voltages).assert().code(1).get_output().stdout.clone();
+    assert!(serde_json::from_slice::<serde_json::Value>(&never).unwrap()["met_after_s"].is_null());
+}

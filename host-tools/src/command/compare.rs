@@ -100,7 +100,8 @@ pub fn run(arguments: &Compare) -> Result<bool> {
 const NOTES: [&str; 4] = [
     "Errors of the estimate in simulation, from the first sample on, on data that decided nothing: mean absolute (MAE), root \
      mean square (RMS), largest (MAX), and the mean absolute without the constant offset that re-zeroing removes; of the \
-     stroke where it says %. Whoever chooses a model by them has used this data up: prove the choice on another log.",
+     stroke where it says %. Whoever chooses a model by them has used this data up: prove the choice on another log. The arrow \
+     marks the smallest MAE.",
     "Parameters: what was searched or solved for by least squares; a grid that was laid out before does not count.",
     "Evals: candidates that were evaluated, of the same budget for every model; a model in which nothing is searched takes one, \
      its least-squares solution, for each of its structures.",

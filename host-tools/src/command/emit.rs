@@ -1,5 +1,6 @@
 //! `piezo emit`: the faces of a table, in another form or with another calibration where asked.
 
+use super::info::describe;
 use super::print::out;
 use crate::calibration::{CalibrationOptions, misfits};
 use crate::identify::Doubt;
@@ -76,6 +77,7 @@ pub fn run(arguments: &Emit) -> Result<bool> {
             out(&serde_json::to_string_pretty(&json!({ "written": faces, "form": admitted.form }))?);
         } else {
             faces.iter().for_each(|path| out(&path.display().to_string()));
+            describe(&admitted).iter().for_each(|line| out(&format!("    {line}")));
         }
     }
     match arguments.face {

@@ -4,8 +4,9 @@ use super::LogOptions;
 use super::print::out;
 use crate::calibration::Span;
 use crate::drive::{identified_on, limits, ordered};
-use crate::feedforward::{Plan, Trajectory, delay_ticks, plan};
+use crate::feedforward::{Plan, Trajectory, delay_ticks, near, plan, reach};
 use crate::log::{Displacement, ReadOptions, read, write_csv};
+use crate::output;
 use crate::prepare::not_negative;
 use crate::table_file::TableFile;
 use anyhow::{Context, Result, bail, ensure};
@@ -46,7 +47,7 @@ pub struct Feedforward {
     pub log: LogOptions,
 }
 
-/// Runs the verb; `false` beyond `--max-error`.
+/// Runs the verb; `false` beyond `--max-error`, and where the trajectory is never met.
 pub fn run(arguments: &Feedforward) -> Result<bool> {
     let (_, table) = TableFile::load(&arguments.table)?;
     let options = ReadOptions {
@@ -58,13 +59,41 @@ pub fn run(arguments: &Feedforward) -> Result<bool> {
     let trajectory = read(&arguments.trajectory, &options)?;
     let name = arguments.out.display();
     ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
+    output::not_over(&arguments.out, &[&arguments.table, &arguments.trajectory])?;
     let limits = stated(arguments, &table)?;
     let tick_s: f64 = table.sample_period();
-    let plan = plan(&table, &limits, &Trajectory::of(&trajectory, tick_s))
-        .with_context(|| format!("{}: no voltages can be planned", arguments.table.display()))?;
+    let plan = plan(&table, &limits, &Trajectory::of(&trajectory, tick_s)).with_context(|| no_plan(&table, &limits))?;
     write_csv(&arguments.out, tick_s, &plan.voltage, &plan.displacement, Displacement::Estimated)
         .with_context(|| format!("{name}: cannot be written"))?;
     tell(arguments, &table, &limits, &plan)
+}
+
+/// What was asked for where no voltages can be planned.
+pub fn no_plan(table: &Admitted, limits: &DriveLimits) -> String {
+    let (model, range) = (identified_on(table), limits.range_v);
+    format!(
+        "no voltages within {} … {} V (--range), from {} V (--rest), at {} V/s (--slew) by a model identified on {} … {} V",
+        range.min, range.max, limits.rest_v, limits.slew_v_per_s, model.min, model.max
+    )
+}
+
+/// What can be held, and how far a model's displacement is to be believed; a line each.
+pub fn caveats(table: &Admitted, limits: &DriveLimits) -> [String; 2] {
+    let [low, high] = reach(table, limits);
+    [
+        format!(
+            "At rest {} … {} V hold about {low:.2} … {high:.2} µm, relative to the model's zero",
+            limits.range_v.min, limits.range_v.max
+        ),
+        match table.provenance.validation_mae_um {
+            Some(mae) => {
+                format!("The model itself was {mae:.3} µm off on average on what was held out when it was identified")
+            }
+            None => {
+                "How far the model itself is off nobody knows: nothing was held out when it was identified".to_owned()
+            }
+        },
+    ]
 }
 
 fn stated(arguments: &Feedforward, table: &Admitted) -> Result<DriveLimits> {
@@ -80,17 +109,12 @@ fn stated(arguments: &Feedforward, table: &Admitted) -> Result<DriveLimits> {
 
 fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &Plan) -> Result<bool> {
     let tick_s: f64 = table.sample_period();
-    let near = 1e-3 * f64::from(table.displacement_limits_um.span());
     // From rest to where the trajectory begins is a way that no inverse can spare.
-    let met = plan.displacement.iter().zip(&plan.wanted).position(|(y, r)| (y - r).abs() < near);
+    let met = plan.met(near(table));
     let errors = met.and_then(|tick| plan.round_trip(tick));
     let hull = |better: fn(f64, f64) -> f64| plan.voltage.iter().copied().reduce(better).unwrap_or(0.0);
     let (low, high) = (hull(f64::min), hull(f64::max));
-    let good = match (arguments.max_error, &errors) {
-        (None, _) => true,
-        (Some(most), Some(errors)) => errors.max_um <= most,
-        (Some(_), None) => false,
-    };
+    let good = errors.as_ref().is_some_and(|errors| arguments.max_error.is_none_or(|most| errors.max_um <= most));
     if arguments.json {
         let summary = json!({
             "out": arguments.out,
@@ -99,6 +123,7 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             "voltage_v": { "min": low, "max": high },
             "fastest_v_per_s": plan.fastest() / tick_s,
             "out_of_reach": plan.out_of_reach,
+            "reach_um": reach(table, limits),
             "met_after_s": met.map(|tick| tick as f64 * tick_s),
             "delay_ticks": delay_ticks(table),
             "round_trip": errors,
@@ -107,10 +132,11 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
         return Ok(good);
     }
     out(&format!(
-        "{}  {} ticks, {low:.3} … {high:.3} V, at most {:.0} V/s",
+        "{}  {} ticks, {low:.3} … {high:.3} V, at most {:.0} V/s, from {} V; it ends where the trajectory does",
         arguments.out.display(),
         plan.voltage.len(),
-        plan.fastest() / tick_s
+        plan.fastest() / tick_s,
+        limits.rest_v
     ));
     match (met, errors) {
         (Some(tick), Some(errors)) => out(&format!(
@@ -124,9 +150,10 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             tick as f64 * tick_s
         )),
         _ => out(
-            "The model never meets the trajectory: is it relative to the model's zero, and within the voltages' reach?",
+            "FAILED: the model never meets the trajectory: is it relative to the model's zero, and within the voltages' reach?",
         ),
     }
+    caveats(table, limits).iter().for_each(|line| out(line));
     if plan.out_of_reach > 0 {
         out(&format!(
             "On {} of {} ticks the voltage or its slew rate stood at a limit ({} … {} V, {} V/s)",
@@ -137,7 +164,7 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             limits.slew_v_per_s
         ));
     }
-    if let (false, Some(most)) = (good, arguments.max_error) {
+    if let (false, Some(most), Some(_)) = (good, arguments.max_error, met) {
         out(&format!("FAILED: more than {most} µm off"));
     }
     Ok(good)

@@ -4,21 +4,24 @@
 //! the log sets what was wanted beside what was estimated at the same instant.
 
 use super::LogOptions;
+use super::feedforward::caveats;
 use super::link::{PortOption, note_damage, running_table};
 use super::print::{out, progress};
 use crate::device::follow::{Followed, follow};
 use crate::device::interrupt::Interrupt;
 use crate::device::{Client, words};
-use crate::feedforward::{Trajectory, delay_ticks};
+use crate::feedforward::{Trajectory, delay_ticks, near, plan};
 use crate::log::{ReadOptions, read};
 use crate::output;
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use estimator_core::{AdcCode, Admitted, DacCode, Status};
 use protocol::Mode;
 use serde_json::json;
-use std::fmt::Write;
-use std::path::PathBuf;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// Arguments of `piezo follow`.
 #[derive(Args, Debug)]
@@ -32,6 +35,9 @@ pub struct Follow {
     /// Stay at the last displacement instead of going back to rest.
     #[arg(long)]
     pub stay: bool,
+    /// Plan it by the device's table, say what would come of it, and drive nothing.
+    #[arg(long)]
+    pub dry_run: bool,
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
@@ -53,12 +59,15 @@ pub fn run(arguments: &Follow) -> Result<bool> {
         voltage_required: false,
     };
     let log = read(&arguments.trajectory, &options)?;
-    if let Some(path) = &arguments.out {
-        ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
-    }
+    // A log that cannot be written is no reason to have driven an actuator.
+    let file = arguments.out.as_deref().map(|path| beside(path, &arguments.trajectory)).transpose()?;
     let (mut client, _) = arguments.port.connect()?;
     let table = running_table(&mut client)?;
     let trajectory = Trajectory::of(&log, table.sample_period());
+    possible(&table, &trajectory, arguments.dry_run)?;
+    if arguments.dry_run {
+        return Ok(true);
+    }
     let references: Vec<f32> = trajectory.0.iter().map(|&wanted| wanted as f32).collect();
     let late = 2.0 + delay_ticks(&table);
     let ticks = references.len() + late.ceil() as usize;
@@ -76,10 +85,40 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     rested?;
     note_damage(&client);
     let rows = rows(&table, &trajectory, &followed, late);
-    if let Some(path) = &arguments.out {
-        output::write(path, csv(&rows))?;
+    if let (Some(mut file), Some(path)) = (file, &arguments.out) {
+        let cannot = || format!("{}: cannot be written", path.display());
+        file.write_all(csv(&rows).as_bytes()).with_context(cannot)?;
+        file.persist(path).map_err(|error| error.error).with_context(cannot)?;
     }
     tell(arguments, &table, &followed, &rows)
+}
+
+/// The file that becomes the log.
+fn beside(path: &Path, trajectory: &Path) -> Result<NamedTempFile> {
+    ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
+    output::not_over(path, &[trajectory])?;
+    output::beside(path).with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+/// Refuses a trajectory that the device's own model never meets; says what comes of one that it does, where that is wanted.
+fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()> {
+    // Without a drive the device itself refuses, with the remedy.
+    let Some(drive) = table.drive else { return Ok(()) };
+    let plan = plan(table, &drive.limits, trajectory)?;
+    let caveats = caveats(table, &drive.limits);
+    ensure!(
+        plan.met(near(table)).is_some(),
+        "the device's model never meets this trajectory, and nothing was driven: is it relative to the model's zero? {}",
+        caveats[0]
+    );
+    if told {
+        let (ticks, beyond) = (plan.voltage.len(), plan.out_of_reach);
+        out(&format!(
+            "{ticks} ticks, on {beyond} of them the voltage or its slew rate would stand at a limit; nothing was driven"
+        ));
+        caveats.iter().for_each(|line| out(line));
+    }
+    Ok(())
 }
 
 fn rest(client: &mut Client) -> Result<(), crate::device::LinkError> {
@@ -161,7 +200,8 @@ fn tell(arguments: &Follow, table: &Admitted, followed: &Followed, rows: &[Row])
     words::status(status).for_each(|meaning| out(&format!("- {}\n  → {}", meaning.what, meaning.remedy)));
     if followed.starved > 0 {
         out(&format!(
-            "FAILED: on {} ticks no reference had come, and the last one was held: is this machine too busy?",
+            "FAILED: the device waited for {} ticks in all for references and held the last one: what was wanted stands too early in \
+             the log by as much. Is this machine too busy? (An emulated board may be faster than its host.)",
             followed.starved
         ));
     }
@@ -180,13 +220,14 @@ mod tests {
     use super::*;
     use crate::device::fake::{Fake, Manners};
 
-    fn followed(manners: Manners) -> (Result<bool>, Option<String>) {
+    /// Follows a swing about a displacement (µm).
+    fn followed_about(about: f64, dry_run: bool, manners: Manners) -> (Result<bool>, Option<String>) {
         let fake = Fake::start(Manners { drives: true, ..manners });
         let folder = tempfile::tempdir().unwrap();
         let trajectory = folder.path().join("wanted.csv");
         let wave = (0..500).map(|k| {
             let t = f64::from(k) * 1e-3;
-            format!("{t:.3},{}\n", 20.0 + 5.0 * (t * 20.0).sin())
+            format!("{t:.3},{}\n", about + 5.0 * (t * 20.0).sin())
         });
         std::fs::write(&trajectory, "time_s,displacement_um\n".to_owned() + &wave.collect::<String>()).unwrap();
         let log = folder.path().join("followed.csv");
@@ -194,11 +235,27 @@ mod tests {
             trajectory,
             out: Some(log.clone()),
             stay: false,
+            dry_run,
             json: true,
             port: PortOption { port: fake.address().clone() },
             log: LogOptions { columns: None, fs: None },
         };
         (run(&arguments), std::fs::read_to_string(log).ok())
+    }
+
+    fn followed(manners: Manners) -> (Result<bool>, Option<String>) {
+        followed_about(20.0, false, manners)
+    }
+
+    #[test]
+    fn a_dry_run_drives_nothing_and_the_impossible_is_not_tried() {
+        assert!(matches!(followed_about(20.0, true, Manners::default()), (Ok(true), None)));
+        let (refused, log) = followed_about(200.0, false, Manners::default());
+        let complaint = format!("{:#}", refused.unwrap_err());
+        assert!(
+            complaint.contains("nothing was driven") && complaint.contains("hold about") && log.is_none(),
+            "{complaint}"
+        );
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::device::words::{self, Meaning};
 use anyhow::Result;
 use clap::Args;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Form, Status, Table, TableError};
-use protocol::{Faults, Health, Identity, VERSION};
+use protocol::{Faults, Health, Identity, Mode, VERSION};
 use serde_json::{Value, json};
 
 /// Arguments of `piezo info`.
@@ -83,9 +83,13 @@ fn lines(found: &Found) -> Vec<String> {
     if let Some(millivolt) = health.supply_mv {
         lines.push(format!("Supply   {:.3} V at the start", f64::from(millivolt) * 1e-3));
     }
-    lines.push(if health.faults.is_empty() { "Faults   none".to_owned() } else { "Faults".to_owned() });
-    lines.extend(words::faults(health.faults).map(|meaning| bullet("now", meaning)));
-    lines.extend(words::faults(health.faults_seen - health.faults).map(|meaning| bullet("earlier", meaning)));
+    let drives = matches!(table, Some((Ok(table), _)) if table.drive.is_some());
+    // One that drives the amplifier is at rest whenever nothing is followed: that is no fault.
+    let rests = drives && health.faults == Faults::SAFE_OUTPUT && health.mode != Mode::Follow;
+    let faults = if rests { Faults::empty() } else { health.faults };
+    lines.push(if faults.is_empty() { "Faults   none".to_owned() } else { "Faults".to_owned() });
+    lines.extend(words::faults(faults).map(|meaning| bullet("now", meaning)));
+    lines.extend(words::faults(health.faults_seen - faults).map(|meaning| bullet("earlier", meaning)));
     for (status, ticks) in counts(health) {
         lines.extend(words::status(status).map(|meaning| bullet(&format!("{ticks} ticks"), meaning)));
     }

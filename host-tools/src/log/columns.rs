@@ -13,8 +13,8 @@ use super::units::{Quantity, Unit, UnknownUnit};
 pub struct Columns {
     /// Column of the time; none where the sample rate is stated.
     pub time: Option<Column>,
-    /// Column of the voltage.
-    pub voltage: Column,
+    /// Column of the voltage; none where it is not needed.
+    pub voltage: Option<Column>,
     /// Column of the displacement; none where it is not needed.
     pub displacement: Option<Column>,
 }
@@ -42,7 +42,7 @@ impl Columns {
     pub(super) fn stated(&self) -> impl Iterator<Item = (Quantity, &Column)> {
         [
             (Quantity::Time, self.time.as_ref()),
-            (Quantity::Voltage, Some(&self.voltage)),
+            (Quantity::Voltage, self.voltage.as_ref()),
             (Quantity::Displacement, self.displacement.as_ref()),
         ]
         .into_iter()
@@ -113,9 +113,6 @@ pub enum ColumnsError {
     /// One column for two quantities.
     #[error("column {0} is stated for two quantities")]
     Shared(Position),
-    /// No voltage.
-    #[error("the voltage column is missing: add voltage=N")]
-    NoVoltage,
 }
 
 impl FromStr for Columns {
@@ -134,7 +131,7 @@ impl FromStr for Columns {
                 return Err(ColumnsError::Twice(quantity));
             }
         }
-        let columns = Self { time, voltage: voltage.ok_or(ColumnsError::NoVoltage)?, displacement };
+        let columns = Self { time, voltage, displacement };
         let positions: Vec<_> = columns.stated().map(|(_, column)| &column.at).collect();
         for (n, at) in positions.iter().enumerate() {
             if positions[..n].contains(at) {
@@ -177,8 +174,9 @@ mod tests {
     #[test]
     fn numbers_names_and_units() {
         let columns: Columns = "time=1, voltage=2:mV,displacement=Sensor A:\u{b5}m".parse().unwrap();
-        assert_eq!(columns.voltage.at, Position::Number(2));
-        assert_eq!(columns.voltage.unit, Some(Unit::Millivolt));
+        let voltage = columns.voltage.as_ref().unwrap();
+        assert_eq!(voltage.at, Position::Number(2));
+        assert_eq!(voltage.unit, Some(Unit::Millivolt));
         assert_eq!(columns.to_string(), "time=1,voltage=2:mV,displacement=Sensor A:um");
         assert_eq!(columns.to_string().parse(), Ok(columns));
     }
@@ -188,7 +186,7 @@ mod tests {
         let columns: Columns = "v=3".parse().unwrap();
         assert_eq!(columns.time, None);
         assert_eq!(columns.displacement, None);
-        assert_eq!(columns.voltage.unit, None);
+        assert_eq!(columns.voltage.as_ref().unwrap().unit, None);
         assert_eq!(columns.highest_number(), 3);
     }
 
@@ -205,6 +203,5 @@ mod tests {
         assert!(matches!(refused("voltage=0"), E::Zero));
         assert!(matches!(refused("voltage=1,v=2"), E::Twice(_)));
         assert!(matches!(refused("voltage=1,time=1"), E::Shared(_)));
-        assert!(matches!(refused("time=1"), E::NoVoltage));
     }
 }

@@ -112,7 +112,7 @@ pub(super) fn rough_period(time: &[f64], resolution: &[f64]) -> f64 {
     let last = time.len() - 1;
     let mean = (time[last] - time[0]) / last as f64;
     // `as` saturates, and takes NaN to 0.
-    let lag = ((coarsest(resolution) / mean * 200.0).ceil() as usize).clamp(1, time.len() / 4);
+    let lag = ((coarsest(resolution) / mean * 200.0).ceil() as usize).clamp(1, (time.len() / 4).max(1));
     let mut steps: Vec<f64> = (lag..time.len()).map(|k| (time[k] - time[k - lag]) / lag as f64).collect();
     let middle = steps.len() / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1

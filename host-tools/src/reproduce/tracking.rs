@@ -2,7 +2,7 @@
 //! What Table 3.1 calls reversibility is worth what it makes of the displacement.
 
 use super::bench::Bench;
-use super::section::{Section, shown};
+use super::section::{Grid, Section, shown};
 use crate::cost::Feedback;
 use crate::feedforward::{Trajectory, plan};
 use crate::identify::{Problem, Progress, SearchOptions};
@@ -128,7 +128,8 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
             }
         });
     }
-    let mut table = bench.grid("Tracking: mean absolute error of the driven rig, nm.").words("voltages from", 27);
+    let mut table = Grid::new("Tracking: mean absolute error of the driven synthetic rig, nm.".to_owned())
+        .words("voltages from", 27);
     for (name, _) in SHAPES {
         table = table.numbers(name, 8);
     }
