@@ -132,7 +132,7 @@ fn emulated(sh: &Shell) -> Result<()> {
 fn board(sh: &Shell) -> Result<()> {
     let image = embedded::image(sh, Board::NucleoG474re)?;
     cmd!(sh, "cargo clippy --package board-emulator-test --all-targets -- -D warnings").run()?;
-    Ok(cmd!(sh, "cargo test --package board-emulator-test").env("FIRMWARE_IMAGE", image).run()?)
+    Ok(cmd!(sh, "cargo test --package board-emulator-test -- --nocapture").env("FIRMWARE_IMAGE", image).run()?)
 }
 
 fn browser(sh: &Shell) -> Result<()> {
