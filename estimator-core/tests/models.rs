@@ -3,6 +3,7 @@
 mod common;
 
 use common::models::table_of;
+use common::resealed;
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::*;
 use proptest::prelude::*;
@@ -11,13 +12,6 @@ fn encoded(table: &Admitted) -> Vec<u8> {
     let mut buffer = [0; MAX_LENGTH];
     let length = table.encode(&mut buffer).expect("MAX_LENGTH suffices");
     buffer[..length].to_vec()
-}
-
-fn resealed(mut record: Vec<u8>) -> Vec<u8> {
-    let body = record.len() - 4;
-    let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&record[..body]);
-    record[body..].copy_from_slice(&checksum.to_le_bytes());
-    record
 }
 
 #[test]

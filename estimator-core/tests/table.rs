@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{VOIGT, any_table, table};
+use common::{VOIGT, any_table, resealed, table};
 use estimator_core::record::{MAX_LENGTH, VERSION};
 use estimator_core::*;
 use proptest::prelude::*;
@@ -11,14 +11,6 @@ fn encoded(table: Table) -> Vec<u8> {
     let mut buffer = [0; MAX_LENGTH];
     let length = table.admit().unwrap().encode(&mut buffer).unwrap();
     buffer[..length].to_vec()
-}
-
-/// Puts the right checksum behind whatever the record holds.
-fn resealed(mut record: Vec<u8>) -> Vec<u8> {
-    let body = record.len() - 4;
-    let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&record[..body]);
-    record[body..].copy_from_slice(&checksum.to_le_bytes());
-    record
 }
 
 #[test]

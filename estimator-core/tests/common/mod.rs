@@ -106,3 +106,11 @@ pub fn any_table() -> impl Strategy<Value = Table> {
         },
     )
 }
+
+/// Puts the right checksum behind whatever the record holds.
+pub fn resealed(mut record: Vec<u8>) -> Vec<u8> {
+    let body = record.len() - 4;
+    let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&record[..body]);
+    record[body..].copy_from_slice(&checksum.to_le_bytes());
+    record
+}
