@@ -88,6 +88,9 @@ fn place(arguments: &Flash) -> Result<Range<u32>> {
 fn content(path: &Path, place: &Range<u32>) -> Result<Vec<u8>> {
     let table = link::load(path)?;
     NUCLEO_G474RE.check(&table, path)?;
+    // By the probe nobody can ask the device what its DAC is wired to.
+    let output = if table.drive.is_some() { "drives the amplifier" } else { "shows the displacement" };
+    eprintln!("piezo: careful: with {} the DAC {output}: wire it so before the board starts", path.display());
     pages::with(&link::to_record(&table), place.len()).with_context(|| format!("{}: cannot be stored", path.display()))
 }
 
