@@ -5,7 +5,7 @@ use super::print::out;
 use crate::calibration::Span;
 use crate::drive::{identified_on, limits, ordered};
 use crate::feedforward::{Plan, Trajectory, delay_ticks, near, plan, reach};
-use crate::log::{Displacement, ReadOptions, read, write_csv};
+use crate::log::{Displacement, write_csv};
 use crate::output;
 use crate::prepare::not_negative;
 use crate::table_file::TableFile;
@@ -50,13 +50,7 @@ pub struct Feedforward {
 /// Runs the verb; `false` beyond `--max-error`, and where the trajectory is never met.
 pub fn run(arguments: &Feedforward) -> Result<bool> {
     let (_, table) = TableFile::load(&arguments.table)?;
-    let options = ReadOptions {
-        columns: arguments.log.columns.clone(),
-        sample_rate: arguments.log.fs,
-        displacement_required: true,
-        voltage_required: false,
-    };
-    let trajectory = read(&arguments.trajectory, &options)?;
+    let trajectory = arguments.log.read_trajectory(&arguments.trajectory)?;
     let name = arguments.out.display();
     ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
     output::not_over(&arguments.out, &[&arguments.table, &arguments.trajectory])?;
@@ -69,7 +63,7 @@ pub fn run(arguments: &Feedforward) -> Result<bool> {
 }
 
 /// What was asked for where no voltages can be planned.
-pub fn no_plan(table: &Admitted, limits: &DriveLimits) -> String {
+fn no_plan(table: &Admitted, limits: &DriveLimits) -> String {
     let (model, range) = (identified_on(table), limits.range_v);
     format!(
         "no voltages within {} … {} V (--range), from {} V (--rest), at {} V/s (--slew) by a model identified on {} … {} V",

@@ -9,14 +9,13 @@ use super::link::{PortOption, note_damage, running_table};
 use super::print::{out, progress};
 use crate::device::follow::{Followed, follow};
 use crate::device::interrupt::Interrupt;
-use crate::device::{Client, words};
+use crate::device::words;
 use crate::feedforward::{Trajectory, delay_ticks, near, plan};
-use crate::log::{ReadOptions, read};
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use estimator_core::{AdcCode, Admitted, DacCode, Status};
-use protocol::Mode;
+use protocol::{Mode, Refusal};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -52,13 +51,7 @@ pub struct Follow {
 /// Runs the verb; `false` where a fault ended it or the link fell behind.
 pub fn run(arguments: &Follow) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
-    let options = ReadOptions {
-        columns: arguments.log.columns.clone(),
-        sample_rate: arguments.log.fs,
-        displacement_required: true,
-        voltage_required: false,
-    };
-    let log = read(&arguments.trajectory, &options)?;
+    let log = arguments.log.read_trajectory(&arguments.trajectory)?;
     // A log that cannot be written is no reason to have driven an actuator.
     let file = arguments.out.as_deref().map(|path| beside(path, &arguments.trajectory)).transpose()?;
     let (mut client, _) = arguments.port.connect()?;
@@ -79,7 +72,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     // Whatever happened, it goes to rest, but where it is to stay.
     let rested = match (&followed, arguments.stay) {
         (Ok(followed), true) if followed.stopped.is_empty() => client.stream(false),
-        _ => rest(&mut client),
+        _ => client.set_mode(Mode::Estimate),
     };
     let followed = followed?;
     rested?;
@@ -102,8 +95,7 @@ fn beside(path: &Path, trajectory: &Path) -> Result<NamedTempFile> {
 
 /// Refuses a trajectory that the device's own model never meets; says what comes of one that it does, where that is wanted.
 fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()> {
-    // Without a drive the device itself refuses, with the remedy.
-    let Some(drive) = table.drive else { return Ok(()) };
+    let drive = table.drive.with_context(|| Refusal::NoDrive.to_string())?;
     let plan = plan(table, &drive.limits, trajectory)?;
     let caveats = caveats(table, &drive.limits);
     ensure!(
@@ -119,10 +111,6 @@ fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()>
         caveats.iter().for_each(|line| out(line));
     }
     Ok(())
-}
-
-fn rest(client: &mut Client) -> Result<(), crate::device::LinkError> {
-    client.set_mode(Mode::Estimate)
 }
 
 /// An instant.

@@ -55,6 +55,17 @@ impl LogOptions {
         Ok(read(path, &options)?)
     }
 
+    /// Reads what is wanted: time and displacement, without a voltage.
+    fn read_trajectory(&self, path: &Path) -> Result<Log> {
+        let options = ReadOptions {
+            columns: self.columns.clone(),
+            sample_rate: self.fs,
+            voltage_required: false,
+            ..ReadOptions::default()
+        };
+        Ok(read(path, &options)?)
+    }
+
     /// Reads every log; refuses none and the same file twice.
     fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<Log>> {
         let logs: Vec<Log> = paths.iter().map(|path| self.read(path)).collect::<Result<_>>()?;
