@@ -1,50 +1,22 @@
-//! `--adc-span`, `--dac-span` and the converters' full scales, as the command line says them.
+//! The calibration of a target's converters, where it is stated and where it is assumed.
 
 use crate::drive::DriveOptions;
-use clap::Args;
+use crate::span::Span;
 use estimator_core::{AdcCalibration, AdcCode, DacCalibration, DacCode, Range, Table};
-use std::str::FromStr;
-
-/// What code 0 and what the full-scale code stand for.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Span {
-    /// At code 0.
-    pub zero: f64,
-    /// At full scale.
-    pub full: f64,
-}
-
-impl FromStr for Span {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || "expected what code 0 and full scale stand for, as -22:22".to_owned();
-        let (zero, full) = text.split_once(':').ok_or_else(wrong)?;
-        let number = |text: &str| text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(wrong);
-        let span = Self { zero: number(zero)?, full: number(full)? };
-        if span.zero == span.full { Err("the two ends must differ".to_owned()) } else { Ok(span) }
-    }
-}
 
 /// Calibration of the converters.
-#[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Calibration of the target's converters")]
+#[derive(Clone, Debug, Default)]
 pub struct CalibrationOptions {
     /// Amplifier voltage at ADC code 0 and at full scale, V; the first larger than the second where the divider inverts.
     /// Without it a range a little wider than the logs' is assumed.
-    #[arg(long, allow_hyphen_values = true, value_name = "V:V")]
     pub adc_span: Option<Span>,
     /// Largest ADC code (with oversampling); 4095 where nothing else is known.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(3..))]
     pub adc_full_scale: Option<u16>,
     /// Displacement at DAC code 0 and at full scale, µm relative to the model's zero. Without it the displacement limits.
-    #[arg(long, allow_hyphen_values = true, value_name = "µm:µm")]
     pub dac_span: Option<Span>,
     /// Largest DAC code; 4095 where nothing else is known.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub dac_full_scale: Option<u16>,
     /// The DAC as the amplifier's input.
-    #[command(flatten)]
     pub drive: DriveOptions,
 }
 
@@ -192,12 +164,5 @@ mod tests {
         assert_eq!(fits((0.0, 2.0), (-8.0, 52.0)), 1);
         assert_eq!(fits((-1.0, 4.0), (-1.0, 40.0)), 1);
         assert_eq!(fits((-1.0, 4.0), (10.0, 52.0)), 2, "no safe value, and not all of the limits");
-    }
-
-    #[test]
-    fn nonsense_is_refused() {
-        for text in ["", "1", "1:1", "1:x", "nan:1", "1:inf"] {
-            assert!(text.parse::<Span>().is_err(), "{text}");
-        }
     }
 }

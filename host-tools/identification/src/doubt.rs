@@ -96,7 +96,7 @@ pub enum Doubt {
     },
     /// The ADC and DAC calibration is a placeholder.
     CalibrationAssumed,
-    /// `--delay auto` ended at its largest delay.
+    /// The delay that was found is the largest that was tried.
     DelayAtBound {
         /// The delay, ms.
         delay_ms: f64,

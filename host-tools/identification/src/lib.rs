@@ -20,6 +20,7 @@ mod problem;
 mod rounds;
 pub mod search;
 mod session_error;
+pub mod span;
 mod structures;
 mod suspicion;
 pub mod table_file;

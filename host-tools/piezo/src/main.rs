@@ -1,5 +1,6 @@
 //! `piezo`: parses arguments, runs a verb, turns what comes of it into an exit code.
 
+mod option;
 mod output;
 mod verb;
 

@@ -13,65 +13,58 @@
 //! The recorded voltage is the commanded one, unless voltage noise or quantisation is asked for.
 
 use crate::log::Log;
-use clap::Args;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
 /// What can be changed of the rig. The defaults are the reference.
-#[derive(Args, Clone, Debug)]
+#[derive(Clone, Debug)]
 pub struct Rig {
     /// Voltage amplitude, V.
-    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
     pub amplitude: f64,
     /// Length of a log, s.
-    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
     pub duration: f64,
     /// Samples a second, Hz.
-    #[arg(long, default_value_t = 10_000.0, allow_negative_numbers = true)]
     pub fs: f64,
     /// Cut-off frequency of the amplifier, Hz.
-    #[arg(long, default_value_t = 75.0, allow_negative_numbers = true)]
     pub cutoff: f64,
     /// Factor on the hysteresis (the plays wider than 0).
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     pub hysteresis: f64,
     /// Factor on the creep.
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     pub creep: f64,
     /// Asymmetry, 1/µm.
-    #[arg(long, default_value_t = 0.03, allow_negative_numbers = true)]
     pub asymmetry: f64,
     /// Sensor noise, nm rms.
-    #[arg(long, default_value_t = 7.0, allow_negative_numbers = true)]
     pub noise_nm: f64,
     /// Noise of the recorded voltage, V rms.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub voltage_noise: f64,
     /// Record the voltage as a converter of this many bits over ±110 % of the amplitude would.
-    #[arg(long, value_parser = clap::value_parser!(u8).range(4..=24))]
     pub adc_bits: Option<u8>,
     /// Seed of the noise.
-    #[arg(long, default_value_t = 1)]
     pub seed: u64,
+}
+
+impl Rig {
+    /// The reference.
+    pub const DEFAULT: Self = Self {
+        amplitude: 20.0,
+        duration: 2.0,
+        fs: 10_000.0,
+        cutoff: 75.0,
+        hysteresis: 1.0,
+        creep: 1.0,
+        asymmetry: 0.03,
+        noise_nm: 7.0,
+        voltage_noise: 0.0,
+        adc_bits: None,
+        seed: 1,
+    };
 }
 
 impl Default for Rig {
     fn default() -> Self {
-        Self {
-            amplitude: 20.0,
-            duration: 2.0,
-            fs: 10_000.0,
-            cutoff: 75.0,
-            hysteresis: 1.0,
-            creep: 1.0,
-            asymmetry: 0.03,
-            noise_nm: 7.0,
-            voltage_noise: 0.0,
-            adc_bits: None,
-            seed: 1,
-        }
+        Self::DEFAULT
     }
 }
 

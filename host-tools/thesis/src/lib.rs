@@ -20,12 +20,11 @@ mod walker;
 
 use anyhow::{Context, Result};
 pub use bench::Bench;
-use clap::ValueEnum;
 use identification::{Progress, SearchOptions};
 use report::Section;
 
 /// What can be reproduced.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Item {
     /// Validation errors: Tables 4.8, 5.3, 5.4, 5.5, Figures 4.11 and 5.1 to 5.6.
     Errors,
@@ -70,9 +69,19 @@ impl Item {
     }
 
     /// Its name on the command line and in JSON.
-    pub fn name(self) -> String {
-        // No variant is skipped on the command line.
-        self.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Errors => "errors",
+            Self::SamplingTime => "sampling-time",
+            Self::Parameters => "parameters",
+            Self::Convergence => "convergence",
+            Self::BlackBox => "black-box",
+            Self::Search => "search",
+            Self::Loops => "loops",
+            Self::Features => "features",
+            Self::Tracking => "tracking",
+            Self::All => "all",
+        }
     }
 
     /// Generations that it takes, roughly, for a progress bar.

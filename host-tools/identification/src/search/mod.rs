@@ -28,14 +28,13 @@ pub mod space;
 #[cfg(test)]
 mod tests;
 
-use clap::ValueEnum;
 pub use options::{SearchOptions, Start};
 use search::Search;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// A method.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Optimiser {
     /// The thesis's binary genetic algorithm in rounds of shrinking ranges.
@@ -50,10 +49,21 @@ pub enum Optimiser {
     Local,
 }
 
+impl Optimiser {
+    /// Every method.
+    pub const ALL: [Self; 5] =
+        [Self::Genetic, Self::DifferentialEvolution, Self::ParticleSwarm, Self::CmaEs, Self::Local];
+}
+
 impl fmt::Display for Optimiser {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // No variant is skipped on the command line.
-        self.to_possible_value().map_or(Ok(()), |value| f.pad(value.get_name()))
+        f.pad(match self {
+            Self::Genetic => "genetic",
+            Self::DifferentialEvolution => "differential-evolution",
+            Self::ParticleSwarm => "particle-swarm",
+            Self::CmaEs => "cma-es",
+            Self::Local => "local",
+        })
     }
 }
 

@@ -111,14 +111,12 @@ impl Gene {
 }
 
 /// Which search space.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum Ranges {
     /// Coordinates and ranges from the training logs' own scale.
-    #[value(name = "data")]
     #[serde(rename = "data")]
     Data,
     /// The published parameters within Table 4.5; g, h, e and f within the magnitudes of Table 5.2, of either sign.
-    #[value(name = "table-4.5")]
     #[serde(rename = "table-4.5")]
     Table45,
 }

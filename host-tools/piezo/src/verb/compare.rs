@@ -1,18 +1,17 @@
 //! `piezo compare`: models × logs → errors on held-out data, parameters, time, instructions.
 
-use super::fitting::Fitting;
 use super::identify::zeros;
 use super::print::{out, progress};
+use crate::option::{Fitting, OPTIMISERS, STARTS, choice, models};
 use crate::output;
 use anyhow::{Result, ensure};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use estimator_core::Model;
 use identification::compare::{self, Judgement, Matrix, Row, read_instructions};
 use identification::cost::Cost;
 use identification::search::Optimiser;
 use identification::validate::Figures;
-use identification::{ModelChoice, Role, SearchOptions, Start};
+use identification::{Role, SearchOptions, Start};
 use report::ComparisonReport;
 use std::path::PathBuf;
 
@@ -35,10 +34,10 @@ pub struct Compare {
     #[arg(long, value_name = "N", default_value_t = 4000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub budget: u32,
     /// Method for every model.
-    #[arg(long, value_enum, default_value_t = Optimiser::CmaEs)]
+    #[arg(long, value_parser = choice(OPTIMISERS), default_value = "cma-es")]
     pub optimiser: Optimiser,
     /// Where the search of an extremum model starts: at the best of the simpler models' solutions, or in the middle.
-    #[arg(long, value_enum, default_value_t = Start::Family)]
+    #[arg(long, value_parser = choice(STARTS), default_value = "family")]
     pub start: Start,
     /// Seed; the same seed gives the same result on any number of threads.
     #[arg(long, default_value_t = 1)]
@@ -48,15 +47,6 @@ pub struct Compare {
     pub fitting: Fitting,
 }
 
-/// The names of `identify --model` but `auto`.
-fn models() -> impl TypedValueParser<Value = Model> {
-    let named = ModelChoice::value_variants().iter().filter(|choice| choice.model().is_some());
-    PossibleValuesParser::new(named.filter_map(ValueEnum::to_possible_value)).try_map(|name| {
-        let choice = ModelChoice::from_str(&name, false)?;
-        choice.model().ok_or_else(|| format!("{name} is no model"))
-    })
-}
-
 /// Runs the verb.
 pub fn run(arguments: &Compare) -> Result<bool> {
     if let Some(folder) = &arguments.out {
@@ -64,7 +54,7 @@ pub fn run(arguments: &Compare) -> Result<bool> {
     }
     let instructions = arguments.instructions.as_deref().map(read_instructions).transpose()?.unwrap_or_default();
     let Compare { optimiser, start, seed, .. } = *arguments;
-    let job = arguments.fitting.job(&SearchOptions { optimiser, start, seed, ..SearchOptions::default() })?;
+    let job = arguments.fitting.job(SearchOptions { optimiser, start, seed, ..SearchOptions::default() })?;
     let budget = arguments.budget as usize;
     let mut models = Vec::new();
     for model in if arguments.models.is_empty() { &Model::ALL[..] } else { &arguments.models[..] } {

@@ -2,6 +2,7 @@
 
 use super::info::describe;
 use super::print::out;
+use crate::option::CalibrationArgs;
 use crate::output;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -52,14 +53,15 @@ pub struct Emit {
     pub json: bool,
     /// The converters.
     #[command(flatten)]
-    pub calibration: CalibrationOptions,
+    pub calibration: CalibrationArgs,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Emit) -> Result<bool> {
     let (mut file, _) = TableFile::load(&arguments.table)?;
-    arguments.calibration.apply(&mut file.table);
-    if arguments.calibration.stated() {
+    let calibration = CalibrationOptions::from(&arguments.calibration);
+    calibration.apply(&mut file.table);
+    if calibration.stated() {
         let assumed = Doubt::CalibrationAssumed.to_string();
         file.doubts.retain(|doubt| *doubt != assumed);
     }

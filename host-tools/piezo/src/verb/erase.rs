@@ -1,7 +1,7 @@
 //! `piezo erase`: empties the device's parameter store.
 
-use super::link::{self, PortOption, WriteOptions, note_damage};
 use super::print::out;
+use crate::option::link::{self, PortOption, WriteOptions, note_damage};
 use anyhow::{Result, ensure};
 use clap::Args;
 use protocol::TableSource;

@@ -1,17 +1,17 @@
 //! `piezo feedforward`: a wanted trajectory → the voltages that bring the actuator there.
 
-use super::LogOptions;
 use super::print::out;
+use crate::option::LogOptions;
+use crate::option::not_negative;
 use crate::output;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
-use identification::calibration::Span;
 use identification::drive::{identified_on, limits, ordered};
 use identification::feedforward::{Plan, Trajectory, delay_ticks, near, plan, reach};
+use identification::span::Span;
 use identification::table_file::TableFile;
 use recordings::log::{Displacement, write_csv};
-use recordings::prepare::not_negative;
 use serde_json::json;
 use std::path::PathBuf;
 

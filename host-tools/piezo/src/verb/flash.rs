@@ -1,7 +1,7 @@
 //! `piezo flash`: a firmware image, a table, or both, by a debug probe.
 
-use super::link::{self, Board};
 use super::print::out;
+use crate::option::link::{self, Board};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use device_link::pages;

@@ -3,10 +3,10 @@
 //! The reference of tick k moves the DAC at tick k + 1 and the displacement a tick after that, later by the model's delay;
 //! the log sets what was wanted beside what was estimated at the same instant.
 
-use super::LogOptions;
 use super::feedforward::caveats;
-use super::link::{PortOption, note_damage, running_table};
 use super::print::{out, progress};
+use crate::option::LogOptions;
+use crate::option::link::{PortOption, note_damage, running_table};
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;

@@ -1,15 +1,14 @@
 //! `piezo identify`: logs → a proven parameter table and a report.
 
 use super::emit::FormName;
-use super::fitting::Fitting;
 use super::print::{heading, out, progress, row};
+use crate::option::{CalibrationArgs, Fitting, SearchArgs, model_choice};
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use identification::calibration::CalibrationOptions;
 use identification::cost::Cost;
 use identification::table_file::TableFile;
-use identification::{Candidate, Job, ModelChoice, Outcome, Role, SearchOptions};
+use identification::{Candidate, Job, ModelChoice, Outcome, Role};
 use recordings::prepare::Recipe;
 use report::Report;
 use serde_json::{Value, json};
@@ -22,7 +21,7 @@ pub struct Identify {
     #[arg(long)]
     pub out: PathBuf,
     /// Which model; `auto` identifies the Voigt family and the champion.
-    #[arg(long, value_enum, default_value_t = ModelChoice::Auto)]
+    #[arg(long, value_parser = model_choice(), default_value = "auto")]
     pub model: ModelChoice,
     /// How the table's per-tick functions are evaluated on the target.
     #[arg(long, value_enum, default_value_t = FormName::Direct)]
@@ -32,10 +31,10 @@ pub struct Identify {
     pub fitting: Fitting,
     /// The search.
     #[command(flatten)]
-    pub search: SearchOptions,
+    pub search: SearchArgs,
     /// The converters.
     #[command(flatten)]
-    pub calibration: CalibrationOptions,
+    pub calibration: CalibrationArgs,
 }
 
 /// Runs the verb.
@@ -49,8 +48,8 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let job = Job {
         model: arguments.model,
         tabulated: arguments.form == FormName::Tabulated,
-        calibration: arguments.calibration.clone(),
-        ..arguments.fitting.job(&arguments.search)?
+        calibration: (&arguments.calibration).into(),
+        ..arguments.fitting.job((&arguments.search).into())?
     };
     let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
@@ -80,7 +79,7 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
         cost: Some(cost.feedback),
         norm: Some(cost.norm),
         feedback_weight: cost.feedback_weight,
-        search: Some(arguments.search.clone()),
+        search: Some((&arguments.search).into()),
         logs: outcome.logs.clone(),
     };
     let names: Vec<&str> =

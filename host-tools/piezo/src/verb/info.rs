@@ -1,7 +1,7 @@
 //! `piezo info`: who the device is, which table it runs, how it is, and what to do about it.
 
-use super::link::{self, PortOption, checksum};
 use super::print::out;
+use crate::option::link::{self, PortOption, checksum};
 use anyhow::Result;
 use clap::Args;
 use device_link::words::{self, Meaning};

@@ -2,8 +2,9 @@
 //!
 //! In a terminal one block of lines that refreshes itself; elsewhere a line, or a JSON object, a second.
 
-use super::link::{PortOption, note_damage, require_estimating, running_table};
 use super::print::out;
+use crate::option::link::{PortOption, note_damage, require_estimating, running_table};
+use crate::option::not_negative;
 use anyhow::Result;
 use clap::Args;
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
@@ -12,7 +13,6 @@ use device_link::interrupt::Interrupt;
 use device_link::window::Window;
 use device_link::{Client, words};
 use estimator_core::Range;
-use recordings::prepare::not_negative;
 use serde_json::json;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};

@@ -1,9 +1,9 @@
 //! `piezo pil`: processor in the loop. Logs go through the device's tick, and every bit of what comes back is compared with
 //! what the host's f32 core gives.
 
-use super::LogOptions;
-use super::link::{self, PortOption, note_damage, running_table};
 use super::print::{out, progress};
+use crate::option::LogOptions;
+use crate::option::link::{self, PortOption, note_damage, running_table};
 use anyhow::{Result, ensure};
 use clap::Args;
 use device_link::interrupt::Interrupt;

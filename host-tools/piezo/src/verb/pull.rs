@@ -1,8 +1,8 @@
 //! `piezo pull`: the table that the device runs, as a binary record.
 
 use super::info::describe;
-use super::link::{self, PortOption, note_damage};
 use super::print::out;
+use crate::option::link::{self, PortOption, note_damage};
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;

@@ -1,7 +1,7 @@
 //! `piezo push`: a table into the device's parameter store.
 
-use super::link::{self, Board, PortOption, WriteOptions, note_damage};
 use super::print::out;
+use crate::option::link::{self, Board, PortOption, WriteOptions, note_damage};
 use anyhow::{Result, ensure};
 use clap::Args;
 use device_link::table::to_record;

@@ -1,7 +1,8 @@
 //! `piezo record`: the device's samples as a log.
 
-use super::link::{PortOption, note_damage, require_estimating, running_table};
 use super::print::out;
+use crate::option::link::{PortOption, note_damage, require_estimating, running_table};
+use crate::option::not_negative;
 use crate::output;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
@@ -9,7 +10,6 @@ use device_link::interrupt::Interrupt;
 use device_link::recording::{End, Recording, Wish, record};
 use device_link::{LinkError, words};
 use indicatif::ProgressBar;
-use recordings::prepare::not_negative;
 use serde_json::json;
 use std::io::BufWriter;
 use std::path::PathBuf;

@@ -3,14 +3,13 @@
 
 use super::identify::zeros;
 use super::print::{out, progress};
-use super::{LogOptions, limit};
+use crate::option::{Choice, LogOptions, PrepareArgs, SearchArgs, choice, limit};
 use crate::output;
 use anyhow::{Result, ensure};
 use clap::Args;
 use identification::calibration::CalibrationOptions;
 use identification::cost::Feedback;
-use identification::{Conditions, Job, ModelChoice, Role, SearchOptions};
-use recordings::prepare::PrepareOptions;
+use identification::{Conditions, Job, ModelChoice, Role};
 use recordings::rig::Rig;
 use report::{ReproductionReport, Section};
 use serde_json::{Map, Value};
@@ -21,7 +20,7 @@ use thesis::{Bench, Item};
 #[derive(Args, Debug)]
 pub struct Reproduce {
     /// What of the thesis.
-    #[arg(value_enum, value_name = "ITEM", default_values_t = [Item::Errors])]
+    #[arg(value_name = "ITEM", value_parser = choice(ITEMS), default_value = "errors")]
     pub items: Vec<Item>,
     /// Your own modelling logs instead of the synthetic rig's.
     #[arg(long, num_args = 1.., value_name = "LOG")]
@@ -50,11 +49,29 @@ pub struct Reproduce {
     pub files: LogOptions,
     /// Preparation of the logs. `auto` takes the rig's known zeros, 0 V and 0 µm.
     #[command(flatten)]
-    pub prepare: PrepareOptions,
+    pub prepare: PrepareArgs,
     /// The search.
     #[command(flatten)]
-    pub search: SearchOptions,
+    pub search: SearchArgs,
 }
+
+/// What can be reproduced.
+const ITEMS: [Choice<Item>; 10] = [
+    (Item::Errors, Item::Errors.name(), "Validation errors: Tables 4.8, 5.3, 5.4, 5.5, Figures 4.11 and 5.1 to 5.6"),
+    (Item::SamplingTime, Item::SamplingTime.name(), "Validation error over the sampling time: Table 4.4, Figure 4.8"),
+    (Item::Parameters, Item::Parameters.name(), "Parameters and their ranges: Tables 4.5, 4.6, 5.2"),
+    (
+        Item::Convergence,
+        Item::Convergence.name(),
+        "Modelling and validation error over the search: Table 4.7, Figures 4.9 and 4.10",
+    ),
+    (Item::BlackBox, Item::BlackBox.name(), "NARX with and without extrema: Table 5.1"),
+    (Item::Search, Item::Search.name(), "Population and bits of the search: Tables C.1, C.2"),
+    (Item::Loops, Item::Loops.name(), "Recorded signals and loops: Appendix B"),
+    (Item::Features, Item::Features.name(), "Rate dependence, frequency range, reversibility: Table 3.1"),
+    (Item::Tracking, Item::Tracking.name(), "The rig driven by each model's inverse, beside plain scaling"),
+    (Item::All, Item::All.name(), "Everything"),
+];
 
 /// Runs the verb.
 pub fn run(arguments: &Reproduce) -> Result<bool> {
@@ -98,17 +115,18 @@ fn job(arguments: &Reproduce) -> Result<(Job, Option<Rig>)> {
         Some(rig) => Bench::logs_of(rig),
         None => (arguments.files.read_all(&arguments.logs)?, arguments.files.read_all(&arguments.validate_on)?),
     };
+    let prepare = (&arguments.prepare).into();
     let job = Job {
         training,
         held_out,
         hold_out,
-        prepare: if own { arguments.prepare.clone() } else { Bench::zeroed(&arguments.prepare) },
+        prepare: if own { prepare } else { Bench::zeroed(&prepare) },
         model: ModelChoice::Auto,
         conditions: Conditions { limit: arguments.limit, ..Conditions::default() },
         tabulated: false,
         calibration: CalibrationOptions::default(),
         cost: Feedback::Simulation.into(),
-        search: arguments.search.clone(),
+        search: (&arguments.search).into(),
     };
     Ok((job, rig))
 }
@@ -118,7 +136,7 @@ fn json(sections: &[(Item, Section)]) -> Result<String> {
     if let [(Item::Errors, errors)] = sections {
         return Ok(errors.json.clone());
     }
-    let named = sections.iter().map(|(item, section)| Ok((item.name(), section.data()?)));
+    let named = sections.iter().map(|(item, section)| Ok((item.name().to_owned(), section.data()?)));
     Ok(serde_json::to_string_pretty(&named.collect::<Result<Map<String, Value>>>()?)?)
 }
 

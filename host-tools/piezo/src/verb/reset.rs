@@ -1,7 +1,7 @@
 //! `piezo reset`: restarts the device.
 
-use super::link::{self, PortOption};
 use super::print::out;
+use crate::option::link::{self, PortOption};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;

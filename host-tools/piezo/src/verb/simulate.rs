@@ -1,6 +1,7 @@
 //! `piezo simulate`: the synthetic rig's six logs.
 
 use super::print::out;
+use crate::option::RigArgs;
 use crate::output;
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -20,12 +21,12 @@ pub struct Simulate {
     pub json: bool,
     /// The rig.
     #[command(flatten)]
-    pub rig: Rig,
+    pub rig: RigArgs,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Simulate) -> Result<bool> {
-    let rig = &arguments.rig;
+    let rig = Rig::from(&arguments.rig);
     let positive = |name: &str, value: f64| {
         ensure!(value.is_finite() && value > 0.0, "--{name} must be a positive number, not {value}");
         Ok(())

@@ -1,7 +1,7 @@
 //! `piezo validate`: a table against logs, the f64 reference and the f32 core side by side.
 
-use super::LogOptions;
 use super::print::{heading, out, row};
+use crate::option::{DECIMATIONS, LogOptions, choice, not_negative};
 use anyhow::Result;
 use clap::Args;
 use estimator_core::Status;
@@ -9,7 +9,7 @@ use identification::table_file::TableFile;
 use identification::validate::{Comparison, Figures, compare};
 use identification::{LogUse, Role};
 use recordings::log::Log;
-use recordings::prepare::{Decimation, Recipe, not_negative};
+use recordings::prepare::{Decimation, Recipe};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -37,7 +37,7 @@ pub struct Validate {
     #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
     pub skip_end: Option<f64>,
     /// What becomes of a log faster than the tick, instead of what the table's recipe says.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(DECIMATIONS))]
     pub decimate: Option<Decimation>,
     /// Print the figures as JSON.
     #[arg(long)]

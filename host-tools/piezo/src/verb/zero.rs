@@ -1,7 +1,7 @@
 //! `piezo zero`: calls the displacement of now 0, as at rest.
 
-use super::link::{PortOption, note_damage, require_estimating, running_table};
 use super::print::out;
+use crate::option::link::{PortOption, note_damage, require_estimating, running_table};
 use anyhow::{Result, anyhow};
 use clap::Args;
 use device_link::{Client, LinkError};

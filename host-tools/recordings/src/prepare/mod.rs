@@ -5,7 +5,6 @@
 mod options;
 mod resample;
 
-pub use options::not_negative;
 pub use options::{AutoOr, PrepareOptions};
 pub use resample::Decimation;
 

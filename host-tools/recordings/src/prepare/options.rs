@@ -1,4 +1,4 @@
-//! What the command line says about preparation, and how `auto` becomes a number.
+//! What is asked of the preparation, and how what is left to the logs becomes a number.
 //!
 //! Zeros, from the training logs only. The models are at rest at (0 V, 0 µm), so:
 //!
@@ -8,10 +8,8 @@
 
 use super::{Decimation, Recipe};
 use crate::log::Log;
-use clap::Args;
-use std::str::FromStr;
 
-/// A number, or `auto`.
+/// A number, or what the logs say.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum AutoOr {
     /// To be found from the training logs.
@@ -20,71 +18,28 @@ pub enum AutoOr {
     Given(f64),
 }
 
-impl FromStr for AutoOr {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "auto" => Ok(Self::Auto),
-            _ => finite(text).map(Self::Given),
-        }
-    }
-}
-
-/// Parses a finite number.
-pub fn finite(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
-}
-
-fn delay(text: &str) -> Result<AutoOr, String> {
-    match text.parse()? {
-        AutoOr::Given(ms) if ms < 0.0 => Err("a sensor cannot show what has not happened".to_owned()),
-        setting => Ok(setting),
-    }
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    finite(text).and_then(|x| if x == 0.0 { Err("a scale of 0 leaves nothing".to_owned()) } else { Ok(x) })
-}
-
-/// Parses a finite number that is 0 or positive.
-pub fn not_negative(text: &str) -> Result<f64, String> {
-    finite(text).and_then(|x| if x < 0.0 { Err("must not be negative".to_owned()) } else { Ok(x) })
-}
-
 /// How logs are prepared.
-#[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Preparation of the logs (recorded in the table)")]
+#[derive(Clone, PartialEq, Debug)]
 pub struct PrepareOptions {
     /// Tick, µs; 500 is the thesis's 2 kHz.
-    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     pub tick_us: u32,
     /// Factor on the recorded voltage, e.g. the amplifier's gain where its input was recorded.
-    #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
     pub voltage_scale: f64,
     /// Factor on the recorded displacement.
-    #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
     pub displacement_scale: f64,
-    /// Voltage (V, scaled) that the model calls 0, or `auto`: 0 where the logs reach it, else the middle of their swing.
-    #[arg(long, default_value = "auto", allow_negative_numbers = true, value_name = "V|auto")]
+    /// Voltage (V, scaled) that the model calls 0, or where it is left to the logs: 0 where the logs reach it, else the middle of their swing.
     pub voltage_zero: AutoOr,
-    /// Displacement (µm, scaled) that the model calls 0, or `auto`: where the sensor stands when the voltage is at its zero.
-    #[arg(long, default_value = "auto", allow_negative_numbers = true, value_name = "µm|auto")]
+    /// Displacement (µm, scaled) that the model calls 0, or where it is left to the logs: where the sensor stands when the voltage is at its zero.
     pub displacement_zero: AutoOr,
-    /// How much later the sensor shows a displacement than it happens, ms, or `auto`: by cross-validation.
-    #[arg(long, default_value = "0", value_parser = delay, allow_negative_numbers = true, value_name = "MS|auto")]
+    /// How much later the sensor shows a displacement than it happens, ms, or by cross-validation.
     pub delay: AutoOr,
-    /// Largest delay that `--delay auto` tries, ms, in ten steps: what the sensor can have.
-    #[arg(long, default_value_t = 5.0, value_parser = not_negative, allow_negative_numbers = true)]
+    /// Largest delay that is tried where it is to be found, ms, in ten steps: what the sensor can have.
     pub max_delay: f64,
     /// Cut off the start of each log, s (a start-up transient).
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub skip_start: f64,
     /// Cut off the end of each log, s.
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub skip_end: f64,
     /// What becomes of a log faster than the tick.
-    #[arg(long, value_enum, default_value_t = Decimation::Every)]
     pub decimate: Decimation,
 }
 
@@ -107,7 +62,7 @@ impl Default for PrepareOptions {
 }
 
 impl PrepareOptions {
-    /// The log without what `--skip-start` and `--skip-end` take.
+    /// The log without what `skip_start` and `skip_end` take.
     pub fn cut(&self, log: &Log) -> Log {
         log.trimmed(self.skip_start, self.skip_end)
     }
@@ -200,17 +155,6 @@ fn line_at_zero(samples: Vec<(f64, f64)>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
-
-    #[derive(Parser)]
-    struct Cli {
-        #[command(flatten)]
-        options: PrepareOptions,
-    }
-
-    fn options(arguments: &[&str]) -> PrepareOptions {
-        Cli::try_parse_from(["piezo"].iter().chain(arguments)).unwrap().options
-    }
 
     /// Two periods of a sine with a loop, offset in voltage and displacement.
     fn log(offset_v: f64, offset_um: f64) -> Log {
@@ -229,14 +173,14 @@ mod tests {
 
     #[test]
     fn a_bipolar_log_is_zeroed_where_its_voltage_crosses_0() {
-        let recipe = options(&[]).resolve(&[log(0.0, 1.0)]);
+        let recipe = PrepareOptions::default().resolve(&[log(0.0, 1.0)]);
         assert_eq!(recipe.voltage_zero_v, 0.0);
         assert!((recipe.displacement_zero_um - 1.0).abs() < 0.01, "{recipe:?}");
     }
 
     #[test]
     fn a_log_that_touches_zero_is_zeroed_there() {
-        let recipe = options(&[]).resolve(&[log(2.01, -90.0)]);
+        let recipe = PrepareOptions::default().resolve(&[log(2.01, -90.0)]);
         assert_eq!(recipe.voltage_zero_v, 0.0);
         // At its lowest the sine stands 0.01 V above 0 V, and lags: 10·sin(−π/2 − 0.2) − 90, a little below.
         assert!((recipe.displacement_zero_um + 99.85).abs() < 0.05, "{recipe:?}");
@@ -244,26 +188,28 @@ mod tests {
 
     #[test]
     fn the_sensor_s_own_zero_does_not_matter_in_a_unipolar_log() {
-        let zeros =
-            [-90.0, 0.0, 10.0, 500.0].map(|um| options(&[]).resolve(&[log(2.01, um)]).displacement_zero_um - um);
+        let zeros = [-90.0, 0.0, 10.0, 500.0]
+            .map(|um| PrepareOptions::default().resolve(&[log(2.01, um)]).displacement_zero_um - um);
         assert!(zeros.iter().all(|zero| (zero - zeros[0]).abs() < 1e-9), "{zeros:?}");
     }
 
     #[test]
     fn a_log_far_from_zero_is_zeroed_in_the_middle_of_its_swing() {
-        let recipe = options(&[]).resolve(&[log(60.0, -90.0)]);
+        let recipe = PrepareOptions::default().resolve(&[log(60.0, -90.0)]);
         assert!((recipe.voltage_zero_v - 60.0).abs() < 1e-9);
         assert!((recipe.displacement_zero_um + 90.0).abs() < 0.1, "{recipe:?}");
     }
 
     #[test]
     fn what_is_given_is_taken() {
-        let given = ["--voltage-zero", "-1.5", "--displacement-zero", "7", "--voltage-scale", "10", "--delay", "2.5"];
-        let recipe = options(&given).resolve(&[log(1.8, -90.0)]);
+        let given = PrepareOptions {
+            voltage_zero: AutoOr::Given(-1.5),
+            displacement_zero: AutoOr::Given(7.0),
+            voltage_scale: 10.0,
+            delay: AutoOr::Given(2.5),
+            ..PrepareOptions::default()
+        };
+        let recipe = given.resolve(&[log(1.8, -90.0)]);
         assert_eq!((recipe.voltage_zero_v, recipe.displacement_zero_um, recipe.delay_ticks), (-1.5, 7.0, 5));
-        for wrong in [["--delay", "soon"], ["--voltage-scale", "0"], ["--skip-start", "-1"], ["--voltage-zero", "inf"]]
-        {
-            assert!(Cli::try_parse_from(["piezo"].iter().chain(&wrong)).is_err(), "{wrong:?}");
-        }
     }
 }

@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 /// How a log faster than the tick is reduced.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Decimation {
     /// Every n-th sample.

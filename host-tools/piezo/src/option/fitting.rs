@@ -1,14 +1,14 @@
 //! What `identify` and `compare` have in common: logs, what is held out of them, what is minimised, under which
 //! conditions.
 
-use super::{LogOptions, limit};
+use super::number::limit;
+use super::{CostArgs, LogOptions, PrepareArgs};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use estimator_core::Scheme;
 use identification::calibration::CalibrationOptions;
 use identification::cost::Cost;
 use identification::{Conditions, Job, ModelChoice, SearchOptions};
-use recordings::prepare::PrepareOptions;
 use std::path::PathBuf;
 
 /// Discretisation of the Voigt family on the command line.
@@ -52,7 +52,7 @@ pub struct Fitting {
     pub hold_out: Option<f64>,
     /// What is minimised.
     #[command(flatten)]
-    pub cost: Cost,
+    pub cost: CostArgs,
     /// Discretisation of the Voigt family.
     #[arg(long, value_enum, default_value_t = SchemeName::ForwardEuler)]
     pub scheme: SchemeName,
@@ -71,12 +71,12 @@ pub struct Fitting {
     pub files: LogOptions,
     /// Preparation of the logs.
     #[command(flatten)]
-    pub prepare: PrepareOptions,
+    pub prepare: PrepareArgs,
 }
 
 impl Fitting {
     /// The job, with its logs read: the choice of a model left to it, direct form, converters assumed.
-    pub fn job(&self, search: &SearchOptions) -> Result<Job> {
+    pub fn job(&self, search: SearchOptions) -> Result<Job> {
         let hold_out = self.hold_out.unwrap_or(if self.validate_on.is_empty() { 0.5 } else { 0.0 });
         ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
         ensure!(self.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
@@ -84,13 +84,13 @@ impl Fitting {
             training: self.files.read_all(&self.logs)?,
             held_out: self.files.read_all(&self.validate_on)?,
             hold_out,
-            prepare: self.prepare.clone(),
+            prepare: (&self.prepare).into(),
             model: ModelChoice::Auto,
             conditions: Conditions { scheme: self.scheme.into(), deadband: self.deadband, limit: self.limit },
             tabulated: false,
             calibration: CalibrationOptions::default(),
-            cost: self.cost.resolved()?,
-            search: search.clone(),
+            cost: Cost::from(self.cost).resolved()?,
+            search,
         })
     }
 }
