@@ -2,7 +2,7 @@
 
 use super::{MEASURED, json, number, piezo};
 use estimator_core::Table;
-use host_tools::table_file::TableFile;
+use identification::table_file::TableFile;
 use serde_json::Value;
 use std::fs;
 

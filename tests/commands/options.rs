@@ -3,7 +3,7 @@
 use super::logs::{rig, write};
 use super::{MEASURED, json, number, piezo, refused, text};
 use estimator_core::{Form, Scheme};
-use host_tools::table_file::TableFile;
+use identification::table_file::TableFile;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
