@@ -6,8 +6,8 @@
 
 mod common;
 
+use common::VOIGT;
 use common::models::{DRIVE, table_of};
-use common::{VOIGT, of_voigt_family};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use estimator_core::*;
 
@@ -36,7 +36,7 @@ fn table(model: Model) -> Admitted {
     if model.is_voigt() {
         let (g_um_per_s, h) = if model.has_voltage_term() { (-3.0, 0.6) } else { (0.0, 0.0) };
         let (e_m_per_s, f) = if model.has_displacement_term() { (2e-5, 1.1) } else { (0.0, 0.0) };
-        table.parameters = of_voigt_family(model, VoigtParameters { g_um_per_s, h, e_m_per_s, f, ..VOIGT });
+        table.parameters = Parameters::of_voigt_family(model, VoigtParameters { g_um_per_s, h, e_m_per_s, f, ..VOIGT });
         table.deadband_v = 0.05;
     }
     table.admit().unwrap_or_else(|error| panic!("{model}: {error}"))

@@ -169,8 +169,9 @@ proptest! {
     }
 
     #[test]
-    fn the_superposition_rises(x in -20.0f64..20.0) {
+    fn the_superposition_is_inverted_exactly(x in -20.0f64..20.0) {
         let curve = *model::<f64>(&ASYMMETRIC).superposition();
+        prop_assert!((curve.inverse().apply(curve.apply(x)) - x).abs() < 1e-13);
         prop_assert!(curve.apply(x + 1e-3) > curve.apply(x));
     }
 

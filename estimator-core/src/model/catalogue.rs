@@ -40,6 +40,12 @@ pub trait Published: Copy {
     /// The rule that they break.
     fn check(&self) -> Result<(), Rule>;
 
+    /// Ticks by which the displacement comes later than its monotone part has it
+    /// ([`Recursion::monotone_part`]): what whoever knows a reference ahead of time can make up for.
+    fn delay_ticks(&self) -> f32 {
+        0.0
+    }
+
     /// As [`check`](Self::check), for types that serve several models, of which one must leave parameters at 0.
     ///
     /// # Errors
@@ -116,6 +122,11 @@ macro_rules! models {
                 match self { $(Self::$model(of) => of.check_as(Model::$model),)* }
             }
 
+            /// As [`Published::delay_ticks`].
+            pub fn delay_ticks(&self) -> f32 {
+                match self { $(Self::$model(of) => of.delay_ticks(),)* }
+            }
+
             /// The model ready to run.
             pub fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Engine<T> {
                 match self {
@@ -130,30 +141,35 @@ macro_rules! models {
             $($(#[doc = $line])+ $model(RunningOf<$parameters, T>),)*
         }
 
+        impl<T: Real> Engine<T> {
+            /// What the next [`step`](Process::step) would return.
+            pub fn peek(&self, voltage: T) -> T {
+                match self { $(Self::$model(model) => model.peek(voltage),)* }
+            }
+
+            /// As [`Recursion::monotone_part`], with nothing remembered.
+            pub fn monotone_part(&self) -> Option<Self> {
+                Some(match self { $(Self::$model(model) => Self::$model(model.monotone_part()?),)* })
+            }
+
+            /// Forgets everything: the next tick is the first.
+            pub fn forget(&mut self) {
+                match self { $(Self::$model(model) => model.forget(),)* }
+            }
+        }
+
         impl<T: Real> Process<T> for Engine<T> {
             #[inline]
             fn step(&mut self, voltage: T, known: Option<T>) -> T {
                 match self { $(Self::$model(model) => model.step(voltage, known),)* }
             }
 
-            fn peek(&self, voltage: T) -> T {
-                match self { $(Self::$model(model) => model.peek(voltage),)* }
-            }
-
             fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
                 match self { $(Self::$model(model) => model.bound(voltage, limits),)* }
             }
 
-            fn monotone_part(&self) -> Option<Self> {
-                Some(match self { $(Self::$model(model) => Self::$model(model.monotone_part()?),)* })
-            }
-
             fn set_displacement(&mut self, displacement: T) -> bool {
                 match self { $(Self::$model(model) => model.set_displacement(displacement),)* }
-            }
-
-            fn forget(&mut self) {
-                match self { $(Self::$model(model) => model.forget(),)* }
             }
         }
     };

@@ -11,23 +11,14 @@ pub trait Process<T: Real>: Clone {
     /// at rest at its voltage, with the displacement (µm) that is `known` there.
     fn step(&mut self, voltage: T, known: Option<T>) -> T;
 
-    /// What [`step`](Self::step) would return.
-    fn peek(&self, voltage: T) -> T;
-
     /// As [`Recursion::bound`].
     ///
     /// # Errors
     /// As there.
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>>;
 
-    /// As [`Recursion::monotone_part`], with nothing remembered.
-    fn monotone_part(&self) -> Option<Self>;
-
     /// As [`Recursion::set_displacement`]; `false` before the first tick, too.
     fn set_displacement(&mut self, displacement: T) -> bool;
-
-    /// Forgets everything: the next tick is the first.
-    fn forget(&mut self);
 }
 
 /// A model with its memory, once it has begun.
@@ -42,6 +33,29 @@ impl<M, S> Running<M, S> {
     pub fn new(model: M) -> Self {
         Self { model, state: None }
     }
+
+    /// Forgets everything: the next tick is the first.
+    pub fn forget(&mut self) {
+        self.state = None;
+    }
+
+    /// What the next [`step`](Process::step) would return.
+    pub fn peek<T: Real>(&self, voltage: T) -> T
+    where
+        M: Recursion<T, State = S>,
+        S: Clone,
+    {
+        let mut state = self.state.clone().unwrap_or_else(|| self.model.begin(voltage, None));
+        self.model.step(&mut state, voltage)
+    }
+
+    /// As [`Recursion::monotone_part`], with nothing remembered.
+    pub fn monotone_part<T: Real>(&self) -> Option<Self>
+    where
+        M: Recursion<T, State = S>,
+    {
+        self.model.monotone_part().map(Self::new)
+    }
 }
 
 impl<T: Real, M: Recursion<T> + Clone> Process<T> for Running<M, M::State> {
@@ -51,24 +65,11 @@ impl<T: Real, M: Recursion<T> + Clone> Process<T> for Running<M, M::State> {
         model.step(self.state.get_or_insert_with(|| model.begin(voltage, known)), voltage)
     }
 
-    fn peek(&self, voltage: T) -> T {
-        let mut state = self.state.clone().unwrap_or_else(|| self.model.begin(voltage, None));
-        self.model.step(&mut state, voltage)
-    }
-
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         self.model.bound(voltage, limits)
     }
 
-    fn monotone_part(&self) -> Option<Self> {
-        self.model.monotone_part().map(Self::new)
-    }
-
     fn set_displacement(&mut self, displacement: T) -> bool {
         self.state.as_mut().is_some_and(|state| self.model.set_displacement(state, displacement))
-    }
-
-    fn forget(&mut self) {
-        self.state = None;
     }
 }

@@ -42,16 +42,6 @@ pub fn table() -> Table {
     }
 }
 
-/// Parameters of one of the four models of the Voigt family.
-pub fn of_voigt_family(model: Model, parameters: VoigtParameters) -> Parameters {
-    match model {
-        Model::VoltageExtremum => Parameters::VoltageExtremum(parameters),
-        Model::DisplacementExtremum => Parameters::DisplacementExtremum(parameters),
-        Model::Enhanced => Parameters::Enhanced(parameters),
-        _ => Parameters::Voigt(parameters),
-    }
-}
-
 /// Tables around plausible ones, most of them admissible; all that are not must be refused by `admit`.
 pub fn any_table() -> impl Strategy<Value = Table> {
     let drive = (1.0f32..3.3, 0.3f32..1.2, 0.0f32..0.02, -200.0f32..800.0);
@@ -85,7 +75,7 @@ pub fn any_table() -> impl Strategy<Value = Table> {
                 displacement_zero_um: y0,
                 voltage_range_v: Range { min: low, max: high },
                 displacement_limits_um: Range { min: -30.0, max: 30.0 },
-                parameters: of_voigt_family(
+                parameters: Parameters::of_voigt_family(
                     model,
                     VoigtParameters {
                         alpha_um: 1e6 * (2.0 + middle + 1.0 / middle) / (rate * lambda * b),

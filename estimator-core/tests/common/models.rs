@@ -1,6 +1,6 @@
 //! A table of every model, over −20 … 80 V, as long as a record of it may be.
 
-use super::{VOIGT, of_voigt_family, table};
+use super::{VOIGT, table};
 use estimator_core::model::{CELLS, ELEMENTS};
 use estimator_core::*;
 
@@ -95,7 +95,7 @@ pub fn parameters(model: Model) -> Parameters {
             })
         }
         Model::Voigt | Model::VoltageExtremum | Model::DisplacementExtremum | Model::Enhanced => {
-            of_voigt_family(model, VOIGT)
+            Parameters::of_voigt_family(model, VOIGT)
         }
     }
 }

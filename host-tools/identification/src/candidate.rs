@@ -3,10 +3,9 @@
 use crate::calibration::CalibrationOptions;
 use crate::fit::Fit;
 use crate::problem::Problem;
-use crate::tabulation;
 use crate::validate::{Comparison, Figures, compare};
-use anyhow::{Context, Result, anyhow, ensure};
-use estimator_core::{Admitted, Digest, Form, Provenance, Range, Scheme, Table};
+use anyhow::{Context, Result, anyhow};
+use estimator_core::{Admitted, Digest, Parameters, Provenance, Range, Scheme, Table};
 use recordings::prepare::Recipe;
 
 /// An identified model with its table and its errors.
@@ -29,8 +28,6 @@ pub struct Setting {
     pub recipe: Recipe,
     /// The converters.
     pub calibration: CalibrationOptions,
-    /// Tabulated rather than direct.
-    pub tabulated: bool,
     /// Over the training logs' digests.
     pub logs: Digest,
     /// Seed of the search.
@@ -43,11 +40,10 @@ const ROUNDING: f64 = 1e-3;
 impl Candidate {
     /// Makes the table and runs it over the sessions of its problem.
     pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self> {
-        ensure!(
-            fit.cost.is_finite() || fit.model.is_voigt(),
-            "no admissible candidate was found: try logs of more amplitudes, a longer search (--evaluations, --budget) or another --limit"
-        );
-        let table = table(problem, &fit, setting)?;
+        let parameters = fit.parameters.context(
+            "no candidate has a solution: try logs of more amplitudes, a longer search (--evaluations, --budget) or another --limit"
+        )?;
+        let table = table(problem, parameters, setting)?;
         let admit = |table: Table| table.admit().context("the identified table is refused");
         let first = admit(table)?;
         let candidate = Self {
@@ -77,9 +73,9 @@ impl Candidate {
     }
 }
 
-fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
+fn table(problem: &Problem, parameters: Parameters, setting: &Setting) -> Result<Table> {
     let recipe = &setting.recipe;
-    let limits = problem.limits(&fit.parameters).map_err(|cause| {
+    let limits = problem.limits(&parameters).map_err(|cause| {
         anyhow!("no admissible candidate was found ({cause}): search longer (--generations, --rounds, --evaluations, --budget) or raise --limit")
     })?;
     let room = ROUNDING * limits.span();
@@ -88,16 +84,14 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
     let (adc, dac) = setting.calibration.calibration(voltage, recipe.voltage_zero_v, limits);
     let single = |range: Range<f64>| Range { min: range.min as f32, max: range.max as f32 };
     let mut table = Table {
-        model: fit.model,
         sample_period_us: recipe.tick_us,
-        scheme: if fit.model.is_voigt() { problem.scheme } else { Scheme::ForwardEuler },
+        scheme: if parameters.model().is_voigt() { problem.scheme } else { Scheme::ForwardEuler },
         deadband_v: problem.deadband as f32,
         voltage_zero_v: recipe.voltage_zero_v as f32,
         displacement_zero_um: recipe.displacement_zero_um as f32,
-        form: Form::Direct,
         voltage_range_v: single(voltage),
         displacement_limits_um: single(limits),
-        parameters: fit.parameters,
+        parameters,
         adc,
         dac,
         drive: None,
@@ -112,7 +106,7 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
     };
     let full_scale = table.dac.full_scale;
     setting.calibration.drive.apply(&mut table, full_scale);
-    Ok(if setting.tabulated && fit.model.is_voigt() { tabulation::tabulated(table) } else { table })
+    Ok(table)
 }
 
 /// Version of this tool.

@@ -33,8 +33,6 @@ pub struct Job {
     pub model: ModelChoice,
     /// What else is fixed.
     pub conditions: Conditions,
-    /// Make a tabulated table.
-    pub tabulated: bool,
     /// The converters.
     pub calibration: CalibrationOptions,
     /// What the model error is.
@@ -115,7 +113,6 @@ impl Job {
             setting: Setting {
                 recipe,
                 calibration: self.calibration.clone(),
-                tabulated: self.tabulated,
                 logs: digest(&training),
                 seed: self.search.seed,
             },
@@ -138,8 +135,8 @@ impl Job {
             }
         }
         let character = Character::of(problem.training(), problem.deadband);
-        let (model, reason) = self.choose(&character);
-        let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model == model) else {
+        let (model, reason) = self.choose();
+        let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {
             let (_, error) =
                 failed.into_iter().find(|(failed, _)| *failed == model).context("it was not searched for")?;
             return Err(error.context(format!("model {model}")));
@@ -186,21 +183,14 @@ impl Job {
         Ok((training, held_out))
     }
 
-    fn choose(&self, character: &Character) -> (Model, String) {
+    fn choose(&self) -> (Model, String) {
         match self.model.model() {
             Some(model) => (model, "it was asked for.".to_owned()),
-            None if !self.tabulated => (
-                Model::Champion,
+            None => (
+                Model::GeneralisedPrandtlIshlinskii,
                 "it has hysteresis, creep and lag in one; of the thesis's models, which are shown beside it, --model takes another."
                     .to_owned(),
             ),
-            None if character.single_amplitude() => (
-                Model::Voigt,
-                "the logs have a single amplitude, which cannot teach the extremum terms; the models that have them fit \
-                 this loop better and are not to be trusted on another (--model takes one all the same)."
-                    .to_owned(),
-            ),
-            None => (Model::Enhanced, "the logs have several amplitudes, which the extremum terms need.".to_owned()),
         }
     }
 }

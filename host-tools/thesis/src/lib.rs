@@ -16,7 +16,6 @@ mod rate;
 mod sampling_time;
 mod search;
 mod tracking;
-mod walker;
 
 use anyhow::{Context, Result};
 pub use bench::Bench;

@@ -5,7 +5,7 @@
 use super::bench::Bench;
 use super::parameters::short;
 use anyhow::{Context, Result};
-use estimator_core::{Model, Parameters};
+use estimator_core::Model;
 use identification::cost::Feedback;
 use identification::{Candidate, Progress, SearchOptions, identify};
 use report::{Section, shown};
@@ -91,7 +91,7 @@ fn found(bench: &Bench, options: &SearchOptions, progress: Progress<'_>) -> Resu
     let fits = identify(problem, &[Model::Voigt], Feedback::Simulation, options, progress);
     let fit = fits.into_iter().next().context("Voigt was not searched for")?;
     let candidate = Candidate::new(problem, fit, &bench.prepared.setting)?;
-    let Parameters::Voigt(of) = &candidate.fit.parameters else { anyhow::bail!("these are not Voigt's parameters") };
+    let of = candidate.table.parameters.voigt().context("these are not Voigt's parameters")?;
     let of = of.map(f64::from);
     let values = [of.alpha_um, of.beta_v, of.lambda_per_v, of.b_ohm, of.p];
     let modelling = candidate.training_figures().context("nothing was modelled")?.mae_um;

@@ -56,6 +56,10 @@ impl Published for GeneralisedPrandtlIshlinskiiParameters {
         GeneralisedPrandtlIshlinskii::build(self, discretisation.sample_period)
     }
 
+    fn delay_ticks(&self) -> f32 {
+        self.delay_ticks.max(0.0)
+    }
+
     fn check(&self) -> Result<(), Rule> {
         let count = self.half_widths_v.len();
         let all = |numbers: &[f32], rule: fn(f32) -> bool| numbers.iter().all(|&x| x.is_finite() && rule(x));

@@ -8,7 +8,8 @@
 //!                               = min(x − d_j, 0)   for d_j < 0
 //! ```
 //!
-//! `S(0) = 0`. Beyond `d_j`, away from 0, the slope is the sum of the slopes of all dead zones from 0 to `d_j`.
+//! `S(0) = 0`. Beyond `d_j`, away from 0, the slope is the sum of the slopes of all dead zones from 0 to `d_j`. The
+//! inverse is a superposition too: `d'_j = S(d_j)`, and the sums of its slopes are the reciprocals of these sums.
 
 use crate::math::Real;
 use crate::rule::{self, Rule};
@@ -80,6 +81,33 @@ impl<T: Real> Superposition<T> {
             }
         }
         y
+    }
+
+    /// S⁻¹.
+    pub fn inverse(&self) -> Self {
+        let mut inverse = *self;
+        let at_zero = self.dead_zones.iter().zip(&self.slopes).take(self.count).find(|(zone, _)| **zone == T::zero());
+        let first = at_zero.map_or(T::zero(), |(_, &slope)| slope);
+        let beyond = |sum: &mut T, dead_zone: &mut T, slope: &mut T| {
+            let before = *sum;
+            *sum = before + *slope;
+            *dead_zone = self.apply(*dead_zone);
+            *slope = T::one() / *sum - T::one() / before;
+        };
+        let (mut right, mut left) = (first, first);
+        for (dead_zone, slope) in inverse.dead_zones.iter_mut().zip(inverse.slopes.iter_mut()).take(self.count) {
+            if *dead_zone > T::zero() {
+                beyond(&mut right, dead_zone, slope);
+            }
+        }
+        for (dead_zone, slope) in inverse.dead_zones.iter_mut().zip(inverse.slopes.iter_mut()).take(self.count).rev() {
+            if *dead_zone < T::zero() {
+                beyond(&mut left, dead_zone, slope);
+            } else if *dead_zone == T::zero() {
+                *slope = T::one() / first;
+            }
+        }
+        inverse
     }
 
     /// The sum of the magnitudes that [`apply`](Self::apply) adds up, which its rounding is proportional to.

@@ -2,7 +2,7 @@
 
 use super::Voigt;
 use crate::math::Real;
-use crate::model::catalogue::{Discretisation, Model, Published};
+use crate::model::catalogue::{Discretisation, Model, Parameters, Published};
 use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
 
@@ -132,5 +132,27 @@ impl Model {
     /// Whether the model has the term `e·sgn(y_ext)·|y_ext|^f`.
     pub const fn has_displacement_term(self) -> bool {
         matches!(self, Self::DisplacementExtremum | Self::Enhanced)
+    }
+}
+
+impl Parameters {
+    /// The parameters of a model of the Voigt family. Any other model is taken for the enhanced one, which has all terms.
+    pub const fn of_voigt_family(model: Model, parameters: VoigtParameters) -> Self {
+        match model {
+            Model::Voigt => Self::Voigt(parameters),
+            Model::VoltageExtremum => Self::VoltageExtremum(parameters),
+            Model::DisplacementExtremum => Self::DisplacementExtremum(parameters),
+            _ => Self::Enhanced(parameters),
+        }
+    }
+
+    /// Those of a model of the Voigt family.
+    pub const fn voigt(&self) -> Option<&VoigtParameters> {
+        match self {
+            Self::Voigt(of) | Self::VoltageExtremum(of) | Self::DisplacementExtremum(of) | Self::Enhanced(of) => {
+                Some(of)
+            }
+            _ => None,
+        }
     }
 }

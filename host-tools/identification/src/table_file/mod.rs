@@ -59,7 +59,7 @@ impl TableFile {
         Ok((file, admitted))
     }
 
-    /// Checks the table, its stated tabulation error included.
+    /// Checks the table and its recipe.
     pub fn admit(&self) -> Result<Admitted> {
         let admitted = self.table.admit()?;
         if let Some(rule) = self.recipe.fault() {
@@ -71,15 +71,6 @@ impl TableFile {
             && recipe.displacement_zero_um as f32 == table.displacement_zero_um;
         if !same {
             bail!("[recipe] and [table] differ in the tick or a zero: change both, or neither");
-        }
-        if let estimator_core::Form::Tabulated { error_bound_um } = admitted.form {
-            let found = crate::tabulation::error_bound(&admitted);
-            if f64::from(error_bound_um) < found {
-                return Err(anyhow!(
-                    "error_bound_um is {error_bound_um}, but tabulating this model can be off by {found:.3e} µm: \
-                     make it again with `piezo emit --form tabulated`"
-                ));
-            }
         }
         Ok(admitted)
     }

@@ -136,7 +136,7 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
         (Some(tick), Some(errors)) => out(&format!(
             "The {} model of these voltages is {:.4} µm off the trajectory on average, {:.4} µm at most ({:.3} % of its {:.2} µm), \
              once it has met it after {:.3} s",
-            table.model,
+            table.model(),
             errors.mae_um,
             errors.max_um,
             100.0 * errors.max_um / errors.stroke_um.max(f64::MIN_POSITIVE),
