@@ -5,8 +5,7 @@ use crate::fit::Fit;
 use crate::problem::Problem;
 use crate::tabulation;
 use crate::validate::{Comparison, Figures, compare};
-use anyhow::{Context, Result, anyhow, ensure};
-use estimator_core::{Admitted, Digest, Form, Provenance, Range, Scheme, Table};
+use estimator_core::{Admitted, Digest, Form, Inadmissible, Provenance, Range, Scheme, Table, TableError};
 use recordings::prepare::Recipe;
 
 /// An identified model with its table and its errors.
@@ -20,6 +19,20 @@ pub struct Candidate {
     pub training: Vec<Comparison>,
     /// Its simulation errors on what was held out; empty where nothing was.
     pub held_out: Vec<Comparison>,
+}
+
+/// Why no table can be made of a fit.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum CandidateError {
+    /// The search met nothing admissible.
+    #[error("no admissible candidate was found")]
+    NothingFound,
+    /// Of the best that the search met no limits can be proven.
+    #[error("no admissible candidate was found ({0})")]
+    Unbounded(Inadmissible<f64>),
+    /// The table breaks a rule.
+    #[error("the identified table is refused")]
+    Refused(#[from] TableError),
 }
 
 /// What a table holds besides what was identified.
@@ -42,14 +55,15 @@ const ROUNDING: f64 = 1e-3;
 
 impl Candidate {
     /// Makes the table and runs it over the sessions of its problem.
-    pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self> {
-        ensure!(
-            fit.cost.is_finite() || fit.model.is_voigt(),
-            "no admissible candidate was found: try logs of more amplitudes, a longer search (--evaluations, --budget) or another --limit"
-        );
+    ///
+    /// # Errors
+    /// The fit is not admissible.
+    pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self, CandidateError> {
+        if !fit.cost.is_finite() && !fit.model.is_voigt() {
+            return Err(CandidateError::NothingFound);
+        }
         let table = table(problem, &fit, setting)?;
-        let admit = |table: Table| table.admit().context("the identified table is refused");
-        let first = admit(table)?;
+        let first = table.admit()?;
         let candidate = Self {
             training: problem.training().map(|session| compare(&first, session)).collect(),
             held_out: problem.validation().map(|session| compare(&first, session)).collect(),
@@ -63,7 +77,7 @@ impl Candidate {
             validation_max_um: held_out.map(|figures| figures.max_um as f32),
             ..table.provenance
         };
-        Ok(Self { table: admit(Table { provenance, ..table })?, ..candidate })
+        Ok(Self { table: Table { provenance, ..table }.admit()?, ..candidate })
     }
 
     /// Reference errors over all training logs.
@@ -77,11 +91,9 @@ impl Candidate {
     }
 }
 
-fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table> {
+fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table, CandidateError> {
     let recipe = &setting.recipe;
-    let limits = problem.limits(&fit.parameters).map_err(|cause| {
-        anyhow!("no admissible candidate was found ({cause}): search longer (--generations, --rounds, --evaluations, --budget) or raise --limit")
-    })?;
+    let limits = problem.limits(&fit.parameters).map_err(CandidateError::Unbounded)?;
     let room = ROUNDING * limits.span();
     let limits = Range { min: limits.min - room, max: limits.max + room };
     let voltage = problem.voltage_range();

@@ -2,6 +2,7 @@
 
 mod option;
 mod output;
+mod remedy;
 mod verb;
 
 use clap::{Parser, Subcommand};
@@ -117,7 +118,7 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("piezo: {error:#}");
+            eprintln!("piezo: {}", remedy::sentence(error.as_ref()));
             ExitCode::from(2)
         }
     }

@@ -2,8 +2,9 @@
 //! 5.6. Five modelling logs, one held out, validation by simulation; µm.
 
 use super::bench::{Attempt, Bench, cost_name};
-use anyhow::{Result, bail};
+use crate::error::ThesisError;
 use estimator_core::Model;
+use identification::compare::Say;
 use identification::cost::Feedback;
 use identification::{Progress, SearchOptions};
 use report::drawn;
@@ -67,17 +68,16 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// No model has an admissible candidate.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     for (cost, models) in ASKED {
         bench.identify(cost, models, progress);
     }
     let attempts = || ASKED.into_iter().flat_map(|(cost, models)| models.iter().map(move |model| (cost, *model)));
     let attempts: Vec<&Attempt> = attempts().filter_map(|(cost, model)| bench.attempt(cost, model)).collect();
-    let rows: Vec<Row> = attempts.iter().map(|attempt| row(attempt)).collect();
-    if let Some(failed) =
-        rows.first().and_then(|row| row.failed.as_ref()).filter(|_| rows.iter().all(|row| row.mae_um.is_none()))
-    {
-        bail!("{failed}");
+    let rows: Vec<Row> = attempts.iter().map(|attempt| row(attempt, bench.say)).collect();
+    let none = rows.iter().all(|row| row.mae_um.is_none());
+    if let Some(failed) = attempts.first().and_then(|attempt| attempt.failed()).filter(|_| none) {
+        return Err(failed.clone().into());
     }
     let caption = format!("Validation on {}, held out, in simulation.", bench.held_out());
     let mut grid = bench
@@ -116,7 +116,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
     })
 }
 
-fn row(attempt: &Attempt) -> Row {
+fn row(attempt: &Attempt, say: Say) -> Row {
     let figures = attempt.candidate().and_then(|candidate| candidate.held_out_figures());
     let printed = printed(attempt.model, attempt.cost);
     Row {
@@ -126,7 +126,7 @@ fn row(attempt: &Attempt) -> Row {
         max_um: figures.map(|figures| figures.max_um),
         thesis_mae_um: printed.map(|(mae, _)| mae),
         thesis_max_um: printed.map(|(_, max)| max),
-        failed: attempt.failed().map(str::to_owned),
+        failed: attempt.failed().map(|error| say(error)),
     }
 }
 
