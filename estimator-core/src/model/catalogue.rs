@@ -106,12 +106,14 @@ macro_rules! models {
         }
 
         impl Parameters {
-            /// The types of all models' parameters, for who writes them as Rust.
-            pub const TYPES: [&'static str; Model::ALL.len()] = [$(stringify!($parameters)),*];
-
             /// Which model's they are.
             pub const fn model(&self) -> Model {
                 match self { $(Self::$model(_) => Model::$model,)* }
+            }
+
+            /// The name of their type, for who writes them as Rust.
+            pub const fn type_name(&self) -> &'static str {
+                match self { $(Self::$model(_) => stringify!($parameters),)* }
             }
 
             /// As [`Published::check`].

@@ -19,8 +19,8 @@ pub enum LinkError {
     },
     /// No reply.
     #[error(
-        "{port}: no answer. Is it the board's port, is this project's firmware on the board (`piezo flash`), made from \
-         the same sources as this program (protocol version {VERSION}), and is no other program connected to it?"
+        "{port}: no answer. Is it the board's port, is this project's firmware on the board, made from the same sources as \
+         this program (protocol version {VERSION}), and is no other program connected to it?"
     )]
     Silent {
         /// Where.
@@ -61,7 +61,7 @@ pub enum LinkError {
 
 fn older(found: u8) -> &'static str {
     if found < VERSION {
-        "the firmware is older; build it (`cargo fw`) and flash it (`piezo flash --image`)"
+        "the firmware is older"
     } else {
         "this program is older; build it again from the sources of the firmware"
     }

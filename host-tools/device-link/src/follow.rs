@@ -4,7 +4,6 @@ use super::client::Client;
 use super::error::LinkError;
 use super::interrupt::Interrupt;
 use super::window::{Numbers, Sequel};
-use anyhow::{Result, bail, ensure};
 use protocol::{Faults, Mode, References, Sample};
 use std::time::{Duration, Instant};
 
@@ -26,6 +25,41 @@ pub struct Followed {
     pub stopped: Faults,
 }
 
+/// Why a trajectory was not followed to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum FollowError {
+    /// The link fails, or the device refuses.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The user does not want to wait.
+    #[error("interrupted after {done} of {ticks} ticks")]
+    Interrupted {
+        /// Ticks done.
+        done: usize,
+        /// Ticks wanted.
+        ticks: usize,
+    },
+    /// A reply to references was lost.
+    #[error(
+        "a reply was lost, so that nobody knows which references the device has taken: after {done} of {ticks} ticks"
+    )]
+    ReplyLost {
+        /// Ticks done.
+        done: usize,
+        /// Ticks wanted.
+        ticks: usize,
+    },
+    /// Samples were lost.
+    #[error("{0} samples were lost: is the cable sound, and this machine not too busy?")]
+    SamplesLost(u32),
+    /// The device counts from 0 again.
+    #[error("the device was restarted, or its mode set by somebody else")]
+    Anew,
+    /// Neither samples nor errors come.
+    #[error("the device gives nothing any more")]
+    Silent,
+}
+
 /// Sends references, the last of which is to `stay` or not, and collects `ticks` samples from the first one on, or as many as come before a fault. The device is
 /// left in [`Mode::Follow`], at the last reference.
 ///
@@ -38,14 +72,17 @@ pub fn follow(
     ticks: usize,
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
-) -> Result<Followed> {
+) -> Result<Followed, FollowError> {
     client.set_mode(Mode::Follow)?;
     client.stream(true)?;
     let mut followed = Followed::default();
     let mut numbers = Numbers::default();
     let (mut sent, mut going, mut news) = (0, false, Instant::now());
     while followed.samples.len() < ticks && followed.stopped.is_empty() {
-        ensure!(!interrupt.wanted(), "interrupted after {} of {ticks} ticks", followed.samples.len());
+        let done = followed.samples.len();
+        if interrupt.wanted() {
+            return Err(FollowError::Interrupted { done, ticks });
+        }
         let next = &references[sent..references.len().min(sent + CHUNK)];
         let mut full = next.is_empty();
         // It goes once its queue is full, or holds all.
@@ -53,10 +90,7 @@ pub fn follow(
             let chunk: References = next.iter().copied().collect();
             going |= sent + next.len() == references.len();
             let (taken, starved) = match client.refer(chunk, going, stay) {
-                Err(LinkError::Unknown { .. }) => bail!(
-                    "a reply was lost, so that nobody knows which references the device has taken: after {} of {ticks} ticks",
-                    followed.samples.len()
-                ),
+                Err(LinkError::Unknown { .. }) => return Err(FollowError::ReplyLost { done, ticks }),
                 answer => answer?,
             };
             full = taken < next.len();
@@ -69,17 +103,17 @@ pub fn follow(
         while let Some(batch) = client.samples(patience)? {
             match numbers.take(&batch) {
                 Sequel::Follows => {}
-                Sequel::Lost(lost) => {
-                    bail!("{lost} samples were lost: is the cable sound, and this machine not too busy?")
-                }
-                Sequel::Anew => bail!("the device was restarted, or its mode set by somebody else"),
+                Sequel::Lost(lost) => return Err(FollowError::SamplesLost(lost)),
+                Sequel::Anew => return Err(FollowError::Anew),
             }
             take(&mut followed, &batch.samples, ticks);
             progress(followed.samples.len());
             news = Instant::now();
             patience = Duration::ZERO;
         }
-        ensure!(news.elapsed() < SILENCE, "the device gives nothing any more: look at it with `piezo info`");
+        if news.elapsed() >= SILENCE {
+            return Err(FollowError::Silent);
+        }
     }
     Ok(followed)
 }
@@ -106,8 +140,9 @@ fn take(followed: &mut Followed, samples: &[Sample], ticks: usize) {
 mod tests {
     use super::*;
     use crate::fake::{Fake, Manners};
+    use protocol::Refusal;
 
-    fn run(manners: Manners) -> Result<Followed> {
+    fn run(manners: Manners) -> Result<Followed, FollowError> {
         let fake = Fake::start(Manners { drives: true, ..manners });
         let (mut client, _) = fake.connect();
         let wave: Vec<f32> = (0..1000).map(|k| 20.0 + 5.0 * (k as f32 * 0.02).sin()).collect();
@@ -148,8 +183,9 @@ mod tests {
     fn a_device_without_a_drive_and_lost_samples_are_errors() {
         let fake = Fake::start(Manners::default());
         let (mut client, _) = fake.connect();
-        let refused = follow(&mut client, &[1.0], true, 1, &Interrupt::default(), &mut |_| {}).unwrap_err().to_string();
-        assert!(refused.contains("--drive-span"), "{refused}");
+        let refused = follow(&mut client, &[1.0], true, 1, &Interrupt::default(), &mut |_| {}).unwrap_err();
+        let FollowError::Link(LinkError::Refused { refusal, .. }) = refused else { panic!("{refused}") };
+        assert_eq!(*refusal, Refusal::NoDrive);
         let lost = run(Manners { lose_samples_from: Some(500), ..Manners::default() }).unwrap_err().to_string();
         assert!(lost.contains("samples were lost"), "{lost}");
     }

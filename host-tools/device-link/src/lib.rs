@@ -1,5 +1,6 @@
 //! The host's end of the link to a device ([`protocol`]), and what is done with a device over it or over a debug probe.
 
+pub mod board;
 pub mod client;
 pub mod error;
 pub mod follow;
@@ -12,6 +13,7 @@ pub mod recording;
 pub mod table;
 pub mod window;
 pub mod words;
+pub mod write;
 
 #[cfg(any(test, feature = "fake"))]
 pub mod fake;

@@ -1,11 +1,10 @@
 //! The parameter pages as a debug probe writes them: erased flash in which the firmware's own store holds one record.
 
-use anyhow::{Context, Result, bail, ensure};
 use embassy_futures::block_on;
 use object::{Object, ObjectSymbol, read::elf::ElfFile32};
-use parameter_store::{ParameterStore, RamFlash};
+use parameter_store::{ParameterStore, RamFlash, StoreError};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Where the NUCLEO-G474RE's parameter pages are: `memory.x`, at the root of the sources, says so.
 pub const NUCLEO_G474RE: Range<u32> = 0x0807_F000..0x0808_0000;
@@ -13,28 +12,69 @@ pub const NUCLEO_G474RE: Range<u32> = 0x0807_F000..0x0808_0000;
 /// Flash of Cortex-M microcontrollers lies below this address, RAM from it on (Armv7-M, B3.1).
 const RAM: u32 = 0x2000_0000;
 
+/// Why there are no parameter pages to write.
+#[derive(Debug, thiserror::Error)]
+pub enum PagesError {
+    /// The image cannot be read.
+    #[error("{}: cannot be read", image.display())]
+    Unreadable {
+        /// The file.
+        image: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The file is something else.
+    #[error("{}: is no 32-bit ELF image; `cargo fw` builds one", image.display())]
+    NoImage {
+        /// The file.
+        image: PathBuf,
+        /// Why.
+        source: object::read::Error,
+    },
+    /// The image does not say where its pages are.
+    #[error("{}: has no symbol {symbol}: is it this project's firmware, not stripped?", image.display())]
+    NoSymbol {
+        /// The file.
+        image: PathBuf,
+        /// What is missing.
+        symbol: &'static str,
+    },
+    /// The image is for an emulated board.
+    #[error(
+        "{}: keeps its parameters in RAM (0x{start:08x}): it is the image of an emulated board, which nobody can flash",
+        image.display()
+    )]
+    InRam {
+        /// The file.
+        image: PathBuf,
+        /// Address of the pages.
+        start: u32,
+    },
+    /// So many bytes are no pages of a microcontroller.
+    #[error("{0} bytes of parameter pages are no few pages")]
+    TooLong(usize),
+    /// The store refuses the length or the record.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
 /// Where the parameter pages of a firmware image are, by its symbols.
 ///
 /// # Errors
 /// The file is no ELF image of this project's firmware, or its pages are not flash.
-pub fn of_image(path: &Path) -> Result<Range<u32>> {
-    let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    let elf: ElfFile32<'_> = ElfFile32::parse(&*bytes)
-        .with_context(|| format!("{}: is no 32-bit ELF image; `cargo fw` builds one", path.display()))?;
-    let symbol = |name: &str| -> Result<u32> {
-        let found = elf.symbols().find(|symbol| symbol.name() == Ok(name));
-        let address = found.and_then(|symbol| u32::try_from(symbol.address()).ok());
-        address.with_context(|| {
-            format!("{}: has no symbol {name}: is it this project's firmware, not stripped?", path.display())
-        })
+pub fn of_image(path: &Path) -> Result<Range<u32>, PagesError> {
+    let image = || path.to_owned();
+    let bytes = std::fs::read(path).map_err(|source| PagesError::Unreadable { image: image(), source })?;
+    let elf: ElfFile32<'_> =
+        ElfFile32::parse(&*bytes).map_err(|source| PagesError::NoImage { image: image(), source })?;
+    let symbol = |symbol: &'static str| -> Result<u32, PagesError> {
+        let found = elf.symbols().find(|found| found.name() == Ok(symbol));
+        let address = found.and_then(|found| u32::try_from(found.address()).ok());
+        address.ok_or_else(|| PagesError::NoSymbol { image: image(), symbol })
     };
     let pages = symbol("__parameters_start")?..symbol("__parameters_end")?;
     if pages.start >= RAM {
-        bail!(
-            "{}: keeps its parameters in RAM (0x{:08x}): it is the image of an emulated board, which nobody can flash",
-            path.display(),
-            pages.start
-        );
+        return Err(PagesError::InRam { image: image(), start: pages.start });
     }
     Ok(pages)
 }
@@ -43,8 +83,10 @@ pub fn of_image(path: &Path) -> Result<Range<u32>> {
 ///
 /// # Errors
 /// The store refuses the length or the record.
-pub fn with(record: &[u8], length: usize) -> Result<Vec<u8>> {
-    ensure!(length <= 1 << 20, "{length} bytes of parameter pages are no few pages");
+pub fn with(record: &[u8], length: usize) -> Result<Vec<u8>, PagesError> {
+    if length > 1 << 20 {
+        return Err(PagesError::TooLong(length));
+    }
     let mut memory = vec![0xFF; length];
     let mut store = ParameterStore::new(RamFlash::new(&mut memory), 0..length as u32)?;
     block_on(store.store(record))?;
@@ -88,7 +130,7 @@ mod tests {
         let place = |image: &[u8]| {
             let file = tempfile::NamedTempFile::new().unwrap();
             std::fs::write(file.path(), image).unwrap();
-            of_image(file.path()).map_err(|error| format!("{error:#}"))
+            of_image(file.path()).map_err(|error| error.to_string())
         };
         assert_eq!(place(&elf(0x0807_F000, 0x0808_0000)), Ok(NUCLEO_G474RE));
         let refused = |image: &[u8], why: &str| assert!(place(image).is_err_and(|error| error.contains(why)), "{why}");

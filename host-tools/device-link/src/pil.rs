@@ -4,7 +4,6 @@ use super::client::Client;
 use super::error::LinkError;
 use super::interrupt::Interrupt;
 use super::words;
-use anyhow::{Result, bail, ensure};
 use estimator_core::{AdcCode, Admitted, Estimator, Status};
 use protocol::{Codes, Mode, Sample};
 use serde::Serialize;
@@ -62,6 +61,50 @@ pub struct Comparison {
     pub status: Status,
 }
 
+/// Why codes were not fed to their end.
+#[derive(Debug, thiserror::Error)]
+pub enum FeedError {
+    /// The link fails, or the device refuses.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The user does not want to wait.
+    #[error("interrupted after {done} of {ticks} ticks")]
+    Interrupted {
+        /// Ticks done.
+        done: usize,
+        /// Ticks wanted.
+        ticks: usize,
+    },
+    /// Neither samples nor errors come.
+    #[error("the device gives nothing any more, after {done} of {ticks} ticks")]
+    Silent {
+        /// Ticks done.
+        done: usize,
+        /// Ticks wanted.
+        ticks: usize,
+    },
+    /// Samples were lost: nothing can be compared.
+    #[error(
+        "the link lost samples: after tick {expected} came tick {came}. Nothing can be compared; is the cable sound, and \
+         this machine not too busy? Try again"
+    )]
+    SamplesLost {
+        /// The tick that should have come.
+        expected: usize,
+        /// The tick that came.
+        came: u32,
+    },
+    /// More samples came than codes were fed.
+    #[error(
+        "the device gave more samples than the {fed} codes it was fed: is its firmware built from the sources of this \
+         program?"
+    )]
+    Unasked {
+        /// Codes fed.
+        fed: usize,
+    },
+}
+
 /// Feeds codes to the device at its own pace and collects what it gives. It is left in [`Mode::Pil`], streaming.
 ///
 /// # Errors
@@ -71,14 +114,17 @@ pub fn feed(
     codes: &[AdcCode],
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
-) -> Result<Vec<Sample>> {
+) -> Result<Vec<Sample>, FeedError> {
     client.set_mode(Mode::Pil)?;
     client.stream(true)?;
     let mut samples: Vec<Sample> = Vec::with_capacity(codes.len());
     let mut fed = 0;
     let mut news = Instant::now();
     while samples.len() < codes.len() {
-        ensure!(!interrupt.wanted(), "interrupted after {} of {} ticks", samples.len(), codes.len());
+        let (done, ticks) = (samples.len(), codes.len());
+        if interrupt.wanted() {
+            return Err(FeedError::Interrupted { done, ticks });
+        }
         let next = &codes[fed..codes.len().min(fed + CHUNK)];
         let room = !next.is_empty() && fed - samples.len() + next.len() <= OUTSTANDING;
         if room {
@@ -94,34 +140,25 @@ pub fn feed(
             news = Instant::now();
             progress(samples.len());
         }
-        ensure!(
-            news.elapsed() < SILENCE,
-            "the device gives nothing any more, after {} of {} ticks: look at it with `piezo info`",
-            samples.len(),
-            codes.len()
-        );
+        if news.elapsed() >= SILENCE {
+            return Err(FeedError::Silent { done: samples.len(), ticks });
+        }
     }
     Ok(samples)
 }
 
 /// Takes the samples that come within `patience`, of `fed` codes at most; returns whether any did.
-fn collect(client: &mut Client, samples: &mut Vec<Sample>, fed: usize, patience: Duration) -> Result<bool> {
+fn collect(client: &mut Client, samples: &mut Vec<Sample>, fed: usize, patience: Duration) -> Result<bool, FeedError> {
     let mut patience = patience;
     let mut any = false;
     while let Some(batch) = client.samples(patience)? {
         let expected = samples.len();
         if batch.first as usize != expected {
-            bail!(
-                "the link lost samples: after tick {expected} came tick {}. Nothing can be compared; is the cable sound, and \
-                 this machine not too busy? Try again",
-                batch.first
-            );
+            return Err(FeedError::SamplesLost { expected, came: batch.first });
         }
-        ensure!(
-            expected + batch.samples.len() <= fed,
-            "the device gave more samples than the {fed} codes it was fed: is its firmware built from the sources of this \
-             program? piezo reset, and try again"
-        );
+        if expected + batch.samples.len() > fed {
+            return Err(FeedError::Unasked { fed });
+        }
         samples.extend(batch.samples);
         patience = Duration::ZERO;
         any = true;
@@ -131,7 +168,7 @@ fn collect(client: &mut Client, samples: &mut Vec<Sample>, fed: usize, patience:
 
 /// Finds out how many codes the device has taken when the reply that would say so was lost: it answers in order, so that
 /// it has taken those codes or never will, and each one taken gives a sample.
-fn settle(client: &mut Client, samples: &mut Vec<Sample>, fed: usize) -> Result<usize> {
+fn settle(client: &mut Client, samples: &mut Vec<Sample>, fed: usize) -> Result<usize, FeedError> {
     client.health()?;
     while collect(client, samples, fed, SETTLED)? {}
     Ok(samples.len())
@@ -177,7 +214,7 @@ mod tests {
         (0..3000).map(|k| table.adc.code(wave(k))).collect()
     }
 
-    fn run(manners: Manners) -> Result<Comparison> {
+    fn run(manners: Manners) -> Result<Comparison, FeedError> {
         let fake = Fake::start(manners);
         let (mut client, _) = fake.connect();
         let codes = codes(&fake.table());

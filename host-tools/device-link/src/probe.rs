@@ -2,13 +2,38 @@
 //!
 //! It is started and not linked: whoever has a probe has that program, and who has none need not build it.
 
-use anyhow::{Context, Result, ensure};
 use std::ffi::OsString;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 
 /// The program.
 const PROGRAM: &str = "probe-rs";
+
+/// Why the program did not do it.
+#[derive(Debug, thiserror::Error)]
+pub enum ProbeError {
+    /// It is not there.
+    #[error(
+        "probe-rs, which writes the flash, is not installed (not on PATH): `cargo install probe-rs-tools --locked`, or see \
+         https://probe.rs/docs/getting-started/installation"
+    )]
+    NotInstalled(#[from] which::Error),
+    /// It does not start.
+    #[error("probe-rs cannot be started")]
+    NotStarted(#[from] std::io::Error),
+    /// It failed, having said why.
+    #[error(
+        "probe-rs failed ({status}): {command}\nCheck that the board is powered and its debug USB plugged in (`probe-rs list` \
+         shows the probe), that no other debugger holds it, and, on Linux, that the udev rules of \
+         https://probe.rs/docs/getting-started/probe-setup are installed"
+    )]
+    Failed {
+        /// How it ended.
+        status: ExitStatus,
+        /// The command as it would be typed.
+        command: String,
+    },
+}
 
 /// Which probe, and which chip behind it.
 #[derive(Clone, Debug)]
@@ -64,31 +89,18 @@ pub fn line(arguments: &[OsString]) -> String {
 ///
 /// # Errors
 /// It is not; the message says where to get it.
-pub fn installed() -> Result<()> {
-    which::which(PROGRAM).map(|_| ()).context(
-        "probe-rs, which writes the flash, is not installed (not on PATH): `cargo install probe-rs-tools --locked`, or see \
-         https://probe.rs/docs/getting-started/installation",
-    )
+pub fn installed() -> Result<(), ProbeError> {
+    which::which(PROGRAM)?;
+    Ok(())
 }
 
 /// Runs the program; what it says goes to standard error.
 ///
 /// # Errors
 /// It cannot be started or fails, having said why.
-pub fn run(arguments: &[OsString]) -> Result<()> {
-    let status = Command::new(PROGRAM)
-        .args(arguments)
-        .stdout(Stdio::from(std::io::stderr()))
-        .status()
-        .context("probe-rs cannot be started")?;
-    ensure!(
-        status.success(),
-        "probe-rs failed ({status}): {}\nCheck that the board is powered and its debug USB plugged in (`probe-rs list` shows \
-         the probe), that no other debugger holds it, and, on Linux, that the udev rules of \
-         https://probe.rs/docs/getting-started/probe-setup are installed",
-        line(arguments)
-    );
-    Ok(())
+pub fn run(arguments: &[OsString]) -> Result<(), ProbeError> {
+    let status = Command::new(PROGRAM).args(arguments).stdout(Stdio::from(std::io::stderr())).status()?;
+    if status.success() { Ok(()) } else { Err(ProbeError::Failed { status, command: line(arguments) }) }
 }
 
 #[cfg(test)]

@@ -1,31 +1,22 @@
-//! What a device reports, in plain words, each with what can be done about it.
+//! What a device reports, in plain words.
 
 use estimator_core::Status;
 use protocol::{Faults, Mode, ResetCause};
 use serde::Serializer;
 
-/// What a bit means.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Meaning {
-    /// What is so.
-    pub what: &'static str,
-    /// What to do.
-    pub remedy: &'static str,
+/// Every fault that is set, and what is so.
+pub fn faults(faults: Faults) -> impl Iterator<Item = (Faults, &'static str)> {
+    FAULTS.into_iter().filter(move |(bit, _)| faults.contains(*bit))
 }
 
-/// Every fault that is set.
-pub fn faults(faults: Faults) -> impl Iterator<Item = Meaning> {
-    FAULTS.into_iter().filter(move |(bit, _)| faults.contains(*bit)).map(|(_, meaning)| meaning)
-}
-
-/// Every status bit that is set.
-pub fn status(status: Status) -> impl Iterator<Item = Meaning> {
-    STATUS.into_iter().filter(move |(bit, _)| status.contains(*bit)).map(|(_, meaning)| meaning)
+/// Every status bit that is set, and what is so.
+pub fn status(status: Status) -> impl Iterator<Item = (Status, &'static str)> {
+    STATUS.into_iter().filter(move |(bit, _)| status.contains(*bit))
 }
 
 /// What is so, of all of these, in one line; nothing where nothing is.
-pub fn list(meanings: impl Iterator<Item = Meaning>) -> String {
-    meanings.map(|meaning| meaning.what).collect::<Vec<_>>().join("; ")
+pub fn list(said: impl Iterator<Item = &'static str>) -> String {
+    said.collect::<Vec<_>>().join("; ")
 }
 
 /// The names of the status bits, for machines.
@@ -60,112 +51,35 @@ pub fn mode(mode: Mode) -> &'static str {
     }
 }
 
-const FAULTS: [(Faults, Meaning); 8] = [
-    (
-        Faults::NO_TABLE,
-        Meaning {
-            what: "there is no table that it can run, so nothing is estimated",
-            remedy: "give it one: piezo push",
-        },
-    ),
+const FAULTS: [(Faults, &str); 8] = [
+    (Faults::NO_TABLE, "there is no table that it can run, so nothing is estimated"),
     (
         Faults::TABLE_FALLBACK,
-        Meaning {
-            what: "the stored table cannot be used, so the one of the firmware image is, which may be another actuator's: the output \
-                   stays safe",
-            remedy: "piezo info says why; store it again: piezo push",
-        },
+        "the stored table cannot be used, so the one of the firmware image is, which may be another actuator's: the output stays safe",
     ),
-    (
-        Faults::SUPPLY,
-        Meaning {
-            what: "the analogue supply, the converters' reference, was out of tolerance at the start",
-            remedy: "measure VDDA (3.3 V) with a multimeter, mend the supply, then piezo reset",
-        },
-    ),
-    (
-        Faults::ADC_SATURATED,
-        Meaning {
-            what: "the ADC stands at an end of its range, or comes too near it too often",
-            remedy: "check the plug, the divider and its offset: is the input open, or the voltage beyond them?",
-        },
-    ),
-    (
-        Faults::ADC_STUCK,
-        Meaning {
-            what: "the ADC gives one and the same code",
-            remedy: "check the wire to the ADC; if it is sound, piezo reset, and replace the board if that does not help",
-        },
-    ),
-    (
-        Faults::OUT_OF_CALIBRATION,
-        Meaning {
-            what: "the voltage is beyond what the table was identified on",
-            remedy: "compare the voltage of piezo monitor with a multimeter: if they differ, piezo emit --adc-span; if they \
-                     agree, identify on logs that reach as far",
-        },
-    ),
-    (
-        Faults::MISSED_DEADLINE,
-        Meaning {
-            what: "a tick came late or not at all, or was not done in time for its output",
-            remedy: "writing a table does that (with --pause it does not matter), and an emulated board is as late as its \
-                     host; otherwise report it, for it must not happen",
-        },
-    ),
-    (
-        Faults::SAFE_OUTPUT,
-        Meaning {
-            what: "the DAC stands at its safe value",
-            remedy: "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the \
-                     amplifier rests until piezo follow",
-        },
-    ),
+    (Faults::SUPPLY, "the analogue supply, the converters' reference, was out of tolerance at the start"),
+    (Faults::ADC_SATURATED, "the ADC stands at an end of its range, or comes too near it too often"),
+    (Faults::ADC_STUCK, "the ADC gives one and the same code"),
+    (Faults::OUT_OF_CALIBRATION, "the voltage is beyond what the table was identified on"),
+    (Faults::MISSED_DEADLINE, "a tick came late or not at all, or was not done in time for its output"),
+    (Faults::SAFE_OUTPUT, "the DAC stands at its safe value"),
 ];
 
-const STATUS: [(Status, Meaning); 6] = [
-    (
-        Status::ADC_SATURATED,
-        Meaning {
-            what: "the ADC was at an end of its range: the voltage was at least that large",
-            remedy: "a divider for larger voltages, or less voltage; then piezo emit --adc-span",
-        },
-    ),
+const STATUS: [(Status, &str); 6] = [
+    (Status::ADC_SATURATED, "the ADC was at an end of its range: the voltage was at least that large"),
     (
         Status::VOLTAGE_OUT_OF_RANGE,
-        Meaning {
-            what: "the voltage left the range the table was identified on, and the nearest end was taken",
-            remedy: "identify on logs that reach as far, or drive the actuator less",
-        },
+        "the voltage left the range the table was identified on, and the nearest end was taken",
     ),
-    (
-        Status::CLAMPED,
-        Meaning {
-            what: "the estimate was clamped to the table's limits",
-            remedy: "identify on logs with as large a stroke",
-        },
-    ),
-    (
-        Status::DAC_SATURATED,
-        Meaning {
-            what: "the DAC was at an end of its range: the displacement was at least that far",
-            remedy: "a wider output: piezo emit --dac-span",
-        },
-    ),
+    (Status::CLAMPED, "the estimate was clamped to the table's limits"),
+    (Status::DAC_SATURATED, "the DAC was at an end of its range: the displacement was at least that far"),
     (
         Status::NOT_SETTLED,
-        Meaning {
-            what: "the voltage had not turned at either end of half its range since the start: the estimate depended on where \
-                   that was assumed",
-            remedy: "move the actuator once up and down its range; a start from rest at 0 V needs it least",
-        },
+        "the voltage had not turned at either end of half its range since the start: the estimate depended on where that was assumed",
     ),
     (
         Status::OUT_OF_REACH,
-        Meaning {
-            what: "the wanted displacement was out of reach: the voltage or its slew rate stood at the drive's limit",
-            remedy: "ask for less or more slowly, or widen the limits: piezo emit --drive-range, --drive-slew",
-        },
+        "the wanted displacement was out of reach: the voltage or its slew rate stood at the drive's limit",
     ),
 ];
 

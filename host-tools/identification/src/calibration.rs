@@ -70,37 +70,51 @@ impl CalibrationOptions {
     }
 }
 
-/// What does not fit between a table and its converters, in words.
-pub fn misfits(table: &Table) -> Vec<String> {
+/// What does not fit between a table and its converters.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+pub enum Misfit {
+    /// The ADC does not see all voltages of the table.
+    #[error("the ADC sees {:.3} … {:.3} V, the table is for {} … {} V", sees.min, sees.max, table.min, table.max)]
+    Adc {
+        /// What the ADC sees, V.
+        sees: Range<f64>,
+        /// What the table is for, V.
+        table: Range,
+    },
+    /// The DAC has no code for displacement 0.
+    #[error("displacement 0, where the output goes on a fault, is not within the DAC's range")]
+    SafeOutput,
+    /// The DAC does not reach the table's limits.
+    #[error("the DAC reaches {:.3} … {:.3} µm, the table's limits are {} … {} µm", reaches.min, reaches.max, table.min, table.max)]
+    Dac {
+        /// What the DAC reaches, µm.
+        reaches: Range<f64>,
+        /// The table's limits, µm.
+        table: Range,
+    },
+}
+
+/// Everything that does not fit between a table and its converters.
+pub fn misfits(table: &Table) -> Vec<Misfit> {
     let mut misfits = Vec::new();
+    let between = |one: f64, other: f64| Range { min: one.min(other), max: one.max(other) };
     let volts = |code| table.adc.voltage::<f64>(AdcCode(code)) - f64::from(table.voltage_zero_v);
-    let (ends, range) = ([volts(0), volts(table.adc.full_scale)], table.voltage_range_v);
-    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-    if low > f64::from(range.min) || high < f64::from(range.max) {
-        misfits.push(format!(
-            "the ADC sees {low:.3} … {high:.3} V, the table is for {} … {} V: a wider --adc-span, by another divider",
-            range.min, range.max
-        ));
+    let (sees, range) = (between(volts(0), volts(table.adc.full_scale)), table.voltage_range_v);
+    if sees.min > f64::from(range.min) || sees.max < f64::from(range.max) {
+        misfits.push(Misfit::Adc { sees, table: range });
     }
     if table.drive.is_some() {
         return misfits;
     }
     if table.dac.saturated(table.dac.code(0.0f64)) {
-        misfits.push(
-            "displacement 0, where the output goes on a fault, is not within the DAC's range: another --dac-span"
-                .to_owned(),
-        );
+        misfits.push(Misfit::SafeOutput);
     }
     let um = |code| table.dac.displacement::<f64>(DacCode(code));
-    let (ends, limits) = ([um(0), um(table.dac.full_scale)], table.displacement_limits_um);
-    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    let (reaches, limits) = (between(um(0), um(table.dac.full_scale)), table.displacement_limits_um);
     // A calibration that was assumed ends at the limits, to within rounding.
     let room = 1e-4 * f64::from(limits.span());
-    if low > f64::from(limits.min) + room || high < f64::from(limits.max) - room {
-        misfits.push(format!(
-            "the DAC reaches {low:.3} … {high:.3} µm, the table's limits are {} … {} µm: a wider --dac-span",
-            limits.min, limits.max
-        ));
+    if reaches.min > f64::from(limits.min) + room || reaches.max < f64::from(limits.max) - room {
+        misfits.push(Misfit::Dac { reaches, table: limits });
     }
     misfits
 }

@@ -4,8 +4,7 @@ use crate::calibration::CalibrationOptions;
 use crate::fit::Fit;
 use crate::problem::Problem;
 use crate::validate::{Comparison, Figures, compare};
-use anyhow::{Context, Result, anyhow};
-use estimator_core::{Admitted, Digest, Parameters, Provenance, Range, Scheme, Table};
+use estimator_core::{Admitted, Digest, Inadmissible, Parameters, Provenance, Range, Scheme, Table, TableError};
 use recordings::prepare::Recipe;
 
 /// An identified model with its table and its errors.
@@ -19,6 +18,20 @@ pub struct Candidate {
     pub training: Vec<Comparison>,
     /// Its simulation errors on what was held out; empty where nothing was.
     pub held_out: Vec<Comparison>,
+}
+
+/// Why no table can be made of a fit.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum CandidateError {
+    /// The search met nothing admissible.
+    #[error("no admissible candidate was found")]
+    NothingFound,
+    /// Of the best that the search met no limits can be proven.
+    #[error("no admissible candidate was found ({0})")]
+    Unbounded(Inadmissible<f64>),
+    /// The table breaks a rule.
+    #[error("the identified table is refused")]
+    Refused(#[from] TableError),
 }
 
 /// What a table holds besides what was identified.
@@ -39,13 +52,13 @@ const ROUNDING: f64 = 1e-3;
 
 impl Candidate {
     /// Makes the table and runs it over the sessions of its problem.
-    pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self> {
-        let parameters = fit.parameters.context(
-            "no candidate has a solution: try logs of more amplitudes, a longer search (--evaluations, --budget) or another --limit"
-        )?;
+    ///
+    /// # Errors
+    /// The fit has no parameters, or they are not admissible.
+    pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self, CandidateError> {
+        let parameters = fit.parameters.ok_or(CandidateError::NothingFound)?;
         let table = table(problem, parameters, setting)?;
-        let admit = |table: Table| table.admit().context("the identified table is refused");
-        let first = admit(table)?;
+        let first = table.admit()?;
         let candidate = Self {
             training: problem.training().map(|session| compare(&first, session)).collect(),
             held_out: problem.validation().map(|session| compare(&first, session)).collect(),
@@ -59,7 +72,7 @@ impl Candidate {
             validation_max_um: held_out.map(|figures| figures.max_um as f32),
             ..table.provenance
         };
-        Ok(Self { table: admit(Table { provenance, ..table })?, ..candidate })
+        Ok(Self { table: Table { provenance, ..table }.admit()?, ..candidate })
     }
 
     /// Reference errors over all training logs.
@@ -73,11 +86,9 @@ impl Candidate {
     }
 }
 
-fn table(problem: &Problem, parameters: Parameters, setting: &Setting) -> Result<Table> {
+fn table(problem: &Problem, parameters: Parameters, setting: &Setting) -> Result<Table, CandidateError> {
     let recipe = &setting.recipe;
-    let limits = problem.limits(&parameters).map_err(|cause| {
-        anyhow!("no admissible candidate was found ({cause}): search longer (--generations, --rounds, --evaluations, --budget) or raise --limit")
-    })?;
+    let limits = problem.limits(&parameters).map_err(CandidateError::Unbounded)?;
     let room = ROUNDING * limits.span();
     let limits = Range { min: limits.min - room, max: limits.max + room };
     let voltage = problem.voltage_range();

@@ -3,15 +3,10 @@
 //! once, from the training data.
 
 use crate::validate::{Comparison, Figures};
-use crate::{Candidate, Doubt, Fit, Identification, Job, LogUse, Prepared, Progress, with_contained};
-use anyhow::{Context, Result, ensure};
+use crate::{Candidate, Doubt, Fit, Identification, Job, JobError, LogUse, Prepared, Progress, with_contained};
 use estimator_core::Model;
 use recordings::prepare::Recipe;
-use serde::de::IntoDeserializer;
-use serde::de::value::Error;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::path::Path;
 use std::time::Instant;
 
 /// What came of a comparison.
@@ -123,17 +118,6 @@ impl Matrix {
     }
 }
 
-/// Reads a JSON map of model names (`voigt-chain`) to instructions per tick (`{"max": 900, "mean": 840.5}`).
-pub fn read_instructions(path: &Path) -> Result<Vec<(Model, Instructions)>> {
-    let read = || -> Result<Vec<(Model, Instructions)>> {
-        let map: BTreeMap<String, Instructions> = serde_json::from_slice(&std::fs::read(path)?)?;
-        let model = |name: &str| Model::deserialize(IntoDeserializer::<Error>::into_deserializer(name));
-        map.into_iter().map(|(name, counts)| Ok((model(&name)?, counts))).collect()
-    };
-    let remedy = "expected a map of model names to instructions per tick, {\"voigt\": {\"max\": 900, \"mean\": 840.5}}";
-    read().with_context(|| format!("{}: {remedy}", path.display()))
-}
-
 /// Callbacks of a model's search, roughly, for a progress bar.
 const CALLBACKS: u64 = 700;
 
@@ -142,14 +126,36 @@ pub fn generations(job: &Job, models: &[Model]) -> u64 {
     job.generations_before() + CALLBACKS * searches(job, models).concat().len() as u64
 }
 
+/// Why models cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// The logs cannot be prepared.
+    #[error(transparent)]
+    Job(#[from] JobError),
+    /// Nothing is held out.
+    #[error("nothing is held out")]
+    NothingHeldOut,
+}
+
+/// How a row says why it has no table.
+pub type Say = fn(&(dyn std::error::Error + 'static)) -> String;
+
 /// Identifies the models, each with at most so many evaluations of candidates, and judges them. The job's own choice of
 /// a model is not looked at.
 ///
 /// # Errors
 /// Nothing is held out, or the logs cannot be prepared. A model without an admissible candidate is a row.
-pub fn run(job: &Job, models: &[Model], budget: usize, progress: Progress<'_>) -> Result<Matrix> {
+pub fn run(
+    job: &Job,
+    models: &[Model],
+    budget: usize,
+    say: Say,
+    progress: Progress<'_>,
+) -> Result<Matrix, CompareError> {
     let Prepared { problem, setting, logs, estimates, delay_at_bound } = job.prepare(progress)?;
-    ensure!(problem.validation().next().is_some(), "nothing is held out: use --hold-out or --validate-on");
+    if problem.validation().next().is_none() {
+        return Err(CompareError::NothingHeldOut);
+    }
     let mut found: Vec<(Fit, f64)> = Vec::new();
     for group in searches(job, models) {
         let mut seconds = vec![0.0; group.len()];
@@ -174,15 +180,15 @@ pub fn run(job: &Job, models: &[Model], budget: usize, progress: Progress<'_>) -
     }
     let rows = models.iter().filter_map(|model| {
         let (fit, seconds) = found.iter().find(|(fit, _)| fit.model == *model)?;
-        let result = Candidate::new(&problem, fit.clone(), &setting).and_then(|candidate| errors(&candidate));
+        let result = Candidate::new(&problem, fit.clone(), &setting).map(|candidate| errors(&candidate));
         Some(Row {
             model: *model,
             seconds: *seconds,
             evaluations: fit.evaluations,
             instructions: None,
             result: match result {
-                Ok(errors) => Judgement::Identified(Box::new(errors)),
-                Err(error) => Judgement::Failed { failed: format!("{error:#}") },
+                Ok(errors) => Judgement::Identified(Box::new(errors?)),
+                Err(error) => Judgement::Failed { failed: say(&error) },
             },
         })
     });
@@ -200,12 +206,13 @@ fn searches(job: &Job, models: &[Model]) -> Vec<Vec<Model>> {
     std::iter::once(family).filter(|family| !family.is_empty()).chain(others.map(|model| vec![model])).collect()
 }
 
-fn errors(candidate: &Candidate) -> Result<Errors> {
-    let part = |comparisons: &[Comparison], all: Option<Figures>| -> Result<Part> {
+/// Errors on both parts; `None` without a log in one of them.
+fn errors(candidate: &Candidate) -> Option<Errors> {
+    let part = |comparisons: &[Comparison], all: Option<Figures>| -> Option<Part> {
         let logs = comparisons.iter().map(|log| LogErrors { log: log.name.clone(), errors: log.mil }).collect();
-        Ok(Part { logs, all: all.context("there is no log")? })
+        Some(Part { logs, all: all? })
     };
-    Ok(Errors {
+    Some(Errors {
         parameters: parameters(&candidate.fit),
         training: part(&candidate.training, candidate.training_figures())?,
         held_out: part(&candidate.held_out, candidate.held_out_figures())?,

@@ -10,7 +10,6 @@
 //! errors (6.2): an error is carried on for some 1/w measured steps. Means are over the instants of a session, then
 //! over sessions, each weighing the same. What a model is linear in follows by least squares whatever the norm.
 
-use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -77,6 +76,11 @@ pub struct Cost {
 /// at 0.01.
 const WEIGHT: f64 = 0.01;
 
+/// A weight was given for a feedback that has none.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("only multi-step feedback has a weight")]
+pub struct UnusedWeight;
+
 impl From<Feedback> for Cost {
     /// Its mean absolute error.
     fn from(feedback: Feedback) -> Self {
@@ -88,13 +92,12 @@ impl Cost {
     /// The same where every option has an effect, with the weight that is used, if any.
     ///
     /// # Errors
-    /// A weight was given that `--cost` does not use.
-    pub fn resolved(self) -> Result<Self> {
+    /// A weight was given that the feedback does not use.
+    pub fn resolved(self) -> Result<Self, UnusedWeight> {
         let multi_step = self.feedback == Feedback::MultiStep;
-        ensure!(
-            multi_step || self.feedback_weight.is_none(),
-            "--feedback-weight is of --cost multi-step alone: leave it out, or add that"
-        );
+        if !multi_step && self.feedback_weight.is_some() {
+            return Err(UnusedWeight);
+        }
         Ok(Self { feedback_weight: multi_step.then_some(self.weight()), ..self })
     }
 
@@ -262,7 +265,7 @@ mod tests {
     #[test]
     fn a_weight_is_of_multi_step_alone() {
         let given = Cost { feedback_weight: Some(0.5), ..Feedback::Osp.into() };
-        assert!(given.resolved().unwrap_err().to_string().contains("--cost multi-step"));
+        assert_eq!(given.resolved(), Err(UnusedWeight));
         assert_eq!(Cost::from(Feedback::Osp).resolved().unwrap().feedback_weight, None);
         assert_eq!(Cost::from(Feedback::MultiStep).resolved().unwrap().feedback_weight, Some(WEIGHT));
     }

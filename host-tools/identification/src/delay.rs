@@ -9,10 +9,9 @@ use crate::cost::Cost;
 use crate::fit::{Progress, identify};
 use crate::problem::{Conditions, Problem};
 use crate::search::{SearchOptions, Start};
-use anyhow::Result;
 use estimator_core::Model;
 use recordings::log::Log;
-use recordings::prepare::{PrepareOptions, Recipe};
+use recordings::prepare::{PrepareError, PrepareOptions, Recipe};
 
 /// The estimate.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -62,7 +61,10 @@ impl DelaySearch {
     }
 
     /// Estimates the delay of training logs that were cut.
-    pub fn estimate(&self, training: &[Log], recipe: &Recipe, progress: Progress<'_>) -> Result<Delay> {
+    ///
+    /// # Errors
+    /// A part of a log cannot be brought to the tick.
+    pub fn estimate(&self, training: &[Log], recipe: &Recipe, progress: Progress<'_>) -> Result<Delay, PrepareError> {
         let mut errors = Vec::new();
         for ticks in (0..=self.largest).step_by(self.step as usize) {
             let recipe = Recipe { delay_ticks: ticks, ..recipe.clone() };

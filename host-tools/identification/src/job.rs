@@ -1,7 +1,7 @@
 //! The whole identification: logs in; every candidate model with its table, the one that was chosen, and the doubts out.
 
 use crate::calibration::CalibrationOptions;
-use crate::candidate::{Candidate, Setting};
+use crate::candidate::{Candidate, CandidateError, Setting};
 use crate::character::Character;
 use crate::cost::Cost;
 use crate::delay::{Delay, DelaySearch};
@@ -12,11 +12,11 @@ use crate::model_choice::ModelChoice;
 use crate::problem::{Conditions, Problem};
 use crate::search::SearchOptions;
 use crate::suspicion::doubts;
-use anyhow::{Context, Result, bail, ensure};
 use estimator_core::{Digest, Model};
 use recordings::log::Log;
-use recordings::prepare::{AutoOr, PrepareOptions, Recipe};
+use recordings::prepare::{AutoOr, PrepareError, PrepareOptions, Recipe};
 use sha2::{Digest as _, Sha256};
+use std::path::PathBuf;
 
 /// What to identify from what.
 #[derive(Clone, Debug)]
@@ -62,17 +62,71 @@ pub struct Outcome {
     /// Every model that was identified, simplest first.
     pub candidates: Vec<Candidate>,
     /// Models without an admissible candidate, and why.
-    pub failed: Vec<(Model, String)>,
+    pub failed: Vec<(Model, CandidateError)>,
     /// Index of the chosen one.
     pub chosen: usize,
-    /// Why it was chosen, as a sentence.
-    pub reason: String,
+    /// Why it was chosen.
+    pub reason: Reason,
     /// Why not to trust it.
     pub doubts: Vec<Doubt>,
     /// How the logs were prepared.
     pub recipe: Recipe,
     /// What each log was used for.
     pub logs: Vec<LogUse>,
+}
+
+/// Why a model was chosen.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Reason {
+    /// It was asked for.
+    AskedFor,
+    /// The generalised Prandtl–Ishlinskii model has hysteresis, creep and lag in one.
+    AllInOne,
+}
+
+/// Why nothing came of a job.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    /// A log cannot be brought to the tick.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// A log is to be fitted to and held out.
+    #[error("{}: holds the same bytes as the training log {}", held_out.display(), training.display())]
+    SameLog {
+        /// The log that is held out.
+        held_out: PathBuf,
+        /// The log that is fitted to.
+        training: PathBuf,
+    },
+    /// The actuator rests in a part of a log: nothing can be learnt or proven there.
+    #[error(
+        "{}: the {signal} does not move between {from_s:.2} and {to_s:.2} s, which is what is {}",
+        log.display(),
+        if *held_out { "held out" } else { "used" }
+    )]
+    Rests {
+        /// The log.
+        log: PathBuf,
+        /// "voltage" or "displacement".
+        signal: &'static str,
+        /// Start of the part, s from the start of the log.
+        from_s: f64,
+        /// Its end, s.
+        to_s: f64,
+        /// The part is held out, not fitted to.
+        held_out: bool,
+    },
+    /// The model that counts has no admissible candidate.
+    #[error("model {model}")]
+    Failed {
+        /// Which.
+        model: Model,
+        /// Why.
+        source: CandidateError,
+    },
+    /// The model that counts was not among those searched for.
+    #[error("model {0} was not searched for")]
+    NotSearched(Model),
 }
 
 impl Outcome {
@@ -95,7 +149,10 @@ impl Job {
     }
 
     /// Cuts and divides the logs, and decides zeros and delay from what is fitted to.
-    pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared> {
+    ///
+    /// # Errors
+    /// A log cannot be used.
+    pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared, JobError> {
         let (training, held_out) = self.parts()?;
         let mut recipe = self.prepare.resolve(&training);
         let delay = self.delay_search();
@@ -122,8 +179,11 @@ impl Job {
         })
     }
 
-    /// Does it.
-    pub fn run(&self, progress: Progress<'_>) -> Result<Outcome> {
+    /// Identifies the models, chooses one and doubts it.
+    ///
+    /// # Errors
+    /// A log cannot be used, or the model that counts has no admissible candidate.
+    pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
         let Prepared { problem, setting, logs, estimates, delay_at_bound } = self.prepare(progress)?;
         let fits = identify(&problem, &self.model.models(self.search.start), self.cost, &self.search, progress);
         let (mut candidates, mut failed) = (Vec::new(), Vec::new());
@@ -137,9 +197,8 @@ impl Job {
         let character = Character::of(problem.training(), problem.deadband);
         let (model, reason) = self.choose();
         let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {
-            let (_, error) =
-                failed.into_iter().find(|(failed, _)| *failed == model).context("it was not searched for")?;
-            return Err(error.context(format!("model {model}")));
+            let why = failed.into_iter().find(|(failed, _)| *failed == model);
+            return Err(why.map_or(JobError::NotSearched(model), |(model, source)| JobError::Failed { model, source }));
         };
         let mut doubts = [estimates, doubts(&candidates[chosen], &character, self.cost)].concat();
         doubts.extend(delay_at_bound);
@@ -147,7 +206,6 @@ impl Job {
         if !self.calibration.stated() {
             doubts.push(Doubt::CalibrationAssumed);
         }
-        let failed = failed.into_iter().map(|(model, error)| (model, format!("{error:#}"))).collect();
         Ok(Outcome { candidates, failed, chosen, reason, doubts, recipe: setting.recipe, logs })
     }
 
@@ -162,10 +220,10 @@ impl Job {
     }
 
     /// The logs cut and divided into what is fitted to and what is held out.
-    fn parts(&self) -> Result<(Vec<Log>, Vec<Log>)> {
+    fn parts(&self) -> Result<(Vec<Log>, Vec<Log>), JobError> {
         for log in &self.held_out {
             if let Some(twin) = self.training.iter().find(|other| other.sha256 == log.sha256) {
-                bail!("{}: holds the same bytes as the training log {}", log.path.display(), twin.path.display());
+                return Err(JobError::SameLog { held_out: log.path.clone(), training: twin.path.clone() });
             }
         }
         let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();
@@ -183,20 +241,16 @@ impl Job {
         Ok((training, held_out))
     }
 
-    fn choose(&self) -> (Model, String) {
+    fn choose(&self) -> (Model, Reason) {
         match self.model.model() {
-            Some(model) => (model, "it was asked for.".to_owned()),
-            None => (
-                Model::GeneralisedPrandtlIshlinskii,
-                "it has hysteresis, creep and lag in one; of the thesis's models, which are shown beside it, --model takes another."
-                    .to_owned(),
-            ),
+            Some(model) => (model, Reason::AskedFor),
+            None => (Model::GeneralisedPrandtlIshlinskii, Reason::AllInOne),
         }
     }
 }
 
-/// Refuses a part of a log in which the actuator rests: nothing can be learnt or proven there.
-fn moves(part: &Log, whole: &Log) -> Result<()> {
+/// Refuses a part of a log in which the actuator rests.
+fn moves(part: &Log, whole: &Log) -> Result<(), JobError> {
     let empty = Vec::new();
     let displacement = |log: &Log| span(log.displacement.as_ref().unwrap_or(&empty));
     let signals = [
@@ -204,15 +258,15 @@ fn moves(part: &Log, whole: &Log) -> Result<()> {
         ("displacement", displacement(part), displacement(whole)),
     ];
     for (signal, here, everywhere) in signals {
-        ensure!(
-            part.voltage.is_empty() || here > RESTS * everywhere,
-            "{}: the {signal} does not move between {:.2} and {:.2} s, which is what is {}: choose another part with \
-             --hold-out, --skip-start and --skip-end, or hold out another log with --validate-on",
-            whole.path.display(),
-            part.start_s,
-            part.start_s + part.duration(),
-            if part.start_s > whole.start_s { "held out" } else { "used" }
-        );
+        if !part.voltage.is_empty() && here <= RESTS * everywhere {
+            return Err(JobError::Rests {
+                log: whole.path.clone(),
+                signal,
+                from_s: part.start_s,
+                to_s: part.start_s + part.duration(),
+                held_out: part.start_s > whole.start_s,
+            });
+        }
     }
     Ok(())
 }

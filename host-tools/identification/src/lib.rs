@@ -27,12 +27,12 @@ pub mod table_file;
 mod trial;
 pub mod validate;
 
-pub use candidate::{Candidate, Setting};
+pub use candidate::{Candidate, CandidateError, Setting};
 pub use character::Character;
-pub use doubt::Doubt;
+pub use doubt::{Converter, Doubt, FEW_REVERSALS};
 pub use family::BlackBoxInputs;
 pub use fit::{Convergence, Fit, Identification, Progress, identify, identify_black_box};
-pub use job::{Job, Outcome, Prepared};
+pub use job::{Job, JobError, Outcome, Prepared, Reason};
 pub use log_use::{LogUse, Role};
 pub use model_choice::{ModelChoice, with_contained};
 pub use problem::{Conditions, Problem};

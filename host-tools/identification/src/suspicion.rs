@@ -3,7 +3,7 @@
 use crate::candidate::Candidate;
 use crate::character::Character;
 use crate::cost::{Cost, Norm};
-use crate::doubt::{Doubt, FEW_REVERSALS};
+use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::Trace;
 use estimator_core::{AdcCode, DacCode, Parameters, Range};
 
@@ -105,7 +105,7 @@ fn spans(candidate: &Candidate) -> Vec<Doubt> {
     let um = |code| table.dac.displacement::<f64>(DacCode(code));
     let adc = inside(|trace| &trace.voltage, volts(0), volts(table.adc.full_scale));
     let dac = inside(|trace| &trace.estimated, um(0), um(table.dac.full_scale));
-    let found = [(adc, "ADC (--adc-span)"), (dac, "DAC (--dac-span)")];
+    let found = [(adc, Converter::Adc), (dac, Converter::Dac)];
     found.into_iter().filter(|(inside, _)| !inside).map(|(_, converter)| Doubt::ConverterSpan { converter }).collect()
 }
 

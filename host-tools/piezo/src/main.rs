@@ -2,6 +2,7 @@
 
 mod option;
 mod output;
+mod remedy;
 mod verb;
 
 use clap::{Parser, Subcommand};
@@ -41,9 +42,7 @@ enum Verb {
     #[command(after_help = "Example: piezo simulate --out out/rig --noise-nm 20 --adc-bits 12")]
     Simulate(simulate::Simulate),
     /// A table → its faces, with the calibration of your board.
-    #[command(
-        after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --out out/board"
-    )]
+    #[command(after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --out out/board")]
     Emit(emit::Emit),
     /// Table + wanted trajectory → the voltages that bring the actuator there, by the model's inverse.
     #[command(after_help = "Example: piezo feedforward out/demo/table.toml wanted.csv --slew 100 --out voltages.csv")]
@@ -117,7 +116,7 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("piezo: {error:#}");
+            eprintln!("piezo: {}", remedy::sentence(error.as_ref()));
             ExitCode::from(2)
         }
     }

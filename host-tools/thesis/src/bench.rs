@@ -1,10 +1,11 @@
 //! What the items are reproduced on: the synthetic rig's logs or the user's own, prepared once, and the models that
 //! have been identified on them, each once.
 
-use anyhow::{Result, ensure};
+use crate::error::ThesisError;
 use estimator_core::Model;
+use identification::compare::Say;
 use identification::cost::Feedback;
-use identification::{Candidate, Job, Prepared, Problem, Progress, SearchOptions, identify};
+use identification::{Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, identify};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 use recordings::rig::{EXCITATIONS, Rig, VALIDATION};
@@ -18,6 +19,8 @@ pub struct Bench {
     pub prepared: Prepared,
     /// The rig that the logs are of; `None` for the user's own.
     pub rig: Option<Rig>,
+    /// How an error becomes a sentence of a section.
+    pub say: Say,
     found: Vec<Attempt>,
 }
 
@@ -29,7 +32,7 @@ pub struct Attempt {
     /// What was minimised.
     pub cost: Feedback,
     /// What was found, or why nothing.
-    pub result: Result<Candidate, String>,
+    pub result: Result<Candidate, CandidateError>,
 }
 
 impl Attempt {
@@ -39,8 +42,8 @@ impl Attempt {
     }
 
     /// Why nothing was found.
-    pub fn failed(&self) -> Option<&str> {
-        self.result.as_ref().err().map(String::as_str)
+    pub fn failed(&self) -> Option<&CandidateError> {
+        self.result.as_ref().err()
     }
 }
 
@@ -49,13 +52,12 @@ impl Bench {
     ///
     /// # Errors
     /// The logs cannot be prepared, or nothing is held out.
-    pub fn new(job: Job, rig: Option<Rig>, progress: Progress<'_>) -> Result<Self> {
+    pub fn new(job: Job, rig: Option<Rig>, say: Say, progress: Progress<'_>) -> Result<Self, ThesisError> {
         let prepared = job.prepare(progress)?;
-        ensure!(
-            prepared.problem.validation().next().is_some(),
-            "nothing is held out to compare with: name logs with --validate-on, or a fraction with --hold-out"
-        );
-        Ok(Self { job, prepared, rig, found: Vec::new() })
+        if prepared.problem.validation().next().is_none() {
+            return Err(ThesisError::NothingHeldOut);
+        }
+        Ok(Self { job, prepared, rig, say, found: Vec::new() })
     }
 
     /// The thesis's logs from a rig: what is modelled, what is held out.
@@ -113,7 +115,7 @@ impl Bench {
     ///
     /// # Errors
     /// The logs cannot be brought to it.
-    pub fn at_tick(&self, tick_us: u32, progress: Progress<'_>) -> Result<Prepared> {
+    pub fn at_tick(&self, tick_us: u32, progress: Progress<'_>) -> Result<Prepared, JobError> {
         let recipe = &self.prepared.setting.recipe;
         let prepare = PrepareOptions {
             tick_us,
@@ -141,7 +143,7 @@ impl Bench {
             for fit in identify(problem, &group, cost, &self.job.search, progress) {
                 let model = fit.model;
                 if self.attempt(cost, model).is_none() {
-                    let result = Candidate::new(problem, fit, setting).map_err(|error| format!("{error:#}"));
+                    let result = Candidate::new(problem, fit, setting);
                     self.found.push(Attempt { model, cost, result });
                 }
             }
@@ -191,7 +193,7 @@ pub mod tests {
             cost: Feedback::Simulation.into(),
             search,
         };
-        Bench::new(job, Some(rig), &mut |_, _| ()).unwrap()
+        Bench::new(job, Some(rig), |error| error.to_string(), &mut |_, _| ()).unwrap()
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! with V_ext, with V_ext and y_ext; their validation error one step ahead and in simulation, µm.
 
 use super::bench::Bench;
-use anyhow::Result;
+use crate::error::ThesisError;
 use estimator_core::{Model, Narx, NarxParameters, Parameters, Recursion};
 use identification::cost::Feedback;
 use identification::{BlackBoxInputs, Candidate, Progress, identify_black_box};
@@ -42,7 +42,7 @@ pub const GENERATIONS: u64 = 81;
 ///
 /// # Errors
 /// The figures cannot be written down.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     let caption = format!("NARX: MAE on {}, held out.", bench.held_out());
     let mut grid = bench
         .grid(&caption)
@@ -110,7 +110,7 @@ fn row(bench: &Bench, inputs: BlackBoxInputs, thesis: (f64, f64), progress: Prog
         simulation_um: found.and_then(|(candidate, _)| candidate.held_out_figures()).map(|figures| figures.mae_um),
         thesis_osp_um: thesis.1,
         thesis_simulation_um: thesis.0,
-        failed: candidate.err().map(|error| format!("{} {error:#}", Model::Narx)),
+        failed: candidate.err().map(|error| format!("{} {}", Model::Narx, (bench.say)(&error))),
     }
 }
 

@@ -2,7 +2,7 @@
 //! modelling error (its cost, µm) and validation error (held out, in simulation, µm), and when each was least.
 
 use super::bench::{Bench, cost_name};
-use anyhow::Result;
+use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::cost::Feedback;
 use identification::{Convergence, Progress, SearchOptions};
@@ -41,7 +41,7 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// The figures cannot be written down.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     let mut grid = bench
         .grid("Table 4.7: least errors of Voigt's search, and when they came.")
         .words("cost", 10)

@@ -1,9 +1,10 @@
-//! Validation errors of the Voigt family and of the champion: Tables 4.8, 5.3, 5.4 and 5.5, Figures 4.11 and 5.1 to
+//! Validation errors of the Voigt family and of the generalised Prandtl–Ishlinskii model: Tables 4.8, 5.3, 5.4 and 5.5, Figures 4.11 and 5.1 to
 //! 5.6. Five modelling logs, one held out, validation by simulation; µm.
 
 use super::bench::{Attempt, Bench, cost_name};
-use anyhow::{Result, bail};
+use crate::error::ThesisError;
 use estimator_core::Model;
+use identification::compare::Say;
 use identification::cost::Feedback;
 use identification::{Progress, SearchOptions};
 use report::drawn;
@@ -52,8 +53,13 @@ struct Row {
 }
 
 /// The thesis's models, and the one that goes beyond them, which is fitted to simulation only.
-const SIMULATED: [Model; 5] =
-    [Model::Voigt, Model::VoltageExtremum, Model::DisplacementExtremum, Model::Enhanced, Model::GeneralisedPrandtlIshlinskii];
+const SIMULATED: [Model; 5] = [
+    Model::Voigt,
+    Model::VoltageExtremum,
+    Model::DisplacementExtremum,
+    Model::Enhanced,
+    Model::GeneralisedPrandtlIshlinskii,
+];
 
 /// What is identified with each cost.
 const ASKED: [(Feedback, &[Model]); 2] = [(Feedback::Osp, &Model::VOIGT_FAMILY), (Feedback::Simulation, &SIMULATED)];
@@ -67,17 +73,16 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// No model has an admissible candidate.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     for (cost, models) in ASKED {
         bench.identify(cost, models, progress);
     }
     let attempts = || ASKED.into_iter().flat_map(|(cost, models)| models.iter().map(move |model| (cost, *model)));
     let attempts: Vec<&Attempt> = attempts().filter_map(|(cost, model)| bench.attempt(cost, model)).collect();
-    let rows: Vec<Row> = attempts.iter().map(|attempt| row(attempt)).collect();
-    if let Some(failed) =
-        rows.first().and_then(|row| row.failed.as_ref()).filter(|_| rows.iter().all(|row| row.mae_um.is_none()))
-    {
-        bail!("{failed}");
+    let rows: Vec<Row> = attempts.iter().map(|attempt| row(attempt, bench.say)).collect();
+    let none = rows.iter().all(|row| row.mae_um.is_none());
+    if let Some(failed) = attempts.first().and_then(|attempt| attempt.failed()).filter(|_| none) {
+        return Err(failed.clone().into());
     }
     let caption = format!("Validation on {}, held out, in simulation.", bench.held_out());
     let mut grid = bench
@@ -116,7 +121,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
     })
 }
 
-fn row(attempt: &Attempt) -> Row {
+fn row(attempt: &Attempt, say: Say) -> Row {
     let figures = attempt.candidate().and_then(|candidate| candidate.held_out_figures());
     let printed = printed(attempt.model, attempt.cost);
     Row {
@@ -126,7 +131,7 @@ fn row(attempt: &Attempt) -> Row {
         max_um: figures.map(|figures| figures.max_um),
         thesis_mae_um: printed.map(|(mae, _)| mae),
         thesis_max_um: printed.map(|(_, max)| max),
-        failed: attempt.failed().map(str::to_owned),
+        failed: attempt.failed().map(|error| say(error)),
     }
 }
 

@@ -5,7 +5,7 @@ use super::bench::Bench;
 use super::monotone::Probes;
 use super::range::{Frequencies, HOLDS, Held, hertz, words};
 use super::rate::{DEPENDENT, Rate};
-use anyhow::Result;
+use crate::error::ThesisError;
 use estimator_core::{BoucWenParameters, DuhemParameters, Model, Parameters, Table};
 use identification::cost::Feedback;
 use identification::{Candidate, Character, Progress, SearchOptions};
@@ -48,7 +48,7 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// The rig's further logs cannot be prepared.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     bench.identify(Feedback::Simulation, &Model::ALL, progress);
     let frequencies = Frequencies::of(bench)?;
     let mut rows = Vec::new();
@@ -61,7 +61,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
                 let without = without_lag(&candidate.table);
                 rows.extend(without.map(|table| row(bench, candidate, None, &table)));
             }
-            Err(why) => failed.push(format!("{model}: {why}")),
+            Err(why) => failed.push(format!("{model}: {}", (bench.say)(why))),
         }
     }
     let mut summary = bench

@@ -5,6 +5,7 @@
 mod bench;
 mod black_box;
 mod convergence;
+mod error;
 mod errors;
 mod features;
 mod hysteresis;
@@ -17,8 +18,8 @@ mod sampling_time;
 mod search;
 mod tracking;
 
-use anyhow::{Context, Result};
 pub use bench::Bench;
+pub use error::ThesisError;
 use identification::{Progress, SearchOptions};
 use report::Section;
 
@@ -99,7 +100,7 @@ impl Item {
         }
     }
 
-    fn section(self, bench: &mut Bench, progress: Progress<'_>) -> Result<Option<Section>> {
+    fn section(self, bench: &mut Bench, progress: Progress<'_>) -> Result<Option<Section>, ThesisError> {
         let section = match self {
             Self::Errors => errors::section(bench, progress),
             Self::SamplingTime => sampling_time::section(bench, progress),
@@ -112,7 +113,7 @@ impl Item {
             Self::Tracking => tracking::section(bench, progress),
             Self::All => return Ok(None),
         };
-        section.map(Some).with_context(|| self.name())
+        section.map(Some).map_err(|source| ThesisError::Item { item: self, source: Box::new(source) })
     }
 }
 
@@ -120,13 +121,13 @@ impl Item {
 ///
 /// # Errors
 /// None of them has anything to show: why the first has not.
-pub fn run(bench: &mut Bench, items: &[Item], progress: Progress<'_>) -> Result<Vec<(Item, Section)>> {
+pub fn run(bench: &mut Bench, items: &[Item], progress: Progress<'_>) -> Result<Vec<(Item, Section)>, ThesisError> {
     let (mut sections, mut failed) = (Vec::new(), Vec::new());
     for &item in items {
         match item.section(bench, progress) {
             Ok(section) => sections.extend(section.map(|section| (item, section))),
             Err(why) => {
-                sections.push((item, Section::failed(&format!("{why:#}"))));
+                sections.push((item, Section::failed(&(bench.say)(&why))));
                 failed.push(why);
             }
         }

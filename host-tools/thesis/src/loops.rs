@@ -3,11 +3,11 @@
 
 use super::bench::Bench;
 use super::hysteresis::Loop;
-use anyhow::{Context, Result};
+use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::cost::Feedback;
 use identification::validate::Comparison;
-use identification::{Progress, SearchOptions};
+use identification::{CandidateError, Progress, SearchOptions};
 use recordings::rig::EXCITATIONS;
 use report::drawn;
 use report::{Picture, Section, shown};
@@ -34,10 +34,12 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// It has no admissible candidate.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     bench.identify(Feedback::Simulation, &[Model::Enhanced], progress);
-    let attempt = bench.attempt(Feedback::Simulation, Model::Enhanced).context("it was not searched for")?;
-    let candidate = attempt.result.as_ref().map_err(|why| anyhow::anyhow!("model {}: {why}", Model::Enhanced))?;
+    let attempt =
+        bench.attempt(Feedback::Simulation, Model::Enhanced).ok_or(ThesisError::NotSearched(Model::Enhanced))?;
+    let failed = |why: &CandidateError| ThesisError::Model { model: Model::Enhanced, source: why.clone() };
+    let candidate = attempt.result.as_ref().map_err(failed)?;
     let role = |role: &'static str| move |log| (log, role);
     let mut logs: Vec<(&Comparison, &'static str)> = candidate
         .training

@@ -1,7 +1,7 @@
 //! Identified parameters: Tables 4.5 (ranges), 4.6 (Voigt) and 5.2 (the extremum models), with both costs.
 
 use super::bench::{Bench, cost_name};
-use anyhow::Result;
+use crate::error::ThesisError;
 use estimator_core::{Model, Parameters, VoigtParameters};
 use identification::cost::Feedback;
 use identification::search::space::{Ranges, Space};
@@ -55,7 +55,7 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// The figures cannot be written down.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     for cost in [Feedback::Osp, Feedback::Simulation] {
         bench.identify(cost, &Model::VOIGT_FAMILY, progress);
     }
@@ -84,7 +84,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
     let search = match bench.search().ranges {
         Ranges::Data => {
             "Searched are coordinates on the logs' own scale, from which the published parameters follow, so that \
-                         these may lie outside of Table 4.5's ranges; --ranges table-4.5 searches within them."
+                         these may lie outside of Table 4.5's ranges; the ranges `table-4.5` search within them."
         }
         Ranges::Table45 => "Searched is within Table 4.5's ranges, and Table 5.2's magnitudes for g, h, e, f.",
     };

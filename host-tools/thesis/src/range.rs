@@ -2,9 +2,9 @@
 
 use super::bench::Bench;
 use super::hysteresis::Loop;
-use anyhow::Result;
 use estimator_core::Admitted;
 use identification::validate::compare;
+use recordings::prepare::PrepareError;
 use recordings::rig::{Excitation, Waveform};
 use recordings::session::Session;
 use serde::Serialize;
@@ -42,7 +42,7 @@ impl Frequencies {
     ///
     /// # Errors
     /// A log cannot be prepared.
-    pub fn of(bench: &Bench) -> Result<Self> {
+    pub fn of(bench: &Bench) -> Result<Self, PrepareError> {
         let mut sessions = Vec::new();
         if let Some(rig) = &bench.rig {
             let recipe = &bench.prepared.setting.recipe;

@@ -2,10 +2,10 @@
 //! sampling time t_s (s), its mean absolute error on the held-out log in simulation (µm).
 
 use super::bench::Bench;
-use anyhow::{Context, Result};
+use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::cost::Feedback;
-use identification::{Candidate, Prepared, Progress, SearchOptions, identify};
+use identification::{Candidate, CandidateError, Prepared, Progress, SearchOptions, identify};
 use recordings::session::Session;
 use report::drawn;
 use report::{Picture, Section, shown};
@@ -39,12 +39,12 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// None of the figures can be written down.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     let mut rows = Vec::new();
     for (tick_us, thesis_mae_um) in TABLE_4_4 {
         let (mae_um, constant_logs, failed) = match at(bench, tick_us, progress) {
             Ok((mae, constant)) => (Some(mae), constant, None),
-            Err(error) => (None, 0, Some(format!("{error:#}"))),
+            Err(error) => (None, 0, Some((bench.say)(&error))),
         };
         rows.push(Row { sampling_time_s: f64::from(tick_us) / 1e6, mae_um, thesis_mae_um, constant_logs, failed });
     }
@@ -94,20 +94,20 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
 }
 
 /// The error at a tick, and how many modelling logs are constant at it.
-fn at(bench: &mut Bench, tick_us: u32, progress: Progress<'_>) -> Result<(f64, usize)> {
+fn at(bench: &mut Bench, tick_us: u32, progress: Progress<'_>) -> Result<(f64, usize), ThesisError> {
     let mae = |candidate: &Candidate| {
-        candidate.held_out_figures().map(|figures| figures.mae_um).context("nothing is held out")
+        candidate.held_out_figures().map(|figures| figures.mae_um).ok_or(ThesisError::NoFigures("held out"))
     };
     if tick_us == bench.prepared.setting.recipe.tick_us {
         bench.identify(Feedback::Osp, &[Model::Voigt], progress);
-        let attempt = bench.attempt(Feedback::Osp, Model::Voigt).context("Voigt was not searched for")?;
-        return Ok((mae(attempt.result.as_ref().map_err(|why| anyhow::anyhow!("{why}"))?)?, 0));
+        let attempt = bench.attempt(Feedback::Osp, Model::Voigt).ok_or(ThesisError::NotSearched(Model::Voigt))?;
+        return Ok((mae(attempt.result.as_ref().map_err(CandidateError::clone)?)?, 0));
     }
     let Prepared { problem, setting, .. } = bench.at_tick(tick_us, progress)?;
     let constant = problem.training().zip(bench.problem().training());
     let constant = constant.filter(|(here, there)| span(here) < CONSTANT * span(there)).count();
     let fits = identify(&problem, &[Model::Voigt], Feedback::Osp, bench.search(), progress);
-    let fit = fits.into_iter().next().context("Voigt was not searched for")?;
+    let fit = fits.into_iter().next().ok_or(ThesisError::NotSearched(Model::Voigt))?;
     Ok((mae(&Candidate::new(&problem, fit, &setting)?)?, constant))
 }
 
@@ -145,7 +145,7 @@ mod tests {
         let section = section(&mut bench, &mut |_, _| ()).unwrap();
         let data = section.data().unwrap();
         let rows = data.as_array().unwrap();
-        assert!(rows[1]["failed"].as_str().unwrap().contains("--decimate interpolate"), "{rows:?}");
+        assert!(rows[1]["failed"].as_str().unwrap().contains("no multiple of the tick rate"), "{rows:?}");
         assert!(section.notes.iter().any(|note| note.starts_with("2e-4 s:")), "{:?}", section.notes);
     }
 }

@@ -4,7 +4,7 @@
 
 use super::bench::Bench;
 use super::parameters::short;
-use anyhow::{Context, Result};
+use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::cost::Feedback;
 use identification::{Candidate, Progress, SearchOptions, identify};
@@ -30,7 +30,7 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// The figures cannot be written down.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     let caption =
         format!("Voigt (4.8) by simulation: parameters, MAE of the modelling logs and on {}.", bench.held_out());
     let mut grid = bench.grid(&caption).words("population × bits", 10).words("search", 10);
@@ -86,16 +86,16 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
     })
 }
 
-fn found(bench: &Bench, options: &SearchOptions, progress: Progress<'_>) -> Result<Found> {
+fn found(bench: &Bench, options: &SearchOptions, progress: Progress<'_>) -> Result<Found, ThesisError> {
     let problem = bench.problem();
     let fits = identify(problem, &[Model::Voigt], Feedback::Simulation, options, progress);
-    let fit = fits.into_iter().next().context("Voigt was not searched for")?;
+    let fit = fits.into_iter().next().ok_or(ThesisError::NotSearched(Model::Voigt))?;
     let candidate = Candidate::new(problem, fit, &bench.prepared.setting)?;
-    let of = candidate.table.parameters.voigt().context("these are not Voigt's parameters")?;
+    let of = candidate.table.parameters.voigt().ok_or(ThesisError::NotVoigt)?;
     let of = of.map(f64::from);
     let values = [of.alpha_um, of.beta_v, of.lambda_per_v, of.b_ohm, of.p];
-    let modelling = candidate.training_figures().context("nothing was modelled")?.mae_um;
-    let held_out = candidate.held_out_figures().context("nothing is held out")?.mae_um;
+    let modelling = candidate.training_figures().ok_or(ThesisError::NoFigures("modelled"))?.mae_um;
+    let held_out = candidate.held_out_figures().ok_or(ThesisError::NoFigures("held out"))?.mae_um;
     Ok((values, modelling, held_out))
 }
 

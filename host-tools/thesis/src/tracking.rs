@@ -2,7 +2,7 @@
 //! What Table 3.1 calls reversibility is worth what it makes of the displacement.
 
 use super::bench::Bench;
-use anyhow::{Context, Result, ensure};
+use crate::error::ThesisError;
 use estimator_core::{Admitted, DriveLimits, Model, Range};
 use identification::cost::Feedback;
 use identification::feedforward::{Trajectory, plan};
@@ -71,13 +71,12 @@ pub fn generations(search: &SearchOptions) -> u64 {
 ///
 /// # Errors
 /// The logs are a user's: there is nothing to drive.
-pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
-    let rig = bench.rig.clone().context("only the rig can be driven; a user's logs say nothing of other voltages")?;
+pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
+    let rig = bench.rig.clone().ok_or(ThesisError::NoRig)?;
     let recipe = &bench.prepared.setting.recipe;
-    ensure!(
-        recipe.voltage_zero_v == 0.0 && recipe.displacement_zero_um == 0.0,
-        "the rig is driven from its own zeros: leave out --voltage-zero and --displacement-zero"
-    );
+    if recipe.voltage_zero_v != 0.0 || recipe.displacement_zero_um != 0.0 {
+        return Err(ThesisError::OtherZeros);
+    }
     bench.identify(Feedback::Simulation, &Model::ALL, progress);
     let problem = bench.problem();
     let tick_s = problem.extent().tick;
@@ -110,7 +109,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section> {
         let Some(attempt) = bench.attempt(Feedback::Simulation, model) else { continue };
         let found = match &attempt.result {
             Ok(candidate) => inverted(&candidate.table, &limits, &trajectories, tick_s, &driven),
-            Err(why) => Err(why.clone()),
+            Err(why) => Err((bench.say)(why)),
         };
         let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         let name = model.to_string();

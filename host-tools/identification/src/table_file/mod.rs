@@ -8,13 +8,12 @@ pub use constant::rust_source;
 use crate::cost::{Feedback, Norm};
 use crate::log_use::LogUse;
 use crate::search::SearchOptions;
-use anyhow::{Context, Result, anyhow, bail};
 use estimator_core::record::MAX_LENGTH;
-use estimator_core::{Admitted, Table};
-use recordings::file;
+use estimator_core::{Admitted, Table, TableError};
+use recordings::file::{self, FileError};
 use recordings::prepare::Recipe;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The file.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -42,6 +41,58 @@ pub struct TableFile {
     pub logs: Vec<LogUse>,
 }
 
+/// Why a file is no table, or a table becomes no file.
+#[derive(Debug, thiserror::Error)]
+pub enum TableFileError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read as a table.toml", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The file holds something else.
+    #[error("{}: is no table.toml: {error}", path.display())]
+    NoTable {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        error: Box<toml::de::Error>,
+    },
+    /// The table in a file is refused.
+    #[error("{}: is refused", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: Refused,
+    },
+    /// A table is refused before it is written.
+    #[error(transparent)]
+    Inadmissible(#[from] Refused),
+    /// A number that the format cannot hold.
+    #[error(transparent)]
+    Toml(#[from] toml::ser::Error),
+    /// A file cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Why a table is refused.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+pub enum Refused {
+    /// By itself.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The recipe breaks this rule.
+    #[error("[recipe] {0}")]
+    Recipe(&'static str),
+    /// Recipe and table are not of one identification.
+    #[error("[recipe] and [table] differ in the tick or a zero: change both, or neither")]
+    Differ,
+}
+
 const HEADER: &str = "\
 # Parameter table of a piezo actuator, for sensorless displacement estimation.
 # Units stand in the names: um is micrometre, v volt, us microsecond.
@@ -50,40 +101,52 @@ const HEADER: &str = "\
 
 impl TableFile {
     /// Reads and admits a table.
-    pub fn load(path: &Path) -> Result<(Self, Admitted)> {
+    ///
+    /// # Errors
+    /// The file cannot be read, is no table, or is refused.
+    pub fn load(path: &Path) -> Result<(Self, Admitted), TableFileError> {
         let text = std::fs::read_to_string(path)
-            .with_context(|| format!("{}: cannot be read as a table.toml", path.display()))?;
-        let file: Self =
-            toml::from_str(&text).map_err(|error| anyhow!("{}: is no table.toml: {error}", path.display()))?;
-        let admitted = file.admit().with_context(|| format!("{}: is refused", path.display()))?;
+            .map_err(|source| TableFileError::Unreadable { path: path.to_owned(), source })?;
+        let file: Self = toml::from_str(&text)
+            .map_err(|error| TableFileError::NoTable { path: path.to_owned(), error: Box::new(error) })?;
+        let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.to_owned(), source })?;
         Ok((file, admitted))
     }
 
     /// Checks the table and its recipe.
-    pub fn admit(&self) -> Result<Admitted> {
+    ///
+    /// # Errors
+    /// The table breaks a rule, alone or together with the recipe.
+    pub fn admit(&self) -> Result<Admitted, Refused> {
         let admitted = self.table.admit()?;
         if let Some(rule) = self.recipe.fault() {
-            bail!("[recipe] {rule}");
+            return Err(Refused::Recipe(rule));
         }
         let (recipe, table) = (&self.recipe, &self.table);
         let same = recipe.tick_us == table.sample_period_us
             && recipe.voltage_zero_v as f32 == table.voltage_zero_v
             && recipe.displacement_zero_um as f32 == table.displacement_zero_um;
         if !same {
-            bail!("[recipe] and [table] differ in the tick or a zero: change both, or neither");
+            return Err(Refused::Differ);
         }
         Ok(admitted)
     }
 
     /// The text of the file.
-    pub fn to_toml(&self) -> Result<String> {
+    ///
+    /// # Errors
+    /// A number that the format cannot hold.
+    pub fn to_toml(&self) -> Result<String, TableFileError> {
         let mut value = toml::Value::try_from(self)?;
         shorten(&mut value);
         Ok(format!("{HEADER}\n{}", toml::to_string_pretty(&value)?))
     }
 
     /// Writes `table.toml`, `table.rs` and `table.bin` into a folder, creating it.
-    pub fn write_faces(&self, folder: &Path) -> Result<()> {
+    ///
+    /// # Errors
+    /// The table is refused, or a file cannot be written.
+    pub fn write_faces(&self, folder: &Path) -> Result<(), TableFileError> {
         let admitted = self.admit()?;
         file::folder(folder)?;
         file::write(&folder.join("table.toml"), self.to_toml()?)?;

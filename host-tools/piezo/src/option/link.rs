@@ -1,13 +1,10 @@
-//! What the verbs that talk to a device have in common: `--port`, the table to be written, and how flash is written.
+//! The options of the verbs that talk to a device: where it is, and how its flash is written.
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::Result;
 use clap::Args;
+use device_link::write::{WriteError, Writing};
 use device_link::{Address, Anyway, Client, LinkError};
-use estimator_core::record::{self, VERSION};
-use estimator_core::{Admitted, Table};
-use identification::table_file::TableFile;
-use protocol::{Health, Identity, Mode, Record, Refusal, TableSource};
-use std::path::Path;
+use protocol::Identity;
 
 /// Where the device is.
 #[derive(Args, Clone, Debug)]
@@ -46,7 +43,7 @@ pub struct WriteOptions {
 }
 
 impl WriteOptions {
-    /// Writes as asked, and says what was done; the identity is that after the restart, where there was one.
+    /// Writes as asked; returns the identity after the restart, where there was one.
     ///
     /// # Errors
     /// The device is estimating and nothing was said about it, or it fails.
@@ -54,165 +51,26 @@ impl WriteOptions {
         &self,
         client: &mut Client,
         write: impl FnOnce(&mut Client, Anyway) -> Result<(), LinkError>,
-    ) -> Result<Option<Identity>> {
-        let pause = self.pause || (self.reset && !self.while_estimating);
-        if !pause && !self.while_estimating && estimating(client)? {
-            bail!(
-                "the device is estimating, and writing flash may cost ticks: --pause interrupts the estimate, --reset \
-                 restarts the device after it, --while-estimating writes all the same"
-            );
-        }
-        if self.dry_run {
-            return Ok(None);
-        }
-        if pause {
-            client.set_mode(Mode::Pause)?;
-        }
-        let anyway = Anyway { while_estimating: self.while_estimating, rewired: self.rewired };
-        let written = write(client, anyway);
-        let resumed = match pause && (written.is_err() || !self.reset) {
-            true => client.set_mode(Mode::Estimate),
-            false => Ok(()),
-        };
-        // What went wrong first is what is said.
-        written?;
-        resumed?;
-        if self.reset { Ok(Some(client.restart()?)) } else { Ok(None) }
-    }
-}
-
-fn estimating(client: &mut Client) -> Result<bool, LinkError> {
-    if client.health()?.mode != Mode::Estimate {
-        return Ok(false);
-    }
-    Ok(table(client)?.is_some())
-}
-
-/// The table in use and its record; `None` where there is none.
-pub fn table(client: &mut Client) -> Result<Option<Record>, LinkError> {
-    match client.pull() {
-        Ok(record) => Ok(Some(record)),
-        Err(LinkError::Refused { refusal, .. }) if *refusal == Refusal::NoTable => Ok(None),
-        Err(error) => Err(error),
-    }
-}
-
-/// The table in use; an error where there is none.
-pub fn running_table(client: &mut Client) -> Result<Admitted> {
-    let record = table(client)?.context("the device has no table to estimate with; give it one with `piezo push`")?;
-    Table::parse(&record).context("the device's table is refused here")
-}
-
-/// An error where the device does anything but estimate.
-pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
-    ensure!(
-        health.mode == Mode::Estimate,
-        "{port}: the device {}; make it estimate again: piezo reset --port {port}",
-        device_link::words::mode(health.mode)
-    );
-    Ok(())
-}
-
-/// Reads a table to be written to a device: a table.toml, or the record in a table.bin.
-pub fn load(path: &Path) -> Result<Admitted> {
-    if path.extension().is_none_or(|extension| extension != "bin") {
-        return Ok(TableFile::load(path)?.1);
-    }
-    let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    Table::parse(&bytes).with_context(|| format!("{}: is refused", path.display()))
-}
-
-/// The checksum of a record as it names a table for people.
-pub fn checksum(record: &[u8]) -> String {
-    format!("{:08x}", record::checksum(record).unwrap_or(0))
-}
-
-/// What a board needs of a table.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Board {
-    /// Tick, µs.
-    pub tick_us: u32,
-    /// The ADC's largest code.
-    pub adc_full_scale: u16,
-    /// The DAC's largest code.
-    pub dac_full_scale: u16,
-}
-
-impl Board {
-    /// What the device needs.
-    ///
-    /// # Errors
-    /// It reads another format of records.
-    pub fn of(identity: &Identity) -> Result<Self> {
-        let found = identity.record_version;
-        ensure!(
-            found == VERSION,
-            "the firmware reads tables of format {found}, this program writes format {VERSION}: build both from the same \
-             sources"
-        );
-        let &Identity { tick_us, adc_full_scale, dac_full_scale, .. } = identity;
-        Ok(Self { tick_us, adc_full_scale, dac_full_scale })
-    }
-
-    /// Refuses a table made for other converters or another tick, which would give a number, and a wrong one.
-    pub fn check(&self, table: &Admitted, path: &Path) -> Result<()> {
-        let Self { tick_us, adc_full_scale, dac_full_scale } = *self;
-        let name = path.display();
-        ensure!(
-            table.sample_period_us == tick_us,
-            "{name}: is for a tick of {} µs, the board's is {tick_us} µs: identify with --tick-us {tick_us}",
-            table.sample_period_us
-        );
-        let converters = [
-            ("an ADC", "--adc-full-scale", table.adc.full_scale, adc_full_scale),
-            ("a DAC", "--dac-full-scale", table.dac.full_scale, dac_full_scale),
-        ];
-        let wrong = || converters.iter().filter(|(.., theirs, ours)| theirs != ours);
-        if wrong().next().is_none() {
-            return Ok(());
-        }
-        let differ: Vec<String> =
-            wrong().map(|(converter, _, theirs, ours)| format!("{converter} up to {theirs}, not {ours}")).collect();
-        let options: String = wrong().map(|(_, option, _, ours)| format!(" {option} {ours}")).collect();
-        let source = path.with_extension("toml");
-        bail!(
-            "{name}: is for {}: piezo emit {}{options} --out FOLDER (and say --adc-span and --dac-span, if you have measured \
-             them)",
-            differ.join(" and "),
-            source.display()
-        )
-    }
-}
-
-/// Where the table in use comes from, and why not from the store, as the end of a sentence.
-pub fn source(source: &TableSource) -> String {
-    match source {
-        TableSource::Stored => "from the parameter store".to_owned(),
-        TableSource::Compiled { reason } => format!("from the firmware image, since {reason}"),
-        TableSource::None { stored, compiled } => {
-            format!("none, since {stored}, and the firmware image's own is refused: {compiled}")
-        }
-    }
-}
-
-/// Says when frames came damaged, which a sound line does not do.
-pub fn note_damage(client: &Client) {
-    if client.damaged() > 0 {
-        eprintln!("piezo: {} frames came damaged: check the cable and its ground", client.damaged());
+    ) -> Result<Option<Identity>, WriteError> {
+        let &Self { while_estimating, pause, reset, rewired, dry_run } = self;
+        Writing { while_estimating, pause, reset, rewired, dry_run }.write(client, write)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::remedy::sentence;
     use device_link::fake::{Fake, Manners};
+    use device_link::table;
     use device_link::table::to_record;
+    use protocol::{Mode, TableSource};
 
     const CAREFUL: WriteOptions =
         WriteOptions { while_estimating: false, pause: false, reset: false, dry_run: false, rewired: false };
 
     /// Pushes the device's own table; returns where its table comes from afterwards, and what it does.
-    fn push(options: &WriteOptions, manners: Manners) -> (Result<Option<Identity>>, TableSource, Mode) {
+    fn push(options: &WriteOptions, manners: Manners) -> (Result<Option<Identity>, WriteError>, TableSource, Mode) {
         let fake = Fake::start(manners);
         let (mut client, _) = fake.connect();
         let record = to_record(&fake.table());
@@ -224,7 +82,7 @@ mod tests {
     #[test]
     fn a_device_that_estimates_is_left_alone_unless_asked() {
         let (done, source, mode) = push(&CAREFUL, Manners::default());
-        let complaint = done.unwrap_err().to_string();
+        let complaint = sentence(&done.unwrap_err());
         assert!(complaint.contains("--pause") && complaint.contains("--while-estimating"), "{complaint}");
         assert!(source != TableSource::Stored && mode == Mode::Estimate);
         let asked = [
@@ -249,7 +107,7 @@ mod tests {
     fn a_push_that_fails_lets_the_device_go_on() {
         let fails = || Manners { store_fails: true, ..Manners::default() };
         let (done, source, mode) = push(&WriteOptions { pause: true, reset: true, ..CAREFUL }, fails());
-        let complaint = done.unwrap_err().to_string();
+        let complaint = sentence(&done.unwrap_err());
         assert!(complaint.contains("flash reports an error"), "{complaint}");
         assert!(source != TableSource::Stored && mode == Mode::Estimate);
     }
@@ -257,24 +115,7 @@ mod tests {
     #[test]
     fn a_device_that_does_not_answer_is_not_said_to_lack_a_table() {
         let fake = Fake::start(Manners { lose_replies: (2..5).collect(), ..Manners::default() });
-        let complaint = format!("{:#}", running_table(&mut fake.connect().0).unwrap_err());
+        let complaint = sentence(&table::running(&mut fake.connect().0).unwrap_err());
         assert!(complaint.contains("no answer") && !complaint.contains("piezo push"), "{complaint}");
-    }
-
-    #[test]
-    fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
-        let fake = Fake::start(Manners::default());
-        let (table, (_, identity)) = (fake.table(), fake.connect());
-        let board = Board::of(&identity).unwrap();
-        let path = Path::new("mine/table.bin");
-        board.check(&table, path).unwrap();
-        let refusal = |board: Board| board.check(&table, path).unwrap_err().to_string();
-        let converters = refusal(Board { adc_full_scale: 65_520, dac_full_scale: 1023, ..board });
-        let command = "piezo emit mine/table.toml --adc-full-scale 65520 --dac-full-scale 1023";
-        assert!(converters.contains(command), "{converters}");
-        assert!(refusal(Board { tick_us: 100, ..board }).contains("--tick-us 100"));
-        let newer = Fake::start(Manners { newer_records: true, ..Manners::default() });
-        let complaint = Board::of(&newer.connect().1).unwrap_err().to_string();
-        assert!(complaint.contains(&format!("writes format {VERSION}")), "{complaint}");
     }
 }

@@ -5,11 +5,8 @@ use clap::builder::TypedValueParser;
 use estimator_core::Model;
 use identification::ModelChoice;
 
-const AUTO: Choice<ModelChoice> = (
-    ModelChoice::Auto,
-    "auto",
-    "The Voigt family and the generalised Prandtl–Ishlinskii model, which is chosen",
-);
+const AUTO: Choice<ModelChoice> =
+    (ModelChoice::Auto, "auto", "The Voigt family and the generalised Prandtl–Ishlinskii model, which is chosen");
 
 /// A parser of a model's name.
 pub fn models() -> impl TypedValueParser<Value = Model> {

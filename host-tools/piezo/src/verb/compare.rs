@@ -3,17 +3,21 @@
 use super::identify::zeros;
 use super::print::{out, progress};
 use crate::option::{Fitting, OPTIMISERS, STARTS, choice, models};
-use crate::output;
-use anyhow::{Result, ensure};
+use crate::{output, remedy};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use estimator_core::Model;
-use identification::compare::{self, Judgement, Matrix, Row, read_instructions};
+use identification::compare::{self, Instructions, Judgement, Matrix, Row};
 use identification::cost::Cost;
 use identification::search::Optimiser;
 use identification::validate::Figures;
 use identification::{Role, SearchOptions, Start};
 use report::ComparisonReport;
-use std::path::PathBuf;
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `piezo compare`.
 #[derive(Args, Debug)]
@@ -63,7 +67,7 @@ pub fn run(arguments: &Compare) -> Result<bool> {
         }
     }
     let bar = progress(compare::generations(&job, &models));
-    let mut matrix = compare::run(&job, &models, budget, &mut |model, cost| {
+    let mut matrix = compare::run(&job, &models, budget, remedy::sentence, &mut |model, cost| {
         bar.set_prefix(model.to_string());
         bar.set_message(format!("{cost:.4} µm"));
         bar.inc(1);
@@ -84,6 +88,17 @@ pub fn run(arguments: &Compare) -> Result<bool> {
         print(arguments, &matrix, &facts);
     }
     Ok(true)
+}
+
+/// Reads a JSON map of model names (`voigt-chain`) to instructions per tick (`{"max": 900, "mean": 840.5}`).
+fn read_instructions(path: &Path) -> Result<Vec<(Model, Instructions)>> {
+    let read = || -> Result<Vec<(Model, Instructions)>> {
+        let map: BTreeMap<String, Instructions> = serde_json::from_slice(&std::fs::read(path)?)?;
+        let model = |name: &str| Model::deserialize(IntoDeserializer::<Error>::into_deserializer(name));
+        map.into_iter().map(|(name, counts)| Ok((model(&name)?, counts))).collect()
+    };
+    let remedy = "expected a map of model names to instructions per tick, {\"voigt\": {\"max\": 900, \"mean\": 840.5}}";
+    read().with_context(|| format!("{}: {remedy}", path.display()))
 }
 
 /// How to read the figures.
@@ -121,7 +136,7 @@ fn facts(arguments: &Compare, cost: Cost, matrix: &Matrix) -> Vec<(String, Strin
         ),
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
     ];
-    let doubts = matrix.doubts.iter().map(|doubt| ("Doubt".to_owned(), doubt.to_string()));
+    let doubts = matrix.doubts.iter().map(|doubt| ("Doubt".to_owned(), remedy::doubt(doubt)));
     facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(doubts).collect()
 }
 

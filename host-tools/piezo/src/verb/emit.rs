@@ -3,7 +3,7 @@
 use super::info::describe;
 use super::print::out;
 use crate::option::CalibrationArgs;
-use crate::output;
+use crate::{output, remedy};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use identification::Doubt;
@@ -48,11 +48,11 @@ pub fn run(arguments: &Emit) -> Result<bool> {
     let calibration = CalibrationOptions::from(&arguments.calibration);
     calibration.apply(&mut file.table);
     if calibration.stated() {
-        let assumed = Doubt::CalibrationAssumed.to_string();
+        let assumed = remedy::doubt(&Doubt::CalibrationAssumed);
         file.doubts.retain(|doubt| *doubt != assumed);
     }
     let admitted = file.admit()?;
-    misfits(&admitted).iter().for_each(|misfit| eprintln!("piezo: careful: {misfit}"));
+    misfits(&admitted).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
     if let Some(folder) = &arguments.out {
         file.write_faces(folder)?;
         let faces = ["table.toml", "table.rs", "table.bin"].map(|name| folder.join(name));

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
 use identification::drive::{identified_on, limits, ordered};
-use identification::feedforward::{Plan, Trajectory, delay_ticks, near, plan, reach};
+use identification::feedforward::{Plan, Trajectory, near, plan, reach};
 use identification::span::Span;
 use identification::table_file::TableFile;
 use recordings::log::{Displacement, write_csv};
@@ -119,7 +119,7 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             "out_of_reach": plan.out_of_reach,
             "reach_um": reach(table, limits),
             "met_after_s": met.map(|tick| tick as f64 * tick_s),
-            "delay_ticks": delay_ticks(table),
+            "delay_ticks": table.parameters.delay_ticks(),
             "round_trip": errors,
         });
         out(&serde_json::to_string_pretty(&summary)?);

@@ -1,9 +1,10 @@
 //! `piezo flash`: a firmware image, a table, or both, by a debug probe.
 
+use super::device;
 use super::print::out;
-use crate::option::link::{self, Board};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use device_link::board::Board;
 use device_link::pages;
 use device_link::probe::{self, Probe};
 use device_link::table::to_record;
@@ -71,7 +72,7 @@ pub fn run(arguments: &Flash) -> Result<bool> {
 /// Where the parameter pages are.
 fn place(arguments: &Flash) -> Result<Range<u32>> {
     match (&arguments.image, arguments.parameters_at) {
-        (Some(image), _) => pages::of_image(image),
+        (Some(image), _) => Ok(pages::of_image(image)?),
         (None, Some(start)) => {
             let length = pages::NUCLEO_G474RE.len() as u32;
             let end = start.checked_add(length).context("--parameters-at: there is no memory behind this address")?;
@@ -87,8 +88,8 @@ fn place(arguments: &Flash) -> Result<Range<u32>> {
 
 /// The content of the parameter pages with a table in them.
 fn content(path: &Path, place: &Range<u32>) -> Result<Vec<u8>> {
-    let table = link::load(path)?;
-    NUCLEO_G474RE.check(&table, path)?;
+    let table = device::load(path)?;
+    device::fits(&NUCLEO_G474RE, &table, path)?;
     // By the probe nobody can ask the device what its DAC is wired to.
     let output = if table.drive.is_some() { "drives the amplifier" } else { "shows the displacement" };
     eprintln!("piezo: careful: with {} the DAC {output}: wire it so before the board starts", path.display());

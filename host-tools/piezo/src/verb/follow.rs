@@ -3,18 +3,20 @@
 //! The reference of tick k moves the DAC at tick k + 1 and the displacement a tick after that, later by the model's delay;
 //! the log sets what was wanted beside what was estimated at the same instant.
 
+use super::device::note_damage;
 use super::feedforward::caveats;
 use super::print::{out, progress};
 use crate::option::LogOptions;
-use crate::option::link::{PortOption, note_damage, running_table};
+use crate::option::link::PortOption;
 use crate::output;
+use crate::remedy;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use device_link::follow::{Followed, follow};
 use device_link::interrupt::Interrupt;
-use device_link::words;
+use device_link::{table, words};
 use estimator_core::{AdcCode, Admitted, DacCode, Status};
-use identification::feedforward::{Trajectory, delay_ticks, near, plan};
+use identification::feedforward::{Trajectory, near, plan};
 use protocol::{Mode, Refusal};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -55,14 +57,14 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     // A log that cannot be written is no reason to have driven an actuator.
     let file = arguments.out.as_deref().map(|path| beside(path, &arguments.trajectory)).transpose()?;
     let (mut client, _) = arguments.port.connect()?;
-    let table = running_table(&mut client)?;
+    let table = table::running(&mut client)?;
     let trajectory = Trajectory::of(&log, table.sample_period());
     possible(&table, &trajectory, arguments.dry_run)?;
     if arguments.dry_run {
         return Ok(true);
     }
     let references: Vec<f32> = trajectory.0.iter().map(|&wanted| wanted as f32).collect();
-    let late = 2.0 + delay_ticks(&table);
+    let late = 2.0 + f64::from(table.parameters.delay_ticks());
     let ticks = references.len() + late.ceil() as usize;
     let bar = progress(ticks as u64);
     let followed = follow(&mut client, &references, arguments.stay, ticks, &interrupt, &mut |ticks| {
@@ -185,7 +187,7 @@ fn tell(arguments: &Follow, table: &Admitted, followed: &Followed, rows: &[Row])
     if let Some(path) = &arguments.out {
         out(&path.display().to_string());
     }
-    words::status(status).for_each(|meaning| out(&format!("- {}\n  → {}", meaning.what, meaning.remedy)));
+    remedy::status(status).for_each(|meaning| out(&format!("- {}\n  → {}", meaning.what, meaning.remedy)));
     if followed.starved > 0 {
         out(&format!(
             "FAILED: the device waited for {} ticks in all for references and held the last one: what was wanted stands too early in \
@@ -197,7 +199,7 @@ fn tell(arguments: &Follow, table: &Admitted, followed: &Followed, rows: &[Row])
         out(&format!(
             "FAILED: a fault sent the drive back to rest after {} ticks: {}",
             followed.samples.len(),
-            words::list(words::faults(followed.stopped))
+            words::list(words::faults(followed.stopped).map(|(_, what)| what))
         ));
     }
     Ok(good)

@@ -1,9 +1,8 @@
 //! `piezo identify`: logs → a proven parameter table and a report.
 
-use super::emit::FormName;
 use super::print::{heading, out, progress, row};
 use crate::option::{CalibrationArgs, Fitting, SearchArgs, model_choice};
-use crate::output;
+use crate::{output, remedy};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use identification::cost::Cost;
@@ -53,7 +52,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let verdict = verdict(&outcome);
     write(arguments, job.cost, &outcome, &verdict)?;
     if arguments.fitting.json {
-        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict))?);
+        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict)?)?);
     } else {
         summary(arguments, &outcome, &verdict);
     }
@@ -62,7 +61,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
 
 fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]) -> Result<()> {
     let candidate = outcome.candidate();
-    let doubts: Vec<String> = outcome.doubts.iter().map(ToString::to_string).collect();
+    let doubts: Vec<String> = outcome.doubts.iter().map(remedy::doubt).collect();
     let file = TableFile {
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
         doubts: doubts.clone(),
@@ -95,7 +94,7 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
 /// How good it is, in plain words.
 fn verdict(outcome: &Outcome) -> Vec<String> {
     let candidate = outcome.candidate();
-    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model(), outcome.reason)];
+    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model(), remedy::reason(outcome.reason))];
     if let Some(held_out) = candidate.held_out_figures() {
         sentences.push(format!(
             "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
@@ -143,7 +142,7 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
     out("");
     verdict.iter().for_each(|sentence| out(sentence));
     out("\nWhen not to trust it:");
-    outcome.doubts.iter().for_each(|doubt| out(&format!("- {doubt}")));
+    outcome.doubts.iter().for_each(|doubt| out(&format!("- {}", remedy::doubt(doubt))));
     let folder = arguments.out.display();
     out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
 }
@@ -186,7 +185,7 @@ fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, St
     facts
 }
 
-fn to_json(outcome: &Outcome, verdict: &[String]) -> Value {
+fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
     let candidates: Vec<Value> = outcome
         .candidates
         .iter()
@@ -204,16 +203,20 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> Value {
             })
         })
         .collect();
-    let failed: Vec<Value> =
-        outcome.failed.iter().map(|(model, reason)| json!({ "model": model, "reason": reason })).collect();
-    json!({
+    let failed: Vec<Value> = outcome
+        .failed
+        .iter()
+        .map(|(model, error)| json!({ "model": model, "reason": remedy::sentence(error) }))
+        .collect();
+    let doubts = outcome.doubts.iter().map(remedy::doubt_json).collect::<serde_json::Result<Vec<Value>>>()?;
+    Ok(json!({
         "model": outcome.candidate().table.model(),
-        "reason": outcome.reason,
+        "reason": remedy::reason(outcome.reason),
         "verdict": verdict,
         "candidates": candidates,
         "failed": failed,
-        "doubts": outcome.doubts,
+        "doubts": doubts,
         "recipe": outcome.recipe,
         "logs": outcome.logs,
-    })
+    }))
 }

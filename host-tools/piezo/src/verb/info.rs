@@ -1,11 +1,14 @@
 //! `piezo info`: who the device is, which table it runs, how it is, and what to do about it.
 
+use super::device::{self, checksum};
 use super::print::out;
-use crate::option::link::{self, PortOption, checksum};
+use crate::option::link::PortOption;
+use crate::remedy::{self, Meaning};
 use anyhow::Result;
 use clap::Args;
-use device_link::words::{self, Meaning};
-use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Form, Status, Table, TableError};
+use device_link::table;
+use device_link::words;
+use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Status, Table, TableError};
 use protocol::{Faults, Health, Identity, Mode, VERSION};
 use serde_json::{Value, json};
 
@@ -35,7 +38,7 @@ struct Found {
 /// Runs the verb.
 pub fn run(arguments: &Info) -> Result<bool> {
     let (mut client, identity) = arguments.port.connect()?;
-    let table = link::table(&mut client)?.map(|record| (Table::parse(&record), checksum(&record)));
+    let table = table::in_use(&mut client)?.map(|record| (Table::parse(&record), checksum(&record)));
     let health = client.health()?;
     if arguments.forget {
         client.forget()?;
@@ -88,10 +91,10 @@ fn lines(found: &Found) -> Vec<String> {
     let rests = drives && health.faults == Faults::SAFE_OUTPUT && health.mode != Mode::Follow;
     let faults = if rests { Faults::empty() } else { health.faults };
     lines.push(if faults.is_empty() { "Faults   none".to_owned() } else { "Faults".to_owned() });
-    lines.extend(words::faults(faults).map(|meaning| bullet("now", meaning)));
-    lines.extend(words::faults(health.faults_seen - faults).map(|meaning| bullet("earlier", meaning)));
+    lines.extend(remedy::faults(faults).map(|meaning| bullet("now", meaning)));
+    lines.extend(remedy::faults(health.faults_seen - faults).map(|meaning| bullet("earlier", meaning)));
     for (status, ticks) in counts(health) {
-        lines.extend(words::status(status).map(|meaning| bullet(&format!("{ticks} ticks"), meaning)));
+        lines.extend(remedy::status(status).map(|meaning| bullet(&format!("{ticks} ticks"), meaning)));
     }
     if let Some(words) = &health.last_words {
         lines.push(format!("Last words of an earlier run: {words}"));
@@ -101,7 +104,7 @@ fn lines(found: &Found) -> Vec<String> {
 }
 
 fn table_lines(identity: &Identity, table: Option<&(Result<Admitted, TableError>, String)>) -> Vec<String> {
-    let source = link::source(&identity.source);
+    let source = device::source(&identity.source);
     match table {
         None => vec![format!("Table    {source}")],
         Some((table, checksum)) => {

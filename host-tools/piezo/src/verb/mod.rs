@@ -20,4 +20,5 @@ pub mod simulate;
 pub mod validate;
 pub mod zero;
 
+mod device;
 mod print;

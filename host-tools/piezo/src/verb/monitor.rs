@@ -2,14 +2,16 @@
 //!
 //! In a terminal one block of lines that refreshes itself; elsewhere a line, or a JSON object, a second.
 
+use super::device::{note_damage, require_estimating};
 use super::print::out;
-use crate::option::link::{PortOption, note_damage, require_estimating, running_table};
+use crate::option::link::PortOption;
 use crate::option::not_negative;
 use anyhow::Result;
 use clap::Args;
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use crossterm::{cursor, execute, queue, style::Print, terminal};
 use device_link::interrupt::Interrupt;
+use device_link::table;
 use device_link::window::Window;
 use device_link::{Client, words};
 use estimator_core::Range;
@@ -42,7 +44,7 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, &arguments.port.port)?;
-    let table = running_table(&mut client)?;
+    let table = table::running(&mut client)?;
     let window = Window::new(table.adc, (1_000_000 / identity.tick_us.max(1)) as usize);
     client.stream(true)?;
     let end =
@@ -127,7 +129,8 @@ fn object(window: &Window, time_s: f64, samples: u64, lost: u64) -> String {
 
 /// Status and faults of the last second in words, if there are any.
 fn said(window: &Window) -> Option<String> {
-    let words = words::list(words::faults(window.faults()).chain(words::status(window.status())));
+    let faults = words::faults(window.faults()).map(|(_, what)| what);
+    let words = words::list(faults.chain(words::status(window.status()).map(|(_, what)| what)));
     (!words.is_empty()).then_some(words)
 }
 

@@ -1,14 +1,15 @@
 //! `piezo pil`: processor in the loop. Logs go through the device's tick, and every bit of what comes back is compared with
 //! what the host's f32 core gives.
 
+use super::device::{self, note_damage};
 use super::print::{out, progress};
 use crate::option::LogOptions;
-use crate::option::link::{self, PortOption, note_damage, running_table};
+use crate::option::link::PortOption;
 use anyhow::{Result, ensure};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::pil::{Comparison, Difference, Gave, compare, feed};
-use device_link::table::to_record;
+use device_link::table::{self, to_record};
 use device_link::{Client, words};
 use estimator_core::{AdcCode, Admitted};
 use identification::table_file::TableFile;
@@ -52,15 +53,15 @@ pub fn run(arguments: &Pil) -> Result<bool> {
     let logs = arguments.logs.read_all(logs)?;
 
     let (mut client, identity) = arguments.port.connect()?;
-    let running = running_table(&mut client)?;
+    let running = table::running(&mut client)?;
     if let (Some(path), Some((_, table))) = (table, &stated) {
         let (wanted, found) = (to_record(table), to_record(&running));
         ensure!(
             wanted == found,
             "{}: the device runs another table (checksum {}, this one is {}): piezo push {} --reset --port {}",
             path.display(),
-            link::checksum(&found),
-            link::checksum(&wanted),
+            device::checksum(&found),
+            device::checksum(&wanted),
             path.display(),
             arguments.port.port
         );
@@ -130,7 +131,7 @@ fn tell(logs: &[Log], comparisons: &[Comparison], health: &Health, identical: bo
             out(&format!("    the first is tick {tick}, code {code}: host {}, device {}", gave(host), gave(device)));
         }
         if !comparison.status.is_empty() {
-            out(&format!("    on the way: {}", words::list(words::status(comparison.status))));
+            out(&format!("    on the way: {}", words::list(words::status(comparison.status).map(|(_, what)| what))));
         }
     }
     out(&format!(

@@ -1,8 +1,9 @@
 //! `piezo pull`: the table that the device runs, as a binary record.
 
+use super::device::{self, note_damage};
 use super::info::describe;
 use super::print::out;
-use crate::option::link::{self, PortOption, note_damage};
+use crate::option::link::PortOption;
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
@@ -37,7 +38,7 @@ pub fn run(arguments: &Pull) -> Result<bool> {
         return Ok(true);
     }
     output::write(&arguments.out, &record)?;
-    let checksum = link::checksum(&record);
+    let checksum = device::checksum(&record);
     if arguments.json {
         let summary =
             json!({ "written": arguments.out, "source": identity.source, "checksum": checksum, "table": *table });

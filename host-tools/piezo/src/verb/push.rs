@@ -1,9 +1,12 @@
 //! `piezo push`: a table into the device's parameter store.
 
+use super::device::{self, note_damage};
 use super::print::out;
-use crate::option::link::{self, Board, PortOption, WriteOptions, note_damage};
+use crate::option::link::{PortOption, WriteOptions};
+use crate::remedy;
 use anyhow::{Result, ensure};
 use clap::Args;
+use device_link::board::Board;
 use device_link::table::to_record;
 use identification::calibration::misfits;
 use protocol::TableSource;
@@ -28,17 +31,17 @@ pub struct Push {
 
 /// Runs the verb.
 pub fn run(arguments: &Push) -> Result<bool> {
-    let table = link::load(&arguments.table)?;
+    let table = device::load(&arguments.table)?;
     let record = to_record(&table);
     let (mut client, identity) = arguments.port.connect()?;
-    Board::of(&identity)?.check(&table, &arguments.table)?;
-    misfits(&table).iter().for_each(|misfit| eprintln!("piezo: careful: {misfit}"));
+    device::fits(&Board::of(&identity)?, &table, &arguments.table)?;
+    misfits(&table).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
     let restarted = arguments.write.write(&mut client, |client, anyway| client.push(record.clone(), anyway))?;
     if let Some(identity) = &restarted {
         ensure!(
             identity.source == TableSource::Stored,
             "the device has not taken what it stored; its table is now {}",
-            link::source(&identity.source)
+            device::source(&identity.source)
         );
         ensure!(
             client.pull()? == record,
@@ -46,7 +49,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
         );
     }
     note_damage(&client);
-    let checksum = link::checksum(&record);
+    let checksum = device::checksum(&record);
     let (name, port) = (arguments.table.display(), &arguments.port.port);
     if arguments.json {
         out(&serde_json::to_string_pretty(&json!({

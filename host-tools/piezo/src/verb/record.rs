@@ -1,14 +1,16 @@
 //! `piezo record`: the device's samples as a log.
 
+use super::device::{note_damage, require_estimating};
 use super::print::out;
-use crate::option::link::{PortOption, note_damage, require_estimating, running_table};
+use crate::option::link::PortOption;
 use crate::option::not_negative;
-use crate::output;
+use crate::{output, remedy};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
+use device_link::LinkError;
 use device_link::interrupt::Interrupt;
 use device_link::recording::{End, Recording, Wish, record};
-use device_link::{LinkError, words};
+use device_link::table;
 use indicatif::ProgressBar;
 use serde_json::json;
 use std::io::BufWriter;
@@ -49,7 +51,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let tick_us = identity.tick_us;
     let ticks = arguments.samples.or(arguments.seconds.map(|s| (s * 1e6 / f64::from(tick_us)).round() as u64));
     ensure!(ticks != Some(0), "--seconds is less than one tick of {tick_us} µs");
-    let wish = Wish { calibration: running_table(&mut client)?.adc, tick_us, ticks, allow_gaps: arguments.allow_gaps };
+    let wish = Wish { calibration: table::running(&mut client)?.adc, tick_us, ticks, allow_gaps: arguments.allow_gaps };
     client.stream(true)?;
     let bar = ticks.map_or_else(ProgressBar::new_spinner, super::print::progress);
     let recorded = record(&mut client, &wish, &mut BufWriter::new(&file), |recording| {
@@ -112,7 +114,7 @@ fn tell(arguments: &Record, recording: &Recording, end: &End, tick_us: u32) -> R
     if recording.late > 0 {
         out(&format!("on {} ticks the device was late", recording.late));
     }
-    let meanings = words::status(recording.status).chain(words::faults(recording.faults));
+    let meanings = remedy::status(recording.status).chain(remedy::faults(recording.faults));
     meanings.for_each(|meaning| out(&format!("- {}\n  → {}", meaning.what, meaning.remedy)));
     Ok(())
 }

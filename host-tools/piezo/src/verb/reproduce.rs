@@ -4,7 +4,7 @@
 use super::identify::zeros;
 use super::print::{out, progress};
 use crate::option::{Choice, LogOptions, PrepareArgs, SearchArgs, choice, limit};
-use crate::output;
+use crate::{output, remedy};
 use anyhow::{Result, ensure};
 use clap::Args;
 use identification::calibration::CalibrationOptions;
@@ -87,7 +87,7 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
         bar.set_message(format!("{best:.4} µm"));
         bar.inc(1);
     };
-    let mut bench = Bench::new(job, rig, &mut step)?;
+    let mut bench = Bench::new(job, rig, remedy::sentence, &mut step)?;
     let sections = thesis::run(&mut bench, &items, &mut step)?;
     bar.finish_and_clear();
     let facts = facts(&bench);
@@ -123,7 +123,6 @@ fn job(arguments: &Reproduce) -> Result<(Job, Option<Rig>)> {
         prepare: if own { prepare } else { Bench::zeroed(&prepare) },
         model: ModelChoice::Auto,
         conditions: Conditions { limit: arguments.limit, ..Conditions::default() },
-        tabulated: false,
         calibration: CalibrationOptions::default(),
         cost: Feedback::Simulation.into(),
         search: (&arguments.search).into(),
@@ -190,6 +189,6 @@ fn facts(bench: &Bench) -> Vec<(String, String)> {
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
     ];
     let doubts = bench.prepared.estimates.iter().chain(&bench.prepared.delay_at_bound);
-    let doubts = doubts.map(|doubt| ("Doubt".to_owned(), doubt.to_string()));
+    let doubts = doubts.map(|doubt| ("Doubt".to_owned(), remedy::doubt(doubt)));
     facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(doubts).collect()
 }

@@ -1,9 +1,11 @@
 //! `piezo zero`: calls the displacement of now 0, as at rest.
 
+use super::device::{note_damage, require_estimating};
 use super::print::out;
-use crate::option::link::{PortOption, note_damage, require_estimating, running_table};
+use crate::option::link::PortOption;
 use anyhow::{Result, anyhow};
 use clap::Args;
+use device_link::table;
 use device_link::{Client, LinkError};
 use serde_json::json;
 use std::time::Duration;
@@ -27,7 +29,7 @@ pub fn run(arguments: &Zero) -> Result<bool> {
     let port = &arguments.port.port;
     let (mut client, _) = arguments.port.connect()?;
     require_estimating(&client.health()?, port)?;
-    running_table(&mut client)?;
+    table::running(&mut client)?;
     let before = displacement(&mut client)?;
     client.set_zero().map_err(|error| match error {
         LinkError::Unknown { .. } => {

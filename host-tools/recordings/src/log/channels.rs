@@ -4,9 +4,9 @@ use std::fmt;
 
 use super::ReadOptions;
 use super::columns::{Columns, Position};
-use super::error::excerpt;
 use super::fault::Fault;
 use super::label::{Label, find, listed};
+use super::number::excerpt;
 use super::units::{Quantity, Unit};
 
 /// One column chosen from a file: its index from 0 and its unit.

@@ -1,9 +1,10 @@
-//! Everything that can be wrong with a log, each with its value and its remedy.
+//! Everything that can be wrong with a log, each with its value, and its remedy where that lies in the file. Where it lies
+//! in what is said about the file ([`ReadOptions`](super::ReadOptions)), the fault holds an example of it.
 
-use super::error::Number;
+use super::number::Number;
 use super::units::{Quantity, Unit, UnknownUnit};
 
-/// What is wrong with a log, and the remedy.
+/// What is wrong with a log.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
@@ -37,33 +38,27 @@ pub enum Fault {
         minimum: usize,
     },
 
-    /// `--fs` is no rate.
-    #[error("--fs {0} is not a sample rate: state it in Hz, as in --fs 2000")]
+    /// The stated rate is none.
+    #[error("{0} Hz is not a sample rate")]
     SampleRate(f64),
-    /// A table without a header, and no `--columns`.
-    #[error(
-        "no header names the {count} columns: say which is which, as in `{file} --columns {example}` \
-         (numbers from 1 to {count}; a header behind a # is not read)"
-    )]
+    /// A table without a header, and no columns stated.
+    #[error("no header names the {count} columns")]
     NoHeader {
         /// Columns of the file.
         count: usize,
         /// The file's name.
         file: String,
-        /// A value for `--columns`, and `--fs` where it is needed.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
-    /// Neither a time column nor `--fs`.
-    #[error(
-        "no column holds the time: state the sample rate in Hz, as in `{file} --fs 2000`, or the time column, by adding \
-         time=N:s to --columns"
-    )]
+    /// Neither a time column nor a stated rate.
+    #[error("no column holds the time")]
     NoTime {
         /// The file's name.
         file: String,
     },
     /// No column for a quantity that is needed.
-    #[error("no column holds the {quantity} (columns: {columns}): name it, as in `{file} --columns {example}`")]
+    #[error("no column holds the {quantity} (columns: {columns})")]
     NoColumn {
         /// What is missing.
         quantity: Quantity,
@@ -71,11 +66,11 @@ pub enum Fault {
         columns: String,
         /// The file's name.
         file: String,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
     /// Two header names claim one quantity.
-    #[error("columns {first:?} and {second:?} both claim to be the {quantity}: choose one, as in --columns {example}")]
+    #[error("columns {first:?} and {second:?} both claim to be the {quantity}")]
     TwoClaims {
         /// What both claim to be.
         quantity: Quantity,
@@ -83,31 +78,29 @@ pub enum Fault {
         first: String,
         /// The second header name.
         second: String,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
     /// A header name without a unit.
-    #[error("column {column:?} states no unit: state it, as in --columns {example}")]
+    #[error("column {column:?} states no unit")]
     MissingUnit {
         /// The header name.
         column: String,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
     /// A header name with a unit that is not known.
-    #[error("column {column:?}: {unit}; or state the unit, as in --columns {example}")]
+    #[error("column {column:?}: {unit}")]
     UnknownUnit {
         /// The header name.
         column: String,
         /// The unit's text.
         unit: UnknownUnit,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
     /// A header name with a unit of another quantity.
-    #[error(
-        "column {column:?} is read as the {quantity} and {unit} is no unit of it: correct the header, or say which is which, as in --columns {example}"
-    )]
+    #[error("column {column:?} is read as the {quantity} and {unit} is no unit of it")]
     WrongDimension {
         /// The header name.
         column: String,
@@ -115,11 +108,11 @@ pub enum Fault {
         quantity: Quantity,
         /// What the unit says.
         unit: Unit,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
-    /// `--columns` asks for a column that is not there.
-    #[error("--columns asks for column {wanted} and the columns are {columns}: choose among these")]
+    /// A stated column is not there.
+    #[error("column {wanted} was asked for and the columns are {columns}: choose among these")]
     NoSuchColumn {
         /// What was asked for.
         wanted: String,
@@ -188,7 +181,7 @@ pub enum Fault {
     /// A time stamp off the clock.
     #[error(
         "irregular time stamp (t = {value} s is {percent} % of a sample period of {period} s off its place): record with a \
-         hardware clock or, if the rate was in truth constant, leave the time column out and state the rate with --fs"
+         hardware clock or, if the rate was in truth constant, leave the time column out and state the rate"
     )]
     IrregularTime {
         /// The time stamp, s.
@@ -199,36 +192,30 @@ pub enum Fault {
         period: Number,
     },
     /// A sample period that no log of this kind has.
-    #[error(
-        "the time column gives a sample period of {period} s, taken to be in {unit}: state its unit, as in --columns {example}"
-    )]
+    #[error("the time column gives a sample period of {period} s, taken to be in {unit}")]
     ImplausiblePeriod {
         /// Sample period, s.
         period: Number,
         /// The unit it was read in.
         unit: Unit,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
-    /// `--fs` and the time column differ.
-    #[error(
-        "--fs {stated} disagrees with the time column ({found} Hz, taken to be in {unit}): leave --fs out, or state the column's unit, as in --columns {example}"
-    )]
+    /// The stated rate and the time column differ.
+    #[error("a rate of {stated} Hz disagrees with the time column ({found} Hz, taken to be in {unit})")]
     RateDisagrees {
-        /// `--fs`, Hz.
+        /// The stated rate, Hz.
         stated: Number,
         /// From the time column, Hz.
         found: Number,
         /// The unit it was read in.
         unit: Unit,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
 
     /// The same value in every row.
-    #[error(
-        "the {quantity} is constant ({value} {unit} in all {rows} rows): choose another column, as in --columns {example}, or record a moving actuator"
-    )]
+    #[error("the {quantity} is constant ({value} {unit} in all {rows} rows)")]
     Constant {
         /// Which quantity.
         quantity: Quantity,
@@ -238,13 +225,11 @@ pub enum Fault {
         unit: Unit,
         /// How many rows.
         rows: usize,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
     /// A span that no such log has, most often a wrong unit.
-    #[error(
-        "the {quantity} spans {span} {base}, {limit}; it was taken to be in {unit}: if that is wrong, state its unit, as in --columns {example}"
-    )]
+    #[error("the {quantity} spans {span} {base}, {limit}; it was taken to be in {unit}")]
     ImplausibleSpan {
         /// Which quantity.
         quantity: Quantity,
@@ -256,7 +241,7 @@ pub enum Fault {
         limit: &'static str,
         /// The unit it was read in.
         unit: Unit,
-        /// A value for `--columns`.
+        /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
 

@@ -1,7 +1,7 @@
 //! Names of a header: `displacement (µm)` taken apart into a quantity and a unit.
 
-use super::error::excerpt;
 use super::fault::Fault;
+use super::number::excerpt;
 use super::units::{Quantity, Unit, UnknownUnit};
 
 /// A header name taken apart.

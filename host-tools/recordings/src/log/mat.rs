@@ -88,7 +88,10 @@ fn only_fitting(variables: Vec<Variable>, options: &ReadOptions) -> Result<(Shap
         [] => Err(Fault::MatNoLog {
             wanted: match &options.columns {
                 Some(columns) => {
-                    format!("a real 2-D array with at least {} rows, as --columns asks", columns.highest_number())
+                    format!(
+                        "a real 2-D array with at least {} rows, as the stated columns ask",
+                        columns.highest_number()
+                    )
                 }
                 None => "a real 3xN array (time, voltage, displacement)".to_owned(),
             },

@@ -5,7 +5,7 @@
 
 use std::io::{self, ErrorKind, Read};
 
-use super::error::excerpt;
+use super::number::excerpt;
 
 const MI_INT32: u32 = 5;
 const MI_UINT32: u32 = 6;

@@ -13,6 +13,7 @@ mod fault;
 mod label;
 mod mat;
 mod mat_reader;
+mod number;
 mod plausible;
 mod resolution;
 mod steps;
@@ -32,8 +33,9 @@ use sha2::{Digest, Sha256};
 use channels::Channels;
 pub use columns::{Column, Columns, ColumnsError, Position};
 use error::Located;
-pub use error::{LogError, Number, Place};
+pub use error::{LogError, Place};
 pub use fault::Fault;
+pub use number::Number;
 pub use units::{Quantity, Unit, UnknownUnit};
 pub use write::{Displacement, write_csv};
 
@@ -64,9 +66,9 @@ pub struct Log {
 /// What the user says about a log that its file does not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
-    /// `--columns`: which column holds what. Needed where no header says so.
+    /// Which column holds what. Needed where no header says so.
     pub columns: Option<Columns>,
-    /// `--fs`: sample rate, Hz. Needed where no column holds the time; checked where one does.
+    /// Sample rate, Hz. Needed where no column holds the time; checked where one does.
     pub sample_rate: Option<f64>,
     /// Refuse a log without displacement.
     pub displacement_required: bool,

@@ -5,8 +5,8 @@
 //! [`ROUNDING`] of it. So 0.0005 s printed with three decimals (0, 0.001, 0.001, 0.002, …) passes, and a missing or
 //! misplaced sample does not.
 
-use super::error::Number;
 use super::fault::Fault;
+use super::number::Number;
 use super::resolution::coarsest;
 
 /// Tolerated deviation of a step from the sample period, as a part of it.

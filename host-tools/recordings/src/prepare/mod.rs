@@ -41,7 +41,7 @@ pub struct Recipe {
 pub enum PrepareError {
     /// Cutting and shifting left too little.
     #[error(
-        "{log}: only {left} measured samples are left at the tick, after what --skip-start, --skip-end, --hold-out, decimation and --delay take; at least {need} are needed (is the sample rate right?)"
+        "{log}: only {left} measured samples are left at the tick, after what is cut off, held out, decimated and delayed; at least {need} are needed (is the sample rate right?)"
     )]
     TooShort {
         /// Name of the log.
@@ -52,9 +52,7 @@ pub enum PrepareError {
         need: usize,
     },
     /// Faster than the tick by no whole number.
-    #[error(
-        "{log}: {log_hz} Hz is no multiple of the tick rate, {tick_hz} Hz: use --decimate interpolate, or another --tick-us"
-    )]
+    #[error("{log}: {log_hz} Hz is no multiple of the tick rate, {tick_hz} Hz: interpolate, or use another tick")]
     NotAMultiple {
         /// Name of the log.
         log: String,
@@ -65,7 +63,7 @@ pub enum PrepareError {
     },
     /// A log at a far lower rate than the tick.
     #[error(
-        "{log}: {ticks:.0} ticks of {tick_us} µs, more than {most:.0}: is the sample rate right? Else use a longer --tick-us"
+        "{log}: {ticks:.0} ticks of {tick_us} µs, more than {most:.0}: is the sample rate right? Else use a longer tick"
     )]
     TooLong {
         /// Name of the log.
