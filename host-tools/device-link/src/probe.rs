@@ -13,10 +13,7 @@ const PROGRAM: &str = "probe-rs";
 #[derive(Debug, thiserror::Error)]
 pub enum ProbeError {
     /// It is not there.
-    #[error(
-        "probe-rs, which writes the flash, is not installed (not on PATH): `cargo install probe-rs-tools --locked`, or see \
-         https://probe.rs/docs/getting-started/installation"
-    )]
+    #[error("probe-rs, which writes the flash, is not installed (not on PATH)")]
     NotInstalled(#[from] which::Error),
     /// It does not start.
     #[error("probe-rs cannot be started")]

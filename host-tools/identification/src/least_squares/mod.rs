@@ -10,8 +10,6 @@
 //! the ridge's choice, the residual is not affected. Other norms than L2 by reweighting the rows.
 
 mod solve;
-#[cfg(test)]
-mod tests;
 
 /// What a coefficient may be.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -22,71 +22,16 @@ pub mod ga;
 mod genetic;
 pub(crate) mod interpolated;
 mod local;
+mod optimiser;
 mod options;
 mod particle_swarm;
 mod search;
 pub mod space;
-#[cfg(test)]
-mod tests;
 
+pub use optimiser::Optimiser;
 pub use options::{SearchOptions, Start};
 use search::Search;
-use serde::{Deserialize, Serialize};
-use std::fmt;
-
-/// A method.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Optimiser {
-    /// The thesis's binary genetic algorithm in rounds of shrinking ranges.
-    Genetic,
-    /// Differential evolution.
-    DifferentialEvolution,
-    /// Particle swarm.
-    ParticleSwarm,
-    /// Covariance matrix adaptation.
-    CmaEs,
-    /// Nelder–Mead with restarts.
-    Local,
-}
-
-impl Optimiser {
-    /// Every method.
-    pub const ALL: [Self; 5] =
-        [Self::Genetic, Self::DifferentialEvolution, Self::ParticleSwarm, Self::CmaEs, Self::Local];
-}
-
-impl fmt::Display for Optimiser {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Genetic => "genetic",
-            Self::DifferentialEvolution => "differential-evolution",
-            Self::ParticleSwarm => "particle-swarm",
-            Self::CmaEs => "cma-es",
-            Self::Local => "local",
-        })
-    }
-}
-
-/// What a search may spend.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
-pub struct Budget {
-    /// Evaluations of the cost at most, the starts' among them.
-    pub evaluations: usize,
-    /// Of the random numbers.
-    pub seed: u64,
-}
-
-/// The best point of a search.
-#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
-pub struct Minimum {
-    /// Where, within the unit cube. The first start, or else the centre, when no admissible point was found.
-    pub at: Vec<f64>,
-    /// The cost there; infinite when no admissible point was found.
-    pub cost: f64,
-    /// Evaluations that the search has made.
-    pub evaluations: usize,
-}
+pub use search::{Budget, Minimum};
 
 /// Minimises a cost over the unit cube of a dimension.
 ///

@@ -1,7 +1,7 @@
 //! How a search runs, as `table.toml` records it.
 
-use super::Optimiser;
 use super::ga::{Elitism, Selection, Settings};
+use super::optimiser::Optimiser;
 use super::space::Ranges;
 use estimator_core::Model;
 use serde::{Deserialize, Serialize};

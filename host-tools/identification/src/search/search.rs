@@ -1,9 +1,29 @@
 //! What the methods share: the cost with its budget, the best point so far, the random numbers.
 
-use super::{Budget, Minimum};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// What a search may spend.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Budget {
+    /// Evaluations of the cost at most, the starts' among them.
+    pub evaluations: usize,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+/// The best point of a search.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Minimum {
+    /// Where, within the unit cube. The first start, or else the centre, when no admissible point was found.
+    pub at: Vec<f64>,
+    /// The cost there; infinite when no admissible point was found.
+    pub cost: f64,
+    /// Evaluations that the search has made.
+    pub evaluations: usize,
+}
 
 /// A cost that many threads may ask.
 pub type Cost<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);

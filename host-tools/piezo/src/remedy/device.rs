@@ -4,6 +4,7 @@ use device_link::LinkError;
 use device_link::board::{BoardError, FullScales};
 use device_link::follow::FollowError;
 use device_link::pil::FeedError;
+use device_link::probe::ProbeError;
 use device_link::table::RunningTableError;
 use device_link::write::WriteError;
 use protocol::VERSION;
@@ -19,6 +20,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(feed))
         .or_else(|| error.downcast_ref().map(running))
         .or_else(|| error.downcast_ref().map(write))
+        .or_else(|| error.downcast_ref().map(probe))
 }
 
 /// Why the table in a file does not fit a board, and the command that makes one that does.
@@ -86,5 +88,14 @@ fn write(error: &WriteError) -> String {
             "{error}: --pause interrupts the estimate, --reset restarts the device after it, --while-estimating writes all \
              the same"
         ),
+    }
+}
+
+fn probe(error: &ProbeError) -> String {
+    match error {
+        ProbeError::NotInstalled(_) => format!(
+            "{error}: `cargo install probe-rs-tools --locked`, or see https://probe.rs/docs/getting-started/installation"
+        ),
+        _ => error.to_string(),
     }
 }

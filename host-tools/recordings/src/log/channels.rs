@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use super::ReadOptions;
 use super::columns::{Columns, Position};
 use super::fault::Fault;
 use super::label::{Label, find, listed};
 use super::number::excerpt;
+use super::read_options::ReadOptions;
 use super::units::{Quantity, Unit};
 
 /// One column chosen from a file: its index from 0 and its unit.

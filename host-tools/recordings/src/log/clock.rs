@@ -3,10 +3,10 @@
 //! The period is the slope of the line of least squares through all time stamps, never one step; a whole-hertz rate that
 //! the stamps cannot tell from it is taken instead.
 
-use super::Recording;
 use super::error::Located;
 use super::fault::Fault;
 use super::number::Number;
+use super::recording::Recording;
 use super::resolution::{coarsest, resolution};
 use super::steps::{self, Line};
 use super::units::{Quantity, Unit};
@@ -80,7 +80,7 @@ fn neighbour(unit: Unit) -> Unit {
 mod tests {
     use super::super::channels::Channels;
     use super::super::error::Place;
-    use super::super::{Origin, Recording};
+    use super::super::recording::{Origin, Recording};
     use super::*;
 
     fn period(time: &[f64], rate: Option<f64>) -> Result<f64, (Place, Fault)> {

@@ -12,8 +12,9 @@ use super::channels::{self, Channels};
 use super::error::Located;
 use super::fault::Fault;
 use super::mat_reader::{MI_COMPRESSED, MI_MATRIX, MatReader, Shape, Variable};
+use super::read_options::ReadOptions;
+use super::recording::{Origin, Recording};
 use super::units::Quantity;
-use super::{Origin, ReadOptions, Recording};
 
 /// Largest ratio of an array's size to its compressed size that is read. Measured signals stay below 20.
 const EXPANSION: usize = 100;

@@ -6,7 +6,6 @@
 mod channels;
 mod clock;
 mod columns;
-mod cut;
 mod delimiter;
 mod error;
 mod fault;
@@ -15,6 +14,9 @@ mod mat;
 mod mat_reader;
 mod number;
 mod plausible;
+mod read_options;
+mod recorded;
+mod recording;
 mod resolution;
 mod steps;
 mod text;
@@ -26,62 +28,23 @@ mod tests;
 
 use std::fs;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use channels::Channels;
 pub use columns::{Column, Columns, ColumnsError, Position};
 use error::Located;
 pub use error::{LogError, Place};
 pub use fault::Fault;
 pub use number::Number;
+pub use read_options::ReadOptions;
+pub use recorded::Log;
+use recording::Recording;
 pub use units::{Quantity, Unit, UnknownUnit};
 pub use write::{Displacement, write_csv};
 
 /// Fewest rows that make a log.
 pub const MINIMUM_ROWS: usize = 16;
-
-/// One recorded session.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Log {
-    /// File name without its extension.
-    pub name: String,
-    /// The file as the caller named it.
-    pub path: PathBuf,
-    /// SHA-256 of the file's bytes, in lower-case hexadecimal.
-    pub sha256: String,
-    /// Time of the first sample since the file's first, s: 0 unless the log was cut.
-    pub start_s: f64,
-    /// Sample period, s.
-    pub sample_period: f64,
-    /// Voltage of each sample, V; empty only where [`ReadOptions::voltage_required`] is off.
-    pub voltage: Vec<f64>,
-    /// Displacement of each sample, µm; `None` only where [`ReadOptions::displacement_required`] is off.
-    pub displacement: Option<Vec<f64>>,
-    /// The displacement is an estimate and no sensor's, by the name of its column.
-    pub displacement_estimated: bool,
-}
-
-/// What the user says about a log that its file does not.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ReadOptions {
-    /// Which column holds what. Needed where no header says so.
-    pub columns: Option<Columns>,
-    /// Sample rate, Hz. Needed where no column holds the time; checked where one does.
-    pub sample_rate: Option<f64>,
-    /// Refuse a log without displacement.
-    pub displacement_required: bool,
-    /// Refuse one without voltage. A wanted trajectory has none.
-    pub voltage_required: bool,
-}
-
-impl Default for ReadOptions {
-    /// Nothing stated, voltage and displacement required.
-    fn default() -> Self {
-        Self { columns: None, sample_rate: None, displacement_required: true, voltage_required: true }
-    }
-}
 
 /// Reads the log in the file at `path`.
 ///
@@ -145,39 +108,4 @@ fn parse(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<(Recording, 
         plausible::check(&recording)?;
     }
     Ok((recording, sample_period))
-}
-
-/// The numbers of one file, finite and in s, V and µm, before they are checked.
-#[derive(Debug)]
-struct Recording {
-    channels: Channels,
-    origin: Origin,
-    time: Option<Vec<f64>>,
-    voltage: Vec<f64>,
-    displacement: Option<Vec<f64>>,
-}
-
-impl Recording {
-    fn rows(&self) -> usize {
-        self.displacement.as_ref().map_or(self.voltage.len(), Vec::len)
-    }
-}
-
-/// Where the first row of a recording stands.
-#[derive(Debug, Clone, Copy)]
-enum Origin {
-    /// At this line of a text file.
-    Line(usize),
-    /// At the start of an array.
-    Sample,
-}
-
-impl Origin {
-    /// The place of row `index`, counted from 0.
-    fn place(self, index: usize) -> Place {
-        match self {
-            Self::Line(first) => Place::Line(first + index),
-            Self::Sample => Place::Sample(index + 1),
-        }
-    }
 }

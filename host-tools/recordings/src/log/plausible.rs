@@ -1,9 +1,9 @@
 //! Sizes no log of a piezo actuator has: most often a wrong unit or a wrong column.
 
-use super::Recording;
 use super::error::Located;
 use super::fault::Fault;
 use super::number::Number;
+use super::recording::Recording;
 use super::units::Quantity;
 
 /// Refuses a constant voltage or displacement, a voltage span outside 1 mV to 5 kV and a displacement span outside

@@ -11,8 +11,9 @@ use super::error::{Located, Place};
 use super::fault::Fault;
 use super::label::Label;
 use super::number::excerpt;
+use super::read_options::ReadOptions;
+use super::recording::{Origin, Recording};
 use super::units::{Quantity, Unit};
-use super::{Origin, ReadOptions, Recording};
 
 /// Reads a text table; `file` is its name for messages.
 pub(super) fn read(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Recording, Located> {

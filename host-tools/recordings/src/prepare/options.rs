@@ -6,7 +6,8 @@
 //! - displacement: the mean sensor reading while the voltage passes or touches its zero, rising and falling passes
 //!   weighing the same. A sensor's zero is arbitrary; the model's is where the voltage's is.
 
-use super::{Decimation, Recipe};
+use super::recipe::Recipe;
+use super::resample::Decimation;
 use crate::log::Log;
 
 /// A number, or what the logs say.

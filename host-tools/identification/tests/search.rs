@@ -1,4 +1,6 @@
-use super::*;
+//! What every method of the search keeps to, and how well it does on functions whose minimum is known.
+
+use identification::search::{Budget, Minimum, Optimiser, minimise};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 const SEEDS: std::ops::Range<u64> = 1..6;

@@ -1,7 +1,28 @@
-//! Parts of a log.
+//! A log, and parts of it.
 
-use super::Log;
 use std::ops::Range;
+use std::path::PathBuf;
+
+/// One recorded session.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    /// File name without its extension.
+    pub name: String,
+    /// The file as the caller named it.
+    pub path: PathBuf,
+    /// SHA-256 of the file's bytes, in lower-case hexadecimal.
+    pub sha256: String,
+    /// Time of the first sample since the file's first, s: 0 unless the log was cut.
+    pub start_s: f64,
+    /// Sample period, s.
+    pub sample_period: f64,
+    /// Voltage of each sample, V; empty only where [`ReadOptions::voltage_required`](super::ReadOptions::voltage_required) is off.
+    pub voltage: Vec<f64>,
+    /// Displacement of each sample, µm; `None` only where [`ReadOptions::displacement_required`](super::ReadOptions::displacement_required) is off.
+    pub displacement: Option<Vec<f64>>,
+    /// The displacement is an estimate and no sensor's, by the name of its column.
+    pub displacement_estimated: bool,
+}
 
 impl Log {
     /// Length, s.
