@@ -15,7 +15,7 @@ use crate::table::{Admitted, Table, TableError};
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 /// Format version that this software writes and reads.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// No record is longer than this, bytes.
 pub const MAX_LENGTH: usize = 384;
 

@@ -54,7 +54,7 @@ pub struct Queues<'q> {
 
 /// Everything the interrupt owns.
 pub struct Tick<'q> {
-    estimator: Option<Estimator<'q, f32>>,
+    estimator: Option<Estimator<f32>>,
     /// Where the DAC drives the amplifier.
     drive: Option<Drive>,
     queues: Queues<'q>,
@@ -76,7 +76,7 @@ impl<'q> Tick<'q> {
     /// the DAC stays at `safe`.
     #[expect(clippy::too_many_arguments, reason = "called once, and each is another thing")]
     pub fn new(
-        estimator: Option<Estimator<'q, f32>>,
+        estimator: Option<Estimator<f32>>,
         drive: Option<Drive>,
         safe: DacCode,
         converters: Converters,
@@ -223,13 +223,13 @@ impl<'q> Tick<'q> {
 /// The estimator's tick as a function of its own, so that its instructions can be counted in an image.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn tick_sample(estimator: &mut Estimator<'_, f32>, code: AdcCode) -> Estimate<f32> {
+fn tick_sample(estimator: &mut Estimator<f32>, code: AdcCode) -> Estimate<f32> {
     estimator.tick(code)
 }
 
 /// Marks the start of a measurement, for whoever counts instructions.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn tick_restart(estimator: &mut Estimator<'_, f32>) {
+fn tick_restart(estimator: &mut Estimator<f32>) {
     estimator.restart();
 }

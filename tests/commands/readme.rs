@@ -72,8 +72,8 @@ fn errors_on_the_synthetic_rig_beside_the_thesis() {
         )
     };
     stands_in_the_readme(&rows.iter().map(line).collect::<Vec<_>>());
-    let champion = rows.iter().find(|row| row["model"] == "champion").unwrap();
-    assert!(of_voigt(champion, "/mae_um") <= 0.12, "{champion}");
+    let generalised = rows.iter().find(|row| row["model"] == "generalised-prandtl-ishlinskii").unwrap();
+    assert!(of_voigt(generalised, "/mae_um") <= 0.12, "{generalised}");
     let enhanced = rows.iter().find(|row| row["model"] == "enhanced" && row["cost"] == "simulation").unwrap();
     assert!(of_voigt(enhanced, "/mae_um") <= 0.6, "{enhanced}");
     // A badly converged Voigt would flatter the ratio; its optimum validates at 0.25 µm.

@@ -176,9 +176,7 @@ fn settle(client: &mut Client, samples: &mut Vec<Sample>, fed: usize) -> Result<
 
 /// Runs the host's f32 core on the same codes and compares.
 pub fn compare(table: &Admitted, codes: &[AdcCode], samples: &[Sample]) -> Comparison {
-    let lookup = table.lookup();
-    let mut estimator =
-        Estimator::<f32>::new(table, lookup.as_ref()).expect("the lookup was built from this table, for this form");
+    let mut estimator = Estimator::<f32>::new(table);
     let mut comparison = Comparison {
         ticks: samples.len(),
         identical: 0,

@@ -3,9 +3,8 @@
 use crate::calibration::CalibrationOptions;
 use crate::fit::Fit;
 use crate::problem::Problem;
-use crate::tabulation;
 use crate::validate::{Comparison, Figures, compare};
-use estimator_core::{Admitted, Digest, Form, Inadmissible, Provenance, Range, Scheme, Table, TableError};
+use estimator_core::{Admitted, Digest, Inadmissible, Parameters, Provenance, Range, Scheme, Table, TableError};
 use recordings::prepare::Recipe;
 
 /// An identified model with its table and its errors.
@@ -42,8 +41,6 @@ pub struct Setting {
     pub recipe: Recipe,
     /// The converters.
     pub calibration: CalibrationOptions,
-    /// Tabulated rather than direct.
-    pub tabulated: bool,
     /// Over the training logs' digests.
     pub logs: Digest,
     /// Seed of the search.
@@ -57,12 +54,10 @@ impl Candidate {
     /// Makes the table and runs it over the sessions of its problem.
     ///
     /// # Errors
-    /// The fit is not admissible.
+    /// The fit has no parameters, or they are not admissible.
     pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self, CandidateError> {
-        if !fit.cost.is_finite() && !fit.model.is_voigt() {
-            return Err(CandidateError::NothingFound);
-        }
-        let table = table(problem, &fit, setting)?;
+        let parameters = fit.parameters.ok_or(CandidateError::NothingFound)?;
+        let table = table(problem, parameters, setting)?;
         let first = table.admit()?;
         let candidate = Self {
             training: problem.training().map(|session| compare(&first, session)).collect(),
@@ -91,25 +86,23 @@ impl Candidate {
     }
 }
 
-fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table, CandidateError> {
+fn table(problem: &Problem, parameters: Parameters, setting: &Setting) -> Result<Table, CandidateError> {
     let recipe = &setting.recipe;
-    let limits = problem.limits(&fit.parameters).map_err(CandidateError::Unbounded)?;
+    let limits = problem.limits(&parameters).map_err(CandidateError::Unbounded)?;
     let room = ROUNDING * limits.span();
     let limits = Range { min: limits.min - room, max: limits.max + room };
     let voltage = problem.voltage_range();
     let (adc, dac) = setting.calibration.calibration(voltage, recipe.voltage_zero_v, limits);
     let single = |range: Range<f64>| Range { min: range.min as f32, max: range.max as f32 };
     let mut table = Table {
-        model: fit.model,
         sample_period_us: recipe.tick_us,
-        scheme: if fit.model.is_voigt() { problem.scheme } else { Scheme::ForwardEuler },
+        scheme: if parameters.model().is_voigt() { problem.scheme } else { Scheme::ForwardEuler },
         deadband_v: problem.deadband as f32,
         voltage_zero_v: recipe.voltage_zero_v as f32,
         displacement_zero_um: recipe.displacement_zero_um as f32,
-        form: Form::Direct,
         voltage_range_v: single(voltage),
         displacement_limits_um: single(limits),
-        parameters: fit.parameters,
+        parameters,
         adc,
         dac,
         drive: None,
@@ -124,7 +117,7 @@ fn table(problem: &Problem, fit: &Fit, setting: &Setting) -> Result<Table, Candi
     };
     let full_scale = table.dac.full_scale;
     setting.calibration.drive.apply(&mut table, full_scale);
-    Ok(if setting.tabulated && fit.model.is_voigt() { tabulation::tabulated(table) } else { table })
+    Ok(table)
 }
 
 /// Version of this tool.

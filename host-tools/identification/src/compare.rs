@@ -4,7 +4,7 @@
 
 use crate::validate::{Comparison, Figures};
 use crate::{Candidate, Doubt, Fit, Identification, Job, JobError, LogUse, Prepared, Progress, with_contained};
-use estimator_core::{Model, Parameters};
+use estimator_core::Model;
 use recordings::prepare::Recipe;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -219,23 +219,7 @@ fn errors(candidate: &Candidate) -> Option<Errors> {
     })
 }
 
-/// Numbers that were identified from the logs: those searched and those solved for by least squares. Not counted is what
-/// is laid out before the search (spans, thresholds, grids, creep times, orders, scales, limits); numbers that follow from
-/// one count once (a chain's times from the shortest and the longest, slip voltages from the yields, creep's gains).
+/// Numbers that were identified from the logs: those searched and those solved for by least squares.
 pub fn parameters(fit: &Fit) -> usize {
-    let solved = match &fit.parameters {
-        Parameters::Voigt(_) => 0,
-        Parameters::VoigtChain(of) => {
-            let extremum = usize::from(of.voltage_extremum_um_per_v != 0.0);
-            of.gains_um_per_v.len() + ["instantaneous", "offset"].len() + extremum
-        }
-        Parameters::PrandtlIshlinskii(of) => of.weights_um_per_v.len() + ["offset"].len(),
-        Parameters::MaxwellSlip(of) => of.stiffness_v_per_um.len() + ["base stiffness", "offset"].len(),
-        Parameters::Duhem(_) => ["f1", "f3", "g0", "g2", "offset"].len(),
-        Parameters::BoucWen(_) => ["d1", "d2", "c", "offset"].len(),
-        Parameters::Preisach(of) => of.densities_um.len() + ["offset"].len(),
-        Parameters::Narx(of) => of.coefficients.len(),
-        Parameters::Champion(of) => of.weights_um.len() + ["creep", "offset"].len(),
-    };
-    fit.genes.len() + solved
+    fit.genes.len() + fit.solved
 }

@@ -134,11 +134,16 @@ impl fmt::Display for Cost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::session_error::{mean_error, mean_error_of};
-    use estimator_core::{BoucWenParameters, Engine, Parameters, Running, Scheme, Voigt, VoigtParameters};
+    use crate::simulation::mean_error;
+    use estimator_core::{
+        BoucWenParameters, Discretisation, Engine, Parameters, Process, Running, Scheme, Voigt, VoigtParameters,
+        VoigtState,
+    };
     use recordings::session::Session;
 
     const TICK: f64 = 5e-4;
+    const EULER: Discretisation<f64> =
+        Discretisation { sample_period: TICK, scheme: Scheme::ForwardEuler, deadband: 0.01 };
     const VOIGT: VoigtParameters<f64> = VoigtParameters {
         alpha_um: 172.0,
         beta_v: 5.2,
@@ -164,7 +169,7 @@ mod tests {
         Session::new("made".to_owned(), voltage, instants, displacement, TICK)
     }
 
-    fn bouc_wen() -> Running<f64> {
+    fn bouc_wen() -> Engine<f64> {
         let parameters = Parameters::BoucWen(BoucWenParameters {
             lag_s: 2e-3,
             a: 1.0,
@@ -177,23 +182,24 @@ mod tests {
             d2_um_per_v2: 0.001,
             c_um_per_v: -0.1,
         });
-        match parameters.build(TICK, Scheme::ForwardEuler) {
-            Engine::Other(model) => model,
-            Engine::Voigt(_) => panic!("Bouc–Wen is no Voigt model"),
-        }
+        parameters.build(&EULER)
+    }
+
+    /// With every retreat by more than 10 mV a reversal.
+    fn voigt() -> Running<Voigt<f64>, VoigtState<f64>> {
+        Running::new(Voigt::build(&VOIGT, &EULER))
     }
 
     fn errors(cost: Cost) -> [f64; 2] {
-        let (session, model) = (session(), Voigt::build(&VOIGT, TICK, Scheme::ForwardEuler));
-        let voigt = mean_error(&session, &model, 0.01, cost, |tick| model.terms(session.voltage[tick]));
-        [voigt, mean_error_of(&session, bouc_wen(), cost)]
+        let session = session();
+        [mean_error(&session, voigt(), cost), mean_error(&session, bouc_wen(), cost)]
     }
 
     /// What simulation and one-step prediction mean, written out: of the Voigt family the state is replaced, of another
     /// model the change since the last measurement counts.
     #[test]
     fn without_feedback_it_is_simulation_and_with_all_of_it_one_step_prediction() {
-        let (session, model) = (session(), Voigt::build(&VOIGT, TICK, Scheme::ForwardEuler));
+        let (session, model) = (session(), Voigt::build(&VOIGT, &EULER));
         for (one_step, weight, feedback) in [(false, 0.0, Feedback::Simulation), (true, 1.0, Feedback::Osp)] {
             let (mut voigt, mut other, mut running) = (0.0, 0.0, bouc_wen());
             let mut y = session.displacement[0];
@@ -233,7 +239,7 @@ mod tests {
         let count = session.displacement.len() as i32 - 1;
         let sum = |norm: Norm| (0..count).map(|k| norm.size((1.0 - weight).powi(k))).sum::<f64>() / f64::from(count);
         for norm in [Norm::L1, Norm::L2] {
-            let found = mean_error_of(&session, bouc_wen(), multi_step(weight, norm));
+            let found = mean_error(&session, bouc_wen(), multi_step(weight, norm));
             assert!((found - sum(norm)).abs() < 1e-3 * sum(norm), "{norm:?}: {found} {}", sum(norm));
         }
     }

@@ -72,9 +72,8 @@ impl DelaySearch {
             for (fitted, judged) in folds(training) {
                 let problem = Problem::new(recipe.sessions(&fitted)?, recipe.sessions(&judged)?, self.conditions);
                 let fits = identify(&problem, &[Model::Voigt], self.cost, &self.search, progress);
-                let admissible = fits.first().filter(|fit| fit.cost.is_finite());
-                error +=
-                    admissible.and_then(|fit| problem.held_out_of(&fit.parameters, self.cost)).unwrap_or(f64::INFINITY);
+                let admissible = fits.first().filter(|fit| fit.cost.is_finite()).and_then(|fit| fit.parameters);
+                error += admissible.and_then(|found| problem.held_out(&found, self.cost)).unwrap_or(f64::INFINITY);
             }
             errors.push((ticks, error));
         }

@@ -3,7 +3,7 @@
 //! The inverse gives at tick k the voltage whose displacement comes at tick k + 1, later by the model's delay. Here the
 //! trajectory is known ahead of time, so that the inverse is asked for what is wanted then.
 
-use estimator_core::{Admitted, DriveLimits, Estimator, Inverse, NoInverse, Parameters};
+use estimator_core::{Admitted, DriveLimits, Estimator, Inverse, NoInverse};
 use recordings::log::Log;
 use serde::Serialize;
 
@@ -62,20 +62,10 @@ pub struct RoundTrip {
     pub stroke_um: f64,
 }
 
-/// Ticks from a voltage to its displacement, beyond the one of every model.
-pub fn delay_ticks(table: &Admitted) -> f64 {
-    match &table.parameters {
-        Parameters::Champion(of) => f64::from(of.delay_ticks.max(0.0)),
-        _ => 0.0,
-    }
-}
-
 /// Displacements (µm) long at rest at the lowest and the highest voltage: what can be held.
 pub fn reach(table: &Admitted, limits: &DriveLimits) -> [f64; 2] {
     [limits.range_v.min, limits.range_v.max].map(|voltage| {
-        let lookup = table.lookup();
-        let mut model =
-            Estimator::<f64>::new(table, lookup.as_ref()).expect("the lookup was built from this table, for this form");
+        let mut model = Estimator::<f64>::new(table);
         model.tick_volts(voltage.into()).displacement
     })
 }
@@ -88,10 +78,8 @@ pub fn near(table: &Admitted) -> f64 {
 /// Plans a trajectory from rest at the limits' rest voltage.
 pub fn plan(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> Result<Plan, NoInverse> {
     let mut inverse: Inverse<f64> = table.inverse(limits)?;
-    let lookup = table.lookup();
-    let mut model =
-        Estimator::<f64>::new(table, lookup.as_ref()).expect("the lookup was built from this table, for this form");
-    let ahead = 1.0 + delay_ticks(table);
+    let mut model = Estimator::<f64>::new(table);
+    let ahead = 1.0 + f64::from(table.parameters.delay_ticks());
     let mut now = model.tick_volts(limits.rest_v.into()).displacement;
     let count = trajectory.0.len();
     let series = || Vec::with_capacity(count);
@@ -141,11 +129,10 @@ impl Plan {
 mod tests {
     use super::*;
     use crate::table_file::TableFile;
-    use estimator_core::{Form, Range, Table};
+    use estimator_core::Range;
 
     fn table() -> Admitted {
-        let tabulated = *TableFile::load("../../tests/data/table/table.toml".as_ref()).unwrap().1;
-        Table { form: Form::Direct, ..tabulated }.admit().unwrap()
+        TableFile::load("../../tests/data/table/table.toml".as_ref()).unwrap().1
     }
 
     const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.0, slew_v_per_s: 200.0 };
@@ -171,7 +158,7 @@ mod tests {
     #[test]
     fn the_model_meets_the_trajectory_at_its_own_ticks() {
         let table = table();
-        let start = Estimator::<f64>::new(&table, None).unwrap().tick_volts(1.5).displacement;
+        let start = Estimator::<f64>::new(&table).tick_volts(1.5).displacement;
         let wave = |k: u32| start + 12.0 * (f64::from(k) * 0.003).sin();
         let plan =
             plan(&table, &DriveLimits { rest_v: 1.5, ..LIMITS }, &Trajectory((0..6000).map(wave).collect())).unwrap();

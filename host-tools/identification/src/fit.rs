@@ -23,10 +23,12 @@ pub struct Convergence {
 pub struct Fit {
     /// Which.
     pub model: Model,
-    /// Its published parameters.
-    pub parameters: Parameters,
+    /// Its published parameters; `None` where no candidate has a solution.
+    pub parameters: Option<Parameters>,
     /// The searched coordinates and where the best lies.
     pub genes: Vec<(Gene, f64)>,
+    /// Numbers of the parameters that were solved for by least squares.
+    pub solved: usize,
     /// Its cost, µm; infinite when no admissible candidate was found.
     pub cost: f64,
     /// What that cost is.
@@ -150,7 +152,8 @@ mod tests {
         for model in [Model::Voigt, Model::BoucWen] {
             let [absolute, square] =
                 [Norm::L1, Norm::L2].map(|norm| fits(&problem, &[model], in_norm(norm), 3000).remove(0));
-            let in_both = |fit: &Fit| [Norm::L1, Norm::L2].map(|norm| problem.cost_of(&fit.parameters, in_norm(norm)));
+            let in_both =
+                |fit: &Fit| [Norm::L1, Norm::L2].map(|norm| problem.cost(&fit.parameters.unwrap(), in_norm(norm)));
             let ([mae, rms], [other_mae, other_rms]) = (in_both(&absolute), in_both(&square));
             assert!(mae < other_mae && other_rms < rms, "{model}: MAE {mae} {other_mae}, RMS {rms} {other_rms}");
             assert_eq!((absolute.cost, square.cost), (mae, other_rms), "{model}");

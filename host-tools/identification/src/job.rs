@@ -33,8 +33,6 @@ pub struct Job {
     pub model: ModelChoice,
     /// What else is fixed.
     pub conditions: Conditions,
-    /// Make a tabulated table.
-    pub tabulated: bool,
     /// The converters.
     pub calibration: CalibrationOptions,
     /// What the model error is.
@@ -82,12 +80,8 @@ pub struct Outcome {
 pub enum Reason {
     /// It was asked for.
     AskedFor,
-    /// The champion has hysteresis, creep and lag in one.
-    Champion,
-    /// Among those with a tabulated form: the logs have a single amplitude, which cannot teach the extremum terms.
-    SingleAmplitude,
-    /// Among those with a tabulated form: the logs have the several amplitudes that the extremum terms need.
-    SeveralAmplitudes,
+    /// The generalised Prandtl–Ishlinskii model has hysteresis, creep and lag in one.
+    AllInOne,
 }
 
 /// Why nothing came of a job.
@@ -176,7 +170,6 @@ impl Job {
             setting: Setting {
                 recipe,
                 calibration: self.calibration.clone(),
-                tabulated: self.tabulated,
                 logs: digest(&training),
                 seed: self.search.seed,
             },
@@ -202,8 +195,8 @@ impl Job {
             }
         }
         let character = Character::of(problem.training(), problem.deadband);
-        let (model, reason) = self.choose(&character);
-        let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model == model) else {
+        let (model, reason) = self.choose();
+        let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {
             let why = failed.into_iter().find(|(failed, _)| *failed == model);
             return Err(why.map_or(JobError::NotSearched(model), |(model, source)| JobError::Failed { model, source }));
         };
@@ -248,12 +241,10 @@ impl Job {
         Ok((training, held_out))
     }
 
-    fn choose(&self, character: &Character) -> (Model, Reason) {
+    fn choose(&self) -> (Model, Reason) {
         match self.model.model() {
             Some(model) => (model, Reason::AskedFor),
-            None if !self.tabulated => (Model::Champion, Reason::Champion),
-            None if character.single_amplitude() => (Model::Voigt, Reason::SingleAmplitude),
-            None => (Model::Enhanced, Reason::SeveralAmplitudes),
+            None => (Model::GeneralisedPrandtlIshlinskii, Reason::AllInOne),
         }
     }
 }

@@ -6,8 +6,7 @@ use estimator_core::Model;
 /// Which model to identify.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ModelChoice {
-    /// The Voigt family and the champion, which is chosen; for a tabulated table the enhanced model where the logs have
-    /// several amplitudes, else Voigt.
+    /// The Voigt family and the generalised Prandtl–Ishlinskii model, which is chosen.
     Auto,
     /// This one.
     Is(Model),
@@ -22,16 +21,11 @@ impl ModelChoice {
         }
     }
 
-    /// Whether a table of it may be tabulated.
-    pub fn has_tabulated_form(self) -> bool {
-        self.model().is_none_or(Model::is_voigt)
-    }
-
     /// The models to identify, simplest first: the wanted one and, where it starts from them, those it contains.
     pub fn models(self, start: Start) -> Vec<Model> {
         match self.model() {
             Some(wanted) => with_contained(wanted, start),
-            None => [&Model::VOIGT_FAMILY[..], &[Model::Champion]].concat(),
+            None => [&Model::VOIGT_FAMILY[..], &[Model::GeneralisedPrandtlIshlinskii]].concat(),
         }
     }
 }

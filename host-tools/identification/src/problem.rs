@@ -1,16 +1,12 @@
 //! What an identification works on: prepared sessions, their extent, and the cost of a candidate (Eq. 4.1).
 //!
-//! The search runs the core's tabulated form, some five times faster than the direct one: where each tick's voltage lies
-//! between the knots is the same for every candidate. What is reported of a result is never this cost alone but the error
-//! of the finished table in its own form.
+//! What is reported of a result is never this cost alone but the error of the finished table.
 
 use crate::cost::Cost;
 use crate::search::space::Extent;
-use crate::session_error::{mean_error, mean_error_of};
-use estimator_core::lookup::{Grid, Position};
-use estimator_core::{
-    Engine, Inadmissible, Lookup, Parameters, Range, Scheme, Voigt, VoigtParameters, admissible, lookup,
-};
+use crate::simulation::mean_error;
+use crate::trial::Trial;
+use estimator_core::{Discretisation, Inadmissible, Process, Range, Scheme};
 use recordings::session::Session;
 
 /// What the user fixes before the search starts.
@@ -38,20 +34,13 @@ pub struct Problem {
     pub scheme: Scheme,
     /// Retreat that counts as a reversal, V.
     pub deadband: f64,
-    training: Vec<Located>,
-    validation: Vec<Located>,
+    training: Vec<Session>,
+    validation: Vec<Session>,
     limit: f64,
     voltage: Range<f64>,
     voltage_range: Range<f64>,
     stroke: Range<f64>,
     extent: Extent,
-}
-
-/// A session whose voltages have been located between the knots.
-#[derive(Clone, Debug)]
-struct Located {
-    session: Session,
-    positions: Vec<Position<f64>>,
 }
 
 /// Deadband where none is given, as a fraction of the voltage span: a few steps of a 12-bit converter. No round fraction,
@@ -65,18 +54,10 @@ const LIMIT_STEPS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 impl Problem {
     /// A problem. What is held out is shown beside the training error and never decides anything.
     pub fn new(training: Vec<Session>, validation: Vec<Session>, conditions: Conditions) -> Self {
-        let voltage = hull(training.iter().flat_map(|session| &session.voltage));
-        let stroke = hull(training.iter().flat_map(|session| &session.displacement));
+        let voltage = Range::of_values(training.iter().flat_map(|session| session.voltage.iter().copied()));
+        let stroke = Range::of_values(training.iter().flat_map(|session| session.displacement.iter().copied()));
         let voltage_range = expanded(voltage, 1.0 + 2.0 * VOLTAGE_MARGIN);
         let largest = |range: Range<f64>| range.min.abs().max(range.max.abs());
-        let grid = Grid::of(voltage_range);
-        let located = |sessions: Vec<Session>| -> Vec<Located> {
-            let locate = |session: Session| Located {
-                positions: session.voltage.iter().map(|&v| grid.locate(v)).collect(),
-                session,
-            };
-            sessions.into_iter().map(locate).collect()
-        };
         Self {
             scheme: conditions.scheme,
             deadband: conditions.deadband.unwrap_or(DEADBAND * voltage.span()),
@@ -85,8 +66,8 @@ impl Problem {
                 displacement: largest(stroke),
                 tick: training.first().map_or(0.0, |session| session.tick_s),
             },
-            training: located(training),
-            validation: located(validation),
+            training,
+            validation,
             limit: conditions.limit,
             voltage,
             voltage_range,
@@ -94,78 +75,42 @@ impl Problem {
         }
     }
 
-    /// Cost of a parameter set: its training error (µm), infinite where it is not admissible.
-    pub fn cost(&self, parameters: &VoigtParameters<f64>, cost: impl Into<Cost>) -> f64 {
-        self.cost_of_voigt(&self.model(parameters), cost.into())
+    /// Cost of parameters: their training error (µm), infinite where they are not admissible.
+    pub fn cost(&self, trial: &impl Trial, cost: impl Into<Cost>) -> f64 {
+        let model = trial.model(self);
+        // The widest limits first: nearly every set that has any has those.
+        let admissible = LIMIT_STEPS.iter().rev().any(|&step| self.bound(&model, step).is_ok());
+        if admissible { error(&self.training, &model, cost.into()) } else { f64::INFINITY }
     }
 
     /// Simulation error on what was held out in the norm of a cost, µm; `None` where nothing was.
-    pub fn held_out(&self, parameters: &VoigtParameters<f64>, cost: Cost) -> Option<f64> {
-        let error = || self.error(&self.validation, &self.model(parameters), cost.in_simulation());
-        (!self.validation.is_empty()).then(error)
+    pub fn held_out(&self, trial: &impl Trial, cost: Cost) -> Option<f64> {
+        (!self.validation.is_empty()).then(|| error(&self.validation, &trial.model(self), cost.in_simulation()))
     }
 
-    /// As [`cost`](Self::cost), of any model.
-    pub fn cost_of(&self, parameters: &Parameters, cost: Cost) -> f64 {
-        match parameters.build(self.extent.tick, self.scheme) {
-            Engine::Voigt(model) => self.cost_of_voigt(&model, cost),
-            Engine::Other(_) if self.limits(parameters).is_err() => f64::INFINITY,
-            Engine::Other(_) => self.error_of(&self.training, parameters, cost),
-        }
+    /// The tightest displacement limits (µm) within which parameters are proven to stay.
+    ///
+    /// # Errors
+    /// There are none within the widest that the conditions allow.
+    pub fn limits(&self, trial: &impl Trial) -> Result<Range<f64>, Inadmissible<f64>> {
+        let model = trial.model(self);
+        let tightest = LIMIT_STEPS.iter().find_map(|&step| self.bound(&model, step).ok());
+        tightest.map_or_else(|| self.bound(&model, 1.0), Ok)
     }
 
-    fn cost_of_voigt(&self, model: &Voigt<f64>, cost: Cost) -> f64 {
-        // The widest limits first: nearly every set that has any has those.
-        let admissible = LIMIT_STEPS.iter().rev().any(|&step| self.check(model, step).is_ok());
-        if admissible { self.error(&self.training, model, cost) } else { f64::INFINITY }
-    }
-
-    /// As [`held_out`](Self::held_out), of any model.
-    pub fn held_out_of(&self, parameters: &Parameters, cost: Cost) -> Option<f64> {
-        let error = || self.error_of(&self.validation, parameters, cost.in_simulation());
-        (!self.validation.is_empty()).then(error)
-    }
-
-    fn error_of(&self, sessions: &[Located], parameters: &Parameters, cost: Cost) -> f64 {
-        match parameters.build(self.extent.tick, self.scheme) {
-            Engine::Voigt(model) => self.error(sessions, &model, cost),
-            Engine::Other(model) => {
-                mean(sessions, cost, |located| mean_error_of(&located.session, model.clone(), cost))
-            }
-        }
-    }
-
-    fn error(&self, sessions: &[Located], model: &Voigt<f64>, cost: Cost) -> f64 {
-        let lookup = Lookup::tabulate(model, self.voltage_range);
-        mean(sessions, cost, |located| {
-            let terms = |tick: usize| lookup.at(located.positions[tick]);
-            mean_error(&located.session, model, self.deadband, cost, terms)
-        })
-    }
-
-    /// The tightest displacement limits (µm) within which a parameter set is proven to stay, or why there are none.
-    pub fn limits(&self, parameters: &Parameters) -> Result<Range<f64>, Inadmissible<f64>> {
-        let model = match parameters.build(self.extent.tick, self.scheme) {
-            Engine::Voigt(model) => model,
-            Engine::Other(model) => {
-                return admissible::check_reach(model.reach(self.voltage_range), self.limits_at(1.0));
-            }
-        };
-        let tightest = LIMIT_STEPS.iter().find(|&&step| self.check(&model, step).is_ok());
-        match tightest {
-            Some(&step) => Ok(self.limits_at(step)),
-            None => self.check(&model, 1.0).map(|_| self.limits_at(1.0)),
-        }
+    /// Tick, scheme and deadband.
+    pub fn discretisation(&self) -> Discretisation<f64> {
+        Discretisation { sample_period: self.extent.tick, scheme: self.scheme, deadband: self.deadband }
     }
 
     /// The sessions that are fitted to.
     pub fn training(&self) -> impl Iterator<Item = &Session> + Clone {
-        self.training.iter().map(|located| &located.session)
+        self.training.iter()
     }
 
     /// The sessions that were held out.
     pub fn validation(&self) -> impl Iterator<Item = &Session> {
-        self.validation.iter().map(|located| &located.session)
+        self.validation.iter()
     }
 
     /// Voltages of the training sessions and a margin, V.
@@ -194,28 +139,19 @@ impl Problem {
         self.extent
     }
 
-    fn model(&self, parameters: &VoigtParameters<f64>) -> Voigt<f64> {
-        Voigt::build(parameters, self.extent.tick, self.scheme)
-    }
-
     fn limits_at(&self, step: f64) -> Range<f64> {
         expanded(self.stroke, 1.0 + step * (self.limit - 1.0))
     }
 
-    /// Checks on the voltages that a tabulated form covers, which include those of the direct one.
-    fn check(&self, model: &Voigt<f64>, step: f64) -> Result<Range<f64>, Inadmissible<f64>> {
-        admissible::check(model, lookup::covered(self.voltage_range), self.limits_at(step))
+    fn bound(&self, model: &impl Process<f64>, step: f64) -> Result<Range<f64>, Inadmissible<f64>> {
+        model.bound(self.voltage_range, self.limits_at(step))
     }
 }
 
-/// The error (µm) over sessions, each weighing the same whatever its length, from each one's mean size of errors.
-fn mean(sessions: &[Located], cost: Cost, size: impl Fn(&Located) -> f64) -> f64 {
-    cost.norm.error(sessions.iter().map(size).sum::<f64>() / sessions.len().max(1) as f64)
-}
-
-fn hull<'a>(values: impl Iterator<Item = &'a f64>) -> Range<f64> {
-    let empty = Range { min: f64::INFINITY, max: f64::NEG_INFINITY };
-    values.fold(empty, |hull, &x| Range { min: hull.min.min(x), max: hull.max.max(x) })
+/// A model's error (µm) over sessions, each weighing the same whatever its length.
+fn error(sessions: &[Session], model: &impl Process<f64>, cost: Cost) -> f64 {
+    let sizes = sessions.iter().map(|session| mean_error(session, model.clone(), cost)).sum::<f64>();
+    cost.norm.error(sizes / sessions.len().max(1) as f64)
 }
 
 /// The interval stretched about its middle.

@@ -3,7 +3,6 @@
 use crate::fit::{Convergence, Fit, Identification, Progress};
 use crate::search::ga::{self, Best};
 use crate::search::space::{Gene, Space};
-use estimator_core::Parameters;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 impl Identification<'_> {
@@ -41,7 +40,8 @@ impl Identification<'_> {
         let best = best.expect("at least one round was run");
         Fit {
             model: space.model,
-            parameters: Parameters::Voigt(space.parameters(&best.genes).map(|x| x as f32)),
+            parameters: Some(space.published(&best.genes)),
+            solved: 0,
             genes: space.genes.iter().copied().zip(best.genes).collect(),
             cost: best.cost,
             minimised: self.cost,

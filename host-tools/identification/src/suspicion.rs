@@ -27,7 +27,7 @@ const TRANSIENT: f64 = 2.0;
 /// Every doubt about a candidate, gravest first.
 pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost) -> Vec<Doubt> {
     let mut doubts = Vec::new();
-    let model = candidate.table.model;
+    let model = candidate.table.model();
     let in_chain =
         matches!(candidate.table.parameters, Parameters::VoigtChain(of) if of.voltage_extremum_um_per_v != 0.0);
     let extremum_terms = in_chain || model.has_voltage_term() || model.has_displacement_term();

@@ -168,9 +168,7 @@ fn estimate<T: Real>(
     start: Option<T>,
     number: impl Fn(f64) -> T,
 ) -> (Vec<T>, Vec<Status>) {
-    let lookup = table.lookup();
-    let mut estimator =
-        Estimator::new(table, lookup.as_ref()).expect("the lookup was built from this table, for this form");
+    let mut estimator = Estimator::new(table);
     if let Some(start) = start {
         estimator.start_at(start);
     }

@@ -32,7 +32,7 @@ enum Verb {
     Identify(Box<identify::Identify>),
     /// Models × logs → what each model's estimate is off on data that none has seen, and what it costs.
     #[command(
-        after_help = "Example: piezo compare tests/data/picma-p885-1hz.csv --models champion,enhanced,voigt --out out/compare"
+        after_help = "Example: piezo compare tests/data/picma-p885-1hz.csv --models generalised-prandtl-ishlinskii,enhanced,voigt --out out/compare"
     )]
     Compare(Box<compare::Compare>),
     /// Table + logs → errors, f64 reference and f32 core side by side.
@@ -41,10 +41,8 @@ enum Verb {
     /// The synthetic rig → the thesis's six logs as CSV.
     #[command(after_help = "Example: piezo simulate --out out/rig --noise-nm 20 --adc-bits 12")]
     Simulate(simulate::Simulate),
-    /// A table → its faces, in another form or with the calibration of your board.
-    #[command(
-        after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --form tabulated --out out/board"
-    )]
+    /// A table → its faces, with the calibration of your board.
+    #[command(after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --out out/board")]
     Emit(emit::Emit),
     /// Table + wanted trajectory → the voltages that bring the actuator there, by the model's inverse.
     #[command(after_help = "Example: piezo feedforward out/demo/table.toml wanted.csv --slew 100 --out voltages.csv")]

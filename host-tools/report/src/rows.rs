@@ -1,7 +1,7 @@
 //! The report's tables.
 
 use super::number::{number, quantity};
-use estimator_core::{Form, Model, Parameters, Scheme, Status, Table};
+use estimator_core::{Model, Parameters, Scheme, Status, Table};
 use identification::Candidate;
 use identification::search::space::Gene;
 use identification::validate::{Comparison, Figures};
@@ -124,7 +124,7 @@ pub type ParameterRow = (String, String);
 
 /// The published parameters of a table.
 pub fn parameters(table: &Table) -> Vec<ParameterRow> {
-    let Parameters::Voigt(p) = &table.parameters else { return fields(&table.parameters) };
+    let Some(p) = table.parameters.voigt() else { return fields(&table.parameters) };
     let p = p.map(f64::from);
     let mut rows = vec![
         ("α", quantity(p.alpha_um, "µm")),
@@ -133,10 +133,10 @@ pub fn parameters(table: &Table) -> Vec<ParameterRow> {
         ("b", quantity(p.b_ohm, "Ω")),
         ("P", number(p.p)),
     ];
-    if table.model.has_voltage_term() {
+    if table.model().has_voltage_term() {
         rows.extend([("g", quantity(p.g_um_per_s, "µm/s/Vʰ")), ("h", number(p.h))]);
     }
-    if table.model.has_displacement_term() {
+    if table.model().has_displacement_term() {
         rows.extend([("e", quantity(p.e_m_per_s, "(m/s)/mᶠ")), ("f", number(p.f))]);
     }
     rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
@@ -169,15 +169,6 @@ pub fn table(table: &Table) -> Vec<ParameterRow> {
             match table.scheme {
                 Scheme::ForwardEuler => "forward Euler (Eq. 4.7)".to_owned(),
                 Scheme::ZeroOrderHold => "zero-order hold".to_owned(),
-            },
-        ),
-        (
-            "Form",
-            match table.form {
-                Form::Direct => "direct".to_owned(),
-                Form::Tabulated { error_bound_um } => {
-                    format!("tabulated, which adds at most {}", quantity(f64::from(error_bound_um) * 1e3, "nm"))
-                }
             },
         ),
         ("Voltage range", range(volts.min, volts.max, "V")),

@@ -2,7 +2,7 @@
 
 use super::*;
 use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Status};
-use estimator_core::{Admitted, Digest, Form, Parameters, Provenance, Table, VoigtParameters};
+use estimator_core::{Admitted, Digest, Parameters, Provenance, Table, VoigtParameters};
 use identification::cost::Feedback;
 use identification::validate::{Cold, Comparison, Figures, Trace};
 use identification::{Conditions, Fit, Problem, SearchOptions, identify};
@@ -19,23 +19,24 @@ fn fit(model: Model) -> Fit {
 
 fn table(model: Model) -> Admitted {
     Table {
-        model,
         sample_period_us: 500,
         scheme: Scheme::ForwardEuler,
         deadband_v: 0.04,
         voltage_zero_v: 0.0,
         displacement_zero_um: 0.0,
-        form: Form::Direct,
         voltage_range_v: Range { min: -22.0, max: 22.0 },
         displacement_limits_um: Range { min: -15.0, max: 15.0 },
-        parameters: Parameters::Voigt(VoigtParameters {
-            alpha_um: 172.0,
-            beta_v: 5.2,
-            lambda_per_v: 0.051,
-            b_ohm: 1416.0,
-            p: 1.49,
-            ..VoigtParameters::default()
-        }),
+        parameters: Parameters::of_voigt_family(
+            model,
+            VoigtParameters {
+                alpha_um: 172.0,
+                beta_v: 5.2,
+                lambda_per_v: 0.051,
+                b_ohm: 1416.0,
+                p: 1.49,
+                ..VoigtParameters::default()
+            },
+        ),
         adc: AdcCalibration { gain_v_per_code: 0.0107, offset_v: -22.0, invert: false, full_scale: 4095 },
         dac: DacCalibration { gain_codes_per_um: 100.0, offset_code: 2048.0, full_scale: 4095 },
         drive: None,

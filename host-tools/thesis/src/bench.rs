@@ -189,7 +189,6 @@ pub mod tests {
             prepare: Bench::zeroed(&PrepareOptions::default()),
             model: ModelChoice::Auto,
             conditions: Conditions::default(),
-            tabulated: false,
             calibration: CalibrationOptions::default(),
             cost: Feedback::Simulation.into(),
             search,
@@ -206,7 +205,7 @@ pub mod tests {
         alone.identify(Feedback::Osp, &[Model::Voigt], &mut |_, _| calls += 1);
         assert_eq!((calls, once), (once, 21));
         family.identify(Feedback::Osp, &[Model::Enhanced], &mut |_, _| ());
-        let parameters = |bench: &Bench| bench.candidate(Feedback::Osp, Model::Voigt).unwrap().fit.parameters;
+        let parameters = |bench: &Bench| bench.candidate(Feedback::Osp, Model::Voigt).unwrap().table.parameters;
         assert_eq!(parameters(&alone), parameters(&family));
         assert!(family.candidate(Feedback::Simulation, Model::Voigt).is_none());
     }

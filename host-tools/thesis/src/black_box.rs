@@ -95,7 +95,7 @@ fn row(bench: &Bench, inputs: BlackBoxInputs, thesis: (f64, f64), progress: Prog
     let problem = bench.problem();
     let fit = identify_black_box(problem, inputs, Feedback::Simulation, bench.search(), progress);
     let candidate = Candidate::new(problem, fit, &bench.prepared.setting);
-    let found = candidate.as_ref().ok().and_then(|candidate| match &candidate.fit.parameters {
+    let found = candidate.as_ref().ok().and_then(|candidate| match &candidate.table.parameters {
         Parameters::Narx(of) => Some((candidate, of)),
         _ => None,
     });

@@ -219,7 +219,7 @@ mod tests {
         let duhem: Vec<_> = rows.iter().filter(|row| row["model"] == "duhem").collect();
         let lags: Vec<_> = duhem.iter().map(|row| (&row["without_lag"], &row["rate_dependent"])).collect();
         assert_eq!(lags, [(&json!(false), &json!(true)), (&json!(true), &json!(false))]);
-        assert_eq!(of("champion")["thesis"], serde_json::Value::Null);
+        assert_eq!(of("generalised-prandtl-ishlinskii")["thesis"], serde_json::Value::Null);
         assert_eq!(of("maxwell-slip")["thesis"][0], "quasi");
         assert_eq!(section.tables.len(), 3);
         assert!(section.tables.iter().all(|table| table.caption.ends_with("Thesis: its own actuator.")));

@@ -17,7 +17,6 @@ mod rate;
 mod sampling_time;
 mod search;
 mod tracking;
-mod walker;
 
 pub use bench::Bench;
 pub use error::ThesisError;

@@ -4,8 +4,7 @@
 //! Where that rises strictly from every memory, any displacement within reach has exactly one voltage. A delay and a resonance are
 //! left out, as the inverse leaves them out.
 
-use super::walker::Walker;
-use estimator_core::Table;
+use estimator_core::{Engine, Process, Table};
 use recordings::session::Session;
 use serde::Serialize;
 
@@ -35,25 +34,26 @@ impl Probes {
         let reach = steps.filter_map(|pair| Some((pair.last()? - pair.first()?).abs())).fold(0.0, f64::max);
         let mut probes = Self::default();
         for session in sessions {
-            let Some(&first) = session.voltage.first() else { continue };
-            let mut walker = Walker::prompt(table, first, session.displacement.first().copied());
+            let start = session.displacement.first().copied();
+            let whole = table.engine::<f64>();
+            let mut model = whole.monotone_part().unwrap_or(whole);
             let every = session.voltage.len().div_ceil(PROBED).max(1);
             for (tick, pair) in session.voltage.windows(2).enumerate() {
                 let &[now, next] = pair else { continue };
-                walker.step(now);
+                model.step(now, start);
                 if tick % every == 0 {
                     // The logs' own next voltage is among what can come.
                     let (low, high) = ((now - reach).max(range.0).min(next), (now + reach).min(range.1).max(next));
-                    probes.add(&walker, low, high, RISES * stroke);
+                    probes.add(&model, low, high, RISES * stroke);
                 }
             }
         }
         probes
     }
 
-    fn add(&mut self, walker: &Walker, low: f64, high: f64, rises: f64) {
+    fn add(&mut self, model: &Engine<f64>, low: f64, high: f64, rises: f64) {
         let at = |n: usize| low + (high - low) * n as f64 / (VOLTAGES - 1) as f64;
-        let reached: Vec<f64> = (0..VOLTAGES).map(|n| walker.clone().step(at(n))).collect();
+        let reached: Vec<f64> = (0..VOLTAGES).map(|n| model.peek(at(n))).collect();
         let least =
             reached.windows(2).filter_map(|pair| Some(pair.last()? - pair.first()?)).fold(f64::INFINITY, f64::min);
         self.probed += 1;

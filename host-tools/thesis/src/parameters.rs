@@ -68,7 +68,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     let mut rows = Vec::new();
     for model in Model::VOIGT_FAMILY {
         for cost in [Feedback::Osp, Feedback::Simulation] {
-            let ours = bench.candidate(cost, model).and_then(|found| set(&found.fit.parameters));
+            let ours = bench.candidate(cost, model).and_then(|found| set(&found.table.parameters));
             let theirs = printed(model, cost);
             let mut line = |whose: &str, set: Option<Printed>| {
                 let names = [model.to_string(), cost_name(cost).to_owned(), whose.to_owned()];
@@ -120,7 +120,7 @@ fn ranges(bench: &Bench) -> (report::Grid, Value) {
     for (index, (gene, (_, thesis))) in genes.iter().zip(TABLE_4_5_MAC).enumerate() {
         let change = (gene.max - gene.min) / f64::from((1u32 << bits) - 1);
         let within = [Feedback::Osp, Feedback::Simulation].map(|cost| {
-            let found = bench.candidate(cost, Model::Voigt).and_then(|found| set(&found.fit.parameters));
+            let found = bench.candidate(cost, Model::Voigt).and_then(|found| set(&found.table.parameters));
             found.and_then(|set| set.get(index).map(|x| (gene.min..=gene.max).contains(x)))
         });
         let words = within.map(|within| within.map_or("–".to_owned(), yes));
@@ -147,10 +147,7 @@ fn ranges(bench: &Bench) -> (report::Grid, Value) {
 }
 
 fn set(parameters: &Parameters) -> Option<Printed> {
-    match parameters {
-        Parameters::Voigt(of) => Some(of.named().map(|(_, x)| f64::from(x))),
-        _ => None,
-    }
+    parameters.voigt().map(|of| of.named().map(|(_, x)| f64::from(x)))
 }
 
 fn named(set: Option<Printed>) -> Value {

@@ -1,8 +1,7 @@
 //! Rate dependence of a model: one and the same sequence of voltages, once at a tick each and once a hundred times
 //! slower. A model without rate dependence gives the same displacements at the same voltages whatever the speed.
 
-use super::walker::Walker;
-use estimator_core::Table;
+use estimator_core::{Process, Table};
 use recordings::rig::{Excitation, Rig, Waveform};
 use serde::Serialize;
 
@@ -82,10 +81,11 @@ impl Rate {
 fn settled(table: &Table, low: f64, high: f64, slower: u32) -> Vec<f64> {
     let ticks = PERIODS * SLOWER * FAST;
     let period = FAST * slower;
-    let mut walker = Walker::new(table, 0.5 * (low + high), None);
+    let mut model = table.engine::<f64>();
+    model.step(0.5 * (low + high), None);
     let mut last = Vec::with_capacity(FAST as usize);
     for tick in 0..ticks {
-        let y = walker.step(triangle(f64::from(tick % period) / f64::from(period), low, high));
+        let y = model.step(triangle(f64::from(tick % period) / f64::from(period), low, high), None);
         if tick % slower == 0 && tick >= ticks - period {
             last.push(y);
         }

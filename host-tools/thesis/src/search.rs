@@ -5,7 +5,7 @@
 use super::bench::Bench;
 use super::parameters::short;
 use crate::error::ThesisError;
-use estimator_core::{Model, Parameters};
+use estimator_core::Model;
 use identification::cost::Feedback;
 use identification::{Candidate, Progress, SearchOptions, identify};
 use report::{Section, shown};
@@ -91,7 +91,7 @@ fn found(bench: &Bench, options: &SearchOptions, progress: Progress<'_>) -> Resu
     let fits = identify(problem, &[Model::Voigt], Feedback::Simulation, options, progress);
     let fit = fits.into_iter().next().ok_or(ThesisError::NotSearched(Model::Voigt))?;
     let candidate = Candidate::new(problem, fit, &bench.prepared.setting)?;
-    let Parameters::Voigt(of) = &candidate.fit.parameters else { return Err(ThesisError::NotVoigt) };
+    let of = candidate.table.parameters.voigt().ok_or(ThesisError::NotVoigt)?;
     let of = of.map(f64::from);
     let values = [of.alpha_um, of.beta_v, of.lambda_per_v, of.b_ohm, of.p];
     let modelling = candidate.training_figures().ok_or(ThesisError::NoFigures("modelled"))?.mae_um;

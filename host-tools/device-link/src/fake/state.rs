@@ -3,7 +3,7 @@
 use super::Manners;
 use crate::table::to_record;
 use estimator_core::record::checksum;
-use estimator_core::{AdcCode, Admitted, DriveCalibration, DriveLimits, Estimator, Form, Inverse, Range, Table};
+use estimator_core::{AdcCode, Admitted, DriveCalibration, DriveLimits, Estimator, Inverse, Range, Table};
 use protocol::frame::MAX_FRAME;
 use protocol::sample::MAX_BATCH;
 use protocol::{
@@ -22,7 +22,7 @@ const VERSION_3: [u8; 7] = [6, 3, 0x37, 0xBE, 0x0B, 0x4B, 0];
 /// The table of its firmware image.
 pub fn compiled() -> Admitted {
     let bytes = include_bytes!("../../../../tests/data/table/table.bin");
-    Table { form: Form::Direct, ..*Table::parse(bytes).unwrap() }.admit().unwrap()
+    Table::parse(bytes).unwrap()
 }
 
 /// The same, with its DAC driving an amplifier of 0 … 4 V.
@@ -43,7 +43,7 @@ pub struct State {
     feeds: u32,
     stored: Option<Record>,
     table: Admitted,
-    estimator: Estimator<'static, f32>,
+    estimator: Estimator<f32>,
     mode: Mode,
     streaming: bool,
     number: u32,
@@ -65,7 +65,7 @@ impl State {
             feeds: 0,
             stored: None,
             table,
-            estimator: Estimator::new(&table, None).unwrap(),
+            estimator: Estimator::new(&table),
             mode: Mode::Estimate,
             number: 0,
             fed: VecDeque::new(),
@@ -168,7 +168,7 @@ impl State {
                 let stored = self.stored.as_ref().map(|record| Table::parse(record).unwrap());
                 self.table = stored.unwrap_or_else(compiled);
                 self.inverse = inverse(&self.table);
-                self.estimator = Estimator::new(&self.table, None).unwrap();
+                self.estimator = Estimator::new(&self.table);
                 self.enter(Mode::Estimate);
             }
         }
@@ -257,7 +257,7 @@ impl State {
             adc_full_scale: compiled().adc.full_scale,
             dac_full_scale: compiled().dac.full_scale,
             source: if self.stored.is_some() { TableSource::Stored } else { TableSource::Compiled { reason } },
-            model: text(self.table.model),
+            model: text(self.table.model()),
             table_crc: checksum(&to_record(&self.table)).unwrap(),
         }
     }

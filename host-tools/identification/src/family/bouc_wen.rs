@@ -4,7 +4,7 @@ use super::projection::Projection;
 use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
-use estimator_core::{BoucWen, BoucWenParameters, Parameters};
+use estimator_core::{BoucWen, BoucWenParameters, Parameters, Published};
 
 /// What is fixed before the search.
 pub struct Family {
@@ -20,6 +20,8 @@ impl Family {
 }
 
 impl super::Family for Family {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         vec![
             Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
@@ -65,6 +67,10 @@ impl super::Family for Family {
             c_um_per_v: c as f32,
             ..base
         };
-        parameters.fault().is_none().then_some(Parameters::BoucWen(parameters))
+        parameters.check().is_ok().then_some(Parameters::BoucWen(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        ["d1", "d2", "c", "offset"].len()
     }
 }

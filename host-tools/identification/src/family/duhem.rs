@@ -4,7 +4,7 @@ use super::projection::Projection;
 use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
-use estimator_core::{Duhem, DuhemParameters, Parameters};
+use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
 
 /// What is fixed before the search.
 pub struct Family {
@@ -22,6 +22,8 @@ impl Family {
 }
 
 impl super::Family for Family {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         vec![
             Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
@@ -64,6 +66,10 @@ impl super::Family for Family {
             g2_um_per_v3: g2 as f32,
             ..base
         };
-        parameters.fault().is_none().then_some(Parameters::Duhem(parameters))
+        parameters.check().is_ok().then_some(Parameters::Duhem(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        ["f1", "f3", "g0", "g2", "offset"].len()
     }
 }

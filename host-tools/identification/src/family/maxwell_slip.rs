@@ -4,7 +4,7 @@
 use crate::least_squares::{Normal, Sign};
 use crate::problem::Problem;
 use crate::search::space::Gene;
-use estimator_core::{List, MaxwellSlipParameters, Parameters, Stop};
+use estimator_core::{List, MaxwellSlipParameters, Parameters, Published, Stop};
 
 /// Elements.
 const ELEMENTS: usize = 10;
@@ -22,6 +22,8 @@ impl Family {
 }
 
 impl super::Family for Family {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         vec![
             Gene::linear("yield", "largest displacement before an element slips, of the stroke", "", 0.02, 0.7),
@@ -66,6 +68,12 @@ impl super::Family for Family {
             base_stiffness_v_per_um: *base as f32,
             offset_v: (offsets.iter().sum::<f64>() / sessions.max(1) as f64) as f32,
         };
-        parameters.fault().is_none().then_some(Parameters::MaxwellSlip(parameters))
+        parameters.check().is_ok().then_some(Parameters::MaxwellSlip(parameters))
+    }
+
+    /// Elements without stiffness are left out of what is found.
+    fn solved(&self, found: &Parameters) -> usize {
+        let Parameters::MaxwellSlip(of) = found else { return 0 };
+        of.stiffness_v_per_um.len() + ["base stiffness", "offset"].len()
     }
 }

@@ -1,10 +1,11 @@
 //! NARX polynomials: for each structure the coefficients follow from one-step prediction by least squares; the structure that
 //! simulates best counts.
 
+use super::AnyFamily;
 use crate::least_squares::{Normal, Sign};
 use crate::problem::Problem;
 use crate::search::space::Gene;
-use estimator_core::{List, Narx, NarxParameters, Parameters, Recursion};
+use estimator_core::{List, Narx, NarxParameters, Parameters, Published, Recursion};
 use recordings::session::Session;
 
 /// One structure.
@@ -28,7 +29,7 @@ pub struct BlackBoxInputs {
 }
 
 /// Those of Table 5.1, of degrees 1 to 3.
-pub fn structures() -> Vec<Box<dyn super::Family>> {
+pub fn structures() -> Vec<AnyFamily> {
     let extrema = [(false, false), (true, false), (true, true)];
     let orders = (1..=3).flat_map(|order| (1..=3).map(move |degree| (order, degree)));
     let all = orders.flat_map(|orders| extrema.map(|extrema| (orders, extrema)));
@@ -39,15 +40,15 @@ pub fn structures() -> Vec<Box<dyn super::Family>> {
 }
 
 /// Those with these inputs, of degrees 1 to 3.
-pub fn structures_with(inputs: BlackBoxInputs) -> Vec<Box<dyn super::Family>> {
+pub fn structures_with(inputs: BlackBoxInputs) -> Vec<AnyFamily> {
     (1..=3).flat_map(|degree| of(inputs, degree)).collect()
 }
 
-fn of(inputs: BlackBoxInputs, degree: u8) -> [Box<dyn super::Family>; RIDGES.len()] {
+fn of(inputs: BlackBoxInputs, degree: u8) -> [AnyFamily; RIDGES.len()] {
     let BlackBoxInputs { output_order, with_voltage_extremum, with_displacement_extremum } = inputs;
     RIDGES.map(|ridge| {
         let family = Family { output_order, degree, with_voltage_extremum, with_displacement_extremum, ridge };
-        Box::new(family) as Box<dyn super::Family>
+        Box::new(family) as AnyFamily
     })
 }
 
@@ -55,6 +56,8 @@ fn of(inputs: BlackBoxInputs, degree: u8) -> [Box<dyn super::Family>; RIDGES.len
 const RIDGES: [f64; 3] = [1e-9, 1e-6, 1e-4];
 
 impl super::Family for Family {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         Vec::new()
     }
@@ -85,7 +88,12 @@ impl super::Family for Family {
         let found = normal.solve(&vec![Sign::Free; count])?;
         let coefficients = List::collect(found.iter().map(|&x| x as f32))?;
         let parameters = NarxParameters { coefficients, ..base };
-        parameters.fault().is_none().then_some(Parameters::Narx(parameters))
+        parameters.check().is_ok().then_some(Parameters::Narx(parameters))
+    }
+
+    fn solved(&self, found: &Parameters) -> usize {
+        let Parameters::Narx(of) = found else { return 0 };
+        of.coefficients.len()
     }
 }
 

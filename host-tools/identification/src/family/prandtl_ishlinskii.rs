@@ -5,7 +5,9 @@ use super::projection::Projection;
 use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
-use estimator_core::{List, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Range, Superposition};
+use estimator_core::{
+    List, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Published, Range, Superposition,
+};
 
 /// Play operators.
 const PLAYS: usize = 16;
@@ -47,6 +49,8 @@ impl Family {
 }
 
 impl super::Family for Family {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         DEAD_ZONES.iter().map(|&(_, name)| Gene::linear(name, "slope beyond a dead zone", "", -0.3, 0.3)).collect()
     }
@@ -62,7 +66,7 @@ impl super::Family for Family {
             dead_zone_slopes: List::collect(slopes.iter().copied())?,
             memory_v: self.memory,
         };
-        if base.fault().is_some() {
+        if base.check().is_err() {
             return None;
         }
         let inverse = Superposition::<f64>::build(&zones, &slopes).inverse();
@@ -80,6 +84,10 @@ impl super::Family for Family {
             offset_um: offset as f32,
             ..base
         };
-        parameters.fault().is_none().then_some(Parameters::PrandtlIshlinskii(parameters))
+        parameters.check().is_ok().then_some(Parameters::PrandtlIshlinskii(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        PLAYS + ["offset"].len()
     }
 }

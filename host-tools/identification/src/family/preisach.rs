@@ -5,12 +5,14 @@ use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
 use estimator_core::model::CELLS;
-use estimator_core::{List, Parameters, Preisach, PreisachParameters};
+use estimator_core::{List, Parameters, Preisach, PreisachParameters, Published};
 
 /// The model on a grid over the table's voltages.
 pub struct Family;
 
 impl super::Family for Family {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         Vec::new()
     }
@@ -37,7 +39,11 @@ impl super::Family for Family {
             offset_um: offset as f32,
             ..base
         };
-        parameters.fault().is_none().then_some(Parameters::Preisach(parameters))
+        parameters.check().is_ok().then_some(Parameters::Preisach(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        CELLS + ["offset"].len()
     }
 }
 
@@ -83,7 +89,7 @@ mod tests {
             Problem::new(vec![session(&truth, &curves)], vec![session(&truth, &nested)], Conditions::default());
         let found = Family.project(&[], &problem).unwrap();
         let stroke = problem.stroke().span();
-        let error = problem.held_out_of(&found, crate::cost::Feedback::Simulation.into()).unwrap();
+        let error = problem.held_out(&found, crate::cost::Feedback::Simulation.into()).unwrap();
         assert!(stroke > 5.0 && error < 0.01 * stroke, "{error} of {stroke} µm on loops within loops");
     }
 }

@@ -13,6 +13,8 @@ pub struct Family<'a> {
 }
 
 impl super::Family for Family<'_> {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         self.space.genes.clone()
     }
@@ -24,6 +26,10 @@ impl super::Family for Family<'_> {
     }
 
     fn project(&self, values: &[f64], _problem: &Problem) -> Option<Parameters> {
-        Some(Parameters::Voigt(self.space.parameters(values).map(|x| x as f32)))
+        Some(self.space.published(values))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        0
     }
 }

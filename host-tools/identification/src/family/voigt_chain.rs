@@ -1,11 +1,12 @@
 //! Kelvin–Voigt chains: the shortest and the longest time are searched, those between are spaced evenly on a logarithmic scale;
 //! gains and offset are projected, and in the second structure the weight of the voltage at the last reversal.
 
+use super::AnyFamily;
 use super::projection::Projection;
 use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
-use estimator_core::{List, Parameters, Range, VoigtChain, VoigtChainParameters};
+use estimator_core::{List, Parameters, Published, Range, VoigtChain, VoigtChainParameters};
 
 /// Elements.
 const ELEMENTS: usize = 10;
@@ -19,8 +20,8 @@ pub struct Family {
 }
 
 /// Without and with the extremum term.
-pub fn structures(problem: &Problem) -> Vec<Box<dyn super::Family>> {
-    [false, true].map(|extremum| Box::new(Family::new(problem, extremum)) as Box<dyn super::Family>).into()
+pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
+    [false, true].map(|extremum| Box::new(Family::new(problem, extremum)) as AnyFamily).into()
 }
 
 impl Family {
@@ -36,6 +37,8 @@ impl Family {
 }
 
 impl super::Family for Family {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         vec![
             Gene::logarithmic("shortest", "shortest time constant", "s", 0.2 * self.tick, 0.1),
@@ -76,6 +79,10 @@ impl super::Family for Family {
             voltage_extremum_um_per_v: extremum.first().map_or(0.0, |&weight| weight as f32),
             ..base
         };
-        parameters.fault().is_none().then_some(Parameters::VoigtChain(parameters))
+        parameters.check().is_ok().then_some(Parameters::VoigtChain(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        ELEMENTS + ["instantaneous", "offset"].len() + usize::from(self.extremum)
     }
 }

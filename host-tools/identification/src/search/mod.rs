@@ -20,6 +20,7 @@ mod cma_es;
 mod differential_evolution;
 pub mod ga;
 mod genetic;
+pub(crate) mod interpolated;
 mod local;
 mod optimiser;
 mod options;

@@ -24,7 +24,7 @@
 //!
 //! Powers are `libm`'s, so that a seed means the same result on every platform.
 
-use estimator_core::{Model, VoigtParameters};
+use estimator_core::{Model, Parameters, VoigtParameters};
 use serde::{Deserialize, Serialize};
 
 /// How a gene's fraction becomes its value.
@@ -201,6 +201,11 @@ impl Space {
         }
     }
 
+    /// As [`parameters`](Self::parameters), as a table holds them.
+    pub fn published(&self, values: &[f64]) -> Parameters {
+        Parameters::of_voigt_family(self.model, self.parameters(values).map(|x| x as f32))
+    }
+
     /// A candidate of another model's space (of the same ranges) as one of this: genes of the same name keep their
     /// values, a term that the other lacks is switched off.
     pub fn adopt(&self, other: &Self, values: &[f64]) -> Vec<f64> {
@@ -261,7 +266,7 @@ fn data_genes(extent: Extent) -> Vec<Gene> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use estimator_core::{Scheme, Voigt};
+    use estimator_core::{Discretisation, Scheme, Voigt};
 
     const EXTENT: Extent = Extent { voltage: 20.0, displacement: 4.0, tick: 5e-4 };
 
@@ -270,7 +275,10 @@ mod tests {
         let space = Space::new(Model::Enhanced, Ranges::Data, EXTENT);
         let values = [300.0, 0.9, 0.8, -0.2, 0.1, -0.1, 0.7, 0.2, 1.1];
         let parameters = space.parameters(&values);
-        let model = Voigt::build(&parameters, EXTENT.tick, Scheme::ForwardEuler);
+        let model = Voigt::build(
+            &parameters,
+            &Discretisation { sample_period: EXTENT.tick, scheme: Scheme::ForwardEuler, deadband: 0.0 },
+        );
         let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
         close(model.rate(0.0), 300.0);
         close(model.drive(20.0) / model.rate(20.0), 0.9 * 4.0);

@@ -91,14 +91,6 @@ pub enum Refused {
     /// Recipe and table are not of one identification.
     #[error("[recipe] and [table] differ in the tick or a zero: change both, or neither")]
     Differ,
-    /// The tabulated form can be further off than is stated.
-    #[error("error_bound_um is {stated_um}, but tabulating this model can be off by {found_um:.3e} µm")]
-    ErrorBound {
-        /// What is stated, µm.
-        stated_um: f32,
-        /// What was found, µm.
-        found_um: f64,
-    },
 }
 
 const HEADER: &str = "\
@@ -121,10 +113,10 @@ impl TableFile {
         Ok((file, admitted))
     }
 
-    /// Checks the table, its stated tabulation error included.
+    /// Checks the table and its recipe.
     ///
     /// # Errors
-    /// It breaks a rule, alone or together with the recipe.
+    /// The table breaks a rule, alone or together with the recipe.
     pub fn admit(&self) -> Result<Admitted, Refused> {
         let admitted = self.table.admit()?;
         if let Some(rule) = self.recipe.fault() {
@@ -136,12 +128,6 @@ impl TableFile {
             && recipe.displacement_zero_um as f32 == table.displacement_zero_um;
         if !same {
             return Err(Refused::Differ);
-        }
-        if let estimator_core::Form::Tabulated { error_bound_um } = admitted.form {
-            let found_um = crate::tabulation::error_bound(&admitted);
-            if f64::from(error_bound_um) < found_um {
-                return Err(Refused::ErrorBound { stated_um: error_bound_um, found_um });
-            }
         }
         Ok(admitted)
     }

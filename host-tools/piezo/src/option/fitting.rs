@@ -87,7 +87,6 @@ impl Fitting {
             prepare: (&self.prepare).into(),
             model: ModelChoice::Auto,
             conditions: Conditions { scheme: self.scheme.into(), deadband: self.deadband, limit: self.limit },
-            tabulated: false,
             calibration: CalibrationOptions::default(),
             cost: Cost::from(self.cost).resolved()?,
             search,

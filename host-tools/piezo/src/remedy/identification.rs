@@ -30,15 +30,10 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
 pub fn reason(reason: Reason) -> &'static str {
     match reason {
         Reason::AskedFor => "it was asked for.",
-        Reason::Champion => {
+        Reason::AllInOne => {
             "it has hysteresis, creep and lag in one; of the thesis's models, which are shown beside it, --model takes \
              another."
         }
-        Reason::SingleAmplitude => {
-            "the logs have a single amplitude, which cannot teach the extremum terms; the models that have them fit this \
-             loop better and are not to be trusted on another (--model takes one all the same)."
-        }
-        Reason::SeveralAmplitudes => "the logs have several amplitudes, which the extremum terms need.",
     }
 }
 
@@ -96,7 +91,6 @@ fn thesis(error: &ThesisError) -> String {
 
 fn refused(error: &Refused) -> String {
     match error {
-        Refused::ErrorBound { .. } => format!("{error}: make it again with `piezo emit --form tabulated`"),
         _ => error.to_string(),
     }
 }

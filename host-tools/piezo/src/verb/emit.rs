@@ -1,4 +1,4 @@
-//! `piezo emit`: the faces of a table, in another form or with another calibration where asked.
+//! `piezo emit`: the faces of a table, with another calibration where asked.
 
 use super::info::describe;
 use super::print::out;
@@ -6,22 +6,11 @@ use crate::option::CalibrationArgs;
 use crate::{output, remedy};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use estimator_core::Form;
 use identification::Doubt;
 use identification::calibration::{CalibrationOptions, misfits};
 use identification::table_file::{TableFile, record, rust_source};
-use identification::tabulation;
 use serde_json::json;
 use std::path::PathBuf;
-
-/// A form on the command line.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub enum FormName {
-    /// One exponential and one power a tick.
-    Direct,
-    /// Interpolated between 257 knots; the error it adds is computed and kept in the table.
-    Tabulated,
-}
 
 /// One face.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
@@ -45,9 +34,6 @@ pub struct Emit {
     /// Print one face to standard output instead.
     #[arg(long, value_enum)]
     pub face: Option<Face>,
-    /// Change the form.
-    #[arg(long, value_enum)]
-    pub form: Option<FormName>,
     /// Print what was written as JSON.
     #[arg(long, conflicts_with = "face")]
     pub json: bool,
@@ -65,18 +51,13 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         let assumed = remedy::doubt(&Doubt::CalibrationAssumed);
         file.doubts.retain(|doubt| *doubt != assumed);
     }
-    match arguments.form {
-        Some(FormName::Direct) => file.table.form = Form::Direct,
-        Some(FormName::Tabulated) => file.table = tabulation::tabulated(file.table),
-        None => {}
-    }
     let admitted = file.admit()?;
     misfits(&admitted).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
     if let Some(folder) = &arguments.out {
         file.write_faces(folder)?;
         let faces = ["table.toml", "table.rs", "table.bin"].map(|name| folder.join(name));
         if arguments.json {
-            out(&serde_json::to_string_pretty(&json!({ "written": faces, "form": admitted.form }))?);
+            out(&serde_json::to_string_pretty(&json!({ "written": faces }))?);
         } else {
             faces.iter().for_each(|path| out(&path.display().to_string()));
             describe(&admitted).iter().for_each(|line| out(&format!("    {line}")));

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
 use identification::drive::{identified_on, limits, ordered};
-use identification::feedforward::{Plan, Trajectory, delay_ticks, near, plan, reach};
+use identification::feedforward::{Plan, Trajectory, near, plan, reach};
 use identification::span::Span;
 use identification::table_file::TableFile;
 use recordings::log::{Displacement, write_csv};
@@ -119,7 +119,7 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             "out_of_reach": plan.out_of_reach,
             "reach_um": reach(table, limits),
             "met_after_s": met.map(|tick| tick as f64 * tick_s),
-            "delay_ticks": delay_ticks(table),
+            "delay_ticks": table.parameters.delay_ticks(),
             "round_trip": errors,
         });
         out(&serde_json::to_string_pretty(&summary)?);
@@ -136,7 +136,7 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
         (Some(tick), Some(errors)) => out(&format!(
             "The {} model of these voltages is {:.4} µm off the trajectory on average, {:.4} µm at most ({:.3} % of its {:.2} µm), \
              once it has met it after {:.3} s",
-            table.model,
+            table.model(),
             errors.mae_um,
             errors.max_um,
             100.0 * errors.max_um / errors.stroke_um.max(f64::MIN_POSITIVE),

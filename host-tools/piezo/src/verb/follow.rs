@@ -16,7 +16,7 @@ use device_link::follow::{Followed, follow};
 use device_link::interrupt::Interrupt;
 use device_link::{table, words};
 use estimator_core::{AdcCode, Admitted, DacCode, Status};
-use identification::feedforward::{Trajectory, delay_ticks, near, plan};
+use identification::feedforward::{Trajectory, near, plan};
 use protocol::{Mode, Refusal};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -64,7 +64,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
         return Ok(true);
     }
     let references: Vec<f32> = trajectory.0.iter().map(|&wanted| wanted as f32).collect();
-    let late = 2.0 + delay_ticks(&table);
+    let late = 2.0 + f64::from(table.parameters.delay_ticks());
     let ticks = references.len() + late.ceil() as usize;
     let bar = progress(ticks as u64);
     let followed = follow(&mut client, &references, arguments.stay, ticks, &interrupt, &mut |ticks| {

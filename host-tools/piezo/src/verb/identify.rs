@@ -1,6 +1,5 @@
 //! `piezo identify`: logs → a proven parameter table and a report.
 
-use super::emit::FormName;
 use super::print::{heading, out, progress, row};
 use crate::option::{CalibrationArgs, Fitting, SearchArgs, model_choice};
 use crate::{output, remedy};
@@ -20,12 +19,9 @@ pub struct Identify {
     /// Folder for table.toml, table.rs, table.bin, report.html and estimate.svg.
     #[arg(long)]
     pub out: PathBuf,
-    /// Which model; `auto` identifies the Voigt family and the champion.
+    /// Which model; `auto` identifies the Voigt family and the generalised Prandtl–Ishlinskii model.
     #[arg(long, value_parser = model_choice(), default_value = "auto")]
     pub model: ModelChoice,
-    /// How the table's per-tick functions are evaluated on the target.
-    #[arg(long, value_enum, default_value_t = FormName::Direct)]
-    pub form: FormName,
     /// What is fitted to what.
     #[command(flatten)]
     pub fitting: Fitting,
@@ -39,15 +35,10 @@ pub struct Identify {
 
 /// Runs the verb.
 pub fn run(arguments: &Identify) -> Result<bool> {
-    ensure!(
-        arguments.form == FormName::Direct || arguments.model.has_tabulated_form(),
-        "--form tabulated: only the models of the Voigt family have one: leave it out, or choose another --model"
-    );
     let out_folder = arguments.out.display();
     ensure!(!arguments.out.exists() || arguments.out.is_dir(), "{out_folder}: is a file, --out names a folder");
     let job = Job {
         model: arguments.model,
-        tabulated: arguments.form == FormName::Tabulated,
         calibration: (&arguments.calibration).into(),
         ..arguments.fitting.job((&arguments.search).into())?
     };
@@ -93,7 +84,7 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
         facts: &facts(arguments, cost, outcome),
     })?;
     let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
-    let picture = report::picture(shown, &format!("{}: {}", shown.name, candidate.table.model))?;
+    let picture = report::picture(shown, &format!("{}: {}", shown.name, candidate.table.model()))?;
     // Everything is made before anything is written.
     file.write_faces(&arguments.out)?;
     output::write(&arguments.out.join("report.html"), html)?;
@@ -103,7 +94,7 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
 /// How good it is, in plain words.
 fn verdict(outcome: &Outcome) -> Vec<String> {
     let candidate = outcome.candidate();
-    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model, remedy::reason(outcome.reason))];
+    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model(), remedy::reason(outcome.reason))];
     if let Some(held_out) = candidate.held_out_figures() {
         sentences.push(format!(
             "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
@@ -145,7 +136,7 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
     for (index, candidate) in outcome.candidates.iter().enumerate() {
         let mark = if index == outcome.chosen { "→ " } else { "  " };
         if let Some(figures) = figures(candidate) {
-            out(&row(&format!("{mark}{}", candidate.table.model), &figures));
+            out(&row(&format!("{mark}{}", candidate.table.model()), &figures));
         }
     }
     out("");
@@ -200,7 +191,7 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
         .iter()
         .map(|candidate| {
             json!({
-                "model": candidate.table.model,
+                "model": candidate.table.model(),
                 "cost": candidate.fit.minimised.feedback,
                 "norm": candidate.fit.minimised.norm,
                 "feedback_weight": candidate.fit.minimised.feedback_weight,
@@ -219,7 +210,7 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
         .collect();
     let doubts = outcome.doubts.iter().map(remedy::doubt_json).collect::<serde_json::Result<Vec<Value>>>()?;
     Ok(json!({
-        "model": outcome.candidate().table.model,
+        "model": outcome.candidate().table.model(),
         "reason": remedy::reason(outcome.reason),
         "verdict": verdict,
         "candidates": candidates,

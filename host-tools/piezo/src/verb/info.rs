@@ -8,7 +8,7 @@ use anyhow::Result;
 use clap::Args;
 use device_link::table;
 use device_link::words;
-use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Form, Status, Table, TableError};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Status, Table, TableError};
 use protocol::{Faults, Health, Identity, Mode, VERSION};
 use serde_json::{Value, json};
 
@@ -122,10 +122,6 @@ fn table_lines(identity: &Identity, table: Option<&(Result<Admitted, TableError>
 
 /// A table in a few lines.
 pub fn describe(table: &Admitted) -> Vec<String> {
-    let form = match table.form {
-        Form::Direct => "direct".to_owned(),
-        Form::Tabulated { error_bound_um } => format!("tabulated (adds at most {error_bound_um} µm)"),
-    };
     let volts = |code| table.adc.voltage::<f32>(AdcCode(code));
     let output = |code| match &table.drive {
         Some(drive) => format!("{:.3} V", drive.voltage::<f32>(DacCode(code))),
@@ -139,7 +135,7 @@ pub fn describe(table: &Admitted) -> Vec<String> {
         _ => "nothing was held out".to_owned(),
     };
     vec![
-        format!("{}, {form}, tick {} µs", table.model, table.sample_period_us),
+        format!("{}, tick {} µs", table.model(), table.sample_period_us),
         format!(
             "voltages {:.3} … {:.3} V around {:.3} V, displacements {:.3} … {:.3} µm",
             voltage.min, voltage.max, table.voltage_zero_v, limits.min, limits.max

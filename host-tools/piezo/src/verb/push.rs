@@ -54,17 +54,17 @@ pub fn run(arguments: &Push) -> Result<bool> {
     if arguments.json {
         out(&serde_json::to_string_pretty(&json!({
             "table": arguments.table,
-            "model": table.model,
+            "model": table.model(),
             "checksum": checksum,
             "written": !arguments.write.dry_run,
             "in_use": restarted.is_some(),
         }))?);
     } else if arguments.write.dry_run {
-        out(&format!("{name} ({}, checksum {checksum}) fits {}; nothing was written", table.model, identity.board));
+        out(&format!("{name} ({}, checksum {checksum}) fits {}; nothing was written", table.model(), identity.board));
     } else if restarted.is_some() {
-        out(&format!("{name} ({}, checksum {checksum}) is stored, and {} runs it", table.model, identity.board));
+        out(&format!("{name} ({}, checksum {checksum}) is stored, and {} runs it", table.model(), identity.board));
     } else {
-        out(&format!("{name} ({}, checksum {checksum}) is stored on {}", table.model, identity.board));
+        out(&format!("{name} ({}, checksum {checksum}) is stored on {}", table.model(), identity.board));
         out(&format!("It is used from the next reset on: piezo reset --port {port}"));
     }
     Ok(true)

@@ -123,7 +123,6 @@ fn job(arguments: &Reproduce) -> Result<(Job, Option<Rig>)> {
         prepare: if own { prepare } else { Bench::zeroed(&prepare) },
         model: ModelChoice::Auto,
         conditions: Conditions { limit: arguments.limit, ..Conditions::default() },
-        tabulated: false,
         calibration: CalibrationOptions::default(),
         cost: Feedback::Simulation.into(),
         search: (&arguments.search).into(),

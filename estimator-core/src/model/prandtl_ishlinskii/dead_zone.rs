@@ -12,6 +12,7 @@
 //! inverse is a superposition too: `d'_j = S(d_j)`, and the sums of its slopes are the reciprocals of these sums.
 
 use crate::math::Real;
+use crate::rule::{self, Rule};
 
 /// Most dead zones of a superposition, the one at 0 included.
 pub const DEAD_ZONES: usize = 8;
@@ -24,22 +25,25 @@ pub struct Superposition<T> {
     slopes: [T; DEAD_ZONES],
 }
 
-/// The rule that these dead zones (µm) and slopes break; none at all are the identity.
-pub(super) fn fault(dead_zones: &[f32], slopes: &[f32]) -> Option<&'static str> {
+/// Checks dead zones (µm) and their slopes; none at all are the identity.
+///
+/// # Errors
+/// The rule that they break.
+pub(super) fn check(dead_zones: &[f32], slopes: &[f32]) -> Result<(), Rule> {
     if dead_zones.len() != slopes.len() {
-        return Some("dead_zone_slopes must be as many as dead_zones_um");
+        return Err("dead_zone_slopes must be as many as dead_zones_um");
     }
     if !dead_zones.iter().chain(slopes).all(|number| number.is_finite()) {
-        return Some("dead_zones_um and dead_zone_slopes must be finite");
+        return Err("dead_zones_um and dead_zone_slopes must be finite");
     }
     if dead_zones.is_empty() {
-        return None;
+        return Ok(());
     }
     if !dead_zones.windows(2).all(|pair| matches!(pair, [a, b] if a < b)) {
-        return Some("dead_zones_um must increase");
+        return Err("dead_zones_um must increase");
     }
     if !dead_zones.contains(&0.0) {
-        return Some("dead_zones_um must contain 0");
+        return Err("dead_zones_um must contain 0");
     }
     let zones = || dead_zones.iter().zip(slopes);
     let stays_positive = |sum: &mut f32, (_, slope): (&f32, &f32)| {
@@ -49,7 +53,7 @@ pub(super) fn fault(dead_zones: &[f32], slopes: &[f32]) -> Option<&'static str> 
     let right = zones().filter(|(dead_zone, _)| **dead_zone >= 0.0).scan(0.0, stays_positive).all(|positive| positive);
     let left =
         zones().rev().filter(|(dead_zone, _)| **dead_zone <= 0.0).scan(0.0, stays_positive).all(|positive| positive);
-    (!(right && left)).then_some("dead_zone_slopes must sum to more than 0 from 0 to every dead zone")
+    rule::check([("dead_zone_slopes must sum to more than 0 from 0 to every dead zone", right && left)])
 }
 
 impl<T: Real> Superposition<T> {

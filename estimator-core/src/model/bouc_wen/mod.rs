@@ -14,12 +14,17 @@
 //! **Bound.** With β + γ > |δ| and β ≥ |δ|, `h` stays within `−(A/(β+γ−δ))^(1/n) … (A/(β+γ+δ))^(1/n)`: at either end
 //! the loading branch has slope 0, and the other branch leads inwards.
 //!
-//! How h is integrated: `bouc_wen_branch`.
+//! How h is integrated: `branch.rs`.
 
-use super::bouc_wen_branch::{Branch, Power};
-use super::{Linear, Recursion};
+mod branch;
+
+use super::relaxation::{Lag, Relaxed};
+use super::{Discretisation, Linear, Published, Recursion};
+use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::Rule;
+use branch::{Branch, Power};
 use serde::{Deserialize, Serialize};
 
 /// A published Bouc-Wen set.
@@ -48,41 +53,48 @@ pub struct BoucWenParameters {
     pub c_um_per_v: f32,
 }
 
-impl BoucWenParameters {
-    /// The rule that the set breaks.
-    pub fn fault(&self) -> Option<&'static str> {
+impl BoucWenParameters {}
+
+impl Published for BoucWenParameters {
+    type Coefficients<T: Real> = BoucWen<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> BoucWen<T> {
+        BoucWen::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
         let Self { lag_s, a, beta, gamma, delta, n, offset_um, d1_um_per_v, d2_um_per_v2, c_um_per_v } = *self;
         let all = [lag_s, a, beta, gamma, delta, n, offset_um, d1_um_per_v, d2_um_per_v2, c_um_per_v];
         if !all.iter().all(|number| number.is_finite()) {
-            return Some("every parameter must be finite");
+            return Err("every parameter must be finite");
         }
         if lag_s < 0.0 {
-            return Some("lag_s must be at least 0");
+            return Err("lag_s must be at least 0");
         }
         if a <= 0.0 {
-            return Some("a must be above 0");
+            return Err("a must be above 0");
         }
         if !(1.0..=8.0).contains(&n) {
-            return Some("n must be from 1 to 8");
+            return Err("n must be from 1 to 8");
         }
         if beta < delta.abs() {
-            return Some("beta must be at least |delta|");
+            return Err("beta must be at least |delta|");
         }
         if beta + gamma <= delta.abs() {
-            return Some("beta + gamma must exceed |delta|");
+            return Err("beta + gamma must exceed |delta|");
         }
         let limits = BoucWen::<f32>::build(self, 1.0).limits();
         if !(limits.min.is_finite() && limits.max.is_finite() && limits.span() > 0.0) {
-            return Some("the hysteresis must have a finite bound");
+            return Err("the hysteresis must have a finite bound");
         }
-        None
+        Ok(())
     }
 }
 
 /// Per-tick coefficients of the Bouc-Wen model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoucWen<T> {
-    lag_retention: T,
+    lag: Lag<T>,
     power: Power<T>,
     rising: Branch<T>,
     falling: Branch<T>,
@@ -96,13 +108,13 @@ pub struct BoucWen<T> {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoucWenState<T> {
     /// u, V.
-    pub input: T,
+    pub input: Relaxed<T>,
     /// h, V.
     pub hysteresis: T,
 }
 
 impl<T: Real> BoucWen<T> {
-    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`BoucWenParameters::fault`].
+    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`BoucWenParameters::check`].
     pub fn build(parameters: &BoucWenParameters, sample_period: T) -> Self {
         let p = parameters;
         let (a, n) = (T::of(p.a), T::of(p.n));
@@ -112,11 +124,7 @@ impl<T: Real> BoucWen<T> {
         rising.measure(n, falling.limit);
         falling.measure(n, rising.limit);
         Self {
-            lag_retention: if p.lag_s > 0.0 {
-                T::one() + (-sample_period / T::of(p.lag_s)).exp_m1()
-            } else {
-                T::zero()
-            },
+            lag: Lag::build(T::of(p.lag_s), sample_period),
             power: match p.n {
                 1.0 => Power::One,
                 2.0 => Power::Two,
@@ -150,8 +158,27 @@ impl<T: Real> BoucWen<T> {
     }
 
     fn sum(&self, state: &BoucWenState<T>) -> T {
-        let u = state.input;
+        let u = state.input.value;
         self.offset + u * (self.d1 + self.d2 * u) + self.c * state.hysteresis
+    }
+
+    /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
+    ///
+    /// The parabola over the range (u is a mean of voltages) and h anywhere within its limits.
+    pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
+        let h = self.limits();
+        if !(h.min <= h.max && h.span().is_finite()) {
+            return None;
+        }
+        let parabola = |u: T| u * (self.d1 + self.d2 * u);
+        let vertex = if self.d2 == T::zero() { voltage.min } else { -self.d1 / (self.d2 + self.d2) };
+        let mut reach = Range::empty();
+        for u in [voltage.min, voltage.max, voltage.clamp(vertex)] {
+            for h in [h.min, h.max] {
+                reach = reach.include(self.offset + parabola(u) + self.c * h);
+            }
+        }
+        Some(reach)
     }
 }
 
@@ -162,7 +189,7 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
         let limits = self.limits();
         let middle = (limits.min + limits.max) * T::of(0.5);
-        let free = BoucWenState { input: voltage, hysteresis: T::zero() };
+        let free = BoucWenState { input: Relaxed::at(voltage), hysteresis: T::zero() };
         let hysteresis = match displacement {
             Some(displacement) if self.c != T::zero() => limits.clamp((displacement - self.sum(&free)) / self.c),
             _ => middle,
@@ -176,30 +203,11 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
         self.sum(state)
     }
 
-    /// The parabola over the range (u is a mean of voltages) and h anywhere within its limits.
-    fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
-        let h = self.limits();
-        if !(h.min <= h.max && h.span().is_finite()) {
-            return None;
-        }
-        let parabola = |u: T| u * (self.d1 + self.d2 * u);
-        let vertex = if self.d2 == T::zero() { voltage.min } else { -self.d1 / (self.d2 + self.d2) };
-        let mut reach = Range { min: T::infinity(), max: T::neg_infinity() };
-        for u in [voltage.min, voltage.max, voltage.clamp(vertex)] {
-            for h in [h.min, h.max] {
-                let y = self.offset + parabola(u) + self.c * h;
-                if y < reach.min {
-                    reach.min = y;
-                }
-                if y > reach.max {
-                    reach.max = y;
-                }
-            }
-        }
-        Some(reach)
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
-    fn prompt(&self) -> Option<Self> {
+    fn monotone_part(&self) -> Option<Self> {
         Some(*self)
     }
 }
@@ -208,12 +216,13 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
 impl<T: Real> Linear<T> for BoucWen<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
-        let input = voltage + (state.input - voltage) * self.lag_retention;
-        state.hysteresis = self.follow(state.hysteresis, input - state.input);
-        state.input = input;
+        let before = state.input.value;
+        let change = self.lag.step(&mut state.input, voltage) - before;
+        state.hysteresis = self.follow(state.hysteresis, change);
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
-        [state.input, state.input * state.input, state.hysteresis, T::one()].into_iter().for_each(&mut each);
+        let u = state.input.value;
+        [u, u * u, state.hysteresis, T::one()].into_iter().for_each(&mut each);
     }
 }

@@ -1,11 +1,14 @@
 //! Properties of the champion: bounded, monotone, linear in its weights, begun where it is told.
 
-use estimator_core::{Champion, ChampionParameters, Linear, List, Range, Real, Recursion, solve};
+use estimator_core::{
+    GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, Linear, List, Published, Range, Real,
+    Recursion, solve,
+};
 use proptest::prelude::*;
 
 const TICK: f64 = 5e-4;
 
-const PLAIN: ChampionParameters = ChampionParameters {
+const PLAIN: GeneralisedPrandtlIshlinskiiParameters = GeneralisedPrandtlIshlinskiiParameters {
     span_v: Range { min: 0.0, max: 100.0 },
     delay_ticks: 0.0,
     slew_v_per_s: 0.0,
@@ -20,17 +23,19 @@ const PLAIN: ChampionParameters = ChampionParameters {
     offset_um: -2.0,
 };
 
-const MOVING: ChampionParameters =
-    ChampionParameters { delay_ticks: 2.4, slew_v_per_s: 40_000.0, lag_s: 0.002, ..PLAIN };
-const AHEAD: ChampionParameters = ChampionParameters { delay_ticks: -0.8, lag_s: 0.002, ..PLAIN };
-const CUBIC: ChampionParameters = ChampionParameters {
+const MOVING: GeneralisedPrandtlIshlinskiiParameters =
+    GeneralisedPrandtlIshlinskiiParameters { delay_ticks: 2.4, slew_v_per_s: 40_000.0, lag_s: 0.002, ..PLAIN };
+const AHEAD: GeneralisedPrandtlIshlinskiiParameters =
+    GeneralisedPrandtlIshlinskiiParameters { delay_ticks: -0.8, lag_s: 0.002, ..PLAIN };
+const CUBIC: GeneralisedPrandtlIshlinskiiParameters = GeneralisedPrandtlIshlinskiiParameters {
     half_widths_v: List::of([0.0, 15.0]),
     weights_um: List::of([1.0, 4.0, 2.0, 0.5, 0.0, 1.0]),
     ..PLAIN
 };
-const RINGING: ChampionParameters = ChampionParameters { resonance_hz: 300.0, damping: 0.05, ..PLAIN };
+const RINGING: GeneralisedPrandtlIshlinskiiParameters =
+    GeneralisedPrandtlIshlinskiiParameters { resonance_hz: 300.0, damping: 0.05, ..PLAIN };
 
-fn any() -> impl Strategy<Value = ChampionParameters> {
+fn any() -> impl Strategy<Value = GeneralisedPrandtlIshlinskiiParameters> {
     prop::sample::select(vec![PLAIN, MOVING, AHEAD, CUBIC])
 }
 
@@ -39,8 +44,8 @@ fn voltages() -> impl Strategy<Value = Vec<f64>> {
         .prop_map(|steps| steps.into_iter().flat_map(|(v, dwell)| std::iter::repeat_n(v, dwell)).collect())
 }
 
-fn run<T: Real>(parameters: &ChampionParameters, voltages: &[T], known: Option<T>) -> Vec<T> {
-    let model = Champion::<T>::build(parameters, T::of(TICK as f32));
+fn run<T: Real>(parameters: &GeneralisedPrandtlIshlinskiiParameters, voltages: &[T], known: Option<T>) -> Vec<T> {
+    let model = GeneralisedPrandtlIshlinskii::<T>::build(parameters, T::of(TICK as f32));
     let mut state = model.begin(voltages[0], known);
     voltages.iter().map(|&v| model.step(&mut state, v)).collect()
 }
@@ -48,7 +53,7 @@ fn run<T: Real>(parameters: &ChampionParameters, voltages: &[T], known: Option<T
 proptest! {
     #[test]
     fn stays_within_reach(parameters in any(), voltages in voltages(), known in prop::option::of(-30.0f64..30.0)) {
-        let model = Champion::<f64>::build(&parameters, TICK);
+        let model = GeneralisedPrandtlIshlinskii::<f64>::build(&parameters, TICK);
         let range = if parameters == PLAIN { Range { min: 20.0, max: 80.0 } } else { Range { min: -5.0, max: 105.0 } };
         let voltages: Vec<f64> = voltages.into_iter().map(|v| range.clamp(v)).collect();
         let reach = model.reach(range).unwrap();
@@ -59,7 +64,7 @@ proptest! {
 
     #[test]
     fn rises_with_the_voltage(parameters in any(), voltages in voltages(), low in -5.0f64..105.0, more in 0.0f64..50.0) {
-        let model = Champion::<f64>::build(&parameters, TICK);
+        let model = GeneralisedPrandtlIshlinskii::<f64>::build(&parameters, TICK);
         let mut state = model.begin(voltages[0], None);
         voltages.iter().for_each(|&v| { model.step(&mut state, v); });
         let at = |v: f64| model.step(&mut state.clone(), v);
@@ -78,8 +83,8 @@ proptest! {
     /// Without a curvature the columns, weighed, are the displacement.
     #[test]
     fn the_columns_weigh_to_the_displacement(parameters in any(), voltages in voltages()) {
-        let parameters = ChampionParameters { curvature_per_um: 0.0, ..parameters };
-        let model = Champion::<f64>::build(&parameters, TICK);
+        let parameters = GeneralisedPrandtlIshlinskiiParameters { curvature_per_um: 0.0, ..parameters };
+        let model = GeneralisedPrandtlIshlinskii::<f64>::build(&parameters, TICK);
         let weights: Vec<f64> = parameters.weights_um.iter().chain(parameters.creep_um_per_v.iter())
             .chain([&parameters.offset_um]).map(|&w| w.into()).collect();
         let (mut state, mut other) = (model.begin(voltages[0], None), model.begin(voltages[0], None));
@@ -109,7 +114,7 @@ proptest! {
 
 #[test]
 fn a_delay_is_a_delay() {
-    let late = ChampionParameters { delay_ticks: 3.0, ..PLAIN };
+    let late = GeneralisedPrandtlIshlinskiiParameters { delay_ticks: 3.0, ..PLAIN };
     let steps: Vec<f64> = (0..40).map(|k| if k < 10 { 20.0 } else { 70.0 }).collect();
     let (now, then) = (run(&PLAIN, &steps, None), run(&late, &steps, None));
     for k in 3..40 {
@@ -120,7 +125,7 @@ fn a_delay_is_a_delay() {
 #[test]
 fn what_is_foreseen_is_not_remembered() {
     // A step overshoots for a tick when it is looked ahead of, and then is as if it had not been.
-    let instant = ChampionParameters { delay_ticks: -0.9, ..PLAIN };
+    let instant = GeneralisedPrandtlIshlinskiiParameters { delay_ticks: -0.9, ..PLAIN };
     let steps: Vec<f64> = (0..200).map(|k| if k < 10 { 20.0 } else { 60.0 }).collect();
     let (plain, ahead) = (run(&PLAIN, &steps, None), run(&instant, &steps, None));
     assert!(ahead[10] > plain[10] + 0.1);
@@ -131,7 +136,7 @@ fn what_is_foreseen_is_not_remembered() {
 
 #[test]
 fn a_slew_limit_and_a_resonance_do_what_they_say() {
-    let slow = ChampionParameters { slew_v_per_s: 1000.0, ..PLAIN };
+    let slow = GeneralisedPrandtlIshlinskiiParameters { slew_v_per_s: 1000.0, ..PLAIN };
     let steps: Vec<f64> = (0..200).map(|k| if k < 10 { 20.0 } else { 60.0 }).collect();
     let (plain, limited, ringing) = (run(&PLAIN, &steps, None), run(&slow, &steps, None), run(&RINGING, &steps, None));
     // 40 V at half a volt a tick.
@@ -142,7 +147,7 @@ fn a_slew_limit_and_a_resonance_do_what_they_say() {
 
 #[test]
 fn an_inverse_brings_it_back() {
-    let model = Champion::<f64>::build(&PLAIN, TICK);
+    let model = GeneralisedPrandtlIshlinskii::<f64>::build(&PLAIN, TICK);
     let mut state = model.begin(0.0, None);
     for k in 0..2000 {
         let wanted = 2.0 + 1.5 * (0.01 * f64::from(k)).sin();
@@ -154,35 +159,50 @@ fn an_inverse_brings_it_back() {
 #[test]
 fn every_rule_has_its_fault() {
     for good in [PLAIN, MOVING, AHEAD, CUBIC, RINGING] {
-        assert_eq!(good.fault(), None);
+        assert_eq!(good.check(), Ok(()));
     }
     let broken = [
-        (ChampionParameters { span_v: Range { min: 1.0, max: f32::NAN }, ..PLAIN }, "span_v"),
-        (ChampionParameters { delay_ticks: 14.5, ..PLAIN }, "delay_ticks"),
-        (ChampionParameters { slew_v_per_s: f32::INFINITY, ..PLAIN }, "slew"),
-        (ChampionParameters { lag_s: -1.0, ..PLAIN }, "lag_s"),
-        (ChampionParameters { damping: 0.1, ..PLAIN }, "resonance_hz"),
-        (ChampionParameters { half_widths_v: List::of([1.0, 2.0]), ..PLAIN }, "begin with 0"),
-        (ChampionParameters { half_widths_v: List::of([0.0, 10.0, 20.0, 50.0]), ..PLAIN }, "half of span_v"),
-        (ChampionParameters { weights_um: List::of([1.0, 2.0, 3.0]), ..PLAIN }, "one, two or three"),
+        (GeneralisedPrandtlIshlinskiiParameters { span_v: Range { min: 1.0, max: f32::NAN }, ..PLAIN }, "span_v"),
+        (GeneralisedPrandtlIshlinskiiParameters { delay_ticks: 14.5, ..PLAIN }, "delay_ticks"),
+        (GeneralisedPrandtlIshlinskiiParameters { slew_v_per_s: f32::INFINITY, ..PLAIN }, "slew"),
+        (GeneralisedPrandtlIshlinskiiParameters { lag_s: -1.0, ..PLAIN }, "lag_s"),
+        (GeneralisedPrandtlIshlinskiiParameters { damping: 0.1, ..PLAIN }, "resonance_hz"),
+        (GeneralisedPrandtlIshlinskiiParameters { half_widths_v: List::of([1.0, 2.0]), ..PLAIN }, "begin with 0"),
         (
-            ChampionParameters { creep_times_s: List::of([0.0]), creep_um_per_v: List::of([0.0]), ..PLAIN },
+            GeneralisedPrandtlIshlinskiiParameters { half_widths_v: List::of([0.0, 10.0, 20.0, 50.0]), ..PLAIN },
+            "half of span_v",
+        ),
+        (
+            GeneralisedPrandtlIshlinskiiParameters { weights_um: List::of([1.0, 2.0, 3.0]), ..PLAIN },
+            "one, two or three",
+        ),
+        (
+            GeneralisedPrandtlIshlinskiiParameters {
+                creep_times_s: List::of([0.0]),
+                creep_um_per_v: List::of([0.0]),
+                ..PLAIN
+            },
             "creep_times_s",
         ),
-        (ChampionParameters { creep_um_per_v: List::of([0.0]), ..PLAIN }, "as many"),
-        (ChampionParameters { curvature_per_um: f32::NAN, ..PLAIN }, "curvature"),
+        (GeneralisedPrandtlIshlinskiiParameters { creep_um_per_v: List::of([0.0]), ..PLAIN }, "as many"),
+        (GeneralisedPrandtlIshlinskiiParameters { curvature_per_um: f32::NAN, ..PLAIN }, "curvature"),
     ];
     for (parameters, rule) in broken {
-        assert!(parameters.fault().is_some_and(|fault| fault.contains(rule)), "{rule}: {:?}", parameters.fault());
+        assert!(parameters.check().is_err_and(|broken| broken.contains(rule)), "{rule}: {:?}", parameters.check());
     }
     for (resonance_hz, damping) in [(1e30, 0.05), (1e-40, 0.05), (1500.0, 0.05), (300.0, 1e-9)] {
-        let unsound = ChampionParameters { resonance_hz, damping, ..PLAIN };
-        assert_eq!(unsound.fault(), None);
-        let reach = Champion::<f32>::build(&unsound, TICK as f32).reach(Range { min: 0.0, max: 100.0 });
+        let unsound = GeneralisedPrandtlIshlinskiiParameters { resonance_hz, damping, ..PLAIN };
+        assert_eq!(unsound.check(), Ok(()));
+        let reach =
+            GeneralisedPrandtlIshlinskii::<f32>::build(&unsound, TICK as f32).reach(Range { min: 0.0, max: 100.0 });
         assert_eq!(reach, None, "{resonance_hz} Hz, {damping}");
     }
-    assert!(Champion::<f32>::build(&RINGING, TICK as f32).reach(Range { min: 0.0, max: 100.0 }).is_some());
+    assert!(
+        GeneralisedPrandtlIshlinskii::<f32>::build(&RINGING, TICK as f32)
+            .reach(Range { min: 0.0, max: 100.0 })
+            .is_some()
+    );
     // A curvature that turns within the stroke has no bound and no inverse.
-    let turning = ChampionParameters { curvature_per_um: -0.2, ..PLAIN };
-    assert_eq!(Champion::<f64>::build(&turning, TICK).reach(Range { min: 0.0, max: 100.0 }), None);
+    let turning = GeneralisedPrandtlIshlinskiiParameters { curvature_per_um: -0.2, ..PLAIN };
+    assert_eq!(GeneralisedPrandtlIshlinskii::<f64>::build(&turning, TICK).reach(Range { min: 0.0, max: 100.0 }), None);
 }

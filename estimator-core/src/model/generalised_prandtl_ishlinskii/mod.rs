@@ -1,8 +1,9 @@
-//! The champion: what a piezo actuator does between the amplifier's terminals and its tip, a stage after the other.
+//! A generalised Prandtl–Ishlinskii operator in a chain: what a piezo actuator does between the amplifier's terminals and its
+//! tip, a stage after the other.
 //!
 //! ```text
 //! V ─ delay ─ lag with slew limit ─► u ─► N play operators p_i ─► Σ g_i(p_i) ─────┐
-//!                                    └──► creep x_j: τ_j ẋ_j = u − x_j ─► Σ c_j x_j ─┴─ + offset ─ resonance ─► w ─► y = w + κ·w²
+//!                                    └──► creep x_j: τ_j ẋ_j = u − x_j ─► Σ c_j x_j ─┴─ + offset ─► w ─► w + κ·w² ─ resonance ─► y
 //! ```
 //!
 //! - **Hysteresis.** Every Preisach operator is a superposition of functions of play operators (Brokate and Sprekels,
@@ -13,17 +14,25 @@
 //!   a log can tell.
 //! - **Rate dependence** is the amplifier's, a delay and a first-order lag whose rate is limited, and the mechanism's, a
 //!   resonance. The bound of the displacement is the resonance's input's: what swings beyond is left to the table's limits.
-//! - **Curvature** κ is the asymmetry that a loop's whole has, as opposed to its branches.
+//! - **Curvature** κ is the asymmetry that a loop's whole has, as opposed to its branches. It comes before the resonance: a
+//!   linear mechanism follows the ceramic's nonlinear strain.
 //!
-//! With everything else fixed the displacement before κ is linear in the weights, which are found by non-negative least squares.
+//! With everything else fixed w is linear in the weights, which are found by non-negative least squares.
 
-use super::champion_parameters::{CREEPS, ChampionParameters, PLAYS};
-use super::champion_play::Element;
+mod parameters;
+mod play_function;
+
+pub use parameters::GeneralisedPrandtlIshlinskiiParameters;
+
 use super::play::play;
-use super::recursion::{Linear, Recursion, solve};
+use super::relaxation::{Lag, Relaxation, Relaxed};
 use super::resonance::{Resonance, ResonanceState};
+use super::{Linear, Recursion, solve};
+use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::range::Range;
+use parameters::{CREEPS, PLAYS};
+use play_function::Element;
 
 /// How far beyond the span the voltage is foreseen, as a fraction of it.
 const FORESEEN: f32 = 0.05;
@@ -32,11 +41,9 @@ const LINE: usize = 16;
 
 /// Per-tick coefficients.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Champion<T> {
-    centre: T,
-    /// Ends of the span.
-    lowest: T,
-    highest: T,
+pub struct GeneralisedPrandtlIshlinskii<T> {
+    /// Voltages that the functions of the plays are laid out over, V.
+    span: Range<T>,
     /// Whole ticks of the delay, and the weight of the voltage a tick older.
     delay: usize,
     older: T,
@@ -46,36 +53,35 @@ pub struct Champion<T> {
     foreseen: Range<T>,
     /// Most a tick, V; none without a limit.
     slew: Option<T>,
-    /// What the lag lets in a tick.
-    lag: T,
+    lag: Lag<T>,
     resonance: Option<Resonance<T>>,
     plays: usize,
     degree: usize,
     elements: [Element<T>; PLAYS],
     creeps: usize,
-    /// What a creep element takes up a tick, and what it gives, µm/V.
-    creep: [(T, T); CREEPS],
+    /// Creep elements and what each gives, µm/V.
+    creep: [(Relaxation<T>, T); CREEPS],
     curvature: T,
     offset: T,
 }
 
 /// What it remembers.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct ChampionState<T> {
+pub struct GeneralisedPrandtlIshlinskiiState<T> {
     line: [T; LINE],
     newest: usize,
-    input: T,
+    input: Relaxed<T>,
     /// The input as far ahead as it is foreseen: it moves no memory, since it may not come true.
     seen: T,
     plays: [T; PLAYS],
-    creep: [T; CREEPS],
+    creep: [Relaxed<T>; CREEPS],
     /// Of use where there is one.
     resonance: ResonanceState<T>,
 }
 
-impl<T: Real> Champion<T> {
+impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
     /// Coefficients for ticks of `sample_period` seconds.
-    pub fn build(parameters: &ChampionParameters, sample_period: T) -> Self {
+    pub fn build(parameters: &GeneralisedPrandtlIshlinskiiParameters, sample_period: T) -> Self {
         let p = parameters;
         let span: Range<T> = p.span_v.of();
         let plays = p.half_widths_v.len();
@@ -91,15 +97,13 @@ impl<T: Real> Champion<T> {
                 *to = T::of(from);
             }
         }
-        let mut creep = [(T::zero(), T::zero()); CREEPS];
+        let mut creep = [(Relaxation::build(T::one(), sample_period), T::zero()); CREEPS];
         for (to, (&time, &gain)) in creep.iter_mut().zip(p.creep_times_s.iter().zip(p.creep_um_per_v.iter())) {
-            *to = (-(-sample_period / T::of(time)).exp_m1(), T::of(gain));
+            *to = (Relaxation::build(T::of(time), sample_period), T::of(gain));
         }
         let whole = p.delay_ticks.max(0.0) as usize;
         Self {
-            centre: span.min + span.span() * T::of(0.5),
-            lowest: span.min,
-            highest: span.max,
+            span,
             delay: whole.min(LINE - 2),
             older: T::of(p.delay_ticks.max(0.0) - whole as f32),
             ahead: T::of((-p.delay_ticks).max(0.0)),
@@ -108,7 +112,7 @@ impl<T: Real> Champion<T> {
                 max: span.max + T::of(FORESEEN) * span.span(),
             },
             slew: (p.slew_v_per_s > 0.0).then(|| T::of(p.slew_v_per_s) * sample_period),
-            lag: if p.lag_s > 0.0 { -(-sample_period / T::of(p.lag_s)).exp_m1() } else { T::one() },
+            lag: Lag::build(T::of(p.lag_s), sample_period),
             resonance: (p.resonance_hz > 0.0)
                 .then(|| Resonance::build(T::of(p.resonance_hz), T::of(p.damping), sample_period)),
             plays: plays.min(PLAYS),
@@ -128,57 +132,52 @@ impl<T: Real> Champion<T> {
 
     /// At rest at a voltage, the plays' memory `bias` half-widths above it, as far as the span allows: −1 after a rise, 1
     /// after a fall from its ends.
-    fn rest(&self, voltage: T, bias: T) -> ChampionState<T> {
+    fn rest(&self, voltage: T, bias: T) -> GeneralisedPrandtlIshlinskiiState<T> {
         let mut state = self.fresh(voltage);
         for (memory, element) in state.plays.iter_mut().zip(&self.elements) {
-            let left = Range { min: element.first, max: self.highest - element.half_width };
+            let left = Range { min: element.first, max: self.span.max - element.half_width };
             *memory = play(left.clamp(voltage + bias * element.half_width), voltage, element.half_width);
         }
         state
     }
 
     /// At a known displacement. What no memory can have left is a lag's: the actuator is still on its way to this voltage.
-    fn arrive(&self, voltage: T, known: T) -> ChampionState<T> {
+    fn arrive(&self, voltage: T, known: T) -> GeneralisedPrandtlIshlinskiiState<T> {
         let one = T::one();
         let at = |voltage: T, bias: T| self.displacement(&self.rest(voltage, bias));
         if known < at(voltage, -one) {
-            let lowest = if self.lowest < voltage { self.lowest } else { voltage };
+            let lowest = self.span.include(voltage).min;
             self.rest(solve(known, lowest, voltage, |voltage| at(voltage, -one)), -one)
         } else if known > at(voltage, one) {
-            let highest = if self.highest > voltage { self.highest } else { voltage };
+            let highest = self.span.include(voltage).max;
             self.rest(solve(known, voltage, highest, |voltage| at(voltage, one)), one)
         } else {
             self.rest(voltage, solve(known, -one, one, |bias| at(voltage, bias)))
         }
     }
 
-    fn fresh(&self, voltage: T) -> ChampionState<T> {
-        ChampionState {
+    fn fresh(&self, voltage: T) -> GeneralisedPrandtlIshlinskiiState<T> {
+        GeneralisedPrandtlIshlinskiiState {
             line: [voltage; LINE],
             newest: 0,
-            input: voltage,
+            input: Relaxed::at(voltage),
             seen: voltage,
             plays: [voltage; PLAYS],
-            creep: [voltage; CREEPS],
+            creep: [Relaxed::at(voltage); CREEPS],
             resonance: ResonanceState::rest(T::zero()),
         }
     }
 
-    /// The displacement of a memory at rest.
-    fn displacement(&self, state: &ChampionState<T>) -> T {
-        self.bend(self.sum(state))
-    }
-
-    /// What the resonance takes in.
-    fn sum(&self, state: &ChampionState<T>) -> T {
+    /// What the resonance takes in: the displacement at rest.
+    fn displacement(&self, state: &GeneralisedPrandtlIshlinskiiState<T>) -> T {
         let mut sum = self.offset;
         for (element, &memory) in self.elements.iter().zip(&state.plays).take(self.plays) {
             sum = sum + element.function(play(memory, state.seen, element.half_width), self.degree);
         }
-        for (&(_, gain), &x) in self.creep.iter().zip(&state.creep).take(self.creeps) {
-            sum = sum + gain * x;
+        for (&(_, gain), x) in self.creep.iter().zip(&state.creep).take(self.creeps) {
+            sum = sum + gain * x.value;
         }
-        sum
+        self.bend(sum)
     }
 
     /// y = w + κ·w².
@@ -187,7 +186,7 @@ impl<T: Real> Champion<T> {
     }
 
     /// The voltage behind the delay.
-    fn delayed(&self, state: &mut ChampionState<T>, voltage: T) -> T {
+    fn delayed(&self, state: &mut GeneralisedPrandtlIshlinskiiState<T>, voltage: T) -> T {
         state.newest = (state.newest + 1) % LINE;
         if let Some(newest) = state.line.get_mut(state.newest) {
             *newest = voltage;
@@ -196,90 +195,92 @@ impl<T: Real> Champion<T> {
         let young = at(self.delay);
         young + self.older * (at(self.delay + 1) - young)
     }
-}
 
-impl<T: Real> Recursion<T> for Champion<T> {
-    type State = ChampionState<T>;
-
-    fn begin(&self, voltage: T, displacement: Option<T>) -> ChampionState<T> {
-        let mut state = self.fresh(voltage);
-        match displacement {
-            Some(known) => state = self.arrive(voltage, known),
-            None => {
-                for (state, element) in state.plays.iter_mut().zip(&self.elements) {
-                    *state = play(self.centre, voltage, element.half_width);
-                }
-            }
-        }
-        state.resonance = ResonanceState::rest(self.sum(&state));
-        state
-    }
-
-    fn step(&self, state: &mut ChampionState<T>, voltage: T) -> T {
-        self.advance(state, voltage);
-        let sum = self.sum(state);
-        self.bend(match &self.resonance {
-            Some(resonance) => resonance.step(&mut state.resonance, sum),
-            None => sum,
-        })
-    }
-
-    fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
+    /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
+    pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
         // An input seen ahead of time may lie past the range.
-        let foreseen = if self.ahead > T::zero() { self.foreseen } else { voltage };
-        let low = if foreseen.min < voltage.min { foreseen.min } else { voltage.min };
-        let high = if foreseen.max > voltage.max { foreseen.max } else { voltage.max };
+        let applied = if self.ahead > T::zero() { voltage.hull(self.foreseen) } else { voltage };
+        // Plays and creep may begin anywhere in the span, too.
+        let reach = applied.hull(self.span);
         let (mut least, mut most) = (self.offset, self.offset);
         for element in self.elements.iter().take(self.plays) {
-            // No play stands below the lowest voltage's or above the highest's, in the span or beyond it.
-            let (first, last) = (element.first, self.highest - element.half_width);
-            let (lowest, highest) = (low + element.half_width, high - element.half_width);
-            least = least + element.function(if lowest < first { lowest } else { first }, self.degree);
-            most = most + element.function(if highest > last { highest } else { last }, self.degree);
+            // No play stands below the lowest voltage's or above the highest's.
+            least = least + element.function(reach.min + element.half_width, self.degree);
+            most = most + element.function(reach.max - element.half_width, self.degree);
         }
-        // Creep may begin anywhere in the span, too.
-        let lowest = if self.lowest < low { self.lowest } else { low };
-        let highest = if self.highest > high { self.highest } else { high };
         for &(_, gain) in self.creep.iter().take(self.creeps) {
-            least = least + gain * lowest;
-            most = most + gain * highest;
+            least = least + gain * reach.min;
+            most = most + gain * reach.max;
         }
         // κ must not turn the curve within what can be reached.
         let rises = |w: T| T::one() + T::of(2.0) * self.curvature * w > T::zero();
         let sound = self.resonance.is_none_or(|resonance| resonance.sound());
         (sound && rises(least) && rises(most)).then(|| Range { min: self.bend(least), max: self.bend(most) })
     }
+}
 
-    fn prompt(&self) -> Option<Self> {
+impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
+    type State = GeneralisedPrandtlIshlinskiiState<T>;
+
+    fn begin(&self, voltage: T, displacement: Option<T>) -> GeneralisedPrandtlIshlinskiiState<T> {
+        let mut state = self.fresh(voltage);
+        match displacement {
+            Some(known) => state = self.arrive(voltage, known),
+            None => {
+                for (state, element) in state.plays.iter_mut().zip(&self.elements) {
+                    *state = play(self.span.middle(), voltage, element.half_width);
+                }
+            }
+        }
+        state.resonance = ResonanceState::rest(self.displacement(&state));
+        state
+    }
+
+    fn step(&self, state: &mut GeneralisedPrandtlIshlinskiiState<T>, voltage: T) -> T {
+        self.advance(state, voltage);
+        let displacement = self.displacement(state);
+        match &self.resonance {
+            Some(resonance) => resonance.step(&mut state.resonance, displacement),
+            None => displacement,
+        }
+    }
+
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
+    }
+
+    fn monotone_part(&self) -> Option<Self> {
         Some(Self { delay: 0, older: T::zero(), resonance: None, ..*self })
     }
 }
 
-impl<T: Real> Linear<T> for Champion<T> {
-    fn advance(&self, state: &mut ChampionState<T>, voltage: T) {
+impl<T: Real> Linear<T> for GeneralisedPrandtlIshlinskii<T> {
+    fn advance(&self, state: &mut GeneralisedPrandtlIshlinskiiState<T>, voltage: T) {
         let target = self.delayed(state, voltage);
-        let change = self.lag * (target - state.input);
-        let u = state.input
-            + match self.slew {
-                Some(most) => Range { min: -most, max: most }.clamp(change),
-                None => change,
-            };
-        state.seen = if self.ahead > T::zero() { self.foreseen.clamp(u + self.ahead * (u - state.input)) } else { u };
-        state.input = u;
+        let before = state.input.value;
+        let mut u = self.lag.step(&mut state.input, target);
+        if let Some(most) = self.slew {
+            let allowed = Range { min: before - most, max: before + most };
+            if !allowed.contains(u) {
+                u = allowed.clamp(u);
+                state.input = Relaxed::at(u);
+            }
+        }
+        state.seen = if self.ahead > T::zero() { self.foreseen.clamp(u + self.ahead * (u - before)) } else { u };
         for (state, element) in state.plays.iter_mut().zip(&self.elements).take(self.plays) {
             *state = play(*state, u, element.half_width);
         }
-        for (x, &(taken, _)) in state.creep.iter_mut().zip(&self.creep).take(self.creeps) {
-            *x = *x + taken * (u - *x);
+        for (x, (relaxation, _)) in state.creep.iter_mut().zip(&self.creep).take(self.creeps) {
+            relaxation.step(x, u);
         }
     }
 
-    fn columns(&self, state: &ChampionState<T>, mut each: impl FnMut(T)) {
+    fn columns(&self, state: &GeneralisedPrandtlIshlinskiiState<T>, mut each: impl FnMut(T)) {
         for (element, &memory) in self.elements.iter().zip(&state.plays).take(self.plays) {
             let p = play(memory, state.seen, element.half_width);
             (0..self.degree).for_each(|index| each(element.of_weight(index, p, self.degree)));
         }
-        state.creep.iter().take(self.creeps).for_each(|&x| each(x));
+        state.creep.iter().take(self.creeps).for_each(|x| each(x.value));
         each(T::one());
     }
 }

@@ -1,4 +1,4 @@
-//! A play operator of the champion and the function behind it.
+//! A play operator and the function g_i behind it.
 
 use crate::math::Real;
 use crate::range::Range;

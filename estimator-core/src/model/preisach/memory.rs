@@ -14,7 +14,7 @@
 //! again the memory of some history. Areas, not masses, decide, so that the memory (and with it the columns of the
 //! identification) does not depend on the densities. Such a tick costs up to 24 interpolations and 22 divisions.
 
-use super::preisach_everett::Everett;
+use super::everett::Everett;
 use crate::math::Real;
 use heapless::Vec;
 

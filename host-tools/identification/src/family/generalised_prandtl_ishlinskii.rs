@@ -1,12 +1,15 @@
-//! The champion's candidates: delay, lag and curvature, and where the logs are fast enough slew limit and resonance, are
+//! Generalised Prandtl–Ishlinskii models: delay, lag and curvature, and where the logs are fast enough slew limit and resonance, are
 //! searched; the weights of the plays' functions, creep and offset are projected.
 
+use super::AnyFamily;
 use super::projection::Projection;
 use crate::character::Character;
 use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
-use estimator_core::{Champion, ChampionParameters, List, Parameters, Range};
+use estimator_core::{
+    GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range,
+};
 
 /// Play operators.
 const PLAYS: usize = 8;
@@ -16,7 +19,7 @@ const DEGREE: usize = 2;
 /// grow without bounds, and a fast one would be taken for hysteresis, or hysteresis for it.
 const CREEP_TIMES: [f64; 4] = [0.01, 0.1, 1.0, 10.0];
 
-/// What the champion has besides hysteresis, creep and lag.
+/// What the model has besides hysteresis, creep and lag.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Extra {
     Nothing,
@@ -37,11 +40,11 @@ struct Family {
 
 /// Simplest first. A log slower than the tick shows neither slew nor resonance, and a single frequency cannot tell them from
 /// hysteresis.
-pub fn structures(problem: &Problem) -> Vec<Box<dyn super::Family>> {
+pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
     let fast = problem.training().any(|session| session.instants.len() == session.voltage.len())
         && !Character::of(problem.training(), problem.deadband).single_frequency();
     let extras: &[Extra] = if fast { &[Extra::Nothing, Extra::Slew, Extra::Resonance] } else { &[Extra::Nothing] };
-    extras.iter().map(|&extra| Box::new(Family::new(extra, problem)) as Box<dyn super::Family>).collect()
+    extras.iter().map(|&extra| Box::new(Family::new(extra, problem)) as AnyFamily).collect()
 }
 
 impl Family {
@@ -60,14 +63,14 @@ impl Family {
     }
 
     /// The set with nothing projected yet.
-    fn base(&self, values: &[f64]) -> Option<ChampionParameters> {
+    fn base(&self, values: &[f64]) -> Option<GeneralisedPrandtlIshlinskiiParameters> {
         let mut values = values.iter().copied();
         let (delay, lag, curvature) = (values.next()?, values.next()?, values.next()?);
         let slew = if self.extra == Extra::Nothing { 0.0 } else { values.next()? * self.steepest };
         let (hertz, damping) =
             if self.extra == Extra::Resonance { (values.next()?, values.next()?) } else { (0.0, 0.0) };
         let half_width = |i: usize| (self.widest * i as f64 / (PLAYS - 1) as f64) as f32;
-        Some(ChampionParameters {
+        Some(GeneralisedPrandtlIshlinskiiParameters {
             span_v: Range { min: self.span.min as f32, max: self.span.max as f32 },
             delay_ticks: delay as f32,
             slew_v_per_s: slew as f32,
@@ -85,6 +88,8 @@ impl Family {
 }
 
 impl super::Family for Family {
+    type Found = Parameters;
+
     fn genes(&self) -> Vec<Gene> {
         let mut genes = vec![
             Gene::linear("delay", "delay from voltage to actuator", "ticks", -1.0, 14.0),
@@ -113,7 +118,7 @@ impl super::Family for Family {
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let base = self.base(values)?;
-        let model = Champion::<f64>::build(&base, self.tick);
+        let model = GeneralisedPrandtlIshlinskii::<f64>::build(&base, self.tick);
         let functions = PLAYS * DEGREE;
         let unknowns: Vec<usize> = (0..functions).chain(CREEP_TIMES.map(|_| functions)).collect();
         let curvature = f64::from(base.curvature_per_um);
@@ -126,13 +131,17 @@ impl super::Family for Family {
         };
         let (found, offset) = projection.solve(|y| straightened(y, curvature))?;
         let mut weights = unknowns.iter().filter_map(|&unknown| found.get(unknown)).map(|&weight| weight as f32);
-        let parameters = ChampionParameters {
+        let parameters = GeneralisedPrandtlIshlinskiiParameters {
             weights_um: List::collect(weights.by_ref().take(functions))?,
             creep_um_per_v: List::collect(weights)?,
             offset_um: offset as f32,
             ..base
         };
-        parameters.fault().is_none().then_some(Parameters::Champion(parameters))
+        parameters.check().is_ok().then_some(Parameters::GeneralisedPrandtlIshlinskii(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        PLAYS * DEGREE + ["creep", "offset"].len()
     }
 }
 

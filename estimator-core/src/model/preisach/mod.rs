@@ -13,15 +13,24 @@
 //! Relays give 0 or their mass, so that the offset is the displacement of negative saturation; the thesis's ±1 relays
 //! have twice the jump, hence its ½ in Eq. (3.17).
 //!
-//! Rate-independent. Beyond the grid's voltages every relay is switched. See `preisach_everett` for `E` (3.18),
-//! `preisach_memory` for the reversals, `preisach_forc` for densities from first-order reversal curves (3.17)–(3.19).
+//! Rate-independent. Beyond the grid's voltages every relay is switched. See `everett.rs` for `E` (3.18),
+//! `memory.rs` for the reversals, `reversal_curves.rs` for densities from first-order reversal curves (3.17)–(3.19).
 
-use super::preisach_everett::{CELLS, Everett, side};
-use super::preisach_memory::PreisachState;
-use super::recursion::{Linear, Recursion, solve};
+mod everett;
+mod memory;
+mod reversal_curves;
+
+pub use everett::{CELLS, SIDE};
+pub use memory::{PreisachState, REVERSALS};
+pub use reversal_curves::{densities_from_reversal_curves, everett_from_reversal};
+
+use super::{Discretisation, Linear, Published, Recursion, solve};
+use crate::admissible::{Inadmissible, within};
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::{self, Rule};
+use everett::{Everett, side};
 use serde::{Deserialize, Serialize};
 
 /// A published parameter set.
@@ -38,29 +47,36 @@ pub struct PreisachParameters {
     pub offset_um: f32,
 }
 
-impl PreisachParameters {
-    /// The rule that the set breaks.
-    pub fn fault(&self) -> Option<&'static str> {
+impl PreisachParameters {}
+
+/// The largest quotient that `build` makes with the span of the voltages.
+const SIDE_LIMIT: f32 = SIDE as f32;
+
+impl Published for PreisachParameters {
+    type Coefficients<T: Real> = Preisach<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Preisach<T> {
+        Preisach::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
         if ![self.lower_v, self.upper_v, self.offset_um].iter().all(|number| number.is_finite()) {
-            return Some("lower_v, upper_v and offset_um must be finite");
+            return Err("lower_v, upper_v and offset_um must be finite");
         }
         let span = self.upper_v - self.lower_v;
         if span <= 0.0 || !span.is_finite() || !(SIDE_LIMIT / span).is_finite() {
-            return Some("upper_v must lie above lower_v");
+            return Err("upper_v must lie above lower_v");
         }
         if side(self.densities_um.len()).is_none() {
-            return Some("densities_um must be n(n+1)/2 numbers with n of 1 to 10");
+            return Err("densities_um must be n(n+1)/2 numbers with n of 1 to 10");
         }
         if !self.densities_um.iter().all(|density| density.is_finite() && *density >= 0.0) {
-            return Some("densities_um must be finite and at least 0");
+            return Err("densities_um must be finite and at least 0");
         }
         let sum = self.densities_um.iter().sum::<f32>();
-        (sum <= 0.0 || !sum.is_finite()).then_some("densities_um must not all be 0, and have a finite sum")
+        rule::check([("densities_um must not all be 0, and have a finite sum", sum > 0.0 && sum.is_finite())])
     }
 }
-
-/// The largest quotient that `build` makes with the span of the voltages.
-const SIDE_LIMIT: f32 = super::preisach_everett::SIDE as f32;
 
 /// Coefficients of the model.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -73,7 +89,7 @@ pub struct Preisach<T> {
 }
 
 impl<T: Real> Preisach<T> {
-    /// Coefficients of a set without a [fault](PreisachParameters::fault). The model has no time in it: the sample
+    /// Coefficients of a set without a [fault](PreisachParameters::check). The model has no time in it: the sample
     /// period (s) is not used.
     pub fn build(parameters: &PreisachParameters, _sample_period: T) -> Self {
         let everett = Everett::build(&parameters.densities_um);
@@ -92,6 +108,19 @@ impl<T: Real> Preisach<T> {
     #[inline]
     fn place(&self, voltage: T) -> T {
         Range { min: T::zero(), max: self.everett.end() }.clamp((voltage - self.lower) * self.scale)
+    }
+
+    /// What the displacement (µm) can be for voltages of this range (V).
+    ///
+    /// Relays with α below the range are up, relays with β above it are down; the others may be either. Both bounds are
+    /// attained by [`begin`](Recursion::begin). Widened by the rounding of as many branches as the memory holds.
+    pub fn reach(&self, voltage: Range<T>) -> Range<T> {
+        let end = self.everett.end();
+        let total = self.everett.between(end, T::zero());
+        let rounding = T::of(256.0) * T::epsilon() * (self.offset.abs() + total);
+        let always = self.everett.between(self.place(voltage.min), T::zero());
+        let never = self.everett.between(end, self.place(voltage.max));
+        Range { min: self.offset + always - rounding, max: self.offset + (total - never) + rounding }
     }
 }
 
@@ -115,18 +144,11 @@ impl<T: Real> Recursion<T> for Preisach<T> {
         self.offset + state.go(&self.everett, self.place(voltage))
     }
 
-    /// Relays with α below the range are up, relays with β above it are down; the others may be either. Both bounds are
-    /// attained by [`begin`](Recursion::begin). Widened by the rounding of as many branches as the memory holds.
-    fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
-        let end = self.everett.end();
-        let total = self.everett.between(end, T::zero());
-        let rounding = T::of(256.0) * T::epsilon() * (self.offset.abs() + total);
-        let always = self.everett.between(self.place(voltage.min), T::zero());
-        let never = self.everett.between(end, self.place(voltage.max));
-        Some(Range { min: self.offset + always - rounding, max: self.offset + (total - never) + rounding })
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage), limits)
     }
 
-    fn prompt(&self) -> Option<Self> {
+    fn monotone_part(&self) -> Option<Self> {
         Some(*self)
     }
 }

@@ -1,23 +1,19 @@
 // Made by `piezo emit`; change table.toml instead.
 // Logs 57bf11f99660667d, seed 1, training MAE 0.1137 µm.
 
-#[allow(unused_imports, reason = "which variants a table names depends on the table")]
+#[allow(unused_imports, reason = "which types a table names depends on what it has")]
 use estimator_core::{
-    AdcCalibration, BoucWenParameters, ChampionParameters, DacCalibration, Digest, DriveCalibration, DriveLimits,
-    DuhemParameters, Form::*, List, MaxwellSlipParameters, Model::*, NarxParameters, Parameters,
-    PrandtlIshlinskiiParameters, PreisachParameters, Provenance, Range, Scheme::*, Table, VoigtChainParameters,
-    VoigtParameters,
+    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, List, Parameters, Provenance, Range,
+    Scheme::*, Table, GeneralisedPrandtlIshlinskiiParameters,
 };
 
 /// The compiled-in parameter table.
 pub const TABLE: Table = Table {
-    model: Champion,
     sample_period_us: 500,
     scheme: ForwardEuler,
     deadband_v: 0.002988,
     voltage_zero_v: 0.0,
     displacement_zero_um: -118.681114,
-    form: Direct,
     voltage_range_v: Range {
         min: -0.18,
         max: 3.78,
@@ -26,8 +22,8 @@ pub const TABLE: Table = Table {
         min: -3.834686,
         max: 47.482994,
     },
-    parameters: Parameters::Champion(
-        ChampionParameters {
+    parameters: Parameters::GeneralisedPrandtlIshlinskii(
+        GeneralisedPrandtlIshlinskiiParameters {
             span_v: Range {
                 min: 0.0,
                 max: 3.6,

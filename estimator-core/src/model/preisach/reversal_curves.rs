@@ -13,7 +13,7 @@
 //! their mass. The second difference amplifies the error of the displacements by up to 4, so a density may be negative:
 //! clip it, or fit the densities to the whole recording instead.
 
-use super::preisach_everett::{CELLS, SIDE};
+use super::everett::{CELLS, SIDE};
 use crate::list::List;
 use crate::math::Real;
 

@@ -17,10 +17,16 @@
 //!
 //! The displacement lags the voltage where g < f'. See [`unmet_condition`] for the model's three conditions.
 
-use super::duhem_conditions::{DuhemCondition, unmet_condition};
-use super::{Linear, Recursion};
+mod conditions;
+
+pub use conditions::{DuhemCondition, unmet_condition};
+
+use super::relaxation::{Lag, Relaxed};
+use super::{Discretisation, Linear, Published, Recursion};
+use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
 
 /// A published Coleman-Hodgdon set.
@@ -48,33 +54,6 @@ pub struct DuhemParameters {
 }
 
 impl DuhemParameters {
-    /// The rule that the set breaks. The conditions of Section 3.3 are stricter:
-    /// [`unmet_condition`](Self::unmet_condition).
-    pub fn fault(&self) -> Option<&'static str> {
-        let weights = [self.f1_um_per_v, self.f3_um_per_v3, self.g0_um_per_v, self.g2_um_per_v3, self.offset_um];
-        let others = [self.lag_s, self.alpha_per_v, self.saturation_v, self.voltage_centre_v];
-        if !weights.iter().chain(&others).all(|number| number.is_finite()) {
-            return Some("every parameter must be finite");
-        }
-        if self.lag_s < 0.0 {
-            return Some("lag_s must be at least 0");
-        }
-        if self.alpha_per_v <= 0.0 || self.saturation_v <= 0.0 {
-            return Some("alpha_per_v and saturation_v must be above 0");
-        }
-        if self.alpha_per_v * self.saturation_v > 1e4 {
-            return Some("alpha_per_v times saturation_v must be at most 10000");
-        }
-        if self.f1_um_per_v < 0.0 || self.slope(self.saturation_v) < 0.0 {
-            return Some("f must not fall: f1 and f1 + 3 f3 saturation^2 must be at least 0");
-        }
-        let memory = Duhem::<f32>::build(self, 1.0).largest_memory();
-        if !memory.is_finite() {
-            return Some("the hysteresis must have a finite bound");
-        }
-        None
-    }
-
     /// The first of the conditions of Section 3.3 that the set does not meet.
     pub fn unmet_condition(&self) -> Option<DuhemCondition> {
         let limit = self.slope(self.saturation_v);
@@ -93,10 +72,43 @@ impl DuhemParameters {
     }
 }
 
+impl Published for DuhemParameters {
+    type Coefficients<T: Real> = Duhem<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Duhem<T> {
+        Duhem::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
+        let weights = [self.f1_um_per_v, self.f3_um_per_v3, self.g0_um_per_v, self.g2_um_per_v3, self.offset_um];
+        let others = [self.lag_s, self.alpha_per_v, self.saturation_v, self.voltage_centre_v];
+        if !weights.iter().chain(&others).all(|number| number.is_finite()) {
+            return Err("every parameter must be finite");
+        }
+        if self.lag_s < 0.0 {
+            return Err("lag_s must be at least 0");
+        }
+        if self.alpha_per_v <= 0.0 || self.saturation_v <= 0.0 {
+            return Err("alpha_per_v and saturation_v must be above 0");
+        }
+        if self.alpha_per_v * self.saturation_v > 1e4 {
+            return Err("alpha_per_v times saturation_v must be at most 10000");
+        }
+        if self.f1_um_per_v < 0.0 || self.slope(self.saturation_v) < 0.0 {
+            return Err("f must not fall: f1 and f1 + 3 f3 saturation^2 must be at least 0");
+        }
+        let memory = Duhem::<f32>::build(self, 1.0).largest_memory();
+        if !memory.is_finite() {
+            return Err("the hysteresis must have a finite bound");
+        }
+        Ok(())
+    }
+}
+
 /// Per-tick coefficients of the Duhem model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Duhem<T> {
-    lag_retention: T,
+    lag: Lag<T>,
     alpha: T,
     inverse_alpha: T,
     inside: Range<T>,
@@ -113,7 +125,7 @@ pub struct Duhem<T> {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct DuhemState<T> {
     /// u, V.
-    pub input: T,
+    pub input: Relaxed<T>,
     /// Answer to D = 1, V.
     z0: T,
     /// Answer to D = v², V³.
@@ -141,17 +153,13 @@ fn phi<T: Real>(x: T) -> [T; 3] {
 }
 
 impl<T: Real> Duhem<T> {
-    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`DuhemParameters::fault`].
+    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`DuhemParameters::check`].
     pub fn build(parameters: &DuhemParameters, sample_period: T) -> Self {
         let p = parameters;
         let (f1, f3, saturation) = (T::of(p.f1_um_per_v), T::of(p.f3_um_per_v3), T::of(p.saturation_v));
         let three = T::of(3.0);
         Self {
-            lag_retention: if p.lag_s > 0.0 {
-                T::one() + (-sample_period / T::of(p.lag_s)).exp_m1()
-            } else {
-                T::zero()
-            },
+            lag: Lag::build(T::of(p.lag_s), sample_period),
             alpha: T::of(p.alpha_per_v),
             inverse_alpha: T::one() / T::of(p.alpha_per_v),
             inside: Range { min: -saturation, max: saturation },
@@ -204,7 +212,18 @@ impl<T: Real> Duhem<T> {
     }
 
     fn sum(&self, state: &DuhemState<T>) -> T {
-        self.offset + self.f(state.input - self.centre) + (self.d0 * state.z0 + self.d2 * state.z2)
+        self.offset + self.f(state.input.value - self.centre) + (self.d0 * state.z0 + self.d2 * state.z2)
+    }
+
+    /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
+    ///
+    /// f, which does not fall, over the range, and the hysteresis at its largest.
+    pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
+        let memory = self.largest_memory();
+        memory.is_finite().then(|| Range {
+            min: self.offset + self.f(voltage.min - self.centre) - memory,
+            max: self.offset + self.f(voltage.max - self.centre) + memory,
+        })
     }
 }
 
@@ -214,7 +233,7 @@ impl<T: Real> Recursion<T> for Duhem<T> {
     /// On f where the displacement is unknown; else off it by no more than |D|/α at this voltage, which a long monotone
     /// move could leave there.
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
-        let mut state = DuhemState { input: voltage, z0: T::zero(), z2: T::zero() };
+        let mut state = DuhemState { input: Relaxed::at(voltage), z0: T::zero(), z2: T::zero() };
         let v = self.inside.clamp(voltage - self.centre);
         let excess = self.excess(v);
         if let Some(displacement) = displacement
@@ -233,16 +252,11 @@ impl<T: Real> Recursion<T> for Duhem<T> {
         self.sum(state)
     }
 
-    /// f, which does not fall, over the range, and the hysteresis at its largest.
-    fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
-        let memory = self.largest_memory();
-        memory.is_finite().then(|| Range {
-            min: self.offset + self.f(voltage.min - self.centre) - memory,
-            max: self.offset + self.f(voltage.max - self.centre) + memory,
-        })
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
-    fn prompt(&self) -> Option<Self> {
+    fn monotone_part(&self) -> Option<Self> {
         Some(*self)
     }
 }
@@ -252,9 +266,8 @@ impl<T: Real> Recursion<T> for Duhem<T> {
 impl<T: Real> Linear<T> for Duhem<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
-        let input = voltage + (state.input - voltage) * self.lag_retention;
-        let (from, to) = (state.input - self.centre, input - self.centre);
-        state.input = input;
+        let before = state.input.value;
+        let (from, to) = (before - self.centre, self.lag.step(&mut state.input, voltage) - self.centre);
         let (enter, leave) = (self.inside.clamp(from), self.inside.clamp(to));
         if enter == leave {
             if from != to {
@@ -272,7 +285,7 @@ impl<T: Real> Linear<T> for Duhem<T> {
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
-        let v = state.input - self.centre;
+        let v = state.input.value - self.centre;
         let cubic = self.cubic(v) - T::of(3.0) * state.z2;
         [v - state.z0, cubic, state.z0, state.z2, T::one()].into_iter().for_each(&mut each);
     }

@@ -14,15 +14,18 @@
 //! The plays of an actuator at rest with a known displacement are taken as `p_i = V + θ·r_i` with one θ of −1…1 for
 //! all: −1 is the ascending major branch, 1 the descending. With nothing known they are the virgin ones, Eq. (3.8) with
 //! `y_0` = 0.
-//!
-//! The exact inverse is in `prandtl_ishlinskii_inverse`.
 
-use super::dead_zone::{self, DEAD_ZONES, Superposition};
+mod dead_zone;
+
+pub use dead_zone::{DEAD_ZONES, Superposition};
+
 use super::play::play;
-use super::recursion::{Linear, Recursion, solve};
+use super::{Discretisation, Linear, Published, Recursion, solve};
+use crate::admissible::{Inadmissible, within};
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
 
 /// Most play operators of the model.
@@ -46,52 +49,59 @@ pub struct PrandtlIshlinskiiParameters {
     pub memory_v: Range,
 }
 
-impl PrandtlIshlinskiiParameters {
-    /// The rule that the set breaks.
-    pub fn fault(&self) -> Option<&'static str> {
+impl PrandtlIshlinskiiParameters {}
+
+impl Published for PrandtlIshlinskiiParameters {
+    type Coefficients<T: Real> = PrandtlIshlinskii<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> PrandtlIshlinskii<T> {
+        PrandtlIshlinskii::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
         let (thresholds, weights) = (&self.thresholds_v, &self.weights_um_per_v);
         if thresholds.len() != weights.len() {
-            return Some("weights_um_per_v must be as many as thresholds_v");
+            return Err("weights_um_per_v must be as many as thresholds_v");
         }
         if !thresholds.iter().chain(weights.iter()).chain([&self.offset_um]).all(|number| number.is_finite()) {
-            return Some("thresholds_v, weights_um_per_v and offset_um must be finite");
+            return Err("thresholds_v, weights_um_per_v and offset_um must be finite");
         }
         let increasing = thresholds.windows(2).all(|pair| matches!(pair, [a, b] if a < b));
         if thresholds.first() != Some(&0.0) || !increasing {
-            return Some("thresholds_v must increase from 0");
+            return Err("thresholds_v must increase from 0");
         }
         if weights.iter().any(|weight| *weight < 0.0) || weights.iter().all(|weight| *weight == 0.0) {
-            return Some("weights_um_per_v must be at least 0 and not all 0");
+            return Err("weights_um_per_v must be at least 0 and not all 0");
         }
         if !(self.memory_v.min.is_finite() && self.memory_v.max.is_finite() && self.memory_v.min <= self.memory_v.max) {
-            return Some("memory_v must be ordered");
+            return Err("memory_v must be ordered");
         }
         if thresholds.iter().any(|r| 2.0 * r > self.memory_v.span()) {
-            return Some("thresholds_v must not exceed half of memory_v");
+            return Err("thresholds_v must not exceed half of memory_v");
         }
-        dead_zone::fault(&self.dead_zones_um, &self.dead_zone_slopes)
+        dead_zone::check(&self.dead_zones_um, &self.dead_zone_slopes)
     }
 }
 
 /// Coefficients of the model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PrandtlIshlinskii<T> {
-    pub(super) count: usize,
-    pub(super) thresholds: [T; PLAYS],
-    pub(super) weights: [T; PLAYS],
-    pub(super) offset: T,
-    pub(super) superposition: Superposition<T>,
+    count: usize,
+    thresholds: [T; PLAYS],
+    weights: [T; PLAYS],
+    offset: T,
+    superposition: Superposition<T>,
     memory: Range<T>,
 }
 
 /// The plays, V.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PrandtlIshlinskiiState<T> {
-    pub(super) plays: [T; PLAYS],
+    plays: [T; PLAYS],
 }
 
 impl<T: Real> PrandtlIshlinskii<T> {
-    /// Coefficients of a set without a [fault](PrandtlIshlinskiiParameters::fault). The model has no time in it: the
+    /// Coefficients of a set without a [fault](PrandtlIshlinskiiParameters::check). The model has no time in it: the
     /// sample period (s) is not used.
     pub fn build(parameters: &PrandtlIshlinskiiParameters, _sample_period: T) -> Self {
         let mut model = Self {
@@ -125,6 +135,27 @@ impl<T: Real> PrandtlIshlinskii<T> {
         let plays = self.thresholds.iter().zip(&self.weights).take(self.count);
         self.superposition.apply(plays.fold(self.offset, |sum, (&threshold, &weight)| sum + weight * play(threshold)))
     }
+
+    /// What the displacement (µm) can be for voltages of this range (V).
+    ///
+    /// No play stands below r above the lowest voltage, nor above r below the highest, of the range or the memory, and `S`
+    /// increases. Widened by the rounding of the sums.
+    pub fn reach(&self, voltage: Range<T>) -> Range<T> {
+        let rounding = T::of(64.0) * T::epsilon();
+        let plays = || self.thresholds.iter().zip(&self.weights).take(self.count);
+        let end = |from: T, sign: T| {
+            let mut sum = self.offset;
+            let mut magnitude = self.offset.abs();
+            for (&threshold, &weight) in plays() {
+                sum = sum + weight * (from - sign * threshold);
+                magnitude = magnitude + weight * (from.abs() + threshold);
+            }
+            let outer = sum + sign * rounding * magnitude;
+            self.superposition.apply(outer) + sign * rounding * self.superposition.magnitude(outer)
+        };
+        let hull = voltage.hull(self.memory);
+        Range { min: end(hull.min, -T::one()), max: end(hull.max, T::one()) }
+    }
 }
 
 impl<T: Real> Recursion<T> for PrandtlIshlinskii<T> {
@@ -153,27 +184,11 @@ impl<T: Real> Recursion<T> for PrandtlIshlinskii<T> {
         self.superposition.apply(sum)
     }
 
-    /// No play stands below r above the lowest voltage, nor above r below the highest, of the range or the memory, and `S`
-    /// increases. Widened by the rounding of the sums.
-    fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
-        let rounding = T::of(64.0) * T::epsilon();
-        let plays = || self.thresholds.iter().zip(&self.weights).take(self.count);
-        let end = |from: T, sign: T| {
-            let mut sum = self.offset;
-            let mut magnitude = self.offset.abs();
-            for (&threshold, &weight) in plays() {
-                sum = sum + weight * (from - sign * threshold);
-                magnitude = magnitude + weight * (from.abs() + threshold);
-            }
-            let outer = sum + sign * rounding * magnitude;
-            self.superposition.apply(outer) + sign * rounding * self.superposition.magnitude(outer)
-        };
-        let low = if self.memory.min < voltage.min { self.memory.min } else { voltage.min };
-        let high = if self.memory.max > voltage.max { self.memory.max } else { voltage.max };
-        Some(Range { min: end(low, -T::one()), max: end(high, T::one()) })
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage), limits)
     }
 
-    fn prompt(&self) -> Option<Self> {
+    fn monotone_part(&self) -> Option<Self> {
         Some(*self)
     }
 }

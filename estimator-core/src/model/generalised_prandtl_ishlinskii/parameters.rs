@@ -1,7 +1,11 @@
-//! The champion's parameters as a table holds them, and the rules that they obey.
+//! Published parameters of the generalised Prandtl–Ishlinskii model, and the rules that they obey.
 
+use super::GeneralisedPrandtlIshlinskii;
 use crate::list::List;
+use crate::math::Real;
+use crate::model::{Discretisation, Published};
 use crate::range::Range;
+use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
 
 /// Most play operators.
@@ -12,10 +16,11 @@ pub const WEIGHTS: usize = 30;
 pub const CREEPS: usize = 4;
 /// Longest delay, ticks.
 const LONGEST_DELAY: f32 = 14.0;
+
 /// Published parameters.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ChampionParameters {
+pub struct GeneralisedPrandtlIshlinskiiParameters {
     /// Voltages over which the functions of the plays are laid out, V.
     pub span_v: Range,
     /// From voltage to actuator, ticks, −1 … 14; a fraction is interpolated. Below 0 the actuator's input is extrapolated, as
@@ -34,22 +39,31 @@ pub struct ChampionParameters {
     /// Weights of each play's functions (as many a play, 1 to 3), at least 0: what each adds from one end of the play's travel
     /// to the other, µm.
     pub weights_um: List<WEIGHTS>,
-    /// Time constants of creep, at most 20 s: an f32 does not see slower ones move.
+    /// Time constants of creep, s; 0.001 … 10,000.
     pub creep_times_s: List<CREEPS>,
     /// Creep, at least 0, µm/V.
     pub creep_um_per_v: List<CREEPS>,
-    /// κ, 1/µm.
+    /// κ of y = w + κ·w², 1/µm.
     pub curvature_per_um: f32,
-    /// What is added, µm.
+    /// What is added to the sum w, µm.
     pub offset_um: f32,
 }
 
-impl ChampionParameters {
-    /// The rule that they break, if any.
-    pub fn fault(&self) -> Option<&'static str> {
+impl Published for GeneralisedPrandtlIshlinskiiParameters {
+    type Coefficients<T: Real> = GeneralisedPrandtlIshlinskii<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> GeneralisedPrandtlIshlinskii<T> {
+        GeneralisedPrandtlIshlinskii::build(self, discretisation.sample_period)
+    }
+
+    fn delay_ticks(&self) -> f32 {
+        self.delay_ticks.max(0.0)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
         let count = self.half_widths_v.len();
         let all = |numbers: &[f32], rule: fn(f32) -> bool| numbers.iter().all(|&x| x.is_finite() && rule(x));
-        let rules = [
+        rule::check([
             (
                 "span_v must be ordered",
                 self.span_v.min.is_finite() && self.span_v.max.is_finite() && self.span_v.min < self.span_v.max,
@@ -75,12 +89,11 @@ impl ChampionParameters {
                     && degree * count == self.weights_um.len()
                     && all(&self.weights_um, |w| w >= 0.0)
             }),
-            ("creep_times_s must lie between 0.001 and 20", all(&self.creep_times_s, |t| (1e-3..=20.0).contains(&t))),
+            ("creep_times_s must lie between 0.001 and 10000", all(&self.creep_times_s, |t| (1e-3..=1e4).contains(&t))),
             ("creep_um_per_v must be as many as creep_times_s, and not negative", {
                 self.creep_um_per_v.len() == self.creep_times_s.len() && all(&self.creep_um_per_v, |c| c >= 0.0)
             }),
             ("curvature_per_um and offset_um must be numbers", all(&[self.curvature_per_um, self.offset_um], |_| true)),
-        ];
-        rules.into_iter().find(|&(_, holds)| !holds).map(|(rule, _)| rule)
+        ])
     }
 }

@@ -19,80 +19,22 @@
 //! `ext` changes only at a reversal. The two power terms of it are signed: with both positive (as Table 5.2 prints them)
 //! the recursion cannot reproduce the thesis's own strokes. `V_ext` keeps its own sign (Eq. 5.3; Eq. 5.2 prints `sgn(V)`).
 
+mod parameters;
+mod proof;
+
+pub use parameters::{Scheme, VoigtParameters};
+pub use proof::LEAST_DECAY;
+
+use super::Recursion;
+use super::catalogue::Discretisation;
+use crate::admissible::Inadmissible;
 use crate::extremum::{Extremum, Tracker};
 use crate::math::Real;
-use serde::{Deserialize, Serialize};
-
-/// How the differential equation becomes a recursion.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scheme {
-    /// Forward Euler, Eq. (4.7).
-    #[default]
-    ForwardEuler,
-    /// Exact for a voltage held over the tick; stable for any rate.
-    ZeroOrderHold,
-}
-
-/// A published parameter set, in the units of Tables 4.6 and 5.2. Terms that a model lacks are 0.
-#[derive(Clone, Copy, PartialEq, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VoigtParameters<T = f32> {
-    /// α, µm.
-    pub alpha_um: T,
-    /// β, V.
-    pub beta_v: T,
-    /// λ, 1/V.
-    pub lambda_per_v: T,
-    /// b, Ω.
-    pub b_ohm: T,
-    /// P, no unit.
-    pub p: T,
-    /// g, µm/s per V^h; signed.
-    pub g_um_per_s: T,
-    /// h, no unit.
-    pub h: T,
-    /// e, m/s per m^f as printed; signed.
-    pub e_m_per_s: T,
-    /// f, no unit.
-    pub f: T,
-}
-
-impl<T: Copy> VoigtParameters<T> {
-    /// The same set in another number type.
-    pub fn map<U>(self, number: impl Fn(T) -> U) -> VoigtParameters<U> {
-        VoigtParameters {
-            alpha_um: number(self.alpha_um),
-            beta_v: number(self.beta_v),
-            lambda_per_v: number(self.lambda_per_v),
-            b_ohm: number(self.b_ohm),
-            p: number(self.p),
-            g_um_per_s: number(self.g_um_per_s),
-            h: number(self.h),
-            e_m_per_s: number(self.e_m_per_s),
-            f: number(self.f),
-        }
-    }
-
-    /// Every parameter with its field's name, in the order of Eq. (5.3).
-    pub fn named(&self) -> [(&'static str, T); 9] {
-        [
-            ("alpha_um", self.alpha_um),
-            ("beta_v", self.beta_v),
-            ("lambda_per_v", self.lambda_per_v),
-            ("b_ohm", self.b_ohm),
-            ("p", self.p),
-            ("g_um_per_s", self.g_um_per_s),
-            ("h", self.h),
-            ("e_m_per_s", self.e_m_per_s),
-            ("f", self.f),
-        ]
-    }
-}
+use crate::range::Range;
 
 /// The affine map of one tick: `y ← a·y + c + m·ext`.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Terms<T> {
+pub struct VoigtTerms<T> {
     /// What remains of the displacement.
     pub a: T,
     /// What the voltage drives, µm.
@@ -101,7 +43,7 @@ pub struct Terms<T> {
     pub m: T,
 }
 
-impl<T: Real> Terms<T> {
+impl<T: Real> VoigtTerms<T> {
     /// The displacement (µm) a tick later.
     #[inline]
     pub fn apply(self, displacement: T, ext: T) -> T {
@@ -114,6 +56,8 @@ impl<T: Real> Terms<T> {
 pub struct Voigt<T> {
     scheme: Scheme,
     sample_period: T,
+    /// Retreat that counts as a reversal, V.
+    deadband: T,
     rate_scale: T,
     lambda: T,
     lambda_beta: T,
@@ -127,47 +71,23 @@ pub struct Voigt<T> {
 
 /// Displacement and reversal memory of a running recursion.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct State<T> {
+pub struct VoigtState<T> {
     /// Displacement now, µm.
-    pub displacement: T,
+    displacement: T,
     tracker: Tracker<T>,
     ext: T,
 }
 
-impl<T: Real> State<T> {
-    /// Starts at a known displacement (µm) with no reversal seen; `deadband` (V) is the tracker's.
-    pub fn new(displacement: T, deadband: T) -> Self {
-        Self { displacement, tracker: Tracker::new(deadband), ext: T::zero() }
-    }
-
-    /// The last reversal; zeros before the first.
-    pub fn last_extremum(&self) -> Extremum<T> {
-        self.tracker.last()
-    }
-
-    /// Takes this tick's voltage (V); `true` when it reveals a reversal.
-    #[inline]
-    pub fn track(&mut self, voltage: T) -> bool {
-        self.tracker.update(voltage, self.displacement)
-    }
-
-    /// Goes on to the next tick; returns its displacement (µm).
-    #[inline]
-    pub fn apply(&mut self, terms: Terms<T>) -> T {
-        self.displacement = terms.apply(self.displacement, self.ext);
-        self.displacement
-    }
-}
-
 impl<T: Real> Voigt<T> {
-    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`crate::admissible`].
-    pub fn build(parameters: &VoigtParameters<T>, sample_period: T, scheme: Scheme) -> Self {
+    /// The coefficients. Checks nothing: see [`Recursion::bound`].
+    pub fn build(parameters: &VoigtParameters<T>, discretisation: &Discretisation<T>) -> Self {
         let micro = T::of(1e6);
         let ln_micro = micro.ln();
         let p = parameters;
         Self {
-            scheme,
-            sample_period,
+            scheme: discretisation.scheme,
+            sample_period: discretisation.sample_period,
+            deadband: discretisation.deadband,
             rate_scale: micro / (p.alpha_um * p.lambda_per_v * p.b_ohm),
             lambda: p.lambda_per_v,
             lambda_beta: p.lambda_per_v * p.beta_v,
@@ -179,11 +99,6 @@ impl<T: Real> Voigt<T> {
             e_um: p.e_m_per_s * (ln_micro * (T::one() - p.f)).exp(),
             f: p.f,
         }
-    }
-
-    /// How the differential equation became a recursion.
-    pub fn scheme(&self) -> Scheme {
-        self.scheme
     }
 
     /// 1/(d(V)·b), 1/s.
@@ -209,7 +124,7 @@ impl<T: Real> Voigt<T> {
 
     /// The affine map of a tick at this voltage (V).
     #[inline]
-    pub fn terms(&self, voltage: T) -> Terms<T> {
+    pub fn terms(&self, voltage: T) -> VoigtTerms<T> {
         let rate = self.rate(voltage);
         let (a, m) = match self.scheme {
             Scheme::ForwardEuler => (T::one() - self.sample_period * rate, self.sample_period),
@@ -218,7 +133,7 @@ impl<T: Real> Voigt<T> {
                 (T::one() - decay, decay / rate)
             }
         };
-        Terms { a, c: m * self.drive(voltage), m }
+        VoigtTerms { a, c: m * self.drive(voltage), m }
     }
 
     /// `g·sgn(V_ext)·|V_ext|^h`, µm/s.
@@ -236,23 +151,50 @@ impl<T: Real> Voigt<T> {
         self.voltage_term(extremum.voltage) + self.displacement_term(extremum.displacement)
     }
 
-    /// One tick of the direct form: takes this tick's voltage (V), returns the displacement (µm) a tick later.
-    pub fn step(&self, state: &mut State<T>, voltage: T) -> T {
-        let terms = self.terms(voltage);
-        self.step_with(state, voltage, terms)
-    }
-
-    /// One tick with the affine map given, as the tabulated form and the identification have it.
+    /// One tick with the affine map given, as an interpolated one is.
     #[inline]
-    pub fn step_with(&self, state: &mut State<T>, voltage: T, terms: Terms<T>) -> T {
-        if state.track(voltage) {
-            self.turn(state);
+    pub fn step_with(&self, state: &mut VoigtState<T>, voltage: T, terms: VoigtTerms<T>) -> T {
+        if state.tracker.update(voltage, state.displacement) {
+            state.ext = self.extremum_input(state.tracker.last());
         }
-        state.apply(terms)
+        state.displacement = terms.apply(state.displacement, state.ext);
+        state.displacement
     }
 
-    /// Takes the reversal that [`State::track`] has found into account.
-    pub fn turn(&self, state: &mut State<T>) {
-        state.ext = self.extremum_input(state.tracker.last());
+    /// Long at rest at the voltage of these terms, no reversal seen; at this displacement (µm) where it is known.
+    pub fn rest(&self, terms: VoigtTerms<T>, displacement: Option<T>) -> VoigtState<T> {
+        VoigtState {
+            // a < 1 in every admitted table.
+            displacement: displacement.unwrap_or(terms.c / (T::one() - terms.a)),
+            tracker: Tracker::new(self.deadband),
+            ext: T::zero(),
+        }
+    }
+}
+
+impl<T: Real> Recursion<T> for Voigt<T> {
+    type State = VoigtState<T>;
+
+    fn begin(&self, voltage: T, displacement: Option<T>) -> VoigtState<T> {
+        self.rest(self.terms(voltage), displacement)
+    }
+
+    #[inline]
+    fn step(&self, state: &mut VoigtState<T>, voltage: T) -> T {
+        self.step_with(state, voltage, self.terms(voltage))
+    }
+
+    /// The limits, where the proof of `proof.rs` holds.
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        proof::check(self, voltage, limits)
+    }
+
+    fn monotone_part(&self) -> Option<Self> {
+        Some(*self)
+    }
+
+    fn set_displacement(&self, state: &mut VoigtState<T>, displacement: T) -> bool {
+        state.displacement = displacement;
+        true
     }
 }
