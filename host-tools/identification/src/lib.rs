@@ -19,7 +19,7 @@ mod model_choice;
 mod problem;
 mod rounds;
 pub mod search;
-mod simulation;
+pub mod simulation;
 pub mod span;
 mod structures;
 mod suspicion;
