@@ -28,7 +28,12 @@ fn plays_with_lag_and_creep_beat_voigt_on_what_neither_has_seen() {
             .arg("--validate-on")
             .arg(log("tr10"))
             .args(KNOWN)
-            .args(["--models", "generalised-prandtl-ishlinskii,voigt,preisach,generalised-prandtl-ishlinskii", "--budget", "1500"])
+            .args([
+                "--models",
+                "generalised-prandtl-ishlinskii,voigt,preisach,generalised-prandtl-ishlinskii",
+                "--budget",
+                "1500",
+            ])
             .args(["--json", "--instructions", text(&counts), "--out", text(&out)]),
     );
     let rows = result["rows"].as_array().unwrap();

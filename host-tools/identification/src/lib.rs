@@ -20,7 +20,7 @@ mod problem;
 pub mod reversals;
 mod rounds;
 pub mod search;
-mod simulation;
+pub mod simulation;
 pub mod span;
 mod structures;
 mod suspicion;

@@ -7,7 +7,7 @@
 //!
 //! `nalgebra` is built on `libm` and without machine-dependent kernels, so that a seed means the same on every platform.
 
-use super::search::{COLLAPSED, Search, reflect};
+use super::state::{COLLAPSED, Search, reflect};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};

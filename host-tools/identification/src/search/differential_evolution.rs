@@ -5,7 +5,7 @@
 //! Of x a coordinate stays with a probability of 0.1. What leaves the cube is mirrored back. A trial replaces x when it
 //! costs no more. A collapsed population keeps its best and is drawn anew.
 
-use super::search::{COLLAPSED, Scored, Search, extent, reflect, sort};
+use super::state::{COLLAPSED, Scored, Search, extent, reflect, sort};
 use rand::{Rng, RngExt};
 
 const CROSSOVER: f64 = 0.9;

@@ -201,69 +201,7 @@ fn mutate(population: &mut [Chromosome], genes: usize, settings: &Settings, rand
 
 #[cfg(test)]
 mod tests {
-    use super::super::space::Scale;
     use super::*;
-
-    const THESIS: Settings = Settings {
-        bits: 10,
-        population: 64,
-        generations: 400,
-        patience: 0,
-        mutation: 0.15,
-        selection: Selection::Tournament,
-        elitism: Elitism::Aside,
-    };
-
-    fn genes(count: usize) -> Vec<Gene> {
-        (0..count)
-            .map(|_| Gene { name: "x", meaning: "", unit: "", min: -1.0, max: 3.0, scale: Scale::Linear })
-            .collect()
-    }
-
-    fn sphere(genes: &[f64]) -> f64 {
-        genes.iter().map(|x| (x - 0.7).abs()).sum::<f64>()
-    }
-
-    #[test]
-    fn finds_a_minimum_with_either_selection_and_reports_a_falling_cost() {
-        for selection in [Selection::Tournament, Selection::Roulette] {
-            let settings = Settings { selection, mutation: 0.02, elitism: Elitism::Reinsert, ..THESIS };
-            let mut costs = Vec::new();
-            let best = run(&genes(5), &settings, 1, &[], sphere, |_, best| costs.push(best.cost));
-            assert!(best.cost < 0.05, "{selection:?}: {best:?}");
-            assert_eq!(best.cost, sphere(&best.genes));
-            assert_eq!(costs.len(), 401);
-            assert!(costs.is_sorted_by(|a, b| a >= b));
-        }
-    }
-
-    #[test]
-    fn the_same_seed_gives_the_same_result_on_any_number_of_threads() {
-        let on = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| run(&genes(4), &THESIS, 9, &[], sphere, |_, _| ()))
-        };
-        assert_eq!(on(1), on(4));
-        assert_ne!(on(1), run(&genes(4), &THESIS, 10, &[], sphere, |_, _| ()));
-    }
-
-    #[test]
-    fn an_infinite_cost_never_wins_and_a_seed_is_never_lost() {
-        let forbidden = |x: &[f64]| if x[0] < 2.0 { f64::INFINITY } else { sphere(x) };
-        let best = run(&genes(3), &THESIS, 1, &[], forbidden, |_, _| ());
-        assert!(best.genes[0] >= 2.0);
-        let seed = vec![0.7, 0.7, 0.7];
-        let best = run(&genes(3), &THESIS, 1, std::slice::from_ref(&seed), sphere, |_, _| ());
-        assert_eq!(best.genes, seed);
-    }
-
-    #[test]
-    fn patience_stops_the_run() {
-        let mut generations = 0;
-        let settings = Settings { patience: 7, ..THESIS };
-        run(&genes(2), &settings, 1, &[], |_| 1.0, |_, _| generations += 1);
-        assert_eq!(generations, 8);
-    }
 
     #[test]
     fn crossover_keeps_every_bit_at_its_place() {
@@ -282,8 +220,17 @@ mod tests {
 
     #[test]
     fn mutation_flips_the_thesis_s_number_of_bits() {
+        let settings = Settings {
+            bits: 10,
+            population: 64,
+            generations: 400,
+            patience: 0,
+            mutation: 0.15,
+            selection: Selection::Tournament,
+            elitism: Elitism::Aside,
+        };
         let mut population = vec![vec![0u32; 5]; 64];
-        mutate(&mut population, 5, &THESIS, &mut ChaCha8Rng::seed_from_u64(3));
+        mutate(&mut population, 5, &settings, &mut ChaCha8Rng::seed_from_u64(3));
         let set: u32 = population.iter().flatten().map(|gene| gene.count_ones()).sum();
         // 473 draws with replacement over 3,200 places: some meet twice.
         assert!((380..=473).contains(&set), "{set}");

@@ -5,8 +5,8 @@
 //! A budget below 512 evaluations makes the population smaller, of 8 generations at least; an odd rest is not spent.
 
 use super::ga::{self, Elitism, Selection, Settings};
-use super::search::{Scored, Search, admissible};
 use super::space::{Gene, Scale};
+use super::state::{Scored, Search, admissible};
 use rand::RngExt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

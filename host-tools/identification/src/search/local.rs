@@ -4,7 +4,7 @@
 //! The simplex forgets directions, above all at a face of the cube. It is therefore set up anew around the best point
 //! as long as that helps, and then by turns around the best of some points anywhere and around the best.
 
-use super::search::{Scored, Search, extent, sort};
+use super::state::{Scored, Search, extent, sort};
 use rand::RngExt;
 
 /// Edge of the first simplex around a point, of the cube's.

@@ -25,13 +25,13 @@ mod local;
 mod optimiser;
 mod options;
 mod particle_swarm;
-mod search;
 pub mod space;
+mod state;
 
 pub use optimiser::Optimiser;
 pub use options::{SearchOptions, Start};
-use search::Search;
-pub use search::{Budget, Minimum};
+use state::Search;
+pub use state::{Budget, Minimum};
 
 /// Minimises a cost over the unit cube of a dimension.
 ///

@@ -6,7 +6,7 @@
 //! A particle that leaves the cube is mirrored back with half its velocity. A collapsed swarm keeps its best and is
 //! drawn anew.
 
-use super::search::{COLLAPSED, Scored, Search, extent, reflect};
+use super::state::{COLLAPSED, Scored, Search, extent, reflect};
 use rand::RngExt;
 
 const INERTIA: f64 = 0.7298;

@@ -19,10 +19,11 @@ pub fn doubt(doubt: &Doubt) -> String {
             "in training the error is {percent:.1} % of the stroke: the model does not describe these logs; are the \
              columns, units and zeros right, and is the sensor's delay within reason (--delay)?"
         ),
-        Doubt::FallsWithVoltage => format!(
+        Doubt::FallsWithVoltage => {
             "the displacement falls while the voltage rises: is the sensor mounted the other way (--displacement-scale \
              -1), or the voltage inverted (--voltage-scale -1)?"
-        ),
+                .to_owned()
+        }
         Doubt::NotIdentified { model } => format!(
             "for the model {model} no admissible candidate was found: search longer (--generations, --rounds) or raise \
              --limit"
@@ -47,18 +48,21 @@ pub fn doubt(doubt: &Doubt) -> String {
             "the training logs reverse direction only {reversals} times: hysteresis needs at least {FEW_REVERSALS}; \
              record several cycles"
         ),
-        Doubt::SingleFrequency => format!(
+        Doubt::SingleFrequency => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
              frequencies the estimate may be wrong; record several"
-        ),
-        Doubt::SingleAmplitude { extremum_terms: true } => format!(
+                .to_owned()
+        }
+        Doubt::SingleAmplitude { extremum_terms: true } => {
             "the training logs have a single amplitude, which teaches a single loop: the extremum terms are not \
              determined and can be far off at other amplitudes; record several, or use --model voigt"
-        ),
-        Doubt::SingleAmplitude { extremum_terms: false } => format!(
+                .to_owned()
+        }
+        Doubt::SingleAmplitude { extremum_terms: false } => {
             "the training logs have a single amplitude, which teaches a single loop: at other amplitudes the error \
              is unknown; record several"
-        ),
+                .to_owned()
+        }
         Doubt::Drift { offset_um } => format!(
             "on the held-out data the estimate is off by a constant {offset_um:+.3} µm (creep, drift, or where the \
              session started), which no sensorless estimate can know: set the zero again at rest"
@@ -83,10 +87,11 @@ pub fn doubt(doubt: &Doubt) -> String {
             "the {} does not cover what the logs need: there the converter will stand at its end",
             named(*converter)
         ),
-        Doubt::CalibrationAssumed => format!(
+        Doubt::CalibrationAssumed => {
             "the ADC and DAC calibration is assumed (their ranges span the logs): state --adc-span and --dac-span \
              before flashing"
-        ),
+                .to_owned()
+        }
         Doubt::DelayAtBound { delay_ms } => format!(
             "the estimated delay is the largest tried ({delay_ms} ms): the logs do not determine it; give --delay \
              from the sensor's data sheet"

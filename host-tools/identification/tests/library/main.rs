@@ -1,0 +1,10 @@
+//! The library from outside, by what is public of it.
+
+mod calibration;
+mod cost;
+mod feedforward;
+mod fit;
+mod genetic_algorithm;
+mod least_squares;
+mod search;
+mod space;
