@@ -12,6 +12,7 @@ mod qemu;
 mod root;
 mod size;
 mod step;
+mod stopwatch;
 mod tool;
 
 use std::{path::Path, process::ExitCode};

@@ -1,5 +1,7 @@
 //! The list of checks.
 
+use std::path::PathBuf;
+
 use anyhow::{Result, ensure};
 use xshell::{Cmd, Shell, cmd};
 
@@ -67,34 +69,38 @@ fn fmt(sh: &Shell) -> Result<()> {
     Ok(cmd!(sh, "cargo fmt --all --check").run()?)
 }
 
-/// Packages with a step of their own: they need a target or a compiler that not everybody has.
-const APART: [&str; 4] = ["--exclude", "firmware", "--exclude", "board-emulator-test"];
-/// What of the firmware is no board's.
-const PORTABLE: [&str; 4] = ["--package", "firmware", "--lib", "--no-default-features"];
+/// What is checked on the host. The emulated board has a step of its own: it needs a compiler that not everybody has.
+/// Without default features, the firmware has no board, and is checked with the rest. Always the whole workspace: with
+/// another selection, cargo would choose other features of the same foreign crates, and build them once more.
+const HOST: [&str; 4] = ["--workspace", "--exclude", "board-emulator-test", "--no-default-features"];
 
 fn clippy(sh: &Shell) -> Result<()> {
-    cmd!(sh, "cargo clippy --workspace {APART...} --all-targets -- -D warnings").run()?;
-    cmd!(sh, "cargo clippy {PORTABLE...} --tests -- -D warnings").run()?;
+    cmd!(sh, "cargo clippy {HOST...} --all-targets -- -D warnings").run()?;
     // The host tool's feature is the core's too.
-    Ok(cmd!(sh, "cargo clippy --workspace {APART...} --features host-tools/micromath,estimator-core/micromath --all-targets -- -D warnings").run()?)
+    Ok(cmd!(
+        sh,
+        "cargo clippy {HOST...} --features host-tools/micromath,estimator-core/micromath --all-targets -- -D warnings"
+    )
+    .run()?)
 }
 
 fn doc(sh: &Shell) -> Result<()> {
-    let _deny = sh.push_env("RUSTDOCFLAGS", "-D warnings");
-    cmd!(sh, "cargo doc --workspace {APART...} --no-deps").run()?;
-    Ok(cmd!(sh, "cargo doc {PORTABLE...} --no-deps").run()?)
+    Ok(cmd!(sh, "cargo doc {HOST...} --no-deps").env("RUSTDOCFLAGS", "-D warnings").run()?)
 }
 
-/// The workspace's tests, all built with the same features, so that each package is compiled once. What needs more than
-/// cargo brings is run by name only.
+/// The tests on the host. What needs more than cargo brings is run by name only.
 fn tests(sh: &Shell) -> Cmd<'_> {
-    cmd!(sh, "cargo test --workspace {APART...}")
+    cmd!(sh, "cargo test {HOST...}")
+}
+
+/// The host tool that the tests on the host are built with.
+fn built_piezo(sh: &Shell) -> Result<PathBuf> {
+    artifact::build(tests(sh).arg("--no-run"), "piezo")
 }
 
 fn test(sh: &Shell) -> Result<()> {
     tests(sh).run()?;
-    cmd!(sh, "cargo test {PORTABLE...} --tests").run()?;
-    Ok(cmd!(sh, "cargo test -p estimator-core --features micromath").run()?)
+    Ok(cmd!(sh, "cargo test --package estimator-core --features micromath").run()?)
 }
 
 fn firmware(sh: &Shell) -> Result<()> {
@@ -119,8 +125,7 @@ fn firmware(sh: &Shell) -> Result<()> {
 
 fn emulated(sh: &Shell) -> Result<()> {
     let image = embedded::image(sh, Board::Mps2An386)?;
-    // Built for the tests on the host already.
-    let piezo = artifact::build(tests(sh).arg("--no-run"), "piezo")?;
+    let piezo = built_piezo(sh)?;
     tests(sh)
         .args(["exact", "follow", "link", "models", "pil", "store", "stream"].map(|test| format!("--test={test}")))
         .env("FIRMWARE_IMAGE_MPS2", image)
@@ -136,7 +141,7 @@ fn board(sh: &Shell) -> Result<()> {
 }
 
 fn browser(sh: &Shell) -> Result<()> {
-    let chrome = tool::chromium()?;
     let by_name = ["checks", "report"].map(|test| format!("--test={test}"));
-    Ok(tests(sh).args(by_name).args(["--", "--nocapture"]).env("CHROME", chrome).run()?)
+    let tests = tests(sh).args(by_name).args(["--", "--nocapture"]);
+    Ok(tests.env("CHROME", tool::chromium()?).env("PIEZO", built_piezo(sh)?).run()?)
 }
