@@ -8,8 +8,8 @@ use xshell::{Cmd, Shell, cmd};
 use crate::{
     artifact,
     embedded::{self, Board, TARGET},
+    figures,
     image::Image,
-    size,
     tool::{self, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, QEMU, Tool},
 };
 
@@ -26,7 +26,7 @@ pub struct Step {
 }
 
 /// Every check, the quick ones first.
-pub const STEPS: [Step; 8] = [
+pub const STEPS: [Step; 10] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], run: fmt },
     Step { name: "clippy", about: "no lint fires", tools: &[], run: clippy },
     Step { name: "doc", about: "the documentation builds without a warning", tools: &[], run: doc },
@@ -39,7 +39,7 @@ pub const STEPS: [Step; 8] = [
     },
     Step {
         name: "emulated",
-        about: "the host tool and the firmware in QEMU understand each other; a tick takes no more than it should",
+        about: "the host tool and the firmware in QEMU understand each other",
         tools: &[&EMBEDDED, &QEMU],
         run: emulated,
     },
@@ -54,6 +54,18 @@ pub const STEPS: [Step; 8] = [
         about: "the HTML report is sound in a browser, on a phone's width and a desktop's",
         tools: &[&CHROMIUM],
         run: browser,
+    },
+    Step {
+        name: "figures",
+        about: "documents state the figures that commands print; a tick takes no more than it should",
+        tools: figures::TOOLS,
+        run: |sh| figures::check(sh, built_piezo(sh)?, false),
+    },
+    Step {
+        name: "models",
+        about: "documents state what the models' comparison prints; a tick of none takes more than it should",
+        tools: &[&EMBEDDED, &QEMU],
+        run: |sh| figures::check(sh, built_piezo(sh)?, true),
     },
 ];
 
@@ -125,13 +137,11 @@ fn firmware(sh: &Shell) -> Result<()> {
 
 fn emulated(sh: &Shell) -> Result<()> {
     let image = embedded::image(sh, Board::Mps2An386)?;
-    let piezo = built_piezo(sh)?;
-    tests(sh)
+    Ok(tests(sh)
         .args(["exact", "follow", "link", "models", "pil", "store", "stream"].map(|test| format!("--test={test}")))
         .env("FIRMWARE_IMAGE_MPS2", image)
-        .env("PIEZO", &piezo)
-        .run()?;
-    size::check(sh, &piezo)
+        .env("PIEZO", built_piezo(sh)?)
+        .run()?)
 }
 
 fn board(sh: &Shell) -> Result<()> {
