@@ -11,6 +11,7 @@ mod figures;
 mod image;
 mod qemu;
 mod root;
+mod rules;
 mod size;
 mod step;
 mod stopwatch;

@@ -10,6 +10,7 @@ use crate::{
     embedded::{self, Board, TARGET},
     figures,
     image::Image,
+    rules,
     tool::{self, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, QEMU, Tool},
 };
 
@@ -26,8 +27,14 @@ pub struct Step {
 }
 
 /// Every check, the quick ones first.
-pub const STEPS: [Step; 10] = [
+pub const STEPS: [Step; 11] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], run: fmt },
+    Step {
+        name: "rules",
+        about: "libraries name no flags, the identification needs no terminal, no host crate is too long",
+        tools: &[],
+        run: rules::check,
+    },
     Step { name: "clippy", about: "no lint fires", tools: &[], run: clippy },
     Step { name: "doc", about: "the documentation builds without a warning", tools: &[], run: doc },
     Step { name: "test", about: "unit, property and command tests on the host", tools: &[], run: test },
