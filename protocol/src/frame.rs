@@ -7,10 +7,12 @@
 //! Byte stuffing (COBS) keeps the byte 0 out of a frame, so a receiver that joins late or lost bytes is in step again
 //! after the next 0. A frame that is damaged, too long, or of another version costs itself and nothing else.
 
-use crate::VERSION;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+
+/// Version of everything in this crate. It is the first byte of every frame; frames of another are refused by name.
+pub const VERSION: u8 = 2;
 
 /// No frame is longer than this on the wire, delimiter included, bytes.
 pub const MAX_FRAME: usize = 512;

@@ -1,6 +1,6 @@
 //! Who the device is.
 
-use crate::Text;
+use crate::text::Text;
 use serde::{Deserialize, Serialize};
 
 /// Where the table in use comes from.

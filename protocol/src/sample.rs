@@ -1,6 +1,6 @@
 //! What a tick gives, as it is streamed.
 
-use crate::health::Faults;
+use crate::faults::Faults;
 use estimator_core::Status;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
