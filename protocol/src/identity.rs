@@ -1,6 +1,7 @@
 //! Who the device is.
 
 use crate::text::Text;
+use estimator_core::table::Board;
 use serde::{Deserialize, Serialize};
 
 /// Where the table in use comes from.
@@ -45,4 +46,12 @@ pub struct Identity {
     pub model: Text<32>,
     /// The checksum of the table's record ([`estimator_core::record::checksum`]); 0 without one.
     pub table_crc: u32,
+}
+
+impl Identity {
+    /// What the device asks of a table.
+    pub fn board_interface(&self) -> Board {
+        let &Self { tick_us, adc_full_scale, dac_full_scale, .. } = self;
+        Board { tick_us, adc_full_scale, dac_full_scale }
+    }
 }

@@ -1,11 +1,12 @@
 //! `piezo flash`: a firmware image, a table, or both, by a debug probe.
 
-use super::link::{self, Board};
+use super::link;
 use super::print::out;
 use crate::device::pages;
 use crate::device::probe::{self, Probe};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use estimator_core::table::Board;
 use serde_json::json;
 use std::ffi::OsString;
 use std::ops::Range;
@@ -87,7 +88,7 @@ fn place(arguments: &Flash) -> Result<Range<u32>> {
 /// The content of the parameter pages with a table in them.
 fn content(path: &Path, place: &Range<u32>) -> Result<Vec<u8>> {
     let table = link::load(path)?;
-    NUCLEO_G474RE.check(&table, path)?;
+    link::require_fit(&table, &NUCLEO_G474RE, path)?;
     // By the probe nobody can ask the device what its DAC is wired to.
     let output = if table.drive.is_some() { "drives the amplifier" } else { "shows the displacement" };
     eprintln!("piezo: careful: with {} the DAC {output}: wire it so before the board starts", path.display());

@@ -5,6 +5,7 @@ use crate::table_file::{self, TableFile};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use estimator_core::record::{self, VERSION};
+use estimator_core::table::{Board, Misfit};
 use estimator_core::{Admitted, Table};
 use protocol::{Health, Identity, Mode, Record, Refusal, TableSource};
 use std::path::Path;
@@ -133,61 +134,38 @@ pub fn checksum(record: &[u8]) -> String {
     format!("{:08x}", record::checksum(record).unwrap_or(0))
 }
 
-/// What a board needs of a table.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Board {
-    /// Tick, µs.
-    pub tick_us: u32,
-    /// The ADC's largest code.
-    pub adc_full_scale: u16,
-    /// The DAC's largest code.
-    pub dac_full_scale: u16,
+/// What a device asks of a table.
+///
+/// # Errors
+/// It reads another format of records.
+pub fn board_of(identity: &Identity) -> Result<Board> {
+    let found = identity.record_version;
+    ensure!(
+        found == VERSION,
+        "the firmware reads tables of format {found}, this program writes format {VERSION}: build both from the same sources"
+    );
+    Ok(identity.board_interface())
 }
 
-impl Board {
-    /// What the device needs.
-    ///
-    /// # Errors
-    /// It reads another format of records.
-    pub fn of(identity: &Identity) -> Result<Self> {
-        let found = identity.record_version;
-        ensure!(
-            found == VERSION,
-            "the firmware reads tables of format {found}, this program writes format {VERSION}: build both from the same \
-             sources"
-        );
-        let &Identity { tick_us, adc_full_scale, dac_full_scale, .. } = identity;
-        Ok(Self { tick_us, adc_full_scale, dac_full_scale })
-    }
-
-    /// Refuses a table made for other converters or another tick, which would give a number, and a wrong one.
-    pub fn check(&self, table: &Admitted, path: &Path) -> Result<()> {
-        let Self { tick_us, adc_full_scale, dac_full_scale } = *self;
-        let name = path.display();
-        ensure!(
-            table.sample_period_us == tick_us,
-            "{name}: is for a tick of {} µs, the board's is {tick_us} µs: identify with --tick-us {tick_us}",
-            table.sample_period_us
-        );
-        let converters = [
-            ("an ADC", "--adc-full-scale", table.adc.full_scale, adc_full_scale),
-            ("a DAC", "--dac-full-scale", table.dac.full_scale, dac_full_scale),
-        ];
-        let wrong = || converters.iter().filter(|(.., theirs, ours)| theirs != ours);
-        if wrong().next().is_none() {
-            return Ok(());
+/// Refuses the table of a file that is not for a board, with the command that makes one that is.
+pub fn require_fit(table: &Admitted, board: &Board, path: &Path) -> Result<()> {
+    let Err(misfit) = table.fits(board) else { return Ok(()) };
+    let remedy = match &misfit {
+        Misfit::Tick { board_us, .. } => format!("identify with --tick-us {board_us}"),
+        Misfit::Converters { table, board } => {
+            let scales = [
+                ("--adc-full-scale", table.adc_full_scale, board.adc_full_scale),
+                ("--dac-full-scale", table.dac_full_scale, board.dac_full_scale),
+            ];
+            let wrong = scales.iter().filter(|(_, theirs, ours)| theirs != ours);
+            let options: String = wrong.map(|(option, _, ours)| format!(" {option} {ours}")).collect();
+            format!(
+                "piezo emit {}{options} --out FOLDER (and say --adc-span and --dac-span, if you have measured them)",
+                path.with_extension("toml").display()
+            )
         }
-        let differ: Vec<String> =
-            wrong().map(|(converter, _, theirs, ours)| format!("{converter} up to {theirs}, not {ours}")).collect();
-        let options: String = wrong().map(|(_, option, _, ours)| format!(" {option} {ours}")).collect();
-        let source = path.with_extension("toml");
-        bail!(
-            "{name}: is for {}: piezo emit {}{options} --out FOLDER (and say --adc-span and --dac-span, if you have measured \
-             them)",
-            differ.join(" and "),
-            source.display()
-        )
-    }
+    };
+    bail!("{}: {misfit}: {remedy}", path.display())
 }
 
 /// Where the table in use comes from, and why not from the store, as the end of a sentence.
@@ -270,16 +248,16 @@ mod tests {
     fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
         let fake = Fake::start(Manners::default());
         let (table, (_, identity)) = (fake.table(), fake.connect());
-        let board = Board::of(&identity).unwrap();
+        let board = board_of(&identity).unwrap();
         let path = Path::new("mine/table.bin");
-        board.check(&table, path).unwrap();
-        let refusal = |board: Board| board.check(&table, path).unwrap_err().to_string();
+        require_fit(&table, &board, path).unwrap();
+        let refusal = |board: Board| require_fit(&table, &board, path).unwrap_err().to_string();
         let converters = refusal(Board { adc_full_scale: 65_520, dac_full_scale: 1023, ..board });
         let command = "piezo emit mine/table.toml --adc-full-scale 65520 --dac-full-scale 1023";
         assert!(converters.contains(command), "{converters}");
         assert!(refusal(Board { tick_us: 100, ..board }).contains("--tick-us 100"));
         let newer = Fake::start(Manners { newer_records: true, ..Manners::default() });
-        let complaint = Board::of(&newer.connect().1).unwrap_err().to_string();
+        let complaint = board_of(&newer.connect().1).unwrap_err().to_string();
         assert!(complaint.contains(&format!("writes format {VERSION}")), "{complaint}");
     }
 }

@@ -1,6 +1,6 @@
 //! `piezo push`: a table into the device's parameter store.
 
-use super::link::{self, Board, PortOption, WriteOptions, note_damage};
+use super::link::{self, PortOption, WriteOptions, note_damage};
 use super::print::out;
 use crate::calibration::misfits;
 use anyhow::{Result, ensure};
@@ -30,7 +30,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
     let table = link::load(&arguments.table)?;
     let record = link::to_record(&table);
     let (mut client, identity) = arguments.port.connect()?;
-    Board::of(&identity)?.check(&table, &arguments.table)?;
+    link::require_fit(&table, &link::board_of(&identity)?, &arguments.table)?;
     misfits(&table).iter().for_each(|misfit| eprintln!("piezo: careful: {misfit}"));
     let restarted = arguments.write.write(&mut client, |client, anyway| client.push(record.clone(), anyway))?;
     if let Some(identity) = &restarted {
