@@ -67,8 +67,8 @@ pub enum Request {
         references: References,
         /// Follow them from now on. Until then they wait, so that the first ones need not be in a hurry.
         go: bool,
-        /// Stay at the last one for good. Otherwise the voltage goes back to rest when none has come for a second.
-        stay: bool,
+        /// Hold the last one for ever. Otherwise the voltage goes back to rest when none has come for a second.
+        hold: bool,
     },
     /// Start again. → [`Reply::Done`], then the reset.
     Reset,

@@ -26,15 +26,15 @@ pub struct Followed {
     pub stopped: Faults,
 }
 
-/// Sends references, the last of which is to `stay` or not, and collects `ticks` samples from the first one on, or as many as come before a fault. The device is
-/// left in [`Mode::Follow`], at the last reference.
+/// Sends references and collects `ticks` samples from the first one on, or as many as come before a fault. The device is left
+/// in [`Mode::Follow`], at the last reference, which it holds for ever with `hold` and for a second without.
 ///
 /// # Errors
 /// The link fails or loses samples, the device stops, refuses, or the user does not want to wait.
 pub fn follow(
     client: &mut Client,
     references: &[f32],
-    stay: bool,
+    hold: bool,
     ticks: usize,
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
@@ -52,7 +52,7 @@ pub fn follow(
         if !full || !going {
             let chunk: References = next.iter().copied().collect();
             going |= sent + next.len() == references.len();
-            let (taken, starved) = match client.refer(chunk, going, stay) {
+            let (taken, starved) = match client.refer(chunk, going, hold) {
                 Err(LinkError::Unknown { .. }) => bail!(
                     "a reply was lost, so that nobody knows which references the device has taken: after {} of {ticks} ticks",
                     followed.samples.len()
