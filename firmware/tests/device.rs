@@ -14,7 +14,7 @@ use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, t
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-type Flash = RamFlash<'static>;
+type Flash = RamFlash<&'static mut [u8]>;
 
 fn flash(memory: Vec<u8>) -> ParameterStore<Flash> {
     let pages = 0..memory.len() as u32;

@@ -189,24 +189,67 @@ pub fn note_damage(client: &Client) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::fake::{Fake, Manners};
+    use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+    use emulator::faults::{lose_replies, messages};
+    use emulator::{Emulator, FaultyLine, TABLE};
+    use parameter_store::RamFlash;
+    use protocol::{Reply, ToHost};
 
     const CAREFUL: WriteOptions =
         WriteOptions { while_estimating: false, pause: false, reset: false, dry_run: false, rewired: false };
 
-    /// Pushes the device's own table; returns where its table comes from afterwards, and what it does.
-    fn push(options: &WriteOptions, manners: Manners) -> (Result<Option<Identity>>, TableSource, Mode) {
-        let fake = Fake::start(manners);
-        let (mut client, _) = fake.connect();
-        let record = to_record(&fake.table());
+    fn erased() -> RamFlash<Vec<u8>> {
+        RamFlash::new(vec![0xFF; 4096])
+    }
+
+    /// Pushes the device's own table; returns what the device then does, and where its table comes from after a restart.
+    fn push(
+        options: &WriteOptions,
+        flash: impl NorFlash + Send + 'static,
+    ) -> (Result<Option<Identity>>, TableSource, Mode) {
+        let device = Emulator::new().flash(flash).speed(8.0).start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        let record = to_record(&TABLE.admit().unwrap());
         let done = options.write(&mut client, |client, anyway| client.push(record, anyway));
-        let source = client.identify().unwrap().source;
-        (done, source, client.health().unwrap().mode)
+        let mode = client.health().unwrap().mode;
+        (done, client.restart().unwrap().source, mode)
+    }
+
+    /// Flash that can be read and no longer written.
+    struct Worn(RamFlash<Vec<u8>>);
+
+    impl ErrorType for Worn {
+        type Error = NorFlashErrorKind;
+    }
+
+    impl ReadNorFlash for Worn {
+        const READ_SIZE: usize = RamFlash::<Vec<u8>>::READ_SIZE;
+
+        async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+            self.0.read(offset, bytes).await.map_err(|_| NorFlashErrorKind::Other)
+        }
+
+        fn capacity(&self) -> usize {
+            self.0.capacity()
+        }
+    }
+
+    impl NorFlash for Worn {
+        const WRITE_SIZE: usize = RamFlash::<Vec<u8>>::WRITE_SIZE;
+        const ERASE_SIZE: usize = RamFlash::<Vec<u8>>::ERASE_SIZE;
+
+        async fn erase(&mut self, _: u32, _: u32) -> Result<(), NorFlashErrorKind> {
+            Err(NorFlashErrorKind::Other)
+        }
+
+        async fn write(&mut self, _: u32, _: &[u8]) -> Result<(), NorFlashErrorKind> {
+            Err(NorFlashErrorKind::Other)
+        }
     }
 
     #[test]
     fn a_device_that_estimates_is_left_alone_unless_asked() {
-        let (done, source, mode) = push(&CAREFUL, Manners::default());
+        let (done, source, mode) = push(&CAREFUL, erased());
         let complaint = done.unwrap_err().to_string();
         assert!(complaint.contains("--pause") && complaint.contains("--while-estimating"), "{complaint}");
         assert!(source != TableSource::Stored && mode == Mode::Estimate);
@@ -216,7 +259,7 @@ mod tests {
             WriteOptions { reset: true, ..CAREFUL },
         ];
         for options in asked {
-            let (done, source, mode) = push(&options, Manners::default());
+            let (done, source, mode) = push(&options, erased());
             assert_eq!(done.unwrap().is_some(), options.reset);
             assert!(source == TableSource::Stored && mode == Mode::Estimate, "{options:?}: {source:?} {mode:?}");
         }
@@ -224,14 +267,13 @@ mod tests {
 
     #[test]
     fn a_dry_run_writes_nothing() {
-        let (done, source, _) = push(&WriteOptions { dry_run: true, reset: true, ..CAREFUL }, Manners::default());
+        let (done, source, _) = push(&WriteOptions { dry_run: true, reset: true, ..CAREFUL }, erased());
         assert!(done.unwrap().is_none() && source != TableSource::Stored);
     }
 
     #[test]
     fn a_push_that_fails_lets_the_device_go_on() {
-        let fails = || Manners { store_fails: true, ..Manners::default() };
-        let (done, source, mode) = push(&WriteOptions { pause: true, reset: true, ..CAREFUL }, fails());
+        let (done, source, mode) = push(&WriteOptions { pause: true, reset: true, ..CAREFUL }, Worn(erased()));
         let complaint = done.unwrap_err().to_string();
         assert!(complaint.contains("flash reports an error"), "{complaint}");
         assert!(source != TableSource::Stored && mode == Mode::Estimate);
@@ -239,25 +281,35 @@ mod tests {
 
     #[test]
     fn a_device_that_does_not_answer_is_not_said_to_lack_a_table() {
-        let fake = Fake::start(Manners { lose_replies: (2..5).collect(), ..Manners::default() });
-        let complaint = format!("{:#}", running_table(&mut fake.connect().0).unwrap_err());
+        let device = Emulator::new().start().unwrap();
+        let line = FaultyLine::to(device.address(), lose_replies(2..5)).unwrap();
+        let (mut client, _) = Client::connect(&line.address().into()).unwrap();
+        let complaint = format!("{:#}", running_table(&mut client).unwrap_err());
         assert!(complaint.contains("no answer") && !complaint.contains("piezo push"), "{complaint}");
     }
 
     #[test]
     fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
-        let fake = Fake::start(Manners::default());
-        let (table, (_, identity)) = (fake.table(), fake.connect());
-        let board = board_of(&identity).unwrap();
+        let device = Emulator::new().start().unwrap();
+        let (_, identity) = Client::connect(&device.address().into()).unwrap();
+        let (table, board) = (TABLE.admit().unwrap(), board_of(&identity).unwrap());
         let path = Path::new("mine/table.bin");
         require_fit(&table, &board, path).unwrap();
         let refusal = |board: Board| require_fit(&table, &board, path).unwrap_err().to_string();
-        let converters = refusal(Board { adc_full_scale: 65_520, dac_full_scale: 1023, ..board });
-        let command = "piezo emit mine/table.toml --adc-full-scale 65520 --dac-full-scale 1023";
+        let converters = refusal(Board { adc_full_scale: 4095, dac_full_scale: 1023, ..board });
+        let command = "piezo emit mine/table.toml --adc-full-scale 4095 --dac-full-scale 1023";
         assert!(converters.contains(command), "{converters}");
         assert!(refusal(Board { tick_us: 100, ..board }).contains("--tick-us 100"));
-        let newer = Fake::start(Manners { newer_records: true, ..Manners::default() });
-        let complaint = board_of(&newer.connect().1).unwrap_err().to_string();
+        let newer = messages(|message| match message {
+            ToHost::Reply { to, reply: Reply::Identity(identity) } => {
+                let newer = Identity { record_version: identity.record_version + 1, ..identity };
+                Some(ToHost::Reply { to, reply: Reply::Identity(newer) })
+            }
+            other => Some(other),
+        });
+        let line = FaultyLine::to(device.address(), newer).unwrap();
+        let (_, identity) = Client::connect(&line.address().into()).unwrap();
+        let complaint = board_of(&identity).unwrap_err().to_string();
         assert!(complaint.contains(&format!("writes format {VERSION}")), "{complaint}");
     }
 }

@@ -13,8 +13,6 @@ pub mod window;
 pub mod words;
 
 #[cfg(test)]
-pub(crate) mod fake;
-#[cfg(test)]
 mod tests;
 
 pub use client::{Anyway, Client};
