@@ -25,6 +25,7 @@ pub mod math;
 pub mod model;
 pub mod range;
 pub mod record;
+pub mod sealed;
 pub mod table;
 
 pub use admissible::Inadmissible;

@@ -16,7 +16,7 @@ pub enum Refusal {
     NoTable,
     /// There is no displacement to call 0: nothing is being estimated from the ADC.
     NotEstimating,
-    /// Codes were fed, but the mode is not [`Mode::Pil`].
+    /// Codes were fed, but the mode is not [`Mode::Pil`](crate::Mode::Pil).
     NotPil,
     /// The table does not say how the DAC drives the amplifier, or there is none.
     NoDrive,
@@ -24,7 +24,7 @@ pub enum Refusal {
     Faulty,
     /// The DAC drives the amplifier by one of the tables only: the one in use, or the one that would be used.
     Rewired,
-    /// References came, but the mode is not [`Mode::Follow`].
+    /// References came, but the mode is not [`Mode::Follow`](crate::Mode::Follow).
     NotFollowing,
     /// A reference is not a finite number.
     NotFinite,
@@ -49,8 +49,8 @@ impl core::fmt::Display for Refusal {
             Self::Faulty => write!(f, "a fault keeps its output at rest: piezo info says which"),
             Self::Rewired => write!(
                 f,
-                "by the one table the DAC drives the amplifier, by the other it shows the displacement: unplug it, say --rewired, \
-                 and plug it where it then belongs"
+                "the new table changes what the DAC output is connected to (amplifier or display): unplug it, then repeat with \
+                 --rewired"
             ),
             Self::NotFollowing => write!(f, "it takes references in the mode that follows them only"),
             Self::NotFinite => write!(f, "a reference is not a finite number"),
