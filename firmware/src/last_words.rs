@@ -41,7 +41,7 @@ impl Words {
         Some(text)
     }
 
-    /// No message.
+    /// What the place holds where there is no message.
     const SILENCE: Self = Self { length: 0, checksum: 0, bytes: [0; LENGTH] };
 }
 

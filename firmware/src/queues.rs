@@ -21,9 +21,9 @@ pub enum Command {
 /// A sample and its tick, counted from 0 when the mode was set.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Numbered {
-    /// The tick.
+    /// The tick's number.
     pub tick: u32,
-    /// Its sample.
+    /// What the tick gave.
     pub sample: Sample,
 }
 
@@ -61,7 +61,7 @@ pub struct LinkQueues<'q> {
 }
 
 impl Queues {
-    /// Empty queues.
+    /// Queues with nothing in them.
     pub const fn new() -> Self {
         Self { commands: Queue::new(), fed: Queue::new(), references: Queue::new(), samples: Queue::new() }
     }

@@ -50,7 +50,7 @@ pub fn add(counter: &AtomicU32, more: u32) {
 }
 
 impl Telemetry {
-    /// All zeros.
+    /// Nothing counted yet.
     pub const fn new() -> Self {
         Self {
             ticks: AtomicU32::new(0),

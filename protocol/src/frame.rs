@@ -32,7 +32,7 @@ pub enum FrameError {
     Checksum,
     /// The other side speaks another version of the protocol.
     Version {
-        /// Its version.
+        /// The version that the other side speaks.
         found: u8,
     },
     /// The checksum matches, but the content is no message of this version.

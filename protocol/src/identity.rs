@@ -11,14 +11,14 @@ pub enum TableSource {
     Stored,
     /// The firmware image, because the store had none that could be used.
     Compiled {
-        /// Why.
+        /// Why the stored table is not used.
         reason: Text<120>,
     },
     /// Neither had one that could be used.
     None {
-        /// Why not the stored one.
+        /// Why the stored table is not used.
         stored: Text<120>,
-        /// Why not the compiled one.
+        /// Why the image's table is not used either.
         compiled: Text<120>,
     },
 }
@@ -26,7 +26,7 @@ pub enum TableSource {
 /// Who the device is.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Identity {
-    /// The board.
+    /// Name of the board.
     pub board: Text<24>,
     /// The firmware's version.
     pub firmware: Text<16>,
@@ -34,7 +34,7 @@ pub struct Identity {
     pub git: Text<24>,
     /// The table record's format version that it reads ([`estimator_core::record::VERSION`]).
     pub record_version: u16,
-    /// Tick, µs.
+    /// From one tick to the next, µs.
     pub tick_us: u32,
     /// The ADC's largest code, oversampling included; a table must be made for it.
     pub adc_full_scale: u16,

@@ -38,7 +38,7 @@ pub enum Request {
     Pull,
     /// Store a table; it is used from the next reset on. → [`Reply::Done`]
     Push {
-        /// Its record.
+        /// The table's record.
         record: Record,
         /// Write although the tick is estimating: flash operations may cost ticks.
         while_estimating: bool,
@@ -81,7 +81,7 @@ pub enum ToHost {
     Reply {
         /// The request's sequence number.
         to: u16,
-        /// The answer.
+        /// The answer to the request.
         reply: Reply,
     },
     /// Samples, while streaming.
@@ -91,23 +91,23 @@ pub enum ToHost {
 /// What the device may answer.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub enum Reply {
-    /// To [`Request::Identify`].
+    /// To [`Request::Identify`]: who the device is.
     Identity(Identity),
-    /// To [`Request::Health`].
+    /// To [`Request::Health`]: how the device is.
     Health(Health),
-    /// To [`Request::Pull`].
+    /// To [`Request::Pull`]: the record of the table in use.
     Table(Record),
-    /// It is done.
+    /// What was asked is done.
     Done,
     /// To [`Request::Feed`]: how many codes there was room for; the rest must be sent again.
     Fed(u16),
-    /// To [`Request::Refer`].
+    /// To [`Request::Refer`]: what became of the references.
     Referred {
         /// How many there was room for; the rest must be sent again.
         taken: u16,
         /// Ticks since the mode was set that found no reference after the first, and held the last one.
         starved: u32,
     },
-    /// It is not done.
+    /// What was asked is not done, and why.
     Refused(Refusal),
 }

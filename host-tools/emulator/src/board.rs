@@ -30,7 +30,7 @@ const MOST_TICKS: f64 = 64.0;
 pub struct Board<'l, P, F> {
     /// What the converters are connected to.
     pub plant: P,
-    /// The flash.
+    /// The flash that holds the parameter pages.
     pub flash: F,
     /// Where in the flash the parameter pages are, bytes from its start.
     pub pages: Range<u32>,
