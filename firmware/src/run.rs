@@ -13,7 +13,6 @@ use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Timer};
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
-use estimator_core::Lookup;
 use parameter_store::{ParameterStore, StoreError};
 use protocol::{Faults, TableSource};
 
@@ -23,13 +22,12 @@ const WATCHDOG: Duration = Duration::from_millis(20);
 /// Memory that the tick and the link use for as long as the firmware runs. A board keeps it in a static.
 pub struct Resources {
     queues: Queues,
-    lookup: Option<Lookup<f32>>,
 }
 
 impl Resources {
     /// Memory for one run of the firmware.
     pub const fn new() -> Self {
-        Self { queues: Queues::new(), lookup: None }
+        Self { queues: Queues::new() }
     }
 }
 
@@ -53,10 +51,8 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<
     let mut store = ParameterStore::new(board.flash, board.pages)?;
     let Chosen { table, source, fallback } = boot::choose(&mut store, TABLE, &facts.interface).await;
     log_start(&source);
-    let Resources { queues, lookup } = resources;
-    *lookup = table.and_then(|table| table.lookup());
-    let (tick_queues, link_queues) = queues.split();
-    let startup = Startup::new(table.as_ref(), lookup.as_ref(), &facts, fallback);
+    let (tick_queues, link_queues) = resources.queues.split();
+    let startup = Startup::new(table.as_ref(), &facts, fallback);
     let tick = Tick::new(startup, &facts, tick_queues, telemetry);
     let device = Device {
         facts,

@@ -2,13 +2,13 @@
 
 use crate::drive::Drive;
 use crate::facts::Facts;
-use estimator_core::{Admitted, DacCode, Estimator, Lookup};
+use estimator_core::{Admitted, DacCode, Estimator};
 use protocol::Faults;
 
 /// What the tick computes with, and where its output rests.
-pub struct Startup<'q> {
+pub struct Startup {
     /// The estimator; without it the DAC stays at its safe code.
-    pub estimator: Option<Estimator<'q, f32>>,
+    pub estimator: Option<Estimator<f32>>,
     /// The drive, where the DAC drives the amplifier.
     pub drive: Option<Drive>,
     /// The DAC's safe code.
@@ -17,12 +17,10 @@ pub struct Startup<'q> {
     pub faults: Faults,
 }
 
-impl<'q> Startup<'q> {
-    /// The start with a table, or without one. `fallback` says that the stored table could not be used; `lookup` belongs to
-    /// the table's form.
-    pub fn new(table: Option<&Admitted>, lookup: Option<&'q Lookup<f32>>, facts: &Facts, fallback: bool) -> Self {
-        // Cannot fail: the lookup has been made from the table.
-        let estimator = table.and_then(|table| Estimator::new(table, lookup).ok());
+impl Startup {
+    /// The start with a table, or without one. `fallback` says that the stored table could not be used.
+    pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
+        let estimator = table.map(Estimator::new);
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
         // without a table nobody knows which code that is, and it is half scale.
         let safe = table.map_or(DacCode(facts.interface.dac_full_scale / 2), |table| {

@@ -20,7 +20,7 @@ use protocol::{Faults, Mode, Sample};
 
 /// Everything the interrupt owns.
 pub struct Tick<'q> {
-    startup: Startup<'q>,
+    startup: Startup,
     queues: TickQueues<'q>,
     telemetry: &'q Telemetry,
     /// Counts of the cycle counter from tick to tick.
@@ -45,7 +45,7 @@ struct Output {
 
 impl<'q> Tick<'q> {
     /// A tick of a board; its safe code and its faults since boot can be read in `telemetry` from now on.
-    pub fn new(startup: Startup<'q>, facts: &Facts, queues: TickQueues<'q>, telemetry: &'q Telemetry) -> Self {
+    pub fn new(startup: Startup, facts: &Facts, queues: TickQueues<'q>, telemetry: &'q Telemetry) -> Self {
         telemetry.safe.store(startup.safe.0, Relaxed);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
@@ -196,13 +196,13 @@ impl<'q> Tick<'q> {
 /// The estimator's tick as a function of its own, so that its instructions can be counted in an image.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn tick_sample(estimator: &mut Estimator<'_, f32>, code: AdcCode) -> Estimate<f32> {
+fn tick_sample(estimator: &mut Estimator<f32>, code: AdcCode) -> Estimate<f32> {
     estimator.tick(code)
 }
 
 /// Marks the start of a measurement, for whoever counts instructions.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn tick_restart(estimator: &mut Estimator<'_, f32>) {
+fn tick_restart(estimator: &mut Estimator<f32>) {
     estimator.restart();
 }

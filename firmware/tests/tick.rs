@@ -12,7 +12,7 @@ use protocol::{Faults, Mode};
 #[test]
 fn it_is_the_core_s_estimator_and_its_samples_are_numbered() {
     let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
-    let mut reference = Estimator::<f32>::new(&compiled(), None).unwrap();
+    let mut reference = Estimator::<f32>::new(&compiled());
     other.telemetry.streaming.store(true, Relaxed);
     for k in 0..5_000 {
         let expected = reference.tick(triangle(k));
@@ -104,7 +104,7 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
         let last = (limit..limit + 3).map(|k| step(code(k))).last();
         assert_eq!(last, Some(SAFE), "{fault:?}");
         assert!(other.telemetry.faults().contains(fault | Faults::SAFE_OUTPUT));
-        let mut reference = Estimator::<f32>::new(&compiled(), None).unwrap();
+        let mut reference = Estimator::<f32>::new(&compiled());
         for k in 1..HOLD {
             assert_eq!(step(moving(k)), SAFE, "{fault:?} has ended {k} ticks ago");
         }
@@ -138,7 +138,7 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
     tick.sample(triangle(100), 100 * PERIOD);
     assert_eq!((other.telemetry.mode(), other.telemetry.epoch.load(Relaxed)), (Mode::Pil, 1));
     other.telemetry.streaming.store(true, Relaxed);
-    let mut reference = Estimator::<f32>::new(&compiled(), None).unwrap();
+    let mut reference = Estimator::<f32>::new(&compiled());
     for k in 0..300 {
         if k % 3 != 0 {
             other.queues.fed.enqueue(triangle(7 * k)).unwrap();
@@ -168,7 +168,7 @@ fn fed_codes_are_no_sign_of_the_adc_s_health() {
     other.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
     tick.sample(triangle(0), 0);
     other.telemetry.streaming.store(true, Relaxed);
-    let mut reference = Estimator::<f32>::new(&compiled(), None).unwrap();
+    let mut reference = Estimator::<f32>::new(&compiled());
     let lasts = |code: u16, ticks: u32| (0..ticks).map(move |_| AdcCode(code));
     let log = lasts(30_000, 2 * STUCK).chain(lasts(65_520, 2 * OUT_OF_RANGE)).chain((0..3 * HOLD).map(moving));
     for (code, k) in log.zip(1..) {

@@ -15,7 +15,7 @@ fn the_champion_beats_voigt_on_what_neither_has_seen() {
     piezo().args(["simulate", "--duration", "1", "--out"]).arg(&rig).assert().success();
     let log = |name: &str| rig.join(name).with_extension("csv");
     let counts = folder.path().join("instructions.json");
-    fs::write(&counts, r#"{ "champion": { "max": 1234, "mean": 1200.5 }, "narx": { "max": 9, "mean": 8 } }"#).unwrap();
+    fs::write(&counts, r#"{ "generalised-prandtl-ishlinskii": { "max": 1234, "mean": 1200.5 }, "narx": { "max": 9, "mean": 8 } }"#).unwrap();
     let out = folder.path().join("out");
     let result = json(
         piezo()
@@ -29,7 +29,7 @@ fn the_champion_beats_voigt_on_what_neither_has_seen() {
     );
     let rows = result["rows"].as_array().unwrap();
     let models: Vec<&Value> = rows.iter().map(|row| &row["model"]).collect();
-    assert_eq!(models, ["champion", "voigt", "preisach"]);
+    assert_eq!(models, ["generalised-prandtl-ishlinskii", "voigt", "preisach"]);
     let evaluations: Vec<f64> = (0..3).map(|row| number(&result, &format!("/rows/{row}/evaluations"))).collect();
     assert!((1498.0..=1500.0).contains(&evaluations[0]), "{evaluations:?}");
     assert_eq!(evaluations[1..], [1500.0, 1.0]);
@@ -43,7 +43,7 @@ fn the_champion_beats_voigt_on_what_neither_has_seen() {
 
     let page = fs::read_to_string(out.join("compare.html")).unwrap();
     for words in
-        ["champion", "Voigt (4.8)", "1234", "tr10.csv 0.00 … 1.00 s", "Evaluations", "1500", "smallest MAE held out"]
+        ["generalised-prandtl-ishlinskii", "Voigt (4.8)", "1234", "tr10.csv 0.00 … 1.00 s", "Evaluations", "1500", "smallest MAE held out"]
     {
         assert!(page.contains(words), "{words} is missing");
     }
@@ -77,7 +77,7 @@ fn what_cannot_be_compared_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let log = super::MEASURED;
-    refused(&["compare", log, "--models", "voigt,fancy", "--out", text(&out)], &["fancy", "champion"]);
+    refused(&["compare", log, "--models", "voigt,fancy", "--out", text(&out)], &["fancy", "generalised-prandtl-ishlinskii"]);
     refused(&["compare", log, "--models", "auto", "--out", text(&out)], &["auto"]);
     refused(
         &["compare", log, "--hold-out", "0", "--models", "preisach", "--out", text(&out)],

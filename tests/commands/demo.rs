@@ -2,7 +2,7 @@
 
 use super::{MEASURED, json, number, piezo};
 use estimator_core::Table;
-use host_tools::table_file::TableFile;
+use identification::table_file::TableFile;
 use serde_json::Value;
 use std::fs;
 
@@ -12,7 +12,7 @@ use std::fs;
 fn identifies_the_measured_log_and_says_how_good_it_is() {
     let out = tempfile::tempdir().unwrap();
     let result = json(piezo().args(["identify", MEASURED, "--json", "--generations", "50", "--out"]).arg(out.path()));
-    assert_eq!(result["model"], "champion");
+    assert_eq!(result["model"], "generalised-prandtl-ishlinskii");
     let candidates = result["candidates"].as_array().unwrap();
     let held_out: Vec<f64> = candidates.iter().map(|candidate| number(candidate, "/held_out/mae_um")).collect();
     let percent = |mae: f64| 100.0 * mae / number(&candidates[0], "/held_out/stroke_um");

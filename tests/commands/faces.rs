@@ -2,7 +2,7 @@
 
 use super::{data, piezo};
 use estimator_core::{Form, Table};
-use host_tools::table_file::TableFile;
+use identification::table_file::TableFile;
 use std::fs;
 
 /// `piezo emit --face rust` of `tests/data/table/table.toml`, compiled here.

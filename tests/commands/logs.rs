@@ -1,8 +1,8 @@
 //! What a log may be like: a sensor with any offset, late, falling or of something else, a glitch, a voltage that rests.
 
 use super::{MEASURED, json, number, piezo, refused, root};
-use host_tools::log::{Displacement, Log, ReadOptions, read, write_csv};
-use host_tools::rig::{EXCITATIONS, Rig};
+use recordings::log::{Displacement, Log, ReadOptions, read, write_csv};
+use recordings::rig::{EXCITATIONS, Rig};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fs;

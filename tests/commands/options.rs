@@ -3,7 +3,7 @@
 use super::logs::{rig, write};
 use super::{MEASURED, json, number, piezo, refused, text};
 use estimator_core::{Form, Scheme};
-use host_tools::table_file::TableFile;
+use identification::table_file::TableFile;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -159,7 +159,7 @@ fn a_model_that_finds_nothing_admissible_does_not_take_the_others_along() {
     assert!(failed.iter().all(|entry| entry["reason"].as_str().is_some_and(|reason| reason.len() > 20)), "{failed:?}");
     let found: Vec<String> = result["candidates"].as_array().unwrap().iter().map(model).collect();
     assert!(failed.iter().all(|entry| !found.contains(&model(entry))), "{found:?} {failed:?}");
-    assert_eq!((found.len() + failed.len(), &result["model"]), (5, &json!("champion")));
+    assert_eq!((found.len() + failed.len(), &result["model"]), (5, &json!("generalised-prandtl-ishlinskii")));
     TableFile::load(&out.join("table.toml")).unwrap();
 
     let out = folder.path().join("enhanced");

@@ -79,7 +79,7 @@ impl<F: NorFlash> Device<'_, F> {
             adc_full_scale,
             dac_full_scale,
             source: self.source.clone(),
-            model: self.table.map_or_else(Text::new, |table| text(table.model)),
+            model: self.table.map_or_else(Text::new, |table| text(table.model())),
             table_crc: self.record().and_then(|record| checksum(&record)).unwrap_or(0),
         }
     }

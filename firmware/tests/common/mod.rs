@@ -57,8 +57,7 @@ pub struct Other {
 pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, Other) {
     let (tick_queues, queues) = Box::leak(Box::new(Queues::new())).split();
     let telemetry: &'static Telemetry = Box::leak(Box::new(Telemetry::new()));
-    let start = Startup::new(table, None, &FACTS, false);
-    assert_eq!(start.estimator.is_some(), table.is_some(), "a direct table needs no lookup");
+    let start = Startup::new(table, &FACTS, false);
     let safe = table.and_then(Drive::rest).unwrap_or(SAFE);
     let startup = Startup { safe, faults: start.faults | faults, ..start };
     (Tick::new(startup, &FACTS, tick_queues, telemetry), Other { queues, telemetry })

@@ -26,7 +26,7 @@ fn driving(table: &Admitted, model: Model, parameters: Parameters) -> Result<Adm
 }
 
 fn champion() -> Parameters {
-    Parameters::Champion(ChampionParameters {
+    Parameters::GeneralisedPrandtlIshlinskii(GeneralisedPrandtlIshlinskiiParameters {
         span_v: Range { min: -0.18, max: 3.78 },
         delay_ticks: 0.6,
         slew_v_per_s: 300.0,
@@ -121,7 +121,7 @@ fn the_drive_gives_the_codes_of_the_host_s_inverse_in_time() -> Result<()> {
     let voigt = table.parameters;
     for (name, model, parameters) in [
         ("Voigt", Model::Voigt, voigt),
-        ("champion", Model::Champion, champion()),
+        ("generalised-prandtl-ishlinskii", Model::GeneralisedPrandtlIshlinskii, champion()),
         ("Preisach", Model::Preisach, preisach()),
         ("Bouc-Wen", Model::BoucWen, bouc_wen()),
     ] {

@@ -10,10 +10,10 @@ use anyhow::{Result, ensure};
 use board_emulator_test::{CORE_HZ, Reset, exception};
 use common::Bench;
 use estimator_core::{Admitted, Estimator, Form};
-use host_tools::log::{self, ReadOptions};
-use host_tools::table_file::TableFile;
-use host_tools::tabulation::tabulated;
+use identification::table_file::TableFile;
+use identification::tabulation::tabulated;
 use protocol::TableSource;
+use recordings::log::{self, ReadOptions};
 
 fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)

@@ -20,7 +20,7 @@ fn root() -> PathBuf {
 fn identify(out: &Path) -> Result<PathBuf> {
     let status = Command::new(env::var_os("CARGO").context("not run by cargo")?)
         .current_dir(root())
-        .args(["run", "--quiet", "--package", "host-tools", "--bin", "piezo", "--"])
+        .args(["run", "--quiet", "--package", "piezo", "--"])
         .args(["identify", "tests/data/picma-p885-1hz.csv", "--generations", "20", "--out"])
         .arg(out)
         .status()?;

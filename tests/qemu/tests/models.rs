@@ -24,7 +24,7 @@ fn pil(models: &[&str]) {
 
 #[test]
 fn models_of_hysteresis_give_the_host_s_bits() {
-    pil(&["prandtl-ishlinskii", "maxwell-slip", "preisach", "champion"]);
+    pil(&["prandtl-ishlinskii", "maxwell-slip", "preisach", "generalised-prandtl-ishlinskii"]);
 }
 
 #[test]

@@ -1,0 +1,143 @@
+//! What the training logs can teach: how many reversals they have, at how many frequencies and amplitudes.
+
+use estimator_core::Tracker;
+use recordings::session::Session;
+
+/// What was found in the training logs' voltage.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Character {
+    /// Reversals of at least 10 % of the voltage span, all logs together.
+    pub reversals: usize,
+    /// Reversals that the model's deadband lets through.
+    pub reversals_at_deadband: usize,
+    half_cycles: Vec<HalfCycle>,
+}
+
+/// From one reversal to the next.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct HalfCycle {
+    seconds: f64,
+    volts: f64,
+}
+
+/// Reversals smaller than this fraction of the whole span are noise or glitches here.
+const SMALLEST_SWING: f64 = 0.1;
+/// Half cycles (or swings) whose extremes differ by less than this factor count as one frequency (or amplitude).
+const ONE: f64 = 1.25;
+/// Half cycles that together last less than this fraction of the time are glitches, at either end.
+const RARE: f64 = 0.05;
+
+impl Character {
+    /// Looks at the voltages of some sessions; `deadband` (V) is the model's.
+    pub fn of<'a>(sessions: impl Iterator<Item = &'a Session> + Clone, deadband: f64) -> Self {
+        let voltages = || sessions.clone().flat_map(|session| &session.voltage);
+        let span = voltages().fold(f64::MIN, |a, &b| a.max(b)) - voltages().fold(f64::MAX, |a, &b| a.min(b));
+        let mut character = Self { reversals: 0, reversals_at_deadband: 0, half_cycles: Vec::new() };
+        for session in sessions {
+            // The tracker records the displacement at the extreme; here that is the time.
+            let mut tracker = Tracker::new(SMALLEST_SWING * span);
+            let mut fine = Tracker::new(deadband);
+            let passes = session.voltage.iter().filter(|&&voltage| fine.update(voltage, 0.0)).count();
+            character.reversals_at_deadband += passes;
+            let mut previous: Option<(f64, f64)> = None;
+            for (tick, &voltage) in session.voltage.iter().enumerate() {
+                if !tracker.update(voltage, tick as f64 * session.tick_s) {
+                    continue;
+                }
+                character.reversals += 1;
+                let (at, volts) = (tracker.last().displacement, tracker.last().voltage);
+                if let Some((before, from)) = previous {
+                    character.half_cycles.push(HalfCycle { seconds: at - before, volts: (volts - from).abs() });
+                }
+                previous = Some((at, volts));
+            }
+        }
+        character
+    }
+
+    /// Whether all half cycles last about the same. A hold makes a half cycle longer, and so another frequency.
+    pub fn single_frequency(&self) -> bool {
+        self.single(|half_cycle| half_cycle.seconds)
+    }
+
+    /// Whether all swings are about as large.
+    pub fn single_amplitude(&self) -> bool {
+        self.single(|half_cycle| half_cycle.volts)
+    }
+
+    /// Whether a quantity is about the same in all half cycles but rare ones.
+    fn single(&self, of: fn(&HalfCycle) -> f64) -> bool {
+        let mut sorted: Vec<(f64, f64)> = self.half_cycles.iter().map(|half| (of(half), half.seconds)).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let whole: f64 = sorted.iter().map(|(_, seconds)| seconds).sum();
+        let beyond = |time: f64| {
+            let mut passed = 0.0;
+            sorted.iter().find(|(_, seconds)| {
+                passed += seconds;
+                passed > time
+            })
+        };
+        match (beyond(RARE * whole), beyond((1.0 - RARE) * whole)) {
+            (Some((low, _)), Some((high, _))) => *high < ONE * low,
+            _ => true,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn session(voltage: Vec<f64>) -> Session {
+        let count = voltage.len() as u32;
+        Session::new("x".into(), voltage, (0..count).collect(), vec![0.0; count as usize], 1e-3)
+    }
+
+    fn sine(amplitude: f64, hertz: f64) -> Session {
+        session((0..2000).map(|k| amplitude * (std::f64::consts::TAU * hertz * 1e-3 * f64::from(k)).sin()).collect())
+    }
+
+    #[test]
+    fn one_sine_is_one_frequency_and_one_amplitude() {
+        let sessions = [sine(20.0, 5.0)];
+        let character = Character::of(sessions.iter(), 0.02);
+        assert_eq!(character.reversals, 20);
+        assert!(character.single_amplitude() && character.single_frequency());
+    }
+
+    #[test]
+    fn two_frequencies_and_two_amplitudes_are_seen() {
+        let frequencies = [sine(20.0, 5.0), sine(20.0, 50.0)];
+        let character = Character::of(frequencies.iter(), 0.02);
+        assert!(character.single_amplitude() && !character.single_frequency());
+        let amplitudes = [sine(20.0, 5.0), sine(10.0, 5.0)];
+        let character = Character::of(amplitudes.iter(), 0.02);
+        assert!(!character.single_amplitude() && character.single_frequency());
+    }
+
+    #[test]
+    fn the_thesis_s_frequencies_are_several_though_most_half_cycles_are_fast() {
+        let sessions = [sine(20.0, 1.0), sine(20.0, 100.0)];
+        assert!(!Character::of(sessions.iter(), 0.02).single_frequency());
+    }
+
+    #[test]
+    fn a_glitch_is_no_second_amplitude() {
+        let mut glitched = sine(20.0, 5.0);
+        for (volts, reversals) in [(1.5, 20), (6.0, 22)] {
+            let before = glitched.voltage[1033];
+            glitched.voltage[1033] -= volts;
+            let character = Character::of([&glitched].into_iter(), 0.02);
+            glitched.voltage[1033] = before;
+            assert_eq!(character.reversals, reversals);
+            assert!(character.single_amplitude() && character.single_frequency(), "{volts} V");
+        }
+    }
+
+    #[test]
+    fn a_ramp_teaches_no_reversal() {
+        let ramp = [session((0..100).map(f64::from).collect())];
+        let character = Character::of(ramp.iter(), 0.02);
+        assert!(character.reversals == 0 && character.single_amplitude() && character.single_frequency());
+    }
+}

@@ -1,0 +1,218 @@
+//! Models side by side: each identified on the same training data, with the same seed, method and budget of
+//! evaluations, and judged by its simulation errors (µm) on logs that decided nothing. Zeros and delay are decided
+//! once, from the training data.
+
+use crate::validate::{Comparison, Figures};
+use crate::{Candidate, Doubt, Fit, Identification, Job, LogUse, Prepared, Progress, with_contained};
+use anyhow::{Context, Result, ensure};
+use estimator_core::Model;
+use recordings::prepare::Recipe;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+/// What came of a comparison.
+#[derive(Clone, Debug, Serialize)]
+pub struct Matrix {
+    /// A model each, in the order asked for.
+    pub rows: Vec<Row>,
+    /// How the logs were prepared.
+    pub recipe: Recipe,
+    /// What each log was used for, the same for every model.
+    pub logs: Vec<LogUse>,
+    /// Why not to trust the logs or their preparation.
+    pub doubts: Vec<Doubt>,
+}
+
+/// A model.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Which.
+    pub model: Model,
+    /// Wall-clock time of its own search, s; that of the simpler models it starts from is theirs.
+    pub seconds: f64,
+    /// Candidates that were evaluated in it.
+    pub evaluations: usize,
+    /// What a tick of it takes on the target, where that was measured.
+    pub instructions: Option<Instructions>,
+    /// Its errors, or why it has no admissible candidate.
+    #[serde(flatten)]
+    pub result: Judgement,
+}
+
+/// How a model did.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Judgement {
+    /// Identified.
+    Identified(Box<Errors>),
+    /// No admissible candidate.
+    Failed {
+        /// Why.
+        failed: String,
+    },
+}
+
+/// Errors of an identified model.
+#[derive(Clone, Debug, Serialize)]
+pub struct Errors {
+    /// Numbers identified: see [`parameters`].
+    pub parameters: usize,
+    /// On what it was fitted to.
+    pub training: Part,
+    /// On what was held out.
+    pub held_out: Part,
+}
+
+/// Errors on several logs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Part {
+    /// A log at a time.
+    pub logs: Vec<LogErrors>,
+    /// Over all, each log weighing the same.
+    pub all: Figures,
+}
+
+/// Errors on a log.
+#[derive(Clone, Debug, Serialize)]
+pub struct LogErrors {
+    /// Its name.
+    pub log: String,
+    /// Those of the f64 reference.
+    pub errors: Figures,
+}
+
+/// Instructions per tick on the target.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Instructions {
+    /// Most in a tick.
+    pub max: f64,
+    /// Mean over ticks.
+    pub mean: f64,
+}
+
+impl Row {
+    /// Its errors, where it was identified.
+    pub fn errors(&self) -> Option<&Errors> {
+        match &self.result {
+            Judgement::Identified(errors) => Some(errors),
+            Judgement::Failed { .. } => None,
+        }
+    }
+}
+
+impl Matrix {
+    /// The model with the smallest mean absolute error over all that was held out.
+    pub fn nearest(&self) -> Option<Model> {
+        let errors = self.rows.iter().filter_map(|row| Some((row.model, row.errors()?.held_out.all.mae_um)));
+        errors.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(model, _)| model)
+    }
+
+    /// Whether instructions are known of any row.
+    pub fn counted(&self) -> bool {
+        self.rows.iter().any(|row| row.instructions.is_some())
+    }
+
+    /// The held-out logs, by name, in the order of each row's errors.
+    pub fn held_out(&self) -> Vec<&str> {
+        let first = self.rows.iter().find_map(Row::errors);
+        first.map_or(Vec::new(), |errors| errors.held_out.logs.iter().map(|log| log.log.as_str()).collect())
+    }
+}
+
+/// Reads a JSON map of model names (`voigt-chain`) to instructions per tick (`{"max": 900, "mean": 840.5}`).
+pub fn read_instructions(path: &Path) -> Result<Vec<(Model, Instructions)>> {
+    let read = || -> Result<Vec<(Model, Instructions)>> {
+        let map: BTreeMap<String, Instructions> = serde_json::from_slice(&std::fs::read(path)?)?;
+        let model = |name: &str| Model::deserialize(IntoDeserializer::<Error>::into_deserializer(name));
+        map.into_iter().map(|(name, counts)| Ok((model(&name)?, counts))).collect()
+    };
+    let remedy = "expected a map of model names to instructions per tick, {\"voigt\": {\"max\": 900, \"mean\": 840.5}}";
+    read().with_context(|| format!("{}: {remedy}", path.display()))
+}
+
+/// Callbacks of a model's search, roughly, for a progress bar.
+const CALLBACKS: u64 = 700;
+
+/// Calls of `progress` that [`run`] makes, roughly.
+pub fn generations(job: &Job, models: &[Model]) -> u64 {
+    job.generations_before() + CALLBACKS * searches(job, models).concat().len() as u64
+}
+
+/// Identifies the models, each with at most so many evaluations of candidates, and judges them. The job's own choice of
+/// a model is not looked at.
+///
+/// # Errors
+/// Nothing is held out, or the logs cannot be prepared. A model without an admissible candidate is a row.
+pub fn run(job: &Job, models: &[Model], budget: usize, progress: Progress<'_>) -> Result<Matrix> {
+    let Prepared { problem, setting, logs, estimates, delay_at_bound } = job.prepare(progress)?;
+    ensure!(problem.validation().next().is_some(), "nothing is held out: use --hold-out or --validate-on");
+    let mut found: Vec<(Fit, f64)> = Vec::new();
+    for group in searches(job, models) {
+        let mut seconds = vec![0.0; group.len()];
+        let mut last = Instant::now();
+        // What has passed since the last generation was spent on this one.
+        let mut charge = |model: Option<&Model>| {
+            let now = Instant::now();
+            let index = group.iter().position(|other| Some(other) == model);
+            if let Some(spent) = index.and_then(|index| seconds.get_mut(index)) {
+                *spent += now.duration_since(last).as_secs_f64();
+            }
+            last = now;
+        };
+        let identification =
+            Identification { problem: &problem, cost: job.cost, options: &job.search, budget: Some(budget) };
+        let fits = identification.run(&group, &mut |model, cost| {
+            charge(Some(&model));
+            progress(model, cost);
+        });
+        charge(group.last());
+        found.extend(fits.into_iter().zip(seconds));
+    }
+    let rows = models.iter().filter_map(|model| {
+        let (fit, seconds) = found.iter().find(|(fit, _)| fit.model == *model)?;
+        let result = Candidate::new(&problem, fit.clone(), &setting).and_then(|candidate| errors(&candidate));
+        Some(Row {
+            model: *model,
+            seconds: *seconds,
+            evaluations: fit.evaluations,
+            instructions: None,
+            result: match result {
+                Ok(errors) => Judgement::Identified(Box::new(errors)),
+                Err(error) => Judgement::Failed { failed: format!("{error:#}") },
+            },
+        })
+    });
+    let rows = rows.collect();
+    let doubts = estimates.into_iter().chain(delay_at_bound).collect();
+    Ok(Matrix { rows, recipe: setting.recipe, logs, doubts })
+}
+
+/// What is searched for together: the wanted models of the Voigt family with those that they start from, simplest first;
+/// and each other by itself.
+fn searches(job: &Job, models: &[Model]) -> Vec<Vec<Model>> {
+    let wanted: Vec<Model> = models.iter().flat_map(|model| with_contained(*model, job.search.start)).collect();
+    let family: Vec<Model> = Model::VOIGT_FAMILY.into_iter().filter(|model| wanted.contains(model)).collect();
+    let others = Model::ALL.into_iter().filter(|model| !model.is_voigt() && wanted.contains(model));
+    std::iter::once(family).filter(|family| !family.is_empty()).chain(others.map(|model| vec![model])).collect()
+}
+
+fn errors(candidate: &Candidate) -> Result<Errors> {
+    let part = |comparisons: &[Comparison], all: Option<Figures>| -> Result<Part> {
+        let logs = comparisons.iter().map(|log| LogErrors { log: log.name.clone(), errors: log.mil }).collect();
+        Ok(Part { logs, all: all.context("there is no log")? })
+    };
+    Ok(Errors {
+        parameters: parameters(&candidate.fit),
+        training: part(&candidate.training, candidate.training_figures())?,
+        held_out: part(&candidate.held_out, candidate.held_out_figures())?,
+    })
+}
+
+/// Numbers that were identified from the logs: those searched and those solved for by least squares.
+pub fn parameters(fit: &Fit) -> usize {
+    fit.genes.len() + fit.solved
+}

@@ -1,0 +1,42 @@
+//! Parameter identification: the model error as a cost (Eq. 4.1), minimised by the genetic algorithm or, of what a
+//! model is not linear in, by another method; and what a table found so is good for.
+
+pub mod calibration;
+mod candidate;
+mod character;
+pub mod compare;
+pub mod cost;
+mod delay;
+mod doubt;
+pub mod drive;
+pub mod family;
+pub mod feedforward;
+mod fit;
+mod job;
+pub mod least_squares;
+mod log_use;
+mod model_choice;
+mod problem;
+mod rounds;
+pub mod search;
+mod simulation;
+pub mod span;
+mod structures;
+mod suspicion;
+pub mod table_file;
+mod trial;
+pub mod validate;
+
+pub use candidate::{Candidate, Setting};
+pub use character::Character;
+pub use doubt::Doubt;
+pub use family::BlackBoxInputs;
+pub use fit::{Convergence, Fit, Identification, Progress, identify, identify_black_box};
+pub use job::{Job, Outcome, Prepared};
+pub use log_use::{LogUse, Role};
+pub use model_choice::{ModelChoice, with_contained};
+pub use problem::{Conditions, Problem};
+pub use search::{SearchOptions, Start};
+pub use structures::{Found, StructureSearch};
+pub use suspicion::doubts;
+pub use trial::Trial;
