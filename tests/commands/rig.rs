@@ -1,7 +1,6 @@
 //! The synthetic rig, from its logs to the figures of the thesis.
 
 use super::{json, number, piezo};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 fn logs(folder: &Path, names: &[&str]) -> Vec<PathBuf> {
