@@ -8,7 +8,6 @@ mod feedforward;
 mod logs;
 mod mistakes;
 mod options;
-mod readme;
 mod recorded;
 mod reproduce;
 mod rig;

@@ -1,6 +1,7 @@
 //! What the training logs can teach: how many reversals they have, at how many frequencies and amplitudes.
 
-use estimator_core::Tracker;
+use crate::reversals::reversals;
+use estimator_core::Range;
 use recordings::session::Session;
 
 /// What was found in the training logs' voltage.
@@ -30,27 +31,18 @@ const RARE: f64 = 0.05;
 impl Character {
     /// Looks at the voltages of some sessions; `deadband` (V) is the model's.
     pub fn of<'a>(sessions: impl Iterator<Item = &'a Session> + Clone, deadband: f64) -> Self {
-        let voltages = || sessions.clone().flat_map(|session| &session.voltage);
-        let span = voltages().fold(f64::MIN, |a, &b| a.max(b)) - voltages().fold(f64::MAX, |a, &b| a.min(b));
+        let voltages = sessions.clone().flat_map(|session| session.voltage.iter().copied());
+        let span = Range::of_values(voltages).span();
         let mut character = Self { reversals: 0, reversals_at_deadband: 0, half_cycles: Vec::new() };
         for session in sessions {
-            // The tracker records the displacement at the extreme; here that is the time.
-            let mut tracker = Tracker::new(SMALLEST_SWING * span);
-            let mut fine = Tracker::new(deadband);
-            let passes = session.voltage.iter().filter(|&&voltage| fine.update(voltage, 0.0)).count();
-            character.reversals_at_deadband += passes;
-            let mut previous: Option<(f64, f64)> = None;
-            for (tick, &voltage) in session.voltage.iter().enumerate() {
-                if !tracker.update(voltage, tick as f64 * session.tick_s) {
-                    continue;
-                }
-                character.reversals += 1;
-                let (at, volts) = (tracker.last().displacement, tracker.last().voltage);
-                if let Some((before, from)) = previous {
-                    character.half_cycles.push(HalfCycle { seconds: at - before, volts: (volts - from).abs() });
-                }
-                previous = Some((at, volts));
-            }
+            character.reversals_at_deadband += reversals(&session.voltage, deadband).len();
+            let large = reversals(&session.voltage, SMALLEST_SWING * span);
+            character.reversals += large.len();
+            let half_cycles = large.windows(2).map(|pair| HalfCycle {
+                seconds: (pair[1] - pair[0]) as f64 * session.tick_s,
+                volts: (session.voltage[pair[1]] - session.voltage[pair[0]]).abs(),
+            });
+            character.half_cycles.extend(half_cycles);
         }
         character
     }

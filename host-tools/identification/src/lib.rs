@@ -17,6 +17,7 @@ pub mod least_squares;
 mod log_use;
 mod model_choice;
 mod problem;
+pub mod reversals;
 mod rounds;
 pub mod search;
 pub mod simulation;

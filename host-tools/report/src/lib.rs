@@ -24,7 +24,7 @@ use identification::Candidate;
 pub use picture::picture;
 pub use reproduction::{ReproductionReport, reproduction};
 pub use section::{Grid, Picture, Section, shown, yes};
-pub use thin::reversals;
+pub use thin::turns;
 
 /// What a report says.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,6 @@
 //! What is drawn of a long log: no more points than the eye can tell apart, and every extreme of them.
 
+use identification::reversals::reversals;
 use std::ops::RangeInclusive;
 
 /// A point of a line, in the data's units.
@@ -33,36 +34,14 @@ fn extreme(points: &[Point], beyond: fn(f64, f64) -> bool) -> usize {
 const RETREAT: f64 = 0.02;
 
 /// Where a voltage turns.
-pub fn reversals(voltage: &[f64]) -> Vec<usize> {
+pub fn turns(voltage: &[f64]) -> Vec<usize> {
     let span = extent(voltage.iter().copied()).map_or(0.0, |(min, max)| max - min);
-    let mut found = Vec::new();
-    // The highest and the lowest since the last reversal; +1 rising, -1 falling, 0 not known yet.
-    let (mut high, mut low, mut direction) = (0, 0, 0);
-    for (i, &v) in voltage.iter().enumerate() {
-        if v > voltage[high] {
-            high = i;
-        }
-        if v < voltage[low] {
-            low = i;
-        }
-        if direction >= 0 && voltage[high] - v > RETREAT * span {
-            if direction > 0 {
-                found.push(high);
-            }
-            (low, direction) = (i, -1);
-        } else if direction <= 0 && v - voltage[low] > RETREAT * span {
-            if direction < 0 {
-                found.push(low);
-            }
-            (high, direction) = (i, 1);
-        }
-    }
-    found
+    reversals(voltage, RETREAT * span)
 }
 
 /// The stretch of a log that is shown in detail: its last two periods and what follows, all of it where it has fewer.
 pub fn last_periods(voltage: &[f64]) -> RangeInclusive<usize> {
-    let turns = reversals(voltage);
+    let turns = turns(voltage);
     let start = turns.len().checked_sub(5).map_or(0, |i| turns[i]);
     start..=voltage.len().saturating_sub(1)
 }
@@ -70,7 +49,7 @@ pub fn last_periods(voltage: &[f64]) -> RangeInclusive<usize> {
 /// A log's periods, from one reversal to the next but one, each ending where the next begins.
 pub fn periods(voltage: &[f64]) -> Vec<RangeInclusive<usize>> {
     let mut ends = vec![0];
-    ends.extend(reversals(voltage).into_iter().step_by(2).filter(|&i| i > 0));
+    ends.extend(turns(voltage).into_iter().step_by(2).filter(|&i| i > 0));
     ends.push(voltage.len().saturating_sub(1));
     ends.windows(2).map(|pair| pair[0]..=pair[1]).collect()
 }
@@ -110,7 +89,7 @@ mod tests {
     #[test]
     fn a_sine_turns_twice_a_period_and_noise_does_not() {
         let noisy: Vec<f64> = sine(1000, 5.0).iter().enumerate().map(|(k, y)| y + 0.01 * (k % 2) as f64).collect();
-        let turns = reversals(&noisy);
+        let turns = turns(&noisy);
         assert_eq!(turns.len(), 10);
         assert!(turns.iter().enumerate().all(|(n, &turn)| turn.abs_diff(50 + 100 * n) < 10), "{turns:?}");
         assert_eq!(last_periods(&noisy), turns[5]..=999);

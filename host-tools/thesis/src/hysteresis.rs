@@ -4,7 +4,7 @@
 //! the swing, each branch averaged over all periods whose swing is at least 90 % of the log's. A branch of many samples
 //! is first averaged in stretches, so that the sensor's noise does not widen the loop.
 
-use report::reversals;
+use report::turns;
 use serde::Serialize;
 
 /// Measures of a log's loop.
@@ -32,7 +32,7 @@ const ENDS: f64 = 0.05;
 impl Loop {
     /// Measures a log.
     pub fn of(time_s: &[f64], voltage: &[f64], displacement: &[f64]) -> Self {
-        let turns = reversals(voltage);
+        let turns = turns(voltage);
         let frequency_hz = turns.first().zip(turns.last()).and_then(|(first, last)| {
             let seconds = time_s.get(*last)? - time_s.get(*first)?;
             (seconds > 0.0).then(|| (turns.len() - 1) as f64 / (2.0 * seconds))

@@ -9,6 +9,7 @@ mod narx;
 mod prandtl_ishlinskii;
 mod preisach;
 mod projection;
+mod reversal_curves;
 pub mod voigt;
 mod voigt_chain;
 
@@ -62,7 +63,7 @@ pub fn of(model: Model, problem: &Problem) -> Vec<AnyFamily> {
         Model::MaxwellSlip => vec![Box::new(maxwell_slip::Family::new(problem))],
         Model::Duhem => vec![Box::new(duhem::Family::new(problem))],
         Model::BoucWen => vec![Box::new(bouc_wen::Family::new(problem))],
-        Model::Preisach => vec![Box::new(preisach::Family)],
+        Model::Preisach => preisach::structures(problem),
         Model::Narx => narx::structures(),
         Model::GeneralisedPrandtlIshlinskii => generalised_prandtl_ishlinskii::structures(problem),
     }

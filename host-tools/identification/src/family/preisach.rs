@@ -1,5 +1,8 @@
-//! Preisach models: nothing is searched; the densities and the offset are projected.
+//! Preisach models: nothing is searched; the densities and the offset are projected. Where the logs have first-order
+//! reversal curves, the densities that follow from these alone come first, and least squares over all samples must better
+//! them.
 
+use super::AnyFamily;
 use super::projection::Projection;
 use crate::least_squares::Sign;
 use crate::problem::Problem;
@@ -9,6 +12,12 @@ use estimator_core::{List, Parameters, Preisach, PreisachParameters, Published};
 
 /// The model on a grid over the table's voltages.
 pub struct Family;
+
+/// Simplest first.
+pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
+    let curves = super::reversal_curves::Family::new(problem).map(|family| Box::new(family) as AnyFamily);
+    curves.into_iter().chain([Box::new(Family) as AnyFamily]).collect()
+}
 
 impl super::Family for Family {
     type Found = Parameters;
@@ -91,5 +100,22 @@ mod tests {
         let stroke = problem.stroke().span();
         let error = problem.held_out(&found, crate::cost::Feedback::Simulation.into()).unwrap();
         assert!(stroke > 5.0 && error < 0.01 * stroke, "{error} of {stroke} µm on loops within loops");
+        // The densities from the curves alone, before any least squares.
+        let structures = structures(&problem);
+        assert_eq!(structures.len(), 2, "the curves are recognised");
+        let found = structures[0].project(&[], &problem).unwrap();
+        let error = problem.held_out(&found, crate::cost::Feedback::Simulation.into()).unwrap();
+        assert!(
+            error < 0.02 * stroke,
+            "{error} of {stroke} µm from the curves alone, on a grid that is not the truth's"
+        );
+    }
+
+    #[test]
+    fn a_sine_is_no_reversal_curve() {
+        let voltage: Vec<f64> = (0..4000).map(|k| 50.0 - 50.0 * (f64::from(k) * 0.01).cos()).collect();
+        let displacement = voltage.clone();
+        let session = Session::new("sine".to_owned(), voltage, (0..4000).collect(), displacement, 5e-4);
+        assert_eq!(structures(&Problem::new(vec![session], Vec::new(), Conditions::default())).len(), 1);
     }
 }
