@@ -75,7 +75,8 @@ mod tests {
     fn wrong_units_are_named_with_the_likely_one() {
         let likely = |voltage, displacement| {
             let (_, fault) = refused(&scaled(voltage, displacement), &options("", None));
-            fault.to_string()
+            let Fault::ImplausibleSpan { limit, ref example, .. } = fault else { panic!("{fault}") };
+            format!("{limit}; {example}")
         };
         assert!(likely(1.0, 1e4).contains("more than 10 mm"));
         assert!(likely(1.0, 1e4).ends_with("displacement=3:nm"));
