@@ -19,7 +19,7 @@ use xshell::{Shell, cmd};
 use crate::{
     artifact,
     embedded::{self, Board},
-    figures::{LOG, model_name},
+    figures::LOG,
     image::Image,
     qemu::{self, Qemu},
     tool::{self, EMBEDDED, QEMU},
@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Instead, what the tick of every model takes, identified on the measured log: JSON for `piezo compare --instructions`
+    /// Instead, what the tick of every model takes: JSON for `piezo compare --instructions`
     #[arg(long)]
     models: bool,
 }
@@ -41,6 +41,8 @@ const TICK: &str = "tick_sample";
 const RESTART: &str = "tick_restart";
 /// The table it is counted with, on the measured log.
 const TABLE: &str = "tests/data/table/table.toml";
+/// A table of every model, by its name.
+const TABLES: &str = "tests/data/table/models";
 
 /// What the plugin in `tests/instruction-count` writes.
 #[derive(Deserialize)]
@@ -69,39 +71,29 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> Result<()> {
         let ticks = &size["instructions_per_tick"];
         println!("flash                              {:>8} bytes", size["flash_bytes"]);
         println!("RAM without stack                  {:>8} bytes", size["ram_bytes"]);
-        for form in FORMS {
-            let (most, mean) = (&ticks[form], ticks[format!("{form}_mean")].as_f64().unwrap_or(f64::NAN));
-            println!("instructions per tick, {form:11} {most:>8} at most, {mean:.1} on average");
-        }
+        let (most, mean) = (&ticks["max"], ticks["mean"].as_f64().unwrap_or(f64::NAN));
+        println!("instructions per tick              {most:>8} at most, {mean:.1} on average");
         println!("symbols of software f64            {:>8}", size["soft_double_symbols"]);
     }
     Ok(())
 }
 
-/// The forms of the thesis's model.
-const FORMS: [&str; 2] = ["direct", "tabulated"];
-
-/// Flash, RAM, and the tick's instructions with each form over the whole log.
+/// Flash, RAM, and the tick's instructions with the thesis's model over the whole log.
 ///
 /// # Errors
 /// See [`run`].
 pub fn figures(sh: &Shell, piezo: &Path) -> Result<Value> {
     let board = Image::read(&embedded::image(sh, Board::NucleoG474re)?)?;
     let bench = Bench::new(sh, piezo)?;
-    let mut ticks = Map::new();
-    for form in FORMS {
-        let folder = TempDir::new()?;
-        let tables = folder.path();
-        cmd!(sh, "{piezo} emit {TABLE} --form {form} --adc-full-scale 65520 --out {tables}").read()?;
-        let counts = bench.instructions(&tables.join("table.toml"), &[])?;
-        ticks.insert(form.to_owned(), counts.max.into());
-        ticks.insert(format!("{form}_mean"), counts.mean().into());
-    }
+    let folder = TempDir::new()?;
+    let out = folder.path();
+    cmd!(sh, "{piezo} emit {TABLE} --adc-full-scale 65520 --out {out}").read()?;
+    let counts = bench.instructions(&out.join("table.toml"), &[])?;
     Ok(json!({
         "flash_bytes": board.flash_bytes,
         "ram_bytes": board.ram_bytes,
         "soft_double_symbols": board.soft_doubles().len(),
-        "instructions_per_tick": ticks,
+        "instructions_per_tick": { "max": counts.max, "mean": counts.mean() },
     }))
 }
 
@@ -111,7 +103,7 @@ impl Counts {
     }
 }
 
-/// What the tick of every model takes, over the first four seconds of the log.
+/// What the tick of every model takes over the first four seconds of the log, with the tables that were identified on it.
 ///
 /// # Errors
 /// See [`run`].
@@ -119,16 +111,9 @@ pub fn models(sh: &Shell, piezo: &Path) -> Result<Value> {
     let bench = Bench::new(sh, piezo)?;
     let mut figures = Map::new();
     for model in Model::ALL {
-        let model = model_name(model)?;
-        let folder = TempDir::new()?;
-        let out = folder.path();
-        cmd!(sh, "{piezo} identify {LOG} --model {model} --adc-full-scale 65520 --out {out}")
-            .quiet()
-            .ignore_stdout()
-            .ignore_stderr()
-            .run()?;
-        let counts = bench.instructions(&out.join("table.toml"), &["--limit", "8000"])?;
-        figures.insert(model, json!({ "max": counts.max, "mean": counts.mean() }));
+        let name = model.name();
+        let counts = bench.instructions(Path::new(&format!("{TABLES}/{name}.toml")), &["--limit", "8000"])?;
+        figures.insert(name.to_owned(), json!({ "max": counts.max, "mean": counts.mean() }));
     }
     Ok(Value::Object(figures))
 }

@@ -25,7 +25,7 @@ fn driving(table: &Admitted, model: Model, parameters: Parameters) -> Result<Adm
     Ok(table.admit()?)
 }
 
-fn champion() -> Parameters {
+fn generalised_prandtl_ishlinskii() -> Parameters {
     Parameters::GeneralisedPrandtlIshlinskii(GeneralisedPrandtlIshlinskiiParameters {
         span_v: Range { min: -0.18, max: 3.78 },
         delay_ticks: 0.6,
@@ -121,7 +121,7 @@ fn the_drive_gives_the_codes_of_the_host_s_inverse_in_time() -> Result<()> {
     let voigt = table.parameters;
     for (name, model, parameters) in [
         ("Voigt", Model::Voigt, voigt),
-        ("generalised-prandtl-ishlinskii", Model::GeneralisedPrandtlIshlinskii, champion()),
+        ("generalised-prandtl-ishlinskii", Model::GeneralisedPrandtlIshlinskii, generalised_prandtl_ishlinskii()),
         ("Preisach", Model::Preisach, preisach()),
         ("Bouc-Wen", Model::BoucWen, bouc_wen()),
     ] {

@@ -31,10 +31,6 @@ pub enum Command {
     Validate,
     /// `piezo reproduce errors tracking`, which identifies each model once for both.
     Reproduce,
-    /// `piezo compare` on the measured log.
-    CompareLog,
-    /// `piezo compare` on the synthetic rig's logs.
-    CompareRig,
     /// `cargo xtask size`.
     Size,
     /// `cargo xtask size --models`.
@@ -98,22 +94,10 @@ impl<'sh> Printed<'sh> {
             Command::Identify => json(cmd!(sh, "{piezo} identify {LOG}").arg("--out").arg(self.demo())),
             Command::Validate => json(cmd!(sh, "{piezo} validate").arg(self.demo().join("table.toml")).arg(LOG)),
             Command::Reproduce => json(cmd!(sh, "{piezo} reproduce errors tracking")),
-            Command::CompareLog => json(cmd!(sh, "{piezo} compare {LOG}")),
-            Command::CompareRig => self.compare_rig(),
             Command::Size => size::figures(sh, piezo),
             Command::SizeModels => size::models(sh, piezo),
             Command::Drive => drive(sh),
         }
-    }
-
-    fn compare_rig(&self) -> Result<Value> {
-        let (sh, piezo) = (self.sh, &self.piezo);
-        let rig = self.folder.path().join("rig");
-        cmd!(sh, "{piezo} simulate --out {rig}").ignore_stdout().run()?;
-        let _rig = sh.push_dir(rig);
-        let fitted = ["sin1.csv", "sin10.csv", "sin100.csv", "tr1.csv", "tr100.csv"];
-        let zeros = ["--delay", "0", "--voltage-zero", "0", "--displacement-zero", "0"];
-        json(cmd!(sh, "{piezo} compare {fitted...} --validate-on tr10.csv {zeros...}"))
     }
 }
 

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::{
     ceiling,
     command::{
-        Command::{self, CompareLog, CompareRig, Drive, Identify, Reproduce, Size, SizeModels, Validate},
+        Command::{self, Drive, Identify, Reproduce, Size, SizeModels, Validate},
         Printed, bytes,
     },
     document::{Content, Table},
@@ -19,18 +19,15 @@ pub struct Figure {
     pub name: &'static str,
     /// Where it is a file of its own: its path. Else it stands between markers.
     pub file: Option<&'static str>,
-    /// Whether models are compared for it, which takes as long as all the others: such figures are a check of their own.
-    pub of_comparison: bool,
     /// Makes it.
     pub make: fn(&Printed<'_>) -> Result<Content>,
 }
 
 /// Every figure.
-pub const FIGURES: [Figure; 15] = [
+pub const FIGURES: [Figure; 14] = [
     Figure {
         name: "picture",
         file: Some("docs/estimate.svg"),
-        of_comparison: false,
         make: |printed| Ok(Content::File(bytes(&printed.identified()?.join("estimate.svg"))?)),
     },
     stated("held-out", |printed| held_out(&*printed.by(Identify)?)),
@@ -39,25 +36,17 @@ pub const FIGURES: [Figure; 15] = [
     stated("told-mae-um", |printed| value(printed, Validate, "/all/sil/mae_um", 3)),
     stated("thesis", |printed| thesis(&printed.by(Reproduce)?["errors"])),
     stated("tracking", |printed| tracking(&printed.by(Reproduce)?["tracking"])),
-    of_comparison("models", models),
-    of_comparison("chain-mae-um", |printed| {
-        let row = row_of(&printed.by(CompareLog)?["rows"], Model::VoigtChain)?.clone();
-        Ok(Content::Value(fixed(number(&row, "/held_out/all/mae_um")?, 3)))
-    }),
+    stated("models", models),
     stated("tick", |printed| tick(&*printed.by(Size)?)),
     stated("flash-kb", |printed| kilobytes(printed, "/flash_bytes")),
     stated("ram-kb", |printed| kilobytes(printed, "/ram_bytes")),
-    stated("drive-champion-mean", |printed| count(printed, "/champion/mean")),
-    stated("drive-champion-max", |printed| count(printed, "/champion/max")),
+    stated("drive-generalised-mean", |printed| count(printed, "/generalised-prandtl-ishlinskii/mean")),
+    stated("drive-generalised-max", |printed| count(printed, "/generalised-prandtl-ishlinskii/max")),
     stated("drive-preisach-max", |printed| count(printed, "/Preisach/max")),
 ];
 
 const fn stated(name: &'static str, make: fn(&Printed<'_>) -> Result<Content>) -> Figure {
-    Figure { name, file: None, of_comparison: false, make }
-}
-
-const fn of_comparison(name: &'static str, make: fn(&Printed<'_>) -> Result<Content>) -> Figure {
-    Figure { of_comparison: true, ..stated(name, make) }
+    Figure { name, file: None, make }
 }
 
 /// Errors of the models on the measured log's held-out half.
@@ -93,7 +82,7 @@ fn thesis(printed: &Value) -> Result<Content> {
     };
     let voigt = number(simulated(Model::Voigt)?, "/mae_um")?;
     ensure!((0.24..0.27).contains(&voigt), "Voigt's optimum validates at 0.25 µm, this at {voigt:.3} µm");
-    for (better, most) in [(Model::Enhanced, 0.6), (Model::Champion, 0.12)] {
+    for (better, most) in [(Model::Enhanced, 0.6), (Model::GeneralisedPrandtlIshlinskii, 0.12)] {
         let ratio = of_voigt(simulated(better)?, "/mae_um")?;
         ensure!(ratio <= most, "{better}: the error must be at most {most} of Voigt's, and is {ratio:.3} of it");
     }
@@ -132,47 +121,24 @@ fn tracking(printed: &Value) -> Result<Content> {
     table(1, &columns, inverted.map(row))
 }
 
-/// What each model costs and how well it does. The two with one extremum term stand in a row with the one that has both.
+/// What a tick of each model takes.
 fn models(printed: &Printed<'_>) -> Result<Content> {
-    let (rig, log, ticks) = (printed.by(CompareRig)?, printed.by(CompareLog)?, printed.by(SizeModels)?);
-    let shown = |model: &Model| !matches!(model, Model::VoltageExtremum | Model::DisplacementExtremum);
-    for model in Model::ALL {
-        let name = name(model)?;
-        ceiling::check(&name, whole(&ticks, &format!("/{name}/max"))?)?;
-    }
+    let ticks = printed.by(SizeModels)?;
     let row = |model: Model| -> Result<Vec<String>> {
-        let name = name(model)?;
-        let rows = [row_of(&rig["rows"], model)?, row_of(&log["rows"], model)?];
-        let [on_rig, on_log] = rows.map(|row| number(row, "/held_out/all/mae_um"));
-        let [of_rig, of_log] = rows.map(|row| whole(row, "/parameters"));
-        let (of_rig, of_log) = (of_rig?, of_log?);
-        let least = if of_rig == of_log { "" } else { "≤ " };
-        Ok(vec![
-            format!("`{name}`"),
-            fixed(on_rig?, 3),
-            fixed(on_log?, 3),
-            format!("{least}{}", of_rig.max(of_log)),
-            thousands(whole(&ticks, &format!("/{name}/max"))?),
-            thousands(number(&ticks, &format!("/{name}/mean"))?.round() as u64),
-        ])
+        let name = model.name();
+        let most = whole(&ticks, &format!("/{name}/max"))?;
+        ceiling::check(name, most)?;
+        let mean = number(&ticks, &format!("/{name}/mean"))?;
+        Ok(vec![format!("`{name}`"), thousands(most), thousands(mean.round() as u64)])
     };
-    let columns = ["rig µm", "log µm", "numbers", "instructions, most", "mean"];
-    table(1, &columns, Model::ALL.into_iter().filter(shown).map(row))
+    table(1, &["instructions, most", "mean"], Model::ALL.into_iter().map(row))
 }
 
 /// Instructions of a tick with the thesis's model.
 fn tick(printed: &Value) -> Result<Content> {
-    let row = |(form, ceiling, name): (&str, &str, &str)| -> Result<Vec<String>> {
-        let most = whole(printed, &format!("/instructions_per_tick/{form}"))?;
-        ceiling::check(ceiling, most)?;
-        let mean = number(printed, &format!("/instructions_per_tick/{form}_mean"))?;
-        Ok(vec![name.to_owned(), thousands(most), fixed(mean, 1)])
-    };
-    let forms = [
-        ("direct", "voigt", "direct (one exponential and one power)"),
-        ("tabulated", "tabulated", "tabulated (257 knots)"),
-    ];
-    table(1, &["most", "mean"], forms.into_iter().map(row))
+    let most = whole(printed, "/instructions_per_tick/max")?;
+    let mean = number(printed, "/instructions_per_tick/mean")?;
+    Ok(Content::Value(format!("{} at most, {} on average", thousands(most), fixed(mean, 1))))
 }
 
 fn value(printed: &Printed<'_>, command: Command, pointer: &str, digits: usize) -> Result<Content> {
@@ -194,17 +160,6 @@ fn table(keys: usize, columns: &[&str], rows: impl Iterator<Item = Result<Vec<St
 
 fn model(name: &Value) -> Result<Model> {
     serde_json::from_value(name.clone()).with_context(|| format!("{name} is no model"))
-}
-
-/// A model's name on the command line and in JSON.
-pub fn name(model: Model) -> Result<String> {
-    let name = serde_json::to_value(model)?;
-    Ok(name.as_str().context("a model's name is a word")?.to_owned())
-}
-
-fn row_of(rows: &Value, wanted: Model) -> Result<&Value> {
-    let is_wanted = |row: &&Value| model(&row["model"]).is_ok_and(|model| model == wanted);
-    array(rows, "")?.iter().find(is_wanted).with_context(|| format!("{wanted} is missing"))
 }
 
 fn array<'v>(value: &'v Value, pointer: &str) -> Result<&'v Vec<Value>> {

@@ -23,7 +23,6 @@ use document::{Content, Document};
 use list::{FIGURES, Figure};
 
 pub use command::LOG;
-pub use list::name as model_name;
 
 /// What the commands need beyond cargo.
 pub const TOOLS: &[&Tool] = &[&EMBEDDED, &QEMU, &CMAKE, &MAKE, &PKG_CONFIG, &LIBCLANG];
@@ -63,13 +62,12 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Compares the figures for which models are compared, or all others, with what the documents state.
+/// Compares all figures with what the documents state.
 ///
 /// # Errors
 /// See [`run`].
-pub fn check(sh: &Shell, piezo: PathBuf, of_comparison: bool) -> Result<()> {
-    let figures: Vec<&Figure> = FIGURES.iter().filter(|figure| figure.of_comparison == of_comparison).collect();
-    let wrong = see_to(sh, piezo, &figures, true)?;
+pub fn check(sh: &Shell, piezo: PathBuf) -> Result<()> {
+    let wrong = see_to(sh, piezo, &FIGURES.iter().collect::<Vec<_>>(), true)?;
     ensure!(wrong.is_empty(), "{}\n{REMEDY}", wrong.join("\n"));
     Ok(())
 }

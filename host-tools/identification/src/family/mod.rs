@@ -14,6 +14,7 @@ pub mod voigt;
 mod voigt_chain;
 
 pub use narx::{BlackBoxInputs, structures_with as black_boxes};
+pub use projection::Projection;
 
 use crate::problem::Problem;
 use crate::search::space::Gene;
