@@ -95,8 +95,7 @@ fn a_stated_calibration_is_no_longer_doubted() {
 #[test]
 fn every_choice_of_the_search_is_kept_in_the_table() {
     let folder = tempfile::tempdir().unwrap();
-    let choices =
-        "--scheme zero-order-hold --selection roulette --decimate average --cost multi-step --norm l2";
+    let choices = "--scheme zero-order-hold --selection roulette --decimate average --cost multi-step --norm l2";
     let choices: Vec<&str> = choices.split(' ').chain(["--feedback-weight", "0.2", "--hold-out", "0.3"]).collect();
     let (table, _) = sin10(folder.path(), &choices);
     let (file, admitted) = TableFile::load(&table).unwrap();

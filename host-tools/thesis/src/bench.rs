@@ -5,7 +5,10 @@ use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::compare::Say;
 use identification::cost::Feedback;
-use identification::{Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, identify};
+use identification::validate::Figures;
+use identification::{
+    Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, StraightLine, identify,
+};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 use recordings::rig::{EXCITATIONS, Rig, VALIDATION};
@@ -148,6 +151,13 @@ impl Bench {
                 }
             }
         }
+    }
+
+    /// Errors of the straight line through the modelling logs over all that is held out.
+    pub fn straight_line(&self) -> Option<Figures> {
+        let line = StraightLine::fit(self.problem().training())?;
+        let errors: Vec<Figures> = self.problem().validation().map(|session| line.errors(session)).collect();
+        Figures::all(errors.iter())
     }
 
     /// What came of a search, if it was run.
