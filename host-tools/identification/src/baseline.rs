@@ -7,8 +7,10 @@
 //!
 //! As every model's estimate of a tick it follows from the voltages before it. It is no choice of a table.
 
+use crate::problem::Problem;
 use crate::validate::Figures;
 use recordings::session::Session;
+use serde::Serialize;
 
 /// A voltage (V), the displacement (µm) that belongs to it, and the weight of the pair's squared error.
 pub type Point = (f64, f64, f64);
@@ -73,6 +75,36 @@ impl StraightLine {
     pub fn errors(&self, session: &Session) -> Figures {
         let estimated: Vec<f64> = voltages(session).map(|voltage| self.displacement(voltage)).collect();
         Figures::of(&estimated, session.displacement.get(1..).unwrap_or_default())
+    }
+}
+
+/// Errors of the straight line through a problem's training sessions.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Baseline {
+    /// Gain, µm/V.
+    pub gain_um_per_v: f64,
+    /// Displacement at 0 V, µm.
+    pub offset_um: f64,
+    /// Over all that it was fitted to.
+    pub training: Figures,
+    /// Over all that was held out; `None` where nothing was.
+    pub held_out: Option<Figures>,
+}
+
+impl Baseline {
+    /// Of a problem; `None` where its training voltage does not move.
+    pub fn of(problem: &Problem) -> Option<Self> {
+        let line = StraightLine::fit(problem.training())?;
+        let over = |sessions: &mut dyn Iterator<Item = &Session>| {
+            let errors: Vec<Figures> = sessions.map(|session| line.errors(session)).collect();
+            Figures::all(errors.iter())
+        };
+        Some(Self {
+            gain_um_per_v: line.gain_um_per_v,
+            offset_um: line.offset_um(),
+            training: over(&mut problem.training())?,
+            held_out: over(&mut problem.validation()),
+        })
     }
 }
 

@@ -19,7 +19,7 @@ pub struct Matrix {
     /// A model each, in the order asked for.
     pub rows: Vec<Row>,
     /// What every model is to better; `None` where the training voltage does not move.
-    pub straight_line: Option<Baseline>,
+    pub straight_line: Option<StraightLineErrors>,
     /// How the logs were prepared.
     pub recipe: Recipe,
     /// What each log was used for, the same for every model.
@@ -46,7 +46,7 @@ pub struct Row {
 
 /// The straight line through the training logs.
 #[derive(Clone, Debug, Serialize)]
-pub struct Baseline {
+pub struct StraightLineErrors {
     /// Its gain, µm/V.
     pub gain_um_per_v: f64,
     /// Its displacement at 0 V, µm.
@@ -211,7 +211,7 @@ pub fn run(
         })
     });
     let rows = rows.collect();
-    let straight_line = StraightLine::fit(problem.training()).and_then(|line| baseline(line, &problem));
+    let straight_line = StraightLine::fit(problem.training()).and_then(|line| straight_line(line, &problem));
     let doubts = estimates.into_iter().chain(delay_at_bound).collect();
     Ok(Matrix { rows, straight_line, recipe: setting.recipe, logs, doubts })
 }
@@ -239,7 +239,7 @@ fn errors(candidate: &Candidate) -> Option<Errors> {
 }
 
 /// Errors of the straight line on both parts; `None` without a log in one of them.
-fn baseline(line: StraightLine, problem: &Problem) -> Option<Baseline> {
+fn straight_line(line: StraightLine, problem: &Problem) -> Option<StraightLineErrors> {
     let part = |sessions: &mut dyn Iterator<Item = &Session>| -> Option<Part> {
         let of = |session: &Session| LogErrors { log: session.name.clone(), errors: line.errors(session) };
         let logs: Vec<LogErrors> = sessions.map(of).collect();
@@ -251,7 +251,7 @@ fn baseline(line: StraightLine, problem: &Problem) -> Option<Baseline> {
         training: part(&mut problem.training())?,
         held_out: part(&mut problem.validation())?,
     };
-    Some(Baseline { gain_um_per_v: line.gain_um_per_v, offset_um: line.offset_um(), errors })
+    Some(StraightLineErrors { gain_um_per_v: line.gain_um_per_v, offset_um: line.offset_um(), errors })
 }
 
 /// Numbers that were identified from the logs: those searched and those solved for by least squares.

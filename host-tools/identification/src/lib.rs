@@ -28,7 +28,7 @@ pub mod table_file;
 mod trial;
 pub mod validate;
 
-pub use baseline::{Point, StraightLine};
+pub use baseline::{Baseline, Point, StraightLine};
 pub use candidate::{Candidate, CandidateError, Setting};
 pub use character::Character;
 pub use doubt::{Converter, Doubt, FEW_REVERSALS};

@@ -7,7 +7,7 @@ use identification::compare::Say;
 use identification::cost::Feedback;
 use identification::validate::Figures;
 use identification::{
-    Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, StraightLine, identify,
+    Baseline, Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, identify,
 };
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
@@ -155,9 +155,7 @@ impl Bench {
 
     /// Errors of the straight line through the modelling logs over all that is held out.
     pub fn straight_line(&self) -> Option<Figures> {
-        let line = StraightLine::fit(self.problem().training())?;
-        let errors: Vec<Figures> = self.problem().validation().map(|session| line.errors(session)).collect();
-        Figures::all(errors.iter())
+        Baseline::of(self.problem())?.held_out
     }
 
     /// What came of a search, if it was run.
