@@ -37,11 +37,11 @@ pub use inverse::{Commanded, Inverse, InverseContext, NoInverse};
 pub use list::List;
 pub use math::Real;
 pub use model::{
-    BoucWen, BoucWenParameters, Discretisation, Duhem, DuhemParameters, Engine, GeneralisedPrandtlIshlinskii,
-    GeneralisedPrandtlIshlinskiiParameters, Linear, MaxwellSlip, MaxwellSlipParameters, Model, Narx, NarxParameters,
-    Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Preisach, PreisachParameters, Process, Published,
-    Recursion, Resonance, ResonanceState, Running, Scheme, Stop, Superposition, Voigt, VoigtChain,
-    VoigtChainParameters, VoigtParameters, VoigtState, VoigtTerms, solve,
+    BoucWen, BoucWenParameters, Discretisation, Duhem, DuhemCondition, DuhemParameters, Engine,
+    GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, Linear, MaxwellSlip, MaxwellSlipParameters,
+    Model, Narx, NarxParameters, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Preisach,
+    PreisachParameters, Process, Published, Recursion, Resonance, ResonanceState, Running, Scheme, Stop, Superposition,
+    Voigt, VoigtChain, VoigtChainParameters, VoigtParameters, VoigtState, VoigtTerms, solve,
 };
 pub use range::Range;
 pub use rule::Rule;

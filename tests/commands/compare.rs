@@ -49,6 +49,10 @@ fn plays_with_lag_and_creep_beat_voigt_on_what_neither_has_seen() {
     assert_eq!((&rows[1]["parameters"], &rows[1]["instructions"]), (&Value::from(5), &Value::Null));
     assert_eq!(number(&result, "/rows/0/instructions/mean"), 1200.5);
     assert!(number(&result, "/rows/0/seconds") > 0.0);
+    let line = number(&result, "/straight_line/held_out/all/mae_um");
+    assert!(line > mae(1), "a line {line} against Voigt {}", mae(1));
+    assert_eq!(line, number(&result, "/straight_line/held_out/logs/0/errors/mae_um"));
+    assert_eq!(number(&result, "/straight_line/parameters"), 2.0);
 
     let page = fs::read_to_string(out.join("compare.html")).unwrap();
     for words in [
@@ -59,6 +63,7 @@ fn plays_with_lag_and_creep_beat_voigt_on_what_neither_has_seen() {
         "Evaluations",
         "1500",
         "smallest MAE held out",
+        "straight line (2.1)",
     ] {
         assert!(page.contains(words), "{words} is missing");
     }

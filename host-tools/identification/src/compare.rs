@@ -3,9 +3,13 @@
 //! once, from the training data.
 
 use crate::validate::{Comparison, Figures};
-use crate::{Candidate, Doubt, Fit, Identification, Job, JobError, LogUse, Prepared, Progress, with_contained};
+use crate::{
+    Candidate, Doubt, Fit, Identification, Job, JobError, LogUse, Prepared, Problem, Progress, StraightLine,
+    with_contained,
+};
 use estimator_core::Model;
 use recordings::prepare::Recipe;
+use recordings::session::Session;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -14,6 +18,8 @@ use std::time::Instant;
 pub struct Matrix {
     /// A model each, in the order asked for.
     pub rows: Vec<Row>,
+    /// What every model is to better; `None` where the training voltage does not move.
+    pub straight_line: Option<StraightLineErrors>,
     /// How the logs were prepared.
     pub recipe: Recipe,
     /// What each log was used for, the same for every model.
@@ -36,6 +42,18 @@ pub struct Row {
     /// Its errors, or why it has no admissible candidate.
     #[serde(flatten)]
     pub result: Judgement,
+}
+
+/// The straight line through the training logs.
+#[derive(Clone, Debug, Serialize)]
+pub struct StraightLineErrors {
+    /// Its gain, µm/V.
+    pub gain_um_per_v: f64,
+    /// Its displacement at 0 V, µm.
+    pub offset_um: f64,
+    /// Its errors.
+    #[serde(flatten)]
+    pub errors: Errors,
 }
 
 /// How a model did.
@@ -193,8 +211,9 @@ pub fn run(
         })
     });
     let rows = rows.collect();
+    let straight_line = StraightLine::fit(problem.training()).and_then(|line| straight_line(line, &problem));
     let doubts = estimates.into_iter().chain(delay_at_bound).collect();
-    Ok(Matrix { rows, recipe: setting.recipe, logs, doubts })
+    Ok(Matrix { rows, straight_line, recipe: setting.recipe, logs, doubts })
 }
 
 /// What is searched for together: the wanted models of the Voigt family with those that they start from, simplest first;
@@ -217,6 +236,22 @@ fn errors(candidate: &Candidate) -> Option<Errors> {
         training: part(&candidate.training, candidate.training_figures())?,
         held_out: part(&candidate.held_out, candidate.held_out_figures())?,
     })
+}
+
+/// Errors of the straight line on both parts; `None` without a log in one of them.
+fn straight_line(line: StraightLine, problem: &Problem) -> Option<StraightLineErrors> {
+    let part = |sessions: &mut dyn Iterator<Item = &Session>| -> Option<Part> {
+        let of = |session: &Session| LogErrors { log: session.name.clone(), errors: line.errors(session) };
+        let logs: Vec<LogErrors> = sessions.map(of).collect();
+        let all = Figures::all(logs.iter().map(|log| &log.errors))?;
+        Some(Part { logs, all })
+    };
+    let errors = Errors {
+        parameters: ["gain", "offset"].len(),
+        training: part(&mut problem.training())?,
+        held_out: part(&mut problem.validation())?,
+    };
+    Some(StraightLineErrors { gain_um_per_v: line.gain_um_per_v, offset_um: line.offset_um(), errors })
 }
 
 /// Numbers that were identified from the logs: those searched and those solved for by least squares.

@@ -1,6 +1,6 @@
 //! Reasons not to trust an identification. Each doubt holds what was seen.
 
-use estimator_core::Model;
+use estimator_core::{DuhemCondition, Model};
 use serde::Serialize;
 
 /// A reason not to trust a result.
@@ -53,6 +53,12 @@ pub enum Doubt {
         log: String,
         /// When it ends, s from the start of what was used.
         until_s: f64,
+    },
+    /// An identified Duhem set does not meet a condition of the thesis's Section 3.3 at some voltage within its saturation,
+    /// which the logs need not have reached.
+    UnmetCondition {
+        /// The first that it does not meet.
+        condition: DuhemCondition,
     },
     /// Hardly any hysteresis was exercised.
     FewReversals {

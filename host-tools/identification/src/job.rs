@@ -1,5 +1,6 @@
 //! The whole identification: logs in; every candidate model with its table, the one that was chosen, and the doubts out.
 
+use crate::baseline::Baseline;
 use crate::calibration::CalibrationOptions;
 use crate::candidate::{Candidate, CandidateError, Setting};
 use crate::character::Character;
@@ -69,6 +70,8 @@ pub struct Outcome {
     pub reason: Reason,
     /// Why not to trust it.
     pub doubts: Vec<Doubt>,
+    /// What every model is to better; `None` where the training voltage does not move.
+    pub straight_line: Option<Baseline>,
     /// How the logs were prepared.
     pub recipe: Recipe,
     /// What each log was used for.
@@ -206,7 +209,8 @@ impl Job {
         if !self.calibration.stated() {
             doubts.push(Doubt::CalibrationAssumed);
         }
-        Ok(Outcome { candidates, failed, chosen, reason, doubts, recipe: setting.recipe, logs })
+        let straight_line = Baseline::of(&problem);
+        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, recipe: setting.recipe, logs })
     }
 
     /// A doubt for each log that is no sensor's.

@@ -1,6 +1,7 @@
 //! Parameter identification: the model error as a cost (Eq. 4.1), minimised by the genetic algorithm or, of what a
 //! model is not linear in, by another method; and what a table found so is good for.
 
+mod baseline;
 pub mod calibration;
 mod candidate;
 mod character;
@@ -28,6 +29,7 @@ pub mod table_file;
 mod trial;
 pub mod validate;
 
+pub use baseline::{Baseline, Point, StraightLine};
 pub use candidate::{Candidate, CandidateError, Setting};
 pub use character::Character;
 pub use doubt::{Converter, Doubt, FEW_REVERSALS};

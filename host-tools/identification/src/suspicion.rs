@@ -65,6 +65,7 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost) -> Vec<D
             doubts.push(Doubt::Transient { log: comparison.name.clone(), until_s });
         }
     }
+    doubts.extend(unmet_condition(&candidate.table.parameters));
     if character.reversals < FEW_REVERSALS {
         doubts.push(Doubt::FewReversals { reversals: character.reversals });
     }
@@ -92,6 +93,12 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost) -> Vec<D
         doubts.push(Doubt::SinglePrecision { difference_um });
     }
     doubts
+}
+
+/// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded all the same.
+fn unmet_condition(parameters: &Parameters) -> Option<Doubt> {
+    let Parameters::Duhem(of) = parameters else { return None };
+    of.unmet_condition().map(|condition| Doubt::UnmetCondition { condition })
 }
 
 /// Converters whose span is narrower than the training logs.
@@ -129,6 +136,12 @@ fn transient(trace: &Trace) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::CalibrationOptions;
+    use crate::cost::Feedback;
+    use crate::{Conditions, Job, ModelChoice, SearchOptions};
+    use estimator_core::{DuhemCondition, DuhemParameters, Model};
+    use recordings::prepare::{AutoOr, PrepareOptions};
+    use recordings::rig::{EXCITATIONS, Rig};
 
     fn trace(error: impl Fn(usize) -> f64) -> Trace {
         let measured = vec![0.0; 1000];
@@ -147,5 +160,34 @@ mod tests {
         let until = transient(&trace(|k| ripple(k) + if k < 30 { 1.0 } else { 0.0 })).unwrap();
         assert!((until - 0.30).abs() < 1e-9, "{until}");
         assert_eq!(transient(&trace(|k| ripple(k) + if k % 200 < 30 { 1.0 } else { 0.0 })), None);
+    }
+
+    /// On the rig the slope of f grows so fast towards saturation that a reversal there would turn the displacement back.
+    #[test]
+    fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not() {
+        let rig = Rig { duration: 0.5, ..Rig::default() };
+        let outcome = Job {
+            training: EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).collect(),
+            held_out: Vec::new(),
+            hold_out: 0.0,
+            prepare: PrepareOptions { delay: AutoOr::Given(0.0), ..PrepareOptions::default() },
+            model: ModelChoice::Is(Model::Duhem),
+            conditions: Conditions::default(),
+            calibration: CalibrationOptions::default(),
+            cost: Feedback::Simulation.into(),
+            search: SearchOptions { evaluations: 40, ..SearchOptions::default() },
+        }
+        .run(&mut |_, _| ())
+        .unwrap();
+        let expected = Doubt::UnmetCondition { condition: DuhemCondition::Rising };
+        assert!(outcome.doubts.contains(&expected), "{:?}", outcome.doubts);
+        let Parameters::Duhem(found) = outcome.candidate().table.parameters else { panic!("another model") };
+        // Without hysteresis nothing is taken from the slope, but it does not lag either; a little of it is right.
+        let little = 0.9 * found.f1_um_per_v;
+        let good = DuhemParameters { f3_um_per_v3: 0.0, g0_um_per_v: little, g2_um_per_v3: 0.0, ..found };
+        assert_eq!(unmet_condition(&Parameters::Duhem(good)), None);
+        let leads = DuhemParameters { g0_um_per_v: 1.1 * found.f1_um_per_v, ..good };
+        let lagging = Doubt::UnmetCondition { condition: DuhemCondition::Lagging };
+        assert_eq!(unmet_condition(&Parameters::Duhem(leads)), Some(lagging));
     }
 }

@@ -31,7 +31,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    fn of(estimated: &[f64], measured: &[f64]) -> Self {
+    /// Of estimates beside what was measured at the same instants, µm.
+    pub(crate) fn of(estimated: &[f64], measured: &[f64]) -> Self {
         let errors: Vec<f64> = estimated.iter().zip(measured).map(|(e, m)| e - m).collect();
         let count = errors.len().max(1) as f64;
         let mean = |of: &dyn Fn(f64) -> f64| errors.iter().map(|&e| of(e)).sum::<f64>() / count;

@@ -4,7 +4,7 @@ use super::ReportError;
 use super::number::{number, quantity};
 use super::rows::Cell;
 use askama::Template;
-use estimator_core::Model;
+use identification::StraightLine;
 use identification::compare::{Errors, Judgement, Matrix, Row};
 use identification::validate::Figures;
 
@@ -45,9 +45,9 @@ struct ErrorTable<'a> {
     rows: Vec<ModelRow<'a>>,
 }
 
-/// A model in such a table.
+/// A model, or the straight line, in such a table.
 struct ModelRow<'a> {
-    model: Model,
+    name: String,
     nearest: bool,
     /// Column heading and what stands there.
     cells: Vec<(&'static str, Cell)>,
@@ -99,21 +99,31 @@ fn summary(matrix: &Matrix) -> String {
 }
 
 impl<'a> ErrorTable<'a> {
-    fn new(title: String, matrix: &'a Matrix, cells: impl Fn(&Row, &Errors) -> Vec<(&'static str, Cell)>) -> Self {
+    fn new(
+        title: String,
+        matrix: &'a Matrix,
+        cells: impl Fn(Option<&Row>, &Errors) -> Vec<(&'static str, Cell)>,
+    ) -> Self {
         let nearest = matrix.nearest();
-        let rows: Vec<ModelRow<'a>> = matrix
+        let mut rows: Vec<ModelRow<'a>> = matrix
             .rows
             .iter()
             .map(|row| ModelRow {
-                model: row.model,
+                name: row.model.to_string(),
                 nearest: nearest == Some(row.model),
-                cells: row.errors().map_or(Vec::new(), |errors| cells(row, errors)),
+                cells: row.errors().map_or(Vec::new(), |errors| cells(Some(row), errors)),
                 failed: match &row.result {
                     Judgement::Failed { failed } => Some(failed),
                     Judgement::Identified(_) => None,
                 },
             })
             .collect();
+        rows.extend(matrix.straight_line.as_ref().map(|baseline| ModelRow {
+            name: StraightLine::NAME.to_owned(),
+            nearest: false,
+            cells: cells(None, &baseline.errors),
+            failed: None,
+        }));
         // Every row that has cells has the same ones but instructions, which not every model need have.
         let longest = rows.iter().max_by_key(|row| row.cells.len());
         let headings = longest.map_or(Vec::new(), |row| row.cells.iter().map(|(heading, _)| *heading).collect());
@@ -134,18 +144,18 @@ fn held_out(figures: &Figures) -> Vec<(&'static str, Cell)> {
     ]
 }
 
-/// What stands beside the errors over all logs.
-fn beside(row: &Row, errors: &Errors) -> Vec<(&'static str, Cell)> {
+/// What stands beside the errors over all logs; nothing is searched for the straight line, which has no row.
+fn beside(row: Option<&Row>, errors: &Errors) -> Vec<(&'static str, Cell)> {
     let training = &errors.training.all;
     let plain = |text: String| Cell { um: text, percent: None };
     let mut cells = vec![
         ("Training MAE, µm", error(training.mae_um, training.mae_percent)),
         ("Training RMS, µm", error(training.rmse_um, training.rmse_percent)),
         ("Parameters", plain(errors.parameters.to_string())),
-        ("Evaluations", plain(row.evaluations.to_string())),
-        ("Seconds", plain(format!("{:.2}", row.seconds))),
+        ("Evaluations", plain(row.map_or("–".to_owned(), |row| row.evaluations.to_string()))),
+        ("Seconds", plain(row.map_or("–".to_owned(), |row| format!("{:.2}", row.seconds)))),
     ];
-    if let Some(counts) = row.instructions {
+    if let Some(counts) = row.and_then(|row| row.instructions) {
         cells.push((
             "Instructions a tick, most",
             Cell { um: format!("{:.0}", counts.max), percent: Some(format!("mean {:.0}", counts.mean)) },

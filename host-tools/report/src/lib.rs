@@ -20,7 +20,7 @@ mod tests;
 
 use askama::Template;
 pub use comparison::{ComparisonReport, comparison};
-use identification::Candidate;
+use identification::{Baseline, Candidate};
 pub use picture::picture;
 pub use reproduction::{ReproductionReport, reproduction};
 pub use section::{Grid, Picture, Section, shown, yes};
@@ -39,6 +39,8 @@ pub struct Report<'a> {
     pub chosen: &'a Candidate,
     /// All identified models, the chosen one included.
     pub candidates: &'a [Candidate],
+    /// What every model is to better.
+    pub straight_line: Option<&'a Baseline>,
     /// Provenance: log digests, options, seed, version.
     pub facts: &'a [(String, String)],
 }

@@ -83,7 +83,9 @@ impl<'a> Page<'a> {
             verdict: report.verdict.iter().map(|text| sentence(text)).collect(),
             doubts: report.doubts.iter().map(|text| sentence(text)).collect(),
             headings: ERRORS,
-            candidates: report.candidates.iter().map(|candidate| CandidateRow::new(candidate, chosen)).collect(),
+            candidates: (report.candidates.iter().map(|candidate| CandidateRow::new(candidate, chosen)))
+                .chain(report.straight_line.map(CandidateRow::straight_line))
+                .collect(),
             held_out: !held_out.is_empty(),
             loops: looped.into_iter().map(|shown| loop_figure(shown, limit)).collect(),
             loops_left_out,

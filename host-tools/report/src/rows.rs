@@ -1,10 +1,10 @@
 //! The report's tables.
 
 use super::number::{number, quantity};
-use estimator_core::{Model, Parameters, Scheme, Status, Table};
-use identification::Candidate;
+use estimator_core::{Parameters, Scheme, Status, Table};
 use identification::search::space::Gene;
 use identification::validate::{Comparison, Figures};
+use identification::{Baseline, Candidate, StraightLine};
 
 /// An error in µm and in % of the stroke.
 pub struct Cell {
@@ -14,10 +14,10 @@ pub struct Cell {
     pub percent: Option<String>,
 }
 
-/// A candidate's errors; `None` where nothing was held out.
+/// Errors of a candidate or of the straight line; `None` where nothing was held out.
 pub struct CandidateRow {
     /// Model.
-    pub model: Model,
+    pub name: String,
     /// Whether it is the chosen one.
     pub chosen: bool,
     /// Column heading and error.
@@ -33,7 +33,26 @@ pub const ERRORS: [&str; 5] =
 impl CandidateRow {
     /// The row of a candidate.
     pub fn new(candidate: &Candidate, chosen: &Candidate) -> Self {
-        let (training, held_out) = (candidate.training_figures(), candidate.held_out_figures());
+        let all = candidate.training.iter().chain(&candidate.held_out);
+        Self {
+            name: candidate.fit.model.to_string(),
+            chosen: candidate.fit.model == chosen.fit.model,
+            errors: Self::errors(candidate.training_figures(), candidate.held_out_figures()),
+            difference: quantity(all.map(|log| log.mil_sil_um).fold(0.0, f64::max) * 1e3, "nm"),
+        }
+    }
+
+    /// The row of the straight line, which no firmware runs.
+    pub fn straight_line(line: &Baseline) -> Self {
+        Self {
+            name: StraightLine::NAME.to_owned(),
+            chosen: false,
+            errors: Self::errors(Some(line.training), line.held_out),
+            difference: "–".to_owned(),
+        }
+    }
+
+    fn errors(training: Option<Figures>, held_out: Option<Figures>) -> Vec<(&'static str, Option<Cell>)> {
         let cell = |figures: Option<Figures>, of: fn(&Figures) -> (f64, f64)| {
             let (um, of_stroke) = of(&figures?);
             Some(Cell { um: quantity(um, "µm"), percent: percent(of_stroke) })
@@ -45,13 +64,7 @@ impl CandidateRow {
             cell(held_out, |f| (f.rmse_um, f.rmse_percent)),
             cell(held_out, |f| (f.mae_without_offset_um, f.mae_without_offset_percent)),
         ];
-        let all = candidate.training.iter().chain(&candidate.held_out);
-        Self {
-            model: candidate.fit.model,
-            chosen: candidate.fit.model == chosen.fit.model,
-            errors: ERRORS.into_iter().zip(cells).collect(),
-            difference: quantity(all.map(|log| log.mil_sil_um).fold(0.0, f64::max) * 1e3, "nm"),
-        }
+        ERRORS.into_iter().zip(cells).collect()
     }
 }
 

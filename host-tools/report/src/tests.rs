@@ -5,7 +5,7 @@ use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Statu
 use estimator_core::{Admitted, Digest, Parameters, Provenance, Table, VoigtParameters};
 use identification::cost::Feedback;
 use identification::validate::{Cold, Comparison, Figures, Trace};
-use identification::{Conditions, Fit, Problem, SearchOptions, identify};
+use identification::{Baseline, Conditions, Fit, Problem, SearchOptions, identify};
 use recordings::session::Session;
 
 fn fit(model: Model) -> Fit {
@@ -88,15 +88,23 @@ fn candidate(model: Model, training: Vec<Comparison>, held_out: Vec<Comparison>)
 
 fn html(chosen: &Candidate, doubts: &[&str]) -> String {
     let doubts: Vec<String> = doubts.iter().map(|&doubt| doubt.to_owned()).collect();
+    let line = chosen.training_figures().map(|training| Baseline {
+        gain_um_per_v: 0.2,
+        offset_um: 0.0,
+        training,
+        held_out: chosen.held_out_figures(),
+    });
     let html = render(&Report {
         title: "a & <b>.csv",
         verdict: &["It is `0.1 µm` off; see --hold-out.".to_owned()],
         doubts: &doubts,
         chosen,
+        straight_line: line.as_ref(),
         candidates: std::slice::from_ref(chosen),
         facts: &[("Seed".to_owned(), "<1>".to_owned())],
     })
     .unwrap();
+    assert_eq!(html.contains("straight line (2.1)"), line.is_some());
     check(html.strip_prefix("<!doctype html>").unwrap());
     assert!(!html.contains("http") && !html.contains("<script") && !html.contains("url("));
     html

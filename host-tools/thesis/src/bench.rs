@@ -5,7 +5,10 @@ use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::compare::Say;
 use identification::cost::Feedback;
-use identification::{Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, identify};
+use identification::validate::Figures;
+use identification::{
+    Baseline, Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, identify,
+};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 use recordings::rig::{EXCITATIONS, Rig, VALIDATION};
@@ -148,6 +151,11 @@ impl Bench {
                 }
             }
         }
+    }
+
+    /// Errors of the straight line through the modelling logs over all that is held out.
+    pub fn straight_line(&self) -> Option<Figures> {
+        Baseline::of(self.problem())?.held_out
     }
 
     /// What came of a search, if it was run.

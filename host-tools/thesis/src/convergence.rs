@@ -76,7 +76,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
             ]);
             rows.push(json!({ "cost": cost, "error": error, "ours": ours, "thesis": thesis }));
         }
-        if let Some(words) = after_the_least(course) {
+        if let Some(words) = over_fitting(course) {
             notes.push(format!("{}: {words}", cost_name(cost)));
         }
         figures.extend(picture(cost, figure, course));
@@ -108,13 +108,25 @@ fn least(errors: impl Iterator<Item = Option<f64>>) -> Option<Least> {
     known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(generation, mae_um)| Least { mae_um, generation })
 }
 
-/// What became of the validation error after it was least: over-fitting, if it rose.
-fn after_the_least(course: &[Convergence]) -> Option<String> {
-    let least = least(course.iter().map(|after| after.validation))?;
+/// Whether a search over-fits by the thesis's criterion (4.1.3): the validation error was least sooner than the modelling
+/// error; and what became of the validation error since.
+fn over_fitting(course: &[Convergence]) -> Option<String> {
+    let modelling = least(course.iter().map(|after| Some(after.training)))?;
+    let validation = least(course.iter().map(|after| after.validation))?;
     let last = course.last()?.validation?;
+    let generations = format!("{} (modelling: {})", validation.generation, modelling.generation);
+    let judged = if validation.generation < modelling.generation {
+        format!("the validation error was least already in generation {generations}, so that the search over-fits")
+    } else {
+        format!(
+            "the validation error was least no sooner than in generation {generations}, so that the search does not over-fit"
+        )
+    };
     Some(format!(
-        "at the end the validation error stands {:.1} % above its least; training alone decides, so the end counts.",
-        100.0 * (last / least.mae_um - 1.0)
+        "{judged} by the thesis's criterion (4.1.3); at the end of {} generations the validation error stands {:.1} % above \
+         its least. Training alone decides, so the end counts.",
+        course.len(),
+        100.0 * (last / validation.mae_um - 1.0)
     ))
 }
 
@@ -135,6 +147,21 @@ mod tests {
         let found = least([Some(3.0), None, Some(1.0), Some(1.0), Some(f64::NAN), Some(2.0)].into_iter());
         assert_eq!(found, Some(Least { mae_um: 1.0, generation: 3 }));
         assert_eq!(least([None, Some(f64::INFINITY)].into_iter()), None);
+    }
+
+    #[test]
+    fn over_fitting_is_a_validation_error_that_is_least_sooner_than_the_modelling_error() {
+        let course = |errors: [(f64, f64); 3]| {
+            errors.map(|(training, validation)| Convergence { training, validation: Some(validation) })
+        };
+        let over_fitted = over_fitting(&course([(3.0, 2.0), (2.0, 1.0), (1.0, 1.5)])).unwrap();
+        assert!(over_fitted.contains("already in generation 2 (modelling: 3)"), "{over_fitted}");
+        assert!(over_fitted.contains("search over-fits by") && over_fitted.contains("50.0 % above"), "{over_fitted}");
+        for sound in [[(3.0, 2.0), (2.0, 1.5), (1.0, 1.0)], [(3.0, 2.0), (1.0, 1.5), (1.0, 1.0)]] {
+            let words = over_fitting(&course(sound)).unwrap();
+            assert!(words.contains("does not over-fit") && words.contains("0.0 % above"), "{words}");
+        }
+        assert_eq!(over_fitting(&[Convergence { training: 1.0, validation: None }]), None);
     }
 
     #[test]

@@ -6,7 +6,8 @@ use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::compare::Say;
 use identification::cost::Feedback;
-use identification::{Progress, SearchOptions};
+use identification::validate::Figures;
+use identification::{Progress, SearchOptions, StraightLine};
 use report::drawn;
 use report::{Picture, Section, shown};
 use serde::Serialize;
@@ -48,6 +49,9 @@ struct Row {
     max_um: Option<f64>,
     thesis_mae_um: Option<f64>,
     thesis_max_um: Option<f64>,
+    /// Of the straight line through the modelling logs, on the same held-out logs.
+    straight_line_mae_um: Option<f64>,
+    straight_line_max_um: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     failed: Option<String>,
 }
@@ -64,6 +68,10 @@ const SIMULATED: [Model; 5] = [
 /// What is identified with each cost.
 const ASKED: [(Feedback, &[Model]); 2] = [(Feedback::Osp, &Model::VOIGT_FAMILY), (Feedback::Simulation, &SIMULATED)];
 
+/// How the baseline's row is to be read.
+const STRAIGHT_LINE: &str = "Straight line: the displacement proportional to the voltage and an offset, Eq. (2.1), by least \
+                             squares through the modelling logs, each weighing the same.";
+
 /// Generations that it takes, for a progress bar.
 pub fn generations(search: &SearchOptions) -> u64 {
     2 * search.generations_of(&Model::VOIGT_FAMILY)
@@ -79,7 +87,8 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     }
     let attempts = || ASKED.into_iter().flat_map(|(cost, models)| models.iter().map(move |model| (cost, *model)));
     let attempts: Vec<&Attempt> = attempts().filter_map(|(cost, model)| bench.attempt(cost, model)).collect();
-    let rows: Vec<Row> = attempts.iter().map(|attempt| row(attempt, bench.say)).collect();
+    let line = bench.straight_line();
+    let rows: Vec<Row> = attempts.iter().map(|attempt| row(attempt, line, bench.say)).collect();
     let none = rows.iter().all(|row| row.mae_um.is_none());
     if let Some(failed) = attempts.first().and_then(|attempt| attempt.failed()).filter(|_| none) {
         return Err(failed.clone().into());
@@ -109,19 +118,25 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
             shown(of_voigt(|row| row.thesis_mae_um), 2),
         ]);
     }
+    if let Some(figures) = line {
+        let [mae, max] = [figures.mae_um, figures.max_um].map(|um| shown(Some(um), 4));
+        grid.row(
+            [StraightLine::NAME.to_owned(), "–".to_owned(), mae, max].into_iter().chain(["–"; 4].map(str::to_owned)),
+        );
+    }
     let failed = rows
         .iter()
         .filter_map(|row| Some(format!("{} by {}: {}", row.model, cost_name(row.cost), row.failed.as_ref()?)));
     Ok(Section {
         title: "Validation errors: Tables 4.8, 5.3, 5.4 and 5.5",
-        notes: failed.collect(),
+        notes: line.map(|_| STRAIGHT_LINE.to_owned()).into_iter().chain(failed).collect(),
         figures: attempts.iter().flat_map(|attempt| pictures(attempt)).collect(),
         json: serde_json::to_string_pretty(&rows)?,
         tables: vec![grid],
     })
 }
 
-fn row(attempt: &Attempt, say: Say) -> Row {
+fn row(attempt: &Attempt, line: Option<Figures>, say: Say) -> Row {
     let figures = attempt.candidate().and_then(|candidate| candidate.held_out_figures());
     let printed = printed(attempt.model, attempt.cost);
     Row {
@@ -131,6 +146,8 @@ fn row(attempt: &Attempt, say: Say) -> Row {
         max_um: figures.map(|figures| figures.max_um),
         thesis_mae_um: printed.map(|(mae, _)| mae),
         thesis_max_um: printed.map(|(_, max)| max),
+        straight_line_mae_um: line.map(|figures| figures.mae_um),
+        straight_line_max_um: line.map(|figures| figures.max_um),
         failed: attempt.failed().map(|error| say(error)),
     }
 }
@@ -160,8 +177,13 @@ mod tests {
             let (ours, thesis) = (row["mae_um"].as_f64(), row["thesis_mae_um"].as_f64());
             assert!(ours.is_some_and(|mae| mae > 0.0), "{row}");
             assert_eq!(thesis.is_none(), row["model"] == "generalised-prandtl-ishlinskii", "{row}");
+            assert!(row["straight_line_mae_um"].as_f64() > ours, "{row}");
         }
         assert_eq!(rows[3]["thesis_mae_um"], 0.163);
+        let text = section.text();
+        let line = text.lines().find(|line| line.starts_with("straight line (2.1)")).expect("the baseline has a row");
+        let mae = format!("{:.4}", rows[0]["straight_line_mae_um"].as_f64().unwrap());
+        assert!(line.contains(&mae), "{line} {mae}");
         assert_eq!(section.figures.len(), 9);
         assert!(section.figures[3].name.contains("Figure 5.3"), "{}", section.figures[3].name);
         assert!(

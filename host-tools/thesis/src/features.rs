@@ -8,7 +8,7 @@ use super::rate::{DEPENDENT, Rate};
 use crate::error::ThesisError;
 use estimator_core::{BoucWenParameters, DuhemParameters, Model, Parameters, Table};
 use identification::cost::Feedback;
-use identification::{Candidate, Character, Progress, SearchOptions};
+use identification::{Candidate, Character, Progress, SearchOptions, StraightLine};
 use report::{Section, shown, yes};
 use serde::Serialize;
 
@@ -100,6 +100,10 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         if !row.without_lag {
             errors.row(std::iter::once(model).chain(row.errors.iter().map(|held| shown(Some(held.mae_percent), 2))));
         }
+    }
+    if let Some(row) = rows.first().filter(|row| row.errors.iter().any(|held| held.straight_line_percent.is_some())) {
+        let percent = row.errors.iter().map(|held| shown(held.straight_line_percent, 2));
+        errors.row(std::iter::once(StraightLine::NAME.to_owned()).chain(percent));
     }
     if let Some(rig) = bench.rig.as_ref().and_then(Rate::of_rig) {
         measured.row(measures("the rig itself".to_owned(), &rig, None));

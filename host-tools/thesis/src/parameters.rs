@@ -4,7 +4,7 @@ use super::bench::{Bench, cost_name};
 use crate::error::ThesisError;
 use estimator_core::{Model, Parameters, VoigtParameters};
 use identification::cost::Feedback;
-use identification::search::space::{Ranges, Space};
+use identification::search::space::{Gene, Ranges, Space};
 use identification::{Progress, SearchOptions};
 use report::{Section, yes};
 use serde_json::{Value, json};
@@ -46,6 +46,9 @@ pub fn printed(model: Model, cost: Feedback) -> Option<Printed> {
 /// Symbols and units, in the order of [`Printed`].
 const SYMBOLS: [&str; 9] = ["α µm", "β V", "λ 1/V", "b Ω", "P", "g µm/s/Vʰ", "h", "e (m/s)/mᶠ", "f"];
 
+/// What each model is identified with.
+const COSTS: [Feedback; 2] = [Feedback::Osp, Feedback::Simulation];
+
 /// Generations that it takes, for a progress bar.
 pub fn generations(search: &SearchOptions) -> u64 {
     2 * search.generations_of(&Model::VOIGT_FAMILY)
@@ -56,7 +59,7 @@ pub fn generations(search: &SearchOptions) -> u64 {
 /// # Errors
 /// The figures cannot be written down.
 pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
-    for cost in [Feedback::Osp, Feedback::Simulation] {
+    for cost in COSTS {
         bench.identify(cost, &Model::VOIGT_FAMILY, progress);
     }
     let ranges = ranges(bench);
@@ -67,7 +70,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     }
     let mut rows = Vec::new();
     for model in Model::VOIGT_FAMILY {
-        for cost in [Feedback::Osp, Feedback::Simulation] {
+        for cost in COSTS {
             let ours = bench.candidate(cost, model).and_then(|found| set(&found.table.parameters));
             let theirs = printed(model, cost);
             let mut line = |whose: &str, set: Option<Printed>| {
@@ -88,7 +91,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         }
         Ranges::Table45 => "Searched is within Table 4.5's ranges, and Table 5.2's magnitudes for g, h, e, f.",
     };
-    let notes = vec![
+    let mut notes = vec![
         search.to_owned(),
         "α, λ and b act through the product α·λ·b and, far from β, through α·exp(−λβ): sets that look far apart may \
          be the same model. g and e have free signs here; both printed ones are positive, with which the recursion \
@@ -96,6 +99,22 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
          back."
             .to_owned(),
     ];
+    let attempts = || Model::VOIGT_FAMILY.into_iter().flat_map(|model| COSTS.map(|cost| (model, cost)));
+    let ended = attempts().filter_map(|(model, cost)| {
+        let genes = &bench.candidate(cost, model)?.fit.genes;
+        let ends = at_an_end(genes);
+        (!ends.is_empty()).then(|| format!("{model} by {}: {}", cost_name(cost), ends.join(", ")))
+    });
+    let ended: Vec<String> = ended.collect();
+    notes.push(if ended.is_empty() {
+        "No searched coordinate ended at an end of its range.".to_owned()
+    } else {
+        format!(
+            "At an end of its range a searched coordinate ended in {}. There the optimum may lie beyond, or the logs do not \
+             determine it; a term whose exponent ended at 0 or nearly so keeps its size at every amplitude.",
+            ended.join("; ")
+        )
+    });
     let json = serde_json::to_string_pretty(&json!({ "ranges": ranges.1, "parameters": rows }))?;
     let tables = vec![ranges.0, grid];
     Ok(Section { title: "Parameters: Tables 4.5, 4.6 and 5.2", tables, notes, figures: Vec::new(), json })
@@ -144,6 +163,14 @@ fn ranges(bench: &Bench) -> (report::Grid, Value) {
         }));
     }
     (grid, Value::from(rows))
+}
+
+/// Coordinates that ended where their range does, with the range: "h = 0.010 (0 … 3)".
+fn at_an_end(genes: &[(Gene, f64)]) -> Vec<String> {
+    let at_end = genes.iter().filter(|(gene, value)| gene.undetermined(*value));
+    at_end
+        .map(|(gene, value)| format!("{} = {value:.3} ({} … {})", gene.name, short(gene.min), short(gene.max)))
+        .collect()
 }
 
 fn set(parameters: &Parameters) -> Option<Printed> {
@@ -203,6 +230,23 @@ mod tests {
         for (row, (_, printed)) in rows.as_array().unwrap().iter().zip(TABLE_4_5_MAC) {
             let (ours, printed) = (row["mac"].as_f64().unwrap(), printed.parse::<f64>().unwrap());
             assert!((ours / printed - 1.0).abs() < 0.03, "{row}");
+        }
+    }
+
+    #[test]
+    fn what_ended_at_an_end_of_its_range_is_named_and_nothing_else() {
+        let genes =
+            |h: f64| [(Gene::linear("h", "exponent", "", 0.0, 3.0), h), (Gene::linear("p", "P", "", 0.4, 2.5), 1.0)];
+        assert_eq!(at_an_end(&genes(0.01)), ["h = 0.010 (0 … 3.000)"]);
+        assert_eq!(at_an_end(&genes(3.0)), ["h = 3.000 (0 … 3.000)"]);
+        assert!(at_an_end(&genes(0.02)).is_empty());
+        let mut bench = small();
+        let section = section(&mut bench, &mut |_, _| ()).unwrap();
+        let note = section.notes.last().unwrap();
+        for (model, cost) in Model::VOIGT_FAMILY.into_iter().flat_map(|model| COSTS.map(|cost| (model, cost))) {
+            let ended = at_an_end(&bench.candidate(cost, model).unwrap().fit.genes);
+            let words = format!("{model} by {}: {}", cost_name(cost), ended.join(", "));
+            assert_eq!(note.contains(&words), !ended.is_empty(), "{words}: {note}");
         }
     }
 

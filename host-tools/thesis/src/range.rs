@@ -3,6 +3,7 @@
 use super::bench::Bench;
 use super::hysteresis::Loop;
 use estimator_core::Admitted;
+use identification::StraightLine;
 use identification::validate::compare;
 use recordings::prepare::PrepareError;
 use recordings::rig::{Excitation, Waveform};
@@ -26,7 +27,10 @@ const TRIANGLES: [(&str, u32); 9] = [
 ];
 
 /// Held-out sessions by frequency, Hz, the slowest first.
-pub struct Frequencies(Vec<(f64, Session)>);
+pub struct Frequencies {
+    sessions: Vec<(f64, Session)>,
+    line: Option<StraightLine>,
+}
 
 /// A model's error at a frequency.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
@@ -35,6 +39,9 @@ pub struct Held {
     pub hertz: f64,
     /// MAE, % of the stroke of the log of this frequency.
     pub mae_percent: f64,
+    /// That of the straight line through the modelling logs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub straight_line_percent: Option<f64>,
 }
 
 impl Frequencies {
@@ -58,12 +65,12 @@ impl Frequencies {
             }
             sessions.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
-        Ok(Self(sessions))
+        Ok(Self { sessions, line: StraightLine::fit(bench.problem().training()) })
     }
 
     /// The frequencies, Hz.
     pub fn hertz(&self) -> impl Iterator<Item = f64> {
-        self.0.iter().map(|(hertz, _)| *hertz)
+        self.sessions.iter().map(|(hertz, _)| *hertz)
     }
 
     /// A table's error at each.
@@ -71,8 +78,9 @@ impl Frequencies {
         let error = |(hertz, session): &(f64, Session)| Held {
             hertz: *hertz,
             mae_percent: compare(table, session).mil.mae_percent,
+            straight_line_percent: self.line.map(|line| line.errors(session).mae_percent),
         };
-        self.0.iter().map(error).collect()
+        self.sessions.iter().map(error).collect()
     }
 }
 
@@ -108,7 +116,11 @@ mod tests {
         let held = |errors: &[f64]| -> String {
             let hertz = [1.0, 2.5, 10.0, 100.0];
             words(
-                &errors.iter().zip(hertz).map(|(&mae_percent, hertz)| Held { hertz, mae_percent }).collect::<Vec<_>>(),
+                &errors
+                    .iter()
+                    .zip(hertz)
+                    .map(|(&mae_percent, hertz)| Held { hertz, mae_percent, straight_line_percent: None })
+                    .collect::<Vec<_>>(),
             )
         };
         assert_eq!(held(&[1.0, 4.9, 5.0, 2.0]), "1–2.5, 100");
@@ -124,6 +136,9 @@ mod tests {
         let errors = Frequencies::of(&bench).unwrap().errors(&table);
         assert_eq!(errors.len(), TRIANGLES.len());
         assert!(errors.last().unwrap().mae_percent > 15.0, "{errors:?}");
+        // Both have neither lag nor rate: the line is the farther off where the model holds.
+        let slow = errors[0];
+        assert!(slow.straight_line_percent.is_some_and(|line| line > slow.mae_percent), "{slow:?}");
         bench.rig = None;
         let own: Vec<f64> = Frequencies::of(&bench).unwrap().hertz().collect();
         assert!(own.len() == 1 && (own[0] - 10.0).abs() < 0.05, "{own:?}");

@@ -6,7 +6,7 @@ use crate::error::ThesisError;
 use estimator_core::{Admitted, DriveLimits, Model, Range};
 use identification::cost::Feedback;
 use identification::feedforward::{Trajectory, plan};
-use identification::{Problem, Progress, SearchOptions};
+use identification::{Problem, Progress, SearchOptions, StraightLine};
 use recordings::rig::Rig;
 use report::{Grid, Section, shown};
 use serde::Serialize;
@@ -192,20 +192,18 @@ fn limits(problem: &Problem) -> DriveLimits {
 
 /// Displacement (µm) to voltage by the line of least squares through the training logs, within their voltages.
 fn scaling(problem: &Problem) -> impl Fn(f64) -> f64 + use<> {
-    let pairs = || {
-        problem.training().flat_map(|session| {
-            let at = |&tick: &u32| session.voltage.get(tick as usize).copied().unwrap_or(0.0);
-            session.instants.iter().map(at).zip(session.displacement.iter().copied())
-        })
-    };
-    let count = pairs().count().max(1) as f64;
-    let (mean_v, mean_y) = pairs().fold((0.0, 0.0), |(v, y), (a, b)| (v + a / count, y + b / count));
-    let (both, square) = pairs().fold((0.0, 0.0), |(both, square), (v, y)| {
-        (both + (v - mean_v) * (y - mean_y), square + (v - mean_v) * (v - mean_v))
-    });
-    let gain = both / square;
+    let line = StraightLine::through(problem.training().flat_map(|session| {
+        let at = |&tick: &u32| session.voltage.get(tick as usize).copied().unwrap_or(0.0);
+        session
+            .instants
+            .iter()
+            .map(at)
+            .zip(&session.displacement)
+            .map(|(voltage, &displacement)| (voltage, displacement, 1.0))
+    }));
     let voltages = problem.training_voltages();
-    move |y| voltages.clamp(mean_v + (y - mean_y) / gain)
+    // A voltage that rests has no line, and a job refuses it.
+    move |y| voltages.clamp(line.map_or(f64::NAN, |line| line.voltage(y)))
 }
 
 #[cfg(test)]

@@ -15,9 +15,11 @@
 //! Bouc-Wen with n = 1, γ = δ = d2 = 0 is of this form: f' = d1, g = d1 + c·A, α = β.
 
 use crate::math::Real;
+use serde::Serialize;
 
 /// A condition of Section 3.3.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum DuhemCondition {
     /// (a): f increases, with a finite slope.
     Increasing,

@@ -1,5 +1,6 @@
 //! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
+use estimator_core::DuhemCondition;
 use identification::{Converter, Doubt, FEW_REVERSALS};
 use serde_json::{Value, json};
 
@@ -43,6 +44,17 @@ pub fn doubt(doubt: &Doubt) -> String {
         Doubt::Transient { log, until_s } => format!(
             "{log} fits far worse in its first {until_s:.3} s than later, as a start-up transient does: cut it off \
              with --skip-start"
+        ),
+        Doubt::UnmetCondition { condition } => format!(
+            "the identified set breaks a condition of Duhem's model (thesis, 3.3), {condition}: beyond the logs' voltages, \
+             or after other reversals than theirs, {}; record wider swings with smaller ones inside, or choose --model \
+             bouc-wen",
+            match condition {
+                DuhemCondition::Increasing | DuhemCondition::Rising =>
+                    "the displacement may fall while the voltage rises",
+                DuhemCondition::Even => "the two branches of a loop may not meet at its ends",
+                DuhemCondition::Lagging => "the displacement may run ahead of the voltage",
+            }
         ),
         Doubt::FewReversals { reversals } => format!(
             "the training logs reverse direction only {reversals} times: hysteresis needs at least {FEW_REVERSALS}; \
@@ -133,6 +145,8 @@ mod tests {
             Doubt::NothingHeldOut,
             Doubt::Diverges { fed_um: 0.01, simulation_um: 3.0 },
             Doubt::Transient { log: "a".into(), until_s: 0.3 },
+            Doubt::UnmetCondition { condition: DuhemCondition::Rising },
+            Doubt::UnmetCondition { condition: DuhemCondition::Lagging },
             Doubt::FewReversals { reversals: 2 },
             Doubt::SingleFrequency,
             Doubt::SingleAmplitude { extremum_terms: true },

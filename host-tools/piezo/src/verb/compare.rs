@@ -11,7 +11,7 @@ use identification::compare::{self, Instructions, Judgement, Matrix, Row};
 use identification::cost::Cost;
 use identification::search::Optimiser;
 use identification::validate::Figures;
-use identification::{Role, SearchOptions, Start};
+use identification::{Role, SearchOptions, Start, StraightLine};
 use report::ComparisonReport;
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
@@ -102,11 +102,13 @@ fn read_instructions(path: &Path) -> Result<Vec<(Model, Instructions)>> {
 }
 
 /// How to read the figures.
-const NOTES: [&str; 4] = [
+const NOTES: [&str; 5] = [
     "Errors of the estimate in simulation, from the first sample on, on data that decided nothing: mean absolute (MAE), root \
      mean square (RMS), largest (MAX), and the mean absolute without the constant offset that re-zeroing removes; of the \
      stroke where it says %. Whoever chooses a model by them has used this data up: prove the choice on another log. The arrow \
      marks the smallest MAE.",
+    "Straight line: the displacement proportional to the voltage and an offset, Eq. (2.1), by least squares through the training \
+     logs, each weighing the same: what is left for a model to gain.",
     "Parameters: what was searched or solved for by least squares; a grid that was laid out before does not count.",
     "Evals: candidates that were evaluated, of the same budget for every model; a model in which nothing is searched takes one, \
      its least-squares solution, for each of its structures.",
@@ -163,6 +165,8 @@ fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {
     ));
     let nearest = matrix.nearest();
     let first = |row: &Row| format!("{}{}", if nearest == Some(row.model) { "→ " } else { "  " }, row.model);
+    let baseline = matrix.straight_line.as_ref().map(|baseline| &baseline.errors);
+    let straight = format!("  {}", StraightLine::NAME);
     for row in &matrix.rows {
         let counts = row.instructions.map_or_else(
             || format!(" {:>9} {:>9}", "–", "–"),
@@ -182,12 +186,27 @@ fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {
             Judgement::Failed { failed } => out(&format!("{:<30} {failed}", first(row))),
         }
     }
+    if let Some(errors) = baseline {
+        out(&format!(
+            "{} {:>9.4} {:>9.4} {:>6} {:>6} {:>8}{}",
+            line(&straight, &errors.held_out.all),
+            errors.training.all.mae_um,
+            errors.training.all.rmse_um,
+            errors.parameters,
+            "–",
+            "–",
+            if counted { format!(" {:>9} {:>9}", "–", "–") } else { String::new() }
+        ));
+    }
     for (index, name) in names.iter().enumerate().filter(|_| names.len() > 1) {
         out(&format!("\n{}", heading(&format!("held out, {name}"))));
         for row in &matrix.rows {
             if let Some(log) = row.errors().and_then(|errors| errors.held_out.logs.get(index)) {
                 out(&line(&first(row), &log.errors));
             }
+        }
+        if let Some(log) = baseline.and_then(|errors| errors.held_out.logs.get(index)) {
+            out(&line(&straight, &log.errors));
         }
     }
     out("");

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use identification::cost::Cost;
 use identification::table_file::TableFile;
-use identification::{Candidate, Job, ModelChoice, Outcome, Role};
+use identification::{Candidate, Job, ModelChoice, Outcome, Role, StraightLine};
 use recordings::prepare::Recipe;
 use report::Report;
 use serde_json::{Value, json};
@@ -81,6 +81,7 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
         doubts: &doubts,
         chosen: candidate,
         candidates: &outcome.candidates,
+        straight_line: outcome.straight_line.as_ref(),
         facts: &facts(arguments, cost, outcome),
     })?;
     let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
@@ -138,6 +139,9 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
         if let Some(figures) = figures(candidate) {
             out(&row(&format!("{mark}{}", candidate.table.model()), &figures));
         }
+    }
+    if let Some(line) = &outcome.straight_line {
+        out(&row(&format!("  {}", StraightLine::NAME), &line.held_out.unwrap_or(line.training)));
     }
     out("");
     verdict.iter().for_each(|sentence| out(sentence));
@@ -214,6 +218,7 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
         "reason": remedy::reason(outcome.reason),
         "verdict": verdict,
         "candidates": candidates,
+        "straight_line": outcome.straight_line,
         "failed": failed,
         "doubts": doubts,
         "recipe": outcome.recipe,
