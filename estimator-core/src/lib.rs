@@ -25,6 +25,7 @@ pub mod model;
 pub mod range;
 pub mod record;
 pub mod rule;
+pub mod sealed;
 pub mod settling;
 pub mod table;
 

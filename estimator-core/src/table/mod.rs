@@ -5,9 +5,11 @@
 //! on the very parameters that the target has. A [`Table`] is only data; an [`Admitted`] one has passed every check, and
 //! nothing else makes an [`Estimator`](crate::Estimator).
 
+mod board;
 mod digest;
 mod error;
 
+pub use board::{Board, Misfit};
 pub use digest::Digest;
 pub use error::TableError;
 

@@ -152,11 +152,11 @@ impl Client {
         }
     }
 
-    /// Hands wanted displacements (µm) over for the next ticks, and lets the device `go`, to `stay` at the last
-    /// one; returns how many there was room for, and how many ticks have
+    /// Hands wanted displacements (µm) over for the next ticks. With `go` the device follows them from now on and holds the
+    /// last one, for ever with `hold` and for a second without. Returns how many there was room for, and how many ticks have
     /// found none so far.
-    pub fn refer(&mut self, references: References, go: bool, stay: bool) -> Result<(usize, u32), LinkError> {
-        match self.request(Request::Refer { references, go, stay })? {
+    pub fn refer(&mut self, references: References, go: bool, hold: bool) -> Result<(usize, u32), LinkError> {
+        match self.request(Request::Refer { references, go, hold })? {
             Reply::Referred { taken, starved } => Ok((taken.into(), starved)),
             _ => Err(self.confused()),
         }

@@ -60,15 +60,15 @@ pub enum FollowError {
     Silent,
 }
 
-/// Sends references, the last of which is to `stay` or not, and collects `ticks` samples from the first one on, or as many as come before a fault. The device is
-/// left in [`Mode::Follow`], at the last reference.
+/// Sends references and collects `ticks` samples from the first one on, or as many as come before a fault. The device is left
+/// in [`Mode::Follow`], at the last reference, which it holds for ever with `hold` and for a second without.
 ///
 /// # Errors
 /// The link fails or loses samples, the device stops, refuses, or the user does not want to wait.
 pub fn follow(
     client: &mut Client,
     references: &[f32],
-    stay: bool,
+    hold: bool,
     ticks: usize,
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
@@ -89,7 +89,7 @@ pub fn follow(
         if !full || !going {
             let chunk: References = next.iter().copied().collect();
             going |= sent + next.len() == references.len();
-            let (taken, starved) = match client.refer(chunk, going, stay) {
+            let (taken, starved) = match client.refer(chunk, going, hold) {
                 Err(LinkError::Unknown { .. }) => return Err(FollowError::ReplyLost { done, ticks }),
                 answer => answer?,
             };
@@ -139,29 +139,92 @@ fn take(followed: &mut Followed, samples: &[Sample], ticks: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fake::{Fake, Manners};
-    use protocol::Refusal;
+    use crate::pages;
+    use crate::table::to_record;
+    use emulator::faults::{lose_samples_at, messages};
+    use emulator::{Direction, Emulator, Fault, FaultyLine, Plant, TABLE, amplifier};
+    use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, Table};
+    use parameter_store::RamFlash;
+    use protocol::{Refusal, Reply, ToHost};
 
-    fn run(manners: Manners) -> Result<Followed, FollowError> {
-        let fake = Fake::start(Manners { drives: true, ..manners });
-        let (mut client, _) = fake.connect();
-        let wave: Vec<f32> = (0..1000).map(|k| 20.0 + 5.0 * (k as f32 * 0.02).sin()).collect();
-        follow(&mut client, &wave, true, 1000, &Interrupt::default(), &mut |_| {})
+    const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
+    /// An amplifier of 0 … 4 V on the DAC's scale.
+    const DRIVE: DriveCalibration =
+        DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
+
+    /// The device's own table, its DAC driving the amplifier.
+    fn driving() -> Admitted {
+        Table { drive: Some(DRIVE), ..TABLE }.admit().unwrap()
+    }
+
+    fn wave() -> Vec<f32> {
+        (0..1000).map(|k| 20.0 + 5.0 * (k as f32 * 0.02).sin()).collect()
+    }
+
+    fn sound(_: Direction, _: &mut Vec<u8>) {}
+
+    /// Follows the wave; the device's queue of references lasts for half a second.
+    fn run(plant: impl Plant, fault: impl Fault) -> Result<Followed, FollowError> {
+        run_at(0.25, plant, fault)
+    }
+
+    fn run_at(speed: f64, plant: impl Plant, fault: impl Fault) -> Result<Followed, FollowError> {
+        let flash = RamFlash::new(pages::with(&to_record(&driving()), 4096).unwrap());
+        let device = Emulator::new().flash(flash).plant(plant).speed(speed).start().unwrap();
+        let line = FaultyLine::to(device.address(), fault).unwrap();
+        let (mut client, _) = Client::connect(&line.address().into()).unwrap();
+        follow(&mut client, &wave(), true, 1000, &Interrupt::default(), &mut |_| {})
     }
 
     #[test]
-    fn every_reference_gives_a_sample() {
-        let followed = run(Manners::default()).unwrap();
+    fn every_reference_gives_a_sample_and_the_voltage_of_the_core_s_inverse() {
+        let followed = run(amplifier(DRIVE, TABLE.adc), sound).unwrap();
         assert_eq!((followed.samples.len(), followed.starved, followed.stopped), (1000, 0, Faults::empty()));
         let last = followed.samples.last().unwrap().displacement;
         assert!((last - (20.0 + 5.0 * (999f32 * 0.02).sin())).abs() < 1.0, "{last}");
+        let mut inverse = driving().inverse::<f32>(&LIMITS).unwrap();
+        for (tick, (sample, reference)) in followed.samples.iter().zip(wave()).enumerate() {
+            let expected = DRIVE.code(inverse.tick(reference).voltage, TABLE.dac.full_scale);
+            assert_eq!(DacCode(sample.dac), expected, "tick {tick}");
+        }
     }
 
     #[test]
-    fn a_fault_ends_it_and_hunger_is_told() {
-        let followed = run(Manners { faulty_from: Some(300), starved: 7, ..Manners::default() }).unwrap();
+    fn a_fault_ends_it_and_starved_ticks_are_told() {
+        // The ADC is saturated from the 280th tick on at which the amplifier has moved: two ticks after the first reference it
+        // begins to, and after twenty saturated ticks that is a fault.
+        let (mut amplifier, mut moved) = (amplifier(DRIVE, TABLE.adc), 0);
+        let rest = DRIVE.code(LIMITS.rest_v, TABLE.dac.full_scale);
+        let breaks = move |dac| {
+            moved += u32::from(moved > 0 || dac != rest);
+            let code = amplifier.sample(dac);
+            if moved < 280 { code } else { AdcCode(TABLE.adc.full_scale) }
+        };
+        let starves = messages(|message| match message {
+            ToHost::Reply { to, reply: Reply::Referred { taken, .. } } => {
+                Some(ToHost::Reply { to, reply: Reply::Referred { taken, starved: 7 } })
+            }
+            other => Some(other),
+        });
+        let followed = run(breaks, starves).unwrap();
         assert_eq!(followed.samples.len(), 300);
         assert_eq!((followed.starved, followed.stopped), (7, Faults::ADC_SATURATED | Faults::SAFE_OUTPUT));
+    }
+
+    #[test]
+    fn a_line_that_hesitates_starves_the_drive_and_the_device_counts_it() {
+        let mut requests = 0;
+        let hesitates = move |direction, _: &mut Vec<u8>| {
+            // Every request comes behind an empty frame. Connecting and starting takes some ten; four fill the queue.
+            requests += u32::from(direction == Direction::ToDevice);
+            if requests == 24 {
+                requests += 1;
+                std::thread::sleep(Duration::from_millis(400));
+            }
+        };
+        let followed = run_at(1.0, amplifier(DRIVE, TABLE.adc), hesitates).unwrap();
+        assert!(followed.starved > 0);
+        assert_eq!((followed.samples.len(), followed.stopped), (1000, Faults::empty()));
     }
 
     #[test]
@@ -181,12 +244,12 @@ mod tests {
 
     #[test]
     fn a_device_without_a_drive_and_lost_samples_are_errors() {
-        let fake = Fake::start(Manners::default());
-        let (mut client, _) = fake.connect();
+        let device = Emulator::new().start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
         let refused = follow(&mut client, &[1.0], true, 1, &Interrupt::default(), &mut |_| {}).unwrap_err();
         let FollowError::Link(LinkError::Refused { refusal, .. }) = refused else { panic!("{refused}") };
         assert_eq!(*refusal, Refusal::NoDrive);
-        let lost = run(Manners { lose_samples_from: Some(500), ..Manners::default() }).unwrap_err().to_string();
+        let lost = run(amplifier(DRIVE, TABLE.adc), lose_samples_at(500)).unwrap_err().to_string();
         assert!(lost.contains("samples were lost"), "{lost}");
     }
 }

@@ -15,8 +15,6 @@ pub mod window;
 pub mod words;
 pub mod write;
 
-#[cfg(any(test, feature = "fake"))]
-pub mod fake;
 #[cfg(test)]
 mod tests;
 

@@ -38,6 +38,12 @@ impl FromStr for Address {
     }
 }
 
+impl From<std::net::SocketAddr> for Address {
+    fn from(socket: std::net::SocketAddr) -> Self {
+        Self::Tcp(socket.to_string())
+    }
+}
+
 impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -142,13 +142,15 @@ fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut im
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fake::{Fake, Manners};
+    use emulator::faults::{lose_samples_at, silent_from};
+    use emulator::{Emulator, Fault, FaultyLine, TABLE};
     use recordings::log::{ReadOptions, read};
 
-    fn recorded(manners: Manners, ticks: u64, allow_gaps: bool) -> (String, Recording, End) {
-        let fake = Fake::start(manners);
-        let (mut client, identity) = fake.connect();
-        let calibration = fake.table().adc;
+    fn recorded(fault: impl Fault, ticks: u64, allow_gaps: bool) -> (String, Recording, End) {
+        let device = Emulator::new().speed(8.0).start().unwrap();
+        let line = FaultyLine::to(device.address(), fault).unwrap();
+        let (mut client, identity) = Client::connect(&line.address().into()).unwrap();
+        let calibration = TABLE.adc;
         client.stream(true).unwrap();
         let wish = Wish { calibration, tick_us: identity.tick_us, ticks: Some(ticks), allow_gaps };
         let mut log = Vec::new();
@@ -158,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_recording_is_a_log() {
-        let (log, recording, end) = recorded(Manners::default(), 1000, false);
+        let (log, recording, end) = recorded(|_, _: &mut Vec<u8>| {}, 1000, false);
         assert!(matches!(end, End::Complete), "{end:?}");
         assert_eq!((recording.rows, recording.lost), (1000, 0));
         let folder = tempfile::tempdir().unwrap();
@@ -171,12 +173,11 @@ mod tests {
 
     #[test]
     fn a_gap_ends_it_or_shows_in_the_time() {
-        let gap = Manners { lose_samples_from: Some(200), ..Manners::default() };
-        let (log, recording, end) = recorded(gap.clone(), 1000, false);
+        let (log, recording, end) = recorded(lose_samples_at(200), 1000, false);
         assert!(matches!(end, End::Gap { ticks } if ticks > 0), "{end:?}");
         assert_eq!((log.lines().count() as u64, recording.ticks), (recording.rows + 1, recording.rows));
 
-        let (log, recording, end) = recorded(gap, 1000, true);
+        let (log, recording, end) = recorded(lose_samples_at(200), 1000, true);
         assert!(matches!(end, End::Complete), "{end:?}");
         assert!(recording.lost > 0);
         assert_eq!(recording.rows + recording.lost, 1000);
@@ -185,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_device_that_falls_silent_ends_it() {
-        let (_, recording, end) = recorded(Manners { falls_silent_at: Some(100), ..Manners::default() }, 1000, false);
+        let (_, recording, end) = recorded(silent_from(100), 1000, false);
         assert!(matches!(end, End::Silence), "{end:?}");
         assert_eq!(recording.rows, 99, "the first sample's displacement is the second's tick's");
     }

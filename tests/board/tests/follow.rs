@@ -83,7 +83,7 @@ fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
     let mut sent = 0;
     while sent < references.len() {
         let references = references[sent..].iter().take(64).copied().collect();
-        match bench.ask(Request::Refer { references, go: true, stay: true })? {
+        match bench.ask(Request::Refer { references, go: true, hold: true })? {
             Reply::Referred { taken, starved: 0 } => sent += usize::from(taken),
             other => bail!("{name}: {other:?}"),
         }

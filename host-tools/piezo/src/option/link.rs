@@ -61,27 +61,69 @@ impl WriteOptions {
 mod tests {
     use super::*;
     use crate::remedy::sentence;
-    use device_link::fake::{Fake, Manners};
     use device_link::table;
     use device_link::table::to_record;
+    use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+    use emulator::faults::lose_replies;
+    use emulator::{Emulator, FaultyLine, TABLE};
+    use parameter_store::RamFlash;
     use protocol::{Mode, TableSource};
 
     const CAREFUL: WriteOptions =
         WriteOptions { while_estimating: false, pause: false, reset: false, dry_run: false, rewired: false };
 
-    /// Pushes the device's own table; returns where its table comes from afterwards, and what it does.
-    fn push(options: &WriteOptions, manners: Manners) -> (Result<Option<Identity>, WriteError>, TableSource, Mode) {
-        let fake = Fake::start(manners);
-        let (mut client, _) = fake.connect();
-        let record = to_record(&fake.table());
+    fn erased() -> RamFlash<Vec<u8>> {
+        RamFlash::new(vec![0xFF; 4096])
+    }
+
+    /// Pushes the device's own table; returns what the device then does, and where its table comes from after a restart.
+    fn push(
+        options: &WriteOptions,
+        flash: impl NorFlash + Send + 'static,
+    ) -> (Result<Option<Identity>, WriteError>, TableSource, Mode) {
+        let device = Emulator::new().flash(flash).speed(8.0).start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        let record = to_record(&TABLE.admit().unwrap());
         let done = options.write(&mut client, |client, anyway| client.push(record, anyway));
-        let source = client.identify().unwrap().source;
-        (done, source, client.health().unwrap().mode)
+        let mode = client.health().unwrap().mode;
+        (done, client.restart().unwrap().source, mode)
+    }
+
+    /// Flash that can be read and no longer written.
+    struct Worn(RamFlash<Vec<u8>>);
+
+    impl ErrorType for Worn {
+        type Error = NorFlashErrorKind;
+    }
+
+    impl ReadNorFlash for Worn {
+        const READ_SIZE: usize = RamFlash::<Vec<u8>>::READ_SIZE;
+
+        async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+            self.0.read(offset, bytes).await.map_err(|_| NorFlashErrorKind::Other)
+        }
+
+        fn capacity(&self) -> usize {
+            self.0.capacity()
+        }
+    }
+
+    impl NorFlash for Worn {
+        const WRITE_SIZE: usize = RamFlash::<Vec<u8>>::WRITE_SIZE;
+        const ERASE_SIZE: usize = RamFlash::<Vec<u8>>::ERASE_SIZE;
+
+        async fn erase(&mut self, _: u32, _: u32) -> Result<(), NorFlashErrorKind> {
+            Err(NorFlashErrorKind::Other)
+        }
+
+        async fn write(&mut self, _: u32, _: &[u8]) -> Result<(), NorFlashErrorKind> {
+            Err(NorFlashErrorKind::Other)
+        }
     }
 
     #[test]
     fn a_device_that_estimates_is_left_alone_unless_asked() {
-        let (done, source, mode) = push(&CAREFUL, Manners::default());
+        let (done, source, mode) = push(&CAREFUL, erased());
         let complaint = sentence(&done.unwrap_err());
         assert!(complaint.contains("--pause") && complaint.contains("--while-estimating"), "{complaint}");
         assert!(source != TableSource::Stored && mode == Mode::Estimate);
@@ -91,7 +133,7 @@ mod tests {
             WriteOptions { reset: true, ..CAREFUL },
         ];
         for options in asked {
-            let (done, source, mode) = push(&options, Manners::default());
+            let (done, source, mode) = push(&options, erased());
             assert_eq!(done.unwrap().is_some(), options.reset);
             assert!(source == TableSource::Stored && mode == Mode::Estimate, "{options:?}: {source:?} {mode:?}");
         }
@@ -99,14 +141,13 @@ mod tests {
 
     #[test]
     fn a_dry_run_writes_nothing() {
-        let (done, source, _) = push(&WriteOptions { dry_run: true, reset: true, ..CAREFUL }, Manners::default());
+        let (done, source, _) = push(&WriteOptions { dry_run: true, reset: true, ..CAREFUL }, erased());
         assert!(done.unwrap().is_none() && source != TableSource::Stored);
     }
 
     #[test]
     fn a_push_that_fails_lets_the_device_go_on() {
-        let fails = || Manners { store_fails: true, ..Manners::default() };
-        let (done, source, mode) = push(&WriteOptions { pause: true, reset: true, ..CAREFUL }, fails());
+        let (done, source, mode) = push(&WriteOptions { pause: true, reset: true, ..CAREFUL }, Worn(erased()));
         let complaint = sentence(&done.unwrap_err());
         assert!(complaint.contains("flash reports an error"), "{complaint}");
         assert!(source != TableSource::Stored && mode == Mode::Estimate);
@@ -114,8 +155,10 @@ mod tests {
 
     #[test]
     fn a_device_that_does_not_answer_is_not_said_to_lack_a_table() {
-        let fake = Fake::start(Manners { lose_replies: (2..5).collect(), ..Manners::default() });
-        let complaint = sentence(&table::running(&mut fake.connect().0).unwrap_err());
+        let device = Emulator::new().start().unwrap();
+        let line = FaultyLine::to(device.address(), lose_replies(2..5)).unwrap();
+        let (mut client, _) = Client::connect(&line.address().into()).unwrap();
+        let complaint = sentence(&table::running(&mut client).unwrap_err());
         assert!(complaint.contains("no answer") && !complaint.contains("piezo push"), "{complaint}");
     }
 }

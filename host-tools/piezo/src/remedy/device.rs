@@ -1,12 +1,12 @@
 //! What goes wrong between host and device.
 
 use device_link::LinkError;
-use device_link::board::{BoardError, FullScales};
 use device_link::follow::FollowError;
 use device_link::pil::FeedError;
 use device_link::probe::ProbeError;
 use device_link::table::RunningTableError;
 use device_link::write::WriteError;
+use estimator_core::table::Misfit;
 use protocol::VERSION;
 use std::error::Error;
 use std::path::Path;
@@ -24,18 +24,19 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 /// Why the table in a file does not fit a board, and the command that makes one that does.
-pub fn board(error: &BoardError, file: &Path) -> String {
+pub fn board(misfit: &Misfit, file: &Path) -> String {
     let name = file.display();
-    match error {
-        BoardError::Format { .. } => error.to_string(),
-        BoardError::Tick { board_us, .. } => format!("{name}: {error}: identify with --tick-us {board_us}"),
-        BoardError::Converters { adc, dac } => {
-            let scales = [("--adc-full-scale", adc), ("--dac-full-scale", dac)].into_iter();
-            let options: String = scales
-                .filter_map(|(option, scales)| scales.map(|FullScales { board, .. }| format!(" {option} {board}")))
-                .collect();
+    match misfit {
+        Misfit::Tick { board_us, .. } => format!("{name}: {misfit}: identify with --tick-us {board_us}"),
+        Misfit::Converters { table, board } => {
+            let scales = [
+                ("--adc-full-scale", table.adc_full_scale, board.adc_full_scale),
+                ("--dac-full-scale", table.dac_full_scale, board.dac_full_scale),
+            ];
+            let wrong = scales.iter().filter(|(_, theirs, ours)| theirs != ours);
+            let options: String = wrong.map(|(option, _, ours)| format!(" {option} {ours}")).collect();
             format!(
-                "{name}: {error}: piezo emit {}{options} --out FOLDER (and say --adc-span and --dac-span, if you have \
+                "{name}: {misfit}: piezo emit {}{options} --out FOLDER (and say --adc-span and --dac-span, if you have \
                  measured them)",
                 file.with_extension("toml").display()
             )

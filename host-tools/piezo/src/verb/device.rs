@@ -2,8 +2,8 @@
 
 use crate::remedy;
 use anyhow::{Context, Result, anyhow, ensure};
-use device_link::board::Board;
 use device_link::{Address, Client};
+use estimator_core::table::Board;
 use estimator_core::{Admitted, Table, record};
 use identification::table_file::TableFile;
 use protocol::{Health, Mode, TableSource};
@@ -53,29 +53,40 @@ pub fn note_damage(client: &Client) {
 
 /// Refuses the table in a file where it does not fit a board.
 pub fn fits(board: &Board, table: &Admitted, file: &Path) -> Result<()> {
-    board.check(table).map_err(|error| anyhow!("{}", remedy::board(&error, file)))
+    table.fits(board).map_err(|misfit| anyhow!("{}", remedy::board(&misfit, file)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use device_link::fake::{Fake, Manners};
+    use device_link::board;
+    use emulator::faults::messages;
+    use emulator::{Emulator, FaultyLine, TABLE};
     use estimator_core::record::VERSION;
+    use protocol::{Identity, Reply, ToHost};
 
     #[test]
     fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
-        let fake = Fake::start(Manners::default());
-        let (table, (_, identity)) = (fake.table(), fake.connect());
-        let board = Board::of(&identity).unwrap();
+        let device = Emulator::new().start().unwrap();
+        let (_, identity) = Client::connect(&device.address().into()).unwrap();
+        let (table, board) = (TABLE.admit().unwrap(), board::of(&identity).unwrap());
         let path = Path::new("mine/table.bin");
         fits(&board, &table, path).unwrap();
         let refusal = |board: Board| fits(&board, &table, path).unwrap_err().to_string();
-        let converters = refusal(Board { adc_full_scale: 65_520, dac_full_scale: 1023, ..board });
-        let command = "piezo emit mine/table.toml --adc-full-scale 65520 --dac-full-scale 1023";
+        let converters = refusal(Board { adc_full_scale: 4095, dac_full_scale: 1023, ..board });
+        let command = "piezo emit mine/table.toml --adc-full-scale 4095 --dac-full-scale 1023";
         assert!(converters.contains(command), "{converters}");
         assert!(refusal(Board { tick_us: 100, ..board }).contains("--tick-us 100"));
-        let newer = Fake::start(Manners { newer_records: true, ..Manners::default() });
-        let complaint = Board::of(&newer.connect().1).unwrap_err().to_string();
+        let newer = messages(|message| match message {
+            ToHost::Reply { to, reply: Reply::Identity(identity) } => {
+                let newer = Identity { record_version: identity.record_version + 1, ..identity };
+                Some(ToHost::Reply { to, reply: Reply::Identity(newer) })
+            }
+            other => Some(other),
+        });
+        let line = FaultyLine::to(device.address(), newer).unwrap();
+        let (_, identity) = Client::connect(&line.address().into()).unwrap();
+        let complaint = board::of(&identity).unwrap_err().to_string();
         assert!(complaint.contains(&format!("writes format {VERSION}")), "{complaint}");
     }
 }

@@ -208,11 +208,22 @@ fn tell(arguments: &Follow, table: &Admitted, followed: &Followed, rows: &[Row])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use device_link::fake::{Fake, Manners};
+    use device_link::pages;
+    use device_link::table::to_record;
+    use emulator::{Emulator, Plant, TABLE, amplifier};
+    use estimator_core::{DriveCalibration, DriveLimits, Range, Table};
+    use parameter_store::RamFlash;
 
-    /// Follows a swing about a displacement (µm).
-    fn followed_about(about: f64, dry_run: bool, manners: Manners) -> (Result<bool>, Option<String>) {
-        let fake = Fake::start(Manners { drives: true, ..manners });
+    const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
+    /// An amplifier of 0 … 4 V on the DAC's scale.
+    const DRIVE: DriveCalibration =
+        DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
+
+    /// Follows a swing about a displacement (µm); the device's queue of references lasts for half a second.
+    fn followed_about(about: f64, dry_run: bool, plant: impl Plant) -> (Result<bool>, Option<String>) {
+        let table = Table { drive: Some(DRIVE), ..TABLE }.admit().unwrap();
+        let flash = RamFlash::new(pages::with(&to_record(&table), 4096).unwrap());
+        let device = Emulator::new().flash(flash).plant(plant).speed(0.25).start().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let trajectory = folder.path().join("wanted.csv");
         let wave = (0..500).map(|k| {
@@ -227,20 +238,20 @@ mod tests {
             stay: false,
             dry_run,
             json: true,
-            port: PortOption { port: fake.address().clone() },
+            port: PortOption { port: device.address().into() },
             log: LogOptions { columns: None, fs: None },
         };
         (run(&arguments), std::fs::read_to_string(log).ok())
     }
 
-    fn followed(manners: Manners) -> (Result<bool>, Option<String>) {
-        followed_about(20.0, false, manners)
+    fn sound() -> impl Plant {
+        amplifier(DRIVE, TABLE.adc)
     }
 
     #[test]
     fn a_dry_run_drives_nothing_and_the_impossible_is_not_tried() {
-        assert!(matches!(followed_about(20.0, true, Manners::default()), (Ok(true), None)));
-        let (refused, log) = followed_about(200.0, false, Manners::default());
+        assert!(matches!(followed_about(20.0, true, sound()), (Ok(true), None)));
+        let (refused, log) = followed_about(200.0, false, sound());
         let complaint = format!("{:#}", refused.unwrap_err());
         assert!(
             complaint.contains("nothing was driven") && complaint.contains("hold about") && log.is_none(),
@@ -250,19 +261,26 @@ mod tests {
 
     #[test]
     fn what_was_wanted_stands_beside_what_was_estimated() {
-        let (done, log) = followed(Manners::default());
+        let (done, log) = followed_about(20.0, false, sound());
         assert!(done.unwrap());
         let log = log.unwrap();
         let row = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
         let rows: Vec<Vec<f64>> = log.lines().skip(1).map(row).collect();
         assert_eq!(rows.len(), 1000);
-        // The fake's amplifier follows a tick earlier than a board's.
         assert!(rows.iter().skip(400).all(|row| (row[2] - row[3]).abs() < 0.3));
     }
 
     #[test]
     fn a_fault_on_the_way_is_a_failure_and_the_log_is_kept() {
-        let (done, log) = followed(Manners { faulty_from: Some(100), ..Manners::default() });
+        // Saturated from the 80th tick on at which the amplifier has moved, which is a fault after twenty.
+        let (mut amplifier, mut moved) = (sound(), 0);
+        let rest = DRIVE.code(LIMITS.rest_v, TABLE.dac.full_scale);
+        let breaks = move |dac| {
+            moved += u32::from(moved > 0 || dac != rest);
+            let code = amplifier.sample(dac);
+            if moved < 80 { code } else { AdcCode(TABLE.adc.full_scale) }
+        };
+        let (done, log) = followed_about(20.0, false, breaks);
         assert!(!done.unwrap());
         assert_eq!(log.unwrap().lines().count(), 100);
     }

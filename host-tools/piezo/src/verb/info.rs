@@ -202,19 +202,31 @@ fn to_json(found: &Found) -> Result<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use device_link::fake::{Fake, Manners};
+    use device_link::Client;
+    use emulator::Emulator;
+    use protocol::text;
 
     #[test]
     fn everything_is_said_in_words() {
-        let fake = Fake::start(Manners::default());
-        let (mut client, identity) = fake.connect();
-        let health = client.health().unwrap();
+        let device = Emulator::new().start().unwrap();
+        let (mut client, identity) = Client::connect(&device.address().into()).unwrap();
+        let health = Health {
+            faults: Faults::SAFE_OUTPUT,
+            faults_seen: Faults::ADC_STUCK,
+            last_words: Some(text("panicked at the disco")),
+            cycles_last: 850,
+            cycles_max: 1700,
+            cycles_period: 85_000,
+            voltage_out_of_range: 3,
+            supply_mv: Some(3298),
+            ..client.health().unwrap()
+        };
         let record = client.pull().unwrap();
         let table = Some((Table::parse(&record), checksum(&record)));
         let found = Found { identity, health, table, damaged: 0 };
         let text = lines(&found).join("\n");
         for part in [
-            "Board    fake",
+            "Board    emulated",
             "from the firmware image, since no table is stored",
             "1.0 % of its time, at most 2.0 %",
             "3.298 V",

@@ -236,7 +236,9 @@ impl Drop for Screen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use device_link::fake::{Fake, Manners};
+    use emulator::faults::lose_samples_at;
+    use emulator::{Emulator, FaultyLine, TABLE};
+    use estimator_core::{AdcCode, DacCode};
     use std::cell::Cell;
 
     const LIMITS: Range = Range { min: -5.0, max: 45.0 };
@@ -250,10 +252,17 @@ mod tests {
 
     #[test]
     fn a_second_of_samples_in_figures_and_words() {
-        let fake = Fake::start(Manners { lose_samples_from: Some(100), ..Manners::default() });
-        let (mut client, _) = fake.connect();
+        // A saw over a quarter of the range.
+        let mut tick = 0;
+        let saw = move |_: DacCode| {
+            tick = (tick + 1) % 1000;
+            AdcCode(24_000 + 16 * tick)
+        };
+        let device = Emulator::new().plant(saw).speed(8.0).start().unwrap();
+        let faulty = FaultyLine::to(device.address(), lose_samples_at(100)).unwrap();
+        let (mut client, _) = Client::connect(&faulty.address().into()).unwrap();
         client.stream(true).unwrap();
-        let mut window = Window::new(fake.table().adc, 2000);
+        let mut window = Window::new(TABLE.adc, 2000);
         assert!(picture(&window, LIMITS, None)[0].contains("waiting"));
         assert_eq!(line(&window, 0, 0), "no samples; 0 lost");
         let looks = Cell::new(0);

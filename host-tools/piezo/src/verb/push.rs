@@ -6,7 +6,7 @@ use crate::option::link::{PortOption, WriteOptions};
 use crate::remedy;
 use anyhow::{Result, ensure};
 use clap::Args;
-use device_link::board::Board;
+use device_link::board;
 use device_link::table::to_record;
 use identification::calibration::misfits;
 use protocol::TableSource;
@@ -34,7 +34,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
     let table = device::load(&arguments.table)?;
     let record = to_record(&table);
     let (mut client, identity) = arguments.port.connect()?;
-    device::fits(&Board::of(&identity)?, &table, &arguments.table)?;
+    device::fits(&board::of(&identity)?, &table, &arguments.table)?;
     misfits(&table).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
     let restarted = arguments.write.write(&mut client, |client, anyway| client.push(record.clone(), anyway))?;
     if let Some(identity) = &restarted {

@@ -147,19 +147,21 @@ fn lost(error: LinkError, before: &str) -> anyhow::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use device_link::fake::{Fake, Manners};
+    use emulator::faults::{lose_replies, lose_samples_at, silent_from};
+    use emulator::{Emulator, Fault, FaultyLine};
     use recordings::log::{ReadOptions, read};
 
     /// Records a second in a folder; whether that was all, and what is in the folder.
-    fn recorded(manners: Manners, folder: &tempfile::TempDir) -> (Result<bool>, Vec<PathBuf>) {
-        let fake = Fake::start(manners);
+    fn recorded(fault: impl Fault, folder: &tempfile::TempDir) -> (Result<bool>, Vec<PathBuf>) {
+        let device = Emulator::new().speed(8.0).start().unwrap();
+        let line = FaultyLine::to(device.address(), fault).unwrap();
         let arguments = Record {
             out: folder.path().join("log.csv"),
             seconds: Some(1.0),
             samples: None,
             allow_gaps: false,
             json: true,
-            port: PortOption { port: fake.address().clone() },
+            port: PortOption { port: line.address().into() },
         };
         let done = run(&arguments);
         let files = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -169,7 +171,7 @@ mod tests {
     #[test]
     fn what_was_recorded_before_a_gap_is_a_log() {
         let folder = tempfile::tempdir().unwrap();
-        let (done, files) = recorded(Manners { lose_samples_from: Some(600), ..Manners::default() }, &folder);
+        let (done, files) = recorded(lose_samples_at(600), &folder);
         assert!(!done.unwrap());
         assert_eq!(files, [folder.path().join("log.csv")]);
         let log = read(&files[0], &ReadOptions::default()).unwrap();
@@ -180,7 +182,11 @@ mod tests {
     fn what_was_recorded_before_a_device_died_is_a_log() {
         let folder = tempfile::tempdir().unwrap();
         // Five requests start a recording; none is answered from then on.
-        let dies = Manners { falls_silent_at: Some(100), lose_replies: (5..100).collect(), ..Manners::default() };
+        let (mut unanswered, mut silent) = (lose_replies(5..100), silent_from(100));
+        let dies = move |direction, frame: &mut Vec<u8>| {
+            unanswered(direction, frame);
+            silent(direction, frame);
+        };
         let (done, files) = recorded(dies, &folder);
         assert!(!done.unwrap());
         assert_eq!(read(&files[0], &ReadOptions::default()).unwrap().voltage.len(), 99);
@@ -189,7 +195,7 @@ mod tests {
     #[test]
     fn a_recording_of_nothing_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let (done, files) = recorded(Manners { falls_silent_at: Some(0), ..Manners::default() }, &folder);
+        let (done, files) = recorded(silent_from(0), &folder);
         assert!(!done.unwrap() && files.is_empty(), "{files:?}");
     }
 }
