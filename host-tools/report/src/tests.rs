@@ -127,7 +127,10 @@ fn figures_tables_and_words_are_there() {
     assert_eq!(page.matches("<figure>").count(), 12);
     assert_eq!(page.matches(r#"<svg class="figure" role="img" aria-label=""#).count(), 12);
     assert!(page.contains("Not drawn: log3, log4."));
-    assert!(page.contains("<li><code>gene</code> is at its end</li>") && page.contains(concat!("<code>--", "hold-out</code>")));
+    assert!(
+        page.contains("<li><code>gene</code> is at its end</li>")
+            && page.contains(concat!("<code>--", "hold-out</code>"))
+    );
     assert!(page.contains("When not to trust it") && !page.contains("No doubt was found"));
     assert_eq!(page.matches(r#"<tr class="chosen">"#).count(), 1);
     let first = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words} is missing"));
