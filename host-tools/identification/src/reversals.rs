@@ -7,12 +7,13 @@ use estimator_core::Tracker;
 pub fn reversals(voltage: &[f64], deadband: f64) -> Vec<usize> {
     // The tracker records the displacement at the extreme; here that is the sample's number.
     let mut tracker = Tracker::new(deadband);
-    let samples = voltage.iter().enumerate();
-    samples
-        .filter_map(|(sample, &volts)| {
-            tracker.update(volts, sample as f64).then(|| tracker.last().displacement as usize)
-        })
-        .collect()
+    let mut found = Vec::new();
+    for (sample, &volts) in voltage.iter().enumerate() {
+        if tracker.update(volts, sample as f64) {
+            found.push(tracker.last().displacement as usize);
+        }
+    }
+    found
 }
 
 #[cfg(test)]

