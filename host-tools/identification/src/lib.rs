@@ -14,7 +14,6 @@ pub mod family;
 pub mod feedforward;
 mod fit;
 mod job;
-pub mod least_squares;
 mod log_use;
 mod model_choice;
 mod problem;

@@ -1,10 +1,10 @@
 //! Bouc–Wen models: lag, β, γ and δ are searched, with A = 1 and n = 1; the rest is projected.
 
 use super::projection::Projection;
-use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
 use estimator_core::{BoucWen, BoucWenParameters, Parameters, Published};
+use least_squares::Sign;
 
 /// What is fixed before the search.
 pub struct Family {

@@ -1,10 +1,10 @@
 //! Duhem models: lag, α and the voltage at which f saturates are searched; the rest is projected.
 
 use super::projection::Projection;
-use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
 use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
+use least_squares::Sign;
 
 /// What is fixed before the search.
 pub struct Family {

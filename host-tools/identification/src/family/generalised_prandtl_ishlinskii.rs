@@ -4,12 +4,12 @@
 use super::AnyFamily;
 use super::projection::Projection;
 use crate::character::Character;
-use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
 use estimator_core::{
     GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range,
 };
+use least_squares::Sign;
 
 /// Play operators.
 const PLAYS: usize = 8;

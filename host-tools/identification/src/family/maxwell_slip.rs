@@ -1,10 +1,10 @@
 //! Maxwell-slip models: the largest yield displacement and the spacing of the others are searched; the stiffnesses are
 //! projected. For a given displacement the voltage is linear in them (Eq. 3.10), so they are fitted to the voltage.
 
-use crate::least_squares::{Normal, Sign};
 use crate::problem::Problem;
 use crate::search::space::Gene;
 use estimator_core::{List, MaxwellSlipParameters, Parameters, Published, Stop};
+use least_squares::{Normal, Sign};
 
 /// Elements.
 const ELEMENTS: usize = 10;

@@ -2,10 +2,10 @@
 //! simulates best counts.
 
 use super::AnyFamily;
-use crate::least_squares::{Normal, Sign};
 use crate::problem::Problem;
 use crate::search::space::Gene;
 use estimator_core::{List, Narx, NarxParameters, Parameters, Published, Recursion};
+use least_squares::{Normal, Sign};
 use recordings::session::Session;
 
 /// One structure.

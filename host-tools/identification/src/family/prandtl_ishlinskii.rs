@@ -2,12 +2,12 @@
 //! offset are projected on the sensor seen through the inverse superposition.
 
 use super::projection::Projection;
-use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
 use estimator_core::{
     List, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Published, Range, Superposition,
 };
+use least_squares::Sign;
 
 /// Play operators.
 const PLAYS: usize = 16;

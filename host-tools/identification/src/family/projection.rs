@@ -1,8 +1,8 @@
 //! The least squares inside the search.
 
-use crate::least_squares::{Normal, Sign};
 use crate::problem::Problem;
 use estimator_core::{Linear, Resonance, ResonanceState};
+use least_squares::{Normal, Sign};
 use recordings::session::Session;
 
 /// What is solved for besides the model.

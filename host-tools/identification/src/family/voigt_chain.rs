@@ -3,10 +3,10 @@
 
 use super::AnyFamily;
 use super::projection::Projection;
-use crate::least_squares::Sign;
 use crate::problem::Problem;
 use crate::search::space::Gene;
 use estimator_core::{List, Parameters, Published, Range, VoigtChain, VoigtChainParameters};
+use least_squares::Sign;
 
 /// Elements.
 const ELEMENTS: usize = 10;

@@ -1,6 +1,6 @@
 //! Least squares with and without signs, against what defines a solution.
 
-use identification::least_squares::{Normal, Sign};
+use least_squares::{Normal, Sign};
 use proptest::prelude::*;
 
 const FREE: Sign = Sign::Free;
