@@ -19,7 +19,6 @@ use xshell::{Shell, cmd};
 use crate::{
     artifact,
     embedded::{self, Board},
-    figures::LOG,
     image::Image,
     qemu::{self, Qemu},
     tool::{self, EMBEDDED, QEMU},
@@ -39,6 +38,8 @@ pub struct Arguments {
 /// The function that is counted, and the one with which the tick starts anew in another mode.
 const TICK: &str = "tick_sample";
 const RESTART: &str = "tick_restart";
+/// The measured log.
+pub const LOG: &str = "tests/data/picma-p885-1hz.csv";
 /// The table it is counted with, on the measured log.
 const TABLE: &str = "tests/data/table/table.toml";
 /// A table of every model, by its name.

@@ -44,12 +44,12 @@ pub struct Client {
     samples: VecDeque<Samples>,
 }
 
-/// What may not keep a device from writing flash.
+/// What the user has consented to before flash is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Anyway {
-    /// That it is estimating, and that this may cost ticks.
+pub struct WriteConsent {
+    /// The device is estimating, and writing may cost it ticks.
     pub while_estimating: bool,
-    /// That the DAC drives the amplifier by only one of the tables.
+    /// The new table changes what the DAC is connected to: the amplifier, or a display.
     pub rewired: bool,
 }
 
@@ -109,14 +109,14 @@ impl Client {
     }
 
     /// Stores a record.
-    pub fn push(&mut self, record: Record, anyway: Anyway) -> Result<(), LinkError> {
-        let Anyway { while_estimating, rewired } = anyway;
+    pub fn push(&mut self, record: Record, consent: WriteConsent) -> Result<(), LinkError> {
+        let WriteConsent { while_estimating, rewired } = consent;
         self.done(Request::Push { record, while_estimating, rewired })
     }
 
     /// Empties the parameter store.
-    pub fn erase(&mut self, anyway: Anyway) -> Result<(), LinkError> {
-        let Anyway { while_estimating, rewired } = anyway;
+    pub fn erase(&mut self, consent: WriteConsent) -> Result<(), LinkError> {
+        let WriteConsent { while_estimating, rewired } = consent;
         self.done(Request::Erase { while_estimating, rewired })
     }
 

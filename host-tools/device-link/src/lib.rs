@@ -18,6 +18,6 @@ pub mod write;
 #[cfg(test)]
 mod tests;
 
-pub use client::{Anyway, Client};
+pub use client::{Client, WriteConsent};
 pub use error::LinkError;
 pub use port::Address;

@@ -22,7 +22,7 @@ const LOOK: Duration = Duration::from_millis(20);
 
 /// What a tick gave.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
-pub struct Gave {
+pub struct TickResult {
     /// Displacement, µm.
     pub displacement_um: f32,
     /// Its bits.
@@ -40,9 +40,9 @@ pub struct Difference {
     /// The code fed.
     pub code: u16,
     /// What the host gave.
-    pub host: Gave,
+    pub host: TickResult,
     /// What the device gave.
-    pub device: Gave,
+    pub device: TickResult,
 }
 
 /// All ticks of a log, host beside device.
@@ -186,7 +186,8 @@ pub fn compare(table: &Admitted, codes: &[AdcCode], samples: &[Sample]) -> Compa
     };
     for (tick, (&code, sample)) in codes.iter().zip(samples).enumerate() {
         let estimate = estimator.tick(code);
-        let gave = |displacement_um: f32, status| Gave { displacement_um, bits: displacement_um.to_bits(), status };
+        let gave =
+            |displacement_um: f32, status| TickResult { displacement_um, bits: displacement_um.to_bits(), status };
         let host = gave(estimate.displacement, estimate.status);
         let device = gave(sample.displacement, sample.status);
         comparison.status |= host.status;

@@ -1,7 +1,7 @@
 //! The client against a device and a line that lose, damage and refuse.
 
 use super::{Client, LinkError};
-use crate::Anyway;
+use crate::WriteConsent;
 use emulator::faults::{damage, lose_replies, replies};
 use emulator::{Direction, EmulatedDevice, Emulator, Fault, FaultyLine};
 use protocol::{Identity, Mode, Record, Refusal, Request, TableSource};
@@ -112,10 +112,10 @@ fn refusals_say_why() {
         LinkError::Refused { refusal, .. } => *refusal,
         other => panic!("{other}"),
     };
-    assert_eq!(refusal(client.push(record(), Anyway::default()).unwrap_err()), Refusal::Estimating);
+    assert_eq!(refusal(client.push(record(), WriteConsent::default()).unwrap_err()), Refusal::Estimating);
     let corrupt = Record::from_slice(&[0; 100]).unwrap();
     assert!(matches!(
-        refusal(client.push(corrupt, Anyway { while_estimating: true, rewired: false }).unwrap_err()),
+        refusal(client.push(corrupt, WriteConsent { while_estimating: true, rewired: false }).unwrap_err()),
         Refusal::Table(_)
     ));
     assert_eq!(refusal(client.request(Request::Feed(Default::default())).unwrap_err()), Refusal::NotPil);
@@ -127,7 +127,7 @@ fn a_pushed_table_is_in_use_after_the_restart() {
     let (mut client, identity) = connect(device.address());
     assert!(matches!(identity.source, TableSource::Compiled { .. }));
     client.set_mode(Mode::Pause).unwrap();
-    client.push(record(), Anyway::default()).unwrap();
+    client.push(record(), WriteConsent::default()).unwrap();
     assert_eq!(client.restart().unwrap().source, TableSource::Stored);
     assert_eq!(client.health().unwrap().mode, Mode::Estimate);
 }

@@ -1,6 +1,6 @@
 //! How a device's flash is written: whether it estimates meanwhile, and what it does afterwards.
 
-use crate::client::{Anyway, Client};
+use crate::client::{Client, WriteConsent};
 use crate::error::LinkError;
 use crate::table;
 use protocol::{Identity, Mode};
@@ -39,7 +39,7 @@ impl Writing {
     pub fn write(
         self,
         client: &mut Client,
-        write: impl FnOnce(&mut Client, Anyway) -> Result<(), LinkError>,
+        write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
     ) -> Result<Option<Identity>, WriteError> {
         let pause = self.pause || (self.reset && !self.while_estimating);
         if !pause && !self.while_estimating && estimating(client)? {
@@ -51,8 +51,8 @@ impl Writing {
         if pause {
             client.set_mode(Mode::Pause)?;
         }
-        let anyway = Anyway { while_estimating: self.while_estimating, rewired: self.rewired };
-        let written = write(client, anyway);
+        let consent = WriteConsent { while_estimating: self.while_estimating, rewired: self.rewired };
+        let written = write(client, consent);
         let resumed = match pause && (written.is_err() || !self.reset) {
             true => client.set_mode(Mode::Estimate),
             false => Ok(()),

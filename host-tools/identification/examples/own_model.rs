@@ -112,8 +112,8 @@ impl<T: Real> Linear<T> for Toy<T> {
 impl Trial for ToyParameters {
     type Model = Running<Toy<f64>, Relaxed<f64>>;
 
-    fn model(&self, problem: &Problem) -> Self::Model {
-        Running::new(self.build(&problem.discretisation()))
+    fn model(&self, discretisation: &Discretisation<f64>, _voltages: Range<f64>) -> Self::Model {
+        Running::new(self.build(discretisation))
     }
 }
 

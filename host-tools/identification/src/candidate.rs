@@ -36,7 +36,7 @@ pub enum CandidateError {
 
 /// What a table holds besides what was identified.
 #[derive(Clone, Debug)]
-pub struct Setting {
+pub struct TableContext {
     /// How the logs were prepared.
     pub recipe: Recipe,
     /// The converters.
@@ -55,7 +55,7 @@ impl Candidate {
     ///
     /// # Errors
     /// The fit has no parameters, or they are not admissible.
-    pub fn new(problem: &Problem, fit: Fit, setting: &Setting) -> Result<Self, CandidateError> {
+    pub fn new(problem: &Problem, fit: Fit, setting: &TableContext) -> Result<Self, CandidateError> {
         let parameters = fit.parameters.ok_or(CandidateError::NothingFound)?;
         let table = table(problem, parameters, setting)?;
         let first = table.admit()?;
@@ -86,7 +86,7 @@ impl Candidate {
     }
 }
 
-fn table(problem: &Problem, parameters: Parameters, setting: &Setting) -> Result<Table, CandidateError> {
+fn table(problem: &Problem, parameters: Parameters, setting: &TableContext) -> Result<Table, CandidateError> {
     let recipe = &setting.recipe;
     let limits = problem.limits(&parameters).map_err(CandidateError::Unbounded)?;
     let room = ROUNDING * limits.span();

@@ -2,7 +2,7 @@
 
 use crate::baseline::Baseline;
 use crate::calibration::CalibrationOptions;
-use crate::candidate::{Candidate, CandidateError, Setting};
+use crate::candidate::{Candidate, CandidateError, TableContext};
 use crate::character::Character;
 use crate::cost::Cost;
 use crate::delay::{Delay, DelaySearch};
@@ -48,7 +48,7 @@ pub struct Prepared {
     /// The sessions, cut, divided and prepared.
     pub problem: Problem,
     /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone, in its recipe.
-    pub setting: Setting,
+    pub setting: TableContext,
     /// What each log was used for.
     pub logs: Vec<LogUse>,
     /// A doubt for each log that is no sensor's.
@@ -170,7 +170,7 @@ impl Job {
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
         Ok(Prepared {
             problem: Problem::new(recipe.sessions(&training)?, recipe.sessions(&held_out)?, self.conditions),
-            setting: Setting {
+            setting: TableContext {
                 recipe,
                 calibration: self.calibration.clone(),
                 logs: digest(&training),

@@ -29,7 +29,7 @@ mod trial;
 pub mod validate;
 
 pub use baseline::{Baseline, Point, StraightLine};
-pub use candidate::{Candidate, CandidateError, Setting};
+pub use candidate::{Candidate, CandidateError, TableContext};
 pub use character::Character;
 pub use doubt::{Converter, Doubt, FEW_REVERSALS};
 pub use family::BlackBoxInputs;

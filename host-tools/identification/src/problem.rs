@@ -77,7 +77,7 @@ impl Problem {
 
     /// Cost of parameters: their training error (µm), infinite where they are not admissible.
     pub fn cost(&self, trial: &impl Trial, cost: impl Into<Cost>) -> f64 {
-        let model = trial.model(self);
+        let model = trial.model(&self.discretisation(), self.voltage_range);
         // The widest limits first: nearly every set that has any has those.
         let admissible = LIMIT_STEPS.iter().rev().any(|&step| self.bound(&model, step).is_ok());
         if admissible { error(&self.training, &model, cost.into()) } else { f64::INFINITY }
@@ -85,7 +85,9 @@ impl Problem {
 
     /// Simulation error on what was held out in the norm of a cost, µm; `None` where nothing was.
     pub fn held_out(&self, trial: &impl Trial, cost: Cost) -> Option<f64> {
-        (!self.validation.is_empty()).then(|| error(&self.validation, &trial.model(self), cost.in_simulation()))
+        (!self.validation.is_empty()).then(|| {
+            error(&self.validation, &trial.model(&self.discretisation(), self.voltage_range), cost.in_simulation())
+        })
     }
 
     /// The tightest displacement limits (µm) within which parameters are proven to stay.
@@ -93,7 +95,7 @@ impl Problem {
     /// # Errors
     /// There are none within the widest that the conditions allow.
     pub fn limits(&self, trial: &impl Trial) -> Result<Range<f64>, Inadmissible<f64>> {
-        let model = trial.model(self);
+        let model = trial.model(&self.discretisation(), self.voltage_range);
         let tightest = LIMIT_STEPS.iter().find_map(|&step| self.bound(&model, step).ok());
         tightest.map_or_else(|| self.bound(&model, 1.0), Ok)
     }

@@ -1,16 +1,17 @@
 //! What a search tries: parameters that run as a model, in the form that is fastest to run.
 
-use crate::problem::Problem;
 use crate::search::interpolated::Interpolated;
-use estimator_core::{Engine, Inadmissible, Parameters, Process, Range, Running, Voigt, VoigtParameters, VoigtState};
+use estimator_core::{
+    Discretisation, Engine, Inadmissible, Parameters, Process, Range, Running, Voigt, VoigtParameters, VoigtState,
+};
 
-/// Parameters whose cost a [`Problem`] tells.
+/// Parameters whose cost a [`Problem`](crate::Problem) tells.
 pub trait Trial {
     /// The model that runs with them.
     type Model: Process<f64>;
 
-    /// The model, for the problem's tick, scheme and deadband.
-    fn model(&self, problem: &Problem) -> Self::Model;
+    /// The model for ticks of this kind and for voltages of this range (V).
+    fn model(&self, discretisation: &Discretisation<f64>, voltages: Range<f64>) -> Self::Model;
 }
 
 type Fast = Running<Interpolated, VoigtState<f64>>;
@@ -19,9 +20,8 @@ type Fast = Running<Interpolated, VoigtState<f64>>;
 impl Trial for VoigtParameters<f64> {
     type Model = Fast;
 
-    fn model(&self, problem: &Problem) -> Fast {
-        let model = Voigt::build(self, &problem.discretisation());
-        Running::new(Interpolated::new(model, problem.voltage_range()))
+    fn model(&self, discretisation: &Discretisation<f64>, voltages: Range<f64>) -> Fast {
+        Running::new(Interpolated::new(Voigt::build(self, discretisation), voltages))
     }
 }
 
@@ -29,10 +29,10 @@ impl Trial for VoigtParameters<f64> {
 impl Trial for Parameters {
     type Model = Accelerated;
 
-    fn model(&self, problem: &Problem) -> Accelerated {
+    fn model(&self, discretisation: &Discretisation<f64>, voltages: Range<f64>) -> Accelerated {
         match self.voigt() {
-            Some(of) => Accelerated::Interpolated(of.map(f64::from).model(problem)),
-            None => Accelerated::Plain(Box::new(self.build(&problem.discretisation()))),
+            Some(of) => Accelerated::Interpolated(of.map(f64::from).model(discretisation, voltages)),
+            None => Accelerated::Plain(Box::new(self.build(discretisation))),
         }
     }
 }

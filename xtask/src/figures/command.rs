@@ -15,12 +15,9 @@ use xshell::{Cmd, Shell, cmd};
 
 use crate::{
     embedded::{self, Board},
-    size,
+    size::{self, LOG},
     stopwatch::Stopwatch,
 };
-
-/// The measured log.
-pub const LOG: &str = "tests/data/picma-p885-1hz.csv";
 
 /// A command that prints JSON.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]

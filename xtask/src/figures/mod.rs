@@ -22,8 +22,6 @@ use command::{Printed, bytes};
 use document::{Content, Document};
 use list::{FIGURES, Figure};
 
-pub use command::LOG;
-
 /// What the commands need beyond cargo.
 pub const TOOLS: &[&Tool] = &[&EMBEDDED, &QEMU, &CMAKE, &MAKE, &PKG_CONFIG, &LIBCLANG];
 

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::Args;
 use device_link::write::{WriteError, Writing};
-use device_link::{Address, Anyway, Client, LinkError};
+use device_link::{Address, Client, LinkError, WriteConsent};
 use protocol::Identity;
 
 /// Where the device is.
@@ -50,7 +50,7 @@ impl WriteOptions {
     pub fn write(
         &self,
         client: &mut Client,
-        write: impl FnOnce(&mut Client, Anyway) -> Result<(), LinkError>,
+        write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
     ) -> Result<Option<Identity>, WriteError> {
         let &Self { while_estimating, pause, reset, rewired, dry_run } = self;
         Writing { while_estimating, pause, reset, rewired, dry_run }.write(client, write)
@@ -84,7 +84,7 @@ mod tests {
         let device = Emulator::new().flash(flash).speed(8.0).start().unwrap();
         let (mut client, _) = Client::connect(&device.address().into()).unwrap();
         let record = to_record(&TABLE.admit().unwrap());
-        let done = options.write(&mut client, |client, anyway| client.push(record, anyway));
+        let done = options.write(&mut client, |client, consent| client.push(record, consent));
         let mode = client.health().unwrap().mode;
         (done, client.restart().unwrap().source, mode)
     }

@@ -8,7 +8,7 @@ use crate::option::link::PortOption;
 use anyhow::{Result, ensure};
 use clap::Args;
 use device_link::interrupt::Interrupt;
-use device_link::pil::{Comparison, Difference, Gave, compare, feed};
+use device_link::pil::{Comparison, Difference, TickResult, compare, feed};
 use device_link::table::{self, to_record};
 use device_link::{Client, words};
 use estimator_core::{AdcCode, Admitted};
@@ -128,7 +128,11 @@ fn tell(logs: &[Log], comparisons: &[Comparison], health: &Health, identical: bo
             ),
         });
         if let Some(Difference { tick, code, host, device }) = &comparison.first_difference {
-            out(&format!("    the first is tick {tick}, code {code}: host {}, device {}", gave(host), gave(device)));
+            out(&format!(
+                "    the first is tick {tick}, code {code}: host {}, device {}",
+                tick_result(host),
+                tick_result(device)
+            ));
         }
         if !comparison.status.is_empty() {
             out(&format!("    on the way: {}", words::list(words::status(comparison.status).map(|(_, what)| what))));
@@ -145,7 +149,7 @@ fn tell(logs: &[Log], comparisons: &[Comparison], health: &Health, identical: bo
     }
 }
 
-fn gave(gave: &Gave) -> String {
+fn tick_result(gave: &TickResult) -> String {
     let status: Vec<&str> = gave.status.iter_names().map(|(name, _)| name).collect();
     format!("{} µm (0x{:08x}) {}", gave.displacement_um, gave.bits, status.join(" ")).trim_end().to_owned()
 }

@@ -36,7 +36,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
     let (mut client, identity) = arguments.port.connect()?;
     device::fits(&board::of(&identity)?, &table, &arguments.table)?;
     misfits(&table).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
-    let restarted = arguments.write.write(&mut client, |client, anyway| client.push(record.clone(), anyway))?;
+    let restarted = arguments.write.write(&mut client, |client, consent| client.push(record.clone(), consent))?;
     if let Some(identity) = &restarted {
         ensure!(
             identity.source == TableSource::Stored,

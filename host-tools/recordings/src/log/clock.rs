@@ -3,7 +3,7 @@
 //! The period is the slope of the line of least squares through all time stamps, never one step; a whole-hertz rate that
 //! the stamps cannot tell from it is taken instead.
 
-use super::error::Located;
+use super::error::PlacedFault;
 use super::fault::Fault;
 use super::number::Number;
 use super::recording::Recording;
@@ -22,7 +22,7 @@ pub(super) fn check_rate(rate: f64) -> Result<(), Fault> {
 }
 
 /// Sample period (s) from the time column, which must hold at least two rows, else from the stated rate (Hz).
-pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> Result<f64, Located> {
+pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> Result<f64, PlacedFault> {
     let (Some(time), Some(channel)) = (&recording.time, recording.channels.time) else {
         let rate = stated_rate.ok_or(Fault::SampleRate(f64::NAN))?;
         return Ok(1.0 / rate);
@@ -91,7 +91,7 @@ mod tests {
             voltage: vec![0.0; time.len()],
             displacement: None,
         };
-        sample_period(&recording, rate).map_err(|Located(place, fault)| (place, fault))
+        sample_period(&recording, rate).map_err(|PlacedFault(place, fault)| (place, fault))
     }
 
     fn clock(rows: u32, period: f64) -> Vec<f64> {

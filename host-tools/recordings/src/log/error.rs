@@ -40,15 +40,15 @@ impl fmt::Display for Place {
 
 /// A fault and where it is; the file's path is added by [`super::read`].
 #[derive(Debug)]
-pub(super) struct Located(pub Place, pub Fault);
+pub(super) struct PlacedFault(pub Place, pub Fault);
 
 impl Fault {
-    pub(super) fn at(self, place: Place) -> Located {
-        Located(place, self)
+    pub(super) fn at(self, place: Place) -> PlacedFault {
+        PlacedFault(place, self)
     }
 }
 
-impl From<Fault> for Located {
+impl From<Fault> for PlacedFault {
     fn from(fault: Fault) -> Self {
         Self(Place::File, fault)
     }
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn reads_path_line_what_value_remedy() {
         let fault = Fault::NotFinite { quantity: Quantity::Voltage, value: "nan".into() };
-        let Located(place, fault) = fault.at(Place::Line(7));
+        let PlacedFault(place, fault) = fault.at(Place::Line(7));
         let error = LogError { path: "a/b.csv".into(), place, fault };
         assert!(error.to_string().starts_with("a/b.csv:7: the voltage is not finite (nan): "));
     }

@@ -9,7 +9,7 @@ use std::io;
 use flate2::read::ZlibDecoder;
 
 use super::channels::{self, Channels};
-use super::error::Located;
+use super::error::PlacedFault;
 use super::fault::Fault;
 use super::mat_reader::{MI_COMPRESSED, MI_MATRIX, MatReader, Shape, Variable};
 use super::read_options::ReadOptions;
@@ -27,7 +27,7 @@ pub(super) fn is_mat(bytes: &[u8]) -> bool {
 }
 
 /// Reads the only variable that can be a log.
-pub(super) fn read(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Recording, Located> {
+pub(super) fn read(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Recording, PlacedFault> {
     let big_endian = check_header(bytes)?;
     let needed = options.columns.as_ref().map(|c| c.highest_number());
     let fits = |shape: Shape| match needed {
@@ -106,14 +106,14 @@ fn only_fitting(variables: Vec<Variable>, options: &ReadOptions) -> Result<(Shap
     }
 }
 
-fn recording((shape, values): (Shape, Vec<f64>), file: &str, options: &ReadOptions) -> Result<Recording, Located> {
+fn recording((shape, values): (Shape, Vec<f64>), file: &str, options: &ReadOptions) -> Result<Recording, PlacedFault> {
     let count = shape.channels();
     let channels = match &options.columns {
         Some(columns) => channels::from_columns(columns, count, None)?,
         None => Channels::in_order(count),
     };
     channels.check_complete(count, None, file, options)?;
-    let column = |quantity: Quantity| -> Result<Option<Vec<f64>>, Located> {
+    let column = |quantity: Quantity| -> Result<Option<Vec<f64>>, PlacedFault> {
         let Some(channel) = channels.get(quantity) else {
             return Ok(None);
         };
@@ -208,7 +208,7 @@ mod tests {
         let mut bytes = fs::read(data("formats/rows.mat")).unwrap();
         let voltage_of_sample_5 = bytes.len() - 8 * (3 * 64 - (3 * 4 + 1));
         bytes[voltage_of_sample_5..][..8].copy_from_slice(&f64::NAN.to_le_bytes());
-        let Located(place, fault) = read(&bytes, "log.mat", &options("", None)).unwrap_err();
+        let PlacedFault(place, fault) = read(&bytes, "log.mat", &options("", None)).unwrap_err();
         assert_eq!(place, Place::Sample(5));
         assert!(matches!(fault, Fault::NotFinite { quantity: Quantity::Voltage, .. }));
     }

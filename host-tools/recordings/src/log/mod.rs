@@ -33,7 +33,7 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 pub use columns::{Column, Columns, ColumnsError, Position};
-use error::Located;
+use error::PlacedFault;
 pub use error::{LogError, Place};
 pub use fault::Fault;
 pub use number::Number;
@@ -51,7 +51,7 @@ pub const MINIMUM_ROWS: usize = 16;
 /// # Errors
 /// Whatever makes the file no usable log; see [`Fault`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
-    let refuse = |Located(place, fault)| LogError { path: path.to_owned(), place, fault };
+    let refuse = |PlacedFault(place, fault)| LogError { path: path.to_owned(), place, fault };
     let bytes = load(path).map_err(|fault| refuse(fault.into()))?;
     let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let (recording, sample_period) = parse(&bytes, &file, options).map_err(refuse)?;
@@ -87,7 +87,7 @@ fn load(path: &Path) -> Result<Vec<u8>, Fault> {
 }
 
 /// The recording in `bytes`, checked, and its sample period in s. `file` is the file's name.
-fn parse(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<(Recording, f64), Located> {
+fn parse(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<(Recording, f64), PlacedFault> {
     if let Some(rate) = options.sample_rate {
         clock::check_rate(rate)?;
     }

@@ -1,6 +1,6 @@
 //! Sizes no log of a piezo actuator has: most often a wrong unit or a wrong column.
 
-use super::error::Located;
+use super::error::PlacedFault;
 use super::fault::Fault;
 use super::number::Number;
 use super::recording::Recording;
@@ -8,7 +8,7 @@ use super::units::Quantity;
 
 /// Refuses a constant voltage or displacement, a voltage span outside 1 mV to 5 kV and a displacement span outside
 /// 1 nm to 10 mm.
-pub(super) fn check(recording: &Recording) -> Result<(), Located> {
+pub(super) fn check(recording: &Recording) -> Result<(), PlacedFault> {
     check_span(recording, Quantity::Voltage, &recording.voltage, (1e-3, "less than 1 mV"), (5e3, "more than 5 kV"))?;
     match &recording.displacement {
         Some(displacement) => check_span(
@@ -28,7 +28,7 @@ fn check_span(
     values: &[f64],
     least: (f64, &'static str),
     most: (f64, &'static str),
-) -> Result<(), Located> {
+) -> Result<(), PlacedFault> {
     let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let span = largest - smallest;

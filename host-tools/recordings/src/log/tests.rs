@@ -163,7 +163,7 @@ fn any_options() -> impl Strategy<Value = ReadOptions> {
 }
 
 /// What every accepted log promises.
-fn check_promises(result: Result<(Recording, f64), Located>) {
+fn check_promises(result: Result<(Recording, f64), PlacedFault>) {
     if let Ok((recording, period)) = result {
         let rows = recording.voltage.len();
         assert!(rows >= MINIMUM_ROWS);

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 use super::channels::{self, Channel, Channels};
 use super::delimiter::{Delimiter, is_number, without_brackets};
-use super::error::{Located, Place};
+use super::error::{Place, PlacedFault};
 use super::fault::Fault;
 use super::label::Label;
 use super::number::excerpt;
@@ -16,7 +16,7 @@ use super::recording::{Origin, Recording};
 use super::units::{Quantity, Unit};
 
 /// Reads a text table; `file` is its name for messages.
-pub(super) fn read(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Recording, Located> {
+pub(super) fn read(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Recording, PlacedFault> {
     let text = decode(bytes)?;
     let mut lines = text
         .lines()
