@@ -5,7 +5,7 @@ use crate::WriteConsent;
 use emulator::faults::{damage, lose_replies, replies};
 use emulator::{Direction, EmulatedDevice, Emulator, Fault, FaultyLine};
 use protocol::{Identity, Mode, Record, Refusal, Request, TableSource};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Requests that connecting takes: the stream is stopped, and the device identified.
 const CONNECTING: u32 = 2;
@@ -85,8 +85,12 @@ fn samples_that_come_between_request_and_reply_are_kept() {
     let device = device();
     let (mut client, _) = connect(device.address());
     client.stream(true).unwrap();
-    let mut next = None;
-    for _ in 0..20 {
+    let (mut next, start) = (None, Instant::now());
+    for requests in 0.. {
+        // Enough requests, and at least one batch of samples.
+        if requests >= 20 && next.is_some() || start.elapsed() > Duration::from_secs(10) {
+            break;
+        }
         client.health().unwrap();
         while let Some(samples) = client.samples(Duration::ZERO).unwrap() {
             assert!(next.is_none_or(|next| next == samples.first), "{next:?} {}", samples.first);

@@ -54,7 +54,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
             let peripherals = Peripherals {
                 facts: facts(reset),
                 last_words: None,
-                receiver: Receiver(self.line),
+                receiver: Receiver::new(self.line, self.speed),
                 transmitter: Transmitter(self.line),
                 flash: &mut self.flash,
                 pages: self.pages.clone(),

@@ -1,13 +1,14 @@
 //! A socket as the device's serial line: one host at a time, and bytes that nobody takes are lost.
 
 use async_io::Async;
+use embassy_time::{Duration, Instant, Timer};
 use embedded_io_async::{ErrorType, Read, Write};
+use protocol::BAUD;
 use std::cell::RefCell;
 use std::convert::Infallible;
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::rc::Rc;
-use std::time::Duration;
 
 /// Pause before the next host is waited for, where the operating system had none to give.
 const PAUSE: Duration = Duration::from_millis(10);
@@ -40,15 +41,27 @@ impl SerialLine {
                 let _ = stream.get_ref().set_nodelay(true);
                 self.host.replace(Some(Rc::new(stream)));
             }
-            Err(_) => {
-                async_io::Timer::after(PAUSE).await;
-            }
+            Err(_) => Timer::after(PAUSE).await,
         }
     }
 }
 
-/// What comes from the host.
-pub struct Receiver<'l>(pub &'l SerialLine);
+/// What comes from the host, no faster than over the device's own line: the firmware relies on ticks between two requests.
+pub struct Receiver<'l> {
+    line: &'l SerialLine,
+    /// What a byte takes, µs.
+    byte_us: f64,
+    /// When the line has carried what was read.
+    free: Instant,
+}
+
+impl<'l> Receiver<'l> {
+    /// The line's end on a device for which `speed` seconds pass in a second.
+    pub fn new(line: &'l SerialLine, speed: f64) -> Self {
+        // Eight bits, a start and a stop bit.
+        Self { line, byte_us: 10e6 / (f64::from(BAUD) * speed), free: Instant::now() }
+    }
+}
 
 impl ErrorType for Receiver<'_> {
     type Error = Infallible;
@@ -56,14 +69,18 @@ impl ErrorType for Receiver<'_> {
 
 impl Read for Receiver<'_> {
     async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        Timer::at(self.free).await;
         loop {
-            let Some(host) = self.0.host() else {
-                self.0.wait_for_host().await;
+            let Some(host) = self.line.host() else {
+                self.line.wait_for_host().await;
                 continue;
             };
             match host.read_with(|mut stream| stream.read(buffer)).await {
-                Ok(0) | Err(_) => self.0.hang_up(),
-                Ok(length) => return Ok(length),
+                Ok(0) | Err(_) => self.line.hang_up(),
+                Ok(length) => {
+                    self.free = Instant::now() + Duration::from_micros((self.byte_us * length as f64) as u64);
+                    return Ok(length);
+                }
             }
         }
     }

@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn whatever_happens_the_device_estimates_again() {
-        let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/picma-p885-1hz.csv");
+        let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/picma-p885-1hz.csv");
         let ends: [(&str, Box<dyn Fault>, Option<bool>); 3] = [
             ("nothing", Box::new(|_, _: &mut Vec<u8>| {}), Some(true)),
             ("a wrong bit", Box::new(wrong_bit_at(100)), Some(false)),
