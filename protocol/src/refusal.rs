@@ -43,15 +43,11 @@ impl core::fmt::Display for Refusal {
             Self::NoTable => write!(f, "it has no admissible table"),
             Self::NotEstimating => write!(f, "it is not estimating"),
             Self::NotPil => write!(f, "it takes fed samples in processor-in-the-loop mode only"),
-            Self::NoDrive => {
-                write!(f, "its table does not say how the DAC drives the amplifier: piezo emit --drive-span, then push")
+            Self::NoDrive => write!(f, "its table does not say how the DAC drives the amplifier"),
+            Self::Faulty => write!(f, "a fault keeps its output at rest"),
+            Self::Rewired => {
+                write!(f, "the new table changes what the DAC output is connected to (amplifier or display)")
             }
-            Self::Faulty => write!(f, "a fault keeps its output at rest: piezo info says which"),
-            Self::Rewired => write!(
-                f,
-                "the new table changes what the DAC output is connected to (amplifier or display): unplug it, then repeat with \
-                 --rewired"
-            ),
             Self::NotFollowing => write!(f, "it takes references in the mode that follows them only"),
             Self::NotFinite => write!(f, "a reference is not a finite number"),
             Self::Busy => write!(f, "it is busy; ask again"),

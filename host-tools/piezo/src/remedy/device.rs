@@ -7,7 +7,7 @@ use device_link::probe::ProbeError;
 use device_link::table::RunningTableError;
 use device_link::write::WriteError;
 use estimator_core::table::Misfit;
-use protocol::VERSION;
+use protocol::{Refusal, VERSION};
 use std::error::Error;
 use std::path::Path;
 
@@ -53,6 +53,12 @@ fn link(error: &LinkError) -> String {
         LinkError::Version { found, .. } if *found < VERSION => {
             format!("{error}; build it (`cargo fw`) and flash it (`piezo flash --image`)")
         }
+        LinkError::Refused { refusal, .. } => match **refusal {
+            Refusal::NoDrive => format!("{error}: piezo emit --drive-span, then push"),
+            Refusal::Faulty => format!("{error}: piezo info says which"),
+            Refusal::Rewired => format!("{error}: unplug it, then repeat with --rewired"),
+            _ => error.to_string(),
+        },
         _ => error.to_string(),
     }
 }
