@@ -7,10 +7,12 @@ mod black_box;
 mod convergence;
 mod error;
 mod errors;
+mod extremum_terms;
 mod features;
 mod hysteresis;
 mod loops;
 mod monotone;
+mod optimisers;
 mod parameters;
 mod range;
 mod rate;
@@ -44,13 +46,17 @@ pub enum Item {
     Features,
     /// The rig driven by each model's inverse, beside plain scaling.
     Tracking,
+    /// The extremum terms tried on every model: Section 6.2.
+    ExtremumTerms,
+    /// Optimisers at equal budget: Section 6.2.
+    Optimisers,
     /// Everything.
     All,
 }
 
 impl Item {
     /// Each by itself.
-    pub const EACH: [Self; 9] = [
+    pub const EACH: [Self; 11] = [
         Self::Errors,
         Self::SamplingTime,
         Self::Parameters,
@@ -60,6 +66,8 @@ impl Item {
         Self::Loops,
         Self::Features,
         Self::Tracking,
+        Self::ExtremumTerms,
+        Self::Optimisers,
     ];
 
     /// What some arguments ask for, each item once, in the order of [`Self::EACH`].
@@ -80,6 +88,8 @@ impl Item {
             Self::Loops => "loops",
             Self::Features => "features",
             Self::Tracking => "tracking",
+            Self::ExtremumTerms => "extremum-terms",
+            Self::Optimisers => "optimisers",
             Self::All => "all",
         }
     }
@@ -96,6 +106,8 @@ impl Item {
             Self::Loops => loops::generations(search),
             Self::Features => features::generations(search),
             Self::Tracking => tracking::generations(search),
+            Self::ExtremumTerms => extremum_terms::generations(search),
+            Self::Optimisers => optimisers::generations(search),
             Self::All => Self::EACH.into_iter().map(|item| item.generations(search)).sum(),
         }
     }
@@ -111,6 +123,8 @@ impl Item {
             Self::Loops => loops::section(bench, progress),
             Self::Features => features::section(bench, progress),
             Self::Tracking => tracking::section(bench, progress),
+            Self::ExtremumTerms => extremum_terms::section(bench, progress),
+            Self::Optimisers => optimisers::section(bench, progress),
             Self::All => return Ok(None),
         };
         section.map(Some).map_err(|source| ThesisError::Item { item: self, source: Box::new(source) })
@@ -145,5 +159,6 @@ mod tests {
         assert_eq!(Item::asked(&[Item::All, Item::Loops]), Item::EACH);
         assert_eq!(Item::asked(&[Item::Loops, Item::Errors, Item::Loops]), [Item::Errors, Item::Loops]);
         assert_eq!(Item::SamplingTime.name(), "sampling-time");
+        assert!([Item::ExtremumTerms, Item::Optimisers].iter().all(|item| Item::EACH.contains(item)));
     }
 }
