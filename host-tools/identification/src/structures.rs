@@ -49,12 +49,13 @@ pub struct StructureSearch<'a> {
 
 impl StructureSearch<'_> {
     /// Searches a structure from its own starts and from the middle, or from where a simpler one ended (`known`: values of
-    /// its genes, which are the first of this one's). `progress` is told the best cost so far (µm).
+    /// its genes, which are the first of this one's). `progress` is told how many candidates
+    /// have been evaluated and the best cost so far (µm).
     pub fn run<F: Family + ?Sized>(
         &self,
         family: &F,
         known: &[(Gene, f64)],
-        mut progress: impl FnMut(f64),
+        mut progress: impl FnMut(usize, f64),
     ) -> Found<F::Found> {
         let problem = self.problem;
         let genes = family.genes();
@@ -70,21 +71,22 @@ impl StructureSearch<'_> {
         let mut starts: Vec<Vec<f64>> = family.starts().into_iter().chain([known]).map(whole).collect();
         let mut convergence = Vec::new();
         let (mut least, mut shown) = (f64::INFINITY, (f64::INFINITY, None));
-        let mut watch = |_: usize, best: &Minimum| {
-            if best.cost < least {
-                least = best.cost;
-                shown = match parameters(&best.at) {
-                    Some(found) => (problem.cost(&found, self.cost), problem.held_out(&found, self.cost)),
-                    None => shown,
-                };
-            }
-            convergence.push(Convergence { training: shown.0, validation: shown.1 });
-            progress(shown.0);
-        };
         let budget = Budget { evaluations: self.evaluations / self.methods.len().max(1), seed: self.seed.into() };
         let mut best: Option<Minimum> = None;
         let mut evaluations = 0;
         for &method in self.methods {
+            let before = evaluations;
+            let mut watch = |made: usize, best: &Minimum| {
+                if best.cost < least {
+                    least = best.cost;
+                    shown = match parameters(&best.at) {
+                        Some(found) => (problem.cost(&found, self.cost), problem.held_out(&found, self.cost)),
+                        None => shown,
+                    };
+                }
+                convergence.push(Convergence { training: shown.0, validation: shown.1 });
+                progress(before + made, shown.0);
+            };
             let found = minimise(method, genes.len(), budget, &starts, &cost, &mut watch);
             evaluations += found.evaluations;
             if best.as_ref().is_none_or(|best| found.cost < best.cost) {
@@ -158,7 +160,7 @@ impl Identification<'_> {
         let search =
             StructureSearch { problem: self.problem, cost: self.cost, methods, evaluations, seed: self.options.seed };
         let known = simpler.map_or(&[][..], |fit| &fit.genes);
-        let found = search.run(family, known, |cost| progress(model, cost));
+        let found = search.run(family, known, |_, cost| progress(model, cost));
         let before = simpler.map_or(&[][..], |fit| &fit.convergence);
         Fit {
             model,

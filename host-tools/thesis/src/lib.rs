@@ -7,6 +7,7 @@ mod black_box;
 mod convergence;
 mod error;
 mod errors;
+mod extremum_terms;
 mod features;
 mod hysteresis;
 mod loops;
@@ -44,13 +45,15 @@ pub enum Item {
     Features,
     /// The rig driven by each model's inverse, beside plain scaling.
     Tracking,
+    /// The extremum terms tried on every model: Section 6.2.
+    ExtremumTerms,
     /// Everything.
     All,
 }
 
 impl Item {
     /// Each by itself.
-    pub const EACH: [Self; 9] = [
+    pub const EACH: [Self; 10] = [
         Self::Errors,
         Self::SamplingTime,
         Self::Parameters,
@@ -60,6 +63,7 @@ impl Item {
         Self::Loops,
         Self::Features,
         Self::Tracking,
+        Self::ExtremumTerms,
     ];
 
     /// What some arguments ask for, each item once, in the order of [`Self::EACH`].
@@ -80,6 +84,7 @@ impl Item {
             Self::Loops => "loops",
             Self::Features => "features",
             Self::Tracking => "tracking",
+            Self::ExtremumTerms => "extremum-terms",
             Self::All => "all",
         }
     }
@@ -96,6 +101,7 @@ impl Item {
             Self::Loops => loops::generations(search),
             Self::Features => features::generations(search),
             Self::Tracking => tracking::generations(search),
+            Self::ExtremumTerms => extremum_terms::generations(search),
             Self::All => Self::EACH.into_iter().map(|item| item.generations(search)).sum(),
         }
     }
@@ -111,6 +117,7 @@ impl Item {
             Self::Loops => loops::section(bench, progress),
             Self::Features => features::section(bench, progress),
             Self::Tracking => tracking::section(bench, progress),
+            Self::ExtremumTerms => extremum_terms::section(bench, progress),
             Self::All => return Ok(None),
         };
         section.map(Some).map_err(|source| ThesisError::Item { item: self, source: Box::new(source) })
@@ -145,5 +152,6 @@ mod tests {
         assert_eq!(Item::asked(&[Item::All, Item::Loops]), Item::EACH);
         assert_eq!(Item::asked(&[Item::Loops, Item::Errors, Item::Loops]), [Item::Errors, Item::Loops]);
         assert_eq!(Item::SamplingTime.name(), "sampling-time");
+        assert!(Item::EACH.contains(&Item::ExtremumTerms));
     }
 }
