@@ -91,8 +91,8 @@ fn what_is_printed_stands_beside_and_the_other_items_are_there() {
 }
 
 #[test]
-fn what_section_6_2_recommends_is_tried_on_every_model() {
-    let result = json(piezo().args(["reproduce", "extremum-terms", "--json"]).args(SHORTEST));
+fn what_section_6_2_recommends_is_tried_on_every_model_and_with_every_method() {
+    let result = json(piezo().args(["reproduce", "extremum-terms", "optimisers", "--json"]).args(SHORTEST));
     let terms = rows(&result, "extremum-terms");
     let with_plays = terms.iter().find(|row| row["model"] == "prandtl-ishlinskii").unwrap();
     let without = number(with_plays, "/held_out/without_um");
@@ -102,6 +102,10 @@ fn what_section_6_2_recommends_is_tried_on_every_model() {
         let modelled = |name: &str| number(with_plays, &format!("/modelled/{name}"));
         assert!(modelled(name) < 1.05 * modelled("without_um"), "{with_plays}");
     }
+    let optimisers = rows(&result, "optimisers");
+    let methods: Vec<&Value> = optimisers.iter().take(5).map(|row| &row["optimiser"]).collect();
+    assert_eq!(methods, ["genetic", "differential-evolution", "particle-swarm", "cma-es", "local"]);
+    assert!(optimisers.iter().all(|row| number(row, "/best_cost_um") > 0.0), "{optimisers:?}");
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod features;
 mod hysteresis;
 mod loops;
 mod monotone;
+mod optimisers;
 mod parameters;
 mod range;
 mod rate;
@@ -47,13 +48,15 @@ pub enum Item {
     Tracking,
     /// The extremum terms tried on every model: Section 6.2.
     ExtremumTerms,
+    /// Optimisers at equal budget: Section 6.2.
+    Optimisers,
     /// Everything.
     All,
 }
 
 impl Item {
     /// Each by itself.
-    pub const EACH: [Self; 10] = [
+    pub const EACH: [Self; 11] = [
         Self::Errors,
         Self::SamplingTime,
         Self::Parameters,
@@ -64,6 +67,7 @@ impl Item {
         Self::Features,
         Self::Tracking,
         Self::ExtremumTerms,
+        Self::Optimisers,
     ];
 
     /// What some arguments ask for, each item once, in the order of [`Self::EACH`].
@@ -85,6 +89,7 @@ impl Item {
             Self::Features => "features",
             Self::Tracking => "tracking",
             Self::ExtremumTerms => "extremum-terms",
+            Self::Optimisers => "optimisers",
             Self::All => "all",
         }
     }
@@ -102,6 +107,7 @@ impl Item {
             Self::Features => features::generations(search),
             Self::Tracking => tracking::generations(search),
             Self::ExtremumTerms => extremum_terms::generations(search),
+            Self::Optimisers => optimisers::generations(search),
             Self::All => Self::EACH.into_iter().map(|item| item.generations(search)).sum(),
         }
     }
@@ -118,6 +124,7 @@ impl Item {
             Self::Features => features::section(bench, progress),
             Self::Tracking => tracking::section(bench, progress),
             Self::ExtremumTerms => extremum_terms::section(bench, progress),
+            Self::Optimisers => optimisers::section(bench, progress),
             Self::All => return Ok(None),
         };
         section.map(Some).map_err(|source| ThesisError::Item { item: self, source: Box::new(source) })
@@ -152,6 +159,6 @@ mod tests {
         assert_eq!(Item::asked(&[Item::All, Item::Loops]), Item::EACH);
         assert_eq!(Item::asked(&[Item::Loops, Item::Errors, Item::Loops]), [Item::Errors, Item::Loops]);
         assert_eq!(Item::SamplingTime.name(), "sampling-time");
-        assert!(Item::EACH.contains(&Item::ExtremumTerms));
+        assert!([Item::ExtremumTerms, Item::Optimisers].iter().all(|item| Item::EACH.contains(item)));
     }
 }

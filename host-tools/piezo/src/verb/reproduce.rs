@@ -56,7 +56,7 @@ pub struct Reproduce {
 }
 
 /// What can be reproduced.
-const ITEMS: [Choice<Item>; 11] = [
+const ITEMS: [Choice<Item>; 12] = [
     (Item::Errors, Item::Errors.name(), "Validation errors: Tables 4.8, 5.3, 5.4, 5.5, Figures 4.11 and 5.1 to 5.6"),
     (Item::SamplingTime, Item::SamplingTime.name(), "Validation error over the sampling time: Table 4.4, Figure 4.8"),
     (Item::Parameters, Item::Parameters.name(), "Parameters and their ranges: Tables 4.5, 4.6, 5.2"),
@@ -71,6 +71,7 @@ const ITEMS: [Choice<Item>; 11] = [
     (Item::Features, Item::Features.name(), "Rate dependence, frequency range, reversibility: Table 3.1"),
     (Item::Tracking, Item::Tracking.name(), "The rig driven by each model's inverse, beside plain scaling"),
     (Item::ExtremumTerms, Item::ExtremumTerms.name(), "The extremum terms tried on every model: Section 6.2"),
+    (Item::Optimisers, Item::Optimisers.name(), "Optimisers at equal budget: Section 6.2"),
     (Item::All, Item::All.name(), "Everything"),
 ];
 
