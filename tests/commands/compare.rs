@@ -56,7 +56,7 @@ fn plays_with_lag_and_creep_beat_voigt_on_what_neither_has_seen() {
 
     let page = fs::read_to_string(out.join("compare.html")).unwrap();
     for words in [
-        "generalised-prandtl-ishlinskii",
+        "generalised Prandtl–Ishlinskii",
         "Voigt (4.8)",
         "1234",
         "tr10.csv 0.00 … 1.00 s",

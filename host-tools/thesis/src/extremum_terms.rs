@@ -15,8 +15,8 @@ use crate::error::ThesisError;
 use estimator_core::{Admitted, Estimator, Model, Parameters, Tracker};
 use identification::cost::{Cost, Feedback};
 use identification::family;
-use identification::least_squares::{Normal, Sign};
-use identification::{Problem, Progress, SearchOptions, StructureSearch};
+use identification::{Character, Problem, Progress, SearchOptions, StructureSearch};
+use least_squares::{Normal, Sign};
 use recordings::session::Session;
 use report::{Section, shown};
 use serde::Serialize;
@@ -107,6 +107,13 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
             .to_owned(),
     ];
     notes.extend(conclusion(&rows));
+    if Character::of(bench.problem().training(), bench.problem().deadband).single_amplitude() {
+        notes.push(
+            "The modelling logs have a single amplitude: V_ext takes two values there and y_ext is nearly proportional to \
+             it, so that what both together gain, and what any term does at another amplitude, was taught by little."
+                .to_owned(),
+        );
+    }
     notes.extend(failed);
     Ok(Section {
         title: "Extremum terms on every model: Section 6.2",
@@ -354,7 +361,8 @@ mod tests {
         assert!(
             chain["held_out"]["voltage_extremum_um"].as_f64() > Some(0.0) && chain["held_out"]["both_um"].is_null()
         );
-        assert_eq!(section.notes.len(), 3);
+        let single = section.notes.iter().filter(|note| note.contains("single amplitude")).count();
+        assert_eq!((section.notes.len(), single), (4, 1), "the rig has one amplitude: {:?}", section.notes);
     }
 
     /// A residual that is 0.1 of V_ext behind 10 ms and a constant: the weight and the lag are found, and the constant stays.
