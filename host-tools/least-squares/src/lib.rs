@@ -70,6 +70,21 @@ impl Normal {
         self.columns
     }
 
+    /// Σ wᵢ·(aᵢ·x − bᵢ)² of coefficients, without the ridge; a missing coefficient is 0. It is the difference of sums
+    /// as large as Σ wᵢ·bᵢ² and has their rounding error; never below 0.
+    pub fn residual_sum(&self, weights: &[f64]) -> f64 {
+        let mut sum = self.square;
+        for (i, (&x, moment)) in weights.iter().zip(&self.moment).enumerate() {
+            let mut product = 0.5 * self.entry(i, i) * x;
+            for (j, &other) in weights.iter().enumerate().take(self.columns).skip(i + 1) {
+                product += self.entry(i, j) * other;
+            }
+            sum += 2.0 * x * (product - moment);
+        }
+        // `f64::max` would turn NaN into 0.
+        if sum < 0.0 { 0.0 } else { sum }
+    }
+
     /// The coefficients of the least squares; `sign` has one entry a column. `None` when it has not, or when the sums
     /// are not finite.
     pub fn solve(&self, sign: &[Sign]) -> Option<Vec<f64>> {

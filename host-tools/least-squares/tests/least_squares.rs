@@ -120,6 +120,15 @@ proptest! {
             }
         }
     }
+
+    #[test]
+    fn the_residual_sum_is_that_of_the_rows(problem in problem(), x in prop::collection::vec(-2.0..2.0, 6)) {
+        let x = &x[..problem.sign.len()];
+        let (expected, size) = (problem.cost(x), x.iter().map(|x| x.abs()).sum::<f64>() * 1e6 + 1.0);
+        let rounding = 1e-13 * size * size * problem.rows.len() as f64;
+        let found = problem.normal().residual_sum(x);
+        prop_assert!((found - expected).abs() <= rounding.max(1e-9 * expected));
+    }
 }
 
 #[test]
@@ -173,4 +182,5 @@ fn the_ridge_draws_towards_zero() {
     let x = normal.clone().ridge(1.0).solve(&[FREE]).unwrap();
     assert!((x[0] - 1.0).abs() < 1e-12);
     assert!((normal.solve(&[FREE]).unwrap()[0] - 2.0).abs() < 1e-8);
+    assert!((normal.residual_sum(&x) - 18.0).abs() < 1e-12);
 }

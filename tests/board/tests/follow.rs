@@ -18,10 +18,10 @@ fn list<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> List<N> {
 }
 
 /// The device's table with another model, driving an amplifier of 0 … 4 V.
-fn driving(table: &Admitted, model: Model, parameters: Parameters) -> Result<Admitted> {
+fn driving(table: &Admitted, parameters: Parameters) -> Result<Admitted> {
     let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
     let limits = Range { min: -50.0, max: 100.0 };
-    let table = Table { model, parameters, displacement_limits_um: limits, drive: Some(drive), ..**table };
+    let table = Table { parameters, displacement_limits_um: limits, drive: Some(drive), ..**table };
     Ok(table.admit()?)
 }
 
@@ -119,13 +119,13 @@ fn the_drive_gives_the_codes_of_the_host_s_inverse_in_time() -> Result<()> {
     let mut bench = Bench::started()?;
     let table = bench.table()?;
     let voigt = table.parameters;
-    for (name, model, parameters) in [
-        ("Voigt", Model::Voigt, voigt),
-        ("generalised-prandtl-ishlinskii", Model::GeneralisedPrandtlIshlinskii, generalised_prandtl_ishlinskii()),
-        ("Preisach", Model::Preisach, preisach()),
-        ("Bouc-Wen", Model::BoucWen, bouc_wen()),
+    for (name, parameters) in [
+        ("Voigt", voigt),
+        ("generalised-prandtl-ishlinskii", generalised_prandtl_ishlinskii()),
+        ("Preisach", preisach()),
+        ("Bouc-Wen", bouc_wen()),
     ] {
-        follows(name, &mut bench, &driving(&table, model, parameters)?)?;
+        follows(name, &mut bench, &driving(&table, parameters)?)?;
     }
     Ok(())
 }
