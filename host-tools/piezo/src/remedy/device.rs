@@ -44,6 +44,20 @@ pub fn board(misfit: &Misfit, file: &Path) -> String {
     }
 }
 
+/// Why a device refuses, with its remedy.
+pub fn refusal(refusal: &Refusal) -> String {
+    format!("{refusal}{}", remedy(refusal))
+}
+
+fn remedy(refusal: &Refusal) -> &'static str {
+    match refusal {
+        Refusal::NoDrive => ": piezo emit --drive-span, then push",
+        Refusal::Faulty => ": piezo info says which",
+        Refusal::Rewired => ": unplug it, then repeat with --rewired",
+        _ => "",
+    }
+}
+
 fn link(error: &LinkError) -> String {
     match error {
         LinkError::Silent { port } => format!(
@@ -53,12 +67,7 @@ fn link(error: &LinkError) -> String {
         LinkError::Version { found, .. } if *found < VERSION => {
             format!("{error}; build it (`cargo fw`) and flash it (`piezo flash --image`)")
         }
-        LinkError::Refused { refusal, .. } => match **refusal {
-            Refusal::NoDrive => format!("{error}: piezo emit --drive-span, then push"),
-            Refusal::Faulty => format!("{error}: piezo info says which"),
-            Refusal::Rewired => format!("{error}: unplug it, then repeat with --rewired"),
-            _ => error.to_string(),
-        },
+        LinkError::Refused { refusal, .. } => format!("{error}{}", remedy(refusal)),
         _ => error.to_string(),
     }
 }

@@ -8,7 +8,7 @@ mod identification;
 mod log;
 
 pub use bits::{Meaning, faults, status};
-pub use device::board;
+pub use device::{board, refusal};
 pub use doubt::{doubt, doubt_json};
 pub use identification::{misfit, reason};
 

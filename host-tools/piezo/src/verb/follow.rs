@@ -97,7 +97,7 @@ fn beside(path: &Path, trajectory: &Path) -> Result<NamedTempFile> {
 
 /// Refuses a trajectory that the device's own model never meets; says what comes of one that it does, where that is wanted.
 fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()> {
-    let drive = table.drive.with_context(|| Refusal::NoDrive.to_string())?;
+    let drive = table.drive.with_context(|| remedy::refusal(&Refusal::NoDrive))?;
     let plan = plan(table, &drive.limits, trajectory)?;
     let caveats = caveats(table, &drive.limits);
     ensure!(
