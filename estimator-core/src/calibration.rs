@@ -2,6 +2,7 @@
 
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
 
 /// A code as the analogue-to-digital converter (with its oversampling) delivers it.
@@ -150,10 +151,13 @@ pub struct DriveLimits {
 }
 
 impl DriveLimits {
-    /// The rule that they break, if any. `voltages`: those that the table's model was identified on, at the amplifier, V.
-    pub fn fault(&self, voltages: Range) -> Option<&'static str> {
+    /// Checks them beside `voltages`, those that the table's model was identified on, at the amplifier, V.
+    ///
+    /// # Errors
+    /// The rule that they break.
+    pub fn check(&self, voltages: Range) -> Result<(), Rule> {
         let Self { range_v, rest_v, slew_v_per_s } = *self;
-        let rules = [
+        rule::check([
             ("the drive's range_v must be ordered", range_v.min < range_v.max),
             (
                 "the drive's range_v must lie within the voltages that the model was identified on",
@@ -161,8 +165,7 @@ impl DriveLimits {
             ),
             ("the drive's rest_v must lie within its range_v", range_v.contains(rest_v)),
             ("the drive's slew_v_per_s must be positive", slew_v_per_s > 0.0 && slew_v_per_s.is_finite()),
-        ];
-        rules.into_iter().find(|&(_, holds)| !holds).map(|(rule, _)| rule)
+        ])
     }
 }
 

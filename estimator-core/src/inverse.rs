@@ -1,42 +1,35 @@
 //! The inverse: the voltage that brings the actuator to a wanted displacement, a tick at a time ("reversibility" of
 //! Table 3.1).
 //!
-//! The displacement a tick later rises with this tick's voltage, whatever the memory, in every model that has an inverse.
-//! So the voltage is found on the model itself, by a bracketed secant over what the limits allow, and one and the same code
-//! inverts them all. It runs its own copy of the model, fed with the voltages that it gives: no measured voltage comes in, so that
-//! the actuator cannot be made to swing by it.
+//! The displacement a tick later rises with this tick's voltage in the monotone part of every model that has one
+//! ([`Recursion::monotone_part`](crate::Recursion::monotone_part)), but for a jump at a reversal. So the voltage is found on
+//! the model itself, by a bracketed secant over what the limits allow, and one and the same code inverts them all. It runs
+//! its own copy of the model, fed with the voltages that it gives: no measured voltage comes in, so that the actuator cannot
+//! be made to swing by it.
 //!
-//! A delay and a resonance are left out of that copy ([`crate::Recursion::prompt`]): the displacement comes later by the delay, which whoever knows
-//! the reference ahead of time can make up for, and a reference that is fast for the resonance excites it. A lag is undone:
-//! where the reference moves fast the voltage leads, as far as the limits let it.
+//! That part has neither delay nor resonance: the displacement comes later by the delay, which whoever knows the reference
+//! ahead of time can make up for, and a reference that is fast for the resonance excites it. A lag is undone: where the
+//! reference moves fast the voltage leads, as far as the limits let it.
 
 use crate::calibration::DriveLimits;
 use crate::math::Real;
-use crate::model::{Engine, State};
+use crate::model::{Engine, Process};
 use crate::range::Range;
+use crate::rule::Rule;
 
 /// Why a table has no inverse.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum NoInverse {
     /// Its model has none.
+    #[error("this model has no inverse")]
     Model,
     /// The displacement at rest does not rise with the voltage all the way from the lower end of the range to the upper.
+    #[error("the displacement does not rise with the voltage")]
     Falling,
     /// The limits break this rule.
-    Limits(&'static str),
+    #[error("{0}")]
+    Limits(Rule),
 }
-
-impl core::fmt::Display for NoInverse {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Model => write!(f, "this model has no inverse"),
-            Self::Falling => write!(f, "the displacement does not rise with the voltage"),
-            Self::Limits(rule) => write!(f, "{rule}"),
-        }
-    }
-}
-
-impl core::error::Error for NoInverse {}
 
 /// What a tick gives.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -63,11 +56,9 @@ const PARTS: u8 = 32;
 
 /// What an inverse must know of its model's table.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Ground<T> {
+pub struct InverseContext<T> {
     /// Amplifier voltage that the model calls 0, V.
     pub voltage_zero: T,
-    /// Retreat that counts as a reversal, V.
-    pub deadband: T,
     /// Tick, s.
     pub sample_period: T,
     /// Width of the displacement limits, µm.
@@ -78,9 +69,6 @@ pub struct Ground<T> {
 #[derive(Clone, Debug)]
 pub struct Inverse<T: Real> {
     engine: Engine<T>,
-    /// Of the Voigt family.
-    state: State<T>,
-    deadband: T,
     /// Relative to the model's zero, V, as are all voltages here.
     range: Range<T>,
     rest: T,
@@ -92,25 +80,23 @@ pub struct Inverse<T: Real> {
 }
 
 impl<T: Real> Inverse<T> {
-    /// The inverse of a model, at rest; [`Admitted::inverse`](crate::Admitted::inverse) knows what it needs. Limits that break
-    /// [their rules](DriveLimits::fault) are refused.
-    pub fn build(engine: Engine<T>, ground: &Ground<T>, limits: &DriveLimits) -> Result<Self, NoInverse> {
-        let engine = match engine {
-            Engine::Voigt(model) => Engine::Voigt(model),
-            Engine::Other(model) => Engine::Other(model.prompt().ok_or(NoInverse::Model)?),
-        };
-        let zero = ground.voltage_zero;
+    /// The inverse of a model, at rest; [`Admitted::inverse`](crate::Admitted::inverse) knows what it needs. The limits are
+    /// taken as they are: [`DriveLimits::check`] is the caller's.
+    ///
+    /// # Errors
+    /// The model has no monotone part, or its displacement at rest does not rise with the voltage.
+    pub fn build(engine: &Engine<T>, context: &InverseContext<T>, limits: &DriveLimits) -> Result<Self, NoInverse> {
+        let engine = engine.monotone_part().ok_or(NoInverse::Model)?;
+        let zero = context.voltage_zero;
         let range: Range<T> = limits.range_v.of();
         let range = Range { min: range.min - zero, max: range.max - zero };
         let rest = range.clamp(T::of(limits.rest_v) - zero);
         let mut inverse = Self {
             engine,
-            state: State::new(T::zero(), ground.deadband),
-            deadband: ground.deadband,
             range,
             rest,
-            stride: T::of(limits.slew_v_per_s) * ground.sample_period,
-            near: T::of(REACHED) * ground.displacement_span,
+            stride: T::of(limits.slew_v_per_s) * context.sample_period,
+            near: T::of(REACHED) * context.displacement_span,
             voltage_zero: zero,
             voltage: rest,
         };
@@ -132,18 +118,8 @@ impl<T: Real> Inverse<T> {
     /// At rest at a voltage; returns the displacement there.
     fn settle(&mut self, voltage: T) -> T {
         self.voltage = voltage;
-        match &mut self.engine {
-            Engine::Voigt(model) => {
-                // a < 1 in every admitted table.
-                let terms = model.terms(voltage);
-                self.state = State::new(terms.c / (T::one() - terms.a), self.deadband);
-                model.step(&mut self.state, voltage)
-            }
-            Engine::Other(model) => {
-                model.forget();
-                model.step(voltage, None)
-            }
-        }
+        self.engine.forget();
+        self.engine.step(voltage, None)
     }
 
     /// One tick: takes the displacement wanted a tick after the voltage stands (µm relative to the model's zero), returns the
@@ -152,11 +128,11 @@ impl<T: Real> Inverse<T> {
         let here = self.peek(self.voltage) - reference;
         let fine = self.near * T::of(FINE);
         let voltage = if here < -fine {
-            let room = self.room(self.range.max - self.voltage);
-            self.voltage + self.way(-here, room, |way| reference - self.peek(self.voltage + way))
+            let most = self.allowed(self.range.max - self.voltage);
+            self.voltage + self.distance(-here, most, |distance| reference - self.peek(self.voltage + distance))
         } else if here > fine {
-            let room = self.room(self.voltage - self.range.min);
-            self.voltage - self.way(here, room, |way| self.peek(self.voltage - way) - reference)
+            let most = self.allowed(self.voltage - self.range.min);
+            self.voltage - self.distance(here, most, |distance| self.peek(self.voltage - distance) - reference)
         } else {
             self.voltage
         };
@@ -165,22 +141,23 @@ impl<T: Real> Inverse<T> {
         Commanded { reached: (commanded.displacement - reference).abs() <= self.near, ..commanded }
     }
 
-    /// How far to go, at most `room`, until what is missing, `missing` at first and less the farther, is gone: regula falsi
-    /// after Dowell and Jarratt (1971), with a bisection at every second step.
-    fn way(&self, missing: T, room: T, at: impl Fn(T) -> T) -> T {
+    /// Distance from here (V, at most `most`) at which `at` crosses zero; `missing` is its value at 0, and it falls with the
+    /// distance. `most` where it does not cross. Regula falsi after Dowell and Jarratt (1971), with a bisection at every
+    /// second step.
+    fn distance(&self, missing: T, most: T, at: impl Fn(T) -> T) -> T {
         let half = T::of(0.5);
         let fine = self.near * T::of(FINE);
-        let (mut low, mut high) = ((T::zero(), missing), (room, at(room)));
+        let (mut low, mut high) = ((T::zero(), missing), (most, at(most)));
         if high.1 >= -fine {
-            return room;
+            return most;
         }
-        let (mut way, mut stayed) = (room, None);
+        let (mut distance, mut stayed) = (most, None);
         for step in 1..=STEPS {
             let secant = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1));
             // Also where the secant is no number.
             let inside = secant > low.0 && secant < high.0 && step % 2 == 1;
-            way = if inside { secant } else { low.0 + (high.0 - low.0) * half };
-            let left = at(way);
+            distance = if inside { secant } else { low.0 + (high.0 - low.0) * half };
+            let left = at(distance);
             if left.abs() <= fine {
                 break;
             }
@@ -188,13 +165,13 @@ impl<T: Real> Inverse<T> {
             let above = left > T::zero();
             let weight = if stayed == Some(above) { half } else { T::one() };
             if above {
-                (low, high) = ((way, left), (high.0, high.1 * weight));
+                (low, high) = ((distance, left), (high.0, high.1 * weight));
             } else {
-                (low, high) = ((low.0, low.1 * weight), (way, left));
+                (low, high) = ((low.0, low.1 * weight), (distance, left));
             }
             stayed = Some(above);
         }
-        way
+        distance
     }
 
     /// One tick towards the rest voltage, as fast as the limits allow.
@@ -203,24 +180,19 @@ impl<T: Real> Inverse<T> {
         self.go(near.clamp(self.rest))
     }
 
-    fn room(&self, to_the_end: T) -> T {
+    /// The change (V) that the slew rate allows in a tick, up to an end of the range.
+    fn allowed(&self, to_the_end: T) -> T {
         if to_the_end < self.stride { to_the_end } else { self.stride }
     }
 
     fn go(&mut self, voltage: T) -> Commanded<T> {
         self.voltage = self.range.clamp(voltage);
-        let displacement = match &mut self.engine {
-            Engine::Voigt(model) => model.step(&mut self.state, self.voltage),
-            Engine::Other(model) => model.step(self.voltage, None),
-        };
+        let displacement = self.engine.step(self.voltage, None);
         Commanded { voltage: self.voltage + self.voltage_zero, displacement, reached: true }
     }
 
     /// What [`go`](Self::go) would give.
     fn peek(&self, voltage: T) -> T {
-        match &self.engine {
-            Engine::Voigt(model) => model.step(&mut self.state.clone(), voltage),
-            Engine::Other(model) => model.peek(voltage),
-        }
+        self.engine.peek(voltage)
     }
 }

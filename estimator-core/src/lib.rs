@@ -5,8 +5,8 @@
 //!
 //! ```text
 //! bytes ─► Table::parse ─► Admitted ─┬► Estimator ── AdcCode ─► tick ─► Estimate { displacement, DacCode, Status }
-//!               │                    ├► Inverse ── reference ─► tick ─► Commanded { voltage, displacement, Status }
-//!               │                    └─ Engine (parameters → per-tick coefficients of any model), Lookup (Voigt's, tabulated)
+//!               │                    ├► Inverse ── reference ─► tick ─► Commanded { voltage, displacement, reached }
+//!               │                    └► Engine: any model with its memory, built from the published parameters
 //!               └─ refuses what is truncated, corrupt, of another version, not finite, or not admissible
 //! ```
 //!
@@ -20,26 +20,29 @@ pub mod estimator;
 pub mod extremum;
 pub mod inverse;
 pub mod list;
-pub mod lookup;
 pub mod math;
 pub mod model;
 pub mod range;
 pub mod record;
+pub mod rule;
+pub mod sealed;
+pub mod settling;
 pub mod table;
 
 pub use admissible::Inadmissible;
 pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, DriveCalibration, DriveLimits};
 pub use estimator::{Estimate, Estimator, Status};
 pub use extremum::{Extremum, Tracker};
-pub use inverse::{Commanded, Inverse, NoInverse};
+pub use inverse::{Commanded, Inverse, InverseContext, NoInverse};
 pub use list::List;
-pub use lookup::Lookup;
 pub use math::Real;
 pub use model::{
-    BoucWen, BoucWenParameters, Champion, ChampionParameters, Duhem, DuhemParameters, Engine, Linear, MaxwellSlip,
-    MaxwellSlipParameters, Model, Narx, NarxParameters, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiInverse,
-    PrandtlIshlinskiiParameters, Preisach, PreisachParameters, Recursion, Resonance, ResonanceState, Running, Scheme,
-    State, Stop, Superposition, Terms, Voigt, VoigtChain, VoigtChainParameters, VoigtParameters, solve,
+    BoucWen, BoucWenParameters, Discretisation, Duhem, DuhemCondition, DuhemParameters, Engine,
+    GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, Linear, MaxwellSlip, MaxwellSlipParameters,
+    Model, Narx, NarxParameters, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Preisach,
+    PreisachParameters, Process, Published, Recursion, Resonance, ResonanceState, Running, Scheme, Stop, Superposition,
+    Voigt, VoigtChain, VoigtChainParameters, VoigtParameters, VoigtState, VoigtTerms, solve,
 };
 pub use range::Range;
-pub use table::{Admitted, Digest, Form, Provenance, Table, TableError};
+pub use rule::Rule;
+pub use table::{Admitted, Digest, Provenance, Table, TableError};

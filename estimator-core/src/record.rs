@@ -11,18 +11,16 @@
 //! What follows the record (the rest of an erased page) is not looked at. Any change of [`Table`] changes the payload
 //! and must bump [`VERSION`]; the test `record_is_pinned` notices.
 
+use crate::sealed::{self, CHECKSUM, Unsealed};
 use crate::table::{Admitted, Table, TableError};
-use crc::{CRC_32_ISO_HDLC, Crc};
 
 /// Format version that this software writes and reads.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// No record is longer than this, bytes.
 pub const MAX_LENGTH: usize = 384;
 
 const MAGIC: [u8; 4] = *b"PZTB";
 const HEADER: usize = 8;
-const CHECKSUM: usize = 4;
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// The checksum at the end of a record, by which two tables are told apart. (A CRC over the whole record, its own
 /// checksum included, is one and the same for all.)
@@ -39,9 +37,7 @@ impl Admitted {
         buffer.get_mut(..4)?.copy_from_slice(&MAGIC);
         buffer.get_mut(4..6)?.copy_from_slice(&VERSION.to_le_bytes());
         buffer.get_mut(6..8)?.copy_from_slice(&u16::try_from(payload).ok()?.to_le_bytes());
-        let checksum = CRC.checksum(buffer.get(..end)?);
-        buffer.get_mut(end..end + CHECKSUM)?.copy_from_slice(&checksum.to_le_bytes());
-        Some(end + CHECKSUM)
+        sealed::seal(buffer, end)
     }
 }
 
@@ -49,7 +45,7 @@ impl Table {
     /// Reads a record from the start of `bytes` and admits it. Never panics.
     pub fn parse(bytes: &[u8]) -> Result<Admitted, TableError> {
         let have = bytes.len();
-        let (header, rest) = bytes.split_first_chunk::<HEADER>().ok_or(TableError::Truncated { need: HEADER, have })?;
+        let header = bytes.first_chunk::<HEADER>().ok_or(TableError::Truncated { need: HEADER, have })?;
         let [m0, m1, m2, m3, v0, v1, n0, n1] = *header;
         if [m0, m1, m2, m3] != MAGIC {
             return Err(TableError::NotATable);
@@ -59,19 +55,13 @@ impl Table {
             return Err(TableError::Version { found, read: VERSION });
         }
         let length = usize::from(u16::from_le_bytes([n0, n1]));
-        let truncated = TableError::Truncated { need: HEADER + length + CHECKSUM, have };
-        let (payload, rest) = rest.split_at_checked(length).ok_or(truncated)?;
-        let stored = u32::from_le_bytes(*rest.first_chunk::<CHECKSUM>().ok_or(truncated)?);
-        let mut digest = CRC.digest();
-        digest.update(header);
-        digest.update(payload);
-        let computed = digest.finalize();
-        if stored != computed {
-            return Err(TableError::Checksum { stored, computed });
-        }
+        let need = HEADER + length + CHECKSUM;
+        let record = bytes.get(..need).ok_or(TableError::Truncated { need, have })?;
+        let content = sealed::unseal(record)
+            .map_err(|Unsealed { stored, computed }| TableError::Checksum { stored, computed })?;
         // postcard does not mind trailing bytes; a record of this version has none.
-        match postcard::take_from_bytes::<Self>(payload) {
-            Ok((table, [])) => table.admit(),
+        match content.get(HEADER..).map(postcard::take_from_bytes::<Self>) {
+            Some(Ok((table, []))) => table.admit(),
             _ => Err(TableError::Payload),
         }
     }

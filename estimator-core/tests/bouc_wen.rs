@@ -1,7 +1,7 @@
 //! Bouc-Wen: its bound, its independence of the rate, its loops, and its equation.
 
 use estimator_core::Range;
-use estimator_core::model::{BoucWen, BoucWenParameters, Linear, Recursion};
+use estimator_core::model::{BoucWen, BoucWenParameters, Linear, Published, Recursion};
 use proptest::prelude::*;
 
 const PERIOD: f64 = 5e-4;
@@ -45,7 +45,7 @@ fn follows_its_equation() {
         for delta in [0.0, 0.02, -0.07] {
             for (beta, gamma) in [(0.08, 0.03), (0.08, 0.08), (0.08, -0.005), (0.09, 0.25)] {
                 let p = BoucWenParameters { beta, gamma, delta, ..parameters(n) };
-                if p.fault().is_some() {
+                if p.check().is_err() {
                     continue;
                 }
                 let model = BoucWen::<f64>::build(&p, PERIOD);
@@ -105,13 +105,13 @@ fn the_lag_is_first_order_and_none_is_none() {
     for k in 1..100 {
         model.step(&mut state, 50.0);
         let expected = 50.0 * (1.0 - (-f64::from(k) * PERIOD / f64::from(0.002f32)).exp());
-        assert!((state.input - expected).abs() < 1e-10);
+        assert!((state.input.value - expected).abs() < 1e-10);
     }
     let model = BoucWen::<f32>::build(&parameters(1.0), PERIOD as f32);
     let mut state = model.begin(0.1, None);
     for voltage in [33.3, -7.1, 1e-3] {
         model.step(&mut state, voltage);
-        assert_eq!(state.input, voltage);
+        assert_eq!(state.input.value, voltage);
     }
 }
 
@@ -130,7 +130,7 @@ fn begins_at_the_known_displacement_or_nearest() {
 #[test]
 fn what_breaks_a_rule_is_refused_and_still_builds() {
     let good = parameters(1.0);
-    assert_eq!(good.fault(), None);
+    assert_eq!(good.check(), Ok(()));
     let bad = [
         BoucWenParameters { c_um_per_v: f32::NAN, ..good },
         BoucWenParameters { lag_s: -1.0, ..good },
@@ -143,7 +143,7 @@ fn what_breaks_a_rule_is_refused_and_still_builds() {
         BoucWenParameters { beta: 1e-38, gamma: 1e-38, delta: 0.0, a: 1e30, ..good },
     ];
     for bad in bad {
-        assert!(bad.fault().is_some(), "{bad:?}");
+        assert!(bad.check().is_err(), "{bad:?}");
         let model = BoucWen::<f32>::build(&bad, PERIOD as f32);
         let mut state = model.begin(1.0, Some(2.0));
         model.step(&mut state, 30.0);
@@ -178,7 +178,7 @@ fn any_voltages() -> impl Strategy<Value = Vec<f32>> {
 proptest! {
     #[test]
     fn bounded_for_any_jumps(p in any_set(), start in prop::option::of(-50f32..50.0), voltages in any_voltages()) {
-        prop_assume!(p.fault().is_none());
+        prop_assume!(p.check().is_ok());
         let model = BoucWen::<f32>::build(&p, PERIOD as f32);
         let limits = model.limits();
         let reach = model.reach(Range { min: -1000.0, max: 1000.0 }).unwrap();
@@ -196,7 +196,7 @@ proptest! {
     fn rate_independent(
         p in any_set(), start in -1f64..1.0, cuts in prop::collection::vec(0f64..1.0, 0..60), change in -60f64..60.0,
     ) {
-        prop_assume!(p.fault().is_none());
+        prop_assume!(p.check().is_ok());
         let model = BoucWen::<f64>::build(&p, PERIOD);
         let limits = model.limits();
         let start = if start < 0.0 { -start * limits.min } else { start * limits.max };
@@ -214,7 +214,7 @@ proptest! {
 
     #[test]
     fn the_columns_weighed_are_the_displacement(p in any_set(), voltages in any_voltages()) {
-        prop_assume!(p.fault().is_none());
+        prop_assume!(p.check().is_ok());
         let model = BoucWen::<f64>::build(&p, PERIOD);
         let weights = [p.d1_um_per_v, p.d2_um_per_v2, p.c_um_per_v, p.offset_um].map(f64::from);
         let mut state = model.begin(0.0, None);
@@ -234,7 +234,7 @@ proptest! {
         p in any_set().prop_map(|p| BoucWenParameters { n: 1.0, ..p }),
         steps in prop::collection::vec(-1f32..1.0, 1..400),
     ) {
-        prop_assume!(p.fault().is_none());
+        prop_assume!(p.check().is_ok());
         let (single, double) = (BoucWen::<f32>::build(&p, PERIOD as f32), BoucWen::<f64>::build(&p, PERIOD));
         let (mut a, mut b, mut voltage) = (single.begin(0.0, None), double.begin(0.0, None), 0.0f32);
         for step in steps {

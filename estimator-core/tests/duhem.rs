@@ -2,7 +2,7 @@
 
 use estimator_core::Range;
 use estimator_core::model::{
-    BoucWen, BoucWenParameters, Duhem, DuhemCondition, DuhemParameters, Linear, Recursion, unmet_condition,
+    BoucWen, BoucWenParameters, Duhem, DuhemCondition, DuhemParameters, Linear, Published, Recursion, unmet_condition,
 };
 use proptest::prelude::*;
 
@@ -115,7 +115,7 @@ fn symmetric_bouc_wen_is_a_special_case() {
 #[test]
 fn known_sets_meet_the_conditions_or_not() {
     let good = DuhemParameters { g0_um_per_v: 0.39, g2_um_per_v3: 1e-6, ..parameters() };
-    assert_eq!((good.fault(), good.unmet_condition()), (None, None));
+    assert_eq!((good.check(), good.unmet_condition()), (Ok(()), None));
     // Steps of f and g at saturation: the memory of reversals is 0.1·(1 − exp(−80·0.03)) µm/V, less than g.
     assert_eq!(parameters().unmet_condition(), None);
     let unmet = |p: DuhemParameters| p.unmet_condition().unwrap();
@@ -161,7 +161,7 @@ fn begins_at_the_known_displacement_or_nearest() {
 #[test]
 fn what_breaks_a_rule_is_refused_and_still_builds() {
     let good = parameters();
-    assert_eq!(good.fault(), None);
+    assert_eq!(good.check(), Ok(()));
     let bad = [
         DuhemParameters { g2_um_per_v3: f32::NAN, ..good },
         DuhemParameters { lag_s: -1.0, ..good },
@@ -172,7 +172,7 @@ fn what_breaks_a_rule_is_refused_and_still_builds() {
         DuhemParameters { g2_um_per_v3: 1e38, ..good },
     ];
     for bad in bad {
-        assert!(bad.fault().is_some(), "{bad:?}");
+        assert!(bad.check().is_err(), "{bad:?}");
         let model = Duhem::<f32>::build(&bad, PERIOD as f32);
         let mut state = model.begin(1.0, Some(2.0));
         model.step(&mut state, 200.0);
@@ -207,7 +207,7 @@ fn any_voltages() -> impl Strategy<Value = Vec<f32>> {
 proptest! {
     #[test]
     fn bounded_for_any_jumps(p in any_set(), start in prop::option::of(-200f32..200.0), voltages in any_voltages()) {
-        prop_assert_eq!(p.fault(), None);
+        prop_assert_eq!(p.check(), Ok(()));
         let model = Duhem::<f32>::build(&p, PERIOD as f32);
         let reach = model.reach(Range { min: -300.0, max: 300.0 }).unwrap();
         let slack = 1e-5 * (1.0 + reach.min.abs() + reach.max.abs());

@@ -7,14 +7,8 @@ use common::{any_table, table};
 use estimator_core::*;
 use proptest::prelude::*;
 
-fn with_lookup<R>(table: Table, run: impl FnOnce(Estimator<'_, f32>) -> R) -> R {
-    let admitted = table.admit().unwrap();
-    let lookup = admitted.lookup();
-    run(Estimator::new(&admitted, lookup.as_ref()).unwrap())
-}
-
-fn tabulated(table: Table) -> Table {
-    Table { form: Form::Tabulated { error_bound_um: 0.0 }, ..table }
+fn running(table: Table) -> Estimator<f32> {
+    Estimator::new(&table.admit().unwrap())
 }
 
 fn admitted_table() -> impl Strategy<Value = Admitted> {
@@ -35,16 +29,14 @@ proptest! {
     #[test]
     fn finite_and_within_limits_for_any_codes(admitted in admitted_table(), codes in any_codes()) {
         let limits = admitted.displacement_limits_um;
-        with_lookup(*admitted, |mut estimator| {
-            for (level, dwell) in codes {
-                for k in 0..dwell {
-                    let estimate = estimator.tick(AdcCode(level.wrapping_add(k & 1)));
-                    prop_assert!(limits.contains(estimate.displacement), "{estimate:?}");
-                    prop_assert!(estimate.dac.0 <= admitted.dac.full_scale);
-                }
+        let mut estimator = Estimator::<f32>::new(&admitted);
+        for (level, dwell) in codes {
+            for k in 0..dwell {
+                let estimate = estimator.tick(AdcCode(level.wrapping_add(k & 1)));
+                prop_assert!(limits.contains(estimate.displacement), "{estimate:?}");
+                prop_assert!(estimate.dac.0 <= admitted.dac.full_scale);
             }
-            Ok(())
-        })?;
+        }
     }
 
     /// The admissibility proof holds: from a start within the limits, no codes ever reach the clamp.
@@ -53,21 +45,19 @@ proptest! {
         // The proof is exact; the arithmetic rounds. Where the reach touches the limits, rounding may cross them.
         let room = Range { min: -29.9, max: 29.9 };
         prop_assume!(Table { displacement_limits_um: room, ..*admitted }.admit().is_ok());
-        with_lookup(*admitted, |mut estimator| {
-            for (level, dwell) in codes {
-                for _ in 0..dwell {
-                    prop_assert!(!estimator.tick(AdcCode(level)).status.contains(Status::CLAMPED));
-                }
+        let mut estimator = Estimator::<f32>::new(&admitted);
+        for (level, dwell) in codes {
+            for _ in 0..dwell {
+                prop_assert!(!estimator.tick(AdcCode(level)).status.contains(Status::CLAMPED));
             }
-            Ok(())
-        })?;
+        }
     }
 }
 
 #[test]
 fn the_tick_is_the_recursion_of_eq_4_8() {
     let admitted = table().admit().unwrap();
-    let mut estimator = Estimator::<f64>::new(&admitted, None).unwrap();
+    let mut estimator = Estimator::<f64>::new(&admitted);
     assert!(estimator.start_at(0.5));
     let p = common::VOIGT.map(f64::from);
     let mut y = 0.5f64;
@@ -86,12 +76,14 @@ fn the_tick_is_the_recursion_of_eq_4_8() {
 #[test]
 fn euler_tends_to_the_exact_step_as_the_tick_shrinks() {
     let run = |period: f64, scheme| {
-        let model = Voigt::build(&common::VOIGT.map(f64::from), period, scheme);
-        let mut state = State::new(0.0, 0.0);
+        let discretisation = Discretisation { sample_period: period, scheme, deadband: 0.0 };
+        let model = Voigt::build(&common::VOIGT.map(f64::from), &discretisation);
+        let mut state = model.begin(0.0, Some(0.0));
         let ticks = (0.006 / period).round() as u32;
         (0..ticks).map(|_| model.step(&mut state, 10.0)).last().unwrap()
     };
-    let model = Voigt::build(&common::VOIGT.map(f64::from), 1.0, Scheme::ForwardEuler);
+    let discretisation = Discretisation { sample_period: 1.0, scheme: Scheme::ForwardEuler, deadband: 0.0 };
+    let model = Voigt::build(&common::VOIGT.map(f64::from), &discretisation);
     let (rate, drive) = (model.rate(10.0), model.drive(10.0));
     let exact = drive / rate * (1.0 - (-0.006 * rate).exp());
     assert!((run(5e-4, Scheme::ZeroOrderHold) - exact).abs() < 1e-12);
@@ -102,94 +94,54 @@ fn euler_tends_to_the_exact_step_as_the_tick_shrinks() {
 
 #[test]
 fn starts_at_rest_and_stays_there() {
-    with_lookup(table(), |mut estimator| {
-        let code = table().adc.code(12.0f32);
-        let first = estimator.tick(code).displacement;
-        assert!(first > 1.0);
-        for _ in 0..1000 {
-            assert!((estimator.tick(code).displacement - first).abs() < 1e-5);
-        }
-        assert_eq!(estimator.last_extremum(), Extremum { voltage: 0.0, displacement: 0.0 });
-    });
+    let mut estimator = running(table());
+    let code = table().adc.code(12.0f32);
+    let first = estimator.tick(code).displacement;
+    assert!(first > 1.0);
+    for _ in 0..1000 {
+        assert!((estimator.tick(code).displacement - first).abs() < 1e-5);
+    }
+    assert_eq!(estimator.tick(code).status, Status::NOT_SETTLED, "no reversal has been seen");
 }
 
 #[test]
 fn what_is_wrong_is_said() {
     let narrow = Table { dac: DacCalibration { gain_codes_per_um: 1000.0, ..table().dac }, ..table() };
-    with_lookup(narrow, |mut estimator| {
-        // Reversals half of the 40 V apart settle it, seen when the voltage has left them: 2, 1, 3 and −8 V do not; 3 and −17.5 V
-        // do, whatever ripple lies between.
-        let swing = [1.0f32, 2.0, 1.0, 3.0, -8.0, -7.0, -17.5];
-        let voltages = swing.map(|voltage| (voltage, false)).into_iter().chain([(4.0, true), (3.0, true)]);
-        for (voltage, settled) in voltages {
-            let status = estimator.tick(narrow.adc.code(voltage)).status;
-            assert_eq!(status, if settled { Status::empty() } else { Status::NOT_SETTLED });
-        }
-        for _ in 0..100 {
-            estimator.tick(narrow.adc.code(19.0f32));
-        }
-        assert_eq!(estimator.tick(narrow.adc.code(19.0f32)).status, Status::DAC_SATURATED);
-        let beyond = estimator.tick(narrow.adc.code(21.0f32)).status;
-        assert!(beyond.contains(Status::VOLTAGE_OUT_OF_RANGE) && !beyond.contains(Status::ADC_SATURATED));
-        assert!(estimator.tick(AdcCode(4095)).status.contains(Status::ADC_SATURATED | Status::VOLTAGE_OUT_OF_RANGE));
-    });
-    with_lookup(table(), |mut estimator| {
-        assert!(!estimator.start_at(1e9) && estimator.start_at(1.0) && !estimator.start_at(f32::NAN));
-        estimator.start_at(1e9);
-        assert!(estimator.tick_volts(0.0).displacement <= 6.0);
-    });
+    let mut estimator = running(narrow);
+    // Reversals half of the 40 V apart settle it, seen when the voltage has left them: 2, 1, 3 and −8 V do not; 3 and −17.5 V
+    // do, whatever ripple lies between.
+    let swing = [1.0f32, 2.0, 1.0, 3.0, -8.0, -7.0, -17.5];
+    let voltages = swing.map(|voltage| (voltage, false)).into_iter().chain([(4.0, true), (3.0, true)]);
+    for (voltage, settled) in voltages {
+        let status = estimator.tick(narrow.adc.code(voltage)).status;
+        assert_eq!(status, if settled { Status::empty() } else { Status::NOT_SETTLED });
+    }
+    for _ in 0..100 {
+        estimator.tick(narrow.adc.code(19.0f32));
+    }
+    assert_eq!(estimator.tick(narrow.adc.code(19.0f32)).status, Status::DAC_SATURATED);
+    let beyond = estimator.tick(narrow.adc.code(21.0f32)).status;
+    assert!(beyond.contains(Status::VOLTAGE_OUT_OF_RANGE) && !beyond.contains(Status::ADC_SATURATED));
+    assert!(estimator.tick(AdcCode(4095)).status.contains(Status::ADC_SATURATED | Status::VOLTAGE_OUT_OF_RANGE));
+    let mut estimator = running(table());
+    assert!(!estimator.start_at(1e9) && estimator.start_at(1.0) && !estimator.start_at(f32::NAN));
+    estimator.start_at(1e9);
+    assert!(estimator.tick_volts(0.0).displacement <= 6.0);
 }
 
 #[test]
 fn the_zero_can_be_set_and_a_restart_forgets_it() {
-    with_lookup(table(), |mut estimator| {
-        let codes = [3.0f32, 7.0, 12.0, 4.0].map(|v| table().adc.code(v));
-        let first = codes.map(|code| estimator.tick(code));
-        let mut twin = estimator.clone();
-        estimator.set_zero();
-        let zero = twin.tick(codes[3]).displacement;
-        let rest = estimator.tick(codes[3]);
-        let after = twin.tick(codes[3]).displacement - estimator.tick(codes[3]).displacement;
-        assert!(rest.displacement.abs() < 0.1 && (zero - rest.displacement - after).abs() < 1e-6);
-        assert_eq!(rest.dac, table().dac.code(rest.displacement));
-        estimator.restart();
-        estimator.set_zero();
-        assert_eq!(codes.map(|code| estimator.tick(code)), first, "before the first tick there is nothing to call 0");
-    });
-}
-
-#[test]
-fn a_lookup_must_be_the_table_s_own() {
-    let direct = table().admit().unwrap();
-    let form = tabulated(table()).admit().unwrap();
-    let lookup = form.lookup::<f32>().unwrap();
-    assert!(Estimator::new(&direct, Some(&lookup)).is_err());
-    assert!(Estimator::new(&form, Some(&lookup)).is_ok());
-    assert!(Estimator::<f32>::new(&form, None).is_err());
-    let mut other = lookup.clone();
-    other.knots[7].a += 1e-6;
-    assert!(Estimator::new(&form, Some(&other)).is_err());
-}
-
-#[test]
-fn the_lookup_is_exact_at_its_knots_and_covers_the_range() {
-    for range in [Range { min: -20.0, max: 20.0 }, Range { min: -3.0, max: 17.0 }, Range { min: 4.0, max: 9.0 }] {
-        let table = Table { voltage_range_v: range, ..tabulated(table()) };
-        let model = table.coefficients::<f64>().unwrap();
-        let lookup = table.lookup::<f64>().unwrap();
-        let covered = lookup::covered::<f64>(range.of());
-        assert!(covered.min <= f64::from(range.min) && f64::from(range.max) <= covered.max, "{covered:?}");
-        for (k, knot) in lookup.knots.iter().enumerate() {
-            let v = lookup.grid.first + k as f64 / lookup.grid.per_volt;
-            assert!((lookup.terms(v).a - knot.a).abs() < 1e-12 && (model.terms(v).a - knot.a).abs() < 1e-12);
-        }
-        if range.min < 0.0 {
-            assert_eq!(lookup.terms(0.0).c, 0.0, "the drive's cusp lies on a knot");
-        }
-        let worst = (0..=1000)
-            .map(|i| f64::from(range.min) + f64::from(range.span()) * f64::from(i) / 1000.0)
-            .map(|v| (lookup.terms(v).a - model.terms(v).a).abs())
-            .fold(0.0, f64::max);
-        assert!(worst < 1e-6, "{worst}");
-    }
+    let mut estimator = running(table());
+    let codes = [3.0f32, 7.0, 12.0, 4.0].map(|v| table().adc.code(v));
+    let first = codes.map(|code| estimator.tick(code));
+    let mut twin = estimator.clone();
+    estimator.set_zero();
+    let zero = twin.tick(codes[3]).displacement;
+    let rest = estimator.tick(codes[3]);
+    let after = twin.tick(codes[3]).displacement - estimator.tick(codes[3]).displacement;
+    assert!(rest.displacement.abs() < 0.1 && (zero - rest.displacement - after).abs() < 1e-6);
+    assert_eq!(rest.dac, table().dac.code(rest.displacement));
+    estimator.restart();
+    estimator.set_zero();
+    assert_eq!(codes.map(|code| estimator.tick(code)), first, "before the first tick there is nothing to call 0");
 }

@@ -25,8 +25,13 @@ fn limits(model: Model) -> DriveLimits {
 fn prompt(model: Model) -> Admitted {
     let table = table_of(model);
     let parameters = match table.parameters {
-        Parameters::Champion(of) => {
-            Parameters::Champion(ChampionParameters { delay_ticks: 0.0, resonance_hz: 0.0, damping: 0.0, ..of })
+        Parameters::GeneralisedPrandtlIshlinskii(of) => {
+            Parameters::GeneralisedPrandtlIshlinskii(GeneralisedPrandtlIshlinskiiParameters {
+                delay_ticks: 0.0,
+                resonance_hz: 0.0,
+                damping: 0.0,
+                ..of
+            })
         }
         Parameters::VoigtChain(of) => {
             Parameters::VoigtChain(VoigtChainParameters { voltage_extremum_um_per_v: 0.0, deadband_v: 0.0, ..of })
@@ -38,7 +43,7 @@ fn prompt(model: Model) -> Admitted {
 
 /// Displacements that a slow swing over some of the range reaches, from the rest voltage: middle and half width.
 fn reachable<T: Real>(table: &Admitted, limits: &DriveLimits) -> (T, T) {
-    let mut estimator = Estimator::<T>::new(table, None).unwrap();
+    let mut estimator = Estimator::<T>::new(table);
     let (middle, half) = ((limits.range_v.max + limits.range_v.min) / 2.0, limits.range_v.span() * 0.3);
     let (mut low, mut high) = (T::infinity(), T::neg_infinity());
     for k in 0..24_000u16 {
@@ -55,7 +60,7 @@ fn reachable<T: Real>(table: &Admitted, limits: &DriveLimits) -> (T, T) {
 /// the estimator.
 fn round_trip<T: Real>(table: &Admitted, limits: &DriveLimits, reference: impl Fn(u16) -> T, ticks: u16) -> (T, u16) {
     let mut inverse = table.inverse::<T>(limits).unwrap();
-    let mut judge = Estimator::<T>::new(table, None).unwrap();
+    let mut judge = Estimator::<T>::new(table);
     judge.tick_volts(T::of(limits.rest_v));
     let (mut worst, mut met) = (T::zero(), None);
     for k in 0..ticks {
@@ -91,19 +96,22 @@ fn the_model_of_its_inverse_is_the_reference() {
 
 #[test]
 fn a_delay_and_a_resonance_are_left_out_and_come_late() {
-    let delayed = table_of(Model::Champion);
-    let Parameters::Champion(of) = delayed.parameters else { panic!("the champion's") };
-    let only = ChampionParameters { delay_ticks: 3.0, resonance_hz: 0.0, damping: 0.0, ..of };
-    let table = Table { parameters: Parameters::Champion(only), ..delayed }.admit().unwrap();
-    let (mut inverse, mut judge) =
-        (table.inverse::<f64>(&LIMITS).unwrap(), Estimator::<f64>::new(&table, None).unwrap());
+    let delayed = table_of(Model::GeneralisedPrandtlIshlinskii);
+    let Parameters::GeneralisedPrandtlIshlinskii(of) = delayed.parameters else { panic!("the champion's") };
+    let only = GeneralisedPrandtlIshlinskiiParameters { delay_ticks: 3.0, resonance_hz: 0.0, damping: 0.0, ..of };
+    let table = Table { parameters: Parameters::GeneralisedPrandtlIshlinskii(only), ..delayed }.admit().unwrap();
+    let (mut inverse, mut judge) = (table.inverse::<f64>(&LIMITS).unwrap(), Estimator::<f64>::new(&table));
     judge.tick_volts(LIMITS.rest_v.into());
     let wanted = |k: i32| 4.0 + 2.0 * (f64::from(k) * 0.01).sin();
     // What a slow reference makes of a resonance at 400 Hz is far below what a delay of a tick makes.
-    let ringing = ChampionParameters { delay_ticks: 0.0, ..of };
-    let ringing = Table { parameters: Parameters::Champion(ringing), ..table_of(Model::Champion) }.admit().unwrap();
-    let (mut free, mut rings) =
-        (ringing.inverse::<f64>(&LIMITS).unwrap(), Estimator::<f64>::new(&ringing, None).unwrap());
+    let ringing = GeneralisedPrandtlIshlinskiiParameters { delay_ticks: 0.0, ..of };
+    let ringing = Table {
+        parameters: Parameters::GeneralisedPrandtlIshlinskii(ringing),
+        ..table_of(Model::GeneralisedPrandtlIshlinskii)
+    }
+    .admit()
+    .unwrap();
+    let (mut free, mut rings) = (ringing.inverse::<f64>(&LIMITS).unwrap(), Estimator::<f64>::new(&ringing));
     rings.tick_volts(LIMITS.rest_v.into());
     for k in 0..4_000 {
         let reached = rings.tick_volts(free.tick(wanted(k)).voltage).displacement;
@@ -146,7 +154,7 @@ fn a_hold_holds_and_no_number_changes_nothing() {
 
 #[test]
 fn what_cannot_be_reached_is_said_and_released_again() {
-    let table = prompt(Model::Champion);
+    let table = prompt(Model::GeneralisedPrandtlIshlinskii);
     let mut inverse = table.inverse::<f32>(&LIMITS).unwrap();
     let stride = LIMITS.slew_v_per_s * 5e-4;
     let mut last = LIMITS.rest_v;
@@ -168,7 +176,7 @@ fn models_and_limits_without_an_inverse_are_refused() {
     let wrong = Table { drive: Some(DRIVE), ..*narx };
     assert_eq!(wrong.admit().unwrap_err(), TableError::Drive(NoInverse::Model));
 
-    let champion = table_of(Model::Champion).admit().unwrap();
+    let champion = table_of(Model::GeneralisedPrandtlIshlinskii).admit().unwrap();
     let Parameters::BoucWen(of) = table_of(Model::BoucWen).parameters else { panic!("Bouc-Wen's") };
     let down = BoucWenParameters { d1_um_per_v: -0.2, d2_um_per_v2: 0.0, ..of };
     let falling = Table { parameters: Parameters::BoucWen(down), drive: None, ..table_of(Model::BoucWen) };

@@ -1,6 +1,6 @@
 //! Properties of the Maxwell-slip model and of its exact inverse.
 
-use estimator_core::model::{MaxwellSlip, MaxwellSlipParameters, Recursion, Stop};
+use estimator_core::model::{MaxwellSlip, MaxwellSlipParameters, Published, Recursion, Stop};
 use estimator_core::{List, Range, Real};
 use proptest::prelude::*;
 
@@ -102,10 +102,10 @@ fn a_known_displacement_is_begun_with_and_one_out_of_reach_comes_nearest() {
 
 #[test]
 fn every_rule_has_its_fault() {
-    assert_eq!(PARAMETERS.fault(), None);
+    assert_eq!(PARAMETERS.check(), Ok(()));
     let none = List::of([]);
     let spring = MaxwellSlipParameters { stiffness_v_per_um: none, saturation_v: none, ..PARAMETERS };
-    assert_eq!(spring.fault(), None, "a spring alone is a model");
+    assert_eq!(spring.check(), Ok(()), "a spring alone is a model");
     let broken = [
         (MaxwellSlipParameters { saturation_v: List::of([1.0]), ..PARAMETERS }, "as many"),
         (MaxwellSlipParameters { offset_v: f32::INFINITY, ..PARAMETERS }, "finite"),
@@ -115,7 +115,7 @@ fn every_rule_has_its_fault() {
         (MaxwellSlipParameters { saturation_v: List::of([1.0, 0.5, 4.0, 4.0]), ..PARAMETERS }, "increase"),
     ];
     for (parameters, part) in broken {
-        assert!(parameters.fault().is_some_and(|fault| fault.contains(part)), "{part}: {:?}", parameters.fault());
+        assert!(parameters.check().is_err_and(|rule| rule.contains(part)), "{part}: {:?}", parameters.check());
         let model = MaxwellSlip::<f32>::build(&parameters, 1e-4);
         model.step(&mut model.begin(0.0, Some(1.0)), 10.0);
     }
@@ -160,7 +160,7 @@ proptest! {
     #[test]
     fn stays_within_reach_and_increases(voltages in voltages(), known in prop::option::of(-30.0f64..40.0)) {
         let model = model::<f32>();
-        let reach = model.reach(Range { min: RANGE.min as f32, max: RANGE.max as f32 }).unwrap();
+        let reach = model.reach(Range { min: RANGE.min as f32, max: RANGE.max as f32 });
         let mut state = model.begin(voltages[0] as f32, known.map(|known| known as f32));
         let mut last = (voltages[0] as f32, model.step(&mut state, voltages[0] as f32));
         for &voltage in &voltages {

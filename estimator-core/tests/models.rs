@@ -60,8 +60,7 @@ proptest! {
             }
         }
         if let Ok(table) = Table::parse(&resealed(record)) {
-            let lookup = table.lookup();
-            let mut estimator = Estimator::<f32>::new(&table, lookup.as_ref()).unwrap();
+            let mut estimator = Estimator::<f32>::new(&table);
             for code in codes {
                 let displacement = estimator.tick(AdcCode(code)).displacement;
                 prop_assert!(table.displacement_limits_um.contains(displacement), "{displacement}");

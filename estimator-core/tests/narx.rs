@@ -1,6 +1,6 @@
 //! NARX: its monomials, its fit by least squares, its bound.
 
-use estimator_core::model::{Narx, NarxParameters, NarxState, Recursion};
+use estimator_core::model::{Narx, NarxParameters, NarxState, Published, Recursion};
 use estimator_core::{List, Range};
 use proptest::prelude::*;
 
@@ -36,7 +36,7 @@ fn noise(seed: &mut u32) -> f64 {
 #[test]
 fn an_autoregressive_system_is_reproduced() {
     let p = linear(List::of([1.2, -0.5, 0.1, 0.2, 0.05, 0.01]), 2, 3);
-    assert_eq!((p.fault(), p.count()), (None, 6));
+    assert_eq!((p.check(), p.count()), (Ok(()), 6));
     let model = Narx::<f64>::build(&p, 5e-4);
     let c: Vec<f64> = p.coefficients.iter().map(|&c| c.into()).collect();
     let (mut y, mut v, mut seed) = ([0.25, 0.25], [0.3, 0.3, 0.3], 1);
@@ -170,7 +170,7 @@ fn a_polynomial_system_is_identified_from_its_rows() {
         with_displacement_extremum: true,
         ..linear(List::collect(coefficients.iter().copied()).unwrap(), 2, 2)
     };
-    assert_eq!(p.fault(), None);
+    assert_eq!(p.check(), Ok(()));
     let system = Narx::<f64>::build(&p, 5e-4);
     let unfitted = Narx::<f64>::build(&NarxParameters { coefficients: List::of([]), ..p }, 5e-4);
     let (mut running, mut observed) = (system.begin(50.0, Some(10.0)), unfitted.begin(50.0, Some(10.0)));
@@ -191,7 +191,7 @@ fn a_polynomial_system_is_identified_from_its_rows() {
 fn observing_its_own_displacements_is_running() {
     let base = linear(List::of([0.7, 0.2, 0.1, -0.05, 0.03, 0.02, 0.01, -0.02, 0.05, 0.0]), 1, 1);
     let p = NarxParameters { degree: 2, with_voltage_extremum: true, ..base };
-    assert_eq!(p.fault(), None);
+    assert_eq!(p.check(), Ok(()));
     let model = Narx::<f32>::build(&p, 5e-4);
     let (mut run, mut observed) = (model.begin(20.0, Some(3.0)), model.begin(20.0, Some(3.0)));
     let (mut y, mut seed) = (3.0, 3);
@@ -206,7 +206,7 @@ fn observing_its_own_displacements_is_running() {
 #[test]
 fn begins_where_it_stays() {
     let p = linear(List::of([1.9, -0.9025, 0.0025, 0.0001]), 2, 1);
-    assert_eq!(p.fault(), None);
+    assert_eq!(p.check(), Ok(()));
     let model = Narx::<f64>::build(&p, 5e-4);
     let mut state = model.begin(75.0, None);
     let first = model.step(&mut state, 75.0);
@@ -220,7 +220,7 @@ fn begins_where_it_stays() {
 #[test]
 fn what_breaks_a_rule_is_refused_and_still_builds() {
     let good = linear(List::of([0.9, 0.1, 0.0]), 1, 1);
-    assert_eq!(good.fault(), None);
+    assert_eq!(good.check(), Ok(()));
     let bad = [
         NarxParameters { output_order: 0, ..good },
         NarxParameters { input_order: 4, ..good },
@@ -236,7 +236,7 @@ fn what_breaks_a_rule_is_refused_and_still_builds() {
         NarxParameters { coefficients: List::of([f32::NAN, 0.1, 0.0]), ..good },
     ];
     for bad in bad {
-        assert!(bad.fault().is_some(), "{bad:?}");
+        assert!(bad.check().is_err(), "{bad:?}");
         let model = Narx::<f32>::build(&bad, 5e-4);
         let mut state = model.begin(1.0, None);
         model.step(&mut state, 30.0);
@@ -291,6 +291,6 @@ proptest! {
         };
         prop_assume!((largest - 1.0).abs() > 1e-3);
         let coefficients = List::collect(outputs.iter().map(|&c| c as f32).chain([0.1, 0.0])).unwrap();
-        prop_assert_eq!(linear(coefficients, order, 1).fault().is_none(), largest < 1.0);
+        prop_assert_eq!(linear(coefficients, order, 1).check().is_ok(), largest < 1.0);
     }
 }

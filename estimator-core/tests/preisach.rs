@@ -3,7 +3,7 @@
 mod relays;
 
 use estimator_core::model::{
-    CELLS, Linear, Preisach, PreisachParameters, REVERSALS, Recursion, SIDE, densities_from_reversal_curves,
+    CELLS, Linear, Preisach, PreisachParameters, Published, REVERSALS, Recursion, SIDE, densities_from_reversal_curves,
 };
 use estimator_core::{List, Range, Real};
 use proptest::prelude::*;
@@ -143,7 +143,7 @@ fn a_known_displacement_is_begun_with_and_one_out_of_reach_comes_nearest() {
 
 #[test]
 fn every_rule_has_its_fault() {
-    assert_eq!([UNIFORM.fault(), UNEVEN.fault()], [None, None]);
+    assert_eq!([UNIFORM.check(), UNEVEN.check()], [Ok(()), Ok(())]);
     let broken = [
         (PreisachParameters { upper_v: f32::NAN, ..UNIFORM }, "finite"),
         (PreisachParameters { upper_v: -20.0, ..UNIFORM }, "above"),
@@ -156,7 +156,7 @@ fn every_rule_has_its_fault() {
         (PreisachParameters { densities_um: List::of([0.0; 3]), ..UNIFORM }, "not all be 0"),
     ];
     for (parameters, part) in broken {
-        assert!(parameters.fault().is_some_and(|fault| fault.contains(part)), "{part}: {:?}", parameters.fault());
+        assert!(parameters.check().is_err_and(|rule| rule.contains(part)), "{part}: {:?}", parameters.check());
         run::<f32>(&parameters, &[0.0, 30.0, f32::NAN, -10.0, 90.0]);
     }
 }
@@ -238,7 +238,7 @@ proptest! {
     fn stays_within_reach(parameters in either(), voltages in voltages(200), known in prop::option::of(-5.0f32..20.0)) {
         let model = model::<f32>(&parameters);
         let range = Range { min: 0.0, max: 50.0 };
-        let reach = model.reach(range).unwrap();
+        let reach = model.reach(range);
         let mut state = model.begin(range.clamp(voltages[0] as f32), known);
         for &voltage in &voltages {
             let displacement = model.step(&mut state, range.clamp(voltage as f32));
@@ -251,7 +251,7 @@ proptest! {
     fn a_full_memory_stays_bounded(parameters in either(), factors in prop::collection::vec(0.97f32..1.0, 100..400)) {
         let single = model::<f32>(&parameters);
         let range = Range { min: -20.0, max: 80.0 };
-        let reach = single.reach(range).unwrap();
+        let reach = single.reach(range);
         let mut state = single.begin(-20.0, None);
         let mut swing = 50.0;
         for factor in factors {

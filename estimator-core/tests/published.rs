@@ -45,10 +45,16 @@ const ALL: [(&str, Set); 8] = [
     ("(5.3) simulation", ENHANCED_SIMULATION),
 ];
 
+/// The thesis's tick and scheme; every retreat is a reversal.
+const EULER: Discretisation<f64> = Discretisation { sample_period: 5e-4, scheme: Scheme::ForwardEuler, deadband: 0.0 };
+
 /// The last two periods of a ±20 V sine at 2 kHz: peak-to-peak displacement, and the loop's width at 0 V (µm).
 fn loop_of<T: Real>(set: &VoigtParameters<T>, hertz: usize, number: impl Fn(f64) -> T) -> (T, T) {
-    let voigt = Voigt::build(set, number(5e-4), Scheme::ForwardEuler);
-    let mut state = State::new(T::zero(), T::zero());
+    let discretisation =
+        Discretisation { sample_period: number(5e-4), scheme: Scheme::ForwardEuler, deadband: T::zero() };
+    let voigt = Voigt::build(set, &discretisation);
+    let mut displacement = T::zero();
+    let mut state = voigt.begin(T::zero(), Some(displacement));
     let period = 2000 / hertz;
     let count = period * (2 + 4 * hertz);
     let mut last = Vec::new();
@@ -56,9 +62,9 @@ fn loop_of<T: Real>(set: &VoigtParameters<T>, hertz: usize, number: impl Fn(f64)
         let phase = std::f64::consts::TAU * (k % period) as f64 / period as f64;
         // The displacement of this tick, beside this tick's voltage; `step` gives the next one's.
         if k >= count - 2 * period {
-            last.push(state.displacement);
+            last.push(displacement);
         }
-        voigt.step(&mut state, number(20.0 * phase.sin()));
+        displacement = voigt.step(&mut state, number(20.0 * phase.sin()));
     }
     let most = last.iter().copied().fold(T::neg_infinity(), T::max);
     let least = last.iter().copied().fold(T::infinity(), T::min);
@@ -113,11 +119,9 @@ fn strokes_and_loop_widths_of_the_published_sets() {
 
 /// The smallest symmetric limits (µm, in steps of 0.5) within which a set is provably bounded.
 fn smallest_limits(set: Set) -> Option<f64> {
-    let model = Voigt::build(&set, 5e-4, Scheme::ForwardEuler);
+    let model = Voigt::build(&set, &EULER);
     let voltage = Range { min: -20.0, max: 20.0 };
-    (1..200)
-        .map(|n| f64::from(n) * 0.5)
-        .find(|&limit| admissible::check(&model, voltage, Range { min: -limit, max: limit }).is_ok())
+    (1..200).map(|n| f64::from(n) * 0.5).find(|&limit| model.bound(voltage, Range { min: -limit, max: limit }).is_ok())
 }
 
 /// Every published set but one is bounded, whatever the sign of g. The enhanced OSP set, the thesis's best, is not:
@@ -137,8 +141,8 @@ fn admissibility_of_the_published_sets() {
 #[test]
 fn glitches_carry_the_enhanced_osp_set_away_and_leave_the_simulation_set_within_its_limits() {
     let peak = |set: Set| {
-        let model = Voigt::build(&opposite(set), 5e-4, Scheme::ForwardEuler);
-        let mut state = State::new(0.0, 0.0);
+        let model = Voigt::build(&opposite(set), &EULER);
+        let mut state = model.begin(0.0, Some(0.0));
         let mut peak = 0.0f64;
         for k in 0..4_000_000 {
             let y = model.step(&mut state, if k % 2000 == 1999 { -20.0 } else { 20.0 });
@@ -154,7 +158,7 @@ fn glitches_carry_the_enhanced_osp_set_away_and_leave_the_simulation_set_within_
 #[test]
 fn rates_are_stable_at_2_khz_for_every_published_set() {
     for (name, set) in ALL {
-        let voigt = Voigt::build(&set, 5e-4, Scheme::ForwardEuler);
+        let voigt = Voigt::build(&set, &EULER);
         for v in [-20.0, 0.0, 20.0] {
             let a = voigt.terms(v).a;
             assert!(0.5 < a && a < 1.0, "{name} at {v} V: a = {a}");

@@ -3,42 +3,49 @@
 //! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
 //! wrong, or nobody speaks any more, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a
 //! reset or a panic.
+//!
+//! ```text
+//! Waiting ── go ─► Ready ── first reference ─► Following ── timeout ─► Stopped
+//!    │               └───────── fault ─────────────┴────── fault ─────► │
+//!    └─ fault ─────────────────────────────────────────────────────────►┘
+//! ```
+//!
+//! A restart leads from every state to `Waiting`.
 
-use crate::peripherals::TICK_HZ;
+use crate::rate::TICK_HZ;
 use estimator_core::{Admitted, DacCode, DriveCalibration, Inverse, Status};
 
-/// Ticks without a reference after which the voltage goes back to rest, where it is not to stay: a second.
-pub const HUNGER: u32 = TICK_HZ;
+/// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be held: 1 s.
+pub const REFERENCE_TIMEOUT_TICKS: u32 = TICK_HZ;
 
-/// The drive and what it is after.
+/// What the drive does with references.
+#[derive(Clone, Copy)]
+enum State {
+    /// At rest; references are left in their queue.
+    Waiting,
+    /// At rest until the first reference comes.
+    Ready { hold: bool },
+    /// Follows the last reference (µm) that has come.
+    Following { reference: f32, hold: bool, ticks_without: u32 },
+    /// On its way to rest or there. References that come are taken, if `takes`, and not followed.
+    Stopped { takes: bool },
+}
+
+/// The drive of a table: the model's inverse, the DAC's scale, and what is followed.
 pub struct Drive {
     inverse: Inverse<f32>,
     calibration: DriveCalibration,
     full_scale: u16,
-    reference: Option<f32>,
-    going: bool,
-    stay: bool,
-    /// Ticks without a reference.
-    hungry: u32,
-    stopped: bool,
+    state: State,
 }
 
 impl Drive {
-    /// The drive of a table that has one.
+    /// The drive of a table that has one, waiting.
     pub fn new(table: &Admitted) -> Option<Self> {
         let calibration = table.drive?;
         // Cannot fail: the table was admitted with it.
         let inverse = table.inverse(&calibration.limits).ok()?;
-        Some(Self {
-            inverse,
-            calibration,
-            full_scale: table.dac.full_scale,
-            reference: None,
-            going: false,
-            stay: false,
-            hungry: 0,
-            stopped: false,
-        })
+        Some(Self { inverse, calibration, full_scale: table.dac.full_scale, state: State::Waiting })
     }
 
     /// The code of the rest voltage.
@@ -46,50 +53,57 @@ impl Drive {
         table.drive.map(|drive| drive.code(drive.limits.rest_v, table.dac.full_scale))
     }
 
-    /// Wants nothing any more, waits for [`go`](Self::go), and listens again after a [`stop`](Self::stop). The voltage stays where it is.
+    /// Follows nothing and waits for [`go`](Self::go), even after a [`stop`](Self::stop). The voltage stays where it is until
+    /// the next tick.
     pub fn restart(&mut self) {
-        self.reference = None;
-        self.going = false;
-        self.hungry = 0;
-        self.stopped = false;
+        self.state = State::Waiting;
     }
 
-    /// Wants nothing any more, whatever comes, until [`restart`](Self::restart).
+    /// Takes references from now on. After the last one it holds that for ever, or for [`REFERENCE_TIMEOUT_TICKS`].
+    pub fn go(&mut self, hold: bool) {
+        self.state = match self.state {
+            State::Waiting | State::Ready { .. } => State::Ready { hold },
+            State::Following { reference, ticks_without, .. } => State::Following { reference, hold, ticks_without },
+            State::Stopped { .. } => State::Stopped { takes: true },
+        };
+    }
+
+    /// Follows nothing until [`restart`](Self::restart), whatever comes.
     pub fn stop(&mut self) {
-        self.reference = None;
-        self.stopped = true;
+        self.state = State::Stopped { takes: self.takes_references() };
     }
 
-    /// One tick after a reference: the new one (µm), else the last one; at rest before the first. With it, what there is to
-    /// say.
-    pub fn follow(&mut self, next: Option<f32>) -> (DacCode, Status) {
-        if !self.stopped {
-            self.hungry = if next.is_some() { 0 } else { self.hungry.saturating_add(1) };
-            self.reference = next.or(self.reference);
-            if self.hungry >= HUNGER && !self.stay && self.following() {
-                self.stop();
-            }
-        }
-        let Some(reference) = self.reference else { return (self.release(), Status::empty()) };
-        let commanded = tick_inverse(&mut self.inverse, reference);
-        let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
-        (self.calibration.code(commanded.voltage, self.full_scale), status)
-    }
-
-    /// Takes references from now on; stays at the last one for good, or until none has come for [`HUNGER`].
-    pub fn go(&mut self, stay: bool) {
-        self.going = true;
-        self.stay = stay;
-    }
-
-    /// Whether it takes references.
-    pub fn going(&self) -> bool {
-        self.going
+    /// Whether references are to be taken from their queue.
+    pub fn takes_references(&self) -> bool {
+        !matches!(self.state, State::Waiting | State::Stopped { takes: false })
     }
 
     /// Whether a reference is followed.
     pub fn following(&self) -> bool {
-        self.reference.is_some()
+        matches!(self.state, State::Following { .. })
+    }
+
+    /// One tick: the code for the reference that has come (µm), else for the last one, else on the way to rest; and whether
+    /// the reference is out of reach.
+    pub fn follow(&mut self, next: Option<f32>) -> (DacCode, Status) {
+        self.state = match (self.state, next) {
+            (State::Ready { hold } | State::Following { hold, .. }, Some(reference)) => {
+                State::Following { reference, hold, ticks_without: 0 }
+            }
+            (State::Following { reference, hold, ticks_without }, None) => {
+                let ticks_without = ticks_without.saturating_add(1);
+                if ticks_without >= REFERENCE_TIMEOUT_TICKS && !hold {
+                    State::Stopped { takes: true }
+                } else {
+                    State::Following { reference, hold, ticks_without }
+                }
+            }
+            (state, _) => state,
+        };
+        let State::Following { reference, .. } = self.state else { return (self.release(), Status::empty()) };
+        let commanded = tick_inverse(&mut self.inverse, reference);
+        let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
+        (self.calibration.code(commanded.voltage, self.full_scale), status)
     }
 
     /// One tick towards the rest voltage.

@@ -6,13 +6,11 @@ use core::cell::UnsafeCell;
 use core::fmt::Write;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
-use crc::{CRC_32_ISO_HDLC, Crc};
+use estimator_core::sealed::checksum;
 use protocol::{Text, text};
 
 /// Longest message, bytes.
 pub const LENGTH: usize = 160;
-
-static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// A message with its checksum.
 #[derive(Clone, Copy)]
@@ -29,13 +27,13 @@ impl Words {
         let text: Text<LENGTH> = text(message);
         let mut bytes = [0; LENGTH];
         bytes[..text.len()].copy_from_slice(text.as_bytes());
-        Self { length: text.len() as u32, checksum: CRC.checksum(text.as_bytes()), bytes }
+        Self { length: text.len() as u32, checksum: checksum(text.as_bytes()), bytes }
     }
 
     /// The message, if it is whole.
     pub fn read(&self) -> Option<Text<LENGTH>> {
         let bytes = self.bytes.get(..usize::try_from(self.length).ok()?).filter(|bytes| !bytes.is_empty())?;
-        if CRC.checksum(bytes) != self.checksum {
+        if checksum(bytes) != self.checksum {
             return None;
         }
         let mut text = Text::new();
@@ -43,7 +41,7 @@ impl Words {
         Some(text)
     }
 
-    /// No message.
+    /// What the place holds where there is no message.
     const SILENCE: Self = Self { length: 0, checksum: 0, bytes: [0; LENGTH] };
 }
 

@@ -15,10 +15,14 @@
 
 pub mod boot;
 pub mod drive;
+pub mod facts;
 pub mod last_words;
 pub mod link;
 pub mod peripherals;
+pub mod queues;
+pub mod rate;
 pub mod run;
+pub mod startup;
 /// The parameter table of the image, made by `piezo emit --face rust`.
 #[rustfmt::skip]
 pub mod table;
@@ -26,7 +30,8 @@ pub mod telemetry;
 pub mod tick;
 pub mod watch;
 
-pub use peripherals::{Converters, Peripherals};
-pub use run::run;
+pub use facts::Facts;
+pub use peripherals::Peripherals;
+pub use run::{Resources, run};
 pub use telemetry::Telemetry;
 pub use tick::Tick;

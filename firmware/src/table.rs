@@ -1,23 +1,19 @@
 // Made by `piezo emit`; change table.toml instead.
 // Logs 63f15b78b7a097e3, seed 1, training MAE 0.3061 µm.
 
-#[allow(unused_imports, reason = "which variants a table names depends on the table")]
+#[allow(unused_imports, reason = "which types a table names depends on what it has")]
 use estimator_core::{
-    AdcCalibration, BoucWenParameters, ChampionParameters, DacCalibration, Digest, DriveCalibration, DriveLimits,
-    DuhemParameters, Form::*, List, MaxwellSlipParameters, Model::*, NarxParameters, Parameters,
-    PrandtlIshlinskiiParameters, PreisachParameters, Provenance, Range, Scheme::*, Table, VoigtChainParameters,
-    VoigtParameters,
+    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, List, Parameters, Provenance, Range,
+    Scheme::*, Table, VoigtParameters,
 };
 
 /// The compiled-in parameter table.
 pub const TABLE: Table = Table {
-    model: Voigt,
     sample_period_us: 500,
     scheme: ForwardEuler,
     deadband_v: 0.002988,
     voltage_zero_v: 0.0,
     displacement_zero_um: -118.681114,
-    form: Direct,
     voltage_range_v: Range {
         min: -0.18,
         max: 3.78,

@@ -50,7 +50,7 @@ pub fn add(counter: &AtomicU32, more: u32) {
 }
 
 impl Telemetry {
-    /// All zeros.
+    /// Nothing counted yet.
     pub const fn new() -> Self {
         Self {
             ticks: AtomicU32::new(0),
@@ -99,7 +99,8 @@ impl Telemetry {
 
     /// What the tick does.
     pub fn mode(&self) -> Mode {
-        [Mode::Estimate, Mode::Pil, Mode::Pause, Mode::Follow][usize::from(self.mode.load(Relaxed).min(3))]
+        // Nothing but `set_mode` writes the number.
+        Mode::from_number(self.mode.load(Relaxed)).unwrap_or_default()
     }
 
     /// Forgets counts and faults seen.

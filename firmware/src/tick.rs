@@ -9,87 +9,47 @@
 //! it at tick k + 1, and the displacement a tick after that.
 
 use crate::drive::Drive;
-use crate::peripherals::Converters;
+use crate::facts::Facts;
+use crate::queues::{Command, Numbered, TickQueues};
+use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
-use crate::watch::{Lasting, Watch};
+use crate::watch::{FaultState, Watch};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Estimate, Estimator, Status};
-use heapless::spsc::{Consumer, Producer};
 use protocol::{Faults, Mode, Sample};
-
-/// What the link tells the tick.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Command {
-    /// Change the mode and start anew.
-    SetMode(Mode),
-    /// Call the displacement of now 0.
-    SetZero,
-    /// Follow the references that wait and those that come, and stay at the last one, or not for long.
-    Go {
-        /// For good.
-        stay: bool,
-    },
-}
-
-/// A sample and its tick, counted from 0 when the mode was set.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Numbered {
-    /// The tick.
-    pub tick: u32,
-    /// Its sample.
-    pub sample: Sample,
-}
-
-/// Where the tick's commands and fed codes come from and its samples go.
-pub struct Queues<'q> {
-    /// From the link; one a tick is taken.
-    pub commands: Consumer<'q, Command>,
-    /// From the link, in [`Mode::Pil`]; one a tick is taken.
-    pub fed: Consumer<'q, AdcCode>,
-    /// From the link, in [`Mode::Follow`], µm; one a tick is taken.
-    pub references: Consumer<'q, f32>,
-    /// To the link, while it streams.
-    pub samples: Producer<'q, Numbered>,
-}
 
 /// Everything the interrupt owns.
 pub struct Tick<'q> {
-    estimator: Option<Estimator<'q, f32>>,
-    /// Where the DAC drives the amplifier.
-    drive: Option<Drive>,
-    queues: Queues<'q>,
+    startup: Startup,
+    queues: TickQueues<'q>,
     telemetry: &'q Telemetry,
+    /// Counts of the cycle counter from tick to tick.
     period: u32,
-    /// Faults that last until the next reset.
-    standing: Faults,
-    safe: DacCode,
+    adc_full_scale: u16,
     mode: Mode,
-    converters: Converters,
     watch: Watch,
+    /// The tick's number since the mode was set.
     number: u32,
     /// Cycle counter at the last tick.
     last: Option<u32>,
 }
 
+/// What the DAC is given.
+struct Output {
+    code: DacCode,
+    /// The code is the safe one, or one on the way there.
+    safe: bool,
+    /// What following a reference adds to the tick's status.
+    status: Status,
+}
+
 impl<'q> Tick<'q> {
-    /// `period`: counts of the cycle counter from tick to tick. `standing`: faults known since boot. Without an estimator
-    /// the DAC stays at `safe`.
-    #[expect(clippy::too_many_arguments, reason = "called once, and each is another thing")]
-    pub fn new(
-        estimator: Option<Estimator<'q, f32>>,
-        drive: Option<Drive>,
-        safe: DacCode,
-        converters: Converters,
-        queues: Queues<'q>,
-        telemetry: &'q Telemetry,
-        period: u32,
-        standing: Faults,
-    ) -> Self {
-        telemetry.safe.store(safe.0, Relaxed);
-        let standing = if estimator.is_some() { standing } else { standing | Faults::NO_TABLE };
-        let (mode, watch) = (Mode::default(), Watch::new(converters.adc_full_scale));
-        let (number, last) = (0, None);
-        Self { estimator, drive, queues, telemetry, period, standing, safe, mode, converters, watch, number, last }
+    /// A tick of a board; its safe code and its faults since boot can be read in `telemetry` from now on.
+    pub fn new(startup: Startup, facts: &Facts, queues: TickQueues<'q>, telemetry: &'q Telemetry) -> Self {
+        telemetry.safe.store(startup.safe.0, Relaxed);
+        let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
+        let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
+        Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last }
     }
 
     /// One tick: the code just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
@@ -104,7 +64,7 @@ impl<'q> Tick<'q> {
             Mode::Pil => self.queues.fed.dequeue(),
             Mode::Pause => None,
         };
-        let mut faults = self.standing;
+        let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
         let (dac, faults) = match code {
             Some(code) => self.estimate(code, missed, faults),
@@ -114,57 +74,70 @@ impl<'q> Tick<'q> {
         dac
     }
 
-    fn estimate(&mut self, code: AdcCode, missed: Option<u32>, mut faults: Faults) -> (DacCode, Faults) {
-        let Estimate { displacement, dac, mut status } = match &mut self.estimator {
+    fn estimate(&mut self, code: AdcCode, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
+        let Estimate { displacement, dac, mut status } = match &mut self.startup.estimator {
             Some(estimator) => tick_sample(estimator, code),
-            None => Estimate { displacement: 0.0, dac: self.safe, status: Status::empty() },
+            None => Estimate { displacement: 0.0, dac: self.startup.safe, status: Status::empty() },
         };
-        let mut safe = true;
-        // Fed codes are not the ADC's: they say nothing of its health, and their ticks come when they are fed.
-        if self.mode != Mode::Pil {
-            self.number = self.number.wrapping_add(missed.unwrap_or(0));
-            match self.watch.look(code, status, missed.is_some()) {
-                Lasting::None => safe = faults.intersects(Faults::UNSAFE),
-                // What it has made of the bad codes is forgotten.
-                Lasting::Passed => self.restart(),
-                Lasting::Faults(lasting) => faults |= lasting,
-            }
-        }
-        let dac = match &mut self.drive {
-            Some(drive) if self.mode == Mode::Follow => {
-                if safe {
-                    drive.stop();
-                }
-                let next = if drive.going() { self.queues.references.dequeue() } else { None };
-                if next.is_none() && drive.following() {
-                    add(&self.telemetry.starved, 1);
-                }
-                let (dac, reached) = drive.follow(next);
-                safe = !drive.following();
-                status |= reached;
-                dac
-            }
-            Some(_) => {
-                safe = true;
-                self.safe_output()
-            }
-            None if safe => self.safe,
-            None => dac,
-        };
-        if self.drive.is_some() {
+        let (mut faults, sound) = self.supervise(code, status, missed, faults);
+        let output = self.output(dac, sound);
+        status |= output.status;
+        if self.startup.drive.is_some() {
             // The DAC shows no displacement.
             status.remove(Status::DAC_SATURATED);
         }
         self.telemetry.count(status);
-        faults.set(Faults::SAFE_OUTPUT, safe);
-        if self.telemetry.streaming.load(Relaxed) {
-            let sample = Sample { code: code.0, displacement, dac: dac.0, status, faults };
-            if self.queues.samples.enqueue(Numbered { tick: self.number, sample }).is_err() {
-                add(&self.telemetry.dropped, 1);
-            }
-        }
+        faults.set(Faults::SAFE_OUTPUT, output.safe);
+        self.stream(Sample { code: code.0, displacement, dac: output.code.0, status, faults });
         self.number = self.number.wrapping_add(1);
-        (dac, faults)
+        (output.code, faults)
+    }
+
+    /// Adds the faults that last to this tick's, and says whether the output may be anything but the safe one.
+    fn supervise(&mut self, code: AdcCode, status: Status, missed: Option<u32>, faults: Faults) -> (Faults, bool) {
+        // Fed codes are not the ADC's: they say nothing of its health, and their ticks come when they are fed.
+        if self.mode == Mode::Pil {
+            return (faults, false);
+        }
+        self.number = self.number.wrapping_add(missed.unwrap_or(0));
+        match self.watch.update(code, status, missed.is_some()) {
+            FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
+            FaultState::Recovered => {
+                // What it has made of the bad codes is forgotten.
+                self.restart();
+                (faults, false)
+            }
+            FaultState::Faulty(lasting) => (faults | lasting, false),
+        }
+    }
+
+    /// The output of a tick whose estimate would be the code `estimated`; where not `sound`, the safe one.
+    fn output(&mut self, estimated: DacCode, sound: bool) -> Output {
+        let status = Status::empty();
+        match &mut self.startup.drive {
+            Some(drive) if self.mode == Mode::Follow => {
+                if !sound {
+                    drive.stop();
+                }
+                let next = if drive.takes_references() { self.queues.references.dequeue() } else { None };
+                if next.is_none() && drive.following() {
+                    add(&self.telemetry.starved, 1);
+                }
+                let (code, status) = drive.follow(next);
+                Output { code, safe: !drive.following(), status }
+            }
+            Some(drive) => Output { code: drive.release(), safe: true, status },
+            None if sound => Output { code: estimated, safe: false, status },
+            None => Output { code: self.startup.safe, safe: true, status },
+        }
+    }
+
+    fn stream(&mut self, sample: Sample) {
+        if self.telemetry.streaming.load(Relaxed)
+            && self.queues.samples.enqueue(Numbered { tick: self.number, sample }).is_err()
+        {
+            add(&self.telemetry.dropped, 1);
+        }
     }
 
     /// How many ticks did not come since the last one, if this one is late or the last one was not done in time.
@@ -181,13 +154,13 @@ impl<'q> Tick<'q> {
         Some(lost)
     }
 
-    /// The safe value, or a tick on the way to it.
+    /// The safe code, or one on the way to it.
     fn safe_output(&mut self) -> DacCode {
-        self.drive.as_mut().map_or(self.safe, Drive::release)
+        self.startup.drive.as_mut().map_or(self.startup.safe, Drive::release)
     }
 
     fn restart(&mut self) {
-        if let Some(estimator) = &mut self.estimator {
+        if let Some(estimator) = &mut self.startup.estimator {
             tick_restart(estimator);
         }
     }
@@ -197,22 +170,22 @@ impl<'q> Tick<'q> {
             Command::SetMode(mode) => {
                 self.mode = mode;
                 self.number = 0;
-                self.watch = Watch::new(self.converters.adc_full_scale);
+                self.watch = Watch::new(self.adc_full_scale);
                 while self.queues.fed.dequeue().is_some() {}
                 while self.queues.references.dequeue().is_some() {}
                 self.restart();
-                if let Some(drive) = &mut self.drive {
+                if let Some(drive) = &mut self.startup.drive {
                     drive.restart();
                 }
                 self.telemetry.set_mode(mode);
             }
-            Command::Go { stay } => {
-                if let Some(drive) = &mut self.drive {
-                    drive.go(stay);
+            Command::Go { hold } => {
+                if let Some(drive) = &mut self.startup.drive {
+                    drive.go(hold);
                 }
             }
             Command::SetZero => {
-                if let Some(estimator) = &mut self.estimator {
+                if let Some(estimator) = &mut self.startup.estimator {
                     estimator.set_zero();
                 }
             }
@@ -223,13 +196,13 @@ impl<'q> Tick<'q> {
 /// The estimator's tick as a function of its own, so that its instructions can be counted in an image.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn tick_sample(estimator: &mut Estimator<'_, f32>, code: AdcCode) -> Estimate<f32> {
+fn tick_sample(estimator: &mut Estimator<f32>, code: AdcCode) -> Estimate<f32> {
     estimator.tick(code)
 }
 
 /// Marks the start of a measurement, for whoever counts instructions.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn tick_restart(estimator: &mut Estimator<'_, f32>) {
+fn tick_restart(estimator: &mut Estimator<f32>) {
     estimator.restart();
 }

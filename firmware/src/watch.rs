@@ -1,10 +1,10 @@
-//! When odd ticks are a fault, and when it has passed.
+//! When odd ticks become a fault, and when the fault has passed.
 //!
-//! One odd tick is a status bit in its sample. A fault is a score: an odd tick adds [`ODD`], a good one takes 1 away, so that a
-//! voltage that is clipped for a fifth of the time is found out as well as one that is always. A fault lasts until
-//! [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
+//! One odd tick is a status bit in its sample. A fault is a leaky bucket that is full: an odd tick adds [`ODD`], a good one
+//! takes 1 away, so that a voltage that is clipped for a fifth of the time is found as well as one that always is. A fault
+//! lasts until [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
 
-use crate::peripherals::TICK_HZ;
+use crate::rate::TICK_HZ;
 use estimator_core::{AdcCode, Status};
 use protocol::Faults;
 
@@ -61,9 +61,9 @@ impl Watch {
         }
     }
 
-    /// The lasting faults after this tick, and whether they call for a safe output.
+    /// Takes one tick's code, status, and whether it was late, and says which faults last after it.
     #[inline]
-    pub fn look(&mut self, code: AdcCode, status: Status, missed: bool) -> Lasting {
+    pub fn update(&mut self, code: AdcCode, status: Status, missed: bool) -> FaultState {
         let beyond = status.contains(Status::VOLTAGE_OUT_OF_RANGE);
         self.same = if self.last == Some(code) { self.same.saturating_add(1) } else { 0 };
         self.last = Some(code);
@@ -79,22 +79,22 @@ impl Watch {
             self.hold -= 1;
             if self.hold == 0 {
                 self.found = Faults::empty();
-                return Lasting::Passed;
+                return FaultState::Recovered;
             }
         }
-        if self.found.is_empty() { Lasting::None } else { Lasting::Faults(self.found) }
+        if self.found.is_empty() { FaultState::Healthy } else { FaultState::Faulty(self.found) }
     }
 }
 
-/// What [`Watch::look`] finds.
+/// What [`Watch::update`] finds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Lasting {
-    /// All is well.
-    None,
-    /// All is well again, from now on.
-    Passed,
-    /// These last: the output is not to be believed.
-    Faults(Faults),
+pub enum FaultState {
+    /// There is no fault.
+    Healthy,
+    /// The last fault has passed with this tick.
+    Recovered,
+    /// These faults last: the output is not to be believed.
+    Faulty(Faults),
 }
 
 #[cfg(test)]
@@ -111,15 +111,16 @@ mod tests {
     /// Ticks until a fault shows, and from its last cause until it has passed.
     fn life(tick: impl Fn(u32) -> (AdcCode, Status, bool)) -> (u32, Faults, u32) {
         let mut watch = Watch::new(FULL);
-        let look = |watch: &mut Watch, (code, status, missed)| watch.look(code, status, missed);
+        let update = |watch: &mut Watch, (code, status, missed)| watch.update(code, status, missed);
         let (after, faults) = (1..100_000)
-            .find_map(|k| match look(&mut watch, tick(k)) {
-                Lasting::Faults(faults) => Some((k, faults)),
+            .find_map(|k| match update(&mut watch, tick(k)) {
+                FaultState::Faulty(faults) => Some((k, faults)),
                 _ => None,
             })
             .expect("a fault");
-        let passed = (1..).find(|&k| look(&mut watch, (moving(k), GOOD, false)) == Lasting::Passed).expect("its end");
-        assert_eq!(look(&mut watch, (moving(passed + 1), GOOD, false)), Lasting::None);
+        let passed =
+            (1..).find(|&k| update(&mut watch, (moving(k), GOOD, false)) == FaultState::Recovered).expect("its end");
+        assert_eq!(update(&mut watch, (moving(passed + 1), GOOD, false)), FaultState::Healthy);
         (after, faults, passed)
     }
 
@@ -147,7 +148,7 @@ mod tests {
         let tick = clipped(2);
         assert!((0..100_000).all(|k| {
             let (code, status, missed) = tick(k);
-            watch.look(code, status, missed) == Lasting::None
+            watch.update(code, status, missed) == FaultState::Healthy
         }));
     }
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{CONVERTERS, PERIOD, compiled, driving, other, record, tick, triangle};
+use common::{FACTS, PERIOD, compiled, driving, other, record, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use estimator_core::{Admitted, Table};
@@ -14,7 +14,7 @@ use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, t
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-type Flash = RamFlash<'static>;
+type Flash = RamFlash<&'static mut [u8]>;
 
 fn flash(memory: Vec<u8>) -> ParameterStore<Flash> {
     let pages = 0..memory.len() as u32;
@@ -23,7 +23,7 @@ fn flash(memory: Vec<u8>) -> ParameterStore<Flash> {
 
 /// A device whose ticks run in a thread, ten times as fast as they should, until it is dropped.
 struct Bench {
-    device: Device<Flash>,
+    device: Device<'static, Flash>,
     stop: Arc<AtomicBool>,
 }
 
@@ -48,23 +48,13 @@ impl Bench {
             }
         });
         let device = Device {
-            board: "bench",
-            converters: CONVERTERS,
-            cycles_per_tick: PERIOD,
-            reset: ResetCause::WATCHDOG,
-            supply_mv: Some(3301),
-            flash_errors: || 3,
-            line_errors: || 0,
-            restart: || unreachable!("nothing here asks the device itself to restart"),
+            facts: FACTS,
             table,
             source: TableSource::Compiled { reason: text("no table is stored") },
             last_words: Some(text("panicked")),
             store: flash(vec![0xFF; 4096]),
             telemetry: rest.telemetry,
-            commands: rest.commands,
-            feed: rest.feed,
-            refer: rest.refer,
-            samples: rest.samples,
+            queues: rest.queues,
             frames_refused: 4,
             read_errors: 5,
         };
@@ -121,9 +111,9 @@ fn what_it_cannot_run_is_refused_and_the_old_table_stays() {
         (corrupt, "corrupt"),
         (record(&compiled())[..60].iter().copied().collect(), "truncated"),
         (Default::default(), "truncated"),
-        (change(|table| table.adc.full_scale = 4095), "--adc-full-scale 65520"),
-        (change(|table| table.dac.full_scale = 65_535), "--dac-full-scale 4095"),
-        (change(|table| table.sample_period_us = 400), "tick of 400 us"),
+        (change(|table| table.adc.full_scale = 4095), "an ADC up to 4095, not 65520"),
+        (change(|table| table.dac.full_scale = 65_535), "a DAC up to 65535, not 4095"),
+        (change(|table| table.sample_period_us = 400), "a tick of 400 µs, not 500 µs"),
     ];
     for (bad, why) in refused {
         match bench.ask(Request::Push { record: bad, while_estimating: false, rewired: false }) {
@@ -193,7 +183,7 @@ fn codes_are_taken_in_their_mode_and_as_many_as_there_is_room() {
 #[test]
 fn references_are_taken_where_the_dac_drives_and_are_numbers() {
     let refer =
-        |wanted: f32| Request::Refer { references: [wanted; 64].iter().copied().collect(), go: false, stay: false };
+        |wanted: f32| Request::Refer { references: [wanted; 64].iter().copied().collect(), go: false, hold: false };
     let mut plain = Bench::new(Some(compiled()));
     assert_eq!(plain.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::NoDrive));
     let mut bench = Bench::new(Some(driving()));
@@ -210,7 +200,7 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
     });
     assert!(full, "nothing is taken before it is to go");
     assert_eq!(
-        bench.ask(Request::Refer { references: Default::default(), go: true, stay: true }),
+        bench.ask(Request::Refer { references: Default::default(), go: true, hold: true }),
         Reply::Referred { taken: 0, starved: 0 }
     );
     let start = std::time::Instant::now();
@@ -237,7 +227,7 @@ fn the_dac_is_not_rewired_by_a_table_alone() {
 #[test]
 fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_why() {
     let choose =
-        |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, CONVERTERS));
+        |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, &FACTS.interface));
     let mut store = flash(vec![0xFF; 4096]);
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);
     assert_eq!((table, source), (Some(compiled()), TableSource::Compiled { reason: text("no table is stored") }));

@@ -6,8 +6,8 @@ use common::{Other, PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Status};
 use firmware::Tick;
-use firmware::drive::HUNGER;
-use firmware::tick::Command;
+use firmware::drive::REFERENCE_TIMEOUT_TICKS;
+use firmware::queues::Command;
 use firmware::watch::SATURATED;
 use protocol::{Faults, Mode};
 
@@ -26,17 +26,17 @@ impl Bench {
     }
 
     fn set(&mut self, mode: Mode) {
-        self.other.commands.enqueue(Command::SetMode(mode)).unwrap();
+        self.other.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
     }
 
-    fn go(&mut self, stay: bool) {
-        self.other.commands.enqueue(Command::Go { stay }).unwrap();
+    fn go(&mut self, hold: bool) {
+        self.other.queues.commands.enqueue(Command::Go { hold }).unwrap();
     }
 
     fn step_with(&mut self, code: AdcCode) -> (DacCode, Status, Faults) {
         self.k += 1;
         let dac = self.tick.sample(code, self.k * PERIOD);
-        let sample = std::iter::from_fn(|| self.other.samples.dequeue()).last().map(|numbered| numbered.sample);
+        let sample = std::iter::from_fn(|| self.other.queues.samples.dequeue()).last().map(|numbered| numbered.sample);
         if let Some(sample) = sample {
             assert_eq!(DacCode(sample.dac), dac, "the sample says what the DAC was given");
         }
@@ -78,7 +78,7 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
         bench.step();
         core.release();
     }
-    bench.other.refer.enqueue(20.0).unwrap();
+    bench.other.queues.references.enqueue(20.0).unwrap();
     for _ in 0..10 {
         assert_eq!(bench.step().0, REST, "references wait until they are to be followed");
         core.release();
@@ -88,7 +88,7 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
     assert_eq!(bench.step().0, drive.code(first.voltage, 4095));
     let wave = |k: u32| 18.0 + 12.0 * (k as f32 * 0.02).sin();
     for k in 0..2_000 {
-        bench.other.refer.enqueue(wave(k)).unwrap();
+        bench.other.queues.references.enqueue(wave(k)).unwrap();
         let expected = core.tick(wave(k));
         let (dac, status, faults) = bench.step();
         assert_eq!(dac, drive.code(expected.voltage, 4095), "tick {k}");
@@ -110,7 +110,7 @@ fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
     let stride = 21;
     let mut last = REST.0;
     let mut follow = |bench: &mut Bench, code: Option<AdcCode>| {
-        let _ = bench.other.refer.enqueue(30.0);
+        let _ = bench.other.queues.references.enqueue(30.0);
         let code = code.unwrap_or(triangle(bench.k));
         let (dac, _, faults) = bench.step_with(code);
         assert!(dac.0.abs_diff(last) <= stride, "{last} → {}", dac.0);
@@ -137,18 +137,18 @@ fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
 }
 
 #[test]
-fn where_nobody_speaks_any_more_it_goes_back_to_rest_unless_it_is_to_stay() {
-    for stay in [true, false] {
+fn where_nobody_speaks_any_more_it_goes_back_to_rest_unless_it_is_to_hold() {
+    for hold in [true, false] {
         let mut bench = Bench::new();
         bench.set(Mode::Follow);
         bench.step();
-        bench.other.refer.enqueue(20.0).unwrap();
-        bench.go(stay);
-        let held = (0..HUNGER).map(|_| bench.step().0).last().unwrap();
+        bench.other.queues.references.enqueue(20.0).unwrap();
+        bench.go(hold);
+        let held = (0..REFERENCE_TIMEOUT_TICKS).map(|_| bench.step().0).last().unwrap();
         assert!(held.0 > REST.0 + 300);
-        let (later, _, faults) = (0..HUNGER).map(|_| bench.step()).last().unwrap();
-        assert_eq!(later == REST, !stay, "{later:?}");
-        assert_eq!(faults.contains(Faults::SAFE_OUTPUT), !stay);
+        let (later, _, faults) = (0..REFERENCE_TIMEOUT_TICKS).map(|_| bench.step()).last().unwrap();
+        assert_eq!(later == REST, !hold, "{later:?}");
+        assert_eq!(faults.contains(Faults::SAFE_OUTPUT), !hold);
     }
 }
 

@@ -5,19 +5,19 @@ mod common;
 use common::{PERIOD, SAFE, compiled, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimator, Status};
-use firmware::tick::Command;
+use firmware::queues::Command;
 use firmware::watch::{HOLD, OUT_OF_RANGE, SATURATED, STUCK};
 use protocol::{Faults, Mode};
 
 #[test]
 fn it_is_the_core_s_estimator_and_its_samples_are_numbered() {
     let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
-    let mut reference = Estimator::<f32>::new(&compiled(), None).unwrap();
+    let mut reference = Estimator::<f32>::new(&compiled());
     other.telemetry.streaming.store(true, Relaxed);
     for k in 0..5_000 {
         let expected = reference.tick(triangle(k));
         assert_eq!(tick.sample(triangle(k), k * PERIOD), expected.dac);
-        let found = other.samples.dequeue().expect("a sample a tick");
+        let found = other.queues.samples.dequeue().expect("a sample a tick");
         assert_eq!((found.tick, found.sample.code), (k, triangle(k).0));
         assert_eq!(found.sample.displacement.to_bits(), expected.displacement.to_bits());
         assert_eq!((found.sample.status, found.sample.faults), (expected.status, Faults::empty()));
@@ -32,15 +32,15 @@ fn nobody_reading_costs_samples_never_ticks() {
     for k in 0..10 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    assert!(other.samples.dequeue().is_none(), "nobody asked for samples");
+    assert!(other.queues.samples.dequeue().is_none(), "nobody asked for samples");
     other.telemetry.streaming.store(true, Relaxed);
     for k in 10..1_010 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    let kept = std::iter::from_fn(|| other.samples.dequeue()).count() as u32;
+    let kept = std::iter::from_fn(|| other.queues.samples.dequeue()).count() as u32;
     assert_eq!(kept + other.telemetry.dropped.load(Relaxed), 1_000);
     tick.sample(triangle(0), 1_010 * PERIOD);
-    assert_eq!(other.samples.dequeue().map(|next| next.tick), Some(1_010), "the gap shows in the numbers");
+    assert_eq!(other.queues.samples.dequeue().map(|next| next.tick), Some(1_010), "the gap shows in the numbers");
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
         now = now.wrapping_add(elapsed);
         tick.sample(moving(number), now);
         assert_eq!(other.telemetry.missed.load(Relaxed), missed);
-        let found = other.samples.dequeue().unwrap();
+        let found = other.queues.samples.dequeue().unwrap();
         assert_eq!(found.sample.faults, if fault { Faults::MISSED_DEADLINE } else { Faults::empty() });
         assert_eq!(found.tick, number, "what was lost shows as a gap");
     }
@@ -104,7 +104,7 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
         let last = (limit..limit + 3).map(|k| step(code(k))).last();
         assert_eq!(last, Some(SAFE), "{fault:?}");
         assert!(other.telemetry.faults().contains(fault | Faults::SAFE_OUTPUT));
-        let mut reference = Estimator::<f32>::new(&compiled(), None).unwrap();
+        let mut reference = Estimator::<f32>::new(&compiled());
         for k in 1..HOLD {
             assert_eq!(step(moving(k)), SAFE, "{fault:?} has ended {k} ticks ago");
         }
@@ -134,17 +134,17 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
     for k in 0..100 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    other.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
+    other.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
     tick.sample(triangle(100), 100 * PERIOD);
     assert_eq!((other.telemetry.mode(), other.telemetry.epoch.load(Relaxed)), (Mode::Pil, 1));
     other.telemetry.streaming.store(true, Relaxed);
-    let mut reference = Estimator::<f32>::new(&compiled(), None).unwrap();
+    let mut reference = Estimator::<f32>::new(&compiled());
     for k in 0..300 {
         if k % 3 != 0 {
-            other.feed.enqueue(triangle(7 * k)).unwrap();
+            other.queues.fed.enqueue(triangle(7 * k)).unwrap();
         }
         assert_eq!(tick.sample(AdcCode(0), (101 + k) * PERIOD), SAFE);
-        match other.samples.dequeue() {
+        match other.queues.samples.dequeue() {
             None => assert_eq!(k % 3, 0),
             Some(found) => {
                 let expected = reference.tick(triangle(7 * k));
@@ -155,9 +155,9 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
         }
     }
     for (mode, estimates) in [(Mode::Pause, false), (Mode::Estimate, true)] {
-        other.commands.enqueue(Command::SetMode(mode)).unwrap();
+        other.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
         let dac = tick.sample(triangle(500), 401 * PERIOD);
-        assert_eq!((dac != SAFE, other.samples.dequeue().is_some()), (estimates, estimates), "{mode:?}");
+        assert_eq!((dac != SAFE, other.queues.samples.dequeue().is_some()), (estimates, estimates), "{mode:?}");
     }
 }
 
@@ -165,16 +165,16 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
 #[test]
 fn fed_codes_are_no_sign_of_the_adc_s_health() {
     let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
-    other.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
+    other.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
     tick.sample(triangle(0), 0);
     other.telemetry.streaming.store(true, Relaxed);
-    let mut reference = Estimator::<f32>::new(&compiled(), None).unwrap();
+    let mut reference = Estimator::<f32>::new(&compiled());
     let lasts = |code: u16, ticks: u32| (0..ticks).map(move |_| AdcCode(code));
     let log = lasts(30_000, 2 * STUCK).chain(lasts(65_520, 2 * OUT_OF_RANGE)).chain((0..3 * HOLD).map(moving));
     for (code, k) in log.zip(1..) {
-        other.feed.enqueue(code).unwrap();
+        other.queues.fed.enqueue(code).unwrap();
         assert_eq!(tick.sample(AdcCode(0), PERIOD.wrapping_mul(k)), SAFE);
-        let found = other.samples.dequeue().expect("a sample a tick").sample;
+        let found = other.queues.samples.dequeue().expect("a sample a tick").sample;
         let expected = reference.tick(code);
         assert_eq!(
             (found.displacement.to_bits(), found.status),
@@ -191,8 +191,8 @@ fn zero_is_set_at_the_next_tick() {
     for k in 0..500 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    other.commands.enqueue(Command::SetZero).unwrap();
+    other.queues.commands.enqueue(Command::SetZero).unwrap();
     other.telemetry.streaming.store(true, Relaxed);
     tick.sample(triangle(500), 500 * PERIOD);
-    assert!(other.samples.dequeue().unwrap().sample.displacement.abs() < 0.1);
+    assert!(other.queues.samples.dequeue().unwrap().sample.displacement.abs() < 0.1);
 }

@@ -66,7 +66,7 @@ impl core::fmt::Display for StoreError {
 
 impl core::error::Error for StoreError {}
 
-/// The store.
+/// The store in two pages of a flash.
 pub struct ParameterStore<F: NorFlash> {
     flash: F,
     /// Start of either page, bytes from the flash's start.

@@ -9,14 +9,15 @@ pub const PAGE: usize = 2048;
 /// Bytes that are written together.
 pub const WORD: usize = 8;
 
-/// Flash in memory.
-pub struct RamFlash<'m> {
-    memory: &'m mut [u8],
+/// Flash in memory, its own (`Vec<u8>`) or another's (`&mut [u8]`).
+#[derive(Clone, Debug)]
+pub struct RamFlash<M> {
+    memory: M,
 }
 
-impl<'m> RamFlash<'m> {
+impl<M: AsRef<[u8]> + AsMut<[u8]>> RamFlash<M> {
     /// Takes memory as flash, with what is in it. Erased flash is all 0xFF.
-    pub fn new(memory: &'m mut [u8]) -> Self {
+    pub fn new(memory: M) -> Self {
         Self { memory }
     }
 }
@@ -42,26 +43,27 @@ impl NorFlashError for RamFlashError {
     }
 }
 
-impl ErrorType for RamFlash<'_> {
+impl<M> ErrorType for RamFlash<M> {
     type Error = RamFlashError;
 }
 
-impl ReadNorFlash for RamFlash<'_> {
+impl<M: AsRef<[u8]>> ReadNorFlash for RamFlash<M> {
     const READ_SIZE: usize = 1;
 
     async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), RamFlashError> {
         let start = offset as usize;
-        let stored = self.memory.get(start..start.saturating_add(bytes.len())).ok_or(RamFlashError::OutOfBounds)?;
+        let stored =
+            self.memory.as_ref().get(start..start.saturating_add(bytes.len())).ok_or(RamFlashError::OutOfBounds)?;
         bytes.copy_from_slice(stored);
         Ok(())
     }
 
     fn capacity(&self) -> usize {
-        self.memory.len()
+        self.memory.as_ref().len()
     }
 }
 
-impl NorFlash for RamFlash<'_> {
+impl<M: AsRef<[u8]> + AsMut<[u8]>> NorFlash for RamFlash<M> {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = PAGE;
 
@@ -70,7 +72,7 @@ impl NorFlash for RamFlash<'_> {
         if !from.is_multiple_of(PAGE) || !to.is_multiple_of(PAGE) {
             return Err(RamFlashError::NotAligned);
         }
-        self.memory.get_mut(from..to).ok_or(RamFlashError::OutOfBounds)?.fill(0xFF);
+        self.memory.as_mut().get_mut(from..to).ok_or(RamFlashError::OutOfBounds)?.fill(0xFF);
         Ok(())
     }
 
@@ -79,7 +81,8 @@ impl NorFlash for RamFlash<'_> {
         if !start.is_multiple_of(WORD) || !bytes.len().is_multiple_of(WORD) {
             return Err(RamFlashError::NotAligned);
         }
-        let place = self.memory.get_mut(start..start.saturating_add(bytes.len())).ok_or(RamFlashError::OutOfBounds)?;
+        let place =
+            self.memory.as_mut().get_mut(start..start.saturating_add(bytes.len())).ok_or(RamFlashError::OutOfBounds)?;
         for (word, new) in place.chunks_exact_mut(WORD).zip(bytes.chunks_exact(WORD)) {
             // As on the chip: a written word may only be cleared to all zeros.
             if word.iter().any(|&byte| byte != 0xFF) && new.iter().any(|&byte| byte != 0) {

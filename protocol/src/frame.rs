@@ -7,20 +7,19 @@
 //! Byte stuffing (COBS) keeps the byte 0 out of a frame, so a receiver that joins late or lost bytes is in step again
 //! after the next 0. A frame that is damaged, too long, or of another version costs itself and nothing else.
 
-use crate::VERSION;
-use crc::{CRC_32_ISO_HDLC, Crc};
+use estimator_core::sealed::{CHECKSUM, seal, unseal};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+
+/// Version of everything in this crate. It is the first byte of every frame; frames of another are refused by name.
+pub const VERSION: u8 = 2;
 
 /// No frame is longer than this on the wire, delimiter included, bytes.
 pub const MAX_FRAME: usize = 512;
 
 const DELIMITER: u8 = 0;
-const CHECKSUM: usize = 4;
 /// Longest content before stuffing, which adds one byte and one more for every 254.
 const MAX_CONTENT: usize = MAX_FRAME - 4;
-
-static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Why a frame was refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -33,7 +32,7 @@ pub enum FrameError {
     Checksum,
     /// The other side speaks another version of the protocol.
     Version {
-        /// Its version.
+        /// The version that the other side speaks.
         found: u8,
     },
     /// The checksum matches, but the content is no message of this version.
@@ -60,9 +59,8 @@ pub fn encode<'b, M: Serialize>(message: &M, buffer: &'b mut [u8; MAX_FRAME]) ->
     let mut content = [0; MAX_CONTENT];
     content[0] = VERSION;
     let end = 1 + postcard::to_slice(message, &mut content[1..MAX_CONTENT - CHECKSUM]).ok()?.len();
-    let checksum = CRC.checksum(&content[..end]);
-    content[end..end + CHECKSUM].copy_from_slice(&checksum.to_le_bytes());
-    let stuffed = cobs::encode(&content[..end + CHECKSUM], &mut buffer[..MAX_FRAME - 1]);
+    let end = seal(&mut content, end)?;
+    let stuffed = cobs::encode(&content[..end], &mut buffer[..MAX_FRAME - 1]);
     buffer[stuffed] = DELIMITER;
     Some(&buffer[..=stuffed])
 }
@@ -115,10 +113,7 @@ impl Deframer {
 fn decode<M: DeserializeOwned>(stuffed: &mut [u8]) -> Result<M, FrameError> {
     let length = cobs::decode_in_place(stuffed).map_err(|_| FrameError::Stuffing)?;
     let frame = stuffed.get(..length).ok_or(FrameError::Stuffing)?;
-    let (content, checksum) = frame.split_last_chunk::<CHECKSUM>().ok_or(FrameError::Checksum)?;
-    if CRC.checksum(content) != u32::from_le_bytes(*checksum) {
-        return Err(FrameError::Checksum);
-    }
+    let content = unseal(frame).map_err(|_| FrameError::Checksum)?;
     let (&version, message) = content.split_first().ok_or(FrameError::Checksum)?;
     if version != VERSION {
         return Err(FrameError::Version { found: version });

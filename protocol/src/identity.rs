@@ -1,6 +1,7 @@
 //! Who the device is.
 
-use crate::Text;
+use crate::text::Text;
+use estimator_core::table::Board;
 use serde::{Deserialize, Serialize};
 
 /// Where the table in use comes from.
@@ -10,14 +11,14 @@ pub enum TableSource {
     Stored,
     /// The firmware image, because the store had none that could be used.
     Compiled {
-        /// Why.
+        /// Why the stored table is not used.
         reason: Text<120>,
     },
     /// Neither had one that could be used.
     None {
-        /// Why not the stored one.
+        /// Why the stored table is not used.
         stored: Text<120>,
-        /// Why not the compiled one.
+        /// Why the image's table is not used either.
         compiled: Text<120>,
     },
 }
@@ -25,7 +26,7 @@ pub enum TableSource {
 /// Who the device is.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Identity {
-    /// The board.
+    /// Name of the board.
     pub board: Text<24>,
     /// The firmware's version.
     pub firmware: Text<16>,
@@ -33,7 +34,7 @@ pub struct Identity {
     pub git: Text<24>,
     /// The table record's format version that it reads ([`estimator_core::record::VERSION`]).
     pub record_version: u16,
-    /// Tick, µs.
+    /// From one tick to the next, µs.
     pub tick_us: u32,
     /// The ADC's largest code, oversampling included; a table must be made for it.
     pub adc_full_scale: u16,
@@ -45,4 +46,12 @@ pub struct Identity {
     pub model: Text<32>,
     /// The checksum of the table's record ([`estimator_core::record::checksum`]); 0 without one.
     pub table_crc: u32,
+}
+
+impl Identity {
+    /// What the device asks of a table.
+    pub fn board_interface(&self) -> Board {
+        let &Self { tick_us, adc_full_scale, dac_full_scale, .. } = self;
+        Board { tick_us, adc_full_scale, dac_full_scale }
+    }
 }

@@ -11,37 +11,25 @@
 //! [`Request::Refer`] and [`Request::SetZero`] do more on the second time.
 #![cfg_attr(not(test), no_std)]
 
+pub mod faults;
 pub mod frame;
 pub mod health;
 pub mod identity;
 pub mod message;
+pub mod mode;
+pub mod refusal;
 pub mod sample;
+pub mod text;
 
-pub use frame::{Deframer, FrameError, encode};
-pub use health::{Faults, Health, ResetCause};
+pub use faults::Faults;
+pub use frame::{Deframer, FrameError, VERSION, encode};
+pub use health::{Health, ResetCause};
 pub use identity::{Identity, TableSource};
-pub use message::{Codes, Mode, Record, References, Refusal, Reply, Request, ToDevice, ToHost};
+pub use message::{Codes, Record, References, Reply, Request, ToDevice, ToHost};
+pub use mode::Mode;
+pub use refusal::Refusal;
 pub use sample::{Sample, Samples};
-
-/// Version of everything in this crate. It is the first byte of every frame; frames of another are refused by name.
-pub const VERSION: u8 = 2;
+pub use text::{Text, text};
 
 /// The serial line's rate, bit/s, 8 data bits, no parity, one stop bit. The full stream takes about a quarter of it.
 pub const BAUD: u32 = 921_600;
-
-/// Text on the wire; longer text is cut.
-pub type Text<const N: usize> = heapless::String<N>;
-
-/// Writes as much of something as fits into a [`Text`], in whole characters.
-pub fn text<const N: usize>(content: impl core::fmt::Display) -> Text<N> {
-    struct Cut<const N: usize>(Text<N>);
-    impl<const N: usize> core::fmt::Write for Cut<N> {
-        fn write_str(&mut self, more: &str) -> core::fmt::Result {
-            more.chars().try_for_each(|c| self.0.push(c).map_err(|_| core::fmt::Error))
-        }
-    }
-    let mut cut = Cut(Text::new());
-    // An error says that the text is full.
-    let _ = core::fmt::write(&mut cut, format_args!("{content}"));
-    cut.0
-}

@@ -1,6 +1,6 @@
 //! What a tick gives, as it is streamed.
 
-use crate::health::Faults;
+use crate::faults::Faults;
 use estimator_core::Status;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Most samples in one frame.
 pub const MAX_BATCH: usize = 32;
 
-/// One tick.
+/// What one tick read, estimated and put out.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Sample {
     /// What the converter read ([`estimator_core::AdcCode`]); the table's calibration makes volts of it.
@@ -28,6 +28,6 @@ pub struct Sample {
 pub struct Samples {
     /// Number of the first sample's tick, counted from 0 when the mode was entered. A gap to the last frame's end is loss.
     pub first: u32,
-    /// The samples.
+    /// The samples, one a tick.
     pub samples: Vec<Sample, MAX_BATCH>,
 }

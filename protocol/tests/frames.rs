@@ -34,7 +34,7 @@ fn requests() -> Vec<Request> {
         Request::SetZero,
         Request::SetMode(Mode::Pil),
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
-        Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true, stay: true },
+        Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true, hold: true },
         Request::Reset,
     ]
 }

@@ -1,8 +1,8 @@
 //! The three faces of one table: TOML, a Rust `const` that compiles, and the binary record.
 
 use super::{data, piezo};
-use estimator_core::{Form, Table};
-use host_tools::table_file::TableFile;
+use estimator_core::Table;
+use identification::table_file::TableFile;
 use std::fs;
 
 /// `piezo emit --face rust` of `tests/data/table/table.toml`, compiled here.
@@ -11,29 +11,28 @@ use std::fs;
 #[allow(clippy::excessive_precision, clippy::unreadable_literal, reason = "as the tool prints it")]
 mod committed;
 
-/// The same of a champion that drives an amplifier.
-#[path = "../data/table/champion/table.rs"]
+/// The same of the generalised Prandtl–Ishlinskii model, with a drive.
+#[path = "../data/table/generalised-prandtl-ishlinskii/table.rs"]
 #[rustfmt::skip]
 #[allow(clippy::excessive_precision, clippy::unreadable_literal, reason = "as the tool prints it")]
-mod champion;
+mod driving;
 
 const TABLE: &str = "tests/data/table/table.toml";
 
 #[test]
 fn the_rust_const_compiles_and_equals_the_toml() {
     let (_, admitted) = TableFile::load(&data("table/table.toml")).unwrap();
-    assert!(matches!(admitted.form, Form::Tabulated { .. }), "the committed table must have a lookup to compare");
     assert_eq!(committed::TABLE, *admitted);
-    assert_eq!(Some(&committed::LOOKUP), admitted.lookup::<f32>().as_ref());
 }
 
 #[test]
-fn a_champion_s_const_compiles_and_equals_the_toml() {
-    let (_, admitted) = TableFile::load(&data("table/champion/table.toml")).unwrap();
+fn a_driving_table_s_const_compiles_and_equals_the_toml() {
+    let (_, admitted) = TableFile::load(&data("table/generalised-prandtl-ishlinskii/table.toml")).unwrap();
     assert!(admitted.drive.is_some());
-    assert_eq!(champion::TABLE, *admitted);
-    let printed = piezo().args(["emit", "tests/data/table/champion/table.toml", "--face", "rust"]).assert().success();
-    let committed = fs::read(data("table/champion/table.rs")).unwrap();
+    assert_eq!(driving::TABLE, *admitted);
+    let table = "tests/data/table/generalised-prandtl-ishlinskii/table.toml";
+    let printed = piezo().args(["emit", table, "--face", "rust"]).assert().success();
+    let committed = fs::read(data("table/generalised-prandtl-ishlinskii/table.rs")).unwrap();
     assert_eq!(printed.get_output().stdout.trim_ascii_end(), committed.trim_ascii_end());
 }
 
@@ -49,7 +48,7 @@ fn what_is_compiled_here_is_what_the_tool_writes() {
 
 #[test]
 fn the_firmware_s_table_is_what_the_tool_writes() {
-    let options = ["--form", "direct", "--adc-full-scale", "65520", "--dac-span", "-8:52"];
+    let options = ["--adc-full-scale", "65520", "--dac-span", "-8:52"];
     let emit = piezo().args(["emit", TABLE, "--face", "rust"]).args(options).assert().success();
     let committed = fs::read(data("../../firmware/src/table.rs")).unwrap();
     assert!(
@@ -69,14 +68,12 @@ fn the_record_equals_the_toml_and_toml_is_a_fixed_point() {
 }
 
 #[test]
-fn another_form_and_another_calibration() {
+fn another_calibration() {
     let out = tempfile::tempdir().unwrap();
-    let changes = ["--form", "direct", "--adc-span", "150:-10", "--adc-full-scale", "65535", "--dac-span", "-10:40"];
+    let changes = ["--adc-span", "150:-10", "--adc-full-scale", "65535", "--dac-span", "-10:40"];
     piezo().args(["emit", TABLE]).args(changes).arg("--out").arg(out.path()).assert().success();
     let (file, changed) = TableFile::load(&out.path().join("table.toml")).unwrap();
-    assert_eq!(changed.form, Form::Direct);
     assert!(changed.adc.invert && changed.adc.full_scale == 65535 && changed.adc.offset_v == 150.0);
     assert_eq!(changed.dac.code(40.0f32).0, changed.dac.full_scale);
     assert_eq!(file.table.parameters, TableFile::load(&data("table/table.toml")).unwrap().1.parameters);
-    assert!(!fs::read_to_string(out.path().join("table.rs")).unwrap().contains("LOOKUP"));
 }

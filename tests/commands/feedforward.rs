@@ -30,7 +30,6 @@ fn the_model_of_the_voltages_is_the_trajectory() {
             .args(["--slew", "200", "--rest", "1.2", "--json", "--out"])
             .arg(&voltages),
     );
-    // The table is tabulated and its inverse is not: between them lies the tabulation's error.
     assert!(number(&plan, "/round_trip/max_um") < 0.05, "{plan:#}");
     assert!(number(&plan, "/voltage_v/max") < 3.79 && number(&plan, "/fastest_v_per_s") <= 200.01, "{plan:#}");
     assert_eq!(number(&plan, "/ticks"), 5999.0);

@@ -8,7 +8,6 @@ mod feedforward;
 mod logs;
 mod mistakes;
 mod options;
-mod readme;
 mod recorded;
 mod reproduce;
 mod rig;
@@ -26,7 +25,7 @@ fn piezo() -> Command {
 
 /// The repository's root.
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 /// A file of `tests/data`.

@@ -2,8 +2,8 @@
 
 use super::logs::rig;
 use super::{MEASURED, json, piezo, text};
-use host_tools::log::{Displacement, write_csv};
-use host_tools::table_file::TableFile;
+use identification::table_file::TableFile;
+use recordings::log::{Displacement, write_csv};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -91,6 +91,24 @@ fn what_is_printed_stands_beside_and_the_other_items_are_there() {
 }
 
 #[test]
+fn what_section_6_2_recommends_is_tried_on_every_model_and_with_every_method() {
+    let result = json(piezo().args(["reproduce", "extremum-terms", "optimisers", "--json"]).args(SHORTEST));
+    let terms = rows(&result, "extremum-terms");
+    let with_plays = terms.iter().find(|row| row["model"] == "prandtl-ishlinskii").unwrap();
+    let without = number(with_plays, "/held_out/without_um");
+    for name in ["voltage_extremum_um", "displacement_extremum_um", "both_um"] {
+        // Plays remember their extrema already: what their weights leave is the rate.
+        assert!((number(with_plays, &format!("/held_out/{name}")) / without - 1.0).abs() < 0.5, "{with_plays}");
+        let modelled = |name: &str| number(with_plays, &format!("/modelled/{name}"));
+        assert!(modelled(name) < 1.05 * modelled("without_um"), "{with_plays}");
+    }
+    let optimisers = rows(&result, "optimisers");
+    let methods: Vec<&Value> = optimisers.iter().take(5).map(|row| &row["optimiser"]).collect();
+    assert_eq!(methods, ["genetic", "differential-evolution", "particle-swarm", "cma-es", "local"]);
+    assert!(optimisers.iter().all(|row| number(row, "/best_cost_um") > 0.0), "{optimisers:?}");
+}
+
+#[test]
 fn own_logs_take_the_rig_s_place() {
     let folder = tempfile::tempdir().unwrap();
     let logs: Vec<PathBuf> = ["sin10", "tr100", "tr10"].iter().map(|name| write(folder.path(), &rig(name))).collect();

@@ -28,5 +28,5 @@ pub fn build(cargo_build: Cmd<'_>, file_name: &str) -> Result<PathBuf> {
 /// # Errors
 /// It does not build.
 pub fn piezo(sh: &Shell) -> Result<PathBuf> {
-    build(cmd!(sh, "cargo build --package host-tools --bin piezo"), "piezo")
+    build(cmd!(sh, "cargo build --package piezo"), "piezo")
 }

@@ -1,15 +1,13 @@
 //! `cargo xtask test`: runs the checks and says how they went.
 
-use std::{
-    process::ExitCode,
-    time::{Duration, Instant},
-};
+use std::process::ExitCode;
 
 use clap::{Args, builder::PossibleValuesParser};
 use xshell::Shell;
 
 use crate::{
     step::{STEPS, Step},
+    stopwatch::{Spent, Stopwatch},
     tool,
 };
 
@@ -35,13 +33,14 @@ fn names() -> PossibleValuesParser {
 }
 
 enum Outcome {
-    Passed(Duration),
-    Failed(Duration),
+    Passed(Spent),
+    Failed(Spent),
     Skipped,
     NotRun,
 }
 
-/// Runs the checks asked for. The last line of output counts them; the exit code says whether any failed.
+/// Runs the checks asked for. The end of the output says what each took, and the last line counts them; the exit code says
+/// whether any failed.
 pub fn run(sh: &Shell, arguments: &Arguments) -> ExitCode {
     if arguments.list {
         for step in &STEPS {
@@ -71,18 +70,19 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> ExitCode {
     for (step, outcome) in chosen.iter().zip(&outcomes) {
         println!("{}", describe(step, outcome));
     }
+    println!("{:9} {}", "all", outcomes.iter().filter_map(Outcome::spent).sum::<Spent>());
     println!("{}", count(&outcomes));
     if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
 fn execute(sh: &Shell, step: &Step) -> Outcome {
-    let start = Instant::now();
+    let stopwatch = Stopwatch::start();
     let result = tool::require(sh, step.tools).and_then(|()| (step.run)(sh));
     match result {
-        Ok(()) => Outcome::Passed(start.elapsed()),
+        Ok(()) => Outcome::Passed(stopwatch.read()),
         Err(error) => {
             println!("{error:#}");
-            Outcome::Failed(start.elapsed())
+            Outcome::Failed(stopwatch.read())
         }
     }
 }
@@ -90,10 +90,19 @@ fn execute(sh: &Shell, step: &Step) -> Outcome {
 fn describe(step: &Step, outcome: &Outcome) -> String {
     let name = step.name;
     match outcome {
-        Outcome::Passed(time) => format!("{name} passed in {:.1} s", time.as_secs_f64()),
-        Outcome::Failed(time) => format!("{name} FAILED after {:.1} s", time.as_secs_f64()),
-        Outcome::Skipped => format!("{name} SKIPPED, by --skip"),
-        Outcome::NotRun => format!("{name} NOT RUN, after the failure above"),
+        Outcome::Passed(spent) => format!("{name:9} {spent}  passed"),
+        Outcome::Failed(spent) => format!("{name:9} {spent}  FAILED"),
+        Outcome::Skipped => format!("{name:9} SKIPPED, by --skip"),
+        Outcome::NotRun => format!("{name:9} NOT RUN, after the failure above"),
+    }
+}
+
+impl Outcome {
+    fn spent(&self) -> Option<Spent> {
+        match self {
+            Self::Passed(spent) | Self::Failed(spent) => Some(*spent),
+            Self::Skipped | Self::NotRun => None,
+        }
     }
 }
 

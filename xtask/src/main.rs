@@ -1,17 +1,20 @@
 //! `cargo xtask`: the chores of this repository.
 //!
 //! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts the
-//! firmware without a board; `size` says what it takes of the chip.
+//! firmware without a board; `size` says what it takes of the chip; `figures` writes the documents' figures.
 
 mod artifact;
 mod check;
 mod embedded;
 mod emulate;
+mod figures;
 mod image;
 mod qemu;
 mod root;
+mod rules;
 mod size;
 mod step;
+mod stopwatch;
 mod tool;
 
 use std::{path::Path, process::ExitCode};
@@ -38,6 +41,8 @@ enum Chore {
     Emulate(emulate::Arguments),
     /// Print what the firmware takes of the chip: flash, RAM, instructions per tick
     Size(size::Arguments),
+    /// Write the figures that documents state, from what the commands print, or compare them
+    Figures(figures::Arguments),
 }
 
 fn main() -> Result<ExitCode> {
@@ -50,5 +55,6 @@ fn main() -> Result<ExitCode> {
         Chore::Test(arguments) => Ok(check::run(&sh, &arguments)),
         Chore::Emulate(arguments) => emulate::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Size(arguments) => size::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
+        Chore::Figures(arguments) => figures::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
     }
 }

@@ -1,13 +1,16 @@
 //! The list of checks.
 
+use std::path::PathBuf;
+
 use anyhow::{Result, ensure};
 use xshell::{Cmd, Shell, cmd};
 
 use crate::{
     artifact,
     embedded::{self, Board, TARGET},
+    figures,
     image::Image,
-    size,
+    rules,
     tool::{self, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, QEMU, Tool},
 };
 
@@ -24,8 +27,14 @@ pub struct Step {
 }
 
 /// Every check, the quick ones first.
-pub const STEPS: [Step; 8] = [
+pub const STEPS: [Step; 10] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], run: fmt },
+    Step {
+        name: "rules",
+        about: "libraries name no flags, the identification needs no terminal, no host crate is too long",
+        tools: &[],
+        run: rules::check,
+    },
     Step { name: "clippy", about: "no lint fires", tools: &[], run: clippy },
     Step { name: "doc", about: "the documentation builds without a warning", tools: &[], run: doc },
     Step { name: "test", about: "unit, property and command tests on the host", tools: &[], run: test },
@@ -37,7 +46,7 @@ pub const STEPS: [Step; 8] = [
     },
     Step {
         name: "emulated",
-        about: "the host tool and the firmware in QEMU understand each other; a tick takes no more than it should",
+        about: "the host tool and the firmware in QEMU understand each other",
         tools: &[&EMBEDDED, &QEMU],
         run: emulated,
     },
@@ -53,6 +62,12 @@ pub const STEPS: [Step; 8] = [
         tools: &[&CHROMIUM],
         run: browser,
     },
+    Step {
+        name: "figures",
+        about: "documents state the figures that commands print; a tick takes no more than it should",
+        tools: figures::TOOLS,
+        run: |sh| figures::check(sh, built_piezo(sh)?),
+    },
 ];
 
 /// Every tool that a check needs, once.
@@ -67,34 +82,38 @@ fn fmt(sh: &Shell) -> Result<()> {
     Ok(cmd!(sh, "cargo fmt --all --check").run()?)
 }
 
-/// Packages with a step of their own: they need a target or a compiler that not everybody has.
-const APART: [&str; 4] = ["--exclude", "firmware", "--exclude", "board-emulator-test"];
-/// What of the firmware is no board's.
-const PORTABLE: [&str; 4] = ["--package", "firmware", "--lib", "--no-default-features"];
+/// What is checked on the host. The emulated board has a step of its own: it needs a compiler that not everybody has.
+/// Without default features, the firmware has no board, and is checked with the rest. Always the whole workspace: with
+/// another selection, cargo would choose other features of the same foreign crates, and build them once more.
+const HOST: [&str; 4] = ["--workspace", "--exclude", "board-emulator-test", "--no-default-features"];
 
 fn clippy(sh: &Shell) -> Result<()> {
-    cmd!(sh, "cargo clippy --workspace {APART...} --all-targets -- -D warnings").run()?;
-    cmd!(sh, "cargo clippy {PORTABLE...} --tests -- -D warnings").run()?;
+    cmd!(sh, "cargo clippy {HOST...} --all-targets -- -D warnings").run()?;
     // The host tool's feature is the core's too.
-    Ok(cmd!(sh, "cargo clippy --workspace {APART...} --features host-tools/micromath,estimator-core/micromath --all-targets -- -D warnings").run()?)
+    Ok(cmd!(
+        sh,
+        "cargo clippy {HOST...} --features piezo/micromath,estimator-core/micromath --all-targets -- -D warnings"
+    )
+    .run()?)
 }
 
 fn doc(sh: &Shell) -> Result<()> {
-    let _deny = sh.push_env("RUSTDOCFLAGS", "-D warnings");
-    cmd!(sh, "cargo doc --workspace {APART...} --no-deps").run()?;
-    Ok(cmd!(sh, "cargo doc {PORTABLE...} --no-deps").run()?)
+    Ok(cmd!(sh, "cargo doc {HOST...} --no-deps").env("RUSTDOCFLAGS", "-D warnings").run()?)
 }
 
-/// The workspace's tests, all built with the same features, so that each package is compiled once. What needs more than
-/// cargo brings is run by name only.
+/// The tests on the host. What needs more than cargo brings is run by name only.
 fn tests(sh: &Shell) -> Cmd<'_> {
-    cmd!(sh, "cargo test --workspace {APART...}")
+    cmd!(sh, "cargo test {HOST...}")
+}
+
+/// The host tool that the tests on the host are built with.
+fn built_piezo(sh: &Shell) -> Result<PathBuf> {
+    artifact::build(tests(sh).arg("--no-run"), "piezo")
 }
 
 fn test(sh: &Shell) -> Result<()> {
     tests(sh).run()?;
-    cmd!(sh, "cargo test {PORTABLE...} --tests").run()?;
-    Ok(cmd!(sh, "cargo test -p estimator-core --features micromath").run()?)
+    Ok(cmd!(sh, "cargo test --package estimator-core --features micromath").run()?)
 }
 
 fn firmware(sh: &Shell) -> Result<()> {
@@ -119,14 +138,11 @@ fn firmware(sh: &Shell) -> Result<()> {
 
 fn emulated(sh: &Shell) -> Result<()> {
     let image = embedded::image(sh, Board::Mps2An386)?;
-    // Built for the tests on the host already.
-    let piezo = artifact::build(tests(sh).arg("--no-run"), "piezo")?;
-    tests(sh)
+    Ok(tests(sh)
         .args(["exact", "follow", "link", "models", "pil", "store", "stream"].map(|test| format!("--test={test}")))
         .env("FIRMWARE_IMAGE_MPS2", image)
-        .env("PIEZO", &piezo)
-        .run()?;
-    size::check(sh, &piezo)
+        .env("PIEZO", built_piezo(sh)?)
+        .run()?)
 }
 
 fn board(sh: &Shell) -> Result<()> {
@@ -136,7 +152,7 @@ fn board(sh: &Shell) -> Result<()> {
 }
 
 fn browser(sh: &Shell) -> Result<()> {
-    let chrome = tool::chromium()?;
     let by_name = ["checks", "report"].map(|test| format!("--test={test}"));
-    Ok(tests(sh).args(by_name).args(["--", "--nocapture"]).env("CHROME", chrome).run()?)
+    let tests = tests(sh).args(by_name).args(["--", "--nocapture"]);
+    Ok(tests.env("CHROME", tool::chromium()?).env("PIEZO", built_piezo(sh)?).run()?)
 }

@@ -20,10 +20,12 @@
 //! The result is exact and absolute: nothing is summed from tick to tick. Rate-independent. `k_0 > 0` keeps it bounded.
 
 use super::play::play;
-use super::recursion::Recursion;
+use super::{Discretisation, Published, Recursion};
+use crate::admissible::{Inadmissible, within};
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
 
 /// Most elements of the model.
@@ -43,28 +45,35 @@ pub struct MaxwellSlipParameters {
     pub offset_v: f32,
 }
 
-impl MaxwellSlipParameters {
-    /// The rule that the set breaks.
-    pub fn fault(&self) -> Option<&'static str> {
+impl MaxwellSlipParameters {}
+
+impl Published for MaxwellSlipParameters {
+    type Coefficients<T: Real> = MaxwellSlip<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> MaxwellSlip<T> {
+        MaxwellSlip::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
         let (stiffness, saturation) = (&self.stiffness_v_per_um, &self.saturation_v);
         if stiffness.len() != saturation.len() {
-            return Some("saturation_v must be as many as stiffness_v_per_um");
+            return Err("saturation_v must be as many as stiffness_v_per_um");
         }
         let all = stiffness.iter().chain(saturation.iter()).chain([&self.base_stiffness_v_per_um, &self.offset_v]);
         if !all.clone().all(|number| number.is_finite()) {
-            return Some("stiffness_v_per_um, saturation_v, base_stiffness_v_per_um and offset_v must be finite");
+            return Err("stiffness_v_per_um, saturation_v, base_stiffness_v_per_um and offset_v must be finite");
         }
         if stiffness.iter().chain(saturation.iter()).any(|number| *number <= 0.0) {
-            return Some("stiffness_v_per_um and saturation_v must be positive");
+            return Err("stiffness_v_per_um and saturation_v must be positive");
         }
         if self.base_stiffness_v_per_um <= 0.0 {
-            return Some("base_stiffness_v_per_um must be positive");
+            return Err("base_stiffness_v_per_um must be positive");
         }
         let yields = || saturation.iter().zip(stiffness.iter()).map(|(w, k)| w / k);
         if !yields().zip(yields().skip(1)).all(|(a, b)| a < b) || !yields().all(f32::is_finite) {
-            return Some("saturation_v over stiffness_v_per_um must be finite and increase");
+            return Err("saturation_v over stiffness_v_per_um must be finite and increase");
         }
-        None
+        Ok(())
     }
 }
 
@@ -98,7 +107,7 @@ pub struct MaxwellSlipState<T> {
 }
 
 impl<T: Real> MaxwellSlip<T> {
-    /// Coefficients of a set without a [fault](MaxwellSlipParameters::fault). The model has no time in it: the sample
+    /// Coefficients of a set without a [fault](MaxwellSlipParameters::check). The model has no time in it: the sample
     /// period (s) is not used.
     pub fn build(parameters: &MaxwellSlipParameters, _sample_period: T) -> Self {
         let base_stiffness = T::of(parameters.base_stiffness_v_per_um);
@@ -146,6 +155,20 @@ impl<T: Real> MaxwellSlip<T> {
             *block = displacement - theta * element.yield_um;
         }
         state
+    }
+
+    /// What the displacement (µm) can be for voltages of this range (V).
+    ///
+    /// The elements hold back ±ΣW at most, whatever they remember, and the spring takes the rest. The bound is attained
+    /// by [`begin`](Recursion::begin) at an end of the range. Widened by the rounding of the sums, which does not build
+    /// up: a block's error enters the next displacement with weights whose sum is below 1 − k_0/K.
+    pub fn reach(&self, voltage: Range<T>) -> Range<T> {
+        let end = |from: T, sign: T| {
+            let outer = (from - self.offset + sign * self.saturation) * self.base_compliance;
+            let magnitude = from.abs() + self.offset.abs() + self.saturation + outer.abs() / self.compliance;
+            outer + sign * T::of(64.0) * T::epsilon() * magnitude * self.base_compliance
+        };
+        Range { min: end(voltage.min, -T::one()), max: end(voltage.max, T::one()) }
     }
 }
 
@@ -203,19 +226,11 @@ impl<T: Real> Recursion<T> for MaxwellSlip<T> {
         displacement
     }
 
-    /// The elements hold back ±ΣW at most, whatever they remember, and the spring takes the rest. The bound is attained
-    /// by [`begin`](Recursion::begin) at an end of the range. Widened by the rounding of the sums, which does not build
-    /// up: a block's error enters the next displacement with weights whose sum is below 1 − k_0/K.
-    fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
-        let end = |from: T, sign: T| {
-            let outer = (from - self.offset + sign * self.saturation) * self.base_compliance;
-            let magnitude = from.abs() + self.offset.abs() + self.saturation + outer.abs() / self.compliance;
-            outer + sign * T::of(64.0) * T::epsilon() * magnitude * self.base_compliance
-        };
-        Some(Range { min: end(voltage.min, -T::one()), max: end(voltage.max, T::one()) })
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage), limits)
     }
 
-    fn prompt(&self) -> Option<Self> {
+    fn monotone_part(&self) -> Option<Self> {
         Some(*self)
     }
 }

@@ -21,11 +21,13 @@
 //! **Bound.** The clamp, so that a run is bounded whatever the coefficients. A table must also have a stable linear
 //! part.
 
-use super::{Recursion, solve};
+use super::{Discretisation, Published, Recursion, solve};
+use crate::admissible::{Inadmissible, within};
 use crate::extremum::Tracker;
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
 
 /// Most coefficients.
@@ -78,39 +80,6 @@ impl NarxParameters {
             + 1
     }
 
-    /// The rule that the set breaks.
-    pub fn fault(&self) -> Option<&'static str> {
-        let orders = [self.output_order, self.input_order];
-        if orders.iter().any(|order| !(1..=ORDER).contains(&usize::from(*order))) {
-            return Some("output_order and input_order must be from 1 to 3");
-        }
-        if !(1..=DEGREE).contains(&self.degree) {
-            return Some("degree must be from 1 to 3");
-        }
-        let limits = self.limits_um;
-        let others = [self.voltage_centre_v, self.displacement_centre_um, self.deadband_v, limits.min, limits.max];
-        let scales = [self.voltage_scale_v, self.displacement_scale_um];
-        if !others.iter().chain(&scales).chain(self.coefficients.iter()).all(|number| number.is_finite()) {
-            return Some("every parameter must be finite");
-        }
-        if scales.iter().any(|scale| *scale < f32::MIN_POSITIVE || !(1.0 / scale).is_finite()) {
-            return Some("voltage_scale_v and displacement_scale_um must be above 0");
-        }
-        if self.deadband_v < 0.0 {
-            return Some("deadband_v must be at least 0");
-        }
-        if limits.min >= limits.max {
-            return Some("limits_um must rise");
-        }
-        if self.coefficients.len() != self.count() {
-            return Some("coefficients must be as many as the orders, the degree and the inputs have monomials");
-        }
-        if !self.is_stable() {
-            return Some("the linear part must be stable: the roots of its output polynomial inside the unit circle");
-        }
-        None
-    }
-
     /// Jury's criterion for z^r − a1·z^(r−1) − … − a_r, as a cubic: further roots at 0 change nothing. In f32, which the target
     /// has: a root within some 10⁻⁷ of the circle may be taken for either side, and the clamp holds all the same.
     fn is_stable(&self) -> bool {
@@ -120,6 +89,46 @@ impl NarxParameters {
         }
         let [b1, b2, b3] = b;
         1.0 + b1 + b2 + b3 > 0.0 && 1.0 - b1 + b2 - b3 > 0.0 && b3 * b3 < 1.0 && 1.0 - b3 * b3 > (b2 - b1 * b3).abs()
+    }
+}
+
+impl Published for NarxParameters {
+    type Coefficients<T: Real> = Narx<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Narx<T> {
+        Narx::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
+        let orders = [self.output_order, self.input_order];
+        if orders.iter().any(|order| !(1..=ORDER).contains(&usize::from(*order))) {
+            return Err("output_order and input_order must be from 1 to 3");
+        }
+        if !(1..=DEGREE).contains(&self.degree) {
+            return Err("degree must be from 1 to 3");
+        }
+        let limits = self.limits_um;
+        let others = [self.voltage_centre_v, self.displacement_centre_um, self.deadband_v, limits.min, limits.max];
+        let scales = [self.voltage_scale_v, self.displacement_scale_um];
+        if !others.iter().chain(&scales).chain(self.coefficients.iter()).all(|number| number.is_finite()) {
+            return Err("every parameter must be finite");
+        }
+        if scales.iter().any(|scale| *scale < f32::MIN_POSITIVE || !(1.0 / scale).is_finite()) {
+            return Err("voltage_scale_v and displacement_scale_um must be above 0");
+        }
+        if self.deadband_v < 0.0 {
+            return Err("deadband_v must be at least 0");
+        }
+        if limits.min >= limits.max {
+            return Err("limits_um must rise");
+        }
+        if self.coefficients.len() != self.count() {
+            return Err("coefficients must be as many as the orders, the degree and the inputs have monomials");
+        }
+        if !self.is_stable() {
+            return Err("the linear part must be stable: the roots of its output polynomial inside the unit circle");
+        }
+        Ok(())
     }
 }
 
@@ -162,7 +171,7 @@ impl<T: Real> NarxState<T> {
 }
 
 impl<T: Real> Narx<T> {
-    /// The model; its ticks are those of the log it was fitted to. Checks nothing: see [`NarxParameters::fault`].
+    /// The model; its ticks are those of the log it was fitted to. Checks nothing: see [`NarxParameters::check`].
     pub fn build(parameters: &NarxParameters, _sample_period: T) -> Self {
         let p = parameters;
         let voltage_per = T::one() / T::of(p.voltage_scale_v);
@@ -264,6 +273,13 @@ impl<T: Real> Narx<T> {
             next: displacement,
         }
     }
+
+    /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
+    ///
+    /// The limits.
+    pub fn reach(&self, _voltage: Range<T>) -> Option<Range<T>> {
+        (self.limits.min <= self.limits.max).then_some(self.limits)
+    }
 }
 
 impl<T: Real> Recursion<T> for Narx<T> {
@@ -288,13 +304,12 @@ impl<T: Real> Recursion<T> for Narx<T> {
         self.prediction(state)
     }
 
-    /// The limits.
-    fn reach(&self, _voltage: Range<T>) -> Option<Range<T>> {
-        (self.limits.min <= self.limits.max).then_some(self.limits)
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
     /// None: the polynomial need neither rise with the newest voltage nor have stable zeros.
-    fn prompt(&self) -> Option<Self> {
+    fn monotone_part(&self) -> Option<Self> {
         None
     }
 }

@@ -1,9 +1,10 @@
 //! What every model is: a memory that takes a voltage each tick and gives the displacement a tick later.
 
+use crate::admissible::Inadmissible;
 use crate::math::Real;
 use crate::range::Range;
 
-/// A model's per-tick coefficients.
+/// A model's per-tick coefficients. Its memory is a type of its own; [`Running`](super::Running) joins the two.
 pub trait Recursion<T: Real>: Sized {
     /// What it remembers from tick to tick.
     type State: Clone + PartialEq + core::fmt::Debug;
@@ -15,14 +16,25 @@ pub trait Recursion<T: Real>: Sized {
     /// One tick: takes this tick's voltage (V), returns the displacement (µm) a tick later.
     fn step(&self, state: &mut Self::State, voltage: T) -> T;
 
-    /// The displacements (µm) that some sequence of voltages of this range (V) can reach; `None` where the recursion is
-    /// unstable or has no bound.
-    fn reach(&self, voltage: Range<T>) -> Option<Range<T>>;
+    /// Displacements (µm) out of which no sequence of voltages of this range (V) leads: what the model's structure
+    /// can reach, whatever `limits` are; or, where its memory is the displacement itself, `limits` if they are
+    /// proven to hold for every start within them.
+    ///
+    /// # Errors
+    /// The recursion is unstable or has no bound, or the bound is not within `limits`.
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>>;
 
-    /// The model without what no inverse can undo within a tick (a delay, a resonance): its displacement a tick later rises
-    /// with this tick's voltage, but for a jump at a reversal. `None` where it need not; that parameters which bend it make it
-    /// fall is the inverse's to find out.
-    fn prompt(&self) -> Option<Self>;
+    /// The model without delay and resonance, whose displacement a tick later rises with this tick's voltage. `None`
+    /// where the model has no such part. Parameters that bend it until it falls are found by
+    /// [`Inverse::build`](crate::Inverse::build).
+    fn monotone_part(&self) -> Option<Self>;
+
+    /// Replaces the displacement that the memory holds by a measured one (µm), as one-step prediction (Eq. 4.3) does.
+    /// Returns `false`, and changes nothing, where the memory is another: most hysteresis memories do not follow
+    /// from a displacement.
+    fn set_displacement(&self, _state: &mut Self::State, _displacement: T) -> bool {
+        false
+    }
 }
 
 /// A model whose displacement is a weighted sum, with everything else fixed: what variable projection needs.

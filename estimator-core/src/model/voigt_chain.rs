@@ -13,18 +13,18 @@
 //! too (6.2). `g` weighs the voltage at the last reversal, which as in Eq. (5.3) acts through an element's lag, here
 //! the fastest one's. It is of either sign, 0 before the first reversal, and left out where g = 0.
 //!
-//! **Resolution.** With τ = 100 s and 2 kHz, `k` is 5e-6 and a plain `f32` stands still once `k·(V − x)` is below half
-//! a unit in the last place of `x`: with 0.7 V to go at 100 V already. Each `x_i` therefore carries what its last
-//! addition lost into the next (Kahan's compensated sum; two more subtractions and two additions an element and tick).
-//! What remains is the relative rounding of `k`, of the difference and of the product, so that with n elements and no
-//! extremum term `f32` stays within `(n + 16)·2⁻²⁴·(|offset| + Σ gain·max|V|)` of `f64`, for any τ; the tests assert
-//! it over 100 s up to τ = 100 s.
+//! **Resolution.** Every element is a [`Relaxation`], whose compensated sum leaves the relative rounding of `k`, of the
+//! difference and of the product, so that with n elements and no extremum term `f32` stays within
+//! `(n + 16)·2⁻²⁴·(|offset| + Σ gain·max|V|)` of `f64`, for any τ; the tests assert it over 100 s up to τ = 100 s.
 
-use super::{Linear, Recursion};
+use super::relaxation::{Relaxation, Relaxed};
+use super::{Discretisation, Linear, Published, Recursion};
+use crate::admissible::{Inadmissible, within};
 use crate::extremum::Tracker;
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
 
 const ELEMENTS: usize = 20;
@@ -49,56 +49,43 @@ pub struct VoigtChainParameters {
     pub deadband_v: f32,
 }
 
-impl VoigtChainParameters {
-    /// The rule that the set breaks.
-    pub fn fault(&self) -> Option<&'static str> {
+impl Published for VoigtChainParameters {
+    type Coefficients<T: Real> = VoigtChain<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> VoigtChain<T> {
+        VoigtChain::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
         let Self { offset_um, instantaneous_um_per_v, gains_um_per_v: gains, times_s: times, memory_v, .. } = self;
         let sum = gains.iter().fold(*instantaneous_um_per_v, |sum, gain| sum + gain);
         if !(offset_um.is_finite() && sum.is_finite()) {
-            return Some("offset_um, instantaneous_um_per_v and gains_um_per_v must be finite");
+            return Err("offset_um, instantaneous_um_per_v and gains_um_per_v must be finite");
         }
         if gains.is_empty() || gains.len() != times.len() {
-            return Some("gains_um_per_v and times_s must be equally many, at least one");
+            return Err("gains_um_per_v and times_s must be equally many, at least one");
         }
         if *instantaneous_um_per_v < 0.0 || gains.iter().any(|&gain| gain < 0.0) || sum <= 0.0 {
-            return Some("instantaneous_um_per_v and gains_um_per_v must be at least 0 and not all 0");
+            return Err("instantaneous_um_per_v and gains_um_per_v must be at least 0 and not all 0");
         }
         let increasing = times.iter().scan(0.0, |last, &time| Some(core::mem::replace(last, time) < time));
         if !increasing.into_iter().all(|rises| rises) || times.last().is_some_and(|time| time.is_infinite()) {
-            return Some("times_s must be finite and increase from above 0");
+            return Err("times_s must be finite and increase from above 0");
         }
         if !(memory_v.min.is_finite() && memory_v.max.is_finite() && memory_v.min <= memory_v.max) {
-            return Some("memory_v must be a finite range");
+            return Err("memory_v must be a finite range");
         }
         if !(self.voltage_extremum_um_per_v.is_finite() && self.deadband_v.is_finite() && self.deadband_v >= 0.0) {
-            return Some("voltage_extremum_um_per_v and deadband_v must be finite, deadband_v at least 0");
+            return Err("voltage_extremum_um_per_v and deadband_v must be finite, deadband_v at least 0");
         }
-        None
+        Ok(())
     }
 }
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Element<T> {
     gain: T,
-    /// k, the part of the way to the voltage that a tick covers.
-    fraction: T,
-}
-
-/// A voltage that an element remembers, V, with what its last addition lost: the two together are `value − lost`.
-#[derive(Clone, Copy, PartialEq, Debug)]
-struct Compensated<T> {
-    value: T,
-    lost: T,
-}
-
-impl<T: Real> Compensated<T> {
-    #[inline]
-    fn approach(&mut self, target: T, fraction: T) {
-        let addend = (target - self.value) * fraction - self.lost;
-        let sum = self.value + addend;
-        self.lost = (sum - self.value) - addend;
-        self.value = sum;
-    }
+    relaxation: Relaxation<T>,
 }
 
 /// Per-tick coefficients of the chain.
@@ -109,9 +96,8 @@ pub struct VoigtChain<T> {
     instantaneous: T,
     elements: [Element<T>; ELEMENTS],
     static_gain: T,
-    inverse_tick_gain: T,
     memory: Range<T>,
-    /// g, with the fastest element's k.
+    /// g, with the fastest element's lag.
     extremum: Element<T>,
     deadband: T,
 }
@@ -120,23 +106,22 @@ pub struct VoigtChain<T> {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct VoigtChainState<T> {
     voltage: T,
-    elements: [Compensated<T>; ELEMENTS],
-    extremum: Compensated<T>,
+    elements: [Relaxed<T>; ELEMENTS],
+    extremum: Relaxed<T>,
     tracker: Tracker<T>,
 }
 
 impl<T: Real> VoigtChain<T> {
-    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`VoigtChainParameters::fault`].
+    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`VoigtChainParameters::check`].
     pub fn build(parameters: &VoigtChainParameters, sample_period: T) -> Self {
         let p = parameters;
-        let mut elements = [Element { gain: T::zero(), fraction: T::zero() }; ELEMENTS];
+        let relaxation = |time: f32| Relaxation::build(T::of(time), sample_period);
+        let fastest = relaxation(p.times_s.first().copied().unwrap_or(1.0));
+        let mut elements = [Element { gain: T::zero(), relaxation: fastest }; ELEMENTS];
         let mut static_gain = T::of(p.instantaneous_um_per_v);
-        let mut tick_gain = static_gain;
         for (element, (&gain, &time)) in elements.iter_mut().zip(p.gains_um_per_v.iter().zip(p.times_s.iter())) {
-            let fraction = -(-sample_period / T::of(time)).exp_m1();
-            *element = Element { gain: T::of(gain), fraction };
+            *element = Element { gain: T::of(gain), relaxation: relaxation(time) };
             static_gain = static_gain + element.gain;
-            tick_gain = tick_gain + element.gain * fraction;
         }
         Self {
             count: p.gains_um_per_v.len().min(p.times_s.len()),
@@ -144,12 +129,8 @@ impl<T: Real> VoigtChain<T> {
             instantaneous: T::of(p.instantaneous_um_per_v),
             elements,
             static_gain,
-            inverse_tick_gain: if tick_gain > T::zero() { T::one() / tick_gain } else { T::zero() },
             memory: p.memory_v.of(),
-            extremum: Element {
-                gain: T::of(p.voltage_extremum_um_per_v),
-                fraction: elements.first().map_or(T::zero(), |element| element.fraction),
-            },
+            extremum: Element { gain: T::of(p.voltage_extremum_um_per_v), relaxation: fastest },
             deadband: T::of(p.deadband_v),
         }
     }
@@ -159,21 +140,23 @@ impl<T: Real> VoigtChain<T> {
         self.static_gain
     }
 
-    /// The inverse: the voltage (V) of this range whose tick brings the displacement (µm) there, or nearest to it. With
-    /// an extremum term that is so unless this very tick reveals a reversal.
-    pub fn voltage_for(&self, state: &VoigtChainState<T>, displacement: T, voltage: Range<T>) -> T {
-        let mut remaining = displacement - self.offset;
-        for (element, x) in self.used().zip(&state.elements) {
-            remaining = remaining - element.gain * (x.value - x.value * element.fraction);
-        }
-        let mut extremum = state.extremum;
-        extremum.approach(state.tracker.last().voltage, self.extremum.fraction);
-        remaining = remaining - self.extremum.gain * extremum.value;
-        voltage.clamp(remaining * self.inverse_tick_gain)
-    }
-
     fn used(&self) -> impl DoubleEndedIterator<Item = &Element<T>> + ExactSizeIterator {
         self.elements.get(..self.count).unwrap_or(&self.elements).iter()
+    }
+
+    /// What the displacement (µm) can be for voltages of this range (V).
+    ///
+    /// Every `x` is a mean of voltages that were applied or remembered at the start, and every gain is at least 0;
+    /// `x_e` is one of 0 and voltages that were applied, and g of either sign.
+    pub fn reach(&self, voltage: Range<T>) -> Range<T> {
+        let remembered = voltage.hull(self.memory);
+        let (slow, at_once) = (self.static_gain - self.instantaneous, self.instantaneous);
+        let reversals = voltage.include(T::zero());
+        let extremum = Range::of_values([reversals.min, reversals.max].map(|at| self.extremum.gain * at));
+        Range {
+            min: self.offset + at_once * voltage.min + slow * remembered.min + extremum.min,
+            max: self.offset + at_once * voltage.max + slow * remembered.max + extremum.max,
+        }
     }
 }
 
@@ -184,20 +167,19 @@ impl<T: Real> Recursion<T> for VoigtChain<T> {
     /// has not finished: the slowest element takes the difference as far as `memory_v` lets it, the next slowest what
     /// is left, and so on.
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
-        let rested = Compensated { value: voltage, lost: T::zero() };
-        let extremum = Compensated { value: T::zero(), lost: T::zero() };
-        let tracker = Tracker::new(self.deadband);
-        let mut state = VoigtChainState { voltage, elements: [rested; ELEMENTS], extremum, tracker };
-        let Some(displacement) = displacement else { return state };
-        let memory = Range {
-            min: if voltage < self.memory.min { voltage } else { self.memory.min },
-            max: if voltage > self.memory.max { voltage } else { self.memory.max },
+        let mut state = VoigtChainState {
+            voltage,
+            elements: [Relaxed::at(voltage); ELEMENTS],
+            extremum: Relaxed::at(T::zero()),
+            tracker: Tracker::new(self.deadband),
         };
+        let Some(displacement) = displacement else { return state };
+        let memory = self.memory.include(voltage);
         let mut remaining = displacement - self.offset - self.static_gain * voltage;
         let used = state.elements.get_mut(..self.count).unwrap_or_default();
         for (element, x) in self.used().zip(used).rev() {
             if element.gain > T::zero() {
-                x.value = memory.clamp(voltage + remaining / element.gain);
+                *x = Relaxed::at(memory.clamp(voltage + remaining / element.gain));
                 remaining = remaining - element.gain * (x.value - voltage);
             }
         }
@@ -214,23 +196,11 @@ impl<T: Real> Recursion<T> for VoigtChain<T> {
         displacement + self.extremum.gain * state.extremum.value
     }
 
-    /// Every `x` is a mean of voltages that were applied or remembered at the start, and every gain is at least 0;
-    /// `x_e` is one of 0 and voltages that were applied, and g of either sign.
-    fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
-        let min = if voltage.min < self.memory.min { voltage.min } else { self.memory.min };
-        let max = if voltage.max > self.memory.max { voltage.max } else { self.memory.max };
-        let (slow, at_once) = (self.static_gain - self.instantaneous, self.instantaneous);
-        let zero = T::zero();
-        let low = self.extremum.gain * if voltage.min < zero { voltage.min } else { zero };
-        let high = self.extremum.gain * if voltage.max > zero { voltage.max } else { zero };
-        let (low, high) = if low < high { (low, high) } else { (high, low) };
-        Some(Range {
-            min: self.offset + at_once * voltage.min + slow * min + low,
-            max: self.offset + at_once * voltage.max + slow * max + high,
-        })
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage), limits)
     }
 
-    fn prompt(&self) -> Option<Self> {
+    fn monotone_part(&self) -> Option<Self> {
         Some(*self)
     }
 }
@@ -242,12 +212,12 @@ impl<T: Real> Linear<T> for VoigtChain<T> {
     fn advance(&self, state: &mut Self::State, voltage: T) {
         state.voltage = voltage;
         for (element, x) in self.used().zip(&mut state.elements) {
-            x.approach(voltage, element.fraction);
+            element.relaxation.step(x, voltage);
         }
         if self.extremum.gain != T::zero() {
             // Only the voltage of a reversal is asked for.
             state.tracker.update(voltage, T::zero());
-            state.extremum.approach(state.tracker.last().voltage, self.extremum.fraction);
+            self.extremum.relaxation.step(&mut state.extremum, state.tracker.last().voltage);
         }
     }
 

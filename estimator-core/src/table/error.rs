@@ -2,12 +2,13 @@
 
 use crate::admissible::Inadmissible;
 use crate::inverse::NoInverse;
-use core::fmt;
+use crate::rule::Rule;
 
 /// Why a parameter table was refused; each cause has its own variant.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum TableError {
     /// The record ends before its own length says.
+    #[error("truncated: {have} of {need} bytes")]
     Truncated {
         /// Bytes the record needs.
         need: usize,
@@ -15,8 +16,10 @@ pub enum TableError {
         have: usize,
     },
     /// The first four bytes are not a record's: an erased page, or something else.
+    #[error("not a parameter table (the page may be erased)")]
     NotATable,
     /// A record of another format version. It is refused, never guessed.
+    #[error("format version {found}, this software reads version {read}: make the table again with `piezo emit`")]
     Version {
         /// The record's version.
         found: u16,
@@ -24,6 +27,7 @@ pub enum TableError {
         read: u16,
     },
     /// The checksum does not match: corrupt.
+    #[error("corrupt: checksum {stored:08x} stored, {computed:08x} computed")]
     Checksum {
         /// What the record says.
         stored: u32,
@@ -31,51 +35,24 @@ pub enum TableError {
         computed: u32,
     },
     /// The checksum matches, but the payload is no table of this version.
+    #[error("checksum right, but the content is no table of this version")]
     Payload,
     /// A number is NaN or infinite.
+    #[error("{field} is not a finite number")]
     NonFinite {
         /// Which.
         field: &'static str,
     },
     /// A number breaks a rule.
+    #[error("{rule}")]
     OutOfRange {
         /// Which, in words.
-        rule: &'static str,
+        rule: Rule,
     },
-    /// The parameters overflow at the ends of the voltage range or at the displacement limits.
-    Overflow,
     /// Unstable or unbounded.
-    Inadmissible(Inadmissible),
+    #[error("not admissible: {0}")]
+    Inadmissible(#[from] Inadmissible),
     /// It is to drive the amplifier, and has no inverse to do so.
+    #[error("it cannot drive the amplifier: {0}")]
     Drive(NoInverse),
 }
-
-impl From<Inadmissible> for TableError {
-    fn from(error: Inadmissible) -> Self {
-        Self::Inadmissible(error)
-    }
-}
-
-impl fmt::Display for TableError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Truncated { need, have } => write!(f, "truncated: {have} of {need} bytes"),
-            Self::NotATable => write!(f, "not a parameter table (the page may be erased)"),
-            Self::Version { found, read } => write!(
-                f,
-                "format version {found}, this software reads version {read}: make the table again with `piezo emit`"
-            ),
-            Self::Checksum { stored, computed } => {
-                write!(f, "corrupt: checksum {stored:08x} stored, {computed:08x} computed")
-            }
-            Self::Payload => write!(f, "checksum right, but the content is no table of this version"),
-            Self::NonFinite { field } => write!(f, "{field} is not a finite number"),
-            Self::OutOfRange { rule } => write!(f, "{rule}"),
-            Self::Overflow => write!(f, "the parameters overflow within the voltage range or the displacement limits"),
-            Self::Inadmissible(cause) => write!(f, "not admissible: {cause}"),
-            Self::Drive(cause) => write!(f, "it cannot drive the amplifier: {cause}"),
-        }
-    }
-}
-
-impl core::error::Error for TableError {}

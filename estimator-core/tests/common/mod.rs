@@ -20,13 +20,11 @@ pub const VOIGT: VoigtParameters = VoigtParameters {
 
 pub fn table() -> Table {
     Table {
-        model: Model::Voigt,
         sample_period_us: 500,
         scheme: Scheme::ForwardEuler,
         deadband_v: 0.0,
         voltage_zero_v: 0.0,
         displacement_zero_um: 0.0,
-        form: Form::Direct,
         voltage_range_v: Range { min: -20.0, max: 20.0 },
         displacement_limits_um: Range { min: -6.0, max: 6.0 },
         parameters: Parameters::Voigt(VOIGT),
@@ -50,12 +48,12 @@ pub fn any_table() -> impl Strategy<Value = Table> {
     let extrema = (0usize..4, -0.4f32..0.4, 0.0f32..2.0, -0.4f32..0.4, 0.0f32..2.0);
     let signal = (-30.0f32..30.0, 0.5f32..60.0, 0.0f32..1.0, -100.0f32..100.0, -100.0f32..100.0);
     let codes = (any::<bool>(), any::<bool>(), -5000.0f32..5000.0, 3u16..);
-    let form = (any::<bool>(), any::<bool>(), prop_oneof![Just(500u32), 10u32..10_000]);
-    (drive, extrema, signal, codes, form).prop_map(
-        |((rate, p, lambda, beta), (model, g, h, e, f), signal, (invert, dac_invert, offset, full), form)| {
-            let (zoh, tabulated, sample_period_us) = form;
+    let tick = (any::<bool>(), prop_oneof![Just(500u32), 10u32..10_000]);
+    (drive, extrema, signal, codes, tick).prop_map(
+        |((rate, p, lambda, beta), (model, g, h, e, f), signal, (invert, dac_invert, offset, full), tick)| {
+            let (zoh, sample_period_us) = tick;
             let (low, span, deadband, v0, y0) = signal;
-            let model = Model::ALL[model];
+            let model = Model::VOIGT_FAMILY[model];
             let high = low + span;
             // The rate at the range's middle, and a static displacement of ±5 µm or so at its ends.
             let rate = 10f32.powf(rate);
@@ -70,26 +68,27 @@ pub fn any_table() -> impl Strategy<Value = Table> {
                 (0.0, 0.0)
             };
             Table {
-                model,
                 sample_period_us,
                 scheme: if zoh { Scheme::ZeroOrderHold } else { Scheme::ForwardEuler },
                 deadband_v: deadband * span * 0.1,
                 voltage_zero_v: v0,
                 displacement_zero_um: y0,
-                form: if tabulated { Form::Tabulated { error_bound_um: 0.1 } } else { Form::Direct },
                 voltage_range_v: Range { min: low, max: high },
                 displacement_limits_um: Range { min: -30.0, max: 30.0 },
-                parameters: Parameters::Voigt(VoigtParameters {
-                    alpha_um: 1e6 * (2.0 + middle + 1.0 / middle) / (rate * lambda * b),
-                    beta_v: beta,
-                    lambda_per_v: lambda,
-                    b_ohm: b,
-                    p,
-                    g_um_per_s: g,
-                    h,
-                    e_m_per_s: e,
-                    f,
-                }),
+                parameters: Parameters::of_voigt_family(
+                    model,
+                    VoigtParameters {
+                        alpha_um: 1e6 * (2.0 + middle + 1.0 / middle) / (rate * lambda * b),
+                        beta_v: beta,
+                        lambda_per_v: lambda,
+                        b_ohm: b,
+                        p,
+                        g_um_per_s: g,
+                        h,
+                        e_m_per_s: e,
+                        f,
+                    },
+                ),
                 adc: AdcCalibration {
                     gain_v_per_code: 1.2 * span / f32::from(full),
                     offset_v: v0 + if invert { high + 0.1 * span } else { low - 0.1 * span },

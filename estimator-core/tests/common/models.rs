@@ -1,6 +1,6 @@
 //! A table of every model, over −20 … 80 V, as long as a record of it may be.
 
-use super::table;
+use super::{VOIGT, table};
 use estimator_core::model::{CELLS, ELEMENTS};
 use estimator_core::*;
 
@@ -8,7 +8,7 @@ fn list<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> List<N> {
     List::collect(numbers).expect("no more than fit")
 }
 
-/// Parameters of the models beyond the Voigt family.
+/// Parameters of a model.
 pub fn parameters(model: Model) -> Parameters {
     let memory_v = Range { min: -20.0, max: 80.0 };
     match model {
@@ -78,21 +78,25 @@ pub fn parameters(model: Model) -> Parameters {
             coefficients: list((0..39).map(|i| if i == 0 { 0.5 } else { 0.01 })),
             limits_um: Range { min: -20.0, max: 30.0 },
         }),
-        Model::Champion => Parameters::Champion(ChampionParameters {
-            span_v: memory_v,
-            delay_ticks: 1.4,
-            slew_v_per_s: 30_000.0,
-            lag_s: 1e-3,
-            half_widths_v: list((0..10).map(|i| 4.0 * i as f32)),
-            resonance_hz: 400.0,
-            damping: 0.05,
-            weights_um: list((0..30).map(|i| if i < 3 { 3.0 } else { 0.2 })),
-            creep_times_s: list([0.01, 0.1, 1.0, 10.0]),
-            creep_um_per_v: list([0.002; 4]),
-            curvature_per_um: -0.005,
-            offset_um: -2.0,
-        }),
-        Model::Voigt | Model::VoltageExtremum | Model::DisplacementExtremum | Model::Enhanced => table().parameters,
+        Model::GeneralisedPrandtlIshlinskii => {
+            Parameters::GeneralisedPrandtlIshlinskii(GeneralisedPrandtlIshlinskiiParameters {
+                span_v: memory_v,
+                delay_ticks: 1.4,
+                slew_v_per_s: 30_000.0,
+                lag_s: 1e-3,
+                half_widths_v: list((0..10).map(|i| 4.0 * i as f32)),
+                resonance_hz: 400.0,
+                damping: 0.05,
+                weights_um: list((0..30).map(|i| if i < 3 { 3.0 } else { 0.2 })),
+                creep_times_s: list([0.01, 0.1, 1.0, 10.0]),
+                creep_um_per_v: list([0.002; 4]),
+                curvature_per_um: -0.005,
+                offset_um: -2.0,
+            })
+        }
+        Model::Voigt | Model::VoltageExtremum | Model::DisplacementExtremum | Model::Enhanced => {
+            Parameters::of_voigt_family(model, VOIGT)
+        }
     }
 }
 
@@ -106,10 +110,9 @@ pub const DRIVE: DriveCalibration = DriveCalibration {
 /// A table of a model; those beyond the Voigt family as long as they may be.
 pub fn table_of(model: Model) -> Table {
     if model.is_voigt() {
-        return Table { model, ..table() };
+        return Table { parameters: parameters(model), ..table() };
     }
     Table {
-        model,
         voltage_range_v: Range { min: -20.0, max: 80.0 },
         displacement_limits_um: Range { min: -60.0, max: 90.0 },
         parameters: parameters(model),

@@ -40,9 +40,9 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, Peri, bind_interrupts, dma, flash, interrupt, rcc};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::AdcCode;
-use firmware::peripherals::TICK_HZ;
-use firmware::run::TELEMETRY;
-use firmware::{Converters, Peripherals, Tick, last_words};
+use estimator_core::table::Board;
+use firmware::rate::{TICK_HZ, TICK_US};
+use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words};
 use protocol::{BAUD, ResetCause};
 use static_cell::ConstStaticCell;
 
@@ -65,8 +65,8 @@ impl Handler<LPUART1Interrupt> for LineErrors {
 }
 
 const CORE_HZ: u32 = 170_000_000;
-/// Sixteen conversions of 12 bits, added up.
-const CONVERTERS: Converters = Converters { adc_full_scale: 16 * 4095, dac_full_scale: 4095 };
+/// The ADC adds up sixteen conversions of 12 bits.
+const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: 16 * 4095, dac_full_scale: 4095 };
 /// From the trigger to the interrupt, cycles, and a little for its entry: sixteen times 60 clocks of the ADC, each four of
 /// the core's.
 const CONVERSION: u32 = 16 * 60 * 4 + 100;
@@ -87,6 +87,8 @@ struct Armed {
     marker: Output<'static>,
 }
 
+/// What the tick leaves for others to read.
+static TELEMETRY: Telemetry = Telemetry::new();
 /// On its way there.
 static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
 /// Flash words that could not be corrected.
@@ -140,19 +142,26 @@ async fn main(_spawner: Spawner) {
     let pages = addr_of!(__parameters_start) as u32 - flash_start..addr_of!(__parameters_end) as u32 - flash_start;
     let (tim6, dac1, dma, pa0) = (p.TIM6, p.DAC1, p.DMA1_CH2, p.PA0);
     let marker = Output::new(p.PA8, Level::Low, Speed::High);
-    let board = Peripherals {
-        board: "nucleo-g474re",
-        converters: CONVERTERS,
+    let facts = Facts {
+        name: "nucleo-g474re",
+        interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
+        reset,
+        supply_mv: Some(supply_mv),
+        supply_good: supply_mv.abs_diff(SUPPLY_MV) <= SUPPLY_TOLERANCE_MV,
+        flash_errors: || FLASH_ERRORS.load(Relaxed),
+        line_errors: || LINE_ERRORS.load(Relaxed),
+    };
+    let board = Peripherals {
+        facts,
+        // SAFETY: once, before the tick and every task.
+        last_words: unsafe { last_words::take() },
         receiver,
         transmitter,
         flash: Flash::new(p.FLASH, Irqs),
         pages,
-        reset,
-        supply_mv: Some(supply_mv),
-        supply_good: supply_mv.abs_diff(SUPPLY_MV) <= SUPPLY_TOLERANCE_MV,
         feed_watchdog: || watchdog.pet(),
-        start: |tick| {
+        start: |tick: Tick<'static>| {
             // Before the converters listen: loading the prescaler is a trigger too.
             let timer = trigger(tim6);
             // The pin, analogue since reset, stays high-impedance until the output register holds the safe code: the driver
@@ -172,12 +181,10 @@ async fn main(_spawner: Spawner) {
             // Dropped, it would stop.
             core::mem::forget(timer);
         },
-        flash_errors: || FLASH_ERRORS.load(Relaxed),
-        line_errors: || LINE_ERRORS.load(Relaxed),
-        restart: || SCB::sys_reset(),
     };
-    match firmware::run(board).await {
-        Ok(never) => match never {},
+    static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
+    match firmware::run(board, RESOURCES.take(), &TELEMETRY).await {
+        Ok(()) => SCB::sys_reset(),
         Err(error) => panic!("{error}"),
     }
 }

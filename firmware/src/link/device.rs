@@ -1,20 +1,19 @@
 //! What the device answers to a request.
 
-use crate::boot::{self, TICK_US};
-use crate::peripherals::Converters;
+use crate::boot;
+use crate::facts::Facts;
+use crate::queues::{Command, LinkQueues};
 use crate::table::TABLE;
 use crate::telemetry::Telemetry;
-use crate::tick::{Command, Numbered};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_time::{Duration, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::record::{MAX_LENGTH, VERSION, checksum};
+use estimator_core::table::Board;
 use estimator_core::{AdcCode, Admitted};
-use heapless::spsc::{Consumer, Producer};
 use parameter_store::ParameterStore;
 use protocol::{
-    Codes, Faults, Health, Identity, Mode, Record, References, Refusal, Reply, Request, ResetCause, TableSource, Text,
-    text,
+    Codes, Faults, Health, Identity, Mode, Record, References, Refusal, Reply, Request, TableSource, Text, text,
 };
 
 /// How long a change of mode may take; it happens at the next tick.
@@ -22,23 +21,9 @@ const OBEYED: Duration = Duration::from_millis(20);
 const POLL: Duration = Duration::from_micros(250);
 
 /// All that requests are about.
-pub struct Device<F: NorFlash> {
-    /// The board's name.
-    pub board: &'static str,
-    /// Its converters.
-    pub converters: Converters,
-    /// Counts of its cycle counter from tick to tick.
-    pub cycles_per_tick: u32,
-    /// Why it started.
-    pub reset: ResetCause,
-    /// Analogue supply at boot, mV.
-    pub supply_mv: Option<u16>,
-    /// Uncorrectable flash words met so far.
-    pub flash_errors: fn() -> u32,
-    /// Errors of the serial line that its driver does not report by itself.
-    pub line_errors: fn() -> u32,
-    /// Starts the board again.
-    pub restart: fn() -> !,
+pub struct Device<'q, F: NorFlash> {
+    /// What the board says of itself.
+    pub facts: Facts,
     /// The table in use.
     pub table: Option<Admitted>,
     /// Where it comes from.
@@ -48,22 +33,16 @@ pub struct Device<F: NorFlash> {
     /// The parameter store.
     pub store: ParameterStore<F>,
     /// What the tick leaves to read.
-    pub telemetry: &'static Telemetry,
-    /// To the tick.
-    pub commands: Producer<'static, Command>,
-    /// To the tick, in [`Mode::Pil`].
-    pub feed: Producer<'static, AdcCode>,
-    /// To the tick, in [`Mode::Follow`].
-    pub refer: Producer<'static, f32>,
-    /// From the tick.
-    pub samples: Consumer<'static, Numbered>,
+    pub telemetry: &'q Telemetry,
+    /// What the tick is handed and hands back.
+    pub queues: LinkQueues<'q>,
     /// Frames refused so far.
     pub frames_refused: u32,
     /// Errors of the serial line that its driver has reported so far.
     pub read_errors: u32,
 }
 
-impl<F: NorFlash> Device<F> {
+impl<F: NorFlash> Device<'_, F> {
     /// Does what is asked. A reset is left to the caller, after the reply.
     pub async fn answer(&mut self, request: Request) -> Reply {
         let done = match request {
@@ -71,7 +50,7 @@ impl<F: NorFlash> Device<F> {
             Request::Health => return Reply::Health(self.health()),
             Request::Pull => return self.record().map_or(Reply::Refused(Refusal::NoTable), Reply::Table),
             Request::Feed(codes) => return self.feed(&codes),
-            Request::Refer { references, go, stay } => return self.refer(&references, go, stay),
+            Request::Refer { references, go, hold } => return self.refer(&references, go, hold),
             Request::Push { record, while_estimating, rewired } => self.push(&record, while_estimating, rewired).await,
             Request::Erase { while_estimating, rewired } => self.erase(while_estimating, rewired).await,
             Request::SetMode(mode) => self.set_mode(mode).await,
@@ -90,16 +69,17 @@ impl<F: NorFlash> Device<F> {
     }
 
     fn identity(&self) -> Identity {
+        let Board { tick_us, adc_full_scale, dac_full_scale } = self.facts.interface;
         Identity {
-            board: text(self.board),
+            board: text(self.facts.name),
             firmware: text(env!("CARGO_PKG_VERSION")),
             git: text(env!("GIT_COMMIT")),
             record_version: VERSION,
-            tick_us: TICK_US,
-            adc_full_scale: self.converters.adc_full_scale,
-            dac_full_scale: self.converters.dac_full_scale,
+            tick_us,
+            adc_full_scale,
+            dac_full_scale,
             source: self.source.clone(),
-            model: self.table.map_or_else(Text::new, |table| text(table.model)),
+            model: self.table.map_or_else(Text::new, |table| text(table.model())),
             table_crc: self.record().and_then(|record| checksum(&record)).unwrap_or(0),
         }
     }
@@ -111,11 +91,11 @@ impl<F: NorFlash> Device<F> {
             ticks: telemetry.ticks.load(Relaxed),
             faults: telemetry.faults(),
             faults_seen: telemetry.faults_seen(),
-            reset: self.reset,
+            reset: self.facts.reset,
             last_words: self.last_words.clone(),
             cycles_last: telemetry.cycles_last.load(Relaxed),
             cycles_max: telemetry.cycles_max.load(Relaxed),
-            cycles_period: self.cycles_per_tick,
+            cycles_period: self.facts.cycles_per_tick,
             missed: telemetry.missed.load(Relaxed),
             adc_saturated: telemetry.adc_saturated.load(Relaxed),
             voltage_out_of_range: telemetry.voltage_out_of_range.load(Relaxed),
@@ -124,9 +104,9 @@ impl<F: NorFlash> Device<F> {
             out_of_reach: telemetry.out_of_reach.load(Relaxed),
             samples_dropped: telemetry.dropped.load(Relaxed),
             frames_refused: self.frames_refused,
-            line_errors: (self.line_errors)().wrapping_add(self.read_errors),
-            flash_errors: (self.flash_errors)(),
-            supply_mv: self.supply_mv,
+            line_errors: (self.facts.line_errors)().wrapping_add(self.read_errors),
+            flash_errors: (self.facts.flash_errors)(),
+            supply_mv: self.facts.supply_mv,
         }
     }
 
@@ -144,7 +124,7 @@ impl<F: NorFlash> Device<F> {
     }
 
     async fn push(&mut self, record: &[u8], while_estimating: bool, rewired: bool) -> Result<(), Refusal> {
-        let table = boot::parse(record, self.converters).map_err(Refusal::Table)?;
+        let table = boot::parse(record, &self.facts.interface).map_err(Refusal::Table)?;
         self.may_rewire(table.drive.is_some(), rewired)?;
         self.may_write(while_estimating)?;
         self.store.store(record).await.map_err(|error| Refusal::Store(text(error)))
@@ -168,7 +148,7 @@ impl<F: NorFlash> Device<F> {
 
     fn set_zero(&mut self) -> Result<(), Refusal> {
         if self.table.is_some() && self.telemetry.mode() == Mode::Estimate {
-            self.commands.enqueue(Command::SetZero).map_err(|_| Refusal::Busy)
+            self.queues.commands.enqueue(Command::SetZero).map_err(|_| Refusal::Busy)
         } else {
             Err(Refusal::NotEstimating)
         }
@@ -181,7 +161,7 @@ impl<F: NorFlash> Device<F> {
     /// Streaming starts with samples of now and ends with the change of mode.
     fn stream(&mut self, on: bool) {
         self.telemetry.streaming.store(false, Relaxed);
-        while self.samples.dequeue().is_some() {}
+        while self.queues.samples.dequeue().is_some() {}
         self.telemetry.streaming.store(on, Relaxed);
     }
 
@@ -193,7 +173,7 @@ impl<F: NorFlash> Device<F> {
             return Err(Refusal::Faulty);
         }
         let epoch = self.telemetry.epoch.load(Relaxed);
-        self.commands.enqueue(Command::SetMode(mode)).map_err(|_| Refusal::Busy)?;
+        self.queues.commands.enqueue(Command::SetMode(mode)).map_err(|_| Refusal::Busy)?;
         for _ in 0..OBEYED.as_ticks() / POLL.as_ticks() {
             if self.telemetry.epoch.load(Relaxed) != epoch {
                 self.stream(false);
@@ -208,22 +188,23 @@ impl<F: NorFlash> Device<F> {
         if self.telemetry.mode() != Mode::Pil {
             return Reply::Refused(Refusal::NotPil);
         }
-        let room = codes.iter().take_while(|&&code| self.feed.enqueue(AdcCode(code)).is_ok()).count();
+        let room = codes.iter().take_while(|&&code| self.queues.fed.enqueue(AdcCode(code)).is_ok()).count();
         // At most 64.
         Reply::Fed(room as u16)
     }
 
-    fn refer(&mut self, references: &References, go: bool, stay: bool) -> Reply {
+    fn refer(&mut self, references: &References, go: bool, hold: bool) -> Reply {
         if self.telemetry.mode() != Mode::Follow {
             return Reply::Refused(Refusal::NotFollowing);
         }
         if !references.iter().all(|reference| reference.is_finite()) {
             return Reply::Refused(Refusal::NotFinite);
         }
-        if go && self.commands.enqueue(Command::Go { stay }).is_err() {
+        if go && self.queues.commands.enqueue(Command::Go { hold }).is_err() {
             return Reply::Refused(Refusal::Busy);
         }
-        let room = references.iter().take_while(|&&reference| self.refer.enqueue(reference).is_ok()).count();
+        let room =
+            references.iter().take_while(|&&reference| self.queues.references.enqueue(reference).is_ok()).count();
         // At most 64.
         Reply::Referred { taken: room as u16, starved: self.telemetry.starved.load(Relaxed) }
     }

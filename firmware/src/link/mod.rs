@@ -7,6 +7,7 @@ mod device;
 
 pub use device::Device;
 
+use core::ops::ControlFlow;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::select::{Either, select};
 use embassy_futures::yield_now;
@@ -23,26 +24,30 @@ const PACE: Duration = Duration::from_millis(4);
 const DRAIN: Duration = Duration::from_millis(10);
 
 /// The link over a serial line.
-pub struct Link<R, W, F: NorFlash> {
-    device: Device<F>,
+pub struct Link<'q, R, W, F: NorFlash> {
+    device: Device<'q, F>,
     receiver: R,
     transmitter: W,
     deframer: Deframer,
     frame: [u8; MAX_FRAME],
 }
 
-impl<R: Read, W: Write, F: NorFlash> Link<R, W, F> {
+impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
     /// A link for a device.
-    pub fn new(device: Device<F>, receiver: R, transmitter: W) -> Self {
+    pub fn new(device: Device<'q, F>, receiver: R, transmitter: W) -> Self {
         Self { device, receiver, transmitter, deframer: Deframer::new(), frame: [0; MAX_FRAME] }
     }
 
-    /// Serves it for ever.
-    pub async fn serve(mut self) -> core::convert::Infallible {
+    /// Serves it until it is asked to restart the device.
+    pub async fn serve(mut self) {
         let mut bytes = [0; 64];
         loop {
             match select(self.receiver.read(&mut bytes), Timer::after(PACE)).await {
-                Either::First(Ok(length)) => self.take(&bytes[..length.min(64)]).await,
+                Either::First(Ok(length)) => {
+                    if self.take(&bytes[..length.min(64)]).await.is_break() {
+                        return;
+                    }
+                }
                 Either::First(Err(_)) => self.device.read_errors = self.device.read_errors.wrapping_add(1),
                 Either::Second(()) => {}
             }
@@ -52,7 +57,8 @@ impl<R: Read, W: Write, F: NorFlash> Link<R, W, F> {
         }
     }
 
-    async fn take(&mut self, bytes: &[u8]) {
+    /// Answers what is in these bytes; breaks off after a request to restart.
+    async fn take(&mut self, bytes: &[u8]) -> ControlFlow<()> {
         for &byte in bytes {
             match self.deframer.push::<ToDevice>(byte) {
                 None => {}
@@ -69,11 +75,12 @@ impl<R: Read, W: Write, F: NorFlash> Link<R, W, F> {
                     self.send(&ToHost::Reply { to: sequence, reply }).await;
                     if reset {
                         Timer::after(DRAIN).await;
-                        (self.device.restart)()
+                        return ControlFlow::Break(());
                     }
                 }
             }
         }
+        ControlFlow::Continue(())
     }
 
     async fn carry(&mut self) {
@@ -86,7 +93,7 @@ impl<R: Read, W: Write, F: NorFlash> Link<R, W, F> {
 
     /// The waiting samples of consecutive ticks, as many as a frame takes.
     fn batch(&mut self) -> Option<Samples> {
-        let queue = &mut self.device.samples;
+        let queue = &mut self.device.queues.samples;
         let first = queue.peek()?.tick;
         let mut batch = Samples { first, samples: heapless::Vec::new() };
         for tick in (0..MAX_BATCH as u32).map(|k| first.wrapping_add(k)) {

@@ -1,16 +1,26 @@
 //! A tick and its other half, on the host.
 #![allow(dead_code, reason = "each test uses its part")]
 
-use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Estimator, Range, Table};
+use estimator_core::table::Board;
+use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, Table};
 use firmware::drive::Drive;
-use firmware::tick::{Command, Numbered, Queues};
-use firmware::{Converters, Telemetry, Tick};
-use heapless::spsc::{Consumer, Producer, Queue};
-use protocol::Faults;
+use firmware::queues::{LinkQueues, Queues};
+use firmware::startup::Startup;
+use firmware::{Facts, Telemetry, Tick};
+use protocol::{Faults, ResetCause};
 
-pub const CONVERTERS: Converters = Converters { adc_full_scale: 65_520, dac_full_scale: 4095 };
 /// Cycles from tick to tick.
 pub const PERIOD: u32 = 85_000;
+pub const FACTS: Facts = Facts {
+    name: "bench",
+    interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
+    cycles_per_tick: PERIOD,
+    reset: ResetCause::WATCHDOG,
+    supply_mv: Some(3301),
+    supply_good: true,
+    flash_errors: || 3,
+    line_errors: || 0,
+};
 pub const SAFE: DacCode = DacCode(252);
 
 pub fn compiled() -> Admitted {
@@ -37,31 +47,20 @@ pub fn driving() -> Admitted {
     Table { drive: Some(drive), ..*compiled() }.admit().expect("the Voigt family has an inverse")
 }
 
-/// The side of the queues that the link has.
+/// What the link has of a tick.
 pub struct Other {
-    pub commands: Producer<'static, Command>,
-    pub feed: Producer<'static, AdcCode>,
-    pub refer: Producer<'static, f32>,
-    pub samples: Consumer<'static, Numbered>,
+    pub queues: LinkQueues<'static>,
     pub telemetry: &'static Telemetry,
 }
 
-/// A tick; `None` has no table.
-pub fn tick(table: Option<&Admitted>, standing: Faults) -> (Tick<'static>, Other) {
-    let (commands, to_commands) = {
-        let (producer, consumer) = Box::leak(Box::new(Queue::<Command, 4>::new())).split();
-        (consumer, producer)
-    };
-    let (feed, fed) = Box::leak(Box::new(Queue::<AdcCode, 256>::new())).split();
-    let (refer, references) = Box::leak(Box::new(Queue::<f32, 256>::new())).split();
-    let (to_link, samples) = Box::leak(Box::new(Queue::<Numbered, 256>::new())).split();
+/// A tick with further faults since boot; `None` has no table.
+pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, Other) {
+    let (tick_queues, queues) = Box::leak(Box::new(Queues::new())).split();
     let telemetry: &'static Telemetry = Box::leak(Box::new(Telemetry::new()));
-    let estimator = table.map(|table| Estimator::new(table, None).expect("a direct table needs no lookup"));
-    let queues = Queues { commands, fed, references, samples: to_link };
-    let drive = table.and_then(Drive::new);
+    let start = Startup::new(table, &FACTS, false);
     let safe = table.and_then(Drive::rest).unwrap_or(SAFE);
-    let tick = Tick::new(estimator, drive, safe, CONVERTERS, queues, telemetry, PERIOD, standing);
-    (tick, Other { commands: to_commands, feed, refer, samples, telemetry })
+    let startup = Startup { safe, faults: start.faults | faults, ..start };
+    (Tick::new(startup, &FACTS, tick_queues, telemetry), Other { queues, telemetry })
 }
 
 /// A code that goes up and down over most of the range.

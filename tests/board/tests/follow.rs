@@ -18,15 +18,15 @@ fn list<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> List<N> {
 }
 
 /// The device's table with another model, driving an amplifier of 0 … 4 V.
-fn driving(table: &Admitted, model: Model, parameters: Parameters) -> Result<Admitted> {
+fn driving(table: &Admitted, parameters: Parameters) -> Result<Admitted> {
     let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
     let limits = Range { min: -50.0, max: 100.0 };
-    let table = Table { model, parameters, displacement_limits_um: limits, drive: Some(drive), ..**table };
+    let table = Table { parameters, displacement_limits_um: limits, drive: Some(drive), ..**table };
     Ok(table.admit()?)
 }
 
-fn champion() -> Parameters {
-    Parameters::Champion(ChampionParameters {
+fn generalised_prandtl_ishlinskii() -> Parameters {
+    Parameters::GeneralisedPrandtlIshlinskii(GeneralisedPrandtlIshlinskiiParameters {
         span_v: Range { min: -0.18, max: 3.78 },
         delay_ticks: 0.6,
         slew_v_per_s: 300.0,
@@ -83,7 +83,7 @@ fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
     let mut sent = 0;
     while sent < references.len() {
         let references = references[sent..].iter().take(64).copied().collect();
-        match bench.ask(Request::Refer { references, go: true, stay: true })? {
+        match bench.ask(Request::Refer { references, go: true, hold: true })? {
             Reply::Referred { taken, starved: 0 } => sent += usize::from(taken),
             other => bail!("{name}: {other:?}"),
         }
@@ -119,13 +119,13 @@ fn the_drive_gives_the_codes_of_the_host_s_inverse_in_time() -> Result<()> {
     let mut bench = Bench::started()?;
     let table = bench.table()?;
     let voigt = table.parameters;
-    for (name, model, parameters) in [
-        ("Voigt", Model::Voigt, voigt),
-        ("champion", Model::Champion, champion()),
-        ("Preisach", Model::Preisach, preisach()),
-        ("Bouc-Wen", Model::BoucWen, bouc_wen()),
+    for (name, parameters) in [
+        ("Voigt", voigt),
+        ("generalised-prandtl-ishlinskii", generalised_prandtl_ishlinskii()),
+        ("Preisach", preisach()),
+        ("Bouc-Wen", bouc_wen()),
     ] {
-        follows(name, &mut bench, &driving(&table, model, parameters)?)?;
+        follows(name, &mut bench, &driving(&table, parameters)?)?;
     }
     Ok(())
 }

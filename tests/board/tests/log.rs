@@ -9,11 +9,10 @@ use std::time::Instant;
 use anyhow::{Result, ensure};
 use board_emulator_test::{CORE_HZ, Reset, exception};
 use common::Bench;
-use estimator_core::{Admitted, Estimator, Form};
-use host_tools::log::{self, ReadOptions};
-use host_tools::table_file::TableFile;
-use host_tools::tabulation::tabulated;
+use estimator_core::{Admitted, DacCalibration, Estimator, Table};
+use identification::table_file::TableFile;
 use protocol::TableSource;
+use recordings::log::{self, ReadOptions};
 
 fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
@@ -29,8 +28,7 @@ fn log_volts() -> Result<Vec<f64>> {
 
 /// The DAC codes that a table's estimator gives for these ADC codes.
 fn predicted(table: &Admitted, codes: &[u16]) -> Vec<u16> {
-    let lookup = table.lookup();
-    let mut estimator = Estimator::<f32>::new(table, lookup.as_ref()).expect("the lookup is the table's own");
+    let mut estimator = Estimator::<f32>::new(table);
     codes.iter().map(|&code| estimator.tick(estimator_core::AdcCode(code)).dac.0).collect()
 }
 
@@ -81,17 +79,17 @@ fn follows_the_log(name: &str, mut bench: Bench) -> Result<()> {
 fn the_compiled_table() -> Result<()> {
     let mut bench = Bench::started()?;
     assert!(matches!(bench.identity()?.source, TableSource::Compiled { .. }));
-    assert_eq!(bench.table()?.form, Form::Direct);
-    follows_the_log("compiled, direct", bench)
+    follows_the_log("compiled", bench)
 }
 
 #[test]
-fn a_stored_tabulated_table() -> Result<()> {
+fn a_stored_table() -> Result<()> {
     let mut bench = Bench::started()?;
-    let table = tabulated(*bench.table()?).admit()?;
+    let compiled = *bench.table()?;
+    let table = Table { dac: DacCalibration { gain_codes_per_um: 60.0, ..compiled.dac }, ..compiled }.admit()?;
     bench.push(&table)?;
     bench.restart()?;
     assert_eq!(bench.identity()?.source, TableSource::Stored);
-    assert!(matches!(bench.table()?.form, Form::Tabulated { .. }));
-    follows_the_log("stored, tabulated", bench)
+    assert_eq!(bench.table()?, table);
+    follows_the_log("stored", bench)
 }

@@ -16,8 +16,8 @@ pub use page::{Page, Viewport};
 ///
 /// # Errors
 /// The browser failed, not the page.
-pub fn inspect(browser: &Browser, url: &str, viewport: Viewport) -> Result<(Page, Vec<String>)> {
-    let page = Page::open(browser, url, viewport)?;
+pub fn inspect<'b>(browser: &'b mut Browser, url: &str, viewport: Viewport) -> Result<(Page<'b>, Vec<String>)> {
+    let mut page = Page::open(browser, url, viewport)?;
     let layout = page.layout()?;
     let mut faults = page.troubles()?;
     faults.extend(layout.faults(viewport));

@@ -1,27 +1,12 @@
 //! A page open in the browser, and what it complained of while it loaded.
 
-use std::{
-    sync::{
-        Arc,
-        mpsc::{self, Receiver},
-    },
-    time::Duration,
-};
+use std::mem;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use base64::prelude::{BASE64_STANDARD, Engine as _};
-use headless_chrome::{
-    Browser, Tab,
-    protocol::cdp::{
-        Emulation::SetDeviceMetricsOverride,
-        Log, Network,
-        Page::{CaptureScreenshot, CaptureScreenshotFormatOption},
-        Runtime::ConsoleAPICalledEventTypeOption as ConsoleCall,
-        types::Event,
-    },
-};
+use serde_json::{Value, json};
 
-use crate::layout::Layout;
+use crate::{Browser, layout::Layout};
 
 /// The screen a page is shown on.
 #[derive(Debug, Clone, Copy)]
@@ -39,150 +24,146 @@ pub struct Viewport {
 }
 
 /// A page in the browser; closed when dropped.
-pub struct Page {
-    tab: Arc<Tab>,
-    troubles: Receiver<Trouble>,
-}
-
-enum Trouble {
-    Found(String),
-    /// Everything before this has been reported.
-    End,
+pub struct Page<'b> {
+    browser: &'b mut Browser,
+    url: String,
+    target: String,
+    session: String,
 }
 
 /// What [`Page::troubles`] has the page log to find the end of what it reported before.
 const END: &str = "report-browser-test: end";
 
-impl Page {
+impl<'b> Page<'b> {
     /// Opens a page in a tab of its own and waits until it has settled.
     ///
     /// # Errors
     /// The browser cannot open it.
-    pub fn open(browser: &Browser, url: &str, viewport: Viewport) -> Result<Self> {
-        let tab = browser.new_tab()?;
-        let (sender, troubles) = mpsc::channel();
-        let own_url = url.to_owned();
-        tab.add_event_listener(Arc::new(move |event: &Event| {
-            if let Some(trouble) = trouble(event, &own_url) {
-                // Fails only when the page is gone, and with it whoever asks.
-                let _ = sender.send(trouble);
-            }
-        }))?;
-        tab.enable_runtime()?;
-        tab.enable_log()?;
-        tab.call_method(Network::Enable {
-            max_total_buffer_size: None,
-            max_resource_buffer_size: None,
-            max_post_data_size: None,
-            report_direct_socket_traffic: None,
-            enable_durable_messages: None,
+    pub fn open(browser: &'b mut Browser, url: &str, viewport: Viewport) -> Result<Self> {
+        let target = browser.call(None, "Target.createTarget", &json!({ "url": "about:blank" }))?;
+        let target = text(&target, "targetId")?;
+        let session = browser.call(None, "Target.attachToTarget", &json!({ "targetId": target, "flatten": true }))?;
+        let session = text(&session, "sessionId")?;
+        let mut page = Self { browser, url: url.to_owned(), target, session };
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            page.call(&format!("{domain}.enable"), json!({}))?;
+        }
+        page.call("Page.setLifecycleEventsEnabled", json!({ "enabled": true }))?;
+        page.call(
+            "Emulation.setDeviceMetricsOverride",
+            json!({
+                "width": viewport.width,
+                "height": viewport.height,
+                "deviceScaleFactor": viewport.scale,
+                "mobile": viewport.mobile,
+            }),
+        )?;
+        let loading = page.call("Page.navigate", json!({ "url": url }))?;
+        ensure!(loading["errorText"].is_null(), "{url}: {}", loading["errorText"]);
+        page.browser.wait(&page.session, |event| {
+            event["method"] == "Page.lifecycleEvent"
+                && event["params"]["name"] == "networkAlmostIdle"
+                && event["params"]["loaderId"] == loading["loaderId"]
         })?;
-        tab.call_method(SetDeviceMetricsOverride {
-            width: viewport.width,
-            height: viewport.height,
-            device_scale_factor: viewport.scale,
-            mobile: viewport.mobile,
-            scale: None,
-            screen_width: None,
-            screen_height: None,
-            position_x: None,
-            position_y: None,
-            dont_set_visible_size: None,
-            screen_orientation: None,
-            viewport: None,
-            display_feature: None,
-            device_posture: None,
-        })?;
-        tab.navigate_to(url)?.wait_until_navigated()?;
-        Ok(Self { tab, troubles })
+        Ok(page)
+    }
+
+    fn call(&mut self, method: &str, parameters: Value) -> Result<Value> {
+        self.browser.call(Some(&self.session), method, &parameters)
+    }
+
+    /// The value of an expression, or of what it promises.
+    fn evaluate(&mut self, expression: &str) -> Result<Value> {
+        let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let mut answer = self.call("Runtime.evaluate", parameters)?;
+        if let Some(thrown) = answer.get("exceptionDetails") {
+            bail!("{}", thrown["exception"]["description"]);
+        }
+        Ok(mem::take(&mut answer["result"]["value"]))
     }
 
     /// Measures the page.
     ///
     /// # Errors
     /// The browser's.
-    pub(crate) fn layout(&self) -> Result<Layout> {
-        let answer = self.tab.evaluate(include_str!("layout.js"), true)?;
-        let Some(serde_json::Value::String(json)) = answer.value else {
-            bail!("layout.js failed: {}", answer.description.unwrap_or_default());
-        };
-        serde_json::from_str(&json).context("layout.js and layout.rs disagree")
+    pub(crate) fn layout(&mut self) -> Result<Layout> {
+        let found = self.evaluate(include_str!("layout.js")).context("layout.js failed")?;
+        let json = found.as_str().context("layout.js returns no text")?;
+        serde_json::from_str(json).context("layout.js and layout.rs disagree")
     }
 
-    /// Exceptions, errors on the console, and requests for anything beyond the page itself, up to now.
+    /// Exceptions, errors on the console, and requests for anything beyond the page itself, since it was opened or this
+    /// was asked before.
     ///
     /// # Errors
     /// The browser's.
-    pub fn troubles(&self) -> Result<Vec<String>> {
-        self.tab.evaluate(&format!("console.debug('{END}')"), false)?;
-        let mut found = Vec::new();
-        loop {
-            match self.troubles.recv_timeout(Duration::from_secs(20)).context("the browser fell silent")? {
-                Trouble::Found(trouble) => found.push(trouble),
-                Trouble::End => return Ok(found),
-            }
-        }
+    pub fn troubles(&mut self) -> Result<Vec<String>> {
+        self.evaluate(&format!("console.debug('{END}')"))?;
+        self.browser.wait(&self.session, |event| {
+            event["method"] == "Runtime.consoleAPICalled" && event["params"]["args"][0]["value"] == END
+        })?;
+        let events = self.browser.take_events(&self.session);
+        Ok(events.iter().filter_map(|event| trouble(event, &self.url)).collect())
     }
 
     /// The whole page as a PNG image, beyond the screen's lower edge too.
     ///
     /// # Errors
     /// The browser's.
-    pub fn screenshot(&self) -> Result<Vec<u8>> {
-        let shot = self.tab.call_method(CaptureScreenshot {
-            format: Some(CaptureScreenshotFormatOption::Png),
-            quality: None,
-            clip: None,
-            from_surface: Some(true),
-            capture_beyond_viewport: Some(true),
-            optimize_for_speed: None,
-        })?;
-        BASE64_STANDARD.decode(shot.data).context("the screenshot is no base64")
+    pub fn screenshot(&mut self) -> Result<Vec<u8>> {
+        let parameters = json!({ "format": "png", "captureBeyondViewport": true });
+        bytes(&self.call("Page.captureScreenshot", parameters)?)
     }
 
     /// The page as printed.
     ///
     /// # Errors
     /// The browser's.
-    pub fn pdf(&self) -> Result<Vec<u8>> {
-        self.tab.print_to_pdf(None)
+    pub fn pdf(&mut self) -> Result<Vec<u8>> {
+        bytes(&self.call("Page.printToPDF", json!({}))?)
     }
 }
 
-impl Drop for Page {
+impl Drop for Page<'_> {
     fn drop(&mut self) {
         // Fails only when the browser is gone already.
-        let _ = self.tab.close(false);
+        let _ = self.browser.call(None, "Target.closeTarget", &json!({ "targetId": self.target }));
     }
 }
 
-fn trouble(event: &Event, own_url: &str) -> Option<Trouble> {
-    let found = match event {
-        Event::RuntimeExceptionThrown(event) => {
-            let details = &event.params.exception_details;
-            let thrown = details.exception.as_ref().and_then(|thrown| thrown.description.as_deref());
-            format!("JavaScript exception: {}", thrown.unwrap_or(&details.text))
+/// What an event says is wrong with the page.
+fn trouble(event: &Value, own_url: &str) -> Option<String> {
+    let of = &event["params"];
+    let words = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    match event["method"].as_str()? {
+        "Runtime.exceptionThrown" => {
+            let details = &of["exceptionDetails"];
+            let thrown = details["exception"]["description"].as_str();
+            Some(format!("JavaScript exception: {}", thrown.map_or_else(|| words(&details["text"]), str::to_owned)))
         }
-        Event::RuntimeConsoleAPICalled(event) => {
-            let said: Vec<String> =
-                event.params.args.iter().filter_map(|argument| Some(argument.value.as_ref()?.to_string())).collect();
-            match event.params.Type {
-                ConsoleCall::Debug if said == [format!("\"{END}\"")] => return Some(Trouble::End),
-                ConsoleCall::Error | ConsoleCall::Assert => format!("console error: {}", said.join(" ")),
-                _ => return None,
-            }
+        "Runtime.consoleAPICalled" if of["type"] == "error" || of["type"] == "assert" => {
+            let said = of["args"].as_array()?.iter().filter_map(|argument| Some(argument.get("value")?.to_string()));
+            Some(format!("console error: {}", said.collect::<Vec<_>>().join(" ")))
         }
-        Event::LogEntryAdded(event) if event.params.entry.level == Log::LogEntryLevel::Error => {
-            format!("browser's log: {}", event.params.entry.text)
+        "Log.entryAdded" if of["entry"]["level"] == "error" => {
+            Some(format!("browser's log: {}", words(&of["entry"]["text"])))
         }
-        Event::NetworkRequestWillBeSent(event) => {
-            let url = &event.params.request.url;
-            if url == own_url || url.starts_with("data:") {
-                return None;
-            }
-            format!("request that leaves the file: {url}")
+        "Network.requestWillBeSent" => {
+            let url = words(&of["request"]["url"]);
+            let leaves = url != own_url && !url.starts_with("data:");
+            leaves.then(|| format!("request that leaves the file: {url}"))
         }
-        _ => return None,
-    };
-    Some(Trouble::Found(found))
+        _ => None,
+    }
+}
+
+/// A text of an answer.
+fn text(answer: &Value, name: &str) -> Result<String> {
+    let found = answer[name].as_str().with_context(|| format!("the browser's answer has no {name}: {answer}"))?;
+    Ok(found.to_owned())
+}
+
+/// A file of an answer.
+fn bytes(answer: &Value) -> Result<Vec<u8>> {
+    BASE64_STANDARD.decode(text(answer, "data")?).context("the browser's file is no base64")
 }

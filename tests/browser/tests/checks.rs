@@ -43,10 +43,10 @@ fn each_check_finds_its_fault_and_none_in_a_sound_page() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("page.html");
     let url = format!("file://{}", file.display());
-    let browser = launch()?;
-    let found = |page: &str| -> Result<Vec<String>> {
+    let mut browser = launch()?;
+    let mut found = |page: &str| -> Result<Vec<String>> {
         fs::write(&file, page)?;
-        Ok(inspect(&browser, &url, PHONE)?.1)
+        Ok(inspect(&mut browser, &url, PHONE)?.1)
     };
 
     let none = found(&sound)?;

@@ -18,10 +18,21 @@ fn root() -> PathBuf {
 }
 
 fn identify(out: &Path) -> Result<PathBuf> {
-    let status = Command::new(env::var_os("CARGO").context("not run by cargo")?)
+    let piezo =
+        env::var_os("PIEZO").context("$PIEZO names no program: run this test with `cargo xtask test browser`")?;
+    let status = Command::new(piezo)
         .current_dir(root())
-        .args(["run", "--quiet", "--package", "host-tools", "--bin", "piezo", "--"])
-        .args(["identify", "tests/data/picma-p885-1hz.csv", "--generations", "20", "--out"])
+        .args([
+            "identify",
+            "tests/data/picma-p885-1hz.csv",
+            "--generations",
+            "20",
+            "--rounds",
+            "1",
+            "--evaluations",
+            "50",
+            "--out",
+        ])
         .arg(out)
         .status()?;
     ensure!(status.success(), "piezo identify failed: {status}");
@@ -34,10 +45,10 @@ fn report_is_sound_on_a_phone_and_on_a_desktop() -> Result<()> {
     let report = identify(out.path())?;
     let screenshots = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("report-screenshots");
     fs::create_dir_all(&screenshots)?;
-    let browser = launch()?;
+    let mut browser = launch()?;
     let mut faults = Vec::new();
     for (name, viewport) in [("phone", PHONE), ("desktop", DESKTOP)] {
-        let (page, found) = inspect(&browser, &format!("file://{}", report.display()), viewport)?;
+        let (mut page, found) = inspect(&mut browser, &format!("file://{}", report.display()), viewport)?;
         faults.extend(found.into_iter().map(|fault| format!("{name}: {fault}")));
         let image = screenshots.join(name).with_extension("png");
         fs::write(&image, page.screenshot()?)?;

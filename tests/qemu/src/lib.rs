@@ -150,21 +150,6 @@ impl Board {
     }
 }
 
-impl Board {
-    /// A table of a model for this board, searched for only briefly. Returns its `table.toml`.
-    pub fn identified(&self, model: &str, log: &str) -> PathBuf {
-        let out = self.folder.path().join(model);
-        let output = Command::new(from_environment("PIEZO"))
-            .args(["identify", log, "--model", model, "--skip-end", "20", "--adc-full-scale", "65520", "--out"])
-            .arg(&out)
-            .args(["--evaluations", "10", "--generations", "10", "--rounds", "1"])
-            .output()
-            .expect("piezo starts");
-        assert!(output.status.success(), "{model}: {}", text(&output.stderr));
-        out.join("table.toml")
-    }
-}
-
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }

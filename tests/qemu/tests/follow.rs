@@ -25,7 +25,7 @@ fn a_trajectory_is_followed_at_the_device_s_pace() {
     let complaint = board.refuses("follow", &["wanted.csv"]);
     assert!(complaint.contains("--drive-span"), "{complaint}");
 
-    let drive = ["--drive-span", "0:4", "--drive-slew", "100", "--drive-rest", "0.5", "--form", "direct"];
+    let drive = ["--drive-span", "0:4", "--drive-slew", "100", "--drive-rest", "0.5"];
     let table = board.table("driving", &drive);
     let push = [table.to_str().unwrap(), "--pause", "--reset"];
     let complaint = board.refuses("push", &push);

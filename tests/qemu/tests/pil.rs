@@ -3,9 +3,10 @@
 use qemu_test::{Board, repository};
 use serde_json::Value;
 
-fn pil(form: &str) {
+#[test]
+fn the_measured_log_gives_the_host_s_bits() {
     let board = Board::power_on();
-    let table = board.table(form, &["--form", form]);
+    let table = board.table("same", &[]);
     let table = table.to_str().unwrap();
     board.does("push", &[table, "--pause", "--reset"]);
     let log = repository("tests/data/picma-p885-1hz.csv");
@@ -14,16 +15,6 @@ fn pil(form: &str) {
     assert!(report["ticks"].as_u64().unwrap() > 70_000, "{report:#}");
     assert_eq!(report["identical"], report["ticks"], "{report:#}");
     assert_eq!(board.info()["health"]["mode"], "Estimate", "the device estimates again");
-}
-
-#[test]
-fn the_direct_form_gives_the_host_s_bits() {
-    pil("direct");
-}
-
-#[test]
-fn the_tabulated_form_gives_the_host_s_bits() {
-    pil("tabulated");
 }
 
 #[test]

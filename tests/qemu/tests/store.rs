@@ -7,7 +7,7 @@ fn a_pushed_table_is_used_after_the_reset_and_bad_ones_change_nothing() {
     let board = Board::power_on();
     let compiled = board.info();
     assert!(compiled["identity"]["source"]["Compiled"].is_object(), "{compiled:#}");
-    let table = board.table("tabulated", &["--form", "tabulated"]);
+    let table = board.table("wider", &["--dac-span", "-10:60"]);
     let table = table.to_str().unwrap();
 
     let complaint = board.refuses("push", &[table]);
@@ -19,7 +19,7 @@ fn a_pushed_table_is_used_after_the_reset_and_bad_ones_change_nothing() {
     assert_eq!(stored["identity"]["source"], "Stored", "{stored:#}");
     assert_ne!(stored["identity"]["table_crc"], compiled["identity"]["table_crc"]);
     board.does("pull", &["--out", "pulled.bin"]);
-    let pushed = std::fs::read(board.folder.path().join("tabulated/table.bin")).unwrap();
+    let pushed = std::fs::read(board.folder.path().join("wider/table.bin")).unwrap();
     assert_eq!(std::fs::read(board.folder.path().join("pulled.bin")).unwrap(), pushed);
 
     let mut corrupt = pushed.clone();

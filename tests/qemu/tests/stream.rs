@@ -13,7 +13,7 @@ fn what_is_recorded_is_a_log_that_the_other_verbs_read() {
     assert_eq!(header, "time_s,voltage_V,estimated_displacement_um");
     assert_eq!(rows.lines().count(), 6000);
     // The emulated converter goes up and down once a second, and the estimate with it.
-    let table = board.table("same", &["--form", "direct", "--dac-span", "-8:52"]);
+    let table = board.table("same", &["--dac-span", "-8:52"]);
     let report = board.reads("validate", &[table.to_str().unwrap(), "log.csv", "--json"]);
     let figures = report.to_string();
     assert!(figures.contains("mae"), "{figures}");

@@ -20,15 +20,19 @@ use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::AdcCode;
-use firmware::peripherals::TICK_HZ;
-use firmware::run::TELEMETRY;
-use firmware::{Converters, Peripherals, Tick, last_words};
+use estimator_core::table::Board;
+use firmware::rate::{TICK_HZ, TICK_US};
+use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words};
 use parameter_store::RamFlash;
 use protocol::ResetCause;
 use registers::{CORE_HZ, Interrupt as interrupt};
+use static_cell::ConstStaticCell;
 
 /// As the primary board's, so that the same tables fit.
-const CONVERTERS: Converters = Converters { adc_full_scale: 65_520, dac_full_scale: 4095 };
+const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: 65_520, dac_full_scale: 4095 };
+
+/// What the tick leaves for others to read.
+static TELEMETRY: Telemetry = Telemetry::new();
 
 /// The tick on its way to the interrupt that owns it.
 static ARMED: CriticalSectionMutex<Cell<Option<Tick<'static>>>> = CriticalSectionMutex::new(Cell::new(None));
@@ -46,28 +50,33 @@ async fn main(_spawner: Spawner) {
     interrupt::Uart0Receive.enable(&mut core.NVIC, 0x40);
     let (flash, reset) = flash();
     let pages = 0..flash.len() as u32;
-    let board = Peripherals {
-        board: "mps2-an386 (emulated)",
-        converters: CONVERTERS,
+    let facts = Facts {
+        name: "mps2-an386 (emulated)",
+        interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
+        reset,
+        supply_mv: None,
+        supply_good: true,
+        flash_errors: || 0,
+        line_errors: || 0,
+    };
+    let board = Peripherals {
+        facts,
+        // SAFETY: once, before the tick and every task.
+        last_words: unsafe { last_words::take() },
         receiver: uart::Receiver,
         transmitter: uart::Transmitter,
         flash: RamFlash::new(flash),
         pages,
-        reset,
-        supply_mv: None,
-        supply_good: true,
         feed_watchdog: || {},
         start: |tick: Tick<'static>| {
             ARMED.lock(|armed| armed.set(Some(tick)));
             registers::start_timer(CORE_HZ / TICK_HZ);
         },
-        flash_errors: || 0,
-        line_errors: || 0,
-        restart: || SCB::sys_reset(),
     };
-    match firmware::run(board).await {
-        Ok(never) => match never {},
+    static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
+    match firmware::run(board, RESOURCES.take(), &TELEMETRY).await {
+        Ok(()) => SCB::sys_reset(),
         Err(error) => panic!("{error}"),
     }
 }

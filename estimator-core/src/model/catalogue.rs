@@ -1,0 +1,206 @@
+//! The one list of models. A line makes a model a choice of the table, of the tools and of the firmware.
+//!
+//! To add one: a file with its parameters ([`Published`]) and its recursion, and a line at the end of this file.
+
+use super::{
+    BoucWenParameters, DuhemParameters, GeneralisedPrandtlIshlinskiiParameters, MaxwellSlipParameters, NarxParameters,
+    PrandtlIshlinskiiParameters, PreisachParameters, Process, Recursion, Running, Scheme, VoigtChainParameters,
+    VoigtParameters,
+};
+use crate::admissible::Inadmissible;
+use crate::math::Real;
+use crate::range::Range;
+use crate::rule::Rule;
+use core::fmt;
+use serde::{Deserialize, Serialize};
+
+/// How a model's equations become ticks.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Discretisation<T> {
+    /// Tick, s.
+    pub sample_period: T,
+    /// How the Voigt family's differential equation becomes a recursion.
+    pub scheme: Scheme,
+    /// Retreat of the voltage from its running extreme that counts as a reversal, V.
+    pub deadband: T,
+}
+
+/// The parameters of a model as they are published, in the literature's units.
+pub trait Published: Copy {
+    /// The model's per-tick coefficients.
+    type Coefficients<T: Real>: Recursion<T> + Clone + PartialEq + fmt::Debug;
+
+    /// The coefficients. Checks nothing.
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Self::Coefficients<T>;
+
+    /// Checks every parameter by itself and beside the others; whether the recursion is stable and bounded is
+    /// [`Recursion::bound`]'s.
+    ///
+    /// # Errors
+    /// The rule that they break.
+    fn check(&self) -> Result<(), Rule>;
+
+    /// Ticks by which the displacement comes later than its monotone part has it
+    /// ([`Recursion::monotone_part`]): what whoever knows a reference ahead of time can make up for.
+    fn delay_ticks(&self) -> f32 {
+        0.0
+    }
+
+    /// As [`check`](Self::check), for types that serve several models, of which one must leave parameters at 0.
+    ///
+    /// # Errors
+    /// The rule that they break.
+    fn check_as(&self, _model: Model) -> Result<(), Rule> {
+        self.check()
+    }
+}
+
+type Coefficients<P, T> = <P as Published>::Coefficients<T>;
+type RunningOf<P, T> = Running<Coefficients<P, T>, <Coefficients<P, T> as Recursion<T>>::State>;
+
+macro_rules! models {
+    ($($(#[doc = $line:literal])+ $model:ident, $name:literal, $label:literal, $parameters:ident;)*) => {
+        /// Which model a table has.
+        #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+        pub enum Model {
+            $($(#[doc = $line])+ #[serde(rename = $name)] $model,)*
+        }
+
+        impl Model {
+            /// All, simplest first within the Voigt family, then in the order of the thesis.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$model),*];
+
+            /// Its name on a command line and in a table, such as `bouc-wen`.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$model => $name,)* }
+            }
+
+            /// What it is, in a sentence.
+            pub const fn description(self) -> &'static str {
+                match self { $(Self::$model => concat!($($line),+).trim_ascii(),)* }
+            }
+        }
+
+        /// As it is written in tables and sentences, such as "Voigt (4.8)".
+        impl fmt::Display for Model {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(match self { $(Self::$model => $label,)* })
+            }
+        }
+
+        /// The published parameters of a model, and with them which one it is.
+        #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+        pub enum Parameters {
+            $($(#[doc = $line])+ #[serde(rename = $name)] $model($parameters),)*
+        }
+
+        /// As a Rust expression.
+        impl fmt::Debug for Parameters {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(Self::$model(of) => {
+                        f.debug_tuple(concat!("Parameters::", stringify!($model))).field(of).finish()
+                    })*
+                }
+            }
+        }
+
+        impl Parameters {
+            /// Which model's they are.
+            pub const fn model(&self) -> Model {
+                match self { $(Self::$model(_) => Model::$model,)* }
+            }
+
+            /// The name of their type, for who writes them as Rust.
+            pub const fn type_name(&self) -> &'static str {
+                match self { $(Self::$model(_) => stringify!($parameters),)* }
+            }
+
+            /// As [`Published::check`].
+            ///
+            /// # Errors
+            /// The rule that they break.
+            pub fn check(&self) -> Result<(), Rule> {
+                match self { $(Self::$model(of) => of.check_as(Model::$model),)* }
+            }
+
+            /// As [`Published::delay_ticks`].
+            pub fn delay_ticks(&self) -> f32 {
+                match self { $(Self::$model(of) => of.delay_ticks(),)* }
+            }
+
+            /// The model ready to run.
+            pub fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Engine<T> {
+                match self {
+                    $(Self::$model(of) => Engine::$model(Running::new(of.build(discretisation))),)*
+                }
+            }
+        }
+
+        /// Any model, running: coefficients and memory.
+        #[derive(Clone, PartialEq, Debug)]
+        pub enum Engine<T: Real> {
+            $($(#[doc = $line])+ $model(RunningOf<$parameters, T>),)*
+        }
+
+        impl<T: Real> Engine<T> {
+            /// What the next [`step`](Process::step) would return.
+            pub fn peek(&self, voltage: T) -> T {
+                match self { $(Self::$model(model) => model.peek(voltage),)* }
+            }
+
+            /// As [`Recursion::monotone_part`], with nothing remembered.
+            pub fn monotone_part(&self) -> Option<Self> {
+                Some(match self { $(Self::$model(model) => Self::$model(model.monotone_part()?),)* })
+            }
+
+            /// Forgets everything: the next tick is the first.
+            pub fn forget(&mut self) {
+                match self { $(Self::$model(model) => model.forget(),)* }
+            }
+        }
+
+        impl<T: Real> Process<T> for Engine<T> {
+            #[inline]
+            fn step(&mut self, voltage: T, known: Option<T>) -> T {
+                match self { $(Self::$model(model) => model.step(voltage, known),)* }
+            }
+
+            fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+                match self { $(Self::$model(model) => model.bound(voltage, limits),)* }
+            }
+
+            fn set_displacement(&mut self, displacement: T) -> bool {
+                match self { $(Self::$model(model) => model.set_displacement(displacement),)* }
+            }
+        }
+    };
+}
+
+models! {
+    /// Eq. (4.8): five parameters, no extremum term.
+    Voigt, "voigt", "Voigt (4.8)", VoigtParameters;
+    /// Eq. (5.4): the voltage-extremum term `g, h`.
+    VoltageExtremum, "voltage-extremum", "voltage-extremum (5.4)", VoigtParameters;
+    /// Eq. (5.5): the displacement-extremum term `e, f`.
+    DisplacementExtremum, "displacement-extremum", "displacement-extremum (5.5)", VoigtParameters;
+    /// Eq. (5.3): both extremum terms.
+    Enhanced, "enhanced", "enhanced (5.3)", VoigtParameters;
+    /// Kelvin–Voigt elements in series, Eq. (3.20).
+    VoigtChain, "voigt-chain", "Voigt chain (3.20)", VoigtChainParameters;
+    /// Play operators and a superposition of dead zones, Eq. (3.6–3.9).
+    PrandtlIshlinskii, "prandtl-ishlinskii", "Prandtl–Ishlinskii (3.9)", PrandtlIshlinskiiParameters;
+    /// Elasto-slide elements in parallel, Eq. (3.10).
+    MaxwellSlip, "maxwell-slip", "Maxwell-slip (3.10)", MaxwellSlipParameters;
+    /// Coleman and Hodgdon's form of Eq. (3.11).
+    Duhem, "duhem", "Duhem (3.11)", DuhemParameters;
+    /// Of the Duhem family: Bouc–Wen with asymmetry.
+    BoucWen, "bouc-wen", "Bouc–Wen", BoucWenParameters;
+    /// Relays with a density on a grid, Eq. (3.1–3.5).
+    Preisach, "preisach", "Preisach (3.1)", PreisachParameters;
+    /// Black box of Table 5.1: a polynomial of past voltages and displacements, and of extrema.
+    Narx, "narx", "NARX (Table 5.1)", NarxParameters;
+    /// Functions of play operators in a chain with delay, lag, creep, curvature and resonance.
+    GeneralisedPrandtlIshlinskii, "generalised-prandtl-ishlinskii", "generalised Prandtl–Ishlinskii",
+        GeneralisedPrandtlIshlinskiiParameters;
+}

@@ -1,0 +1,292 @@
+//! Duhem model in the form of Coleman and Hodgdon, Eq. (3.12), with polynomial f and g, behind a first-order input lag.
+//! Rate-independent but for the lag.
+//!
+//! ```text
+//! du/dt = (V − u)/lag,  v = u − centre                           V; no lag: u = V
+//! dw/dt = α·|dv/dt|·(f(v) − w) + dv/dt·g(v)                      Eq. (3.12); it prints dy/dt before g for dV/dt
+//! f(v) = f1·v + f3·v³,  g(v) = g0 + g2·v²                        |v| ≤ saturation
+//! f'(v) = g(v) = f1 + 3·f3·saturation²                        beyond it, so that f' and g have one finite limit
+//! y = offset + w                                                 µm
+//! ```
+//!
+//! With `w = f + z`, `dz = −α·|dv|·z + D(v)·dv`, `D = g − f'`: linear, with a closed-form solution over a monotone
+//! move, whatever its length. `z = (g0 − f1)·z0 + (g2 − 3·f3)·z2`, where z0 and z2 are the answers to D = 1 and D = v².
+//! So the displacement is linear in f1, f3, g0, g2 and the offset, and only α, saturation, centre and lag are not. A
+//! tick within ½/α costs one polynomial and no transcendental function. |z0| ≤ 1/α, |z2| ≤ saturation²/α, |z| ≤
+//! max|D|/α always.
+//!
+//! The displacement lags the voltage where g < f'. See [`unmet_condition`] for the model's three conditions.
+
+mod conditions;
+
+pub use conditions::{DuhemCondition, unmet_condition};
+
+use super::relaxation::{Lag, Relaxed};
+use super::{Discretisation, Linear, Published, Recursion};
+use crate::admissible::{Inadmissible, within};
+use crate::math::Real;
+use crate::range::Range;
+use crate::rule::Rule;
+use serde::{Deserialize, Serialize};
+
+/// A published Coleman-Hodgdon set.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DuhemParameters {
+    /// Time constant of the input lag, s; 0 is none.
+    pub lag_s: f32,
+    /// α, 1/V; above 0.
+    pub alpha_per_v: f32,
+    /// Distance from the centre beyond which f' = g, V; above 0, best beyond all voltages that occur.
+    pub saturation_v: f32,
+    /// Where f is odd and g even about, V.
+    pub voltage_centre_v: f32,
+    /// Displacement without hysteresis at the centre, µm.
+    pub offset_um: f32,
+    /// f1, µm/V.
+    pub f1_um_per_v: f32,
+    /// f3, µm/V³.
+    pub f3_um_per_v3: f32,
+    /// g0, µm/V.
+    pub g0_um_per_v: f32,
+    /// g2, µm/V³.
+    pub g2_um_per_v3: f32,
+}
+
+impl DuhemParameters {
+    /// The first of the conditions of Section 3.3 that the set does not meet.
+    pub fn unmet_condition(&self) -> Option<DuhemCondition> {
+        let limit = self.slope(self.saturation_v);
+        let within = |v: f32| v.abs() < self.saturation_v;
+        unmet_condition(
+            self.alpha_per_v,
+            self.saturation_v,
+            |v| if within(v) { self.slope(v) } else { limit },
+            |v| if within(v) { self.g0_um_per_v + self.g2_um_per_v3 * v * v } else { limit },
+        )
+    }
+
+    /// f' within saturation, µm/V.
+    fn slope(&self, v: f32) -> f32 {
+        self.f1_um_per_v + 3.0 * self.f3_um_per_v3 * v * v
+    }
+}
+
+impl Published for DuhemParameters {
+    type Coefficients<T: Real> = Duhem<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Duhem<T> {
+        Duhem::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
+        let weights = [self.f1_um_per_v, self.f3_um_per_v3, self.g0_um_per_v, self.g2_um_per_v3, self.offset_um];
+        let others = [self.lag_s, self.alpha_per_v, self.saturation_v, self.voltage_centre_v];
+        if !weights.iter().chain(&others).all(|number| number.is_finite()) {
+            return Err("every parameter must be finite");
+        }
+        if self.lag_s < 0.0 {
+            return Err("lag_s must be at least 0");
+        }
+        if self.alpha_per_v <= 0.0 || self.saturation_v <= 0.0 {
+            return Err("alpha_per_v and saturation_v must be above 0");
+        }
+        if self.alpha_per_v * self.saturation_v > 1e4 {
+            return Err("alpha_per_v times saturation_v must be at most 10000");
+        }
+        if self.f1_um_per_v < 0.0 || self.slope(self.saturation_v) < 0.0 {
+            return Err("f must not fall: f1 and f1 + 3 f3 saturation^2 must be at least 0");
+        }
+        let memory = Duhem::<f32>::build(self, 1.0).largest_memory();
+        if !memory.is_finite() {
+            return Err("the hysteresis must have a finite bound");
+        }
+        Ok(())
+    }
+}
+
+/// Per-tick coefficients of the Duhem model.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Duhem<T> {
+    lag: Lag<T>,
+    alpha: T,
+    inverse_alpha: T,
+    inside: Range<T>,
+    tail_slope: T,
+    centre: T,
+    offset: T,
+    f1: T,
+    f3: T,
+    d0: T,
+    d2: T,
+}
+
+/// Lagged voltage and hysteresis of a running model.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct DuhemState<T> {
+    /// u, V.
+    pub input: Relaxed<T>,
+    /// Answer to D = 1, V.
+    z0: T,
+    /// Answer to D = v², V³.
+    z2: T,
+}
+
+/// φ_1, φ_2, φ_3 of −x, x ≥ 0: φ_k = Σ (−x)^j/(j + k)!, so that ∫₀^w exp(−α(w − s))·s^k ds = k!·w^(k+1)·φ_(k+1)(−α·w).
+#[inline]
+fn phi<T: Real>(x: T) -> [T; 3] {
+    let (one, half) = (T::one(), T::of(0.5));
+    if x <= half {
+        // φ_3 = 1/6·(1 − x/4·(1 − x/5·(… 1 − x/12))): the rest is below 1e-12 of it.
+        let mut series = one;
+        for divisor in [12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.0, 5.0, 4.0] {
+            series = one - x * (one / T::of(divisor)) * series;
+        }
+        let phi3 = series * (one / T::of(6.0));
+        let phi2 = half - x * phi3;
+        [one - x * phi2, phi2, phi3]
+    } else {
+        let phi1 = -(-x).exp_m1() / x;
+        let phi2 = (one - phi1) / x;
+        [phi1, phi2, (half - phi2) / x]
+    }
+}
+
+impl<T: Real> Duhem<T> {
+    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`DuhemParameters::check`].
+    pub fn build(parameters: &DuhemParameters, sample_period: T) -> Self {
+        let p = parameters;
+        let (f1, f3, saturation) = (T::of(p.f1_um_per_v), T::of(p.f3_um_per_v3), T::of(p.saturation_v));
+        let three = T::of(3.0);
+        Self {
+            lag: Lag::build(T::of(p.lag_s), sample_period),
+            alpha: T::of(p.alpha_per_v),
+            inverse_alpha: T::one() / T::of(p.alpha_per_v),
+            inside: Range { min: -saturation, max: saturation },
+            tail_slope: three * saturation * saturation,
+            centre: T::of(p.voltage_centre_v),
+            offset: T::of(p.offset_um),
+            f1,
+            f3,
+            d0: T::of(p.g0_um_per_v) - f1,
+            d2: T::of(p.g2_um_per_v3) - three * f3,
+        }
+    }
+
+    /// The largest |w − f| that can be, µm.
+    pub fn largest_memory(&self) -> T {
+        let (at_centre, at_end) = (self.d0.abs(), self.excess(self.inside.max).abs());
+        self.inverse_alpha * if at_centre > at_end { at_centre } else { at_end }
+    }
+
+    /// D = g − f' within saturation, µm/V.
+    fn excess(&self, v: T) -> T {
+        self.d0 + self.d2 * v * v
+    }
+
+    /// The answer of f to its cubic coefficient: v³, straight on beyond saturation.
+    fn cubic(&self, v: T) -> T {
+        let s = self.inside.clamp(v);
+        s * s * s + self.tail_slope * (v - s)
+    }
+
+    fn f(&self, v: T) -> T {
+        self.f1 * v + self.f3 * self.cubic(v)
+    }
+
+    fn decay(&self, state: &mut DuhemState<T>, way: T) {
+        let retention = T::one() + (-self.alpha * way).exp_m1();
+        state.z0 = state.z0 * retention;
+        state.z2 = state.z2 * retention;
+    }
+
+    /// A monotone move from v by `change`, within saturation.
+    #[inline]
+    fn travel(&self, state: &mut DuhemState<T>, v: T, change: T) {
+        let x = self.alpha * change.abs();
+        let [phi1, phi2, phi3] = phi(x);
+        let two = T::of(2.0);
+        state.z0 = state.z0 + phi1 * (change - x * state.z0);
+        state.z2 =
+            state.z2 + phi1 * (change * v * v - x * state.z2) + change * change * two * (v * phi2 + change * phi3);
+    }
+
+    fn sum(&self, state: &DuhemState<T>) -> T {
+        self.offset + self.f(state.input.value - self.centre) + (self.d0 * state.z0 + self.d2 * state.z2)
+    }
+
+    /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
+    ///
+    /// f, which does not fall, over the range, and the hysteresis at its largest.
+    pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
+        let memory = self.largest_memory();
+        memory.is_finite().then(|| Range {
+            min: self.offset + self.f(voltage.min - self.centre) - memory,
+            max: self.offset + self.f(voltage.max - self.centre) + memory,
+        })
+    }
+}
+
+impl<T: Real> Recursion<T> for Duhem<T> {
+    type State = DuhemState<T>;
+
+    /// On f where the displacement is unknown; else off it by no more than |D|/α at this voltage, which a long monotone
+    /// move could leave there.
+    fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
+        let mut state = DuhemState { input: Relaxed::at(voltage), z0: T::zero(), z2: T::zero() };
+        let v = self.inside.clamp(voltage - self.centre);
+        let excess = self.excess(v);
+        if let Some(displacement) = displacement
+            && excess != T::zero()
+        {
+            let bound = Range { min: -self.inverse_alpha, max: self.inverse_alpha };
+            state.z0 = bound.clamp((displacement - self.sum(&state)) / excess);
+            state.z2 = v * v * state.z0;
+        }
+        state
+    }
+
+    #[inline]
+    fn step(&self, state: &mut Self::State, voltage: T) -> T {
+        self.advance(state, voltage);
+        self.sum(state)
+    }
+
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
+    }
+
+    fn monotone_part(&self) -> Option<Self> {
+        Some(*self)
+    }
+}
+
+/// Columns and weights: `v − z0` (`f1_um_per_v`), `v³ − 3·z2` (`f3_um_per_v3`; v³ straight on beyond saturation), `z0`
+/// (`g0_um_per_v`), `z2` (`g2_um_per_v3`), 1 (`offset_um`).
+impl<T: Real> Linear<T> for Duhem<T> {
+    #[inline]
+    fn advance(&self, state: &mut Self::State, voltage: T) {
+        let before = state.input.value;
+        let (from, to) = (before - self.centre, self.lag.step(&mut state.input, voltage) - self.centre);
+        let (enter, leave) = (self.inside.clamp(from), self.inside.clamp(to));
+        if enter == leave {
+            if from != to {
+                self.decay(state, (to - from).abs());
+            }
+            return;
+        }
+        if from != enter {
+            self.decay(state, (enter - from).abs());
+        }
+        self.travel(state, enter, leave - enter);
+        if to != leave {
+            self.decay(state, (to - leave).abs());
+        }
+    }
+
+    fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
+        let v = state.input.value - self.centre;
+        let cubic = self.cubic(v) - T::of(3.0) * state.z2;
+        [v - state.z0, cubic, state.z0, state.z2, T::one()].into_iter().for_each(&mut each);
+    }
+}

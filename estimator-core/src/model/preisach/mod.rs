@@ -1,0 +1,179 @@
+//! Preisach model, Eq. (3.1)–(3.5) (thesis 3.1.1): relays that switch up at α and down at β ≤ α, weighed by a density
+//! that is constant in each cell of a triangular grid of n × n cells, n ≤ 10, over the voltages from `lower_v` to
+//! `upper_v`.
+//!
+//! ```text
+//! y = offset + Σ m_ij·(part of cell ij that is switched up)     µm
+//! ascending:   y = y_min + E(V, V_min)                          Eq. (3.4)
+//! descending:  y = y_max − E(V_max, V)                          Eq. (3.5)
+//! ```
+//!
+//! Cell ij is `α` in the i-th and `β ≤ α` in the j-th interval of the grid; the list has them row by row: 00, 10, 11,
+//! 20, …. `m_ij` is the mass of a whole cell; of the half cells at the diagonal (i = j) only half of it is there.
+//! Relays give 0 or their mass, so that the offset is the displacement of negative saturation; the thesis's ±1 relays
+//! have twice the jump, hence its ½ in Eq. (3.17).
+//!
+//! Rate-independent. Beyond the grid's voltages every relay is switched. See `everett.rs` for `E` (3.18),
+//! `memory.rs` for the reversals, `reversal_curves.rs` for densities from first-order reversal curves (3.17)–(3.19).
+
+mod everett;
+mod memory;
+mod reversal_curves;
+
+pub use everett::{CELLS, SIDE};
+pub use memory::{PreisachState, REVERSALS};
+pub use reversal_curves::{densities_from_reversal_curves, everett_from_reversal};
+
+use super::{Discretisation, Linear, Published, Recursion, solve};
+use crate::admissible::{Inadmissible, within};
+use crate::list::List;
+use crate::math::Real;
+use crate::range::Range;
+use crate::rule::{self, Rule};
+use everett::{Everett, side};
+use serde::{Deserialize, Serialize};
+
+/// A published parameter set.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PreisachParameters {
+    /// Voltage at which every relay is down, V.
+    pub lower_v: f32,
+    /// Voltage at which every relay is up, V.
+    pub upper_v: f32,
+    /// Displacement (µm) that a whole cell makes, row by row: 1, 3, 6, … or 55 numbers, at least 0.
+    pub densities_um: List<CELLS>,
+    /// Displacement at `lower_v`, µm.
+    pub offset_um: f32,
+}
+
+impl PreisachParameters {}
+
+/// The largest quotient that `build` makes with the span of the voltages.
+const SIDE_LIMIT: f32 = SIDE as f32;
+
+impl Published for PreisachParameters {
+    type Coefficients<T: Real> = Preisach<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Preisach<T> {
+        Preisach::build(self, discretisation.sample_period)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
+        if ![self.lower_v, self.upper_v, self.offset_um].iter().all(|number| number.is_finite()) {
+            return Err("lower_v, upper_v and offset_um must be finite");
+        }
+        let span = self.upper_v - self.lower_v;
+        if span <= 0.0 || !span.is_finite() || !(SIDE_LIMIT / span).is_finite() {
+            return Err("upper_v must lie above lower_v");
+        }
+        if side(self.densities_um.len()).is_none() {
+            return Err("densities_um must be n(n+1)/2 numbers with n of 1 to 10");
+        }
+        if !self.densities_um.iter().all(|density| density.is_finite() && *density >= 0.0) {
+            return Err("densities_um must be finite and at least 0");
+        }
+        let sum = self.densities_um.iter().sum::<f32>();
+        rule::check([("densities_um must not all be 0, and have a finite sum", sum > 0.0 && sum.is_finite())])
+    }
+}
+
+/// Coefficients of the model.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Preisach<T> {
+    lower: T,
+    /// Cells per V.
+    scale: T,
+    offset: T,
+    everett: Everett<T>,
+}
+
+impl<T: Real> Preisach<T> {
+    /// Coefficients of a set without a [fault](PreisachParameters::check). The model has no time in it: the sample
+    /// period (s) is not used.
+    pub fn build(parameters: &PreisachParameters, _sample_period: T) -> Self {
+        let everett = Everett::build(&parameters.densities_um);
+        let lower = T::of(parameters.lower_v);
+        let scale = everett.end() / (T::of(parameters.upper_v) - lower);
+        Self { lower, scale, offset: T::of(parameters.offset_um), everett }
+    }
+
+    /// The Everett function (µm) from `low` to `high`, V: what a rise between them adds.
+    pub fn everett(&self, high: T, low: T) -> T {
+        let (high, low) = (self.place(high), self.place(low));
+        if low < high { self.everett.between(high, low) } else { T::zero() }
+    }
+
+    /// A voltage in units of the grid, 0…n; 0 for NaN.
+    #[inline]
+    fn place(&self, voltage: T) -> T {
+        Range { min: T::zero(), max: self.everett.end() }.clamp((voltage - self.lower) * self.scale)
+    }
+
+    /// What the displacement (µm) can be for voltages of this range (V).
+    ///
+    /// Relays with α below the range are up, relays with β above it are down; the others may be either. Both bounds are
+    /// attained by [`begin`](Recursion::begin). Widened by the rounding of as many branches as the memory holds.
+    pub fn reach(&self, voltage: Range<T>) -> Range<T> {
+        let end = self.everett.end();
+        let total = self.everett.between(end, T::zero());
+        let rounding = T::of(256.0) * T::epsilon() * (self.offset.abs() + total);
+        let always = self.everett.between(self.place(voltage.min), T::zero());
+        let never = self.everett.between(end, self.place(voltage.max));
+        Range { min: self.offset + always - rounding, max: self.offset + (total - never) + rounding }
+    }
+}
+
+impl<T: Real> Recursion<T> for Preisach<T> {
+    type State = PreisachState<T>;
+
+    /// From negative saturation up to a peak and back to this voltage; the peak is the one that gives the displacement,
+    /// or, where that is not known, the mean of what the lowest and the highest peak give.
+    fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
+        let (at, end) = (self.place(voltage), self.everett.end());
+        let after = |peak: T| self.offset + (self.everett.between(peak, T::zero()) - self.everett.between(peak, at));
+        let displacement = displacement.unwrap_or((after(at) + after(end)) * T::of(0.5));
+        let mut state = PreisachState::saturated();
+        state.go(&self.everett, solve(displacement, at, end, after));
+        state.go(&self.everett, at);
+        state
+    }
+
+    #[inline]
+    fn step(&self, state: &mut Self::State, voltage: T) -> T {
+        self.offset + state.go(&self.everett, self.place(voltage))
+    }
+
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(self.reach(voltage), limits)
+    }
+
+    fn monotone_part(&self) -> Option<Self> {
+        Some(*self)
+    }
+}
+
+impl<T: Real> Linear<T> for Preisach<T> {
+    fn advance(&self, state: &mut Self::State, voltage: T) {
+        state.go(&self.everett, self.place(voltage));
+    }
+
+    /// The part of each cell that is switched up, 0…1 of a whole cell's area (0…½ at the diagonal), in the order of the
+    /// densities, then 1. They do not depend on the densities.
+    fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
+        for row in 0..self.everett.side() {
+            for column in 0..=row {
+                let mut up = T::zero();
+                for (index, (from, to)) in state.points().zip(state.points().skip(1)).enumerate() {
+                    up = if index.is_multiple_of(2) {
+                        up + Everett::part(row, column, to.at, from.at)
+                    } else {
+                        up - Everett::part(row, column, from.at, to.at)
+                    };
+                }
+                each(up);
+            }
+        }
+        each(T::one());
+    }
+}

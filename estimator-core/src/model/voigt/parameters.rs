@@ -1,0 +1,158 @@
+//! Published parameters of the Voigt family, and which of its models have which of them.
+
+use super::Voigt;
+use crate::math::Real;
+use crate::model::catalogue::{Discretisation, Model, Parameters, Published};
+use crate::rule::{self, Rule};
+use serde::{Deserialize, Serialize};
+
+/// How the differential equation becomes a recursion.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheme {
+    /// Forward Euler, Eq. (4.7).
+    #[default]
+    ForwardEuler,
+    /// Exact for a voltage held over the tick; stable for any rate.
+    ZeroOrderHold,
+}
+
+/// A published parameter set, in the units of Tables 4.6 and 5.2. Terms that a model lacks are 0.
+#[derive(Clone, Copy, PartialEq, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VoigtParameters<T = f32> {
+    /// α, µm.
+    pub alpha_um: T,
+    /// β, V.
+    pub beta_v: T,
+    /// λ, 1/V.
+    pub lambda_per_v: T,
+    /// b, Ω.
+    pub b_ohm: T,
+    /// P, no unit.
+    pub p: T,
+    /// g, µm/s per V^h; signed.
+    pub g_um_per_s: T,
+    /// h, no unit.
+    pub h: T,
+    /// e, m/s per m^f as printed; signed.
+    pub e_m_per_s: T,
+    /// f, no unit.
+    pub f: T,
+}
+
+impl<T: Copy> VoigtParameters<T> {
+    /// The same set in another number type.
+    pub fn map<U>(self, number: impl Fn(T) -> U) -> VoigtParameters<U> {
+        VoigtParameters {
+            alpha_um: number(self.alpha_um),
+            beta_v: number(self.beta_v),
+            lambda_per_v: number(self.lambda_per_v),
+            b_ohm: number(self.b_ohm),
+            p: number(self.p),
+            g_um_per_s: number(self.g_um_per_s),
+            h: number(self.h),
+            e_m_per_s: number(self.e_m_per_s),
+            f: number(self.f),
+        }
+    }
+
+    /// Every parameter with its field's name, in the order of Eq. (5.3).
+    pub fn named(&self) -> [(&'static str, T); 9] {
+        [
+            ("alpha_um", self.alpha_um),
+            ("beta_v", self.beta_v),
+            ("lambda_per_v", self.lambda_per_v),
+            ("b_ohm", self.b_ohm),
+            ("p", self.p),
+            ("g_um_per_s", self.g_um_per_s),
+            ("h", self.h),
+            ("e_m_per_s", self.e_m_per_s),
+            ("f", self.f),
+        ]
+    }
+}
+
+/// Exponents beyond this are refused.
+const LARGEST_EXPONENT: f32 = 8.0;
+
+impl Published for VoigtParameters {
+    type Coefficients<T: Real> = Voigt<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Voigt<T> {
+        Voigt::build(&self.map(T::of), discretisation)
+    }
+
+    fn check(&self) -> Result<(), Rule> {
+        let positive = |x: f32| x > 0.0 && x.is_finite();
+        let exponent = |x: f32| (0.0..=LARGEST_EXPONENT).contains(&x);
+        rule::check([
+            ("alpha_um must be positive and finite", positive(self.alpha_um)),
+            ("beta_v must be finite", self.beta_v.is_finite()),
+            ("lambda_per_v must be positive and finite", positive(self.lambda_per_v)),
+            ("b_ohm must be positive and finite", positive(self.b_ohm)),
+            ("p must lie between 0 and 8", exponent(self.p)),
+            ("g_um_per_s must be finite", self.g_um_per_s.is_finite()),
+            ("h must lie between 0 and 8", exponent(self.h)),
+            ("e_m_per_s must be finite", self.e_m_per_s.is_finite()),
+            ("f must lie between 0 and 8", exponent(self.f)),
+        ])
+    }
+
+    fn check_as(&self, model: Model) -> Result<(), Rule> {
+        self.check()?;
+        rule::check([
+            (
+                "g_um_per_s and h must be 0 in a model without the voltage-extremum term",
+                model.has_voltage_term() || (self.g_um_per_s == 0.0 && self.h == 0.0),
+            ),
+            (
+                "e_m_per_s and f must be 0 in a model without the displacement-extremum term",
+                model.has_displacement_term() || (self.e_m_per_s == 0.0 && self.f == 0.0),
+            ),
+        ])
+    }
+}
+
+impl Model {
+    /// The Voigt family, simplest first.
+    pub const VOIGT_FAMILY: [Self; 4] =
+        [Self::Voigt, Self::VoltageExtremum, Self::DisplacementExtremum, Self::Enhanced];
+
+    /// Whether it is one of the four with the parameters of Eq. (5.3).
+    pub const fn is_voigt(self) -> bool {
+        matches!(self, Self::Voigt | Self::VoltageExtremum | Self::DisplacementExtremum | Self::Enhanced)
+    }
+
+    /// Whether the model has the term `g·sgn(V_ext)·|V_ext|^h`.
+    pub const fn has_voltage_term(self) -> bool {
+        matches!(self, Self::VoltageExtremum | Self::Enhanced)
+    }
+
+    /// Whether the model has the term `e·sgn(y_ext)·|y_ext|^f`.
+    pub const fn has_displacement_term(self) -> bool {
+        matches!(self, Self::DisplacementExtremum | Self::Enhanced)
+    }
+}
+
+impl Parameters {
+    /// The parameters of a model of the Voigt family. Any other model is taken for the enhanced one, which has all terms.
+    pub const fn of_voigt_family(model: Model, parameters: VoigtParameters) -> Self {
+        match model {
+            Model::Voigt => Self::Voigt(parameters),
+            Model::VoltageExtremum => Self::VoltageExtremum(parameters),
+            Model::DisplacementExtremum => Self::DisplacementExtremum(parameters),
+            _ => Self::Enhanced(parameters),
+        }
+    }
+
+    /// Those of a model of the Voigt family.
+    pub const fn voigt(&self) -> Option<&VoigtParameters> {
+        match self {
+            Self::Voigt(of) | Self::VoltageExtremum(of) | Self::DisplacementExtremum(of) | Self::Enhanced(of) => {
+                Some(of)
+            }
+            _ => None,
+        }
+    }
+}

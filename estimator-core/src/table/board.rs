@@ -1,0 +1,103 @@
+//! Whether a table is for a board: a table made for other converters or another tick gives a number, and a wrong one.
+
+use super::Table;
+use core::fmt;
+
+/// What a board asks of a table: its tick and the scales of its converters, which a table is made for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Board {
+    /// From one tick to the next, µs.
+    pub tick_us: u32,
+    /// The ADC's largest code, oversampling included.
+    pub adc_full_scale: u16,
+    /// The DAC's largest code.
+    pub dac_full_scale: u16,
+}
+
+/// Why a table is not for a board.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Misfit {
+    /// The ticks differ.
+    Tick {
+        /// The table's, µs.
+        table_us: u32,
+        /// The board's, µs.
+        board_us: u32,
+    },
+    /// The ADC's largest codes differ, or the DAC's, or both.
+    Converters {
+        /// What the table is made for.
+        table: Board,
+        /// What the board has.
+        board: Board,
+    },
+}
+
+impl Table {
+    /// Whether this table is for that board.
+    ///
+    /// # Errors
+    /// It is made for another tick or other converters.
+    pub fn fits(&self, board: &Board) -> Result<(), Misfit> {
+        let table = Board {
+            tick_us: self.sample_period_us,
+            adc_full_scale: self.adc.full_scale,
+            dac_full_scale: self.dac.full_scale,
+        };
+        if table.tick_us != board.tick_us {
+            Err(Misfit::Tick { table_us: table.tick_us, board_us: board.tick_us })
+        } else if table != *board {
+            Err(Misfit::Converters { table, board: *board })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+impl fmt::Display for Misfit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tick { table_us, board_us } => write!(f, "made for a tick of {table_us} µs, not {board_us} µs"),
+            Self::Converters { table, board } => {
+                let (adc, dac) = (table.adc_full_scale, table.dac_full_scale);
+                let (adc_differs, dac_differs) = (adc != board.adc_full_scale, dac != board.dac_full_scale);
+                write!(f, "made for ")?;
+                if adc_differs {
+                    write!(f, "an ADC up to {adc}, not {}", board.adc_full_scale)?;
+                }
+                if adc_differs && dac_differs {
+                    write!(f, ", and ")?;
+                }
+                if dac_differs {
+                    write!(f, "a DAC up to {dac}, not {}", board.dac_full_scale)?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl core::error::Error for Misfit {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_board_that_a_table_is_made_for_is_fitted_and_the_rest_is_named() {
+        let record = include_bytes!("../../../tests/data/table/table.bin");
+        let table = Table::parse(record).unwrap();
+        let board = Board { tick_us: 500, adc_full_scale: 4095, dac_full_scale: 4095 };
+        assert_eq!(table.fits(&board), Ok(()));
+        let said = |board: Board| table.fits(&board).unwrap_err().to_string();
+        assert_eq!(said(Board { tick_us: 100, ..board }), "made for a tick of 500 µs, not 100 µs");
+        assert_eq!(said(Board { adc_full_scale: 65_520, ..board }), "made for an ADC up to 4095, not 65520");
+        assert_eq!(said(Board { dac_full_scale: 1023, ..board }), "made for a DAC up to 4095, not 1023");
+        assert_eq!(
+            said(Board { adc_full_scale: 65_520, dac_full_scale: 1023, ..board }),
+            "made for an ADC up to 4095, not 65520, and a DAC up to 4095, not 1023"
+        );
+        // What differs first in the order of remedies is what is said.
+        assert!(matches!(table.fits(&Board { tick_us: 100, adc_full_scale: 1, ..board }), Err(Misfit::Tick { .. })));
+    }
+}

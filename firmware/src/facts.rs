@@ -1,0 +1,25 @@
+//! What a board says of itself.
+
+use estimator_core::table::Board;
+use protocol::ResetCause;
+
+/// What is known of a board before its first tick, and how to ask it for the errors that only it can count.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts {
+    /// The board's name.
+    pub name: &'static str,
+    /// What the board asks of a table.
+    pub interface: Board,
+    /// Counts of the board's cycle counter from tick to tick.
+    pub cycles_per_tick: u32,
+    /// Why the board started.
+    pub reset: ResetCause,
+    /// Analogue supply at boot, mV, where the board can measure it.
+    pub supply_mv: Option<u16>,
+    /// Whether the supply is within tolerance.
+    pub supply_good: bool,
+    /// Uncorrectable flash words met so far.
+    pub flash_errors: fn() -> u32,
+    /// Errors of the serial line so far that its driver does not report by itself.
+    pub line_errors: fn() -> u32,
+}

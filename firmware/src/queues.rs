@@ -1,0 +1,86 @@
+//! What the tick and the link hand each other: single-producer, single-consumer queues, so that neither waits.
+
+use estimator_core::AdcCode;
+use heapless::spsc::{Consumer, Producer, Queue};
+use protocol::{Mode, Sample};
+
+/// What the link tells the tick.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Command {
+    /// Change the mode and start anew.
+    SetMode(Mode),
+    /// Call the displacement of now 0.
+    SetZero,
+    /// Follow the references that wait and those that come.
+    Go {
+        /// Hold the last reference for ever; otherwise for [`crate::drive::REFERENCE_TIMEOUT_TICKS`].
+        hold: bool,
+    },
+}
+
+/// A sample and its tick, counted from 0 when the mode was set.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Numbered {
+    /// The tick's number.
+    pub tick: u32,
+    /// What the tick gave.
+    pub sample: Sample,
+}
+
+/// The queues themselves. Each holds one element less than its length.
+#[derive(Debug)]
+pub struct Queues {
+    commands: Queue<Command, 4>,
+    fed: Queue<AdcCode, 256>,
+    references: Queue<f32, 256>,
+    samples: Queue<Numbered, 256>,
+}
+
+/// The tick's ends of the queues.
+pub struct TickQueues<'q> {
+    /// From the link; one a tick is taken.
+    pub commands: Consumer<'q, Command>,
+    /// From the link, in [`Mode::Pil`]; one a tick is taken.
+    pub fed: Consumer<'q, AdcCode>,
+    /// From the link, in [`Mode::Follow`], µm; one a tick is taken.
+    pub references: Consumer<'q, f32>,
+    /// To the link, while it streams.
+    pub samples: Producer<'q, Numbered>,
+}
+
+/// The link's ends of the queues.
+pub struct LinkQueues<'q> {
+    /// To the tick.
+    pub commands: Producer<'q, Command>,
+    /// To the tick, in [`Mode::Pil`].
+    pub fed: Producer<'q, AdcCode>,
+    /// To the tick, in [`Mode::Follow`], µm.
+    pub references: Producer<'q, f32>,
+    /// From the tick, while it streams.
+    pub samples: Consumer<'q, Numbered>,
+}
+
+impl Queues {
+    /// Queues with nothing in them.
+    pub const fn new() -> Self {
+        Self { commands: Queue::new(), fed: Queue::new(), references: Queue::new(), samples: Queue::new() }
+    }
+
+    /// Both ends of every queue.
+    pub fn split(&mut self) -> (TickQueues<'_>, LinkQueues<'_>) {
+        let (to_tick, commands) = self.commands.split();
+        let (feed, fed) = self.fed.split();
+        let (refer, references) = self.references.split();
+        let (to_link, samples) = self.samples.split();
+        (
+            TickQueues { commands, fed, references, samples: to_link },
+            LinkQueues { commands: to_tick, fed: feed, references: refer, samples },
+        )
+    }
+}
+
+impl Default for Queues {
+    fn default() -> Self {
+        Self::new()
+    }
+}

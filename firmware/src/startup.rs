@@ -1,0 +1,35 @@
+//! What the tick starts with, as the boot has decided.
+
+use crate::drive::Drive;
+use crate::facts::Facts;
+use estimator_core::{Admitted, DacCode, Estimator};
+use protocol::Faults;
+
+/// What the tick computes with, and where its output rests.
+pub struct Startup {
+    /// The estimator; without it the DAC stays at its safe code.
+    pub estimator: Option<Estimator<f32>>,
+    /// The drive, where the DAC drives the amplifier.
+    pub drive: Option<Drive>,
+    /// The DAC's safe code.
+    pub safe: DacCode,
+    /// Faults known since boot, which last until the next reset.
+    pub faults: Faults,
+}
+
+impl Startup {
+    /// The start with a table, or without one. `fallback` says that the stored table could not be used.
+    pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
+        let estimator = table.map(Estimator::new);
+        // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
+        // without a table nobody knows which code that is, and it is half scale.
+        let safe = table.map_or(DacCode(facts.interface.dac_full_scale / 2), |table| {
+            Drive::rest(table).unwrap_or_else(|| table.dac.code(0.0f32))
+        });
+        let mut faults = Faults::empty();
+        faults.set(Faults::SUPPLY, !facts.supply_good);
+        faults.set(Faults::TABLE_FALLBACK, fallback);
+        faults.set(Faults::NO_TABLE, estimator.is_none());
+        Self { estimator, drive: table.and_then(Drive::new), safe, faults }
+    }
+}

@@ -1,0 +1,293 @@
+//! The host's end of the link: requests and their replies, and the samples that arrive in between.
+//!
+//! A reply belongs to the request whose sequence number it carries. A request without a reply is sent again under the same
+//! number where doing it twice is as good as once. [`Request::Feed`] and [`Request::SetZero`] are not; whether they were
+//! done is then not known ([`LinkError::Unknown`]), and the caller must find out.
+
+use super::error::LinkError;
+use super::port::{Address, Port};
+use protocol::frame::MAX_FRAME;
+use protocol::{
+    Codes, Deframer, FrameError, Health, Identity, Mode, Record, References, Refusal, Reply, Request, Samples,
+    ToDevice, ToHost, encode,
+};
+use std::collections::VecDeque;
+use std::hash::{BuildHasher, Hasher, RandomState};
+use std::io::ErrorKind;
+use std::time::{Duration, Instant};
+
+/// Longest wait for a reply.
+const REPLY: Duration = Duration::from_millis(500);
+/// The same where flash is written before the reply.
+const WRITTEN: Duration = Duration::from_secs(2);
+/// How often a request is sent before the device is called silent.
+const TRIES: u32 = 3;
+/// Pause before a busy device is asked again.
+const BUSY: Duration = Duration::from_millis(50);
+/// Longest time for which what had arrived before the port was opened is thrown away.
+const STALE: Duration = Duration::from_millis(100);
+/// A device that has been told to restart still needs this long to send its reply.
+const LEAVES: Duration = Duration::from_millis(100);
+/// Longest wait for a device to be back.
+const RESTART: Duration = Duration::from_secs(10);
+
+/// A link to a device.
+pub struct Client {
+    address: Address,
+    port: Box<dyn Port>,
+    deframer: Deframer,
+    /// A whole frame has been seen since the port was opened: what is damaged from now on was damaged under way.
+    in_step: bool,
+    damaged: u32,
+    sequence: u16,
+    replies: VecDeque<(u16, Reply)>,
+    samples: VecDeque<Samples>,
+}
+
+/// What the user has consented to before flash is written.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct WriteConsent {
+    /// The device is estimating, and writing may cost it ticks.
+    pub while_estimating: bool,
+    /// The new table changes what the DAC is connected to: the amplifier, or a display.
+    pub rewired: bool,
+}
+
+impl Client {
+    /// Opens the port and asks who is there. A stream that an earlier run left on is stopped.
+    ///
+    /// # Errors
+    /// The port cannot be opened, or nobody answers there in this version of the protocol.
+    pub fn connect(address: &Address) -> Result<(Self, Identity), LinkError> {
+        let mut client = Self {
+            address: address.clone(),
+            port: address.open()?,
+            deframer: Deframer::new(),
+            in_step: false,
+            damaged: 0,
+            // Any: so that a late reply to an earlier run is none to this.
+            sequence: RandomState::new().build_hasher().finish() as u16,
+            replies: VecDeque::new(),
+            samples: VecDeque::new(),
+        };
+        client.forget_stale()?;
+        client.stream(false)?;
+        let identity = client.identify()?;
+        Ok((client, identity))
+    }
+
+    /// Frames that came damaged.
+    pub fn damaged(&self) -> u32 {
+        self.damaged
+    }
+
+    /// Who is it?
+    ///
+    /// # Errors
+    /// No proper reply, here and below.
+    pub fn identify(&mut self) -> Result<Identity, LinkError> {
+        match self.request(Request::Identify)? {
+            Reply::Identity(identity) => Ok(identity),
+            _ => Err(self.confused()),
+        }
+    }
+
+    /// How is it?
+    pub fn health(&mut self) -> Result<Health, LinkError> {
+        match self.request(Request::Health)? {
+            Reply::Health(health) => Ok(health),
+            _ => Err(self.confused()),
+        }
+    }
+
+    /// The record of the table in use.
+    pub fn pull(&mut self) -> Result<Record, LinkError> {
+        match self.request(Request::Pull)? {
+            Reply::Table(record) => Ok(record),
+            _ => Err(self.confused()),
+        }
+    }
+
+    /// Stores a record.
+    pub fn push(&mut self, record: Record, consent: WriteConsent) -> Result<(), LinkError> {
+        let WriteConsent { while_estimating, rewired } = consent;
+        self.done(Request::Push { record, while_estimating, rewired })
+    }
+
+    /// Empties the parameter store.
+    pub fn erase(&mut self, consent: WriteConsent) -> Result<(), LinkError> {
+        let WriteConsent { while_estimating, rewired } = consent;
+        self.done(Request::Erase { while_estimating, rewired })
+    }
+
+    /// Clears counts, faults seen, and last words.
+    pub fn forget(&mut self) -> Result<(), LinkError> {
+        self.done(Request::Forget)
+    }
+
+    /// Calls the displacement of now 0.
+    pub fn set_zero(&mut self) -> Result<(), LinkError> {
+        self.done(Request::SetZero)
+    }
+
+    /// Turns the stream of samples on or off. What was streamed before is gone.
+    pub fn stream(&mut self, on: bool) -> Result<(), LinkError> {
+        let done = self.done(Request::Stream(on));
+        self.samples.clear();
+        done
+    }
+
+    /// Changes what the tick does; this ends the stream, and the device counts samples from 0 again.
+    pub fn set_mode(&mut self, mode: Mode) -> Result<(), LinkError> {
+        let done = self.done(Request::SetMode(mode));
+        self.samples.clear();
+        done
+    }
+
+    /// Hands codes over for the next ticks; returns how many there was room for.
+    pub fn feed(&mut self, codes: Codes) -> Result<usize, LinkError> {
+        match self.request(Request::Feed(codes))? {
+            Reply::Fed(taken) => Ok(taken.into()),
+            _ => Err(self.confused()),
+        }
+    }
+
+    /// Hands wanted displacements (µm) over for the next ticks. With `go` the device follows them from now on and holds the
+    /// last one, for ever with `hold` and for a second without. Returns how many there was room for, and how many ticks have
+    /// found none so far.
+    pub fn refer(&mut self, references: References, go: bool, hold: bool) -> Result<(usize, u32), LinkError> {
+        match self.request(Request::Refer { references, go, hold })? {
+            Reply::Referred { taken, starved } => Ok((taken.into(), starved)),
+            _ => Err(self.confused()),
+        }
+    }
+
+    /// Restarts the device and waits until it is back.
+    pub fn restart(&mut self) -> Result<Identity, LinkError> {
+        self.done(Request::Reset)?;
+        let deadline = Instant::now() + RESTART;
+        std::thread::sleep(LEAVES);
+        self.forget_stale()?;
+        loop {
+            match self.identify() {
+                Err(LinkError::Silent { .. }) if Instant::now() < deadline => {}
+                answer => return answer,
+            }
+        }
+    }
+
+    /// The next samples, if some come within `patience`.
+    pub fn samples(&mut self, patience: Duration) -> Result<Option<Samples>, LinkError> {
+        let deadline = Instant::now() + patience;
+        while self.samples.is_empty() && Instant::now() < deadline {
+            self.receive()?;
+        }
+        Ok(self.samples.pop_front())
+    }
+
+    /// Asks, and asks again where that does no harm.
+    pub fn request(&mut self, request: Request) -> Result<Reply, LinkError> {
+        let (tries, patience) = match request {
+            Request::Feed(_) | Request::Refer { .. } | Request::SetZero => (1, REPLY),
+            Request::Push { .. } | Request::Erase { .. } => (TRIES, WRITTEN),
+            _ => (TRIES, REPLY),
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        self.replies.clear();
+        let message = ToDevice { sequence: self.sequence, request };
+        // The delimiter in front ends whatever of an earlier frame has been lost.
+        let mut bytes = vec![0];
+        let mut buffer = [0; MAX_FRAME];
+        // Cannot fail: a test of the protocol encodes every message at its longest.
+        bytes.extend(encode(&message, &mut buffer).expect("every message of the protocol fits a frame"));
+        let port = self.address.clone();
+        let mut failure = if tries > 1 { LinkError::Silent { port } } else { LinkError::Unknown { port } };
+        for _ in 0..tries {
+            self.port.write_all(&bytes).and_then(|()| self.port.flush()).map_err(|error| self.broken(error))?;
+            match self.reply(patience)? {
+                None => {}
+                Some(Reply::Refused(refusal)) => {
+                    let busy = refusal == Refusal::Busy;
+                    failure = LinkError::Refused { port: self.address.clone(), refusal: Box::new(refusal) };
+                    if !busy {
+                        return Err(failure);
+                    }
+                    std::thread::sleep(BUSY);
+                }
+                Some(reply) => return Ok(reply),
+            }
+        }
+        Err(failure)
+    }
+
+    fn done(&mut self, request: Request) -> Result<(), LinkError> {
+        match self.request(request)? {
+            Reply::Done => Ok(()),
+            _ => Err(self.confused()),
+        }
+    }
+
+    fn reply(&mut self, patience: Duration) -> Result<Option<Reply>, LinkError> {
+        let deadline = Instant::now() + patience;
+        loop {
+            while let Some((to, reply)) = self.replies.pop_front() {
+                if to == self.sequence {
+                    return Ok(Some(reply));
+                }
+            }
+            if Instant::now() >= deadline {
+                return Ok(None);
+            }
+            self.receive()?;
+        }
+    }
+
+    /// Sorts what arrives within one read.
+    fn receive(&mut self) -> Result<(), LinkError> {
+        let mut bytes = [0; 4096];
+        let length = self.read(&mut bytes)?;
+        for &byte in &bytes[..length] {
+            match self.deframer.push(byte) {
+                None => continue,
+                Some(Ok(ToHost::Reply { to, reply })) => self.replies.push_back((to, reply)),
+                Some(Ok(ToHost::Samples(samples))) => self.samples.push_back(samples),
+                Some(Err(FrameError::Version { found })) => {
+                    return Err(LinkError::Version { port: self.address.clone(), found });
+                }
+                Some(Err(_)) => self.damaged += u32::from(self.in_step),
+            }
+            self.in_step = true;
+        }
+        Ok(())
+    }
+
+    /// Throws away what has already arrived.
+    fn forget_stale(&mut self) -> Result<(), LinkError> {
+        let deadline = Instant::now() + STALE;
+        while Instant::now() < deadline && self.read(&mut [0; 4096])? > 0 {}
+        self.deframer = Deframer::new();
+        self.in_step = false;
+        self.samples.clear();
+        Ok(())
+    }
+
+    /// Reads what there is; nothing, if nothing comes in time.
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, LinkError> {
+        match self.port.read(bytes) {
+            Ok(0) => Err(self.broken(ErrorKind::UnexpectedEof.into())),
+            Ok(length) => Ok(length),
+            Err(error) => match error.kind() {
+                ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => Ok(0),
+                _ => Err(self.broken(error)),
+            },
+        }
+    }
+
+    fn broken(&self, error: std::io::Error) -> LinkError {
+        LinkError::Broken { port: self.address.clone(), error }
+    }
+
+    fn confused(&self) -> LinkError {
+        LinkError::Confused { port: self.address.clone() }
+    }
+}

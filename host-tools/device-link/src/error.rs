@@ -1,0 +1,68 @@
+//! What can go wrong between host and device.
+
+use super::port::{Address, PortError};
+use protocol::{Refusal, VERSION};
+
+/// What went wrong between host and device.
+#[derive(Debug, thiserror::Error)]
+pub enum LinkError {
+    /// The port cannot be opened.
+    #[error(transparent)]
+    Port(#[from] PortError),
+    /// The port broke.
+    #[error("{port}: the link broke: {error}; is the cable still in, the board powered, the emulator running?")]
+    Broken {
+        /// Where.
+        port: Address,
+        /// What the operating system says.
+        error: std::io::Error,
+    },
+    /// No reply.
+    #[error(
+        "{port}: no answer. Is it the board's port, is this project's firmware on the board, made from the same sources as \
+         this program (protocol version {VERSION}), and is no other program connected to it?"
+    )]
+    Silent {
+        /// Where.
+        port: Address,
+    },
+    /// The other side speaks another version.
+    #[error("{port}: its firmware speaks protocol version {found}, this program version {VERSION}: {}", older(*.found))]
+    Version {
+        /// Where.
+        port: Address,
+        /// Its version.
+        found: u8,
+    },
+    /// No reply to a request that must not be sent twice.
+    #[error("{port}: no answer, so it is not known whether it was done")]
+    Unknown {
+        /// Where.
+        port: Address,
+    },
+    /// The device refuses.
+    #[error("{port}: the device refuses: {refusal}")]
+    Refused {
+        /// Where.
+        port: Address,
+        /// Why.
+        refusal: Box<Refusal>,
+    },
+    /// A reply to another question.
+    #[error(
+        "{port}: the device answered something else than it was asked; build its firmware and this program from the same \
+         sources"
+    )]
+    Confused {
+        /// Where.
+        port: Address,
+    },
+}
+
+fn older(found: u8) -> &'static str {
+    if found < VERSION {
+        "the firmware is older"
+    } else {
+        "this program is older; build it again from the sources of the firmware"
+    }
+}

@@ -1,0 +1,23 @@
+//! The host's end of the link to a device ([`protocol`]), and what is done with a device over it or over a debug probe.
+
+pub mod board;
+pub mod client;
+pub mod error;
+pub mod follow;
+pub mod interrupt;
+pub mod pages;
+pub mod pil;
+pub mod port;
+pub mod probe;
+pub mod recording;
+pub mod table;
+pub mod window;
+pub mod words;
+pub mod write;
+
+#[cfg(test)]
+mod tests;
+
+pub use client::{Client, WriteConsent};
+pub use error::LinkError;
+pub use port::Address;

@@ -1,0 +1,291 @@
+//! Processor in the loop: codes in over the link, the device's estimates back, tick for tick beside the host's f32 core.
+
+use super::client::Client;
+use super::error::LinkError;
+use super::interrupt::Interrupt;
+use super::words;
+use estimator_core::{AdcCode, Admitted, Estimator, Status};
+use protocol::{Codes, Mode, Sample};
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// Codes in one frame; [`Codes`] takes so many.
+const CHUNK: usize = 64;
+/// Codes under way or waiting in the device: its queues hold 255 each way, and the link adds some milliseconds.
+const OUTSTANDING: usize = 200;
+/// A device that returns nothing for so long has stopped.
+const SILENCE: Duration = Duration::from_secs(5);
+/// After this long without a sample, all that were under way have come: the queue is empty in 128 ms.
+const SETTLED: Duration = Duration::from_millis(400);
+/// How long to wait for samples before something else is looked at.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// What a tick gave.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct TickResult {
+    /// Displacement, µm.
+    pub displacement_um: f32,
+    /// Its bits.
+    pub bits: u32,
+    /// Status bits.
+    #[serde(serialize_with = "words::serialize_status")]
+    pub status: Status,
+}
+
+/// One tick on which host and device do not agree.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Difference {
+    /// The tick, from 0.
+    pub tick: usize,
+    /// The code fed.
+    pub code: u16,
+    /// What the host gave.
+    pub host: TickResult,
+    /// What the device gave.
+    pub device: TickResult,
+}
+
+/// All ticks of a log, host beside device.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Comparison {
+    /// Ticks compared.
+    pub ticks: usize,
+    /// Ticks on which every bit of displacement and status is the same.
+    pub identical: usize,
+    /// The first tick on which one is not.
+    pub first_difference: Option<Difference>,
+    /// Largest difference of the displacements, µm.
+    pub max_difference_um: f32,
+    /// Every status bit that the host raised.
+    #[serde(serialize_with = "words::serialize_status")]
+    pub status: Status,
+}
+
+/// Why codes were not fed to their end.
+#[derive(Debug, thiserror::Error)]
+pub enum FeedError {
+    /// The link fails, or the device refuses.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The user does not want to wait.
+    #[error("interrupted after {done} of {ticks} ticks")]
+    Interrupted {
+        /// Ticks done.
+        done: usize,
+        /// Ticks wanted.
+        ticks: usize,
+    },
+    /// Neither samples nor errors come.
+    #[error("the device gives nothing any more, after {done} of {ticks} ticks")]
+    Silent {
+        /// Ticks done.
+        done: usize,
+        /// Ticks wanted.
+        ticks: usize,
+    },
+    /// Samples were lost: nothing can be compared.
+    #[error(
+        "the link lost samples: after tick {expected} came tick {came}. Nothing can be compared; is the cable sound, and \
+         this machine not too busy? Try again"
+    )]
+    SamplesLost {
+        /// The tick that should have come.
+        expected: usize,
+        /// The tick that came.
+        came: u32,
+    },
+    /// More samples came than codes were fed.
+    #[error(
+        "the device gave more samples than the {fed} codes it was fed: is its firmware built from the sources of this \
+         program?"
+    )]
+    Unasked {
+        /// Codes fed.
+        fed: usize,
+    },
+}
+
+/// Feeds codes to the device at its own pace and collects what it gives. It is left in [`Mode::Pil`], streaming.
+///
+/// # Errors
+/// The link fails or loses samples, the device stops, or the user does not want to wait.
+pub fn feed(
+    client: &mut Client,
+    codes: &[AdcCode],
+    interrupt: &Interrupt,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Vec<Sample>, FeedError> {
+    client.set_mode(Mode::Pil)?;
+    client.stream(true)?;
+    let mut samples: Vec<Sample> = Vec::with_capacity(codes.len());
+    let mut fed = 0;
+    let mut news = Instant::now();
+    while samples.len() < codes.len() {
+        let (done, ticks) = (samples.len(), codes.len());
+        if interrupt.wanted() {
+            return Err(FeedError::Interrupted { done, ticks });
+        }
+        let next = &codes[fed..codes.len().min(fed + CHUNK)];
+        let room = !next.is_empty() && fed - samples.len() + next.len() <= OUTSTANDING;
+        if room {
+            // Cannot fail: no more than fit.
+            let chunk: Codes = next.iter().map(|code| code.0).collect();
+            fed = match client.feed(chunk) {
+                Ok(taken) => fed + taken.min(next.len()),
+                Err(LinkError::Unknown { .. }) => settle(client, &mut samples, fed + next.len())?,
+                Err(error) => return Err(error.into()),
+            };
+        }
+        if collect(client, &mut samples, fed, if room { Duration::ZERO } else { LOOK })? {
+            news = Instant::now();
+            progress(samples.len());
+        }
+        if news.elapsed() >= SILENCE {
+            return Err(FeedError::Silent { done: samples.len(), ticks });
+        }
+    }
+    Ok(samples)
+}
+
+/// Takes the samples that come within `patience`, of `fed` codes at most; returns whether any did.
+fn collect(client: &mut Client, samples: &mut Vec<Sample>, fed: usize, patience: Duration) -> Result<bool, FeedError> {
+    let mut patience = patience;
+    let mut any = false;
+    while let Some(batch) = client.samples(patience)? {
+        let expected = samples.len();
+        if batch.first as usize != expected {
+            return Err(FeedError::SamplesLost { expected, came: batch.first });
+        }
+        if expected + batch.samples.len() > fed {
+            return Err(FeedError::Unasked { fed });
+        }
+        samples.extend(batch.samples);
+        patience = Duration::ZERO;
+        any = true;
+    }
+    Ok(any)
+}
+
+/// Finds out how many codes the device has taken when the reply that would say so was lost: it answers in order, so that
+/// it has taken those codes or never will, and each one taken gives a sample.
+fn settle(client: &mut Client, samples: &mut Vec<Sample>, fed: usize) -> Result<usize, FeedError> {
+    client.health()?;
+    while collect(client, samples, fed, SETTLED)? {}
+    Ok(samples.len())
+}
+
+/// Runs the host's f32 core on the same codes and compares.
+pub fn compare(table: &Admitted, codes: &[AdcCode], samples: &[Sample]) -> Comparison {
+    let mut estimator = Estimator::<f32>::new(table);
+    let mut comparison = Comparison {
+        ticks: samples.len(),
+        identical: 0,
+        first_difference: None,
+        max_difference_um: 0.0,
+        status: Status::empty(),
+    };
+    for (tick, (&code, sample)) in codes.iter().zip(samples).enumerate() {
+        let estimate = estimator.tick(code);
+        let gave =
+            |displacement_um: f32, status| TickResult { displacement_um, bits: displacement_um.to_bits(), status };
+        let host = gave(estimate.displacement, estimate.status);
+        let device = gave(sample.displacement, sample.status);
+        comparison.status |= host.status;
+        if host.bits == device.bits && host.status == device.status && sample.code == code.0 {
+            comparison.identical += 1;
+        } else {
+            comparison.first_difference.get_or_insert(Difference { tick, code: code.0, host, device });
+            let apart = (host.displacement_um - device.displacement_um).abs();
+            // A NaN is the largest of all, and stays.
+            if apart.is_nan() || apart > comparison.max_difference_um {
+                comparison.max_difference_um = apart;
+            }
+        }
+    }
+    comparison
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use emulator::faults::{lose_samples_at, messages, replies, wrong_bit_at};
+    use emulator::{Emulator, Fault, FaultyLine, TABLE};
+    use protocol::sample::MAX_BATCH;
+    use protocol::{Reply, ToHost};
+
+    fn codes(table: &Admitted) -> Vec<AdcCode> {
+        let wave = |k: u32| 1.8 + 1.7 * (f64::from(k) * 0.01).sin();
+        (0..3000).map(|k| table.adc.code(wave(k))).collect()
+    }
+
+    fn run(fault: impl Fault) -> Result<Comparison, FeedError> {
+        let device = Emulator::new().speed(8.0).start().unwrap();
+        let line = FaultyLine::to(device.address(), fault).unwrap();
+        let (mut client, _) = Client::connect(&line.address().into()).unwrap();
+        let table = TABLE.admit().unwrap();
+        let codes = codes(&table);
+        let samples = feed(&mut client, &codes, &Interrupt::default(), &mut |_| {})?;
+        Ok(compare(&table, &codes, &samples))
+    }
+
+    #[test]
+    fn the_same_core_gives_the_same_bits() {
+        let comparison = run(|_, _: &mut Vec<u8>| {}).unwrap();
+        assert_eq!((comparison.ticks, comparison.identical, comparison.first_difference), (3000, 3000, None));
+    }
+
+    #[test]
+    fn a_lost_reply_to_a_feed_costs_nothing() {
+        let mut feeds = 0;
+        let lost = replies(move |_, reply, frame| {
+            if matches!(reply, Reply::Fed(_)) {
+                if [2, 11].contains(&feeds) {
+                    frame.clear();
+                }
+                feeds += 1;
+            }
+        });
+        let comparison = run(lost).unwrap();
+        assert_eq!((comparison.ticks, comparison.identical), (3000, 3000));
+    }
+
+    #[test]
+    fn one_bit_of_one_tick_is_found() {
+        let comparison = run(wrong_bit_at(1234)).unwrap();
+        let difference = comparison.first_difference.unwrap();
+        assert_eq!((comparison.identical, difference.tick), (2999, 1234));
+        assert_eq!(difference.host.bits ^ difference.device.bits, 1);
+        assert!(comparison.max_difference_um > 0.0);
+    }
+
+    #[test]
+    fn samples_that_nobody_asked_for_are_refused() {
+        // After the first batch come eight full ones of codes that were not fed: more than may be under way.
+        let mut before = true;
+        let unasked = messages(move |message| {
+            let mut arrives = vec![message.clone()];
+            if let (ToHost::Samples(batch), true) = (&message, before) {
+                before = false;
+                let mut next = batch.first + batch.samples.len() as u32;
+                for _ in 0..8 {
+                    let mut more = batch.clone();
+                    more.first = next;
+                    while more.samples.len() < MAX_BATCH {
+                        more.samples.push(batch.samples[0]).unwrap();
+                    }
+                    next += MAX_BATCH as u32;
+                    arrives.push(ToHost::Samples(more));
+                }
+            }
+            arrives
+        });
+        let error = run(unasked).unwrap_err().to_string();
+        assert!(error.contains("more samples than"), "{error}");
+    }
+
+    #[test]
+    fn lost_samples_are_not_papered_over() {
+        let error = run(lose_samples_at(500)).unwrap_err().to_string();
+        assert!(error.contains("lost samples"), "{error}");
+    }
+}

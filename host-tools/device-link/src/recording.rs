@@ -1,0 +1,193 @@
+//! Streamed samples as a log: `time_s,voltage_V,estimated_displacement_um`, a row a tick, written as they come.
+//!
+//! The voltage is the code through the calibration of the device's table. The displacement is the device's own estimate,
+//! and the column says so. Time counts ticks; where samples were lost it leaps.
+
+use super::client::Client;
+use super::error::LinkError;
+use super::window::{Numbers, Sequel};
+use estimator_core::{AdcCalibration, AdcCode, Status};
+use protocol::{Faults, Samples};
+use std::io::{self, Write};
+use std::time::Duration;
+
+/// Names of the columns; [`recordings::log::read`] knows them.
+pub const HEADER: &str = "time_s,voltage_V,estimated_displacement_um";
+
+/// A stream that gives nothing for so long has ended.
+const SILENCE: Duration = Duration::from_secs(2);
+/// How often the wish to end is looked at.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug)]
+pub struct Wish {
+    /// Codes to volts.
+    pub calibration: AdcCalibration,
+    /// Tick, µs.
+    pub tick_us: u32,
+    /// Ticks; without it until the user has enough.
+    pub ticks: Option<u64>,
+    /// Go on after a gap.
+    pub allow_gaps: bool,
+}
+
+/// What was recorded.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// Rows.
+    pub rows: u64,
+    /// Ticks from the first to after the last row.
+    pub ticks: u64,
+    /// Rows that are missing in between.
+    pub lost: u64,
+    /// Rows of ticks that came late.
+    pub late: u64,
+    /// Every status bit.
+    pub status: Status,
+    /// Every fault.
+    pub faults: Faults,
+    /// The displacement of the tick after the last sample.
+    next: Option<f32>,
+}
+
+/// Why a recording ended.
+#[derive(Debug)]
+pub enum End {
+    /// All is there, or the user has enough.
+    Complete,
+    /// Samples were lost, and gaps were not allowed.
+    Gap {
+        /// How many.
+        ticks: u32,
+    },
+    /// The device counts from 0 again: somebody restarted it.
+    Anew,
+    /// No samples came any more.
+    Silence,
+    /// The link failed.
+    Link(LinkError),
+}
+
+/// Records until enough is there, `enough` says so, or something ends it.
+///
+/// # Errors
+/// The log cannot be written.
+pub fn record(
+    client: &mut Client,
+    wish: &Wish,
+    log: &mut impl Write,
+    mut enough: impl FnMut(&Recording) -> bool,
+) -> io::Result<(Recording, End)> {
+    let mut recording = Recording::default();
+    let mut numbers = Numbers::default();
+    let mut silence = Duration::ZERO;
+    writeln!(log, "{HEADER}")?;
+    let end = loop {
+        if wish.ticks.is_some_and(|ticks| recording.ticks >= ticks) || enough(&recording) {
+            break End::Complete;
+        }
+        let samples = match client.samples(LOOK) {
+            Ok(Some(samples)) => samples,
+            Ok(None) if silence < SILENCE => {
+                silence += LOOK;
+                continue;
+            }
+            Ok(None) => break End::Silence,
+            Err(error) => break End::Link(error),
+        };
+        silence = Duration::ZERO;
+        match numbers.take(&samples) {
+            Sequel::Follows => {}
+            Sequel::Lost(ticks) if wish.allow_gaps => {
+                recording.lost += u64::from(ticks);
+                recording.ticks += u64::from(ticks);
+                recording.next = None;
+            }
+            Sequel::Lost(ticks) => break End::Gap { ticks },
+            Sequel::Anew => break End::Anew,
+        }
+        write(&samples, wish, &mut recording, log)?;
+    };
+    log.flush()?;
+    Ok((recording, end))
+}
+
+fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut impl Write) -> io::Result<()> {
+    for sample in &samples.samples {
+        if wish.ticks.is_some_and(|ticks| recording.ticks >= ticks) {
+            break;
+        }
+        // Whole µs over 10⁶ is the double nearest to the true time, and so prints short.
+        let time = (recording.ticks * u64::from(wish.tick_us)) as f64 / 1e6;
+        let voltage: f32 = wish.calibration.voltage(AdcCode(sample.code));
+        // A sample's displacement is that of the next tick, beside whose voltage it belongs.
+        let Some(displacement) = recording.next.replace(sample.displacement) else {
+            if recording.rows > 0 {
+                recording.ticks += 1;
+                recording.lost += 1;
+            }
+            continue;
+        };
+        writeln!(log, "{time},{voltage},{displacement}")?;
+        recording.rows += 1;
+        recording.ticks += 1;
+        recording.late += u64::from(sample.faults.contains(Faults::MISSED_DEADLINE));
+        recording.status |= sample.status;
+        recording.faults |= sample.faults;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use emulator::faults::{lose_samples_at, silent_from};
+    use emulator::{Emulator, Fault, FaultyLine, TABLE};
+    use recordings::log::{ReadOptions, read};
+
+    fn recorded(fault: impl Fault, ticks: u64, allow_gaps: bool) -> (String, Recording, End) {
+        let device = Emulator::new().speed(8.0).start().unwrap();
+        let line = FaultyLine::to(device.address(), fault).unwrap();
+        let (mut client, identity) = Client::connect(&line.address().into()).unwrap();
+        let calibration = TABLE.adc;
+        client.stream(true).unwrap();
+        let wish = Wish { calibration, tick_us: identity.tick_us, ticks: Some(ticks), allow_gaps };
+        let mut log = Vec::new();
+        let (recording, end) = record(&mut client, &wish, &mut log, |_| false).unwrap();
+        (String::from_utf8(log).unwrap(), recording, end)
+    }
+
+    #[test]
+    fn a_recording_is_a_log() {
+        let (log, recording, end) = recorded(|_, _: &mut Vec<u8>| {}, 1000, false);
+        assert!(matches!(end, End::Complete), "{end:?}");
+        assert_eq!((recording.rows, recording.lost), (1000, 0));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        std::fs::write(&path, log).unwrap();
+        let log = read(&path, &ReadOptions::default()).unwrap();
+        assert_eq!((log.voltage.len(), log.sample_period), (1000, 0.0005));
+        assert!(log.displacement.is_some() && log.displacement_estimated);
+    }
+
+    #[test]
+    fn a_gap_ends_it_or_shows_in_the_time() {
+        let (log, recording, end) = recorded(lose_samples_at(200), 1000, false);
+        assert!(matches!(end, End::Gap { ticks } if ticks > 0), "{end:?}");
+        assert_eq!((log.lines().count() as u64, recording.ticks), (recording.rows + 1, recording.rows));
+
+        let (log, recording, end) = recorded(lose_samples_at(200), 1000, true);
+        assert!(matches!(end, End::Complete), "{end:?}");
+        assert!(recording.lost > 0);
+        assert_eq!(recording.rows + recording.lost, 1000);
+        assert!(log.lines().last().unwrap().starts_with("0.4995,"), "time goes on over the gap");
+    }
+
+    #[test]
+    fn a_device_that_falls_silent_ends_it() {
+        let (_, recording, end) = recorded(silent_from(100), 1000, false);
+        assert!(matches!(end, End::Silence), "{end:?}");
+        assert_eq!(recording.rows, 99, "the first sample's displacement is the second's tick's");
+    }
+}

@@ -1,0 +1,98 @@
+//! What a device reports, in plain words.
+
+use estimator_core::Status;
+use protocol::{Faults, Mode, ResetCause};
+use serde::Serializer;
+
+/// Every fault that is set, and what is so.
+pub fn faults(faults: Faults) -> impl Iterator<Item = (Faults, &'static str)> {
+    FAULTS.into_iter().filter(move |(bit, _)| faults.contains(*bit))
+}
+
+/// Every status bit that is set, and what is so.
+pub fn status(status: Status) -> impl Iterator<Item = (Status, &'static str)> {
+    STATUS.into_iter().filter(move |(bit, _)| status.contains(*bit))
+}
+
+/// What is so, of all of these, in one line; nothing where nothing is.
+pub fn list(said: impl Iterator<Item = &'static str>) -> String {
+    said.collect::<Vec<_>>().join("; ")
+}
+
+/// The names of the status bits, for machines.
+pub fn serialize_status<S: Serializer>(status: &Status, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(status.iter_names().map(|(name, _)| name))
+}
+
+/// Why a device started.
+pub fn reset(cause: ResetCause) -> String {
+    let causes = [
+        (ResetCause::BROWN_OUT, "power came, or sagged and came back"),
+        (ResetCause::WATCHDOG, "the watchdog restarted it, since ticks or the link had stopped"),
+        (ResetCause::SOFTWARE, "the firmware restarted itself, as asked or after a panic"),
+        (ResetCause::PIN, "the reset button or a debug probe"),
+        (ResetCause::OTHER, "a low-power, window-watchdog or option-byte reset"),
+    ];
+    let set: Vec<&str> = causes.into_iter().filter(|(bit, _)| cause.contains(*bit)).map(|(_, words)| words).collect();
+    // A reset by the pin shows beside every other cause, which pulls that pin.
+    match set[..] {
+        [] => "for no reason that it knows".to_owned(),
+        [first, ..] => first.to_owned(),
+    }
+}
+
+/// What a device does, as the end of a sentence that starts with the device.
+pub fn mode(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Estimate => "estimates from its ADC",
+        Mode::Pil => "waits for fed samples (processor in the loop) and estimates nothing else",
+        Mode::Pause => "is paused and estimates nothing",
+        Mode::Follow => "drives the amplifier to where it is told, and estimates from its ADC",
+    }
+}
+
+const FAULTS: [(Faults, &str); 8] = [
+    (Faults::NO_TABLE, "there is no table that it can run, so nothing is estimated"),
+    (
+        Faults::TABLE_FALLBACK,
+        "the stored table cannot be used, so the one of the firmware image is, which may be another actuator's: the output stays safe",
+    ),
+    (Faults::SUPPLY, "the analogue supply, the converters' reference, was out of tolerance at the start"),
+    (Faults::ADC_SATURATED, "the ADC stands at an end of its range, or comes too near it too often"),
+    (Faults::ADC_STUCK, "the ADC gives one and the same code"),
+    (Faults::OUT_OF_CALIBRATION, "the voltage is beyond what the table was identified on"),
+    (Faults::MISSED_DEADLINE, "a tick came late or not at all, or was not done in time for its output"),
+    (Faults::SAFE_OUTPUT, "the DAC stands at its safe value"),
+];
+
+const STATUS: [(Status, &str); 6] = [
+    (Status::ADC_SATURATED, "the ADC was at an end of its range: the voltage was at least that large"),
+    (
+        Status::VOLTAGE_OUT_OF_RANGE,
+        "the voltage left the range the table was identified on, and the nearest end was taken",
+    ),
+    (Status::CLAMPED, "the estimate was clamped to the table's limits"),
+    (Status::DAC_SATURATED, "the DAC was at an end of its range: the displacement was at least that far"),
+    (
+        Status::NOT_SETTLED,
+        "the voltage had not turned at either end of half its range since the start: the estimate depended on where that was assumed",
+    ),
+    (
+        Status::OUT_OF_REACH,
+        "the wanted displacement was out of reach: the voltage or its slew rate stood at the drive's limit",
+    ),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bit_has_words() {
+        assert_eq!(faults(Faults::all()).count(), Faults::all().iter().count());
+        assert_eq!(status(Status::all()).count(), Status::all().iter().count());
+        for cause in ResetCause::all().iter() {
+            assert_ne!(reset(cause), reset(ResetCause::empty()), "{cause:?}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The emulated board: it starts the firmware, again after a restart, and calls its tick.
+
+use crate::plant::Plant;
+use crate::serial_line::{Receiver, SerialLine, Transmitter};
+use embassy_futures::select::{Either, select};
+use embassy_futures::yield_now;
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::signal::Signal;
+use embassy_time::{Duration, Instant, Timer};
+use embedded_storage_async::nor_flash::NorFlash;
+use estimator_core::DacCode;
+use estimator_core::table::Board as Interface;
+use firmware::rate::{TICK_HZ, TICK_US};
+use firmware::{Facts, Peripherals, Resources, Telemetry, Tick};
+use parameter_store::StoreError;
+use protocol::ResetCause;
+use std::ops::Range;
+use std::sync::atomic::Ordering::Relaxed;
+
+/// Counts of the emulated cycle counter in a second; a count is a nanosecond.
+const CYCLES_HZ: u32 = 1_000_000_000;
+/// As the real board's, so that the same tables fit.
+const INTERFACE: Interface = Interface { tick_us: TICK_US, adc_full_scale: 65_520, dac_full_scale: 4095 };
+/// How often the ticks that are due are looked for.
+const TURN: Duration = Duration::from_millis(1);
+/// Most ticks between two turns of the link, a quarter of what its queue of samples takes.
+const MOST_TICKS: f64 = 64.0;
+
+/// All that the firmware on this board needs.
+pub struct Board<'l, P, F> {
+    /// What the converters are connected to.
+    pub plant: P,
+    /// The flash that holds the parameter pages.
+    pub flash: F,
+    /// Where in the flash the parameter pages are, bytes from its start.
+    pub pages: Range<u32>,
+    /// Seconds of emulated time in a second.
+    pub speed: f64,
+    /// The serial line.
+    pub line: &'l SerialLine,
+}
+
+impl<P: Plant, F: NorFlash> Board<'_, P, F> {
+    /// Runs the firmware and starts it again whenever it asks for that.
+    ///
+    /// # Errors
+    /// The pages do not fit the flash.
+    pub async fn run(mut self) -> Result<std::convert::Infallible, StoreError> {
+        let mut reset = ResetCause::BROWN_OUT;
+        loop {
+            let mut resources = Resources::new();
+            let telemetry = Telemetry::new();
+            let started: Signal<NoopRawMutex, Tick<'_>> = Signal::new();
+            let peripherals = Peripherals {
+                facts: facts(reset),
+                last_words: None,
+                receiver: Receiver::new(self.line, self.speed),
+                transmitter: Transmitter(self.line),
+                flash: &mut self.flash,
+                pages: self.pages.clone(),
+                feed_watchdog: || {},
+                start: |tick| started.signal(tick),
+            };
+            let firmware = firmware::run(peripherals, &mut resources, &telemetry);
+            match select(firmware, ticks(&started, &telemetry, &mut self.plant, self.speed)).await {
+                Either::First(restart) => restart?,
+                Either::Second(never) => match never {},
+            }
+            reset = ResetCause::SOFTWARE;
+        }
+    }
+}
+
+fn facts(reset: ResetCause) -> Facts {
+    Facts {
+        name: "emulated",
+        interface: INTERFACE,
+        cycles_per_tick: CYCLES_HZ / TICK_HZ,
+        reset,
+        supply_mv: None,
+        supply_good: true,
+        flash_errors: || 0,
+        line_errors: || 0,
+    }
+}
+
+/// Waits for the tick to be started, then calls it as often as the time that has passed demands. Ticks that this machine had
+/// no time for are not made up for: the emulated time has then stood still.
+async fn ticks(
+    started: &Signal<NoopRawMutex, Tick<'_>>,
+    telemetry: &Telemetry,
+    plant: &mut impl Plant,
+    speed: f64,
+) -> std::convert::Infallible {
+    let mut tick = started.wait().await;
+    let rate = speed * f64::from(TICK_HZ);
+    let mut cycles = 0u32;
+    // The DAC puts a code out from the tick after the one that computed it; the plant answers it from the tick after that.
+    let mut computed = DacCode(telemetry.safe.load(Relaxed));
+    let mut put_out = computed;
+    let (mut looked, mut due) = (Instant::now(), 0.0);
+    loop {
+        let now = Instant::now();
+        due = (due + rate * (now - looked).as_micros() as f64 / 1e6).min(2.0 * MOST_TICKS);
+        looked = now;
+        let mut left = MOST_TICKS;
+        while due >= 1.0 && left >= 1.0 {
+            let code = plant.sample(put_out);
+            put_out = computed;
+            let begun = std::time::Instant::now();
+            computed = tick.sample(code, cycles);
+            // A tick takes no second.
+            telemetry.took(begun.elapsed().as_nanos() as u32, u32::MAX);
+            cycles = cycles.wrapping_add(CYCLES_HZ / TICK_HZ);
+            due -= 1.0;
+            left -= 1.0;
+        }
+        if due >= 1.0 {
+            yield_now().await;
+        } else {
+            Timer::after(TURN).await;
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! An emulated device: what it is made of, and the handle to it while it runs.
+
+use crate::board::Board;
+use crate::plant::{Plant, triangle};
+use crate::serial_line::SerialLine;
+use async_io::Async;
+use embassy_futures::select::select;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::signal::Signal;
+use embedded_storage_async::nor_flash::NorFlash;
+use parameter_store::{ParameterStore, RamFlash, StoreError};
+use std::io;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+/// Bytes of the two parameter pages.
+const PAGES: usize = 4096;
+
+/// Why a device could not be emulated.
+#[derive(Debug, thiserror::Error)]
+pub enum EmulatorError {
+    /// There is no socket for its serial line.
+    #[error("no socket can be opened for the emulated device: {0}")]
+    Socket(#[from] io::Error),
+    /// Its flash is none that can hold the parameter pages.
+    #[error("the emulated device's flash cannot hold its tables: {0}")]
+    Flash(#[from] StoreError),
+}
+
+/// What a device is made of, before it is switched on: plant, flash and pace.
+pub struct Emulator<P, F> {
+    plant: P,
+    flash: F,
+    speed: f64,
+    port: u16,
+}
+
+impl Emulator<(), ()> {
+    /// A device that reads a triangle ([`triangle`]), with erased flash in memory, in real time, at a port that the operating
+    /// system chooses.
+    pub fn new() -> Emulator<impl Plant, RamFlash<Vec<u8>>> {
+        Emulator { plant: triangle(), flash: RamFlash::new(vec![0xFF; PAGES]), speed: 1.0, port: 0 }
+    }
+}
+
+impl<P: Plant, F: NorFlash + Send + 'static> Emulator<P, F> {
+    /// Connects the converters to something else.
+    pub fn plant<Q: Plant>(self, plant: Q) -> Emulator<Q, F> {
+        let Self { flash, speed, port, .. } = self;
+        Emulator { plant, flash, speed, port }
+    }
+
+    /// Gives it another flash; all of it is parameter pages. What is stored there is the table that the device starts with.
+    pub fn flash<G: NorFlash + Send + 'static>(self, flash: G) -> Emulator<P, G> {
+        let Self { plant, speed, port, .. } = self;
+        Emulator { plant, flash, speed, port }
+    }
+
+    /// Lets so many seconds pass on the device in a second, fewer where this machine is too busy. Beyond some twenty the link
+    /// cannot carry every sample away, as on a board whose line is too slow.
+    pub fn speed(self, speed: f64) -> Self {
+        Self { speed, ..self }
+    }
+
+    /// Listens at this port of the local machine; 0 is any that is free.
+    pub fn port(self, port: u16) -> Self {
+        Self { port, ..self }
+    }
+
+    /// Switches the device on, in a thread of its own.
+    ///
+    /// # Errors
+    /// There is no socket for it, or the flash does not consist of two pages.
+    pub fn start(mut self) -> Result<EmulatedDevice, EmulatorError> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, self.port))?;
+        let address = listener.local_addr()?;
+        let listener = Async::new(listener)?;
+        // More than a u32 of bytes is no flash of two pages either.
+        let pages = 0..u32::try_from(self.flash.capacity()).unwrap_or(u32::MAX);
+        ParameterStore::new(&mut self.flash, pages.clone())?;
+        let stop = Arc::new(Signal::<CriticalSectionRawMutex, ()>::new());
+        let stopped = stop.clone();
+        let Self { plant, flash, speed, .. } = self;
+        let thread = std::thread::Builder::new().name("emulated device".to_owned()).spawn(move || {
+            let line = SerialLine::new(listener);
+            let board = Board { plant, flash, pages, speed, line: &line };
+            async_io::block_on(select(stopped.wait(), board.run()));
+        })?;
+        Ok(EmulatedDevice { address, stop, thread: Some(thread) })
+    }
+}
+
+/// A device that runs; dropped, it is switched off.
+pub struct EmulatedDevice {
+    address: SocketAddr,
+    stop: Arc<Signal<CriticalSectionRawMutex, ()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl EmulatedDevice {
+    /// The socket that is the device's serial line; one host at a time is served.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Switches the device off and waits until it is.
+    pub fn shutdown(self) {}
+
+    /// Waits for as long as the device runs: for ever, unless its plant or flash panics.
+    pub fn join(mut self) {
+        self.wait();
+    }
+
+    fn wait(&mut self) {
+        // A panic there has been printed.
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+impl Drop for EmulatedDevice {
+    fn drop(&mut self) {
+        self.stop.signal(());
+        self.wait();
+    }
+}

@@ -1,0 +1,34 @@
+//! The firmware on the host, behind a TCP socket: a device without a board.
+//!
+//! ```text
+//! Plant ── ADC code ─► Tick ── DAC code ─► Plant        at the emulated rate
+//! host ◄─► socket ◄─► Link ◄─► ParameterStore ◄─► flash
+//! ```
+//!
+//! Tick, link, parameter store and all that they answer are the firmware's own library; what is emulated here is a board: a
+//! clock, a serial line, a flash, and converters with something behind them ([`Plant`]). The emulated time goes on at a
+//! multiple of real time, and more slowly where this machine is too busy, so that no tick is ever late.
+//!
+//! ```
+//! # fn main() -> Result<(), emulator::EmulatorError> {
+//! let device = emulator::Emulator::new().speed(4.0).start()?;
+//! println!("piezo info --port tcp:{}", device.address());
+//! device.shutdown();
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A [`FaultyLine`] stands between a host and a device and loses, damages or changes what goes over it.
+
+mod board;
+mod emulator;
+pub mod faults;
+mod faulty_line;
+mod plant;
+mod serial_line;
+
+pub use emulator::{EmulatedDevice, Emulator, EmulatorError};
+pub use faulty_line::{Direction, Fault, FaultyLine};
+/// The table of the firmware image, by which the device estimates where none is stored.
+pub use firmware::table::TABLE;
+pub use plant::{Plant, amplifier, triangle};

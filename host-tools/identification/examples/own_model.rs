@@ -1,0 +1,172 @@
+//! A model of your own: written, identified, judged, and what then makes it a choice of `piezo`.
+//!
+//!     cargo run --release --package identification --example own_model
+//!
+//! The model here is a straight line behind a first-order lag, `τ·du/dt = V − u`, `y = offset + gain·u`. It has no
+//! hysteresis, and its errors say so. Nothing in this file needs a change of any library: a search takes any [`Family`].
+//!
+//! To make it a choice of the tables, of `piezo` and of the firmware:
+//!
+//! 1. Part 1 becomes `estimator-core/src/model/toy.rs`, with its `mod` and `pub use` in `model/mod.rs`.
+//! 2. A line at the end of `estimator-core/src/model/catalogue.rs`: `Toy, "toy", "straight line with lag", ToyParameters;`.
+//!    The record's format changes with it: bump `VERSION` in `record.rs`.
+//! 3. Part 2 becomes `host-tools/identification/src/family/toy.rs`, with `type Found = Parameters`, and the compiler asks for
+//!    its arm in `family::of`.
+//! 4. The compiler then asks for the model in the tests that go through all of them; each says what it wants.
+
+use estimator_core::admissible::within;
+use estimator_core::model::{Lag, Relaxed};
+use estimator_core::{Discretisation, Inadmissible, Linear, Published, Range, Real, Recursion, Rule, Running, rule};
+use identification::cost::{Cost, Feedback};
+use identification::family::{Family, Projection};
+use identification::search::Optimiser;
+use identification::search::space::Gene;
+use identification::{Conditions, Problem, StructureSearch, Trial};
+use least_squares::Sign;
+use recordings::prepare::Recipe;
+use recordings::rig::{EXCITATIONS, Rig, VALIDATION};
+use recordings::session::Session;
+use serde::{Deserialize, Serialize};
+
+// Part 1: the model.
+
+/// Published parameters: `f32`, in units that their names state.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ToyParameters {
+    /// τ, s; 0 for no lag.
+    lag_s: f32,
+    /// Slope, µm/V; at least 0.
+    gain_um_per_v: f32,
+    /// Displacement at 0 V, µm.
+    offset_um: f32,
+}
+
+/// Per-tick coefficients, in `f32` on the target and in `f64` as the reference.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Toy<T> {
+    lag: Lag<T>,
+    gain: T,
+    offset: T,
+}
+
+impl Published for ToyParameters {
+    type Coefficients<T: Real> = Toy<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Toy<T> {
+        Toy {
+            lag: Lag::build(T::of(self.lag_s), discretisation.sample_period),
+            gain: T::of(self.gain_um_per_v),
+            offset: T::of(self.offset_um),
+        }
+    }
+
+    fn check(&self) -> Result<(), Rule> {
+        rule::check([
+            ("lag_s must lie between 0 and 10", (0.0..=10.0).contains(&self.lag_s)),
+            ("gain_um_per_v must be at least 0", self.gain_um_per_v >= 0.0 && self.gain_um_per_v.is_finite()),
+            ("offset_um must be finite", self.offset_um.is_finite()),
+        ])
+    }
+}
+
+impl<T: Real> Recursion<T> for Toy<T> {
+    /// The lagged voltage, V.
+    type State = Relaxed<T>;
+
+    /// At rest the lag has arrived. A known displacement that differs cannot be remembered.
+    fn begin(&self, voltage: T, _displacement: Option<T>) -> Relaxed<T> {
+        Relaxed::at(voltage)
+    }
+
+    fn step(&self, state: &mut Relaxed<T>, voltage: T) -> T {
+        self.advance(state, voltage);
+        self.offset + self.gain * state.value
+    }
+
+    /// The lagged voltage is a mean of voltages, so the ends of the range bound the displacement.
+    fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+        within(Range::of_values([voltage.min, voltage.max].map(|v| self.offset + self.gain * v)), limits)
+    }
+
+    fn monotone_part(&self) -> Option<Self> {
+        Some(*self)
+    }
+}
+
+/// Columns: the lagged voltage, then 1; weights: `gain_um_per_v`, `offset_um`.
+impl<T: Real> Linear<T> for Toy<T> {
+    fn advance(&self, state: &mut Relaxed<T>, voltage: T) {
+        self.lag.step(state, voltage);
+    }
+
+    fn columns(&self, state: &Relaxed<T>, mut each: impl FnMut(T)) {
+        each(state.value);
+        each(T::one());
+    }
+}
+
+// Part 2: how it is identified. The lag is searched; gain and offset follow by least squares.
+
+/// How the search runs the model.
+impl Trial for ToyParameters {
+    type Model = Running<Toy<f64>, Relaxed<f64>>;
+
+    fn model(&self, discretisation: &Discretisation<f64>, _voltages: Range<f64>) -> Self::Model {
+        Running::new(self.build(discretisation))
+    }
+}
+
+struct ToyFamily;
+
+impl Family for ToyFamily {
+    type Found = ToyParameters;
+
+    fn genes(&self) -> Vec<Gene> {
+        vec![Gene::logarithmic("lag", "time constant of the lag", "s", 1e-4, 0.1)]
+    }
+
+    fn project(&self, values: &[f64], problem: &Problem) -> Option<ToyParameters> {
+        let base = ToyParameters { lag_s: *values.first()? as f32, gain_um_per_v: 0.0, offset_um: 0.0 };
+        let projection = Projection {
+            problem,
+            model: &base.build::<f64>(&problem.discretisation()),
+            unknowns: &[0],
+            signs: &[Sign::NonNegative],
+            resonance: None,
+        };
+        let (found, offset) = projection.solve(|displacement| displacement)?;
+        let parameters = ToyParameters { gain_um_per_v: *found.first()? as f32, offset_um: offset as f32, ..base };
+        parameters.check().is_ok().then_some(parameters)
+    }
+
+    /// Gain and offset.
+    fn solved(&self, _found: &ToyParameters) -> usize {
+        2
+    }
+}
+
+// Part 3: identified on the synthetic rig's logs, judged on the one that is held out.
+
+fn sessions(held_out: bool) -> Vec<Session> {
+    let excitations = EXCITATIONS.into_iter().filter(|excitation| (excitation.name == VALIDATION) == held_out);
+    let session = |excitation| Recipe::at_tick(500).session(&Rig::default().log(excitation));
+    excitations.map(|excitation| session(excitation).expect("the rig is five times as fast as the tick")).collect()
+}
+
+fn main() {
+    let problem = Problem::new(sessions(false), sessions(true), Conditions::default());
+    let cost = Cost::from(Feedback::Simulation);
+    let search = StructureSearch { problem: &problem, cost, methods: &[Optimiser::CmaEs], evaluations: 200, seed: 1 };
+    let found = search.run(&ToyFamily, &[], |_, _| ());
+    let parameters = found.parameters.expect("a straight line fits any log somehow");
+    let held_out = problem.held_out(&parameters, cost).expect("one log was held out");
+    println!("{parameters:?}, identified with {} evaluations", found.evaluations);
+    println!("mean absolute error: {:.3} µm on the training logs, {held_out:.3} µm on {VALIDATION}", found.cost);
+    assert!(held_out < 0.1 * problem.stroke().span(), "even a straight line is nearer than a tenth of the stroke");
+}
+
+#[test]
+fn the_example_runs() {
+    main();
+}

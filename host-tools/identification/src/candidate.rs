@@ -1,0 +1,127 @@
+//! An identified model made into an admitted table, and run over every session.
+
+use crate::calibration::CalibrationOptions;
+use crate::fit::Fit;
+use crate::problem::Problem;
+use crate::validate::{Comparison, Figures, compare};
+use estimator_core::{Admitted, Digest, Inadmissible, Parameters, Provenance, Range, Scheme, Table, TableError};
+use recordings::prepare::Recipe;
+
+/// An identified model with its table and its errors.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// How it was found.
+    pub fit: Fit,
+    /// The table it makes.
+    pub table: Admitted,
+    /// Its simulation errors on what it was fitted to, a log at a time.
+    pub training: Vec<Comparison>,
+    /// Its simulation errors on what was held out; empty where nothing was.
+    pub held_out: Vec<Comparison>,
+}
+
+/// Why no table can be made of a fit.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum CandidateError {
+    /// The search met nothing admissible.
+    #[error("no admissible candidate was found")]
+    NothingFound,
+    /// Of the best that the search met no limits can be proven.
+    #[error("no admissible candidate was found ({0})")]
+    Unbounded(Inadmissible<f64>),
+    /// The table breaks a rule.
+    #[error("the identified table is refused")]
+    Refused(#[from] TableError),
+}
+
+/// What a table holds besides what was identified.
+#[derive(Clone, Debug)]
+pub struct TableContext {
+    /// How the logs were prepared.
+    pub recipe: Recipe,
+    /// The converters.
+    pub calibration: CalibrationOptions,
+    /// Over the training logs' digests.
+    pub logs: Digest,
+    /// Seed of the search.
+    pub seed: u32,
+}
+
+/// The admissibility of an optimum that lies on its own constraint must survive rounding to f32.
+const ROUNDING: f64 = 1e-3;
+
+impl Candidate {
+    /// Makes the table and runs it over the sessions of its problem.
+    ///
+    /// # Errors
+    /// The fit has no parameters, or they are not admissible.
+    pub fn new(problem: &Problem, fit: Fit, setting: &TableContext) -> Result<Self, CandidateError> {
+        let parameters = fit.parameters.ok_or(CandidateError::NothingFound)?;
+        let table = table(problem, parameters, setting)?;
+        let first = table.admit()?;
+        let candidate = Self {
+            training: problem.training().map(|session| compare(&first, session)).collect(),
+            held_out: problem.validation().map(|session| compare(&first, session)).collect(),
+            fit,
+            table: first,
+        };
+        let held_out = candidate.held_out_figures();
+        let provenance = Provenance {
+            train_mae_um: candidate.training_figures().map_or(0.0, |figures| figures.mae_um as f32),
+            validation_mae_um: held_out.map(|figures| figures.mae_um as f32),
+            validation_max_um: held_out.map(|figures| figures.max_um as f32),
+            ..table.provenance
+        };
+        Ok(Self { table: Table { provenance, ..table }.admit()?, ..candidate })
+    }
+
+    /// Reference errors over all training logs.
+    pub fn training_figures(&self) -> Option<Figures> {
+        Figures::all(self.training.iter().map(|comparison| &comparison.mil))
+    }
+
+    /// Reference errors over all that was held out.
+    pub fn held_out_figures(&self) -> Option<Figures> {
+        Figures::all(self.held_out.iter().map(|comparison| &comparison.mil))
+    }
+}
+
+fn table(problem: &Problem, parameters: Parameters, setting: &TableContext) -> Result<Table, CandidateError> {
+    let recipe = &setting.recipe;
+    let limits = problem.limits(&parameters).map_err(CandidateError::Unbounded)?;
+    let room = ROUNDING * limits.span();
+    let limits = Range { min: limits.min - room, max: limits.max + room };
+    let voltage = problem.voltage_range();
+    let (adc, dac) = setting.calibration.calibration(voltage, recipe.voltage_zero_v, limits);
+    let single = |range: Range<f64>| Range { min: range.min as f32, max: range.max as f32 };
+    let mut table = Table {
+        sample_period_us: recipe.tick_us,
+        scheme: if parameters.model().is_voigt() { problem.scheme } else { Scheme::ForwardEuler },
+        deadband_v: problem.deadband as f32,
+        voltage_zero_v: recipe.voltage_zero_v as f32,
+        displacement_zero_um: recipe.displacement_zero_um as f32,
+        voltage_range_v: single(voltage),
+        displacement_limits_um: single(limits),
+        parameters,
+        adc,
+        dac,
+        drive: None,
+        provenance: Provenance {
+            logs: setting.logs,
+            seed: setting.seed,
+            tool_version: version(),
+            train_mae_um: 0.0,
+            validation_mae_um: None,
+            validation_max_um: None,
+        },
+    };
+    let full_scale = table.dac.full_scale;
+    setting.calibration.drive.apply(&mut table, full_scale);
+    Ok(table)
+}
+
+/// Version of this tool.
+fn version() -> [u16; 3] {
+    let mut numbers = env!("CARGO_PKG_VERSION").split('.').map(|number| number.parse().unwrap_or(0));
+    std::array::from_fn(|_| numbers.next().unwrap_or(0))
+}

@@ -1,0 +1,77 @@
+//! What the training logs can teach: how many reversals they have, at how many frequencies and amplitudes.
+
+use crate::reversals::reversals;
+use estimator_core::Range;
+use recordings::session::Session;
+
+/// What was found in the training logs' voltage.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Character {
+    /// Reversals of at least 10 % of the voltage span, all logs together.
+    pub reversals: usize,
+    /// Reversals that the model's deadband lets through.
+    pub reversals_at_deadband: usize,
+    half_cycles: Vec<HalfCycle>,
+}
+
+/// From one reversal to the next.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct HalfCycle {
+    seconds: f64,
+    volts: f64,
+}
+
+/// Reversals smaller than this fraction of the whole span are noise or glitches here.
+const SMALLEST_SWING: f64 = 0.1;
+/// Half cycles (or swings) whose extremes differ by less than this factor count as one frequency (or amplitude).
+const ONE: f64 = 1.25;
+/// Half cycles that together last less than this fraction of the time are glitches, at either end.
+const RARE: f64 = 0.05;
+
+impl Character {
+    /// Looks at the voltages of some sessions; `deadband` (V) is the model's.
+    pub fn of<'a>(sessions: impl Iterator<Item = &'a Session> + Clone, deadband: f64) -> Self {
+        let voltages = sessions.clone().flat_map(|session| session.voltage.iter().copied());
+        let span = Range::of_values(voltages).span();
+        let mut character = Self { reversals: 0, reversals_at_deadband: 0, half_cycles: Vec::new() };
+        for session in sessions {
+            character.reversals_at_deadband += reversals(&session.voltage, deadband).len();
+            let large = reversals(&session.voltage, SMALLEST_SWING * span);
+            character.reversals += large.len();
+            let half_cycles = large.windows(2).map(|pair| HalfCycle {
+                seconds: (pair[1] - pair[0]) as f64 * session.tick_s,
+                volts: (session.voltage[pair[1]] - session.voltage[pair[0]]).abs(),
+            });
+            character.half_cycles.extend(half_cycles);
+        }
+        character
+    }
+
+    /// Whether all half cycles last about the same. A hold makes a half cycle longer, and so another frequency.
+    pub fn single_frequency(&self) -> bool {
+        self.single(|half_cycle| half_cycle.seconds)
+    }
+
+    /// Whether all swings are about as large.
+    pub fn single_amplitude(&self) -> bool {
+        self.single(|half_cycle| half_cycle.volts)
+    }
+
+    /// Whether a quantity is about the same in all half cycles but rare ones.
+    fn single(&self, of: fn(&HalfCycle) -> f64) -> bool {
+        let mut sorted: Vec<(f64, f64)> = self.half_cycles.iter().map(|half| (of(half), half.seconds)).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let whole: f64 = sorted.iter().map(|(_, seconds)| seconds).sum();
+        let beyond = |time: f64| {
+            let mut passed = 0.0;
+            sorted.iter().find(|(_, seconds)| {
+                passed += seconds;
+                passed > time
+            })
+        };
+        match (beyond(RARE * whole), beyond((1.0 - RARE) * whole)) {
+            (Some((low, _)), Some((high, _))) => *high < ONE * low,
+            _ => true,
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Reasons not to trust an identification. Each doubt holds what was seen.
+
+use estimator_core::{DuhemCondition, Model};
+use serde::Serialize;
+
+/// A reason not to trust a result.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+#[serde(tag = "doubt", rename_all = "kebab-case")]
+pub enum Doubt {
+    /// The displacement of a log is an estimate.
+    EstimatedDisplacement {
+        /// Name of the log.
+        log: String,
+    },
+    /// A searched coordinate ended at an end of its range.
+    AtBound {
+        /// Its name.
+        gene: &'static str,
+        /// Where it ended.
+        value: f64,
+    },
+    /// The model does not describe the logs.
+    PoorFit {
+        /// Simulation MAE in training, % of the stroke.
+        percent: f64,
+    },
+    /// The displacement falls while the voltage rises.
+    FallsWithVoltage,
+    /// A simpler or richer model found no admissible candidate.
+    NotIdentified {
+        /// Which.
+        model: Model,
+    },
+    /// The error on what was held out is far from the training error.
+    HeldOutFar {
+        /// Simulation MAE in training, µm.
+        training_um: f64,
+        /// Simulation MAE on what was held out, µm.
+        held_out_um: f64,
+    },
+    /// Nothing was held out.
+    NothingHeldOut,
+    /// Fitted with the measured displacement fed back, it runs away from the sensor without.
+    Diverges {
+        /// Error with the feedback, µm.
+        fed_um: f64,
+        /// Error in simulation, µm, in the same norm; both in training.
+        simulation_um: f64,
+    },
+    /// A training log begins with something that fits much worse than the rest.
+    Transient {
+        /// Name of the log.
+        log: String,
+        /// When it ends, s from the start of what was used.
+        until_s: f64,
+    },
+    /// An identified Duhem set does not meet a condition of the thesis's Section 3.3 at some voltage within its saturation,
+    /// which the logs need not have reached.
+    UnmetCondition {
+        /// The first that it does not meet.
+        condition: DuhemCondition,
+    },
+    /// Hardly any hysteresis was exercised.
+    FewReversals {
+        /// How many.
+        reversals: usize,
+    },
+    /// All half cycles last about the same.
+    SingleFrequency,
+    /// All swings are about as large.
+    SingleAmplitude {
+        /// The model has terms that need several.
+        extremum_terms: bool,
+    },
+    /// The estimate is off by a constant on what was held out.
+    Drift {
+        /// Median of estimate − measurement, µm.
+        offset_um: f64,
+    },
+    /// The f32 core does not follow the reference.
+    SinglePrecision {
+        /// Largest difference, µm.
+        difference_um: f64,
+    },
+    /// A held-out log goes where the training logs did not.
+    BeyondTraining {
+        /// Its name.
+        log: String,
+    },
+    /// The voltage is read with more noise than the deadband.
+    NoisyVoltage {
+        /// Reversals that the deadband lets through.
+        reversals: usize,
+        /// Those of at least 10 % of the span.
+        large: usize,
+    },
+    /// A converter's span does not cover what the table needs.
+    ConverterSpan {
+        /// Which converter.
+        converter: Converter,
+    },
+    /// The ADC and DAC calibration is a placeholder.
+    CalibrationAssumed,
+    /// The delay that was found is the largest that was tried.
+    DelayAtBound {
+        /// The delay, ms.
+        delay_ms: f64,
+    },
+}
+
+/// A converter of the target.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Converter {
+    /// The one that reads the voltage.
+    Adc,
+    /// The one that shows the displacement.
+    Dac,
+}
+
+/// Fewer reversals than this teach no hysteresis.
+pub const FEW_REVERSALS: usize = 6;

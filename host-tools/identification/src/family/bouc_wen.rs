@@ -1,0 +1,76 @@
+//! Bouc–Wen models: lag, β, γ and δ are searched, with A = 1 and n = 1; the rest is projected.
+
+use super::projection::Projection;
+use crate::problem::Problem;
+use crate::search::space::Gene;
+use estimator_core::{BoucWen, BoucWenParameters, Parameters, Published};
+use least_squares::Sign;
+
+/// What is fixed before the search.
+pub struct Family {
+    voltage: f64,
+    tick: f64,
+}
+
+impl Family {
+    /// From the extent of the training logs.
+    pub fn new(problem: &Problem) -> Self {
+        Self { voltage: problem.training_voltages().span(), tick: problem.extent().tick }
+    }
+}
+
+impl super::Family for Family {
+    type Found = Parameters;
+
+    fn genes(&self) -> Vec<Gene> {
+        vec![
+            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            Gene::logarithmic("beta", "β times the voltage span", "", 0.1, 100.0),
+            Gene::linear("gamma", "γ, of β", "", -0.95, 1.0),
+            Gene::linear("delta", "δ, of what β and γ allow", "", -0.95, 0.95),
+        ]
+    }
+
+    fn burden(&self, values: &[f64]) -> f64 {
+        1.0 + super::DELAYED * values.first().map_or(0.0, |lag| lag.abs())
+    }
+
+    fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
+        let &[lag, beta, gamma, delta] = values else { return None };
+        let beta = beta / self.voltage;
+        let gamma = gamma * beta;
+        let base = BoucWenParameters {
+            lag_s: (lag * self.tick) as f32,
+            a: 1.0,
+            beta: beta as f32,
+            gamma: gamma as f32,
+            delta: (delta * beta.min(beta + gamma)) as f32,
+            n: 1.0,
+            offset_um: 0.0,
+            d1_um_per_v: 0.0,
+            d2_um_per_v2: 0.0,
+            c_um_per_v: 0.0,
+        };
+        let projection = Projection {
+            problem,
+            model: &BoucWen::<f64>::build(&base, self.tick),
+            unknowns: &[0, 1, 2],
+            signs: &[Sign::Free; 3],
+            resonance: None,
+        };
+        let (found, offset) = projection.solve(|y| y)?;
+        let &[d1, d2, c] = &found[..] else { return None };
+        let parameters = BoucWenParameters {
+            offset_um: offset as f32,
+            d1_um_per_v: d1 as f32,
+            d2_um_per_v2: d2 as f32,
+            c_um_per_v: c as f32,
+            ..base
+        };
+        parameters.check().is_ok().then_some(Parameters::BoucWen(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        ["d1", "d2", "c", "offset"].len()
+    }
+}

@@ -1,0 +1,75 @@
+//! Duhem models: lag, α and the voltage at which f saturates are searched; the rest is projected.
+
+use super::projection::Projection;
+use crate::problem::Problem;
+use crate::search::space::Gene;
+use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
+use least_squares::Sign;
+
+/// What is fixed before the search.
+pub struct Family {
+    span: f64,
+    centre: f64,
+    tick: f64,
+}
+
+impl Family {
+    /// From the extent of the training logs.
+    pub fn new(problem: &Problem) -> Self {
+        let range = problem.training_voltages();
+        Self { span: range.span(), centre: 0.5 * (range.min + range.max), tick: problem.extent().tick }
+    }
+}
+
+impl super::Family for Family {
+    type Found = Parameters;
+
+    fn genes(&self) -> Vec<Gene> {
+        vec![
+            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            Gene::logarithmic("alpha", "α times the voltage span", "", 0.1, 100.0),
+        ]
+    }
+
+    fn burden(&self, values: &[f64]) -> f64 {
+        1.0 + super::DELAYED * values.first().map_or(0.0, |lag| lag.abs())
+    }
+
+    fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
+        let &[lag, alpha] = values else { return None };
+        let base = DuhemParameters {
+            lag_s: (lag * self.tick) as f32,
+            alpha_per_v: (alpha / self.span) as f32,
+            // Beyond every voltage of the table.
+            saturation_v: self.span as f32,
+            voltage_centre_v: self.centre as f32,
+            offset_um: 0.0,
+            f1_um_per_v: 0.0,
+            f3_um_per_v3: 0.0,
+            g0_um_per_v: 0.0,
+            g2_um_per_v3: 0.0,
+        };
+        let projection = Projection {
+            problem,
+            model: &Duhem::<f64>::build(&base, self.tick),
+            unknowns: &[0, 1, 2, 3],
+            signs: &[Sign::Free; 4],
+            resonance: None,
+        };
+        let (found, offset) = projection.solve(|y| y)?;
+        let &[f1, f3, g0, g2] = &found[..] else { return None };
+        let parameters = DuhemParameters {
+            offset_um: offset as f32,
+            f1_um_per_v: f1 as f32,
+            f3_um_per_v3: f3 as f32,
+            g0_um_per_v: g0 as f32,
+            g2_um_per_v3: g2 as f32,
+            ..base
+        };
+        parameters.check().is_ok().then_some(Parameters::Duhem(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        ["f1", "f3", "g0", "g2", "offset"].len()
+    }
+}

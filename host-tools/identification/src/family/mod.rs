@@ -1,0 +1,71 @@
+//! The models beyond the Voigt family, identified by variable projection: a search varies the few numbers in which a model
+//! is not linear, and for each candidate the weights follow by (non-negative) least squares (Golub and Pereyra, 2003).
+
+mod bouc_wen;
+mod duhem;
+mod generalised_prandtl_ishlinskii;
+mod maxwell_slip;
+mod narx;
+mod prandtl_ishlinskii;
+mod preisach;
+mod projection;
+mod reversal_curves;
+pub mod voigt;
+mod voigt_chain;
+
+pub use narx::{BlackBoxInputs, structures_with as black_boxes};
+pub use projection::Projection;
+
+use crate::problem::Problem;
+use crate::search::space::Gene;
+use crate::trial::Trial;
+use estimator_core::{Model, Parameters};
+
+/// What a tick of delay or lag must gain, as a fraction of the cost: at a single frequency they do what hysteresis does.
+const DELAYED: f64 = 3e-3;
+
+/// How a model's candidates are made.
+pub trait Family: Sync {
+    /// The parameters that are found.
+    type Found: Trial;
+
+    /// What is searched.
+    fn genes(&self) -> Vec<Gene>;
+
+    /// The whole parameter set that fits best with these searched values, in the order of the genes; `None` where there is
+    /// none.
+    fn project(&self, values: &[f64], problem: &Problem) -> Option<Self::Found>;
+
+    /// How many of the numbers found were solved for by least squares. Numbers that are laid out before the search (spans,
+    /// thresholds, grids, creep times, orders, scales, limits) do not count, and numbers that follow from one count once.
+    fn solved(&self, found: &Self::Found) -> usize;
+
+    /// Where to start, as fractions of the genes' ranges; genes that are left out start in the middle.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// A factor on the cost, from 1 up, that prefers the simpler of two candidates which the logs can hardly tell apart.
+    fn burden(&self, _values: &[f64]) -> f64 {
+        1.0
+    }
+}
+
+/// A family of a model of the catalogue.
+pub type AnyFamily = Box<dyn Family<Found = Parameters>>;
+
+/// The structures of a model, simplest first, each with the genes of those before it among its own; none for the Voigt
+/// family, whose parameters are all searched.
+pub fn of(model: Model, problem: &Problem) -> Vec<AnyFamily> {
+    match model {
+        Model::Voigt | Model::VoltageExtremum | Model::DisplacementExtremum | Model::Enhanced => Vec::new(),
+        Model::VoigtChain => voigt_chain::structures(problem),
+        Model::PrandtlIshlinskii => vec![Box::new(prandtl_ishlinskii::Family::new(problem))],
+        Model::MaxwellSlip => vec![Box::new(maxwell_slip::Family::new(problem))],
+        Model::Duhem => vec![Box::new(duhem::Family::new(problem))],
+        Model::BoucWen => vec![Box::new(bouc_wen::Family::new(problem))],
+        Model::Preisach => preisach::structures(problem),
+        Model::Narx => narx::structures(),
+        Model::GeneralisedPrandtlIshlinskii => generalised_prandtl_ishlinskii::structures(problem),
+    }
+}

@@ -1,0 +1,57 @@
+//! Preisach models: nothing is searched; the densities and the offset are projected. Where the logs have first-order
+//! reversal curves, the densities that follow from these alone come first, and least squares over all samples must better
+//! them.
+
+use super::AnyFamily;
+use super::projection::Projection;
+use crate::problem::Problem;
+use crate::search::space::Gene;
+use estimator_core::model::CELLS;
+use estimator_core::{List, Parameters, Preisach, PreisachParameters, Published};
+use least_squares::Sign;
+
+/// The model on a grid over the table's voltages.
+pub struct Family;
+
+/// Simplest first.
+pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
+    let curves = super::reversal_curves::Family::new(problem).map(|family| Box::new(family) as AnyFamily);
+    curves.into_iter().chain([Box::new(Family) as AnyFamily]).collect()
+}
+
+impl super::Family for Family {
+    type Found = Parameters;
+
+    fn genes(&self) -> Vec<Gene> {
+        Vec::new()
+    }
+
+    fn project(&self, _values: &[f64], problem: &Problem) -> Option<Parameters> {
+        let range = problem.voltage_range();
+        let base = PreisachParameters {
+            lower_v: range.min as f32,
+            upper_v: range.max as f32,
+            densities_um: List::collect([0.0; CELLS])?,
+            offset_um: 0.0,
+        };
+        let unknowns: Vec<usize> = (0..CELLS).collect();
+        let projection = Projection {
+            problem,
+            model: &Preisach::<f64>::build(&base, problem.extent().tick),
+            unknowns: &unknowns,
+            signs: &[Sign::NonNegative; CELLS],
+            resonance: None,
+        };
+        let (found, offset) = projection.solve(|y| y)?;
+        let parameters = PreisachParameters {
+            densities_um: List::collect(found.iter().map(|&mass| mass as f32))?,
+            offset_um: offset as f32,
+            ..base
+        };
+        parameters.check().is_ok().then_some(Parameters::Preisach(parameters))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        CELLS + ["offset"].len()
+    }
+}

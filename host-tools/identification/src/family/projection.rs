@@ -1,0 +1,100 @@
+//! The least squares inside the search.
+
+use crate::problem::Problem;
+use estimator_core::{Linear, Resonance, ResonanceState};
+use least_squares::{Normal, Sign};
+use recordings::session::Session;
+
+/// What is solved for besides the model.
+pub struct Projection<'a, M> {
+    /// The training sessions.
+    pub problem: &'a Problem,
+    /// With any weights; its last column is the constant one.
+    pub model: &'a M,
+    /// For each column but the last the unknown it belongs to; columns of one unknown are added up.
+    pub unknowns: &'a [usize],
+    /// The signs of the unknowns.
+    pub signs: &'a [Sign],
+    /// What the weighted sum goes through.
+    pub resonance: Option<Resonance<f64>>,
+}
+
+/// A ridge that is nothing but for columns that are alike.
+const RIDGE: f64 = 1e-6;
+/// How near to its extremes, as a fraction of its span, a session's voltage must have come for its memory to be its own.
+const EXTREME: f64 = 0.01;
+
+impl<M: Linear<f64>> Projection<'_, M> {
+    /// The unknowns with which the sum comes nearest to the sensor, `target` of it, in the sum of squares, and the constant.
+    /// Each session weighs the same and has a constant of its own, for drift and for where it started, of which the mean is
+    /// returned; what a session's unknown start has left its mark on is left out.
+    pub fn solve(&self, target: impl Fn(f64) -> f64) -> Option<(Vec<f64>, f64)> {
+        let sessions = self.problem.training().count();
+        let count = self.signs.len();
+        let mut normal = Normal::new(count + sessions);
+        for (number, session) in self.problem.training().enumerate() {
+            self.add(&mut normal, session, count + number, &target);
+        }
+        let mut signs = self.signs.to_vec();
+        signs.resize(count + sessions, Sign::Free);
+        let mut found = normal.ridge(RIDGE).solve(&signs)?;
+        let constants = found.split_off(count);
+        Some((found, constants.iter().sum::<f64>() / constants.len().max(1) as f64))
+    }
+
+    fn add(&self, normal: &mut Normal, session: &Session, constant: usize, target: &impl Fn(f64) -> f64) {
+        let Some(&first) = session.voltage.first() else { return };
+        let from = settled(session);
+        let weight = 1.0 / (session.instants.len() - from).max(1) as f64;
+        let mut state = self.model.begin(first, None);
+        let mut row = vec![0.0; normal.columns()];
+        self.fill(&state, &mut row);
+        let mut swings: Vec<ResonanceState<f64>> = row.iter().map(|&x| ResonanceState::rest(x)).collect();
+        let mut tick = 0;
+        for (index, (&instant, &measured)) in session.instants.iter().zip(&session.displacement).enumerate() {
+            while tick < instant as usize {
+                self.model.advance(&mut state, session.voltage[tick]);
+                tick += 1;
+                if let Some(resonance) = &self.resonance {
+                    self.fill(&state, &mut row);
+                    for (column, swing) in row.iter_mut().zip(&mut swings) {
+                        *column = resonance.step(swing, *column);
+                    }
+                }
+            }
+            if index < from.max(1) {
+                continue;
+            }
+            if self.resonance.is_none() {
+                self.fill(&state, &mut row);
+            }
+            if let Some(one) = row.get_mut(constant) {
+                *one = 1.0;
+            }
+            normal.add(&row, target(measured), weight);
+        }
+    }
+
+    /// The unknowns' columns; the constants are left 0.
+    fn fill(&self, state: &M::State, row: &mut [f64]) {
+        row.fill(0.0);
+        let mut unknowns = self.unknowns.iter();
+        self.model.columns(state, |column| {
+            // The constant column has no unknown.
+            if let Some(sum) = unknowns.next().and_then(|&unknown| row.get_mut(unknown)) {
+                *sum += column;
+            }
+        });
+    }
+}
+
+/// The first instant at which a session's voltage has been near both of its extremes; 0 where that takes more than half of it.
+fn settled(session: &Session) -> usize {
+    let low = session.voltage.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = session.voltage.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let near = EXTREME * (high - low);
+    let first = |is: &dyn Fn(f64) -> bool| session.voltage.iter().position(|&v| is(v)).unwrap_or(0);
+    let tick = first(&|v| v <= low + near).max(first(&|v| v >= high - near)) as u32;
+    let index = session.instants.partition_point(|&instant| instant < tick);
+    if 2 * index <= session.instants.len() { index } else { 0 }
+}

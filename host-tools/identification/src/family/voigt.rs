@@ -1,0 +1,35 @@
+//! The Voigt family where it is to be searched like any other model: all that it has is searched, nothing projected.
+
+use crate::problem::Problem;
+use crate::search::space::{Gene, Space};
+use estimator_core::Parameters;
+
+/// A model of the family.
+pub struct Family<'a> {
+    /// What is searched.
+    pub space: &'a Space,
+    /// Candidates to start from, in gene values.
+    pub seeds: &'a [Vec<f64>],
+}
+
+impl super::Family for Family<'_> {
+    type Found = Parameters;
+
+    fn genes(&self) -> Vec<Gene> {
+        self.space.genes.clone()
+    }
+
+    fn starts(&self) -> Vec<Vec<f64>> {
+        let fractions =
+            |seed: &Vec<f64>| self.space.genes.iter().zip(seed).map(|(gene, &value)| gene.fraction(value)).collect();
+        self.seeds.iter().map(fractions).collect()
+    }
+
+    fn project(&self, values: &[f64], _problem: &Problem) -> Option<Parameters> {
+        Some(self.space.published(values))
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        0
+    }
+}

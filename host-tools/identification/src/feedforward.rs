@@ -1,0 +1,126 @@
+//! Feedforward: a wanted trajectory through a model's inverse, tick by tick, and back through the whole model.
+//!
+//! The inverse gives at tick k the voltage whose displacement comes at tick k + 1, later by the model's delay. Here the
+//! trajectory is known ahead of time, so that the inverse is asked for what is wanted then.
+
+use estimator_core::{Admitted, DriveLimits, Estimator, Inverse, NoInverse};
+use recordings::log::Log;
+use serde::Serialize;
+
+/// Where the displacement is wanted, µm relative to the model's zero, a value a tick.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Trajectory(pub Vec<f64>);
+
+impl Trajectory {
+    /// A log's displacement at the ticks, straight between its samples.
+    pub fn of(log: &Log, tick_s: f64) -> Self {
+        let wanted = log.displacement.as_deref().unwrap_or_default();
+        let seconds = wanted.len().saturating_sub(1) as f64 * log.sample_period;
+        // A whole number of ticks may come out a rounding short.
+        let ticks = (seconds / tick_s + 1e-6).floor() as usize;
+        Self((0..=ticks).map(|tick| between(wanted, tick as f64 * tick_s / log.sample_period)).collect())
+    }
+
+    /// At a time in ticks; the ends hold before and after.
+    pub fn at(&self, ticks: f64) -> f64 {
+        between(&self.0, ticks)
+    }
+}
+
+/// A series between its values; 0 where there are none.
+fn between(series: &[f64], at: f64) -> f64 {
+    let last = series.len().saturating_sub(1);
+    let whole = (at.max(0.0).floor() as usize).min(last);
+    let value = |index: usize| series.get(index.min(last)).copied().unwrap_or(0.0);
+    let part = (at.max(0.0) - whole as f64).min(1.0);
+    value(whole) + part * (value(whole + 1) - value(whole))
+}
+
+/// What the amplifier is to do, and what the model makes of it; a value a tick each.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Plan {
+    /// Amplifier voltage, V.
+    pub voltage: Vec<f64>,
+    /// Displacement at the tick, µm relative to the model's zero, by the whole model.
+    pub displacement: Vec<f64>,
+    /// What was wanted at the tick, µm.
+    pub wanted: Vec<f64>,
+    /// Ticks on which a limit was in the way.
+    pub out_of_reach: usize,
+    /// Amplifier voltage before, V.
+    pub rest: f64,
+}
+
+/// How well the model of the inverse meets the trajectory.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct RoundTrip {
+    /// Mean absolute error, µm.
+    pub mae_um: f64,
+    /// Largest absolute error, µm.
+    pub max_um: f64,
+    /// Largest width of the trajectory, µm.
+    pub stroke_um: f64,
+}
+
+/// Displacements (µm) long at rest at the lowest and the highest voltage: what can be held.
+pub fn reach(table: &Admitted, limits: &DriveLimits) -> [f64; 2] {
+    [limits.range_v.min, limits.range_v.max].map(|voltage| {
+        let mut model = Estimator::<f64>::new(table);
+        model.tick_volts(voltage.into()).displacement
+    })
+}
+
+/// How near to what is wanted (µm) counts as there, once.
+pub fn near(table: &Admitted) -> f64 {
+    1e-3 * f64::from(table.displacement_limits_um.span())
+}
+
+/// Plans a trajectory from rest at the limits' rest voltage.
+pub fn plan(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> Result<Plan, NoInverse> {
+    let mut inverse: Inverse<f64> = table.inverse(limits)?;
+    let mut model = Estimator::<f64>::new(table);
+    let ahead = 1.0 + f64::from(table.parameters.delay_ticks());
+    let mut now = model.tick_volts(limits.rest_v.into()).displacement;
+    let count = trajectory.0.len();
+    let series = || Vec::with_capacity(count);
+    let mut plan = Plan {
+        voltage: series(),
+        displacement: series(),
+        wanted: trajectory.0.clone(),
+        out_of_reach: 0,
+        rest: limits.rest_v.into(),
+    };
+    for tick in 0..count {
+        let commanded = inverse.tick(trajectory.at(tick as f64 + ahead));
+        plan.out_of_reach += usize::from(!commanded.reached);
+        plan.voltage.push(commanded.voltage);
+        plan.displacement.push(now);
+        now = model.tick_volts(commanded.voltage).displacement;
+    }
+    Ok(plan)
+}
+
+impl Plan {
+    /// The errors from a tick on; `None` where there is none.
+    pub fn round_trip(&self, from: usize) -> Option<RoundTrip> {
+        let errors = || self.displacement.iter().zip(&self.wanted).skip(from).map(|(y, r)| (y - r).abs());
+        let count = self.wanted.len().checked_sub(from).filter(|&count| count > 0)?;
+        let hull = |better: fn(f64, f64) -> f64| self.wanted.iter().copied().reduce(better).unwrap_or(0.0);
+        Some(RoundTrip {
+            mae_um: errors().sum::<f64>() / count as f64,
+            max_um: errors().fold(0.0, f64::max),
+            stroke_um: hull(f64::max) - hull(f64::min),
+        })
+    }
+
+    /// Fastest change of the voltage, from its rest on, V a tick.
+    pub fn fastest(&self) -> f64 {
+        let from = std::iter::once(&self.rest).chain(&self.voltage);
+        from.zip(&self.voltage).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max)
+    }
+
+    /// The first tick on which the displacement is within `near` µm of what is wanted.
+    pub fn met(&self, near: f64) -> Option<usize> {
+        self.displacement.iter().zip(&self.wanted).position(|(y, r)| (y - r).abs() < near)
+    }
+}

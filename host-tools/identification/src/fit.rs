@@ -1,0 +1,121 @@
+//! Identification of one model or of several: the Voigt family by the genetic algorithm, the richer models started from
+//! the simpler ones' solutions; the others by variable projection.
+
+use crate::cost::Cost;
+use crate::family::{self, BlackBoxInputs, voigt};
+use crate::problem::Problem;
+use crate::search::SearchOptions;
+use crate::search::space::{Gene, Space};
+use estimator_core::{Model, Parameters};
+use serde::Serialize;
+
+/// Errors of the best candidate after a generation (Fig. 4.9, 4.10), in the cost's norm.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Convergence {
+    /// Cost on the training sessions, µm.
+    pub training: f64,
+    /// Simulation error on what was held out, µm; `None` where nothing was.
+    pub validation: Option<f64>,
+}
+
+/// An identified model.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Fit {
+    /// Which.
+    pub model: Model,
+    /// Its published parameters; `None` where no candidate has a solution.
+    pub parameters: Option<Parameters>,
+    /// The searched coordinates and where the best lies.
+    pub genes: Vec<(Gene, f64)>,
+    /// Numbers of the parameters that were solved for by least squares.
+    pub solved: usize,
+    /// Its cost, µm; infinite when no admissible candidate was found.
+    pub cost: f64,
+    /// What that cost is.
+    pub minimised: Cost,
+    /// Candidates that were evaluated for it, those without a solution or not admissible among them.
+    pub evaluations: usize,
+    /// After each generation.
+    pub convergence: Vec<Convergence>,
+    /// Of the Voigt family.
+    pub(crate) space: Option<Space>,
+}
+
+/// Told of each generation: the model, its best cost so far (µm).
+pub type Progress<'a> = &'a mut dyn FnMut(Model, f64);
+
+/// Identifies models one after the other, each started from those before it.
+pub fn identify(
+    problem: &Problem,
+    models: &[Model],
+    cost: impl Into<Cost>,
+    options: &SearchOptions,
+    progress: Progress<'_>,
+) -> Vec<Fit> {
+    Identification { problem, cost: cost.into(), options, budget: None }.run(models, progress)
+}
+
+/// Identifies the NARX model with these inputs alone, of the degree from 1 to 3 that costs least.
+pub fn identify_black_box(
+    problem: &Problem,
+    inputs: BlackBoxInputs,
+    cost: impl Into<Cost>,
+    options: &SearchOptions,
+    progress: Progress<'_>,
+) -> Fit {
+    let identification = Identification { problem, cost: cost.into(), options, budget: None };
+    identification.projected(Model::Narx, &family::black_boxes(inputs), progress)
+}
+
+/// What is identified from what, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Identification<'a> {
+    /// The sessions.
+    pub problem: &'a Problem,
+    /// What is minimised.
+    pub cost: Cost,
+    /// The search.
+    pub options: &'a SearchOptions,
+    /// Candidates that may be evaluated for each model, of all its structures and by all methods together; where there
+    /// is none the options say it, of the Voigt family by generations, of the others by evaluations a number.
+    pub budget: Option<usize>,
+}
+
+impl Identification<'_> {
+    /// Identifies models one after the other, each started from those before it.
+    pub fn run(&self, models: &[Model], progress: Progress<'_>) -> Vec<Fit> {
+        let mut fits: Vec<Fit> = Vec::new();
+        for &model in models {
+            let structures = family::of(model, self.problem);
+            let fit = if structures.is_empty() {
+                self.voigt(model, &fits, progress)
+            } else {
+                self.projected(model, &structures, progress)
+            };
+            fits.push(fit);
+        }
+        fits
+    }
+
+    /// By rounds of the genetic algorithm, from random candidates and again with the simpler models' solutions among
+    /// them where there are any: the better of the two. Within a budget in one search that starts at the best of those
+    /// solutions.
+    fn voigt(&self, model: Model, simpler: &[Fit], progress: Progress<'_>) -> Fit {
+        let space = Space::new(model, self.options.ranges, self.problem.extent());
+        let values = |fit: &Fit| fit.genes.iter().map(|(_, value)| *value).collect::<Vec<_>>();
+        let simpler = simpler.iter().filter_map(|fit| Some((fit, fit.space.as_ref()?)));
+        let seeds: Vec<Vec<f64>> = simpler.map(|(fit, theirs)| space.adopt(theirs, &values(fit))).collect();
+        if let Some(budget) = self.budget {
+            let family = voigt::Family { space: &space, seeds: &seeds };
+            let found = self.structure(model, &family, &[self.options.optimiser], budget, None, progress);
+            return Fit { space: Some(space), ..found };
+        }
+        let fit = self.genetic(&space, &[], progress);
+        if self.options.starts(seeds.len()) == 1 {
+            return fit;
+        }
+        let seeded = self.genetic(&space, &seeds, progress);
+        let evaluations = fit.evaluations + seeded.evaluations;
+        Fit { evaluations, ..if seeded.cost < fit.cost { seeded } else { fit } }
+    }
+}

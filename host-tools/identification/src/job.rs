@@ -1,0 +1,302 @@
+//! The whole identification: logs in; every candidate model with its table, the one that was chosen, and the doubts out.
+
+use crate::baseline::Baseline;
+use crate::calibration::CalibrationOptions;
+use crate::candidate::{Candidate, CandidateError, TableContext};
+use crate::character::Character;
+use crate::cost::Cost;
+use crate::delay::{Delay, DelaySearch};
+use crate::doubt::Doubt;
+use crate::fit::{Progress, identify};
+use crate::log_use::{LogUse, Role};
+use crate::model_choice::ModelChoice;
+use crate::problem::{Conditions, Problem};
+use crate::search::SearchOptions;
+use crate::suspicion::doubts;
+use estimator_core::{Digest, Model};
+use recordings::log::Log;
+use recordings::prepare::{AutoOr, PrepareError, PrepareOptions, Recipe};
+use sha2::{Digest as _, Sha256};
+use std::path::PathBuf;
+
+/// What to identify from what.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Logs that the parameters, zeros, delay and limits come from; whole, as read.
+    pub training: Vec<Log>,
+    /// Logs that decide nothing.
+    pub held_out: Vec<Log>,
+    /// Fraction of each training log, at its end, that is held out too.
+    pub hold_out: f64,
+    /// Preparation of the logs.
+    pub prepare: PrepareOptions,
+    /// Which model.
+    pub model: ModelChoice,
+    /// What else is fixed.
+    pub conditions: Conditions,
+    /// The converters.
+    pub calibration: CalibrationOptions,
+    /// What the model error is.
+    pub cost: Cost,
+    /// The search.
+    pub search: SearchOptions,
+}
+
+/// What every model of a job is identified on and made into a table with.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The sessions, cut, divided and prepared.
+    pub problem: Problem,
+    /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone, in its recipe.
+    pub setting: TableContext,
+    /// What each log was used for.
+    pub logs: Vec<LogUse>,
+    /// A doubt for each log that is no sensor's.
+    pub estimates: Vec<Doubt>,
+    /// A doubt of the delay that was found.
+    pub delay_at_bound: Option<Doubt>,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Every model that was identified, simplest first.
+    pub candidates: Vec<Candidate>,
+    /// Models without an admissible candidate, and why.
+    pub failed: Vec<(Model, CandidateError)>,
+    /// Index of the chosen one.
+    pub chosen: usize,
+    /// Why it was chosen.
+    pub reason: Reason,
+    /// Why not to trust it.
+    pub doubts: Vec<Doubt>,
+    /// What every model is to better; `None` where the training voltage does not move.
+    pub straight_line: Option<Baseline>,
+    /// How the logs were prepared.
+    pub recipe: Recipe,
+    /// What each log was used for.
+    pub logs: Vec<LogUse>,
+}
+
+/// Why a model was chosen.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Reason {
+    /// It was asked for.
+    AskedFor,
+    /// The generalised Prandtl–Ishlinskii model has hysteresis, creep and lag in one.
+    AllInOne,
+}
+
+/// Why nothing came of a job.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    /// A log cannot be brought to the tick.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// A log is to be fitted to and held out.
+    #[error("{}: holds the same bytes as the training log {}", held_out.display(), training.display())]
+    SameLog {
+        /// The log that is held out.
+        held_out: PathBuf,
+        /// The log that is fitted to.
+        training: PathBuf,
+    },
+    /// The actuator rests in a part of a log: nothing can be learnt or proven there.
+    #[error(
+        "{}: the {signal} does not move between {from_s:.2} and {to_s:.2} s, which is what is {}",
+        log.display(),
+        if *held_out { "held out" } else { "used" }
+    )]
+    Rests {
+        /// The log.
+        log: PathBuf,
+        /// "voltage" or "displacement".
+        signal: &'static str,
+        /// Start of the part, s from the start of the log.
+        from_s: f64,
+        /// Its end, s.
+        to_s: f64,
+        /// The part is held out, not fitted to.
+        held_out: bool,
+    },
+    /// The model that counts has no admissible candidate.
+    #[error("model {model}")]
+    Failed {
+        /// Which.
+        model: Model,
+        /// Why.
+        source: CandidateError,
+    },
+    /// The model that counts was not among those searched for.
+    #[error("model {0} was not searched for")]
+    NotSearched(Model),
+}
+
+impl Outcome {
+    /// The chosen candidate.
+    pub fn candidate(&self) -> &Candidate {
+        &self.candidates[self.chosen]
+    }
+}
+
+impl Job {
+    /// Generations that it takes at most, for a progress bar.
+    pub fn generations(&self) -> u64 {
+        self.generations_before() + self.search.generations_of(&self.model.models(self.search.start))
+    }
+
+    /// Generations that [`prepare`](Self::prepare) takes at most.
+    pub fn generations_before(&self) -> u64 {
+        let logs = self.training.len();
+        if self.prepare.delay == AutoOr::Auto { self.delay_search().generations(logs) } else { 0 }
+    }
+
+    /// Cuts and divides the logs, and decides zeros and delay from what is fitted to.
+    ///
+    /// # Errors
+    /// A log cannot be used.
+    pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared, JobError> {
+        let (training, held_out) = self.parts()?;
+        let mut recipe = self.prepare.resolve(&training);
+        let delay = self.delay_search();
+        let estimated = match self.prepare.delay {
+            AutoOr::Given(_) => None,
+            AutoOr::Auto => Some(delay.estimate(&training, &recipe, progress)?),
+        };
+        if let Some(Delay { ticks, .. }) = estimated {
+            recipe.delay_ticks = ticks;
+        }
+        let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
+        let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
+        Ok(Prepared {
+            problem: Problem::new(recipe.sessions(&training)?, recipe.sessions(&held_out)?, self.conditions),
+            setting: TableContext {
+                recipe,
+                calibration: self.calibration.clone(),
+                logs: digest(&training),
+                seed: self.search.seed,
+            },
+            logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
+            estimates: self.estimates(),
+            delay_at_bound: estimated.filter(|delay| delay.at_bound).map(|_| Doubt::DelayAtBound { delay_ms }),
+        })
+    }
+
+    /// Identifies the models, chooses one and doubts it.
+    ///
+    /// # Errors
+    /// A log cannot be used, or the model that counts has no admissible candidate.
+    pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
+        let Prepared { problem, setting, logs, estimates, delay_at_bound } = self.prepare(progress)?;
+        let fits = identify(&problem, &self.model.models(self.search.start), self.cost, &self.search, progress);
+        let (mut candidates, mut failed) = (Vec::new(), Vec::new());
+        for fit in fits {
+            let model = fit.model;
+            match Candidate::new(&problem, fit, &setting) {
+                Ok(candidate) => candidates.push(candidate),
+                Err(error) => failed.push((model, error)),
+            }
+        }
+        let character = Character::of(problem.training(), problem.deadband);
+        let (model, reason) = self.choose();
+        let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {
+            let why = failed.into_iter().find(|(failed, _)| *failed == model);
+            return Err(why.map_or(JobError::NotSearched(model), |(model, source)| JobError::Failed { model, source }));
+        };
+        let mut doubts = [estimates, doubts(&candidates[chosen], &character, self.cost)].concat();
+        doubts.extend(delay_at_bound);
+        doubts.extend(failed.iter().map(|(model, _)| Doubt::NotIdentified { model: *model }));
+        if !self.calibration.stated() {
+            doubts.push(Doubt::CalibrationAssumed);
+        }
+        let straight_line = Baseline::of(&problem);
+        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, recipe: setting.recipe, logs })
+    }
+
+    /// A doubt for each log that is no sensor's.
+    fn estimates(&self) -> Vec<Doubt> {
+        let logs = self.training.iter().chain(&self.held_out).filter(|log| log.displacement_estimated);
+        logs.map(|log| Doubt::EstimatedDisplacement { log: log.name.clone() }).collect()
+    }
+
+    fn delay_search(&self) -> DelaySearch {
+        DelaySearch::new(&self.prepare, self.conditions, self.cost, &self.search)
+    }
+
+    /// The logs cut and divided into what is fitted to and what is held out.
+    fn parts(&self) -> Result<(Vec<Log>, Vec<Log>), JobError> {
+        for log in &self.held_out {
+            if let Some(twin) = self.training.iter().find(|other| other.sha256 == log.sha256) {
+                return Err(JobError::SameLog { held_out: log.path.clone(), training: twin.path.clone() });
+            }
+        }
+        let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();
+        let (mut training, mut held_out) = (Vec::new(), cut(&self.held_out));
+        held_out.iter().try_for_each(|log| moves(log, log))?;
+        for log in cut(&self.training) {
+            let (first, rest) = log.split(self.hold_out);
+            moves(&first, &log)?;
+            training.push(first);
+            if !rest.voltage.is_empty() {
+                moves(&rest, &log)?;
+                held_out.push(rest);
+            }
+        }
+        Ok((training, held_out))
+    }
+
+    fn choose(&self) -> (Model, Reason) {
+        match self.model.model() {
+            Some(model) => (model, Reason::AskedFor),
+            None => (Model::GeneralisedPrandtlIshlinskii, Reason::AllInOne),
+        }
+    }
+}
+
+/// Refuses a part of a log in which the actuator rests.
+fn moves(part: &Log, whole: &Log) -> Result<(), JobError> {
+    let empty = Vec::new();
+    let displacement = |log: &Log| span(log.displacement.as_ref().unwrap_or(&empty));
+    let signals = [
+        ("voltage", span(&part.voltage), span(&whole.voltage)),
+        ("displacement", displacement(part), displacement(whole)),
+    ];
+    for (signal, here, everywhere) in signals {
+        if !part.voltage.is_empty() && here <= RESTS * everywhere {
+            return Err(JobError::Rests {
+                log: whole.path.clone(),
+                signal,
+                from_s: part.start_s,
+                to_s: part.start_s + part.duration(),
+                held_out: part.start_s > whole.start_s,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A part whose signal spans less than this fraction of the whole log's rests.
+const RESTS: f64 = 0.05;
+
+/// Between the first and the last hundredth of the sorted values: a single spike is no movement.
+fn span(samples: &[f64]) -> f64 {
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rare = sorted.len() / 100;
+    match (sorted.get(rare), sorted.iter().rev().nth(rare)) {
+        (Some(low), Some(high)) => high - low,
+        _ => 0.0,
+    }
+}
+
+/// Start of a SHA-256 over the logs' digests and the part of each that was used.
+fn digest(logs: &[Log]) -> Digest {
+    let mut hash = Sha256::new();
+    for log in logs {
+        hash.update(&log.sha256);
+        hash.update(log.start_s.to_le_bytes());
+        hash.update((log.voltage.len() as u64).to_le_bytes());
+    }
+    let hash = hash.finalize();
+    Digest(std::array::from_fn(|byte| hash[byte]))
+}

@@ -1,0 +1,44 @@
+//! Parameter identification: the model error as a cost (Eq. 4.1), minimised by the genetic algorithm or, of what a
+//! model is not linear in, by another method; and what a table found so is good for.
+
+mod baseline;
+pub mod calibration;
+mod candidate;
+mod character;
+pub mod compare;
+pub mod cost;
+mod delay;
+mod doubt;
+pub mod drive;
+pub mod family;
+pub mod feedforward;
+mod fit;
+mod job;
+mod log_use;
+mod model_choice;
+mod problem;
+pub mod reversals;
+mod rounds;
+pub mod search;
+pub mod simulation;
+pub mod span;
+mod structures;
+mod suspicion;
+pub mod table_file;
+mod trial;
+pub mod validate;
+
+pub use baseline::{Baseline, Point, StraightLine};
+pub use candidate::{Candidate, CandidateError, TableContext};
+pub use character::Character;
+pub use doubt::{Converter, Doubt, FEW_REVERSALS};
+pub use family::BlackBoxInputs;
+pub use fit::{Convergence, Fit, Identification, Progress, identify, identify_black_box};
+pub use job::{Job, JobError, Outcome, Prepared, Reason};
+pub use log_use::{LogUse, Role};
+pub use model_choice::{ModelChoice, with_contained};
+pub use problem::{Conditions, Problem};
+pub use search::{SearchOptions, Start};
+pub use structures::{Found, StructureSearch};
+pub use suspicion::doubts;
+pub use trial::Trial;

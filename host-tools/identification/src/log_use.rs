@@ -1,0 +1,44 @@
+//! Which part of which log was used for what, as the table and the report tell it.
+
+use recordings::log::Log;
+use serde::{Deserialize, Serialize};
+
+/// A log, or a part of one, and what it was used for.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LogUse {
+    /// File name.
+    pub file: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// What for.
+    pub role: Role,
+    /// First second used.
+    pub from_s: f64,
+    /// End of what was used, s.
+    pub to_s: f64,
+}
+
+/// What a log was used for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Parameters, zeros, delay and limits come from it.
+    Training,
+    /// It decided nothing; the errors stated are those on it.
+    HeldOut,
+}
+
+impl LogUse {
+    /// What a log, or a part of one, was used for.
+    pub fn new(log: &Log, role: Role) -> Self {
+        let file = log.path.file_name().unwrap_or(log.path.as_os_str());
+        Self {
+            file: file.to_string_lossy().into_owned(),
+            sha256: log.sha256.clone(),
+            role,
+            from_s: log.start_s,
+            to_s: log.start_s + log.duration(),
+        }
+    }
+}

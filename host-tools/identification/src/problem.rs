@@ -1,0 +1,163 @@
+//! What an identification works on: prepared sessions, their extent, and the cost of a candidate (Eq. 4.1).
+//!
+//! What is reported of a result is never this cost alone but the error of the finished table.
+
+use crate::cost::Cost;
+use crate::search::space::Extent;
+use crate::simulation::mean_error;
+use crate::trial::Trial;
+use estimator_core::{Discretisation, Inadmissible, Process, Range, Scheme};
+use recordings::session::Session;
+
+/// What the user fixes before the search starts.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Conditions {
+    /// Discretisation.
+    pub scheme: Scheme,
+    /// Retreat that counts as a reversal, V; `None` for 0.083 % of the voltage span.
+    pub deadband: Option<f64>,
+    /// How wide the displacement limits may be, as a multiple of the training stroke.
+    pub limit: f64,
+}
+
+impl Default for Conditions {
+    /// The thesis's scheme, limits of twice the stroke.
+    fn default() -> Self {
+        Self { scheme: Scheme::ForwardEuler, deadband: None, limit: 2.0 }
+    }
+}
+
+/// Sessions and what is fixed before the search starts.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// Discretisation.
+    pub scheme: Scheme,
+    /// Retreat that counts as a reversal, V.
+    pub deadband: f64,
+    training: Vec<Session>,
+    validation: Vec<Session>,
+    limit: f64,
+    voltage: Range<f64>,
+    voltage_range: Range<f64>,
+    stroke: Range<f64>,
+    extent: Extent,
+}
+
+/// Deadband where none is given, as a fraction of the voltage span: a few steps of a 12-bit converter. No round fraction,
+/// so that a generated ramp does not retreat by exactly the deadband in a tick, which f32 and f64 would see differently.
+const DEADBAND: f64 = 0.83e-3;
+/// Room beyond the training voltages that a table still covers, as a fraction of their span.
+const VOLTAGE_MARGIN: f64 = 0.05;
+/// Displacement limits that are tried, as fractions of the way from the training stroke to the largest allowed.
+const LIMIT_STEPS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
+
+impl Problem {
+    /// A problem. What is held out is shown beside the training error and never decides anything.
+    pub fn new(training: Vec<Session>, validation: Vec<Session>, conditions: Conditions) -> Self {
+        let voltage = Range::of_values(training.iter().flat_map(|session| session.voltage.iter().copied()));
+        let stroke = Range::of_values(training.iter().flat_map(|session| session.displacement.iter().copied()));
+        let voltage_range = expanded(voltage, 1.0 + 2.0 * VOLTAGE_MARGIN);
+        let largest = |range: Range<f64>| range.min.abs().max(range.max.abs());
+        Self {
+            scheme: conditions.scheme,
+            deadband: conditions.deadband.unwrap_or(DEADBAND * voltage.span()),
+            extent: Extent {
+                voltage: largest(voltage),
+                displacement: largest(stroke),
+                tick: training.first().map_or(0.0, |session| session.tick_s),
+            },
+            training,
+            validation,
+            limit: conditions.limit,
+            voltage,
+            voltage_range,
+            stroke,
+        }
+    }
+
+    /// Cost of parameters: their training error (µm), infinite where they are not admissible.
+    pub fn cost(&self, trial: &impl Trial, cost: impl Into<Cost>) -> f64 {
+        let model = trial.model(&self.discretisation(), self.voltage_range);
+        // The widest limits first: nearly every set that has any has those.
+        let admissible = LIMIT_STEPS.iter().rev().any(|&step| self.bound(&model, step).is_ok());
+        if admissible { error(&self.training, &model, cost.into()) } else { f64::INFINITY }
+    }
+
+    /// Simulation error on what was held out in the norm of a cost, µm; `None` where nothing was.
+    pub fn held_out(&self, trial: &impl Trial, cost: Cost) -> Option<f64> {
+        (!self.validation.is_empty()).then(|| {
+            error(&self.validation, &trial.model(&self.discretisation(), self.voltage_range), cost.in_simulation())
+        })
+    }
+
+    /// The tightest displacement limits (µm) within which parameters are proven to stay.
+    ///
+    /// # Errors
+    /// There are none within the widest that the conditions allow.
+    pub fn limits(&self, trial: &impl Trial) -> Result<Range<f64>, Inadmissible<f64>> {
+        let model = trial.model(&self.discretisation(), self.voltage_range);
+        let tightest = LIMIT_STEPS.iter().find_map(|&step| self.bound(&model, step).ok());
+        tightest.map_or_else(|| self.bound(&model, 1.0), Ok)
+    }
+
+    /// Tick, scheme and deadband.
+    pub fn discretisation(&self) -> Discretisation<f64> {
+        Discretisation { sample_period: self.extent.tick, scheme: self.scheme, deadband: self.deadband }
+    }
+
+    /// The sessions that are fitted to.
+    pub fn training(&self) -> impl Iterator<Item = &Session> + Clone {
+        self.training.iter()
+    }
+
+    /// The sessions that were held out.
+    pub fn validation(&self) -> impl Iterator<Item = &Session> {
+        self.validation.iter()
+    }
+
+    /// Voltages of the training sessions and a margin, V.
+    pub fn voltage_range(&self) -> Range<f64> {
+        self.voltage_range
+    }
+
+    /// Voltages of the training sessions, V.
+    pub fn training_voltages(&self) -> Range<f64> {
+        self.voltage
+    }
+
+    /// Displacements of the training sessions, µm.
+    pub fn stroke(&self) -> Range<f64> {
+        self.stroke
+    }
+
+    /// The widest displacement limits that a table may have, rounded inwards, µm.
+    pub fn widest_limits(&self) -> Range {
+        let Range { min, max } = self.limits_at(1.0);
+        Range { min: (min as f32).next_up(), max: (max as f32).next_down() }
+    }
+
+    /// V* and Y* of the search coordinates.
+    pub fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    fn limits_at(&self, step: f64) -> Range<f64> {
+        expanded(self.stroke, 1.0 + step * (self.limit - 1.0))
+    }
+
+    fn bound(&self, model: &impl Process<f64>, step: f64) -> Result<Range<f64>, Inadmissible<f64>> {
+        model.bound(self.voltage_range, self.limits_at(step))
+    }
+}
+
+/// A model's error (µm) over sessions, each weighing the same whatever its length.
+fn error(sessions: &[Session], model: &impl Process<f64>, cost: Cost) -> f64 {
+    let sizes = sessions.iter().map(|session| mean_error(session, model.clone(), cost)).sum::<f64>();
+    cost.norm.error(sizes / sessions.len().max(1) as f64)
+}
+
+/// The interval stretched about its middle.
+fn expanded(range: Range<f64>, factor: f64) -> Range<f64> {
+    let (middle, half) = ((range.max + range.min) / 2.0, (range.max - range.min) / 2.0);
+    Range { min: middle - factor * half, max: middle + factor * half }
+}

@@ -1,0 +1,115 @@
+//! Nelder–Mead with the coefficients for many dimensions (Gao and Han, 2012), limited to the cube, from the best start
+//! or the centre.
+//!
+//! The simplex forgets directions, above all at a face of the cube. It is therefore set up anew around the best point
+//! as long as that helps, and then by turns around the best of some points anywhere and around the best.
+
+use super::state::{Scored, Search, extent, sort};
+use rand::RngExt;
+
+/// Edge of the first simplex around a point, of the cube's.
+const EDGE: f64 = 0.1;
+/// Extent of a simplex at which it has converged.
+const CONVERGED: f64 = 1e-8;
+/// An improvement that a restart has to make to be repeated, as a fraction of the cost.
+const WORTHWHILE: f64 = 1e-6;
+
+/// Spends the budget of a search.
+pub fn run(search: &mut Search<'_>) {
+    if search.best.cost == f64::INFINITY {
+        search.evaluate(vec![search.best.at.clone()]);
+    }
+    let mut afar = false;
+    while search.left() > 0 {
+        let before = search.best.cost;
+        let centre = if afar || before == f64::INFINITY { explore(search) } else { best(search) };
+        if let Some(simplex) = around(search, centre) {
+            descend(search, simplex);
+        }
+        let helped = search.best.cost < before - WORTHWHILE * before.abs();
+        afar = !helped && !afar;
+    }
+}
+
+fn best(search: &Search<'_>) -> Scored {
+    Scored { at: search.best.at.clone(), cost: search.best.cost }
+}
+
+/// The best of four points a dimension anywhere.
+fn explore(search: &mut Search<'_>) -> Scored {
+    let points = (0..4 * search.dimension).map(|_| search.anywhere()).collect();
+    let scored = search.evaluate(points);
+    scored.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or_else(|| best(search))
+}
+
+/// A simplex with one edge along each coordinate, either way at random where there is room. `None` when the budget
+/// ends or nothing of it is admissible.
+fn around(search: &mut Search<'_>, centre: Scored) -> Option<Vec<Scored>> {
+    let edge = if search.random.random() { EDGE } else { EDGE / 3.0 };
+    let vertices = (0..search.dimension)
+        .map(|i| {
+            let mut at = centre.at.clone();
+            let up = if search.random.random() { edge } else { -edge };
+            if let Some(x) = at.get_mut(i) {
+                *x += if (0.0..=1.0).contains(&(*x + up)) { up } else { -up };
+            }
+            at
+        })
+        .collect();
+    let mut simplex = search.evaluate(vertices);
+    simplex.push(centre);
+    sort(&mut simplex);
+    (simplex.len() > search.dimension && simplex.first()?.cost < f64::INFINITY).then_some(simplex)
+}
+
+/// Moves a simplex until it has converged or the budget ends. `None` is the latter.
+fn descend(search: &mut Search<'_>, mut simplex: Vec<Scored>) -> Option<()> {
+    let n = search.dimension.max(2) as f64;
+    let (expansion, contraction, shrinkage) = (1.0 + 2.0 / n, 0.75 - 0.5 / n, 1.0 - 1.0 / n);
+    while extent(simplex.iter().map(|x| x.at.as_slice()), search.dimension) > CONVERGED {
+        let worst = simplex.pop()?;
+        let (best, second) = (simplex.first()?.cost, simplex.last()?.cost);
+        let reflected = beyond(search, &simplex, &worst, 1.0)?;
+        let moved = if reflected.cost < best {
+            let expanded = beyond(search, &simplex, &worst, expansion)?;
+            Some(if expanded.cost < reflected.cost { expanded } else { reflected })
+        } else if reflected.cost < second {
+            Some(reflected)
+        } else if reflected.cost < worst.cost {
+            let outside = beyond(search, &simplex, &worst, contraction)?;
+            (outside.cost <= reflected.cost).then_some(outside)
+        } else {
+            let inside = beyond(search, &simplex, &worst, -contraction)?;
+            (inside.cost < worst.cost).then_some(inside)
+        };
+        match moved {
+            Some(vertex) => simplex.push(vertex),
+            None => {
+                simplex.push(worst);
+                simplex = shrunk(search, &simplex, shrinkage)?;
+            }
+        }
+        sort(&mut simplex);
+    }
+    Some(())
+}
+
+/// The point at a multiple of the way from the worst vertex to the centroid of the others, beyond that.
+fn beyond(search: &mut Search<'_>, others: &[Scored], worst: &Scored, multiple: f64) -> Option<Scored> {
+    let coordinate = |(i, x): (usize, &f64)| {
+        let centroid = others.iter().filter_map(|vertex| vertex.at.get(i)).sum::<f64>() / others.len() as f64;
+        (centroid + multiple * (centroid - x)).clamp(0.0, 1.0)
+    };
+    search.evaluate(vec![worst.at.iter().enumerate().map(coordinate).collect()]).pop()
+}
+
+/// All vertices drawn towards the best, which is the first.
+fn shrunk(search: &mut Search<'_>, simplex: &[Scored], factor: f64) -> Option<Vec<Scored>> {
+    let (best, others) = simplex.split_first()?;
+    let towards = |vertex: &Scored| {
+        vertex.at.iter().zip(&best.at).map(|(x, best)| (best + factor * (x - best)).clamp(0.0, 1.0)).collect()
+    };
+    let mut moved = search.evaluate(others.iter().map(towards).collect());
+    moved.push(best.clone());
+    (moved.len() == simplex.len()).then_some(moved)
+}

@@ -1,0 +1,154 @@
+//! What the methods share: the cost with its budget, the best point so far, the random numbers.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// What a search may spend.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Budget {
+    /// Evaluations of the cost at most, the starts' among them.
+    pub evaluations: usize,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+/// The best point of a search.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Minimum {
+    /// Where, within the unit cube. The first start, or else the centre, when no admissible point was found.
+    pub at: Vec<f64>,
+    /// The cost there; infinite when no admissible point was found.
+    pub cost: f64,
+    /// Evaluations that the search has made.
+    pub evaluations: usize,
+}
+
+/// A cost that many threads may ask.
+pub type Cost<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
+
+/// An evaluated point.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Scored {
+    /// Where, within the unit cube.
+    pub at: Vec<f64>,
+    /// Its cost, never NaN.
+    pub cost: f64,
+}
+
+/// A search under way.
+pub struct Search<'a> {
+    /// Coordinates of a point, at least 1 once a method runs.
+    pub dimension: usize,
+    /// The best point and the evaluations so far.
+    pub best: Minimum,
+    /// Seeded by the budget.
+    pub random: ChaCha8Rng,
+    cost: Cost<'a>,
+    limit: usize,
+    watch: &'a mut dyn FnMut(usize, &Minimum),
+}
+
+impl<'a> Search<'a> {
+    /// Nothing evaluated yet.
+    pub fn new(dimension: usize, budget: Budget, cost: Cost<'a>, watch: &'a mut dyn FnMut(usize, &Minimum)) -> Self {
+        Self {
+            dimension,
+            best: Minimum { at: vec![0.5; dimension], cost: f64::INFINITY, evaluations: 0 },
+            random: ChaCha8Rng::seed_from_u64(budget.seed),
+            cost,
+            limit: budget.evaluations,
+            watch,
+        }
+    }
+
+    /// Evaluations that the budget still has.
+    pub fn left(&self) -> usize {
+        self.limit.saturating_sub(self.best.evaluations)
+    }
+
+    /// The cost alone, for a method that evaluates by itself and then calls [`Self::note`].
+    pub fn cost(&self) -> Cost<'a> {
+        self.cost
+    }
+
+    /// Evaluates points of the unit cube in parallel, as many of the first as the budget has left; returns those.
+    pub fn evaluate(&mut self, mut points: Vec<Vec<f64>>) -> Vec<Scored> {
+        points.truncate(self.left());
+        let cost = self.cost;
+        let scored: Vec<Scored> = points.into_par_iter().map(|at| Scored { cost: admissible(cost(&at)), at }).collect();
+        self.note(scored.len(), &scored);
+        scored
+    }
+
+    /// Counts evaluations and keeps the best of some points.
+    pub fn note(&mut self, evaluations: usize, points: &[Scored]) {
+        if evaluations == 0 {
+            return;
+        }
+        self.best.evaluations += evaluations;
+        for point in points {
+            if point.cost < self.best.cost {
+                self.best.at.clone_from(&point.at);
+                self.best.cost = point.cost;
+            }
+        }
+        (self.watch)(self.best.evaluations, &self.best);
+    }
+
+    /// Evaluates the given starts; the cheapest first.
+    pub fn starts(&mut self, starts: &[Vec<f64>]) -> Vec<Scored> {
+        let inside =
+            |start: &Vec<f64>| start.iter().map(|&x| if x.is_nan() { 0.5 } else { x.clamp(0.0, 1.0) }).collect();
+        let starts: Vec<Vec<f64>> = starts.iter().filter(|start| start.len() == self.dimension).map(inside).collect();
+        if let Some(first) = starts.first() {
+            self.best.at.clone_from(first);
+        }
+        let mut scored = self.evaluate(starts);
+        sort(&mut scored);
+        scored
+    }
+
+    /// A point anywhere in the cube.
+    pub fn anywhere(&mut self) -> Vec<f64> {
+        (0..self.dimension).map(|_| self.random.random()).collect()
+    }
+
+    /// Fills a population up to a size with points anywhere in the cube. It stays smaller when the budget ends.
+    pub fn fill(&mut self, population: &mut Vec<Scored>, size: usize) {
+        population.truncate(size);
+        let points = (population.len()..size).map(|_| self.anywhere()).collect();
+        population.extend(self.evaluate(points));
+    }
+}
+
+/// NaN is infinite.
+pub fn admissible(cost: f64) -> f64 {
+    if cost.is_nan() { f64::INFINITY } else { cost }
+}
+
+/// The cheapest first, equals in their order.
+pub fn sort(points: &mut [Scored]) {
+    points.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+}
+
+/// A coordinate mirrored at 0 and 1 until it lies between.
+pub fn reflect(x: f64) -> f64 {
+    let x = x.rem_euclid(2.0);
+    if x > 1.0 { 2.0 - x } else { x }
+}
+
+/// The largest extent of some points along a coordinate.
+pub fn extent<'p>(points: impl Iterator<Item = &'p [f64]> + Clone, dimension: usize) -> f64 {
+    let along = |i: usize| {
+        let coordinate = points.clone().filter_map(|point| point.get(i).copied());
+        let (low, high) =
+            coordinate.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        high - low
+    };
+    (0..dimension).map(along).fold(0.0, f64::max)
+}
+
+/// So close together, as a fraction of the cube's edge, a population finds nothing new.
+pub const COLLAPSED: f64 = 1e-9;

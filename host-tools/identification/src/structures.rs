@@ -1,0 +1,177 @@
+//! The search of what a model's structure is not linear in, and the choice among the structures of a model.
+
+use crate::cost::Cost;
+use crate::family::{AnyFamily, Family};
+use crate::fit::{Convergence, Fit, Identification, Progress};
+use crate::problem::Problem;
+use crate::search::space::Gene;
+use crate::search::{Budget, Minimum, Optimiser, minimise};
+use estimator_core::Model;
+
+/// A structure with so many searched numbers has minima that one method alone misses, a resonance above all.
+const MANY: usize = 6;
+/// The method that searches such a structure besides the one that was chosen.
+const SECOND: Optimiser = Optimiser::DifferentialEvolution;
+/// A richer structure must better the simpler one's cost by this factor.
+const BETTER: f64 = 0.97;
+
+/// What the search of one structure has found.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Found<P> {
+    /// The parameters that cost least; `None` where no candidate has a solution.
+    pub parameters: Option<P>,
+    /// The searched coordinates and where the best lies.
+    pub genes: Vec<(Gene, f64)>,
+    /// Numbers of the parameters that were solved for by least squares.
+    pub solved: usize,
+    /// Its cost, µm; infinite where no candidate is admissible.
+    pub cost: f64,
+    /// Candidates that were evaluated.
+    pub evaluations: usize,
+    /// After each generation.
+    pub convergence: Vec<Convergence>,
+}
+
+/// How one structure is searched.
+#[derive(Clone, Copy, Debug)]
+pub struct StructureSearch<'a> {
+    /// The sessions.
+    pub problem: &'a Problem,
+    /// What is minimised.
+    pub cost: Cost,
+    /// Methods, one after the other; each later one starts from what the earlier have found.
+    pub methods: &'a [Optimiser],
+    /// Candidates that they may evaluate in all.
+    pub evaluations: usize,
+    /// Seed of their random numbers.
+    pub seed: u32,
+}
+
+impl StructureSearch<'_> {
+    /// Searches a structure from its own starts and from the middle, or from where a simpler one ended (`known`: values of
+    /// its genes, which are the first of this one's). `progress` is told how many candidates
+    /// have been evaluated and the best cost so far (µm).
+    pub fn run<F: Family + ?Sized>(
+        &self,
+        family: &F,
+        known: &[(Gene, f64)],
+        mut progress: impl FnMut(usize, f64),
+    ) -> Found<F::Found> {
+        let problem = self.problem;
+        let genes = family.genes();
+        let values =
+            |at: &[f64]| genes.iter().zip(at).map(|(gene, &fraction)| gene.value(fraction)).collect::<Vec<_>>();
+        let parameters = |at: &[f64]| family.project(&values(at), problem);
+        let cost = |at: &[f64]| {
+            let found = parameters(at);
+            found.map_or(f64::INFINITY, |found| family.burden(&values(at)) * problem.cost(&found, self.cost))
+        };
+        let known = known.iter().map(|(gene, value)| gene.fraction(*value)).collect();
+        let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(0.5)).take(genes.len()).collect();
+        let mut starts: Vec<Vec<f64>> = family.starts().into_iter().chain([known]).map(whole).collect();
+        let mut convergence = Vec::new();
+        let (mut least, mut shown) = (f64::INFINITY, (f64::INFINITY, None));
+        let budget = Budget { evaluations: self.evaluations / self.methods.len().max(1), seed: self.seed.into() };
+        let mut best: Option<Minimum> = None;
+        let mut evaluations = 0;
+        for &method in self.methods {
+            let before = evaluations;
+            let mut watch = |made: usize, best: &Minimum| {
+                if best.cost < least {
+                    least = best.cost;
+                    shown = match parameters(&best.at) {
+                        Some(found) => (problem.cost(&found, self.cost), problem.held_out(&found, self.cost)),
+                        None => shown,
+                    };
+                }
+                convergence.push(Convergence { training: shown.0, validation: shown.1 });
+                progress(before + made, shown.0);
+            };
+            let found = minimise(method, genes.len(), budget, &starts, &cost, &mut watch);
+            evaluations += found.evaluations;
+            if best.as_ref().is_none_or(|best| found.cost < best.cost) {
+                best = Some(found);
+            }
+            starts.extend(best.iter().map(|best| best.at.clone()));
+        }
+        let at = best.map_or(Vec::new(), |best| best.at);
+        let parameters = parameters(&at);
+        Found {
+            genes: genes.iter().copied().zip(values(&at)).collect(),
+            solved: parameters.as_ref().map_or(0, |found| family.solved(found)),
+            cost: parameters.as_ref().map_or(f64::INFINITY, |found| problem.cost(found, self.cost)),
+            parameters,
+            evaluations,
+            convergence,
+        }
+    }
+}
+
+impl Identification<'_> {
+    /// Of several structures each is started from the one before it, and the simplest that no other betters counts.
+    /// They share the budget by what they search.
+    pub(super) fn projected(&self, model: Model, structures: &[AnyFamily], progress: Progress<'_>) -> Fit {
+        let mut best: Option<Fit> = None;
+        let mut evaluations = 0;
+        for (index, family) in structures.iter().enumerate() {
+            let allowed = match self.budget {
+                None => self.options.evaluations as usize * self.shares(family),
+                Some(budget) => {
+                    let shares: usize = structures.iter().skip(index).map(|family| self.shares(family)).sum();
+                    let left = budget.saturating_sub(evaluations);
+                    (left * self.shares(family) / shares).max(left.min(1))
+                }
+            };
+            if allowed == 0 && best.is_some() {
+                break;
+            }
+            let methods = self.methods(family);
+            let found = self.structure(model, family.as_ref(), &methods, allowed, best.as_ref(), progress);
+            evaluations += found.evaluations;
+            if best.as_ref().is_none_or(|best| found.cost < BETTER * best.cost) {
+                best = Some(found);
+            }
+        }
+        // Only the Voigt family has no structures, and it does not come here.
+        let best = best.expect("a model has a structure");
+        Fit { evaluations, ..best }
+    }
+
+    /// What a structure's search takes beside another's: numbers by methods.
+    fn shares(&self, family: &AnyFamily) -> usize {
+        family.genes().len().max(1) * self.methods(family).len()
+    }
+
+    fn methods(&self, family: &AnyFamily) -> Vec<Optimiser> {
+        let second = (family.genes().len() >= MANY && self.options.optimiser != SECOND).then_some(SECOND);
+        std::iter::once(self.options.optimiser).chain(second).collect()
+    }
+
+    /// Searches one structure by some methods with so many evaluations in all, and goes on from a simpler one.
+    pub(super) fn structure(
+        &self,
+        model: Model,
+        family: &dyn Family<Found = estimator_core::Parameters>,
+        methods: &[Optimiser],
+        evaluations: usize,
+        simpler: Option<&Fit>,
+        progress: Progress<'_>,
+    ) -> Fit {
+        let search =
+            StructureSearch { problem: self.problem, cost: self.cost, methods, evaluations, seed: self.options.seed };
+        let known = simpler.map_or(&[][..], |fit| &fit.genes);
+        let found = search.run(family, known, |_, cost| progress(model, cost));
+        let before = simpler.map_or(&[][..], |fit| &fit.convergence);
+        Fit {
+            model,
+            parameters: found.parameters,
+            genes: found.genes,
+            solved: found.solved,
+            cost: found.cost,
+            minimised: self.cost,
+            evaluations: found.evaluations,
+            convergence: [before, &found.convergence].concat(),
+            space: None,
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! When to doubt a result: the thresholds, and what is compared with them.
+
+use crate::candidate::Candidate;
+use crate::character::Character;
+use crate::cost::{Cost, Norm};
+use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
+use crate::validate::Trace;
+use estimator_core::{AdcCode, DacCode, Parameters, Range};
+
+/// More reversals than this multiple of the large ones are noise.
+const NOISY: usize = 3;
+/// Training error beyond this percentage of the stroke is no description.
+const POOR: f64 = 5.0;
+/// Held-out error beyond this multiple of the training error.
+const FAR: f64 = 1.5;
+/// Simulation error beyond this multiple of the error that a fit with feedback has with it, and
+const DIVERGED: f64 = 10.0;
+/// beyond this fraction of the stroke.
+const DIVERGED_STROKE: f64 = 0.1;
+/// A constant offset beyond this fraction of the held-out error.
+const DRIFT: f64 = 0.5;
+/// f32 may differ from f64 by this fraction of the stroke.
+const SINGLE_PRECISION: f64 = 1e-4;
+/// Errors in the first tenth of a log beyond this multiple of the largest later on are a transient.
+const TRANSIENT: f64 = 2.0;
+
+/// Every doubt about a candidate, gravest first.
+pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost) -> Vec<Doubt> {
+    let mut doubts = Vec::new();
+    let model = candidate.table.model();
+    let in_chain =
+        matches!(candidate.table.parameters, Parameters::VoigtChain(of) if of.voltage_extremum_um_per_v != 0.0);
+    let extremum_terms = in_chain || model.has_voltage_term() || model.has_displacement_term();
+    let training = candidate.training_figures();
+    let held_out = candidate.held_out_figures();
+    if let (true, Some(training)) = (cost.weight() > 0.0, training) {
+        let simulation_um = match cost.norm {
+            Norm::L1 => training.mae_um,
+            Norm::L2 => training.rmse_um,
+        };
+        let fed_um = candidate.fit.cost;
+        if simulation_um > DIVERGED * fed_um && simulation_um > DIVERGED_STROKE * training.stroke_um {
+            doubts.push(Doubt::Diverges { fed_um, simulation_um });
+        }
+    }
+    if let Some(training) = training.filter(|training| training.mae_percent > POOR) {
+        doubts.push(Doubt::PoorFit { percent: training.mae_percent });
+    }
+    if candidate.training.iter().map(|comparison| covariance(&comparison.trace)).sum::<f64>() < 0.0 {
+        doubts.push(Doubt::FallsWithVoltage);
+    }
+    match (training, held_out) {
+        (Some(training), Some(held_out)) => {
+            if held_out.mae_um > FAR * training.mae_um {
+                doubts.push(Doubt::HeldOutFar { training_um: training.mae_um, held_out_um: held_out.mae_um });
+            }
+            if held_out.offset_um.abs() > DRIFT * held_out.mae_um {
+                doubts.push(Doubt::Drift { offset_um: held_out.offset_um });
+            }
+        }
+        _ => doubts.push(Doubt::NothingHeldOut),
+    }
+    for comparison in &candidate.training {
+        if let Some(until_s) = transient(&comparison.trace) {
+            doubts.push(Doubt::Transient { log: comparison.name.clone(), until_s });
+        }
+    }
+    doubts.extend(unmet_condition(&candidate.table.parameters));
+    if character.reversals < FEW_REVERSALS {
+        doubts.push(Doubt::FewReversals { reversals: character.reversals });
+    }
+    if character.reversals_at_deadband > NOISY * character.reversals.max(1) {
+        let (reversals, large) = (character.reversals_at_deadband, character.reversals);
+        doubts.push(Doubt::NoisyVoltage { reversals, large });
+    }
+    doubts.extend(spans(candidate));
+    if character.single_amplitude() {
+        doubts.push(Doubt::SingleAmplitude { extremum_terms });
+    }
+    if character.single_frequency() {
+        doubts.push(Doubt::SingleFrequency);
+    }
+    for comparison in &candidate.held_out {
+        if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {
+            doubts.push(Doubt::BeyondTraining { log: comparison.name.clone() });
+        }
+    }
+    let at_bound = candidate.fit.genes.iter().filter(|(gene, value)| gene.undetermined(*value));
+    doubts.extend(at_bound.map(|(gene, value)| Doubt::AtBound { gene: gene.name, value: *value }));
+    let all = candidate.training.iter().chain(&candidate.held_out);
+    let difference_um = all.clone().map(|comparison| comparison.mil_sil_um).fold(0.0, f64::max);
+    if all.clone().any(|comparison| comparison.mil_sil_um > SINGLE_PRECISION * comparison.mil.stroke_um) {
+        doubts.push(Doubt::SinglePrecision { difference_um });
+    }
+    doubts
+}
+
+/// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded all the same.
+fn unmet_condition(parameters: &Parameters) -> Option<Doubt> {
+    let Parameters::Duhem(of) = parameters else { return None };
+    of.unmet_condition().map(|condition| Doubt::UnmetCondition { condition })
+}
+
+/// Converters whose span is narrower than the training logs.
+fn spans(candidate: &Candidate) -> Vec<Doubt> {
+    let table = &candidate.table;
+    let inside = |values: fn(&Trace) -> &[f64], at_zero: f64, at_full: f64| {
+        let span = Range { min: at_zero.min(at_full), max: at_zero.max(at_full) };
+        candidate.training.iter().all(|comparison| values(&comparison.trace).iter().all(|x| span.contains(*x)))
+    };
+    let volts = |code| table.adc.voltage::<f64>(AdcCode(code)) - f64::from(table.voltage_zero_v);
+    let um = |code| table.dac.displacement::<f64>(DacCode(code));
+    let adc = inside(|trace| &trace.voltage, volts(0), volts(table.adc.full_scale));
+    let dac = inside(|trace| &trace.estimated, um(0), um(table.dac.full_scale));
+    let found = [(adc, Converter::Adc), (dac, Converter::Dac)];
+    found.into_iter().filter(|(inside, _)| !inside).map(|(_, converter)| Doubt::ConverterSpan { converter }).collect()
+}
+
+/// Covariance of voltage and displacement.
+fn covariance(trace: &Trace) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let (v, y) = (mean(&trace.voltage), mean(&trace.measured));
+    trace.voltage.iter().zip(&trace.measured).map(|(a, b)| (a - v) * (b - y)).sum()
+}
+
+/// How long the first tenth of a trace has errors beyond [`TRANSIENT`] times the largest of the rest, s.
+fn transient(trace: &Trace) -> Option<f64> {
+    let errors: Vec<f64> = trace.estimated.iter().zip(&trace.measured).map(|(e, m)| (e - m).abs()).collect();
+    let (early, rest) = errors.split_at(errors.len() / 10);
+    let large = TRANSIENT * rest.iter().copied().fold(0.0, f64::max);
+    let last = early.iter().rposition(|&error| error > large)?;
+    // The first time is that of the second sample.
+    Some(trace.time_s[last + 1] - trace.time_s[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::CalibrationOptions;
+    use crate::cost::Feedback;
+    use crate::{Conditions, Job, ModelChoice, SearchOptions};
+    use estimator_core::{DuhemCondition, DuhemParameters, Model};
+    use recordings::prepare::{AutoOr, PrepareOptions};
+    use recordings::rig::{EXCITATIONS, Rig};
+
+    fn trace(error: impl Fn(usize) -> f64) -> Trace {
+        let measured = vec![0.0; 1000];
+        Trace {
+            time_s: (0..1000).map(|k| k as f64 * 0.01).collect(),
+            voltage: measured.clone(),
+            estimated: (0..1000).map(error).collect(),
+            measured,
+        }
+    }
+
+    #[test]
+    fn only_a_large_error_at_the_beginning_is_a_transient() {
+        let ripple = |k: usize| 0.1 * (k as f64).sin();
+        assert_eq!(transient(&trace(ripple)), None);
+        let until = transient(&trace(|k| ripple(k) + if k < 30 { 1.0 } else { 0.0 })).unwrap();
+        assert!((until - 0.30).abs() < 1e-9, "{until}");
+        assert_eq!(transient(&trace(|k| ripple(k) + if k % 200 < 30 { 1.0 } else { 0.0 })), None);
+    }
+
+    /// On the rig the slope of f grows so fast towards saturation that a reversal there would turn the displacement back.
+    #[test]
+    fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not() {
+        let rig = Rig { duration: 0.5, ..Rig::default() };
+        let outcome = Job {
+            training: EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).collect(),
+            held_out: Vec::new(),
+            hold_out: 0.0,
+            prepare: PrepareOptions { delay: AutoOr::Given(0.0), ..PrepareOptions::default() },
+            model: ModelChoice::Is(Model::Duhem),
+            conditions: Conditions::default(),
+            calibration: CalibrationOptions::default(),
+            cost: Feedback::Simulation.into(),
+            search: SearchOptions { evaluations: 40, ..SearchOptions::default() },
+        }
+        .run(&mut |_, _| ())
+        .unwrap();
+        let expected = Doubt::UnmetCondition { condition: DuhemCondition::Rising };
+        assert!(outcome.doubts.contains(&expected), "{:?}", outcome.doubts);
+        let Parameters::Duhem(found) = outcome.candidate().table.parameters else { panic!("another model") };
+        // Without hysteresis nothing is taken from the slope, but it does not lag either; a little of it is right.
+        let little = 0.9 * found.f1_um_per_v;
+        let good = DuhemParameters { f3_um_per_v3: 0.0, g0_um_per_v: little, g2_um_per_v3: 0.0, ..found };
+        assert_eq!(unmet_condition(&Parameters::Duhem(good)), None);
+        let leads = DuhemParameters { g0_um_per_v: 1.1 * found.f1_um_per_v, ..good };
+        let lagging = Doubt::UnmetCondition { condition: DuhemCondition::Lagging };
+        assert_eq!(unmet_condition(&Parameters::Duhem(leads)), Some(lagging));
+    }
+}

@@ -1,0 +1,180 @@
+//! `table.toml`: a parameter table as people read it, with how its logs were prepared, how it was found, and why not to
+//! trust it. The other two faces, the Rust `const` and the binary record, are made from its `[table]`.
+
+mod constant;
+
+pub use constant::rust_source;
+
+use crate::cost::{Feedback, Norm};
+use crate::log_use::LogUse;
+use crate::search::SearchOptions;
+use estimator_core::record::MAX_LENGTH;
+use estimator_core::{Admitted, Table, TableError};
+use recordings::file::{self, FileError};
+use recordings::prepare::Recipe;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The file.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableFile {
+    /// Which program wrote it.
+    pub tool: String,
+    /// Reasons not to trust it, in words.
+    #[serde(default)]
+    pub doubts: Vec<String>,
+    /// The parameter table itself.
+    pub table: Table,
+    /// How logs are prepared for it.
+    pub recipe: Recipe,
+    /// Whose error was minimised; none where it was written by hand.
+    pub cost: Option<Feedback>,
+    /// Which error.
+    pub norm: Option<Norm>,
+    /// The measurement's share in what each step started from, of the cost `multi-step`.
+    pub feedback_weight: Option<f64>,
+    /// How it was searched for; none where it was written by hand.
+    pub search: Option<SearchOptions>,
+    /// The logs it saw and those held out.
+    #[serde(default)]
+    pub logs: Vec<LogUse>,
+}
+
+/// Why a file is no table, or a table becomes no file.
+#[derive(Debug, thiserror::Error)]
+pub enum TableFileError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read as a table.toml", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The file holds something else.
+    #[error("{}: is no table.toml: {error}", path.display())]
+    NoTable {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        error: Box<toml::de::Error>,
+    },
+    /// The table in a file is refused.
+    #[error("{}: is refused", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: Refused,
+    },
+    /// A table is refused before it is written.
+    #[error(transparent)]
+    Inadmissible(#[from] Refused),
+    /// A number that the format cannot hold.
+    #[error(transparent)]
+    Toml(#[from] toml::ser::Error),
+    /// A file cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Why a table is refused.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+pub enum Refused {
+    /// By itself.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The recipe breaks this rule.
+    #[error("[recipe] {0}")]
+    Recipe(&'static str),
+    /// Recipe and table are not of one identification.
+    #[error("[recipe] and [table] differ in the tick or a zero: change both, or neither")]
+    Differ,
+}
+
+const HEADER: &str = "\
+# Parameter table of a piezo actuator, for sensorless displacement estimation.
+# Units stand in the names: um is micrometre, v volt, us microsecond.
+# [table] is what the firmware runs; after changing it (a calibration, say), make its other faces again: piezo emit
+";
+
+impl TableFile {
+    /// Reads and admits a table.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no table, or is refused.
+    pub fn load(path: &Path) -> Result<(Self, Admitted), TableFileError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| TableFileError::Unreadable { path: path.to_owned(), source })?;
+        let file: Self = toml::from_str(&text)
+            .map_err(|error| TableFileError::NoTable { path: path.to_owned(), error: Box::new(error) })?;
+        let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.to_owned(), source })?;
+        Ok((file, admitted))
+    }
+
+    /// Checks the table and its recipe.
+    ///
+    /// # Errors
+    /// The table breaks a rule, alone or together with the recipe.
+    pub fn admit(&self) -> Result<Admitted, Refused> {
+        let admitted = self.table.admit()?;
+        if let Some(rule) = self.recipe.fault() {
+            return Err(Refused::Recipe(rule));
+        }
+        let (recipe, table) = (&self.recipe, &self.table);
+        let same = recipe.tick_us == table.sample_period_us
+            && recipe.voltage_zero_v as f32 == table.voltage_zero_v
+            && recipe.displacement_zero_um as f32 == table.displacement_zero_um;
+        if !same {
+            return Err(Refused::Differ);
+        }
+        Ok(admitted)
+    }
+
+    /// The text of the file.
+    ///
+    /// # Errors
+    /// A number that the format cannot hold.
+    pub fn to_toml(&self) -> Result<String, TableFileError> {
+        let mut value = toml::Value::try_from(self)?;
+        shorten(&mut value);
+        Ok(format!("{HEADER}\n{}", toml::to_string_pretty(&value)?))
+    }
+
+    /// Writes `table.toml`, `table.rs` and `table.bin` into a folder, creating it.
+    ///
+    /// # Errors
+    /// The table is refused, or a file cannot be written.
+    pub fn write_faces(&self, folder: &Path) -> Result<(), TableFileError> {
+        let admitted = self.admit()?;
+        file::folder(folder)?;
+        file::write(&folder.join("table.toml"), self.to_toml()?)?;
+        file::write(&folder.join("table.rs"), rust_source(&admitted))?;
+        Ok(file::write(&folder.join("table.bin"), record(&admitted))?)
+    }
+}
+
+/// The binary record of a table.
+pub fn record(table: &Admitted) -> Vec<u8> {
+    let mut buffer = [0; MAX_LENGTH];
+    let length = table.encode(&mut buffer).expect("MAX_LENGTH suffices for every table");
+    buffer[..length].to_vec()
+}
+
+/// Writes numbers that are an `f32` with the fewest digits that bring the same `f32` back: 0.00772, not
+/// 0.007720000110566616.
+fn shorten(value: &mut toml::Value) {
+    match value {
+        toml::Value::Float(x) => {
+            let single = *x as f32;
+            if f64::from(single) == *x {
+                // Cannot fail: it is a number's own text.
+                *x = single.to_string().parse().unwrap_or(*x);
+            }
+        }
+        toml::Value::Array(values) => values.iter_mut().for_each(shorten),
+        toml::Value::Table(table) => table.iter_mut().for_each(|(_, value)| shorten(value)),
+        _ => {}
+    }
+}

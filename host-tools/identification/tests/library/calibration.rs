@@ -1,0 +1,48 @@
+//! Converters by what is stated of them, and by what is assumed.
+
+use estimator_core::{AdcCode, DacCode, Range};
+use identification::calibration::{CalibrationOptions, misfits};
+use identification::span::Span;
+use identification::table_file::TableFile;
+
+#[test]
+fn a_span_reads_as_it_is_written_and_may_be_inverted() {
+    let options = CalibrationOptions {
+        adc_span: Some("22:-22".parse().unwrap()),
+        adc_full_scale: Some(65535),
+        dac_span: Some("5:-5".parse().unwrap()),
+        ..CalibrationOptions::default()
+    };
+    let unit = Range { min: -1.0, max: 1.0 };
+    let (adc, dac) = options.calibration(unit, 0.0, unit);
+    assert!((adc.voltage::<f64>(AdcCode(0)) - 22.0).abs() < 1e-5);
+    assert!((adc.voltage::<f64>(AdcCode(65535)) + 22.0).abs() < 1e-4);
+    assert_eq!(dac.code(5.0f64), DacCode(0));
+    assert_eq!(dac.code(-5.0f64), DacCode(4095));
+    assert!(options.stated() && !CalibrationOptions::default().stated());
+}
+
+#[test]
+fn what_is_assumed_covers_the_table() {
+    let (voltage, limits) = (Range { min: -20.0, max: 20.0 }, Range { min: -6.0, max: 7.0 });
+    let (adc, dac) = CalibrationOptions::default().calibration(voltage, 50.0, limits);
+    assert!(adc.voltage::<f64>(AdcCode(1)) < 30.0 && adc.voltage::<f64>(AdcCode(4094)) > 70.0);
+    assert_eq!((dac.code(-6.0f64), dac.code(7.0f64)), (DacCode(0), DacCode(4095)));
+}
+
+#[test]
+fn converters_that_do_not_fit_are_told() {
+    let fits = |adc: (f64, f64), dac: (f64, f64)| {
+        let (_, admitted) = TableFile::load("../../tests/data/table/table.toml".as_ref()).unwrap();
+        let mut table = *admitted;
+        let span = |(zero, full)| Some(Span { zero, full });
+        let options = CalibrationOptions { adc_span: span(adc), dac_span: span(dac), ..Default::default() };
+        options.apply(&mut table);
+        misfits(&table).len()
+    };
+    assert_eq!(fits((-1.0, 4.0), (-8.0, 52.0)), 0);
+    assert_eq!(fits((4.0, -1.0), (52.0, -8.0)), 0, "inverting ones fit as well");
+    assert_eq!(fits((0.0, 2.0), (-8.0, 52.0)), 1);
+    assert_eq!(fits((-1.0, 4.0), (-1.0, 40.0)), 1);
+    assert_eq!(fits((-1.0, 4.0), (10.0, 52.0)), 2, "no safe value, and not all of the limits");
+}

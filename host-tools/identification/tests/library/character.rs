@@ -1,0 +1,57 @@
+//! What logs exercise, of signals whose frequencies and amplitudes are known.
+
+use identification::Character;
+use recordings::session::Session;
+
+fn session(voltage: Vec<f64>) -> Session {
+    let count = voltage.len() as u32;
+    Session::new("x".into(), voltage, (0..count).collect(), vec![0.0; count as usize], 1e-3)
+}
+
+fn sine(amplitude: f64, hertz: f64) -> Session {
+    session((0..2000).map(|k| amplitude * (std::f64::consts::TAU * hertz * 1e-3 * f64::from(k)).sin()).collect())
+}
+
+#[test]
+fn one_sine_is_one_frequency_and_one_amplitude() {
+    let sessions = [sine(20.0, 5.0)];
+    let character = Character::of(sessions.iter(), 0.02);
+    assert_eq!(character.reversals, 20);
+    assert!(character.single_amplitude() && character.single_frequency());
+}
+
+#[test]
+fn two_frequencies_and_two_amplitudes_are_seen() {
+    let frequencies = [sine(20.0, 5.0), sine(20.0, 50.0)];
+    let character = Character::of(frequencies.iter(), 0.02);
+    assert!(character.single_amplitude() && !character.single_frequency());
+    let amplitudes = [sine(20.0, 5.0), sine(10.0, 5.0)];
+    let character = Character::of(amplitudes.iter(), 0.02);
+    assert!(!character.single_amplitude() && character.single_frequency());
+}
+
+#[test]
+fn the_thesis_s_frequencies_are_several_though_most_half_cycles_are_fast() {
+    let sessions = [sine(20.0, 1.0), sine(20.0, 100.0)];
+    assert!(!Character::of(sessions.iter(), 0.02).single_frequency());
+}
+
+#[test]
+fn a_glitch_is_no_second_amplitude() {
+    let mut glitched = sine(20.0, 5.0);
+    for (volts, reversals) in [(1.5, 20), (6.0, 22)] {
+        let before = glitched.voltage[1033];
+        glitched.voltage[1033] -= volts;
+        let character = Character::of([&glitched].into_iter(), 0.02);
+        glitched.voltage[1033] = before;
+        assert_eq!(character.reversals, reversals);
+        assert!(character.single_amplitude() && character.single_frequency(), "{volts} V");
+    }
+}
+
+#[test]
+fn a_ramp_teaches_no_reversal() {
+    let ramp = [session((0..100).map(f64::from).collect())];
+    let character = Character::of(ramp.iter(), 0.02);
+    assert!(character.reversals == 0 && character.single_amplitude() && character.single_frequency());
+}

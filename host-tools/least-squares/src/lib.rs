@@ -1,0 +1,97 @@
+//! Linear least squares on accumulated normal equations: minimises Σ wᵢ·(aᵢ·x − bᵢ)² over x, some of its components
+//! limited to x ≥ 0, without keeping the rows aᵢ; memory is n² whatever the length of a log.
+//!
+//! Solved by Lawson and Hanson's active sets on the normal equations (Bro and de Jong, fast non-negative least squares,
+//! 1997), with the free columns always in the passive set. Columns are scaled to unit norm first, and a ridge on the
+//! scaled ones, 10⁻⁹ unless set, keeps collinear columns solvable: it shares a coefficient among them. A column of
+//! zeros gets the coefficient 0.
+//!
+//! Normal equations square the condition: coefficients of columns that differ by less than some 10⁻⁴ of their norm are
+//! the ridge's choice, the residual is not affected. Other norms than L2 by reweighting the rows.
+
+mod solve;
+
+/// What a coefficient may be.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Sign {
+    /// Any number.
+    Free,
+    /// 0 or more.
+    NonNegative,
+}
+
+/// Normal equations of a least-squares problem of n columns.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Normal {
+    columns: usize,
+    /// AᵀWA, row by row; only its upper triangle is kept.
+    gram: Vec<f64>,
+    /// AᵀWb.
+    moment: Vec<f64>,
+    /// bᵀWb.
+    square: f64,
+    ridge: f64,
+}
+
+impl Normal {
+    /// Without rows.
+    pub fn new(columns: usize) -> Self {
+        Self { columns, gram: vec![0.0; columns * columns], moment: vec![0.0; columns], square: 0.0, ridge: 1e-9 }
+    }
+
+    /// Sets the ridge: `relative` times the squared norm of each column is added to the normal equations when they are
+    /// solved. At 0, collinear columns may have no solution.
+    #[must_use]
+    pub fn ridge(mut self, relative: f64) -> Self {
+        self.ridge = relative;
+        self
+    }
+
+    /// Adds a row with its target; `weight`, at least 0, multiplies its squared error.
+    ///
+    /// # Panics
+    ///
+    /// When the row has another number of columns.
+    pub fn add(&mut self, row: &[f64], target: f64, weight: f64) {
+        assert_eq!(row.len(), self.columns, "columns of a row");
+        for (i, &value) in row.iter().enumerate() {
+            let weighted = weight * value;
+            let upper = &mut self.gram[i * self.columns + i..(i + 1) * self.columns];
+            for (sum, other) in upper.iter_mut().zip(&row[i..]) {
+                *sum += weighted * other;
+            }
+            self.moment[i] += weighted * target;
+        }
+        self.square += weight * target * target;
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Σ wᵢ·(aᵢ·x − bᵢ)² of coefficients, without the ridge; a missing coefficient is 0. It is the difference of sums
+    /// as large as Σ wᵢ·bᵢ² and has their rounding error; never below 0.
+    pub fn residual_sum(&self, weights: &[f64]) -> f64 {
+        let mut sum = self.square;
+        for (i, (&x, moment)) in weights.iter().zip(&self.moment).enumerate() {
+            let mut product = 0.5 * self.entry(i, i) * x;
+            for (j, &other) in weights.iter().enumerate().take(self.columns).skip(i + 1) {
+                product += self.entry(i, j) * other;
+            }
+            sum += 2.0 * x * (product - moment);
+        }
+        // `f64::max` would turn NaN into 0.
+        if sum < 0.0 { 0.0 } else { sum }
+    }
+
+    /// The coefficients of the least squares; `sign` has one entry a column. `None` when it has not, or when the sums
+    /// are not finite.
+    pub fn solve(&self, sign: &[Sign]) -> Option<Vec<f64>> {
+        solve::solve(self, sign)
+    }
+
+    fn entry(&self, i: usize, j: usize) -> f64 {
+        self.gram[i.min(j) * self.columns + i.max(j)]
+    }
+}

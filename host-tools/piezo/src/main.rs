@@ -1,0 +1,123 @@
+//! `piezo`: parses arguments, runs a verb, turns what comes of it into an exit code.
+
+mod option;
+mod output;
+mod remedy;
+mod verb;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+use verb::{
+    compare, emit, erase, feedforward, flash, follow, identify, info, monitor, pil, pull, push, record, reproduce,
+    reset, simulate, validate, zero,
+};
+
+/// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
+/// data it has not seen, and put it on a microcontroller.
+#[derive(Parser)]
+#[command(name = "piezo", version, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` or `feedforward` was exceeded or a trajectory not met, a bit of `pil` \
+                          differs, or `record` ended before its time, or `follow` was stopped by a fault or waited for the host; 2 the arguments, a file or the device are wrong: no file is left \
+                          half-written.";
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Recorded logs → parameter table (table.toml, table.rs, table.bin) and report.html.
+    #[command(after_help = "Example: piezo identify tests/data/picma-p885-1hz.csv --out out/demo")]
+    Identify(Box<identify::Identify>),
+    /// Models × logs → what each model's estimate is off on data that none has seen, and what it costs.
+    #[command(
+        after_help = "Example: piezo compare tests/data/picma-p885-1hz.csv --models generalised-prandtl-ishlinskii,enhanced,voigt --out out/compare"
+    )]
+    Compare(Box<compare::Compare>),
+    /// Table + logs → errors, f64 reference and f32 core side by side.
+    #[command(after_help = "Example: piezo validate out/demo/table.toml other.csv --max-percent 2")]
+    Validate(validate::Validate),
+    /// The synthetic rig → the thesis's six logs as CSV.
+    #[command(after_help = "Example: piezo simulate --out out/rig --noise-nm 20 --adc-bits 12")]
+    Simulate(simulate::Simulate),
+    /// A table → its faces, with the calibration of your board.
+    #[command(after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --out out/board")]
+    Emit(emit::Emit),
+    /// Table + wanted trajectory → the voltages that bring the actuator there, by the model's inverse.
+    #[command(after_help = "Example: piezo feedforward out/demo/table.toml wanted.csv --slew 100 --out voltages.csv")]
+    Feedforward(feedforward::Feedforward),
+    /// The thesis's tables and figures beside ours, on the synthetic rig or on your own logs.
+    #[command(
+        after_help = "Examples: piezo reproduce --json; piezo reproduce all --out out/thesis; piezo reproduce loops features --logs a.csv b.csv --validate-on c.csv"
+    )]
+    Reproduce(Box<reproduce::Reproduce>),
+    /// Who the device is, which table it runs, how it is, and what to do about it.
+    #[command(after_help = "Example: piezo info --port /dev/ttyACM0")]
+    Info(info::Info),
+    /// A table → the device's parameter store.
+    #[command(after_help = "Example: piezo push out/board/table.toml --reset --port /dev/ttyACM0")]
+    Push(push::Push),
+    /// The table that the device runs → a file.
+    #[command(after_help = "Example: piezo pull --out table.bin --port /dev/ttyACM0")]
+    Pull(pull::Pull),
+    /// Empties the device's parameter store; the table of its firmware image is used from the next reset on.
+    #[command(after_help = "Example: piezo erase --reset --port /dev/ttyACM0")]
+    Erase(erase::Erase),
+    /// Displacement, voltage and faults, live.
+    #[command(after_help = "Example: piezo monitor --port /dev/ttyACM0")]
+    Monitor(monitor::Monitor),
+    /// The device's voltage and estimate → a log.
+    #[command(after_help = "Example: piezo record --out log.csv --seconds 10 --port /dev/ttyACM0")]
+    Record(record::Record),
+    /// Logs through the device's tick, compared bit for bit with the host (processor in the loop).
+    #[command(
+        after_help = "Example: piezo pil out/board/table.toml tests/data/picma-p885-1hz.csv --port tcp:127.0.0.1:4444"
+    )]
+    Pil(pil::Pil),
+    /// A wanted trajectory → the device, whose DAC drives the amplifier there; its estimate on the way as a log.
+    #[command(after_help = "Example: piezo follow wanted.csv --out followed.csv --port /dev/ttyACM0")]
+    Follow(follow::Follow),
+    /// Calls the displacement of now 0, as at rest.
+    #[command(after_help = "Example: piezo zero --port /dev/ttyACM0")]
+    Zero(zero::Zero),
+    /// Restarts the device.
+    #[command(after_help = "Example: piezo reset --port /dev/ttyACM0")]
+    Reset(reset::Reset),
+    /// Firmware and table → the board, by a debug probe (through probe-rs).
+    #[command(
+        after_help = "Example: piezo flash --image target/thumbv7em-none-eabihf/release/nucleo-g474re --table out/board/table.toml"
+    )]
+    Flash(flash::Flash),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().verb {
+        Verb::Identify(arguments) => identify::run(&arguments),
+        Verb::Compare(arguments) => compare::run(&arguments),
+        Verb::Validate(arguments) => validate::run(&arguments),
+        Verb::Simulate(arguments) => simulate::run(&arguments),
+        Verb::Emit(arguments) => emit::run(&arguments),
+        Verb::Feedforward(arguments) => feedforward::run(&arguments),
+        Verb::Reproduce(arguments) => reproduce::run(&arguments),
+        Verb::Info(arguments) => info::run(&arguments),
+        Verb::Push(arguments) => push::run(&arguments),
+        Verb::Pull(arguments) => pull::run(&arguments),
+        Verb::Erase(arguments) => erase::run(&arguments),
+        Verb::Monitor(arguments) => monitor::run(&arguments),
+        Verb::Record(arguments) => record::run(&arguments),
+        Verb::Pil(arguments) => pil::run(&arguments),
+        Verb::Follow(arguments) => follow::run(&arguments),
+        Verb::Zero(arguments) => zero::run(&arguments),
+        Verb::Reset(arguments) => reset::run(&arguments),
+        Verb::Flash(arguments) => flash::run(&arguments),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("piezo: {}", remedy::sentence(error.as_ref()));
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! The DAC as the amplifier's input.
+
+use clap::Args;
+use identification::drive::DriveOptions;
+use identification::span::Span;
+
+/// The DAC as the amplifier's input.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Where the DAC drives the amplifier instead of showing the displacement")]
+pub struct DriveArgs {
+    /// Amplifier voltage at DAC code 0 and at full scale, V; the first larger than the second where the amplifier inverts.
+    /// The DAC then drives the amplifier (piezo follow), and never shows a displacement.
+    #[arg(long, allow_hyphen_values = true, value_name = "V:V", requires = "drive_slew")]
+    pub drive_span: Option<Span>,
+    /// Fastest change of that voltage, V/s.
+    #[arg(long, value_name = "V/s", requires = "drive_span", allow_hyphen_values = true)]
+    pub drive_slew: Option<f64>,
+    /// Voltages that it may be driven to, V. Without it, all that the DAC can and the model was identified on.
+    #[arg(long, allow_hyphen_values = true, value_name = "V:V", requires = "drive_span")]
+    pub drive_range: Option<Span>,
+    /// Voltage when nothing is wanted or something is wrong, V. Without it 0, or the voltage nearest to it.
+    #[arg(long, allow_hyphen_values = true, value_name = "V", requires = "drive_span")]
+    pub drive_rest: Option<f64>,
+}
+
+impl From<&DriveArgs> for DriveOptions {
+    fn from(arguments: &DriveArgs) -> Self {
+        let &DriveArgs { drive_span, drive_slew, drive_range, drive_rest } = arguments;
+        Self { drive_span, drive_slew, drive_range, drive_rest }
+    }
+}

@@ -1,0 +1,95 @@
+//! What `identify` and `compare` have in common: logs, what is held out of them, what is minimised, under which
+//! conditions.
+
+use super::number::limit;
+use super::{CostArgs, LogOptions, PrepareArgs};
+use anyhow::{Result, ensure};
+use clap::{Args, ValueEnum};
+use estimator_core::Scheme;
+use identification::calibration::CalibrationOptions;
+use identification::cost::Cost;
+use identification::{Conditions, Job, ModelChoice, SearchOptions};
+use std::path::PathBuf;
+
+/// Discretisation of the Voigt family on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum SchemeName {
+    /// The thesis's.
+    ForwardEuler,
+    /// Exact for a voltage that stays for the tick; stable for any rate.
+    ZeroOrderHold,
+}
+
+impl SchemeName {
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::ForwardEuler => "forward Euler",
+            Self::ZeroOrderHold => "zero-order hold",
+        }
+    }
+}
+
+impl From<SchemeName> for Scheme {
+    fn from(name: SchemeName) -> Self {
+        match name {
+            SchemeName::ForwardEuler => Self::ForwardEuler,
+            SchemeName::ZeroOrderHold => Self::ZeroOrderHold,
+        }
+    }
+}
+
+/// Logs to fit to, and how.
+#[derive(Args, Debug)]
+pub struct Fitting {
+    /// Logs to fit to; each weighs the same whatever its length.
+    #[arg(required = true)]
+    pub logs: Vec<PathBuf>,
+    /// Logs that are held out: their errors are reported and decide nothing.
+    #[arg(long, num_args = 1.., value_name = "LOG")]
+    pub validate_on: Vec<PathBuf>,
+    /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
+    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
+    pub hold_out: Option<f64>,
+    /// What is minimised.
+    #[command(flatten)]
+    pub cost: CostArgs,
+    /// Discretisation of the Voigt family.
+    #[arg(long, value_enum, default_value_t = SchemeName::ForwardEuler)]
+    pub scheme: SchemeName,
+    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
+    /// voltage span where it is not given.
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    pub deadband: Option<f64>,
+    /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
+    #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
+    pub limit: f64,
+    /// Print the result as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Reading of the logs.
+    #[command(flatten)]
+    pub files: LogOptions,
+    /// Preparation of the logs.
+    #[command(flatten)]
+    pub prepare: PrepareArgs,
+}
+
+impl Fitting {
+    /// The job, with its logs read: the choice of a model left to it, direct form, converters assumed.
+    pub fn job(&self, search: SearchOptions) -> Result<Job> {
+        let hold_out = self.hold_out.unwrap_or(if self.validate_on.is_empty() { 0.5 } else { 0.0 });
+        ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
+        ensure!(self.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
+        Ok(Job {
+            training: self.files.read_all(&self.logs)?,
+            held_out: self.files.read_all(&self.validate_on)?,
+            hold_out,
+            prepare: (&self.prepare).into(),
+            model: ModelChoice::Auto,
+            conditions: Conditions { scheme: self.scheme.into(), deadband: self.deadband, limit: self.limit },
+            calibration: CalibrationOptions::default(),
+            cost: Cost::from(self.cost).resolved()?,
+            search,
+        })
+    }
+}

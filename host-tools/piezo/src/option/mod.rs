@@ -1,0 +1,25 @@
+//! The options that several verbs share. Each converts into what its library takes.
+
+mod calibration;
+mod choice;
+mod cost;
+mod drive;
+mod fitting;
+pub mod link;
+mod logs;
+mod model;
+mod number;
+mod prepare;
+mod rig;
+mod search;
+
+pub use calibration::CalibrationArgs;
+pub use choice::{Choice, choice};
+pub use cost::CostArgs;
+pub use fitting::Fitting;
+pub use logs::LogOptions;
+pub use model::{model_choice, models};
+pub use number::{limit, not_negative};
+pub use prepare::{DECIMATIONS, PrepareArgs};
+pub use rig::RigArgs;
+pub use search::{OPTIMISERS, STARTS, SearchArgs};

@@ -1,0 +1,20 @@
+//! Models by their names.
+
+use super::choice::{Choice, choice};
+use clap::builder::TypedValueParser;
+use estimator_core::Model;
+use identification::ModelChoice;
+
+const AUTO: Choice<ModelChoice> =
+    (ModelChoice::Auto, "auto", "The Voigt family and the generalised Prandtl–Ishlinskii model, which is chosen");
+
+/// A parser of a model's name.
+pub fn models() -> impl TypedValueParser<Value = Model> {
+    choice(Model::ALL.map(|model| (model, model.name(), model.description())))
+}
+
+/// A parser of a model's name, or `auto`.
+pub fn model_choice() -> impl TypedValueParser<Value = ModelChoice> {
+    let named = Model::ALL.map(|model| (ModelChoice::Is(model), model.name(), model.description()));
+    choice([AUTO].into_iter().chain(named))
+}

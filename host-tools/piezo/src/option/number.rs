@@ -1,0 +1,68 @@
+//! Numbers of options, refused where they make no sense.
+
+use recordings::prepare::AutoOr;
+
+/// A finite number.
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
+}
+
+/// A finite number that is 0 or positive.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| if x < 0.0 { Err("must not be negative".to_owned()) } else { Ok(x) })
+}
+
+/// A finite number, or `auto`.
+pub fn auto_or(text: &str) -> Result<AutoOr, String> {
+    match text {
+        "auto" => Ok(AutoOr::Auto),
+        _ => finite(text).map(AutoOr::Given),
+    }
+}
+
+/// A sensor's delay, ms, or `auto`.
+pub fn delay(text: &str) -> Result<AutoOr, String> {
+    match auto_or(text)? {
+        AutoOr::Given(ms) if ms < 0.0 => Err("a sensor cannot show what has not happened".to_owned()),
+        setting => Ok(setting),
+    }
+}
+
+/// A factor that leaves something.
+pub fn factor(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| if x == 0.0 { Err("a scale of 0 leaves nothing".to_owned()) } else { Ok(x) })
+}
+
+/// A multiple of the stroke for `--limit`.
+pub fn limit(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(limit) if limit > 1.0 && limit <= 100.0 => Ok(limit),
+        _ => Err("expected a number above 1, at most 100".to_owned()),
+    }
+}
+
+/// A number from 0 to 1.
+pub fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
+        _ => Err("expected a number from 0 to 1".to_owned()),
+    }
+}
+
+/// A number of chromosomes.
+pub fn even(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if n % 2 == 0 && (2..=100_000).contains(&n) => Ok(n),
+        _ => Err("expected an even number from 2 to 100000".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fraction_lies_between_0_and_1() {
+        assert!(["1.01", "-0.1", "nan"].iter().all(|text| fraction(text).is_err()) && fraction("0.5").is_ok());
+    }
+}

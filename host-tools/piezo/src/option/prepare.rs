@@ -1,0 +1,103 @@
+//! How logs are prepared.
+
+use super::choice::{Choice, choice};
+use super::number::{auto_or, delay, factor, not_negative};
+use clap::Args;
+use recordings::prepare::{AutoOr, Decimation, PrepareOptions};
+
+/// How logs are prepared.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Preparation of the logs (recorded in the table)")]
+pub struct PrepareArgs {
+    /// Tick, µs; 500 is the thesis's 2 kHz.
+    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
+    pub tick_us: u32,
+    /// Factor on the recorded voltage, e.g. the amplifier's gain where its input was recorded.
+    #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    pub voltage_scale: f64,
+    /// Factor on the recorded displacement.
+    #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    pub displacement_scale: f64,
+    /// Voltage (V, scaled) that the model calls 0, or `auto`: 0 where the logs reach it, else the middle of their swing.
+    #[arg(long, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "V|auto")]
+    pub voltage_zero: AutoOr,
+    /// Displacement (µm, scaled) that the model calls 0, or `auto`: where the sensor stands when the voltage is at its zero.
+    #[arg(long, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "µm|auto")]
+    pub displacement_zero: AutoOr,
+    /// How much later the sensor shows a displacement than it happens, ms, or `auto`: by cross-validation.
+    #[arg(long, default_value = "0", value_parser = delay, allow_negative_numbers = true, value_name = "MS|auto")]
+    pub delay: AutoOr,
+    /// Largest delay that `--delay auto` tries, ms, in ten steps: what the sensor can have.
+    #[arg(long, default_value_t = 5.0, value_parser = not_negative, allow_negative_numbers = true)]
+    pub max_delay: f64,
+    /// Cut off the start of each log, s (a start-up transient).
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    pub skip_start: f64,
+    /// Cut off the end of each log, s.
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    pub skip_end: f64,
+    /// What becomes of a log faster than the tick.
+    #[arg(long, value_parser = choice(DECIMATIONS), default_value = "every")]
+    pub decimate: Decimation,
+}
+
+/// How a log faster than the tick is reduced.
+pub const DECIMATIONS: [Choice<Decimation>; 3] = [
+    (Decimation::Every, "every", "Every n-th sample"),
+    (Decimation::Average, "average", "The mean of each n samples"),
+    (Decimation::Interpolate, "interpolate", "Linear interpolation; the rates need be no multiples"),
+];
+
+impl From<&PrepareArgs> for PrepareOptions {
+    fn from(arguments: &PrepareArgs) -> Self {
+        let &PrepareArgs { tick_us, voltage_scale, displacement_scale, voltage_zero, displacement_zero, .. } =
+            arguments;
+        let &PrepareArgs { delay, max_delay, skip_start, skip_end, decimate, .. } = arguments;
+        Self {
+            tick_us,
+            voltage_scale,
+            displacement_scale,
+            voltage_zero,
+            displacement_zero,
+            delay,
+            max_delay,
+            skip_start,
+            skip_end,
+            decimate,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        options: PrepareArgs,
+    }
+
+    #[test]
+    fn what_is_given_is_taken_and_nonsense_refused() {
+        let parsed = |arguments: &[&str]| {
+            let cli = Cli::try_parse_from(["piezo"].iter().chain(arguments))?;
+            Ok::<_, clap::Error>(PrepareOptions::from(&cli.options))
+        };
+        assert_eq!(parsed(&[]).unwrap(), PrepareOptions::default());
+        let given = ["--voltage-zero", "-1.5", "--displacement-zero", "7", "--voltage-scale", "10", "--delay", "2.5"];
+        let expected = PrepareOptions {
+            voltage_zero: AutoOr::Given(-1.5),
+            displacement_zero: AutoOr::Given(7.0),
+            voltage_scale: 10.0,
+            delay: AutoOr::Given(2.5),
+            ..PrepareOptions::default()
+        };
+        assert_eq!(parsed(&given).unwrap(), expected);
+        for wrong in [["--delay", "soon"], ["--voltage-scale", "0"], ["--skip-start", "-1"], ["--voltage-zero", "inf"]]
+        {
+            assert!(parsed(&wrong).is_err(), "{wrong:?}");
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! What a device's bits mean and what to do about each.
+
+use device_link::words;
+use estimator_core::Status;
+use protocol::Faults;
+
+/// What a bit means.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Meaning {
+    /// What is so.
+    pub what: &'static str,
+    /// What to do.
+    pub remedy: &'static str,
+}
+
+/// Every fault that is set.
+pub fn faults(faults: Faults) -> impl Iterator<Item = Meaning> {
+    words::faults(faults).map(|(bit, what)| Meaning { what, remedy: of(&FAULTS, bit) })
+}
+
+/// Every status bit that is set.
+pub fn status(status: Status) -> impl Iterator<Item = Meaning> {
+    words::status(status).map(|(bit, what)| Meaning { what, remedy: of(&STATUS, bit) })
+}
+
+fn of<T: PartialEq + Copy>(remedies: &[(T, &'static str)], bit: T) -> &'static str {
+    remedies.iter().find(|(other, _)| *other == bit).map_or("report it", |(_, remedy)| remedy)
+}
+
+const FAULTS: [(Faults, &str); 8] = [
+    (Faults::NO_TABLE, "give it one: piezo push"),
+    (Faults::TABLE_FALLBACK, "piezo info says why; store it again: piezo push"),
+    (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, mend the supply, then piezo reset"),
+    (
+        Faults::ADC_SATURATED,
+        "check the plug, the divider and its offset: is the input open, or the voltage beyond them?",
+    ),
+    (
+        Faults::ADC_STUCK,
+        "check the wire to the ADC; if it is sound, piezo reset, and replace the board if that does not help",
+    ),
+    (
+        Faults::OUT_OF_CALIBRATION,
+        "compare the voltage of piezo monitor with a multimeter: if they differ, piezo emit --adc-span; if they agree, identify on logs that reach as far",
+    ),
+    (
+        Faults::MISSED_DEADLINE,
+        "writing a table does that (with --pause it does not matter), and an emulated board is as late as its host; otherwise report it, for it must not happen",
+    ),
+    (
+        Faults::SAFE_OUTPUT,
+        "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the amplifier rests until piezo follow",
+    ),
+];
+
+const STATUS: [(Status, &str); 6] = [
+    (Status::ADC_SATURATED, "a divider for larger voltages, or less voltage; then piezo emit --adc-span"),
+    (Status::VOLTAGE_OUT_OF_RANGE, "identify on logs that reach as far, or drive the actuator less"),
+    (Status::CLAMPED, "identify on logs with as large a stroke"),
+    (Status::DAC_SATURATED, "a wider output: piezo emit --dac-span"),
+    (Status::NOT_SETTLED, "move the actuator once up and down its range; a start from rest at 0 V needs it least"),
+    (Status::OUT_OF_REACH, "ask for less or more slowly, or widen the limits: piezo emit --drive-range, --drive-slew"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bit_has_a_remedy() {
+        assert!(Faults::all().iter().all(|bit| FAULTS.iter().any(|(other, _)| *other == bit)));
+        assert!(Status::all().iter().all(|bit| STATUS.iter().any(|(other, _)| *other == bit)));
+    }
+}

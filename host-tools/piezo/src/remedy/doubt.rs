@@ -1,0 +1,167 @@
+//! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
+
+use estimator_core::DuhemCondition;
+use identification::{Converter, Doubt, FEW_REVERSALS};
+use serde_json::{Value, json};
+
+/// A doubt as the user reads it.
+pub fn doubt(doubt: &Doubt) -> String {
+    match doubt {
+        Doubt::EstimatedDisplacement { log } => format!(
+            "the displacement of {log} is a device's estimate (piezo record), no sensor's: fitted to it the model learns \
+             that estimator with its errors, and an error on it looks too good; use logs with a real sensor's \
+             displacement"
+        ),
+        Doubt::AtBound { gene, value } => format!(
+            "`{gene}` ended at the end of its range ({value:.4}): the optimum may lie beyond, or the logs do not \
+             determine it; record more frequencies and amplitudes, or choose a simpler --model"
+        ),
+        Doubt::PoorFit { percent } => format!(
+            "in training the error is {percent:.1} % of the stroke: the model does not describe these logs; are the \
+             columns, units and zeros right, and is the sensor's delay within reason (--delay)?"
+        ),
+        Doubt::FallsWithVoltage => {
+            "the displacement falls while the voltage rises: is the sensor mounted the other way (--displacement-scale \
+             -1), or the voltage inverted (--voltage-scale -1)?"
+                .to_owned()
+        }
+        Doubt::NotIdentified { model } => format!(
+            "for the model {model} no admissible candidate was found: search longer (--generations, --rounds) or raise \
+             --limit"
+        ),
+        Doubt::HeldOutFar { training_um, held_out_um } => format!(
+            "on the held-out data the error is {held_out_um:.3} µm, in training {training_um:.3} µm: the model has \
+             learnt this recording rather than the actuator, or the two were recorded under other conditions"
+        ),
+        Doubt::NothingHeldOut => {
+            "nothing was held out, so nothing is known of data it has not seen: use --validate-on or --hold-out"
+                .to_owned()
+        }
+        Doubt::Diverges { fed_um, simulation_um } => format!(
+            "fed with the measured displacement the error is {fed_um:.4} µm, but in simulation, which is what the \
+             estimator does, {simulation_um:.3} µm: use --cost simulation"
+        ),
+        Doubt::Transient { log, until_s } => format!(
+            "{log} fits far worse in its first {until_s:.3} s than later, as a start-up transient does: cut it off \
+             with --skip-start"
+        ),
+        Doubt::UnmetCondition { condition } => format!(
+            "the identified set breaks a condition of Duhem's model (thesis, 3.3), {condition}: beyond the logs' voltages, \
+             or after other reversals than theirs, {}; record wider swings with smaller ones inside, or choose --model \
+             bouc-wen",
+            match condition {
+                DuhemCondition::Increasing | DuhemCondition::Rising =>
+                    "the displacement may fall while the voltage rises",
+                DuhemCondition::Even => "the two branches of a loop may not meet at its ends",
+                DuhemCondition::Lagging => "the displacement may run ahead of the voltage",
+            }
+        ),
+        Doubt::FewReversals { reversals } => format!(
+            "the training logs reverse direction only {reversals} times: hysteresis needs at least {FEW_REVERSALS}; \
+             record several cycles"
+        ),
+        Doubt::SingleFrequency => {
+            "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
+             frequencies the estimate may be wrong; record several"
+                .to_owned()
+        }
+        Doubt::SingleAmplitude { extremum_terms: true } => {
+            "the training logs have a single amplitude, which teaches a single loop: the extremum terms are not \
+             determined and can be far off at other amplitudes; record several, or use --model voigt"
+                .to_owned()
+        }
+        Doubt::SingleAmplitude { extremum_terms: false } => {
+            "the training logs have a single amplitude, which teaches a single loop: at other amplitudes the error \
+             is unknown; record several"
+                .to_owned()
+        }
+        Doubt::Drift { offset_um } => format!(
+            "on the held-out data the estimate is off by a constant {offset_um:+.3} µm (creep, drift, or where the \
+             session started), which no sensorless estimate can know: set the zero again at rest"
+        ),
+        Doubt::SinglePrecision { difference_um } => {
+            format!(
+                "the f32 core differs from the f64 reference by up to {difference_um:.2e} µm: use a deadband above the \
+                 noise (--deadband) or a longer tick (--tick-us)"
+            )
+        }
+        Doubt::BeyondTraining { log } => {
+            format!(
+                "{log} has voltages beyond the training logs: there the estimate holds the nearest known voltage; \
+                 train on logs that reach as far"
+            )
+        }
+        Doubt::NoisyVoltage { reversals, large } => format!(
+            "the voltage reverses {reversals} times, but only {large} times by more than 10 % of its span: noise passes \
+             for reversals; give a --deadband above it"
+        ),
+        Doubt::ConverterSpan { converter } => format!(
+            "the {} does not cover what the logs need: there the converter will stand at its end",
+            named(*converter)
+        ),
+        Doubt::CalibrationAssumed => {
+            "the ADC and DAC calibration is assumed (their ranges span the logs): state --adc-span and --dac-span \
+             before flashing"
+                .to_owned()
+        }
+        Doubt::DelayAtBound { delay_ms } => format!(
+            "the estimated delay is the largest tried ({delay_ms} ms): the logs do not determine it; give --delay \
+             from the sensor's data sheet"
+        ),
+    }
+}
+
+/// A doubt for machines.
+pub fn doubt_json(doubt: &Doubt) -> serde_json::Result<Value> {
+    let mut value = serde_json::to_value(doubt)?;
+    if let Doubt::ConverterSpan { converter } = doubt {
+        value["converter"] = json!(named(*converter));
+    }
+    Ok(value)
+}
+
+/// A converter and its option.
+fn named(converter: Converter) -> &'static str {
+    match converter {
+        Converter::Adc => "ADC (--adc-span)",
+        Converter::Dac => "DAC (--dac-span)",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimator_core::Model;
+
+    #[test]
+    fn every_doubt_says_what_helps() {
+        let all = [
+            Doubt::EstimatedDisplacement { log: "c".into() },
+            Doubt::AtBound { gene: "p", value: 2.5 },
+            Doubt::PoorFit { percent: 40.0 },
+            Doubt::FallsWithVoltage,
+            Doubt::NotIdentified { model: Model::Enhanced },
+            Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
+            Doubt::NothingHeldOut,
+            Doubt::Diverges { fed_um: 0.01, simulation_um: 3.0 },
+            Doubt::Transient { log: "a".into(), until_s: 0.3 },
+            Doubt::UnmetCondition { condition: DuhemCondition::Rising },
+            Doubt::UnmetCondition { condition: DuhemCondition::Lagging },
+            Doubt::FewReversals { reversals: 2 },
+            Doubt::SingleFrequency,
+            Doubt::SingleAmplitude { extremum_terms: true },
+            Doubt::SingleAmplitude { extremum_terms: false },
+            Doubt::Drift { offset_um: -0.2 },
+            Doubt::SinglePrecision { difference_um: 0.1 },
+            Doubt::BeyondTraining { log: "b".into() },
+            Doubt::NoisyVoltage { reversals: 900, large: 20 },
+            Doubt::ConverterSpan { converter: Converter::Adc },
+            Doubt::CalibrationAssumed,
+            Doubt::DelayAtBound { delay_ms: 5.0 },
+        ];
+        for doubt in all {
+            let text = super::doubt(&doubt);
+            assert!(text.len() > 40 && !text.contains("  "), "{text}");
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Why nothing was identified, compared, reproduced or read as a table.
+
+use super::log::prepare;
+use identification::calibration::Misfit;
+use identification::compare::CompareError;
+use identification::cost::UnusedWeight;
+use identification::{CandidateError, JobError, Reason};
+use std::error::Error;
+use thesis::ThesisError;
+
+/// The error with its remedy, if it is one of these.
+pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
+    error
+        .downcast_ref()
+        .map(job)
+        .or_else(|| error.downcast_ref().map(candidate))
+        .or_else(|| error.downcast_ref().map(compare))
+        .or_else(|| error.downcast_ref().map(thesis))
+        .or_else(|| error.downcast_ref().map(unused_weight))
+}
+
+/// Why a model was chosen, as the end of a sentence.
+pub fn reason(reason: Reason) -> &'static str {
+    match reason {
+        Reason::AskedFor => "it was asked for.",
+        Reason::AllInOne => {
+            "it has hysteresis, creep and lag in one; of the thesis's models, which are shown beside it, --model takes \
+             another."
+        }
+    }
+}
+
+/// What does not fit between a table and its converters.
+pub fn misfit(misfit: &Misfit) -> String {
+    let remedy = match misfit {
+        Misfit::Adc { .. } => "a wider --adc-span, by another divider",
+        Misfit::SafeOutput => "another --dac-span",
+        Misfit::Dac { .. } => "a wider --dac-span",
+    };
+    format!("{misfit}: {remedy}")
+}
+
+fn job(error: &JobError) -> String {
+    match error {
+        JobError::Prepare(error) => prepare(error),
+        JobError::Rests { .. } => format!(
+            "{error}: choose another part with --hold-out, --skip-start and --skip-end, or hold out another log with \
+             --validate-on"
+        ),
+        _ => error.to_string(),
+    }
+}
+
+fn candidate(error: &CandidateError) -> String {
+    match error {
+        CandidateError::NothingFound => format!(
+            "{error}: try logs of more amplitudes, a longer search (--evaluations, --budget) or another --limit"
+        ),
+        CandidateError::Unbounded(_) => {
+            format!("{error}: search longer (--generations, --rounds, --evaluations, --budget) or raise --limit")
+        }
+        CandidateError::Refused(_) => error.to_string(),
+    }
+}
+
+fn compare(error: &CompareError) -> String {
+    match error {
+        CompareError::Job(error) => job(error),
+        CompareError::NothingHeldOut => format!("{error}: use --hold-out or --validate-on"),
+    }
+}
+
+fn thesis(error: &ThesisError) -> String {
+    match error {
+        ThesisError::Job(error) => job(error),
+        ThesisError::Candidate(error) => candidate(error),
+        ThesisError::NothingHeldOut => {
+            format!("{error}: name logs with --validate-on, or a fraction with --hold-out")
+        }
+        ThesisError::OtherZeros => format!("{error}: leave out --voltage-zero and --displacement-zero"),
+        _ => error.to_string(),
+    }
+}
+
+fn unused_weight(_: &UnusedWeight) -> String {
+    "--feedback-weight is of --cost multi-step alone: leave it out, or add that".to_owned()
+}

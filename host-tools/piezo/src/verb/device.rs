@@ -1,0 +1,92 @@
+//! What the verbs that talk to a device have in common.
+
+use crate::remedy;
+use anyhow::{Context, Result, anyhow, ensure};
+use device_link::{Address, Client};
+use estimator_core::table::Board;
+use estimator_core::{Admitted, Table, record};
+use identification::table_file::TableFile;
+use protocol::{Health, Mode, TableSource};
+use std::path::Path;
+
+/// An error where the device does anything but estimate.
+pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
+    ensure!(
+        health.mode == Mode::Estimate,
+        "{port}: the device {}; make it estimate again: piezo reset --port {port}",
+        device_link::words::mode(health.mode)
+    );
+    Ok(())
+}
+
+/// Reads a table to be written to a device: a table.toml, or the record in a table.bin.
+pub fn load(path: &Path) -> Result<Admitted> {
+    if path.extension().is_none_or(|extension| extension != "bin") {
+        return Ok(TableFile::load(path)?.1);
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    Table::parse(&bytes).with_context(|| format!("{}: is refused", path.display()))
+}
+
+/// The checksum of a record as it names a table for people.
+pub fn checksum(record: &[u8]) -> String {
+    format!("{:08x}", record::checksum(record).unwrap_or(0))
+}
+
+/// Where the table in use comes from, and why not from the store, as the end of a sentence.
+pub fn source(source: &TableSource) -> String {
+    match source {
+        TableSource::Stored => "from the parameter store".to_owned(),
+        TableSource::Compiled { reason } => format!("from the firmware image, since {reason}"),
+        TableSource::None { stored, compiled } => {
+            format!("none, since {stored}, and the firmware image's own is refused: {compiled}")
+        }
+    }
+}
+
+/// Says when frames came damaged, which a sound line does not do.
+pub fn note_damage(client: &Client) {
+    if client.damaged() > 0 {
+        eprintln!("piezo: {} frames came damaged: check the cable and its ground", client.damaged());
+    }
+}
+
+/// Refuses the table in a file where it does not fit a board.
+pub fn fits(board: &Board, table: &Admitted, file: &Path) -> Result<()> {
+    table.fits(board).map_err(|misfit| anyhow!("{}", remedy::board(&misfit, file)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use device_link::board;
+    use emulator::faults::messages;
+    use emulator::{Emulator, FaultyLine, TABLE};
+    use estimator_core::record::VERSION;
+    use protocol::{Identity, Reply, ToHost};
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
+        let device = Emulator::new().start().unwrap();
+        let (_, identity) = Client::connect(&device.address().into()).unwrap();
+        let (table, board) = (TABLE.admit().unwrap(), board::of(&identity).unwrap());
+        let path = Path::new("mine/table.bin");
+        fits(&board, &table, path).unwrap();
+        let refusal = |board: Board| fits(&board, &table, path).unwrap_err().to_string();
+        let converters = refusal(Board { adc_full_scale: 4095, dac_full_scale: 1023, ..board });
+        let command = "piezo emit mine/table.toml --adc-full-scale 4095 --dac-full-scale 1023";
+        assert!(converters.contains(command), "{converters}");
+        assert!(refusal(Board { tick_us: 100, ..board }).contains("--tick-us 100"));
+        let newer = messages(|message| match message {
+            ToHost::Reply { to, reply: Reply::Identity(identity) } => {
+                let newer = Identity { record_version: identity.record_version + 1, ..identity };
+                Some(ToHost::Reply { to, reply: Reply::Identity(newer) })
+            }
+            other => Some(other),
+        });
+        let line = FaultyLine::to(device.address(), newer).unwrap();
+        let (_, identity) = Client::connect(&line.address().into()).unwrap();
+        let complaint = board::of(&identity).unwrap_err().to_string();
+        assert!(complaint.contains(&format!("writes format {VERSION}")), "{complaint}");
+    }
+}

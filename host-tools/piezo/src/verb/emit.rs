@@ -1,0 +1,73 @@
+//! `piezo emit`: the faces of a table, with another calibration where asked.
+
+use super::info::describe;
+use super::print::out;
+use crate::option::CalibrationArgs;
+use crate::{output, remedy};
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use identification::Doubt;
+use identification::calibration::{CalibrationOptions, misfits};
+use identification::table_file::{TableFile, record, rust_source};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// One face.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum Face {
+    /// table.toml, for people.
+    Toml,
+    /// table.rs, a `const` for the firmware.
+    Rust,
+    /// table.bin, the record for a flash page.
+    Binary,
+}
+
+/// Arguments of `piezo emit`.
+#[derive(Args, Debug)]
+pub struct Emit {
+    /// The table to start from.
+    pub table: PathBuf,
+    /// Folder for table.toml, table.rs and table.bin.
+    #[arg(long, required_unless_present = "face", conflicts_with = "face")]
+    pub out: Option<PathBuf>,
+    /// Print one face to standard output instead.
+    #[arg(long, value_enum)]
+    pub face: Option<Face>,
+    /// Print what was written as JSON.
+    #[arg(long, conflicts_with = "face")]
+    pub json: bool,
+    /// The converters.
+    #[command(flatten)]
+    pub calibration: CalibrationArgs,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Emit) -> Result<bool> {
+    let (mut file, _) = TableFile::load(&arguments.table)?;
+    let calibration = CalibrationOptions::from(&arguments.calibration);
+    calibration.apply(&mut file.table);
+    if calibration.stated() {
+        let assumed = remedy::doubt(&Doubt::CalibrationAssumed);
+        file.doubts.retain(|doubt| *doubt != assumed);
+    }
+    let admitted = file.admit()?;
+    misfits(&admitted).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
+    if let Some(folder) = &arguments.out {
+        file.write_faces(folder)?;
+        let faces = ["table.toml", "table.rs", "table.bin"].map(|name| folder.join(name));
+        if arguments.json {
+            out(&serde_json::to_string_pretty(&json!({ "written": faces }))?);
+        } else {
+            faces.iter().for_each(|path| out(&path.display().to_string()));
+            describe(&admitted).iter().for_each(|line| out(&format!("    {line}")));
+        }
+    }
+    match arguments.face {
+        Some(Face::Toml) => output::standard(file.to_toml()?.as_bytes())?,
+        Some(Face::Rust) => output::standard(rust_source(&admitted).as_bytes())?,
+        Some(Face::Binary) => output::standard(&record(&admitted))?,
+        None => {}
+    }
+    Ok(true)
+}

@@ -1,0 +1,50 @@
+//! `piezo erase`: empties the device's parameter store.
+
+use super::device::{self, note_damage};
+use super::print::out;
+use crate::option::link::{PortOption, WriteOptions};
+use anyhow::{Result, ensure};
+use clap::Args;
+use protocol::TableSource;
+use serde_json::json;
+
+/// Arguments of `piezo erase`.
+#[derive(Args, Debug)]
+pub struct Erase {
+    /// Print what was done as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The device.
+    #[command(flatten)]
+    pub port: PortOption,
+    /// Writing.
+    #[command(flatten)]
+    pub write: WriteOptions,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Erase) -> Result<bool> {
+    let (mut client, identity) = arguments.port.connect()?;
+    let restarted = arguments.write.write(&mut client, |client, consent| client.erase(consent))?;
+    if let Some(identity) = &restarted {
+        ensure!(
+            identity.source != TableSource::Stored,
+            "after its restart the device still has a stored table: erase again"
+        );
+    }
+    note_damage(&client);
+    let board = &identity.board;
+    if arguments.json {
+        let source = restarted.as_ref().map(|identity| &identity.source);
+        out(&serde_json::to_string_pretty(&json!({ "erased": !arguments.write.dry_run, "source": source }))?);
+    } else if arguments.write.dry_run {
+        out(&format!("the parameter store of {board} can be emptied; nothing was"));
+    } else {
+        out(&format!("the parameter store of {board} is empty"));
+        out(&match &restarted {
+            Some(identity) => format!("Its table is now {}", device::source(&identity.source)),
+            None => format!("The table in use stays until the next reset: piezo reset --port {}", arguments.port.port),
+        });
+    }
+    Ok(true)
+}

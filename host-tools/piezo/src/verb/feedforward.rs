@@ -1,0 +1,165 @@
+//! `piezo feedforward`: a wanted trajectory → the voltages that bring the actuator there.
+
+use super::print::out;
+use crate::option::LogOptions;
+use crate::option::not_negative;
+use crate::output;
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use estimator_core::{Admitted, DriveLimits};
+use identification::drive::{identified_on, limits, ordered};
+use identification::feedforward::{Plan, Trajectory, near, plan, reach};
+use identification::span::Span;
+use identification::table_file::TableFile;
+use recordings::log::{Displacement, write_csv};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `piezo feedforward`.
+#[derive(Args, Debug)]
+pub struct Feedforward {
+    /// The table of the actuator.
+    pub table: PathBuf,
+    /// Where the displacement is wanted: a log with time and displacement (time_s,displacement_um), relative to the model's
+    /// zero as every estimate is; straight between its samples.
+    pub trajectory: PathBuf,
+    /// The voltages, as a log with the displacement that the model gives for them.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Voltages that the amplifier may be driven to, V. Without it the table's drive's, else all that the model was
+    /// identified on.
+    #[arg(long, allow_hyphen_values = true, value_name = "V:V")]
+    pub range: Option<Span>,
+    /// Fastest change of the voltage, V/s. Without it the table's drive's.
+    #[arg(long, value_name = "V/s", value_parser = not_negative, allow_negative_numbers = true)]
+    pub slew: Option<f64>,
+    /// Voltage at which the actuator rests before, V. Without it the table's drive's, else 0 or the voltage nearest to it.
+    #[arg(long, allow_hyphen_values = true, value_name = "V")]
+    pub rest: Option<f64>,
+    /// Exit with 1 where the model of these voltages misses the trajectory by more than this, µm, once it has been met.
+    #[arg(long, value_name = "µm", value_parser = not_negative, allow_negative_numbers = true)]
+    pub max_error: Option<f64>,
+    /// Print what was planned as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Reading of the trajectory.
+    #[command(flatten)]
+    pub log: LogOptions,
+}
+
+/// Runs the verb; `false` beyond `--max-error`, and where the trajectory is never met.
+pub fn run(arguments: &Feedforward) -> Result<bool> {
+    let (_, table) = TableFile::load(&arguments.table)?;
+    let trajectory = arguments.log.read_trajectory(&arguments.trajectory)?;
+    let name = arguments.out.display();
+    ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
+    output::not_over(&arguments.out, &[&arguments.table, &arguments.trajectory])?;
+    let limits = stated(arguments, &table)?;
+    let tick_s: f64 = table.sample_period();
+    let plan = plan(&table, &limits, &Trajectory::of(&trajectory, tick_s)).with_context(|| no_plan(&table, &limits))?;
+    write_csv(&arguments.out, tick_s, &plan.voltage, &plan.displacement, Displacement::Estimated)
+        .with_context(|| format!("{name}: cannot be written"))?;
+    tell(arguments, &table, &limits, &plan)
+}
+
+/// What was asked for where no voltages can be planned.
+fn no_plan(table: &Admitted, limits: &DriveLimits) -> String {
+    let (model, range) = (identified_on(table), limits.range_v);
+    format!(
+        "no voltages within {} … {} V (--range), from {} V (--rest), at {} V/s (--slew) by a model identified on {} … {} V",
+        range.min, range.max, limits.rest_v, limits.slew_v_per_s, model.min, model.max
+    )
+}
+
+/// What can be held, and how far a model's displacement is to be believed; a line each.
+pub fn caveats(table: &Admitted, limits: &DriveLimits) -> [String; 2] {
+    let [low, high] = reach(table, limits);
+    [
+        format!(
+            "At rest {} … {} V hold about {low:.2} … {high:.2} µm, relative to the model's zero",
+            limits.range_v.min, limits.range_v.max
+        ),
+        match table.provenance.validation_mae_um {
+            Some(mae) => {
+                format!("The model itself was {mae:.3} µm off on average on what was held out when it was identified")
+            }
+            None => {
+                "How far the model itself is off nobody knows: nothing was held out when it was identified".to_owned()
+            }
+        },
+    ]
+}
+
+fn stated(arguments: &Feedforward, table: &Admitted) -> Result<DriveLimits> {
+    let drive = table.drive.map(|drive| drive.limits);
+    let range = arguments.range.map(ordered).or(drive.map(|drive| drive.range_v));
+    let range = range.unwrap_or_else(|| identified_on(table));
+    let Some(slew) = arguments.slew.or(drive.map(|drive| f64::from(drive.slew_v_per_s))) else {
+        bail!("how fast may the voltage change? --slew V/s (the table has no drive that says it)");
+    };
+    let rest = arguments.rest.or(drive.map(|drive| range.clamp(drive.rest_v).into()));
+    Ok(limits(range, rest, slew))
+}
+
+fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &Plan) -> Result<bool> {
+    let tick_s: f64 = table.sample_period();
+    // From rest to where the trajectory begins is a way that no inverse can spare.
+    let met = plan.met(near(table));
+    let errors = met.and_then(|tick| plan.round_trip(tick));
+    let hull = |better: fn(f64, f64) -> f64| plan.voltage.iter().copied().reduce(better).unwrap_or(0.0);
+    let (low, high) = (hull(f64::min), hull(f64::max));
+    let good = errors.as_ref().is_some_and(|errors| arguments.max_error.is_none_or(|most| errors.max_um <= most));
+    if arguments.json {
+        let summary = json!({
+            "out": arguments.out,
+            "ticks": plan.voltage.len(),
+            "limits": limits,
+            "voltage_v": { "min": low, "max": high },
+            "fastest_v_per_s": plan.fastest() / tick_s,
+            "out_of_reach": plan.out_of_reach,
+            "reach_um": reach(table, limits),
+            "met_after_s": met.map(|tick| tick as f64 * tick_s),
+            "delay_ticks": table.parameters.delay_ticks(),
+            "round_trip": errors,
+        });
+        out(&serde_json::to_string_pretty(&summary)?);
+        return Ok(good);
+    }
+    out(&format!(
+        "{}  {} ticks, {low:.3} … {high:.3} V, at most {:.0} V/s, from {} V; it ends where the trajectory does",
+        arguments.out.display(),
+        plan.voltage.len(),
+        plan.fastest() / tick_s,
+        limits.rest_v
+    ));
+    match (met, errors) {
+        (Some(tick), Some(errors)) => out(&format!(
+            "The {} model of these voltages is {:.4} µm off the trajectory on average, {:.4} µm at most ({:.3} % of its {:.2} µm), \
+             once it has met it after {:.3} s",
+            table.model(),
+            errors.mae_um,
+            errors.max_um,
+            100.0 * errors.max_um / errors.stroke_um.max(f64::MIN_POSITIVE),
+            errors.stroke_um,
+            tick as f64 * tick_s
+        )),
+        _ => out(
+            "FAILED: the model never meets the trajectory: is it relative to the model's zero, and within the voltages' reach?",
+        ),
+    }
+    caveats(table, limits).iter().for_each(|line| out(line));
+    if plan.out_of_reach > 0 {
+        out(&format!(
+            "On {} of {} ticks the voltage or its slew rate stood at a limit ({} … {} V, {} V/s)",
+            plan.out_of_reach,
+            plan.voltage.len(),
+            limits.range_v.min,
+            limits.range_v.max,
+            limits.slew_v_per_s
+        ));
+    }
+    if let (false, Some(most), Some(_)) = (good, arguments.max_error, met) {
+        out(&format!("FAILED: more than {most} µm off"));
+    }
+    Ok(good)
+}

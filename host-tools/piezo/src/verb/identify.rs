@@ -1,0 +1,227 @@
+//! `piezo identify`: logs → a proven parameter table and a report.
+
+use super::print::{heading, out, progress, row};
+use crate::option::{CalibrationArgs, Fitting, SearchArgs, model_choice};
+use crate::{output, remedy};
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use identification::cost::Cost;
+use identification::table_file::TableFile;
+use identification::{Candidate, Job, ModelChoice, Outcome, Role, StraightLine};
+use recordings::prepare::Recipe;
+use report::Report;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Arguments of `piezo identify`.
+#[derive(Args, Debug)]
+pub struct Identify {
+    /// Folder for table.toml, table.rs, table.bin, report.html and estimate.svg.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Which model; `auto` identifies the Voigt family and the generalised Prandtl–Ishlinskii model.
+    #[arg(long, value_parser = model_choice(), default_value = "auto")]
+    pub model: ModelChoice,
+    /// What is fitted to what.
+    #[command(flatten)]
+    pub fitting: Fitting,
+    /// The search.
+    #[command(flatten)]
+    pub search: SearchArgs,
+    /// The converters.
+    #[command(flatten)]
+    pub calibration: CalibrationArgs,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Identify) -> Result<bool> {
+    let out_folder = arguments.out.display();
+    ensure!(!arguments.out.exists() || arguments.out.is_dir(), "{out_folder}: is a file, --out names a folder");
+    let job = Job {
+        model: arguments.model,
+        calibration: (&arguments.calibration).into(),
+        ..arguments.fitting.job((&arguments.search).into())?
+    };
+    let bar = progress(job.generations());
+    let outcome = job.run(&mut |model, cost| {
+        bar.set_prefix(model.to_string());
+        bar.set_message(format!("{cost:.4} µm"));
+        bar.inc(1);
+    })?;
+    bar.finish_and_clear();
+    let verdict = verdict(&outcome);
+    write(arguments, job.cost, &outcome, &verdict)?;
+    if arguments.fitting.json {
+        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict)?)?);
+    } else {
+        summary(arguments, &outcome, &verdict);
+    }
+    Ok(true)
+}
+
+fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]) -> Result<()> {
+    let candidate = outcome.candidate();
+    let doubts: Vec<String> = outcome.doubts.iter().map(remedy::doubt).collect();
+    let file = TableFile {
+        tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
+        doubts: doubts.clone(),
+        table: *candidate.table,
+        recipe: outcome.recipe.clone(),
+        cost: Some(cost.feedback),
+        norm: Some(cost.norm),
+        feedback_weight: cost.feedback_weight,
+        search: Some((&arguments.search).into()),
+        logs: outcome.logs.clone(),
+    };
+    let names: Vec<&str> =
+        outcome.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
+    let html = report::render(&Report {
+        title: &names.join(", "),
+        verdict,
+        doubts: &doubts,
+        chosen: candidate,
+        candidates: &outcome.candidates,
+        straight_line: outcome.straight_line.as_ref(),
+        facts: &facts(arguments, cost, outcome),
+    })?;
+    let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
+    let picture = report::picture(shown, &format!("{}: {}", shown.name, candidate.table.model()))?;
+    // Everything is made before anything is written.
+    file.write_faces(&arguments.out)?;
+    output::write(&arguments.out.join("report.html"), html)?;
+    Ok(output::write(&arguments.out.join("estimate.svg"), picture)?)
+}
+
+/// How good it is, in plain words.
+fn verdict(outcome: &Outcome) -> Vec<String> {
+    let candidate = outcome.candidate();
+    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model(), remedy::reason(outcome.reason))];
+    if let Some(held_out) = candidate.held_out_figures() {
+        sentences.push(format!(
+            "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
+             sensor ({:.2} % of the {:.1} µm stroke) and never further than {:.3} µm.",
+            held_out.mae_um,
+            held_out.mae_percent,
+            held_out.stroke_um,
+            held_out.max_um
+        ));
+        if held_out.mae_without_offset_um < 0.8 * held_out.mae_um {
+            sentences.push(format!(
+                "Without a constant offset of {:+.3} µm (drift, creep, or where the session started) it is {:.3} µm ({:.2} %).",
+                held_out.offset_um,
+                held_out.mae_without_offset_um,
+                held_out.mae_without_offset_percent
+            ));
+        }
+    } else if let Some(training) = candidate.training_figures() {
+        sentences.push(format!(
+            "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke); on \
+             other data it was not tested.",
+            training.mae_um,
+            training.mae_percent
+        ));
+    }
+    let limits = candidate.table.displacement_limits_um;
+    sentences.push(format!(
+        "Proven: stable at every voltage, and within {:.2} … {:.2} µm of the model's zero for any sequence of voltages.",
+        limits.min, limits.max
+    ));
+    sentences.push(format!("{}.", zeros(&outcome.recipe)));
+    sentences
+}
+
+fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
+    let figures = |candidate: &Candidate| candidate.held_out_figures().or(candidate.training_figures());
+    let held_out = outcome.candidate().held_out_figures().is_some();
+    out(&heading(if held_out { "held out, in simulation" } else { "training, in simulation" }));
+    for (index, candidate) in outcome.candidates.iter().enumerate() {
+        let mark = if index == outcome.chosen { "→ " } else { "  " };
+        if let Some(figures) = figures(candidate) {
+            out(&row(&format!("{mark}{}", candidate.table.model()), &figures));
+        }
+    }
+    if let Some(line) = &outcome.straight_line {
+        out(&row(&format!("  {}", StraightLine::NAME), &line.held_out.unwrap_or(line.training)));
+    }
+    out("");
+    verdict.iter().for_each(|sentence| out(sentence));
+    out("\nWhen not to trust it:");
+    outcome.doubts.iter().for_each(|doubt| out(&format!("- {}", remedy::doubt(doubt))));
+    let folder = arguments.out.display();
+    out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
+}
+
+/// Zeros and delay in words.
+pub(super) fn zeros(recipe: &Recipe) -> String {
+    format!(
+        "{:.4} V and {:.4} µm are the model's zero; the sensor's delay is taken as {:.2} ms",
+        recipe.voltage_zero_v,
+        recipe.displacement_zero_um,
+        f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3
+    )
+}
+
+/// Provenance for the report.
+fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, String)> {
+    let recipe = &outcome.recipe;
+    let search = &arguments.search;
+    let mut facts = vec![
+        ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
+        ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme.words())),
+        ("Zero".to_owned(), zeros(recipe)),
+        ("Cost".to_owned(), cost.to_string()),
+        (
+            "Search".to_owned(),
+            format!(
+                "seed {}, {} rounds of {} generations, {} chromosomes of {} bits a gene, mutation {}",
+                search.seed, search.rounds, search.generations, search.population, search.bits, search.mutation
+            ),
+        ),
+    ];
+    for log in &outcome.logs {
+        let role = match log.role {
+            Role::Training => "Trained on",
+            Role::HeldOut => "Held out",
+        };
+        let what = format!("{}, {:.2} … {:.2} s, SHA-256 {}", log.file, log.from_s, log.to_s, log.sha256);
+        facts.push((role.to_owned(), what));
+    }
+    facts
+}
+
+fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
+    let candidates: Vec<Value> = outcome
+        .candidates
+        .iter()
+        .map(|candidate| {
+            json!({
+                "model": candidate.table.model(),
+                "cost": candidate.fit.minimised.feedback,
+                "norm": candidate.fit.minimised.norm,
+                "feedback_weight": candidate.fit.minimised.feedback_weight,
+                "cost_um": candidate.fit.cost,
+                "evaluations": candidate.fit.evaluations,
+                "parameters": candidate.table.parameters,
+                "training": candidate.training_figures(),
+                "held_out": candidate.held_out_figures(),
+            })
+        })
+        .collect();
+    let failed: Vec<Value> = outcome
+        .failed
+        .iter()
+        .map(|(model, error)| json!({ "model": model, "reason": remedy::sentence(error) }))
+        .collect();
+    let doubts = outcome.doubts.iter().map(remedy::doubt_json).collect::<serde_json::Result<Vec<Value>>>()?;
+    Ok(json!({
+        "model": outcome.candidate().table.model(),
+        "reason": remedy::reason(outcome.reason),
+        "verdict": verdict,
+        "candidates": candidates,
+        "straight_line": outcome.straight_line,
+        "failed": failed,
+        "doubts": doubts,
+        "recipe": outcome.recipe,
+        "logs": outcome.logs,
+    }))
+}

@@ -1,0 +1,245 @@
+//! `piezo info`: who the device is, which table it runs, how it is, and what to do about it.
+
+use super::device::{self, checksum};
+use super::print::out;
+use crate::option::link::PortOption;
+use crate::remedy::{self, Meaning};
+use anyhow::Result;
+use clap::Args;
+use device_link::table;
+use device_link::words;
+use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Status, Table, TableError};
+use protocol::{Faults, Health, Identity, Mode, VERSION};
+use serde_json::{Value, json};
+
+/// Arguments of `piezo info`.
+#[derive(Args, Debug)]
+pub struct Info {
+    /// Print everything as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Afterwards have the device forget its counts, the faults seen, and the last words.
+    #[arg(long)]
+    pub forget: bool,
+    /// The device.
+    #[command(flatten)]
+    pub port: PortOption,
+}
+
+/// All there is to know.
+struct Found {
+    identity: Identity,
+    health: Health,
+    /// The table in use and its checksum.
+    table: Option<(Result<Admitted, TableError>, String)>,
+    damaged: u32,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Info) -> Result<bool> {
+    let (mut client, identity) = arguments.port.connect()?;
+    let table = table::in_use(&mut client)?.map(|record| (Table::parse(&record), checksum(&record)));
+    let health = client.health()?;
+    if arguments.forget {
+        client.forget()?;
+    }
+    let found = Found { identity, health, table, damaged: client.damaged() };
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&to_json(&found)?)?);
+    } else {
+        lines(&found).iter().for_each(|line| out(line));
+    }
+    Ok(true)
+}
+
+fn lines(found: &Found) -> Vec<String> {
+    let Found { identity, health, table, damaged } = found;
+    let mut lines = vec![
+        format!("Board    {}, firmware {} ({}), protocol {VERSION}", identity.board, identity.firmware, identity.git),
+        format!(
+            "Needs    tables of format {} for a tick of {} µs, an ADC up to {}, a DAC up to {}",
+            identity.record_version, identity.tick_us, identity.adc_full_scale, identity.dac_full_scale
+        ),
+    ];
+    lines.extend(table_lines(identity, table.as_ref()));
+    let seconds = f64::from(health.ticks) * f64::from(identity.tick_us) * 1e-6;
+    lines.push(format!(
+        "State    {}; started {} ticks ({seconds:.1} s) ago: {}",
+        words::mode(health.mode),
+        health.ticks,
+        words::reset(health.reset)
+    ));
+    let percent = |cycles: u32| 100.0 * f64::from(cycles) / f64::from(health.cycles_period.max(1));
+    lines.push(format!(
+        "Tick     takes {:.1} % of its time, at most {:.1} % so far ({} of {} cycles); {} late or missed",
+        percent(health.cycles_last),
+        percent(health.cycles_max),
+        health.cycles_max,
+        health.cycles_period,
+        health.missed
+    ));
+    lines.push(format!(
+        "Link     {} samples dropped and {} frames refused by the device, {} line errors there, {damaged} frames damaged \
+         here; {} flash words not correctable",
+        health.samples_dropped, health.frames_refused, health.line_errors, health.flash_errors
+    ));
+    if let Some(millivolt) = health.supply_mv {
+        lines.push(format!("Supply   {:.3} V at the start", f64::from(millivolt) * 1e-3));
+    }
+    let drives = matches!(table, Some((Ok(table), _)) if table.drive.is_some());
+    // One that drives the amplifier is at rest whenever nothing is followed: that is no fault.
+    let rests = drives && health.faults == Faults::SAFE_OUTPUT && health.mode != Mode::Follow;
+    let faults = if rests { Faults::empty() } else { health.faults };
+    lines.push(if faults.is_empty() { "Faults   none".to_owned() } else { "Faults".to_owned() });
+    lines.extend(remedy::faults(faults).map(|meaning| bullet("now", meaning)));
+    lines.extend(remedy::faults(health.faults_seen - faults).map(|meaning| bullet("earlier", meaning)));
+    for (status, ticks) in counts(health) {
+        lines.extend(remedy::status(status).map(|meaning| bullet(&format!("{ticks} ticks"), meaning)));
+    }
+    if let Some(words) = &health.last_words {
+        lines.push(format!("Last words of an earlier run: {words}"));
+        lines.push("  → report them, please; piezo info --forget clears them".to_owned());
+    }
+    lines
+}
+
+fn table_lines(identity: &Identity, table: Option<&(Result<Admitted, TableError>, String)>) -> Vec<String> {
+    let source = device::source(&identity.source);
+    match table {
+        None => vec![format!("Table    {source}")],
+        Some((table, checksum)) => {
+            let mut lines = vec![format!("Table    checksum {checksum}, {source}")];
+            let described = match table {
+                Ok(table) => describe(table),
+                // A firmware of another record format runs tables that this program cannot read.
+                Err(error) => vec![format!("it cannot be shown here: {error}")],
+            };
+            lines.extend(described.into_iter().map(|line| format!("         {line}")));
+            lines
+        }
+    }
+}
+
+/// A table in a few lines.
+pub fn describe(table: &Admitted) -> Vec<String> {
+    let volts = |code| table.adc.voltage::<f32>(AdcCode(code));
+    let output = |code| match &table.drive {
+        Some(drive) => format!("{:.3} V", drive.voltage::<f32>(DacCode(code))),
+        None => format!("{:.3} µm", table.dac.displacement::<f32>(DacCode(code))),
+    };
+    let (adc, dac) = (table.adc.full_scale, table.dac.full_scale);
+    let (voltage, limits, made) = (table.voltage_range_v, table.displacement_limits_um, &table.provenance);
+    let [major, minor, patch] = made.tool_version;
+    let held_out = match (made.validation_mae_um, made.validation_max_um) {
+        (Some(mae), Some(max)) => format!("{mae:.3} µm on what was held out, at most {max:.3} µm"),
+        _ => "nothing was held out".to_owned(),
+    };
+    vec![
+        format!("{}, tick {} µs", table.model(), table.sample_period_us),
+        format!(
+            "voltages {:.3} … {:.3} V around {:.3} V, displacements {:.3} … {:.3} µm",
+            voltage.min, voltage.max, table.voltage_zero_v, limits.min, limits.max
+        ),
+        format!(
+            "ADC 0 … {adc} is {:.3} … {:.3} V, DAC 0 … {dac} is {} … {}{}",
+            volts(0),
+            volts(adc),
+            output(0),
+            output(dac),
+            driven(table)
+        ),
+        format!(
+            "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training; {held_out}",
+            made.logs, made.seed, made.train_mae_um
+        ),
+    ]
+}
+
+/// What the DAC drives, if anything.
+fn driven(table: &Admitted) -> String {
+    table.drive.map_or(String::new(), |drive| {
+        let DriveLimits { range_v, rest_v, slew_v_per_s } = drive.limits;
+        format!(
+            ": it drives the amplifier, to {:.3} … {:.3} V at {slew_v_per_s} V/s, rests at {rest_v} V (piezo follow)",
+            range_v.min, range_v.max
+        )
+    })
+}
+
+fn bullet(when: &str, Meaning { what, remedy }: Meaning) -> String {
+    format!("- {when}: {what}\n  → {remedy}")
+}
+
+/// Status bits that were raised, and on how many ticks.
+fn counts(health: &Health) -> impl Iterator<Item = (Status, u32)> {
+    let counts = [
+        (Status::ADC_SATURATED, health.adc_saturated),
+        (Status::VOLTAGE_OUT_OF_RANGE, health.voltage_out_of_range),
+        (Status::CLAMPED, health.clamped),
+        (Status::DAC_SATURATED, health.dac_saturated),
+        (Status::OUT_OF_REACH, health.out_of_reach),
+    ];
+    counts.into_iter().filter(|(_, ticks)| *ticks > 0)
+}
+
+fn to_json(found: &Found) -> Result<Value> {
+    let Found { identity, health, table, damaged } = found;
+    let names = |faults: Faults| faults.iter_names().map(|(name, _)| name).collect::<Vec<_>>();
+    let mut state = serde_json::to_value(health)?;
+    state["faults"] = json!(names(health.faults));
+    state["faults_seen"] = json!(names(health.faults_seen));
+    state["reset"] = json!(health.reset.iter_names().map(|(name, _)| name).collect::<Vec<_>>());
+    Ok(json!({
+        "protocol": VERSION,
+        "identity": identity,
+        "checksum": table.as_ref().map(|(_, checksum)| checksum),
+        "table": table.as_ref().and_then(|(table, _)| table.as_ref().ok()).map(|table| **table),
+        "health": state,
+        "damaged_frames": damaged,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use device_link::Client;
+    use emulator::Emulator;
+    use protocol::text;
+
+    #[test]
+    fn everything_is_said_in_words() {
+        let device = Emulator::new().start().unwrap();
+        let (mut client, identity) = Client::connect(&device.address().into()).unwrap();
+        let health = Health {
+            faults: Faults::SAFE_OUTPUT,
+            faults_seen: Faults::ADC_STUCK,
+            last_words: Some(text("panicked at the disco")),
+            cycles_last: 850,
+            cycles_max: 1700,
+            cycles_period: 85_000,
+            voltage_out_of_range: 3,
+            supply_mv: Some(3298),
+            ..client.health().unwrap()
+        };
+        let record = client.pull().unwrap();
+        let table = Some((Table::parse(&record), checksum(&record)));
+        let found = Found { identity, health, table, damaged: 0 };
+        let text = lines(&found).join("\n");
+        for part in [
+            "Board    emulated",
+            "from the firmware image, since no table is stored",
+            "1.0 % of its time, at most 2.0 %",
+            "3.298 V",
+            "now: the DAC stands at its safe value",
+            "earlier: the ADC gives one and the same code",
+            "3 ticks: the voltage left the range",
+            "panicked at the disco",
+        ] {
+            assert!(text.contains(part), "{part:?} is missing in\n{text}");
+        }
+        let json = to_json(&found).unwrap();
+        assert_eq!(json["identity"]["source"]["Compiled"]["reason"], "no table is stored");
+        assert_eq!(json["health"]["faults_seen"], json!(["ADC_STUCK"]));
+        assert_eq!(json["table"]["sample_period_us"], 500);
+    }
+}

@@ -1,0 +1,24 @@
+//! The verbs of `piezo`, one a file. Each takes its parsed arguments, prints a summary for people (or JSON), and returns
+//! whether it succeeded.
+
+pub mod compare;
+pub mod emit;
+pub mod erase;
+pub mod feedforward;
+pub mod flash;
+pub mod follow;
+pub mod identify;
+pub mod info;
+pub mod monitor;
+pub mod pil;
+pub mod pull;
+pub mod push;
+pub mod record;
+pub mod reproduce;
+pub mod reset;
+pub mod simulate;
+pub mod validate;
+pub mod zero;
+
+mod device;
+mod print;

@@ -1,0 +1,71 @@
+//! `piezo push`: a table into the device's parameter store.
+
+use super::device::{self, note_damage};
+use super::print::out;
+use crate::option::link::{PortOption, WriteOptions};
+use crate::remedy;
+use anyhow::{Result, ensure};
+use clap::Args;
+use device_link::board;
+use device_link::table::to_record;
+use identification::calibration::misfits;
+use protocol::TableSource;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `piezo push`.
+#[derive(Args, Debug)]
+pub struct Push {
+    /// The table: table.toml, or the record in table.bin.
+    pub table: PathBuf,
+    /// Print what was done as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The device.
+    #[command(flatten)]
+    pub port: PortOption,
+    /// Writing.
+    #[command(flatten)]
+    pub write: WriteOptions,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Push) -> Result<bool> {
+    let table = device::load(&arguments.table)?;
+    let record = to_record(&table);
+    let (mut client, identity) = arguments.port.connect()?;
+    device::fits(&board::of(&identity)?, &table, &arguments.table)?;
+    misfits(&table).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
+    let restarted = arguments.write.write(&mut client, |client, consent| client.push(record.clone(), consent))?;
+    if let Some(identity) = &restarted {
+        ensure!(
+            identity.source == TableSource::Stored,
+            "the device has not taken what it stored; its table is now {}",
+            device::source(&identity.source)
+        );
+        ensure!(
+            client.pull()? == record,
+            "after its restart the device runs another table than was pushed: push again"
+        );
+    }
+    note_damage(&client);
+    let checksum = device::checksum(&record);
+    let (name, port) = (arguments.table.display(), &arguments.port.port);
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&json!({
+            "table": arguments.table,
+            "model": table.model(),
+            "checksum": checksum,
+            "written": !arguments.write.dry_run,
+            "in_use": restarted.is_some(),
+        }))?);
+    } else if arguments.write.dry_run {
+        out(&format!("{name} ({}, checksum {checksum}) fits {}; nothing was written", table.model(), identity.board));
+    } else if restarted.is_some() {
+        out(&format!("{name} ({}, checksum {checksum}) is stored, and {} runs it", table.model(), identity.board));
+    } else {
+        out(&format!("{name} ({}, checksum {checksum}) is stored on {}", table.model(), identity.board));
+        out(&format!("It is used from the next reset on: piezo reset --port {port}"));
+    }
+    Ok(true)
+}

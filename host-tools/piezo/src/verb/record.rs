@@ -1,0 +1,201 @@
+//! `piezo record`: the device's samples as a log.
+
+use super::device::{note_damage, require_estimating};
+use super::print::out;
+use crate::option::link::PortOption;
+use crate::option::not_negative;
+use crate::{output, remedy};
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use device_link::LinkError;
+use device_link::interrupt::Interrupt;
+use device_link::recording::{End, Recording, Wish, record};
+use device_link::table;
+use indicatif::ProgressBar;
+use serde_json::json;
+use std::io::BufWriter;
+use std::path::PathBuf;
+
+/// Arguments of `piezo record`.
+#[derive(Args, Debug)]
+pub struct Record {
+    /// The log, as CSV.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Length, s; without it and --samples until Ctrl-C.
+    #[arg(long, value_parser = not_negative, allow_negative_numbers = true, conflicts_with = "samples")]
+    pub seconds: Option<f64>,
+    /// Length, ticks.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    pub samples: Option<u64>,
+    /// Go on when samples are lost. The time column then leaps, and no verb reads such a log.
+    #[arg(long)]
+    pub allow_gaps: bool,
+    /// Print what was recorded as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The device.
+    #[command(flatten)]
+    pub port: PortOption,
+}
+
+/// Runs the verb; `false` when the recording ended before its time. What was recorded by then is kept.
+pub fn run(arguments: &Record) -> Result<bool> {
+    let name = arguments.out.display();
+    ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
+    let interrupt = Interrupt::watch()?;
+    let cannot_write = || format!("{name}: cannot be written");
+    let file = output::beside(&arguments.out).with_context(cannot_write)?;
+    let (mut client, identity) = arguments.port.connect()?;
+    require_estimating(&client.health()?, &arguments.port.port)?;
+    let tick_us = identity.tick_us;
+    let ticks = arguments.samples.or(arguments.seconds.map(|s| (s * 1e6 / f64::from(tick_us)).round() as u64));
+    ensure!(ticks != Some(0), "--seconds is less than one tick of {tick_us} µs");
+    let wish = Wish { calibration: table::running(&mut client)?.adc, tick_us, ticks, allow_gaps: arguments.allow_gaps };
+    client.stream(true)?;
+    let bar = ticks.map_or_else(ProgressBar::new_spinner, super::print::progress);
+    let recorded = record(&mut client, &wish, &mut BufWriter::new(&file), |recording| {
+        bar.set_message(format!("{:.1} s", seconds(recording, tick_us)));
+        bar.set_position(recording.ticks);
+        interrupt.wanted()
+    });
+    bar.finish_and_clear();
+    // A device that no longer answers must not cost what it has already given.
+    let stopped = match &recorded {
+        Ok((_, End::Link(_))) => Ok(()),
+        _ => client.stream(false),
+    };
+    note_damage(&client);
+    let (recording, end) = recorded.with_context(cannot_write)?;
+    if recording.rows > 0 {
+        file.as_file().sync_all().with_context(cannot_write)?;
+        file.persist(&arguments.out).map_err(|error| error.error).with_context(cannot_write)?;
+    }
+    tell(arguments, &recording, &end, tick_us)?;
+    let complete = conclude(arguments, &recording, end)?;
+    if complete {
+        stopped?;
+    }
+    Ok(complete)
+}
+
+fn seconds(recording: &Recording, tick_us: u32) -> f64 {
+    recording.ticks as f64 * f64::from(tick_us) * 1e-6
+}
+
+fn tell(arguments: &Record, recording: &Recording, end: &End, tick_us: u32) -> Result<()> {
+    if arguments.json {
+        let summary = json!({
+            "out": (recording.rows > 0).then_some(&arguments.out),
+            "samples": recording.rows,
+            "seconds": seconds(recording, tick_us),
+            "lost": recording.lost,
+            "late": recording.late,
+            "status": recording.status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
+            "faults": recording.faults.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
+            "complete": matches!(end, End::Complete),
+        });
+        out(&serde_json::to_string_pretty(&summary)?);
+        return Ok(());
+    }
+    if recording.rows == 0 {
+        return Ok(());
+    }
+    out(&format!(
+        "{}  {} samples, {:.3} s at {} Hz; the displacement is the device's estimate, no sensor's",
+        arguments.out.display(),
+        recording.rows,
+        seconds(recording, tick_us),
+        1_000_000 / tick_us.max(1)
+    ));
+    if recording.lost > 0 {
+        out(&format!("{} samples are missing: time leaps there, and no verb reads this log", recording.lost));
+    }
+    if recording.late > 0 {
+        out(&format!("on {} ticks the device was late", recording.late));
+    }
+    let meanings = remedy::status(recording.status).chain(remedy::faults(recording.faults));
+    meanings.for_each(|meaning| out(&format!("- {}\n  → {}", meaning.what, meaning.remedy)));
+    Ok(())
+}
+
+/// Success, or what ended the recording before its time.
+fn conclude(arguments: &Record, recording: &Recording, end: End) -> Result<bool> {
+    let before = match recording.rows {
+        0 => "nothing was recorded before".to_owned(),
+        rows => format!("{} holds the {rows} samples before", arguments.out.display()),
+    };
+    let why = match end {
+        End::Complete if recording.rows > 0 => return Ok(true),
+        End::Complete => bail!("ended before the first sample: {} is not written", arguments.out.display()),
+        End::Gap { ticks } => format!(
+            "{ticks} samples were lost: {before}. Is the cable sound, and this machine not too busy? --allow-gaps goes on, but \
+             no verb reads a log with gaps"
+        ),
+        End::Anew => format!("the device was restarted, or its mode set: {before}"),
+        End::Silence => format!("the device sends no samples any more: {before}. Look at it with `piezo info`"),
+        End::Link(error) => return Err(lost(error, &before)),
+    };
+    eprintln!("piezo: {why}");
+    Ok(false)
+}
+
+fn lost(error: LinkError, before: &str) -> anyhow::Error {
+    anyhow::Error::from(error).context(before.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use emulator::faults::{lose_replies, lose_samples_at, silent_from};
+    use emulator::{Emulator, Fault, FaultyLine};
+    use recordings::log::{ReadOptions, read};
+
+    /// Records a second in a folder; whether that was all, and what is in the folder.
+    fn recorded(fault: impl Fault, folder: &tempfile::TempDir) -> (Result<bool>, Vec<PathBuf>) {
+        let device = Emulator::new().speed(8.0).start().unwrap();
+        let line = FaultyLine::to(device.address(), fault).unwrap();
+        let arguments = Record {
+            out: folder.path().join("log.csv"),
+            seconds: Some(1.0),
+            samples: None,
+            allow_gaps: false,
+            json: true,
+            port: PortOption { port: line.address().into() },
+        };
+        let done = run(&arguments);
+        let files = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+        (done, files)
+    }
+
+    #[test]
+    fn what_was_recorded_before_a_gap_is_a_log() {
+        let folder = tempfile::tempdir().unwrap();
+        let (done, files) = recorded(lose_samples_at(600), &folder);
+        assert!(!done.unwrap());
+        assert_eq!(files, [folder.path().join("log.csv")]);
+        let log = read(&files[0], &ReadOptions::default()).unwrap();
+        assert!((500..=600).contains(&log.voltage.len()), "{}", log.voltage.len());
+    }
+
+    #[test]
+    fn what_was_recorded_before_a_device_died_is_a_log() {
+        let folder = tempfile::tempdir().unwrap();
+        // Five requests start a recording; none is answered from then on.
+        let (mut unanswered, mut silent) = (lose_replies(5..100), silent_from(100));
+        let dies = move |direction, frame: &mut Vec<u8>| {
+            unanswered(direction, frame);
+            silent(direction, frame);
+        };
+        let (done, files) = recorded(dies, &folder);
+        assert!(!done.unwrap());
+        assert_eq!(read(&files[0], &ReadOptions::default()).unwrap().voltage.len(), 99);
+    }
+
+    #[test]
+    fn a_recording_of_nothing_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let (done, files) = recorded(silent_from(0), &folder);
+        assert!(!done.unwrap() && files.is_empty(), "{files:?}");
+    }
+}

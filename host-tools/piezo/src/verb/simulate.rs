@@ -1,0 +1,68 @@
+//! `piezo simulate`: the synthetic rig's six logs.
+
+use super::print::out;
+use crate::option::RigArgs;
+use crate::output;
+use anyhow::{Result, ensure};
+use clap::Args;
+use recordings::log::{Displacement, write_csv};
+use recordings::rig::{EXCITATIONS, Recording, Rig};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `piezo simulate`.
+#[derive(Args, Debug)]
+pub struct Simulate {
+    /// Folder for the logs.
+    #[arg(long, default_value = "out/rig")]
+    pub out: PathBuf,
+    /// Print what was written as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The rig.
+    #[command(flatten)]
+    pub rig: RigArgs,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Simulate) -> Result<bool> {
+    let rig = Rig::from(&arguments.rig);
+    let positive = |name: &str, value: f64| {
+        ensure!(value.is_finite() && value > 0.0, "--{name} must be a positive number, not {value}");
+        Ok(())
+    };
+    positive("amplitude", rig.amplitude)?;
+    positive("duration", rig.duration)?;
+    positive("fs", rig.fs)?;
+    positive("cutoff", rig.cutoff)?;
+    ensure!(rig.asymmetry.is_finite(), "--asymmetry must be a number, not {}", rig.asymmetry);
+    let rest = [
+        ("noise-nm", rig.noise_nm),
+        ("voltage-noise", rig.voltage_noise),
+        ("hysteresis", rig.hysteresis),
+        ("creep", rig.creep),
+    ];
+    for (name, value) in rest {
+        ensure!(value.is_finite() && value >= 0.0, "--{name} must be 0 or a positive number, not {value}");
+    }
+    let samples = rig.duration * rig.fs;
+    ensure!(
+        (16.0..=1e8).contains(&samples),
+        "{samples:.0} samples a log: choose --duration and --fs for 16 to 100 million"
+    );
+    output::folder(&arguments.out)?;
+    let mut written = Vec::new();
+    for excitation in EXCITATIONS {
+        let path = arguments.out.join(format!("{}.csv", excitation.name));
+        let Recording { voltage, displacement } = rig.record(excitation);
+        write_csv(&path, 1.0 / rig.fs, &voltage, &displacement, Displacement::Measured)?;
+        if !arguments.json {
+            out(&format!("{}  {} samples at {} Hz", path.display(), voltage.len(), rig.fs));
+        }
+        written.push(json!({ "path": path, "samples": voltage.len(), "sample_rate_hz": rig.fs }));
+    }
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&written)?);
+    }
+    Ok(true)
+}

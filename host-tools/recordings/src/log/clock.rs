@@ -1,0 +1,234 @@
+//! The sample period of a log, and the proof that its time stamps keep it.
+//!
+//! The period is the slope of the line of least squares through all time stamps, never one step; a whole-hertz rate that
+//! the stamps cannot tell from it is taken instead.
+
+use super::error::PlacedFault;
+use super::fault::Fault;
+use super::number::Number;
+use super::recording::Recording;
+use super::resolution::{coarsest, resolution};
+use super::steps::{self, Line};
+use super::units::{Quantity, Unit};
+
+/// Tolerated deviation of `--fs` from the time column's rate, as a part of it.
+const RATE_TOLERANCE: f64 = 1e-3;
+/// Sample periods outside this range are taken for a wrong unit, s.
+const PERIODS: std::ops::RangeInclusive<f64> = 1e-7..=10.0;
+
+/// Refuses a stated sample rate (Hz) that is not finite or outside 0.1 Hz to 10 MHz.
+pub(super) fn check_rate(rate: f64) -> Result<(), Fault> {
+    if PERIODS.contains(&(1.0 / rate)) { Ok(()) } else { Err(Fault::SampleRate(rate)) }
+}
+
+/// Sample period (s) from the time column, which must hold at least two rows, else from the stated rate (Hz).
+pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> Result<f64, PlacedFault> {
+    let (Some(time), Some(channel)) = (&recording.time, recording.channels.time) else {
+        let rate = stated_rate.ok_or(Fault::SampleRate(f64::NAN))?;
+        return Ok(1.0 / rate);
+    };
+    let unit = channel.unit;
+    let example = |unit| recording.channels.restated(Quantity::Time, unit);
+
+    let resolution = resolution(time);
+    let rough = steps::rough_period(time, &resolution);
+    let plausible = PERIODS.contains(&rough);
+    let checked = match plausible {
+        true => steps::check(time, &resolution, rough),
+        false => steps::check_increasing(time, |_| false),
+    };
+    checked.map_err(|(row, fault)| fault.at(recording.origin.place(row)))?;
+    if !plausible {
+        let (period, example) = (Number(rough), example(neighbour(unit)));
+        return Err(Fault::ImplausiblePeriod { period, unit, example }.into());
+    }
+
+    let line = Line::fit(time);
+    let span = time[time.len() - 1] - time[0];
+    let printed = coarsest(&resolution) / span;
+    let period = match whole_rate(line.period, printed.min(RATE_TOLERANCE)) {
+        Some(rate) => 1.0 / rate,
+        None => line.period,
+    };
+
+    let disagrees = |rate: &f64| (period * rate - 1.0).abs() > RATE_TOLERANCE.max(printed);
+    if let Some(stated) = stated_rate.filter(disagrees) {
+        return Err(Fault::RateDisagrees {
+            stated: Number(stated),
+            found: Number(1.0 / period),
+            unit,
+            example: example(neighbour(unit)),
+        }
+        .into());
+    }
+    Ok(period)
+}
+
+/// The rate (Hz) of `period` (s) if that is a whole number, to the relative `tolerance` of the period.
+pub(super) fn whole_rate(period: f64, tolerance: f64) -> Option<f64> {
+    const ARITHMETIC: f64 = 1e-9;
+    let rate = (1.0 / period).round();
+    let same = (period * rate - 1.0).abs() <= tolerance.max(ARITHMETIC);
+    (rate >= 1.0 && same).then_some(rate)
+}
+
+fn neighbour(unit: Unit) -> Unit {
+    unit.smaller().or(unit.larger()).unwrap_or(unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::channels::Channels;
+    use super::super::error::Place;
+    use super::super::recording::{Origin, Recording};
+    use super::*;
+
+    fn period(time: &[f64], rate: Option<f64>) -> Result<f64, (Place, Fault)> {
+        let recording = Recording {
+            channels: Channels::in_order(3),
+            origin: Origin::Line(2),
+            time: Some(time.to_vec()),
+            voltage: vec![0.0; time.len()],
+            displacement: None,
+        };
+        sample_period(&recording, rate).map_err(|PlacedFault(place, fault)| (place, fault))
+    }
+
+    fn clock(rows: u32, period: f64) -> Vec<f64> {
+        (0..rows).map(|k| f64::from(k) * period).collect()
+    }
+
+    fn printed(time: &[f64], print: impl Fn(f64) -> String) -> Vec<f64> {
+        time.iter().map(|&t| print(t).parse().unwrap()).collect()
+    }
+
+    /// As C's `%.4g` prints.
+    fn four_digits(t: f64) -> String {
+        format!("{t:.3e}")
+    }
+
+    #[test]
+    fn the_period_comes_from_the_whole_column() {
+        for rate in [1.0, 200.0, 2000.0, 3000.0, 10_000.0, 44_100.0, 1e6] {
+            assert_eq!(period(&clock(4001, 1.0 / rate), None).unwrap(), 1.0 / rate);
+        }
+        let slow = period(&clock(1000, 1.0 / 2000.3), None).unwrap();
+        assert!((slow * 2000.3 - 1.0).abs() < 1e-12);
+        let mut first_step_short = clock(1000, 0.001);
+        first_step_short[0] = 0.000_009;
+        assert_eq!(period(&first_step_short, None).unwrap(), 0.001);
+        let late: Vec<f64> = clock(1000, 0.0005).iter().map(|t| t + 1.7e9).collect();
+        assert_eq!(period(&late, None).unwrap(), 0.0005);
+    }
+
+    #[test]
+    fn printed_time_stamps_are_tolerated() {
+        let starts = (0..40).map(|n| f64::from(n) * 0.05);
+        let starts = starts.flat_map(|start| [(16, start), (17, start), (100, start)]);
+        for (rows, start) in starts.chain([(4001, 0.7), (20_000, 0.3), (20_000, 0.0)]) {
+            let clock = |rows, period| -> Vec<f64> {
+                let ticks = (0..rows).map(f64::from);
+                ticks.map(|k| (k + start) * period).collect()
+            };
+            for (rate, decimals) in [(2000.0, 4), (2000.0, 3), (3000.0, 4), (1024.0, 4), (256.0, 3)] {
+                let time = printed(&clock(rows, 1.0 / rate), |t| format!("{t:.decimals$}"));
+                let found = period(&time, None);
+                let found = found.unwrap_or_else(|e| panic!("{rows} {rate} {decimals}: {}", e.1));
+                let relative = (found * rate - 1.0).abs();
+                assert!(relative < 0.1_f64.max(2.0 / f64::from(rows)), "{rows} {rate}: {found}");
+                if rows > 4000 {
+                    assert_eq!(found, 1.0 / rate);
+                }
+            }
+            let time = printed(&clock(rows, 0.0005), four_digits);
+            assert_eq!(period(&time, None).unwrap(), 0.0005, "{rows}");
+        }
+    }
+
+    #[test]
+    fn small_jitter_passes_and_large_does_not() {
+        let jittered = |part: f64| -> Vec<f64> {
+            clock(500, 0.001).iter().enumerate().map(|(k, t)| t + 0.001 * part * (k as f64 * 1.7).sin()).collect()
+        };
+        assert!((period(&jittered(0.004), None).unwrap() - 0.001).abs() < 1e-7);
+        let (_, fault) = period(&jittered(0.03), None).unwrap_err();
+        assert!(matches!(fault, Fault::IrregularTime { .. }), "{fault}");
+        let milliseconds = printed(&jittered(0.6), |t| format!("{t:.3}"));
+        assert!(period(&milliseconds, None).is_err());
+        let mut one = clock(500, 0.001);
+        one[300] += 0.0003;
+        let (place, fault) = period(&one, None).unwrap_err();
+        assert_eq!(place, Place::Line(302));
+        assert!(fault.to_string().contains("30 % of a sample period of 0.001 s"), "{fault}");
+    }
+
+    #[test]
+    fn a_clock_that_changes_pace_is_refused() {
+        let mut time = clock(2000, 0.001);
+        for k in 1000..2000 {
+            time[k] = time[k - 1] + 0.001_008;
+        }
+        let (_, fault) = period(&time, None).unwrap_err();
+        assert!(matches!(fault, Fault::IrregularTime { .. }), "{fault}");
+    }
+
+    #[test]
+    fn gaps_are_counted_and_dated() {
+        for (decimals, rate) in [(9, 2000.0), (4, 2000.0), (3, 1000.0), (2, 100.0), (6, 3000.0)] {
+            let mut time = clock(400, 1.0 / rate);
+            for t in &mut time[150..] {
+                *t += 3.0 / rate;
+            }
+            for t in &mut time[300..] {
+                *t += 1.0 / rate;
+            }
+            let time = printed(&time, |t| format!("{t:.decimals$}"));
+            let (place, fault) = period(&time, None).unwrap_err();
+            assert_eq!(place, Place::Line(152), "{decimals} {rate}");
+            let Fault::Gap { missing, after, gaps } = fault else {
+                panic!("{fault}");
+            };
+            assert_eq!((missing, gaps), (3, 2));
+            assert!((after.0 - 149.0 / rate).abs() < 1e-3 / rate + 1e-6);
+        }
+    }
+
+    #[test]
+    fn time_must_increase() {
+        let mut back = clock(100, 0.001);
+        back[50] = 0.0301;
+        let (place, fault) = period(&back, None).unwrap_err();
+        assert_eq!(place, Place::Line(52));
+        assert!(fault.to_string().contains("(0.0301 s after 0.049 s)"), "{fault}");
+        let mut twice = clock(100, 0.001);
+        twice[50] = twice[49];
+        let (place, fault) = period(&twice, None).unwrap_err();
+        assert_eq!(place, Place::Line(52));
+        assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "{fault}");
+        for time in [vec![1.0; 20], clock(20, -0.001)] {
+            let (place, fault) = period(&time, None).unwrap_err();
+            assert_eq!(place, Place::Line(3));
+            assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "{fault}");
+        }
+    }
+
+    #[test]
+    fn a_stated_rate_must_agree() {
+        let time = clock(100, 0.0005);
+        assert_eq!(period(&time, Some(2000.0)).unwrap(), 0.0005);
+        assert_eq!(period(&time, Some(2001.0)).unwrap(), 0.0005);
+        let (_, fault) = period(&time, Some(2010.0)).unwrap_err();
+        assert!(matches!(fault, Fault::RateDisagrees { .. }));
+        let (_, fault) = period(&clock(100, 0.5), Some(2000.0)).unwrap_err();
+        assert!(matches!(&fault, Fault::RateDisagrees { example, .. } if example.contains("time=1:ms")), "{fault}");
+    }
+
+    #[test]
+    fn implausible_periods_ask_for_the_unit() {
+        for wrong in [500.0, 1e-9, 1e300] {
+            let (place, fault) = period(&clock(100, wrong), None).unwrap_err();
+            assert_eq!(place, Place::File);
+            assert!(matches!(fault, Fault::ImplausiblePeriod { .. }), "{fault}");
+        }
+    }
+}

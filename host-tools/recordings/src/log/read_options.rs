@@ -1,0 +1,23 @@
+//! What is said about a log besides its file.
+
+use super::columns::Columns;
+
+/// What the user says about a log that its file does not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadOptions {
+    /// Which column holds what. Needed where no header says so.
+    pub columns: Option<Columns>,
+    /// Sample rate, Hz. Needed where no column holds the time; checked where one does.
+    pub sample_rate: Option<f64>,
+    /// Refuse a log without displacement.
+    pub displacement_required: bool,
+    /// Refuse one without voltage. A wanted trajectory has none.
+    pub voltage_required: bool,
+}
+
+impl Default for ReadOptions {
+    /// Nothing stated, voltage and displacement required.
+    fn default() -> Self {
+        Self { columns: None, sample_rate: None, displacement_required: true, voltage_required: true }
+    }
+}

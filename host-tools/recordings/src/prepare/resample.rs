@@ -1,0 +1,117 @@
+//! Bringing samples to the tick.
+//!
+//! A log faster than the tick loses samples: every n-th stays (the thesis took every fifth), or the mean of each n, or a
+//! linear interpolation where the rates are no multiples. A log slower than the tick keeps all its displacements, each at
+//! the nearest tick, and has its voltage interpolated linearly in between.
+
+use serde::{Deserialize, Serialize};
+
+/// How a log faster than the tick is reduced.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Decimation {
+    /// Every n-th sample.
+    Every,
+    /// The mean of each n samples.
+    Average,
+    /// Linear interpolation; the rates need be no multiples.
+    Interpolate,
+}
+
+/// Samples at the tick.
+pub struct AtTick {
+    /// Voltage at every tick.
+    pub voltage: Vec<f64>,
+    /// Ticks of the displacements.
+    pub instants: Vec<u32>,
+    /// The displacements.
+    pub displacement: Vec<f64>,
+}
+
+/// `ratio` is the log's sample period over the tick. `None` when the log is faster than the tick by no whole number and
+/// `decimation` does not interpolate.
+pub fn to_tick(voltage: &[f64], displacement: &[f64], ratio: f64, decimation: Decimation) -> Option<AtTick> {
+    let rows = voltage.len();
+    // Half a sample of drift over the whole log is what "a multiple" may hide.
+    let close = 0.5 / rows as f64;
+    if ratio > 1.0 - close {
+        return Some(slower(voltage, displacement, ratio));
+    }
+    let every = |voltage, displacement: Vec<f64>| AtTick {
+        voltage,
+        instants: (0..displacement.len() as u32).collect(),
+        displacement,
+    };
+    if decimation == Decimation::Interpolate {
+        let ticks = ((rows - 1) as f64 * ratio) as usize;
+        let at = |samples: &[f64]| (0..=ticks).map(|tick| interpolated(samples, tick as f64 / ratio)).collect();
+        return Some(every(at(voltage), at(displacement)));
+    }
+    let n = (1.0 / ratio).round();
+    if (n * ratio - 1.0).abs() > close {
+        return None;
+    }
+    let n = n as usize;
+    let reduced = |samples: &[f64]| -> Vec<f64> {
+        match decimation {
+            Decimation::Average => samples.chunks_exact(n).map(|chunk| chunk.iter().sum::<f64>() / n as f64).collect(),
+            _ => samples.iter().step_by(n).copied().collect(),
+        }
+    };
+    Some(every(reduced(voltage), reduced(displacement)))
+}
+
+fn slower(voltage: &[f64], displacement: &[f64], ratio: f64) -> AtTick {
+    let instants: Vec<u32> = (0..displacement.len()).map(|row| (row as f64 * ratio).round() as u32).collect();
+    let last = instants.last().copied().unwrap_or(0);
+    AtTick {
+        voltage: (0..=last).map(|tick| interpolated(voltage, f64::from(tick) / ratio)).collect(),
+        instants,
+        displacement: displacement.to_vec(),
+    }
+}
+
+/// Linear interpolation at a fractional row, limited to the first and last.
+fn interpolated(samples: &[f64], row: f64) -> f64 {
+    let last = samples.len() - 1;
+    let left = (row as usize).min(last);
+    let right = (left + 1).min(last);
+    let weight = (row - left as f64).clamp(0.0, 1.0);
+    samples[left] + weight * (samples[right] - samples[left])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(rows: u32) -> Vec<f64> {
+        (0..rows).map(f64::from).collect()
+    }
+
+    #[test]
+    fn every_fifth_sample_or_the_mean_of_five() {
+        let rows = ramp(23);
+        let every = to_tick(&rows, &rows, 0.2, Decimation::Every).unwrap();
+        assert_eq!(every.displacement, [0.0, 5.0, 10.0, 15.0, 20.0]);
+        let average = to_tick(&rows, &rows, 0.2, Decimation::Average).unwrap();
+        assert_eq!(average.voltage, [2.0, 7.0, 12.0, 17.0]);
+        assert_eq!(average.instants, [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn odd_rates_need_interpolation() {
+        let rows = ramp(100);
+        assert!(to_tick(&rows, &rows, 2.0 / 3.0, Decimation::Every).is_none());
+        let at_tick = to_tick(&rows, &rows, 2.0 / 3.0, Decimation::Interpolate).unwrap();
+        assert_eq!(at_tick.displacement.len(), 67);
+        assert!((at_tick.displacement[2] - 3.0).abs() < 1e-12 && (at_tick.voltage[1] - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_sample_rate_a_little_off_is_still_a_multiple() {
+        let rows = ramp(1000);
+        assert_eq!(to_tick(&rows, &rows, 1.0 + 1e-5, Decimation::Every).unwrap().instants.len(), 1000);
+        assert_eq!(to_tick(&rows, &rows, 1.0 - 1e-5, Decimation::Every).unwrap().instants.len(), 1000);
+        assert_eq!(to_tick(&rows, &rows, 0.200_001, Decimation::Every).unwrap().instants.len(), 200);
+    }
+}

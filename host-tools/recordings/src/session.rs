@@ -1,0 +1,29 @@
+//! A log brought to the tick.
+//!
+//! The voltage stands at every tick; the displacement stands at the instants where it was measured, which may be every
+//! tick or (in a log slower than the tick) every n-th.
+
+/// One log at the tick, in the model's units: V and µm relative to the model's zeros.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Session {
+    /// Name of the log it comes from.
+    pub name: String,
+    /// Voltage at each tick, V.
+    pub voltage: Vec<f64>,
+    /// Ticks at which the displacement was measured; increasing, the first is 0, the last below `voltage.len()`.
+    pub instants: Vec<u32>,
+    /// Measured displacement at the instants, µm.
+    pub displacement: Vec<f64>,
+    /// Time of the first tick within the log, s.
+    pub start_s: f64,
+    /// Tick, s.
+    pub tick_s: f64,
+}
+
+impl Session {
+    /// A session from its parts; it starts where its log does.
+    pub fn new(name: String, voltage: Vec<f64>, instants: Vec<u32>, displacement: Vec<f64>, tick_s: f64) -> Self {
+        debug_assert!(instants.first() == Some(&0) && instants.len() == displacement.len());
+        Self { name, voltage, instants, displacement, start_s: 0.0, tick_s }
+    }
+}

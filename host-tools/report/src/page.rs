@@ -1,0 +1,177 @@
+//! What the template shows: figures, tables and words, in the order of the report.
+
+use super::number::quantity;
+use super::rows::{self, CandidateRow, ERRORS, GeneRow, ParameterRow};
+use super::{Report, errors, loops, traces};
+use askama::Template;
+use estimator_core::Model;
+use identification::validate::Comparison;
+
+/// Points of all lines together: what keeps the file below 1 MB.
+const POINTS: usize = 50_000;
+/// Most points of a line: more than a screen has columns.
+const POINTS_OF_A_LINE: usize = 1_400;
+/// Logs whose loops are drawn at most.
+const LOOPS: usize = 24;
+/// Held-out logs whose traces are drawn at most.
+const HELD_OUT_TRACES: usize = 8;
+/// Training logs whose traces are drawn at most.
+const TRAINING_TRACES: usize = 3;
+
+/// A plot with its caption.
+pub struct Figure {
+    /// Inline SVG.
+    pub svg: String,
+    /// What it shows: a log's name, or a title.
+    pub name: String,
+    /// "held out", "training" or nothing.
+    pub role: &'static str,
+    /// The rest of the caption.
+    pub caption: String,
+}
+
+/// Text in pieces, each with whether it is code.
+type Sentence<'a> = Vec<(bool, &'a str)>;
+
+/// The page.
+#[derive(Template)]
+#[template(path = "report.html")]
+pub struct Page<'a> {
+    title: &'a str,
+    model: Model,
+    verdict: Vec<Sentence<'a>>,
+    doubts: Vec<Sentence<'a>>,
+    headings: [&'static str; 5],
+    candidates: Vec<CandidateRow>,
+    held_out: bool,
+    loops: Vec<Figure>,
+    loops_left_out: Vec<&'a str>,
+    traces: Vec<Figure>,
+    traces_left_out: Vec<&'a str>,
+    search: Vec<Figure>,
+    genes: Vec<GeneRow>,
+    parameters: Vec<ParameterRow>,
+    table: Vec<ParameterRow>,
+    facts: &'a [(String, String)],
+}
+
+/// A log, and whether it was held out.
+#[derive(Clone, Copy)]
+struct Shown<'a> {
+    log: &'a Comparison,
+    role: &'static str,
+}
+
+impl<'a> Page<'a> {
+    /// The page of a report.
+    pub fn new(report: &Report<'a>) -> Self {
+        let chosen = report.chosen;
+        let role = |role| move |log| Shown { log, role };
+        let held_out: Vec<Shown<'a>> = chosen.held_out.iter().map(role("held out")).collect();
+        let training: Vec<Shown<'a>> = chosen.training.iter().map(role("training")).collect();
+
+        let (looped, loops_left_out) = split(held_out.iter().chain(&training), LOOPS);
+        let (mut traced, mut traces_left_out) = split(held_out.iter(), HELD_OUT_TRACES);
+        let (fitted, not_traced) = split(training.iter(), TRAINING_TRACES);
+        traced.extend(fitted);
+        traces_left_out.extend(not_traced);
+        let limit = (POINTS / (2 * looped.len() + 4 * traced.len() + 2)).min(POINTS_OF_A_LINE);
+
+        Self {
+            title: report.title,
+            model: chosen.fit.model,
+            verdict: report.verdict.iter().map(|text| sentence(text)).collect(),
+            doubts: report.doubts.iter().map(|text| sentence(text)).collect(),
+            headings: ERRORS,
+            candidates: (report.candidates.iter().map(|candidate| CandidateRow::new(candidate, chosen)))
+                .chain(report.straight_line.map(CandidateRow::straight_line))
+                .collect(),
+            held_out: !held_out.is_empty(),
+            loops: looped.into_iter().map(|shown| loop_figure(shown, limit)).collect(),
+            loops_left_out,
+            traces: traced.into_iter().map(|shown| trace_figure(shown, limit)).collect(),
+            traces_left_out,
+            search: search_figures(report, limit),
+            genes: chosen.fit.genes.iter().map(GeneRow::new).collect(),
+            parameters: rows::parameters(&chosen.table),
+            table: rows::table(&chosen.table),
+            facts: report.facts,
+        }
+    }
+}
+
+/// The first logs that have something to draw, and the names of the others.
+fn split<'a: 'b, 'b>(logs: impl Iterator<Item = &'b Shown<'a>>, count: usize) -> (Vec<Shown<'a>>, Vec<&'a str>) {
+    let (mut drawn, mut left_out) = (Vec::new(), Vec::new());
+    for &shown in logs {
+        if drawn.len() < count && !shown.log.trace.time_s.is_empty() {
+            drawn.push(shown);
+        } else {
+            left_out.push(shown.log.name.as_str());
+        }
+    }
+    (drawn, left_out)
+}
+
+fn loop_figure(Shown { log, role }: Shown<'_>, limit: usize) -> Figure {
+    let (drawing, drawn) = loops::draw(&log.trace, limit);
+    let mut caption = rows::sentence(log);
+    if drawn.periods < drawn.of {
+        caption += &format!(" {} of {} periods are drawn.", drawn.periods, drawn.of);
+    }
+    let label = format!("Displacement over voltage of {} ({role}): sensor and estimate. {caption}", log.name);
+    Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption }
+}
+
+fn trace_figure(Shown { log, role }: Shown<'_>, limit: usize) -> Figure {
+    let (drawing, detail) = traces::draw(&log.trace, limit);
+    let caption = match detail {
+        Some((from, to)) => format!(
+            "The last {} and their error; below, the error over the whole log, in which they are shaded.",
+            quantity(to - from, "s")
+        ),
+        None => "The whole log and its error.".to_owned(),
+    };
+    let label = format!("Displacement of {} over time ({role}): sensor, estimate, error. {caption}", log.name);
+    Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption }
+}
+
+fn search_figures(report: &Report<'_>, limit: usize) -> Vec<Figure> {
+    let chosen = report.chosen;
+    let mut figures = Vec::new();
+    if let Some(drawing) = errors::convergence(&chosen.fit.convergence, limit) {
+        let caption = format!(
+            "Error of the best candidate after each generation ({}; held out always in simulation). Where the training error \
+             still falls and the held-out error rises, the model learns the recording and no longer the actuator.",
+            chosen.fit.minimised
+        );
+        let name = "Convergence".to_owned();
+        figures.push(Figure { svg: drawing.inline(&format!("{name}. {caption}")), name, role: "", caption });
+    }
+    let caption = if chosen.held_out.is_empty() {
+        "How the errors on the training logs are distributed; each log weighs the same."
+    } else {
+        "How the errors on the held-out and on the training logs are distributed; each log weighs the same."
+    };
+    let drawing = errors::histogram(&chosen.training, &chosen.held_out);
+    let (name, caption) = ("Residuals".to_owned(), caption.to_owned());
+    figures.push(Figure { svg: drawing.inline(&format!("{name}. {caption}")), name, role: "", caption });
+    figures
+}
+
+/// A sentence in pieces: what stands between back-ticks, and every `--option`, is code.
+fn sentence(text: &str) -> Sentence<'_> {
+    let mut pieces = Vec::new();
+    for (n, piece) in text.split('`').enumerate() {
+        let mut rest = piece;
+        while let Some(start) = rest.find("--").filter(|_| n % 2 == 0) {
+            let letters = |c: char| c.is_ascii_alphanumeric() || c == '-';
+            let end = rest[start..].find(|c| !letters(c)).map_or(rest.len(), |length| start + length);
+            pieces.extend([(false, &rest[..start]), (true, &rest[start..end])]);
+            rest = &rest[end..];
+        }
+        pieces.push((n % 2 == 1, rest));
+    }
+    pieces.retain(|(_, piece)| !piece.is_empty());
+    pieces
+}

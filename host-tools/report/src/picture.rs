@@ -1,0 +1,32 @@
+//! One log as a picture of its own, for a README: loop on the left, the last periods and their error on the right.
+
+use super::ReportError;
+use super::svg::{Drawing, Frame};
+use super::traces::{ERROR, Lines};
+use super::{loops, rows, thin};
+use identification::validate::Comparison;
+
+const LIMIT: usize = 1500;
+
+/// A standalone SVG, 900 units wide on white: the estimate against the sensor.
+///
+/// # Errors
+/// [`ReportError::Nothing`] where the log has no measured instant after its first.
+pub fn picture(comparison: &Comparison, title: &str) -> Result<String, ReportError> {
+    let trace = &comparison.trace;
+    if trace.time_s.is_empty() {
+        return Err(ReportError::Nothing { log: comparison.name.clone() });
+    }
+    let mut drawing = Drawing::new(900.0, 430.0, 14.0);
+    drawing.heading((14.0, 30.0), title);
+    let errors = rows::mean_and_largest(&comparison.mil);
+    drawing.text((14.0, 53.0), "start", &errors);
+
+    loops::draw_in(&mut drawing, Frame { left: 58.0, top: 92.0, width: 352.0, height: 290.0 }, trace, LIMIT);
+    let shown = Lines::of(trace).cut(&thin::last_periods(&trace.voltage));
+    let frame = |top, height| Frame { left: 486.0, top, width: 400.0, height };
+    let upper = shown.displacement(&mut drawing, frame(92.0, 170.0), LIMIT);
+    drawing.legend(&upper, &[("sensor", "sensor"), ("estimate", "estimate")]);
+    shown.error(&mut drawing, frame(300.0, 82.0), LIMIT, ERROR, None);
+    Ok(drawing.standalone(&format!("{title}: {errors}")))
+}

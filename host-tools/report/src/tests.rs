@@ -1,0 +1,210 @@
+//! The whole report of small, hand-made logs.
+
+use super::*;
+use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Status};
+use estimator_core::{Admitted, Digest, Parameters, Provenance, Table, VoigtParameters};
+use identification::cost::Feedback;
+use identification::validate::{Cold, Comparison, Figures, Trace};
+use identification::{Baseline, Conditions, Fit, Problem, SearchOptions, identify};
+use recordings::session::Session;
+
+fn fit(model: Model) -> Fit {
+    let voltage: Vec<f64> = (0..400).map(|k| 20.0 * (f64::from(k) * 0.05).sin()).collect();
+    let displacement = voltage.iter().map(|v| 0.2 * v).collect();
+    let session = Session::new("made".to_owned(), voltage, (0..400).collect(), displacement, 5e-4);
+    let problem = Problem::new(vec![session.clone()], vec![session], Conditions::default());
+    let search = SearchOptions { population: 8, generations: 3, rounds: 2, ..SearchOptions::default() };
+    identify(&problem, &[model], Feedback::Simulation, &search, &mut |_, _| ()).remove(0)
+}
+
+fn table(model: Model) -> Admitted {
+    Table {
+        sample_period_us: 500,
+        scheme: Scheme::ForwardEuler,
+        deadband_v: 0.04,
+        voltage_zero_v: 0.0,
+        displacement_zero_um: 0.0,
+        voltage_range_v: Range { min: -22.0, max: 22.0 },
+        displacement_limits_um: Range { min: -15.0, max: 15.0 },
+        parameters: Parameters::of_voigt_family(
+            model,
+            VoigtParameters {
+                alpha_um: 172.0,
+                beta_v: 5.2,
+                lambda_per_v: 0.051,
+                b_ohm: 1416.0,
+                p: 1.49,
+                ..VoigtParameters::default()
+            },
+        ),
+        adc: AdcCalibration { gain_v_per_code: 0.0107, offset_v: -22.0, invert: false, full_scale: 4095 },
+        dac: DacCalibration { gain_codes_per_um: 100.0, offset_code: 2048.0, full_scale: 4095 },
+        drive: None,
+        provenance: Provenance {
+            logs: Digest([0; 8]),
+            seed: 1,
+            tool_version: [0, 1, 0],
+            train_mae_um: 0.1,
+            validation_mae_um: None,
+            validation_max_um: None,
+        },
+    }
+    .admit()
+    .unwrap()
+}
+
+/// A log of `samples` at 2 kHz and 10 Hz, whose error is a function of the sample.
+fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
+    let time_s: Vec<f64> = (1..=samples).map(|k| k as f64 * 5e-4).collect();
+    let voltage: Vec<f64> = time_s.iter().map(|t| 20.0 * (62.8 * t).sin()).collect();
+    let measured: Vec<f64> = voltage.iter().map(|v| 0.2 * v).collect();
+    let estimated = measured.iter().enumerate().map(|(k, y)| y + error(k)).collect();
+    let figures = Figures {
+        mae_um: error(0).abs(),
+        max_um: error(0).abs(),
+        rmse_um: error(0).abs(),
+        stroke_um: 8.0,
+        offset_um: 0.0,
+        mae_without_offset_um: 0.0,
+        mae_percent: 100.0 * error(0).abs() / 8.0,
+        max_percent: 100.0 * error(0).abs() / 8.0,
+        rmse_percent: 100.0 * error(0).abs() / 8.0,
+        mae_without_offset_percent: 0.0,
+    };
+    Comparison {
+        name: name.to_owned(),
+        mil: figures,
+        sil: figures,
+        mil_sil_um: 1e-6,
+        cold: Cold { all: figures, settled: None, settled_after_s: None },
+        status: Status::empty(),
+        trace: Trace { time_s, voltage, measured, estimated },
+    }
+}
+
+fn candidate(model: Model, training: Vec<Comparison>, held_out: Vec<Comparison>) -> Candidate {
+    Candidate { fit: fit(model), table: table(model), training, held_out }
+}
+
+fn html(chosen: &Candidate, doubts: &[&str]) -> String {
+    let doubts: Vec<String> = doubts.iter().map(|&doubt| doubt.to_owned()).collect();
+    let line = chosen.training_figures().map(|training| Baseline {
+        gain_um_per_v: 0.2,
+        offset_um: 0.0,
+        training,
+        held_out: chosen.held_out_figures(),
+    });
+    let html = render(&Report {
+        title: "a & <b>.csv",
+        verdict: &[concat!("It is `0.1 µm` off; see --", "hold-out.").to_owned()],
+        doubts: &doubts,
+        chosen,
+        straight_line: line.as_ref(),
+        candidates: std::slice::from_ref(chosen),
+        facts: &[("Seed".to_owned(), "<1>".to_owned())],
+    })
+    .unwrap();
+    assert_eq!(html.contains("straight line (2.1)"), line.is_some());
+    check(html.strip_prefix("<!doctype html>").unwrap());
+    assert!(!html.contains("http") && !html.contains("<script") && !html.contains("url("));
+    html
+}
+
+/// Whether every tag that is opened is closed, in order, and no number is other than finite.
+fn check(markup: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    for tag in markup.split('<').skip(1).map(|rest| rest.split_once('>').expect("a tag has an end").0) {
+        let name = tag.trim_matches('/').split_whitespace().next().unwrap();
+        assert_eq!(tag.matches('"').count() % 2, 0, "<{tag}>");
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else if !tag.ends_with('/') && name != "meta" {
+            open.push(name);
+        }
+        assert!(!["NaN", "inf"].iter().any(|word| tag.split('"').skip(1).step_by(2).any(|value| value.contains(word))));
+    }
+    assert!(open.is_empty(), "{open:?}");
+}
+
+#[test]
+fn figures_tables_and_words_are_there() {
+    let held_out = vec![log("tr10", 4000, |k| 0.1 * (k as f64 * 0.03).sin())];
+    let training = (0..5).map(|n| log(&format!("log{n}"), 4000, |_| 0.05)).collect();
+    let page = html(&candidate(Model::Enhanced, training, held_out), &["`gene` is at its end"]);
+    // Six loops, the held-out trace and three others, convergence and residuals.
+    assert_eq!(page.matches("<figure>").count(), 12);
+    assert_eq!(page.matches(r#"<svg class="figure" role="img" aria-label=""#).count(), 12);
+    assert!(page.contains("Not drawn: log3, log4."));
+    assert!(
+        page.contains("<li><code>gene</code> is at its end</li>")
+            && page.contains(concat!("<code>--", "hold-out</code>"))
+    );
+    assert!(page.contains("When not to trust it") && !page.contains("No doubt was found"));
+    assert_eq!(page.matches(r#"<tr class="chosen">"#).count(), 1);
+    let first = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words} is missing"));
+    let order = ["<h1>", "0.1 µm", "When not", "Candidates", "Loops", "Over time", "Convergence", "Residuals"];
+    let then = ["Searched coordinates", "Published parameters", "&#60;1&#62;"];
+    assert!(order.iter().chain(&then).map(|words| first(words)).is_sorted());
+}
+
+#[test]
+fn names_are_escaped() {
+    let name = "<img src=x onerror=\"a\">&'\u{0}";
+    let chosen = candidate(Model::Voigt, vec![log(name, 100, |_| 0.1)], vec![log(name, 100, |_| 0.1)]);
+    let page = html(&chosen, &["<b>"]);
+    assert!(
+        !page.contains("<img") && !page.contains("<b>.csv") && page.contains("&#60;img src=x onerror=&#34;a&#34;&#62;")
+    );
+    let svg = picture(&chosen.training[0], name).unwrap();
+    check(&svg);
+    assert!(!svg.contains("<img") && !svg.contains('\u{0}'));
+    assert_eq!(svg.matches("http").count(), 1);
+}
+
+#[test]
+fn many_long_logs_stay_below_a_megabyte() {
+    let logs = |count: usize| -> Vec<Comparison> {
+        (0..count).map(|n| log(&format!("log{n}"), 40_000, |k| ((k * 7919) % 1000) as f64 * 1e-3)).collect()
+    };
+    let page = html(&candidate(Model::Voigt, logs(30), logs(12)), &[]);
+    assert!(page.len() < 1_000_000, "{}", page.len());
+    assert_eq!(page.matches("<figure>").count(), 24 + 8 + 3 + 2);
+    let svg = picture(&logs(1)[0], "long").unwrap();
+    assert!(svg.len() < 200_000, "{}", svg.len());
+}
+
+#[test]
+fn nothing_held_out_and_no_doubt() {
+    let page = html(&candidate(Model::Voigt, vec![log("only", 1000, |_| 0.1)], Vec::new()), &[]);
+    assert!(page.contains("Nothing was held out") && page.contains("No doubt was found") && page.contains("no proof"));
+    assert_eq!(page.matches("<figure>").count(), 4);
+}
+
+#[test]
+fn values_that_are_not_finite_or_do_not_vary_can_be_drawn() {
+    let errors: [fn(usize) -> f64; 6] = [
+        |_| 0.0,
+        |_| 0.25,
+        |_| f64::NAN,
+        |_| f64::INFINITY,
+        |k| if k % 2 == 0 { f64::NAN } else { 1e300 },
+        |_| -1e-300,
+    ];
+    for error in errors {
+        for samples in [1, 2, 3, 2000] {
+            let mut chosen = candidate(Model::Voigt, vec![log("a", samples, error)], vec![log("b", samples, error)]);
+            chosen.fit.convergence[1].training = f64::INFINITY;
+            chosen.fit.convergence[1].validation = Some(f64::NAN);
+            html(&chosen, &[]);
+            check(&picture(&chosen.training[0], "a").unwrap());
+        }
+    }
+}
+
+#[test]
+fn a_log_without_samples_is_named() {
+    let empty = log("empty", 0, |_| 0.1);
+    assert!(picture(&empty, "a").unwrap_err().to_string().contains("log 'empty'"));
+    let page = html(&candidate(Model::Voigt, vec![empty], Vec::new()), &[]);
+    assert!(page.contains("Not drawn: empty."));
+}

@@ -1,0 +1,79 @@
+//! Time traces: the estimate on the sensor over the last periods, the error below it, and the error over the whole log.
+
+use super::axis::Axis;
+use super::svg::{Drawing, Frame, Panel};
+use super::thin::{Point, last_periods, thin};
+use identification::validate::Trace;
+use std::ops::RangeInclusive;
+
+/// Lines over time.
+pub struct Lines {
+    measured: Vec<Point>,
+    estimated: Vec<Point>,
+    error: Vec<Point>,
+}
+
+impl Lines {
+    /// A log's lines.
+    pub fn of(trace: &Trace) -> Self {
+        let over_time = |values: &[f64]| trace.time_s.iter().copied().zip(values.iter().copied()).collect();
+        let error: Vec<f64> = trace.estimated.iter().zip(&trace.measured).map(|(e, m)| e - m).collect();
+        Self { measured: over_time(&trace.measured), estimated: over_time(&trace.estimated), error: over_time(&error) }
+    }
+
+    /// Some of their points.
+    pub fn cut(&self, points: &RangeInclusive<usize>) -> Self {
+        let cut = |line: &[Point]| line.get(points.clone()).unwrap_or_default().to_vec();
+        Self { measured: cut(&self.measured), estimated: cut(&self.estimated), error: cut(&self.error) }
+    }
+
+    /// First and last instant, s.
+    pub fn span(&self) -> (f64, f64) {
+        let time = |point: Option<&Point>| point.map_or(0.0, |(time, _)| *time);
+        (time(self.error.first()), time(self.error.last()))
+    }
+
+    /// Draws sensor and estimate, without labels of the time, which the panel below has.
+    pub fn displacement(&self, drawing: &mut Drawing, frame: Frame, limit: usize) -> Panel {
+        let values = self.measured.iter().chain(&self.estimated).map(|point| point.1);
+        let panel = drawing.panel(frame, self.time(), Axis::linear(values, 3), ("", "displacement, µm"));
+        drawing.line(&panel, "sensor", &thin(self.measured.iter().copied(), limit));
+        drawing.line(&panel, "estimate", &thin(self.estimated.iter().copied(), limit));
+        panel
+    }
+
+    /// Draws the error, and marks a part of the time.
+    pub fn error(&self, drawing: &mut Drawing, frame: Frame, limit: usize, title: &str, mark: Option<(f64, f64)>) {
+        let errors = self.error.iter().map(|point| point.1).chain([0.0]);
+        let panel = drawing.panel(frame, self.time(), Axis::linear(errors, 2), ("time, s", title));
+        if let Some((from, to)) = mark {
+            drawing.window(&panel, from, to);
+        }
+        drawing.line(&panel, "error", &thin(self.error.iter().copied(), limit));
+        drawing.zero(&panel);
+    }
+
+    fn time(&self) -> Axis {
+        Axis::tight(self.error.iter().map(|point| point.0), 3)
+    }
+}
+
+/// Title of an error's axis.
+pub const ERROR: &str = "estimate − sensor, µm";
+
+/// Draws a log; at most `limit` points a line. Also the seconds that are shown in detail, where not all are.
+pub fn draw(trace: &Trace, limit: usize) -> (Drawing, Option<(f64, f64)>) {
+    let all = Lines::of(trace);
+    let detail = last_periods(&trace.voltage);
+    let shown = all.cut(&detail);
+    let mark = (*detail.start() > 0).then(|| shown.span());
+    let frame = |top, height| Frame { left: 42.0, top, width: 300.0, height };
+    let mut drawing = Drawing::new(350.0, if mark.is_some() { 390.0 } else { 290.0 }, 11.0);
+    let upper = shown.displacement(&mut drawing, frame(22.0, 140.0), limit);
+    drawing.legend(&upper, &[("sensor", "sensor"), ("estimate", "estimate")]);
+    shown.error(&mut drawing, frame(186.0, 70.0), limit, ERROR, None);
+    if mark.is_some() {
+        all.error(&mut drawing, frame(308.0, 48.0), limit, "the same over the whole log, µm", mark);
+    }
+    (drawing, mark)
+}

@@ -1,0 +1,164 @@
+//! The tables and figures of the thesis's chapters 3 to 5 and of its Appendices B and C that numbers can reproduce,
+//! each beside what it prints: one item a file. The thesis's figures come from its own actuator, ours from the
+//! synthetic rig or from a user's logs.
+
+mod bench;
+mod black_box;
+mod convergence;
+mod error;
+mod errors;
+mod extremum_terms;
+mod features;
+mod hysteresis;
+mod loops;
+mod monotone;
+mod optimisers;
+mod parameters;
+mod range;
+mod rate;
+mod sampling_time;
+mod search;
+mod tracking;
+
+pub use bench::Bench;
+pub use error::ThesisError;
+use identification::{Progress, SearchOptions};
+use report::Section;
+
+/// What can be reproduced.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Item {
+    /// Validation errors: Tables 4.8, 5.3, 5.4, 5.5, Figures 4.11 and 5.1 to 5.6.
+    Errors,
+    /// Validation error over the sampling time: Table 4.4, Figure 4.8.
+    SamplingTime,
+    /// Parameters and their ranges: Tables 4.5, 4.6, 5.2.
+    Parameters,
+    /// Modelling and validation error over the search: Table 4.7, Figures 4.9 and 4.10.
+    Convergence,
+    /// NARX with and without extrema: Table 5.1.
+    BlackBox,
+    /// Population and bits of the search: Tables C.1, C.2.
+    Search,
+    /// Recorded signals and loops: Appendix B.
+    Loops,
+    /// Rate dependence, frequency range, reversibility: Table 3.1.
+    Features,
+    /// The rig driven by each model's inverse, beside plain scaling.
+    Tracking,
+    /// The extremum terms tried on every model: Section 6.2.
+    ExtremumTerms,
+    /// Optimisers at equal budget: Section 6.2.
+    Optimisers,
+    /// Everything.
+    All,
+}
+
+impl Item {
+    /// Each by itself.
+    pub const EACH: [Self; 11] = [
+        Self::Errors,
+        Self::SamplingTime,
+        Self::Parameters,
+        Self::Convergence,
+        Self::BlackBox,
+        Self::Search,
+        Self::Loops,
+        Self::Features,
+        Self::Tracking,
+        Self::ExtremumTerms,
+        Self::Optimisers,
+    ];
+
+    /// What some arguments ask for, each item once, in the order of [`Self::EACH`].
+    pub fn asked(arguments: &[Self]) -> Vec<Self> {
+        let asked = |item: &Self| arguments.contains(item) || arguments.contains(&Self::All);
+        Self::EACH.into_iter().filter(asked).collect()
+    }
+
+    /// Its name on the command line and in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Errors => "errors",
+            Self::SamplingTime => "sampling-time",
+            Self::Parameters => "parameters",
+            Self::Convergence => "convergence",
+            Self::BlackBox => "black-box",
+            Self::Search => "search",
+            Self::Loops => "loops",
+            Self::Features => "features",
+            Self::Tracking => "tracking",
+            Self::ExtremumTerms => "extremum-terms",
+            Self::Optimisers => "optimisers",
+            Self::All => "all",
+        }
+    }
+
+    /// Generations that it takes, roughly, for a progress bar.
+    pub fn generations(self, search: &SearchOptions) -> u64 {
+        match self {
+            Self::Errors => errors::generations(search),
+            Self::SamplingTime => sampling_time::generations(search),
+            Self::Parameters => parameters::generations(search),
+            Self::Convergence => convergence::generations(search),
+            Self::BlackBox => black_box::GENERATIONS,
+            Self::Search => search::generations(search),
+            Self::Loops => loops::generations(search),
+            Self::Features => features::generations(search),
+            Self::Tracking => tracking::generations(search),
+            Self::ExtremumTerms => extremum_terms::generations(search),
+            Self::Optimisers => optimisers::generations(search),
+            Self::All => Self::EACH.into_iter().map(|item| item.generations(search)).sum(),
+        }
+    }
+
+    fn section(self, bench: &mut Bench, progress: Progress<'_>) -> Result<Option<Section>, ThesisError> {
+        let section = match self {
+            Self::Errors => errors::section(bench, progress),
+            Self::SamplingTime => sampling_time::section(bench, progress),
+            Self::Parameters => parameters::section(bench, progress),
+            Self::Convergence => convergence::section(bench, progress),
+            Self::BlackBox => black_box::section(bench, progress),
+            Self::Search => search::section(bench, progress),
+            Self::Loops => loops::section(bench, progress),
+            Self::Features => features::section(bench, progress),
+            Self::Tracking => tracking::section(bench, progress),
+            Self::ExtremumTerms => extremum_terms::section(bench, progress),
+            Self::Optimisers => optimisers::section(bench, progress),
+            Self::All => return Ok(None),
+        };
+        section.map(Some).map_err(|source| ThesisError::Item { item: self, source: Box::new(source) })
+    }
+}
+
+/// Reproduces some items, in the order given. One that has nothing to show says why in its place.
+///
+/// # Errors
+/// None of them has anything to show: why the first has not.
+pub fn run(bench: &mut Bench, items: &[Item], progress: Progress<'_>) -> Result<Vec<(Item, Section)>, ThesisError> {
+    let (mut sections, mut failed) = (Vec::new(), Vec::new());
+    for &item in items {
+        match item.section(bench, progress) {
+            Ok(section) => sections.extend(section.map(|section| (item, section))),
+            Err(why) => {
+                sections.push((item, Section::failed(&(bench.say)(&why))));
+                failed.push(why);
+            }
+        }
+    }
+    let all = failed.len() == sections.len();
+    failed.into_iter().next().filter(|_| all).map_or(Ok(sections), Err)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_is_each_once_and_what_is_named_twice_is_done_once() {
+        assert_eq!(Item::asked(&[Item::All, Item::Loops]), Item::EACH);
+        assert_eq!(Item::asked(&[Item::Loops, Item::Errors, Item::Loops]), [Item::Errors, Item::Loops]);
+        assert_eq!(Item::SamplingTime.name(), "sampling-time");
+        assert!([Item::ExtremumTerms, Item::Optimisers].iter().all(|item| Item::EACH.contains(item)));
+    }
+}

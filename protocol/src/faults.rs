@@ -1,0 +1,37 @@
+//! What can be wrong on a device.
+
+use serde::{Deserialize, Serialize};
+
+bitflags::bitflags! {
+    /// What is wrong on the device now. While [`Faults::SAFE_OUTPUT`] is among them, the DAC stands at its safe value.
+    #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+    pub struct Faults: u8 {
+        /// The ADC has stood at an end of its range: a broken divider, a wrong offset, or an open input.
+        const ADC_SATURATED = 1 << 0;
+        /// The ADC has given one and the same code: a converter or an input that has stopped.
+        const ADC_STUCK = 1 << 1;
+        /// The voltage has been beyond what the table was identified on: the calibration is not that of this divider.
+        const OUT_OF_CALIBRATION = 1 << 2;
+        /// A tick came late or not at all, or was not done in time for its output.
+        const MISSED_DEADLINE = 1 << 3;
+        /// The analogue supply, which is the converters' reference, was out of tolerance at boot.
+        const SUPPLY = 1 << 4;
+        /// There is no admissible table, so nothing is estimated.
+        const NO_TABLE = 1 << 5;
+        /// A stored table could not be used, so another one is.
+        const TABLE_FALLBACK = 1 << 6;
+        /// The DAC stands at its safe value, or is on its way there: by a fault, or because nothing is put out in this mode.
+        const SAFE_OUTPUT = 1 << 7;
+    }
+}
+
+impl Faults {
+    /// The faults that send the DAC to its safe value. With a table that is not the one stored nobody knows what the DAC is
+    /// wired to.
+    pub const UNSAFE: Self = Self::ADC_SATURATED
+        .union(Self::ADC_STUCK)
+        .union(Self::OUT_OF_CALIBRATION)
+        .union(Self::SUPPLY)
+        .union(Self::NO_TABLE)
+        .union(Self::TABLE_FALLBACK);
+}

@@ -1,0 +1,196 @@
+//! The list of figures: what each is called in the documents, and how it is made of what a command prints.
+
+use anyhow::{Context, Result, ensure};
+use estimator_core::Model;
+use serde_json::Value;
+
+use super::{
+    ceiling,
+    command::{
+        Command::{self, Drive, Identify, Reproduce, Size, SizeModels, Validate},
+        Printed, bytes,
+    },
+    document::{Content, Table},
+};
+
+/// A figure, or a table of them.
+pub struct Figure {
+    /// What it is called in the documents' markers.
+    pub name: &'static str,
+    /// Where it is a file of its own: its path. Else it stands between markers.
+    pub file: Option<&'static str>,
+    /// Makes it.
+    pub make: fn(&Printed<'_>) -> Result<Content>,
+}
+
+/// Every figure.
+pub const FIGURES: [Figure; 14] = [
+    Figure {
+        name: "picture",
+        file: Some("docs/estimate.svg"),
+        make: |printed| Ok(Content::File(bytes(&printed.identified()?.join("estimate.svg"))?)),
+    },
+    stated("held-out", |printed| held_out(&*printed.by(Identify)?)),
+    stated("settled-after-s", |printed| value(printed, Validate, "/logs/0/cold/settled_after_s", 2)),
+    stated("settled-mae-um", |printed| value(printed, Validate, "/logs/0/cold/settled/mae_um", 3)),
+    stated("told-mae-um", |printed| value(printed, Validate, "/all/sil/mae_um", 3)),
+    stated("thesis", |printed| thesis(&printed.by(Reproduce)?["errors"])),
+    stated("tracking", |printed| tracking(&printed.by(Reproduce)?["tracking"])),
+    stated("models", models),
+    stated("tick", |printed| tick(&*printed.by(Size)?)),
+    stated("flash-kb", |printed| kilobytes(printed, "/flash_bytes")),
+    stated("ram-kb", |printed| kilobytes(printed, "/ram_bytes")),
+    stated("drive-generalised-mean", |printed| count(printed, "/generalised-prandtl-ishlinskii/mean")),
+    stated("drive-generalised-max", |printed| count(printed, "/generalised-prandtl-ishlinskii/max")),
+    stated("drive-preisach-max", |printed| count(printed, "/Preisach/max")),
+];
+
+const fn stated(name: &'static str, make: fn(&Printed<'_>) -> Result<Content>) -> Figure {
+    Figure { name, file: None, make }
+}
+
+/// Errors of the models on the measured log's held-out half.
+fn held_out(printed: &Value) -> Result<Content> {
+    let row = |candidate: &Value| -> Result<Vec<String>> {
+        let figure = |name: &str| number(candidate, &format!("/held_out/{name}"));
+        let chosen = if candidate["model"] == printed["model"] { " (chosen)" } else { "" };
+        Ok(vec![
+            format!("{}{chosen}", model(&candidate["model"])?),
+            fixed(figure("mae_um")?, 3),
+            fixed(figure("max_um")?, 3),
+            fixed(figure("rmse_um")?, 3),
+            fixed(100.0 * figure("mae_um")? / figure("stroke_um")?, 2),
+            fixed(figure("mae_without_offset_um")?, 3),
+        ])
+    };
+    let columns = ["MAE µm", "MAX µm", "RMSE µm", "MAE, % of stroke", "MAE µm without constant offset"];
+    table(1, &columns, array(printed, "/candidates")?.iter().map(row))
+}
+
+/// Errors on the synthetic rig, beside those of the thesis.
+fn thesis(printed: &Value) -> Result<Content> {
+    let rows = array(printed, "")?;
+    let of_voigt = |row: &Value, name: &str| -> Result<f64> {
+        let voigt = rows.iter().find(|other| other["model"] == "voigt" && other["cost"] == row["cost"]);
+        Ok(number(row, name)? / number(voigt.context("Voigt's model is missing")?, name)?)
+    };
+    // The search must have found the optimum: a Voigt model badly converged would flatter the others.
+    let simulated = |wanted: Model| -> Result<&Value> {
+        let found =
+            rows.iter().find(|row| model(&row["model"]).is_ok_and(|model| model == wanted) && row["cost"] != "osp");
+        found.with_context(|| format!("{wanted} is missing"))
+    };
+    let voigt = number(simulated(Model::Voigt)?, "/mae_um")?;
+    ensure!((0.24..0.27).contains(&voigt), "Voigt's optimum validates at 0.25 µm, this at {voigt:.3} µm");
+    for (better, most) in [(Model::Enhanced, 0.6), (Model::GeneralisedPrandtlIshlinskii, 0.12)] {
+        let ratio = of_voigt(simulated(better)?, "/mae_um")?;
+        ensure!(ratio <= most, "{better}: the error must be at most {most} of Voigt's, and is {ratio:.3} of it");
+    }
+    let row = |row: &Value| -> Result<Vec<String>> {
+        let cost = if row["cost"] == "osp" { "OSP" } else { "simulation" };
+        let mut cells = vec![model(&row["model"])?.to_string(), cost.to_owned()];
+        for prefix in ["/", "/thesis_"] {
+            let [mae, max] = ["mae_um", "max_um"].map(|name| format!("{prefix}{name}"));
+            cells.extend(if row.pointer(&mae).is_none_or(Value::is_null) {
+                ["–"; 3].map(str::to_owned)
+            } else {
+                [fixed(number(row, &mae)?, 3), fixed(number(row, &max)?, 3), fixed(of_voigt(row, &mae)?, 2)]
+            });
+        }
+        Ok(cells)
+    };
+    let columns = ["MAE µm", "MAX µm", "MAE of Voigt's", "thesis MAE µm", "thesis MAX µm", "thesis MAE of Voigt's"];
+    table(2, &columns, rows.iter().map(row))
+}
+
+/// Errors of the rig driven by the models' inverses. The trajectories are the document's headings.
+fn tracking(printed: &Value) -> Result<Content> {
+    const SHAPES: [&str; 6] = ["sine 1 Hz", "sine 10 Hz", "sine 50 Hz", "triangle 5 Hz", "staircase", "shrinking 5 Hz"];
+    let inverted = array(printed, "")?.iter().filter(|row| !row["mae_nm"].is_null());
+    let row = |row: &Value| -> Result<Vec<String>> {
+        let mut cells = vec![row["name"].as_str().context("a row has no name")?.to_owned()];
+        for index in 0..SHAPES.len() {
+            cells.push(fixed(number(row, &format!("/mae_nm/{index}"))?, 0));
+        }
+        cells.push(fixed(number(row, "/of_scaling")?, 3));
+        let round_trip = row["round_trip_nm"].as_f64();
+        cells.push(round_trip.map_or_else(|| "–".to_owned(), |nm| fixed(nm, 2)));
+        Ok(cells)
+    };
+    let columns = [&SHAPES[..], &["mean, of scaling's", "round trip nm"]].concat();
+    table(1, &columns, inverted.map(row))
+}
+
+/// What a tick of each model takes.
+fn models(printed: &Printed<'_>) -> Result<Content> {
+    let ticks = printed.by(SizeModels)?;
+    let row = |model: Model| -> Result<Vec<String>> {
+        let name = model.name();
+        let most = whole(&ticks, &format!("/{name}/max"))?;
+        ceiling::check(name, most)?;
+        let mean = number(&ticks, &format!("/{name}/mean"))?;
+        Ok(vec![format!("`{name}`"), thousands(most), thousands(mean.round() as u64)])
+    };
+    table(1, &["instructions, most", "mean"], Model::ALL.into_iter().map(row))
+}
+
+/// Instructions of a tick with the thesis's model.
+fn tick(printed: &Value) -> Result<Content> {
+    let most = whole(printed, "/instructions_per_tick/max")?;
+    let mean = number(printed, "/instructions_per_tick/mean")?;
+    Ok(Content::Value(format!("{} at most, {} on average", thousands(most), fixed(mean, 1))))
+}
+
+fn value(printed: &Printed<'_>, command: Command, pointer: &str, digits: usize) -> Result<Content> {
+    Ok(Content::Value(fixed(number(&*printed.by(command)?, pointer)?, digits)))
+}
+
+fn count(printed: &Printed<'_>, pointer: &str) -> Result<Content> {
+    Ok(Content::Value(thousands(whole(&*printed.by(Drive)?, pointer)?)))
+}
+
+fn kilobytes(printed: &Printed<'_>, pointer: &str) -> Result<Content> {
+    Ok(Content::Value(fixed(1e-3 * number(&*printed.by(Size)?, pointer)?, 0)))
+}
+
+fn table(keys: usize, columns: &[&str], rows: impl Iterator<Item = Result<Vec<String>>>) -> Result<Content> {
+    let columns = columns.iter().map(|&column| column.to_owned()).collect();
+    Ok(Content::Table(Table { keys, columns, rows: rows.collect::<Result<_>>()? }))
+}
+
+fn model(name: &Value) -> Result<Model> {
+    serde_json::from_value(name.clone()).with_context(|| format!("{name} is no model"))
+}
+
+fn array<'v>(value: &'v Value, pointer: &str) -> Result<&'v Vec<Value>> {
+    value.pointer(pointer).and_then(Value::as_array).with_context(|| format!("no array at {pointer:?} of the JSON"))
+}
+
+fn number(value: &Value, pointer: &str) -> Result<f64> {
+    value.pointer(pointer).and_then(Value::as_f64).with_context(|| format!("no number at {pointer} of the JSON"))
+}
+
+fn whole(value: &Value, pointer: &str) -> Result<u64> {
+    value.pointer(pointer).and_then(Value::as_u64).with_context(|| format!("no whole number at {pointer} of the JSON"))
+}
+
+fn fixed(number: f64, digits: usize) -> String {
+    format!("{number:.digits$}")
+}
+
+/// With commas between thousands.
+fn thousands(number: u64) -> String {
+    let digits = number.to_string();
+    let groups = digits.as_bytes().rchunks(3).rev().map(|group| group.iter().map(|&digit| char::from(digit)).collect());
+    groups.collect::<Vec<String>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_set_apart() {
+        assert_eq!([0, 352, 1000, 85_000, 1_234_567].map(thousands), ["0", "352", "1,000", "85,000", "1,234,567"]);
+    }
+}

@@ -1,0 +1,89 @@
+//! Rules of this repository that no compiler checks.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use xshell::{Shell, cmd};
+
+/// The folder of the host's crates.
+const HOST: &str = "host-tools";
+/// The crate that is the command line; the others are libraries, which know of none.
+const COMMAND_LINE: &str = "piezo";
+/// What starts another program, with that program's flags.
+const STARTS_ANOTHER: &str = "host-tools/device-link/src/probe.rs";
+/// Most lines of a crate's sources.
+const MOST_LINES: usize = 5500;
+/// The identification is a library for others, too: it must not bring them a command line, a serial port or a terminal.
+const IDENTIFICATION: &str = "identification";
+const NOT_OF_IDENTIFICATION: [&str; 6] = ["clap", "anyhow", "serialport", "crossterm", "askama", "indicatif"];
+
+/// Checks them.
+///
+/// # Errors
+/// Those that are broken, each with its place and its remedy.
+pub fn check(sh: &Shell) -> Result<()> {
+    let mut broken = Vec::new();
+    for folder in sh.read_dir(HOST)?.iter().filter(|folder| folder.join("Cargo.toml").is_file()) {
+        let name = folder.file_name().and_then(|name| name.to_str()).context("a crate's folder is not UTF-8")?;
+        let mut lines = 0;
+        for path in sources(sh, &folder.join("src"))? {
+            let text = sh.read_file(&path)?;
+            lines += text.lines().count();
+            let place = path.strip_prefix(sh.current_dir()).unwrap_or(&path);
+            if name == COMMAND_LINE || place == Path::new(STARTS_ANOTHER) {
+                continue;
+            }
+            broken.extend(flags(&text).map(|(line, code)| {
+                let place = place.display();
+                format!("{place}:{line}: `{code}` names a flag, which only {HOST}/{COMMAND_LINE} may: say it there")
+            }));
+        }
+        if lines > MOST_LINES {
+            broken.push(format!("{HOST}/{name} has {lines} lines, more than {MOST_LINES}: split it"));
+        }
+    }
+    let tree = cmd!(sh, "cargo tree --package {IDENTIFICATION} --edges normal --prefix none").read()?;
+    for foreign in NOT_OF_IDENTIFICATION {
+        if tree.lines().any(|line| line.split(' ').next() == Some(foreign)) {
+            broken.push(format!(
+                "{IDENTIFICATION} depends on {foreign}: `cargo tree --package {IDENTIFICATION} --edges normal --invert \
+                 {foreign}` says through what"
+            ));
+        }
+    }
+    ensure!(broken.is_empty(), "{}", broken.join("\n"));
+    Ok(())
+}
+
+/// The Rust files of a folder and of those in it.
+fn sources(sh: &Shell, folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for path in sh.read_dir(folder)? {
+        if path.is_dir() {
+            files.extend(sources(sh, &path)?);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+/// Lines with `--word`, which Rust has in strings and comments only, and their numbers; comments do not count.
+fn flags(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let names_flag = |code: &str| {
+        let after = code.match_indices("--").filter_map(|(at, dashes)| code[at + dashes.len()..].chars().next());
+        after.into_iter().any(|first| first.is_ascii_lowercase())
+    };
+    (1..).zip(text.lines().map(str::trim)).filter(move |(_, code)| !code.starts_with("//") && names_flag(code))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_are_found_in_strings_and_not_in_comments() {
+        let text = "/// With --out.\nlet a = \"say --out\";\nlet b = \"1 -- 2\";\n// --out\n  use --delay \\\n----";
+        assert_eq!(flags(text).map(|(line, _)| line).collect::<Vec<_>>(), [2, 5]);
+    }
+}
