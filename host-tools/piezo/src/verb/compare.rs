@@ -147,7 +147,7 @@ fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {
     let counted = matrix.counted();
     let heading = |first: &str| {
         format!(
-            "{first:<30} {:>8} {:>8} {:>8} {:>7} {:>7} {:>11}",
+            "{first:<34} {:>8} {:>8} {:>8} {:>7} {:>7} {:>11}",
             "MAE µm", "RMS µm", "MAX µm", "MAE %", "RMS %", "MAE, no off"
         )
     };
@@ -183,7 +183,7 @@ fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {
                 row.evaluations,
                 row.seconds
             )),
-            Judgement::Failed { failed } => out(&format!("{:<30} {failed}", first(row))),
+            Judgement::Failed { failed } => out(&format!("{:<34} {failed}", first(row))),
         }
     }
     if let Some(errors) = baseline {
@@ -220,7 +220,7 @@ fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {
 
 fn line(first: &str, figures: &Figures) -> String {
     format!(
-        "{first:<30} {:>8.4} {:>8.4} {:>8.4} {:>7.3} {:>7.3} {:>11.4}",
+        "{first:<34} {:>8.4} {:>8.4} {:>8.4} {:>7.3} {:>7.3} {:>11.4}",
         figures.mae_um,
         figures.rmse_um,
         figures.max_um,

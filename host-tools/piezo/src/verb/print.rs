@@ -4,13 +4,13 @@ use identification::validate::Figures;
 
 /// Heading of [`row`].
 pub fn heading(first: &str) -> String {
-    format!("{first:<28} {:>8} {:>8} {:>8} {:>8} {:>12}", "MAE µm", "MAX µm", "RMSE µm", "% stroke", "MAE, no offset")
+    format!("{first:<34} {:>8} {:>8} {:>8} {:>8} {:>12}", "MAE µm", "MAX µm", "RMSE µm", "% stroke", "MAE, no offset")
 }
 
 /// One line of errors: MAE, MAX, RMSE, MAE in % of the stroke, MAE without a constant offset.
 pub fn row(first: &str, figures: &Figures) -> String {
     format!(
-        "{first:<28} {:>8.4} {:>8.4} {:>8.4} {:>8.2} {:>14.4}",
+        "{first:<34} {:>8.4} {:>8.4} {:>8.4} {:>8.2} {:>14.4}",
         figures.mae_um, figures.max_um, figures.rmse_um, figures.mae_percent, figures.mae_without_offset_um
     )
 }
