@@ -276,7 +276,7 @@ impl<T: Real> Narx<T> {
 
     /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
     ///
-    /// The limits.
+    /// The limits of the clamp, whatever the voltages.
     pub fn reach(&self, _voltage: Range<T>) -> Option<Range<T>> {
         (self.limits.min <= self.limits.max).then_some(self.limits)
     }

@@ -14,7 +14,7 @@ pub trait Process<T: Real>: Clone {
     /// As [`Recursion::bound`].
     ///
     /// # Errors
-    /// As there.
+    /// Those of the method it names.
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>>;
 
     /// As [`Recursion::set_displacement`]; `false` before the first tick, too.

@@ -34,9 +34,9 @@ pub enum FollowError {
     /// The user does not want to wait.
     #[error("interrupted after {done} of {ticks} ticks")]
     Interrupted {
-        /// Ticks done.
+        /// How many ticks had been done.
         done: usize,
-        /// Ticks wanted.
+        /// How many ticks were asked for.
         ticks: usize,
     },
     /// A reply to references was lost.
@@ -44,9 +44,9 @@ pub enum FollowError {
         "a reply was lost, so that nobody knows which references the device has taken: after {done} of {ticks} ticks"
     )]
     ReplyLost {
-        /// Ticks done.
+        /// How many ticks had been done.
         done: usize,
-        /// Ticks wanted.
+        /// How many ticks were asked for.
         ticks: usize,
     },
     /// Samples were lost.

@@ -70,17 +70,17 @@ pub enum FeedError {
     /// The user does not want to wait.
     #[error("interrupted after {done} of {ticks} ticks")]
     Interrupted {
-        /// Ticks done.
+        /// How many ticks had been done.
         done: usize,
-        /// Ticks wanted.
+        /// How many ticks were asked for.
         ticks: usize,
     },
     /// Neither samples nor errors come.
     #[error("the device gives nothing any more, after {done} of {ticks} ticks")]
     Silent {
-        /// Ticks done.
+        /// How many ticks had been done.
         done: usize,
-        /// Ticks wanted.
+        /// How many ticks were asked for.
         ticks: usize,
     },
     /// Samples were lost: nothing can be compared.
