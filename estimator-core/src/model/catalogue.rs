@@ -2,9 +2,10 @@
 //!
 //! To add one: a file with its parameters ([`Published`]) and its recursion, and a line at the end of this file.
 
+use super::published::{Discretisation, Published};
 use super::{
     BoucWenParameters, DuhemParameters, GeneralisedPrandtlIshlinskiiParameters, MaxwellSlipParameters, NarxParameters,
-    PrandtlIshlinskiiParameters, PreisachParameters, Process, Recursion, Running, Scheme, VoigtChainParameters,
+    PrandtlIshlinskiiParameters, PreisachParameters, Process, Recursion, Running, VoigtChainParameters,
     VoigtParameters,
 };
 use crate::admissible::Inadmissible;
@@ -13,47 +14,6 @@ use crate::range::Range;
 use crate::rule::Rule;
 use core::fmt;
 use serde::{Deserialize, Serialize};
-
-/// How a model's equations become ticks.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Discretisation<T> {
-    /// Tick, s.
-    pub sample_period: T,
-    /// How the Voigt family's differential equation becomes a recursion.
-    pub scheme: Scheme,
-    /// Retreat of the voltage from its running extreme that counts as a reversal, V.
-    pub deadband: T,
-}
-
-/// The parameters of a model as they are published, in the literature's units.
-pub trait Published: Copy {
-    /// The model's per-tick coefficients.
-    type Coefficients<T: Real>: Recursion<T> + Clone + PartialEq + fmt::Debug;
-
-    /// The coefficients. Checks nothing.
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Self::Coefficients<T>;
-
-    /// Checks every parameter by itself and beside the others; whether the recursion is stable and bounded is
-    /// [`Recursion::bound`]'s.
-    ///
-    /// # Errors
-    /// The rule that they break.
-    fn check(&self) -> Result<(), Rule>;
-
-    /// Ticks by which the displacement comes later than its monotone part has it
-    /// ([`Recursion::monotone_part`]): what whoever knows a reference ahead of time can make up for.
-    fn delay_ticks(&self) -> f32 {
-        0.0
-    }
-
-    /// As [`check`](Self::check), for types that serve several models, of which one must leave parameters at 0.
-    ///
-    /// # Errors
-    /// The rule that they break.
-    fn check_as(&self, _model: Model) -> Result<(), Rule> {
-        self.check()
-    }
-}
 
 type Coefficients<P, T> = <P as Published>::Coefficients<T>;
 type RunningOf<P, T> = Running<Coefficients<P, T>, <Coefficients<P, T> as Recursion<T>>::State>;
@@ -116,12 +76,9 @@ macro_rules! models {
                 match self { $(Self::$model(_) => stringify!($parameters),)* }
             }
 
-            /// As [`Published::check`].
-            ///
-            /// # Errors
-            /// The rule that they break.
-            pub fn check(&self) -> Result<(), Rule> {
-                match self { $(Self::$model(of) => of.check_as(Model::$model),)* }
+            /// As [`Published::check`], whichever of the models that share their type they are of.
+            pub(super) fn check_numbers(&self) -> Result<(), Rule> {
+                match self { $(Self::$model(of) => of.check(),)* }
             }
 
             /// As [`Published::delay_ticks`].

@@ -22,11 +22,11 @@
 mod parameters;
 mod proof;
 
-pub use parameters::{Scheme, VoigtParameters};
+pub use parameters::VoigtParameters;
 pub use proof::LEAST_DECAY;
 
 use super::Recursion;
-use super::catalogue::Discretisation;
+use super::published::{Discretisation, Scheme};
 use crate::admissible::Inadmissible;
 use crate::extremum::{Extremum, Tracker};
 use crate::math::Real;
