@@ -43,8 +43,8 @@ proptest! {
     #[test]
     fn an_admitted_table_is_never_clamped(admitted in admitted_table(), codes in any_codes()) {
         // The proof is exact; the arithmetic rounds. Where the reach touches the limits, rounding may cross them.
-        let room = Range { min: -29.9, max: 29.9 };
-        prop_assume!(Table { displacement_limits_um: room, ..*admitted }.admit().is_ok());
+        let narrower = Range { min: -29.9, max: 29.9 };
+        prop_assume!(Table { displacement_limits_um: narrower, ..*admitted }.admit().is_ok());
         let mut estimator = Estimator::<f32>::new(&admitted);
         for (level, dwell) in codes {
             for _ in 0..dwell {

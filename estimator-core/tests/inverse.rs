@@ -22,7 +22,7 @@ fn limits(model: Model) -> DriveLimits {
 }
 
 /// The table without what an inverse leaves out, and without a displacement that jumps at a reversal.
-fn prompt(model: Model) -> Admitted {
+fn monotone(model: Model) -> Admitted {
     let table = table_of(model);
     let parameters = match table.parameters {
         Parameters::GeneralisedPrandtlIshlinskii(of) => {
@@ -80,7 +80,7 @@ fn round_trip<T: Real>(table: &Admitted, limits: &DriveLimits, reference: impl F
 #[test]
 fn the_model_of_its_inverse_is_the_reference() {
     for model in invertible() {
-        let (table, limits) = (prompt(model), limits(model));
+        let (table, limits) = (monotone(model), limits(model));
         let span = f64::from(table.displacement_limits_um.span());
         let (middle, half) = reachable::<f64>(&table, &limits);
         let wave = |k: u16| {
@@ -97,7 +97,7 @@ fn the_model_of_its_inverse_is_the_reference() {
 #[test]
 fn a_delay_and_a_resonance_are_left_out_and_come_late() {
     let delayed = table_of(Model::GeneralisedPrandtlIshlinskii);
-    let Parameters::GeneralisedPrandtlIshlinskii(of) = delayed.parameters else { panic!("the champion's") };
+    let Parameters::GeneralisedPrandtlIshlinskii(of) = delayed.parameters else { panic!("the play model's") };
     let only = GeneralisedPrandtlIshlinskiiParameters { delay_ticks: 3.0, resonance_hz: 0.0, damping: 0.0, ..of };
     let table = Table { parameters: Parameters::GeneralisedPrandtlIshlinskii(only), ..delayed }.admit().unwrap();
     let (mut inverse, mut judge) = (table.inverse::<f64>(&LIMITS).unwrap(), Estimator::<f64>::new(&table));
@@ -138,7 +138,7 @@ fn a_displacement_that_jumps_at_a_reversal_is_missed_by_no_more_than_the_jump() 
 #[test]
 fn a_hold_holds_and_no_number_changes_nothing() {
     for model in invertible() {
-        let (table, limits) = (prompt(model), limits(model));
+        let (table, limits) = (monotone(model), limits(model));
         let (middle, _) = reachable::<f32>(&table, &limits);
         let mut inverse = table.inverse::<f32>(&limits).unwrap();
         for _ in 0..4_000 {
@@ -154,7 +154,7 @@ fn a_hold_holds_and_no_number_changes_nothing() {
 
 #[test]
 fn what_cannot_be_reached_is_said_and_released_again() {
-    let table = prompt(Model::GeneralisedPrandtlIshlinskii);
+    let table = monotone(Model::GeneralisedPrandtlIshlinskii);
     let mut inverse = table.inverse::<f32>(&LIMITS).unwrap();
     let stride = LIMITS.slew_v_per_s * 5e-4;
     let mut last = LIMITS.rest_v;
@@ -176,7 +176,7 @@ fn models_and_limits_without_an_inverse_are_refused() {
     let wrong = Table { drive: Some(DRIVE), ..*narx };
     assert_eq!(wrong.admit().unwrap_err(), TableError::Drive(NoInverse::Model));
 
-    let champion = table_of(Model::GeneralisedPrandtlIshlinskii).admit().unwrap();
+    let plays = table_of(Model::GeneralisedPrandtlIshlinskii).admit().unwrap();
     let Parameters::BoucWen(of) = table_of(Model::BoucWen).parameters else { panic!("Bouc-Wen's") };
     let down = BoucWenParameters { d1_um_per_v: -0.2, d2_um_per_v2: 0.0, ..of };
     let falling = Table { parameters: Parameters::BoucWen(down), drive: None, ..table_of(Model::BoucWen) };
@@ -195,14 +195,14 @@ fn models_and_limits_without_an_inverse_are_refused() {
         (DriveLimits { slew_v_per_s: f32::INFINITY, ..LIMITS }, "slew"),
     ];
     for (limits, rule) in cases {
-        assert!(matches!(refused(&champion, &limits), NoInverse::Limits(broken) if broken.contains(rule)), "{rule}");
+        assert!(matches!(refused(&plays, &limits), NoInverse::Limits(broken) if broken.contains(rule)), "{rule}");
     }
     for (drive, rule) in [
         (DriveCalibration { gain_codes_per_v: 0.0, ..DRIVE }, "gain"),
         (DriveCalibration { offset_code: f32::NAN, ..DRIVE }, "gain"),
         (DriveCalibration { offset_code: -100.0, ..DRIVE }, "DAC"),
     ] {
-        match (Table { drive: Some(drive), ..*champion }).admit() {
+        match (Table { drive: Some(drive), ..*plays }).admit() {
             Err(TableError::OutOfRange { rule: broken }) => assert!(broken.contains(rule), "{broken}"),
             other => panic!("{rule}: {other:?}"),
         }
@@ -215,7 +215,7 @@ proptest! {
     /// Whatever is asked: the voltage stays within its range and its slew rate.
     #[test]
     fn limits_hold(model in prop::sample::select(invertible()), asked in prop::collection::vec((-90f32..90.0, 1u8..40), 1..12)) {
-        let (table, limits) = (prompt(model), limits(model));
+        let (table, limits) = (monotone(model), limits(model));
         let mut inverse = table.inverse::<f32>(&limits).unwrap();
         let stride = limits.slew_v_per_s * 5e-4 + 1e-4;
         let mut last = limits.rest_v;
