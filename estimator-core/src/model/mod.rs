@@ -26,7 +26,7 @@ pub use duhem::{Duhem, DuhemCondition, DuhemParameters, DuhemState, unmet_condit
 pub use generalised_prandtl_ishlinskii::{GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters};
 pub use maxwell_slip::{ELEMENTS, MaxwellSlip, MaxwellSlipParameters, MaxwellSlipState};
 pub use narx::{Narx, NarxParameters, NarxState};
-pub use play::{Stop, play, virgin};
+pub use play::{Stop, play};
 pub use prandtl_ishlinskii::{
     DEAD_ZONES, PLAYS, PrandtlIshlinskii, PrandtlIshlinskiiParameters, PrandtlIshlinskiiState, Superposition,
 };
