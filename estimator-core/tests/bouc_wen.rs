@@ -1,7 +1,9 @@
 //! Bouc-Wen: its bound, its independence of the rate, its loops, and its equation.
 
+mod laws;
+
 use estimator_core::Range;
-use estimator_core::model::{BoucWen, BoucWenParameters, Linear, Published, Recursion};
+use estimator_core::model::{BoucWen, BoucWenParameters, Published, Recursion};
 use proptest::prelude::*;
 
 const PERIOD: f64 = 5e-4;
@@ -75,26 +77,10 @@ fn branches_saturate_where_it_says() {
     }
 }
 
-/// The second of two equal cycles closes, and the displacement is lower on the way up.
 #[test]
 fn loops_close_and_lag() {
     for n in [1.0, 1.5, 2.0] {
-        let model = BoucWen::<f64>::build(&parameters(n), PERIOD);
-        let mut state = model.begin(0.0, None);
-        let (mut ends, mut area, mut last) = (Vec::new(), 0.0, (0.0, 0.0));
-        for cycle in 0..6 {
-            for k in 0..2000 {
-                let voltage = if k < 1000 { 0.1 * f64::from(k) } else { 0.1 * f64::from(2000 - k) };
-                let y = model.step(&mut state, voltage);
-                if cycle == 5 {
-                    area += 0.5 * (y + last.1) * (voltage - last.0);
-                }
-                last = (voltage, y);
-            }
-            ends.push(last.1);
-        }
-        assert!((ends[5] - ends[4]).abs() < 1e-9, "{ends:?}");
-        assert!(area < -10.0, "{area}");
+        laws::loops_close_and_lag(&BoucWen::<f64>::build(&parameters(n), PERIOD));
     }
 }
 
@@ -213,19 +199,11 @@ proptest! {
     }
 
     #[test]
-    fn the_columns_weighed_are_the_displacement(p in any_set(), voltages in any_voltages()) {
+    fn the_columns_weigh_to_the_displacement(p in any_set(), voltages in any_voltages()) {
         prop_assume!(p.check().is_ok());
         let model = BoucWen::<f64>::build(&p, PERIOD);
         let weights = [p.d1_um_per_v, p.d2_um_per_v2, p.c_um_per_v, p.offset_um].map(f64::from);
-        let mut state = model.begin(0.0, None);
-        for voltage in voltages {
-            let y = model.step(&mut state, voltage.into());
-            let mut columns = Vec::new();
-            model.columns(&state, |column| columns.push(column));
-            prop_assert_eq!(columns.len(), 4);
-            let sum: f64 = columns.iter().zip(weights).map(|(c, w)| c * w).sum();
-            prop_assert!((sum - y).abs() < 1e-7);
-        }
+        laws::columns_weigh_to_the_displacement(&model, &weights, 0.0, voltages.into_iter().map(f64::from), 1e-7)?;
     }
 
     /// f32 beside f64 over the same small ticks.

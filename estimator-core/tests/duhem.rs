@@ -1,8 +1,10 @@
 //! Duhem in the form of Coleman and Hodgdon: its equation, its independence of the rate, its conditions.
 
+mod laws;
+
 use estimator_core::Range;
 use estimator_core::model::{
-    BoucWen, BoucWenParameters, Duhem, DuhemCondition, DuhemParameters, Linear, Published, Recursion, unmet_condition,
+    BoucWen, BoucWenParameters, Duhem, DuhemCondition, DuhemParameters, Published, Recursion, unmet_condition,
 };
 use proptest::prelude::*;
 
@@ -58,22 +60,7 @@ fn follows_its_equation() {
 
 #[test]
 fn loops_close_and_lag() {
-    let model = Duhem::<f64>::build(&parameters(), PERIOD);
-    let mut state = model.begin(0.0, None);
-    let (mut ends, mut area, mut last) = (Vec::new(), 0.0, (0.0, 0.0));
-    for cycle in 0..6 {
-        for k in 0..2000 {
-            let voltage = if k < 1000 { 0.1 * f64::from(k) } else { 0.1 * f64::from(2000 - k) };
-            let y = model.step(&mut state, voltage);
-            if cycle == 5 {
-                area += 0.5 * (y + last.1) * (voltage - last.0);
-            }
-            last = (voltage, y);
-        }
-        ends.push(last.1);
-    }
-    assert!((ends[5] - ends[4]).abs() < 1e-9, "{ends:?}");
-    assert!(area < -10.0, "{area}");
+    laws::loops_close_and_lag(&Duhem::<f64>::build(&parameters(), PERIOD));
 }
 
 /// Bouc-Wen with n = 1 and γ = δ = d2 = 0 is this model with f = d1·V, g = d1 + c·A, α = β.
@@ -211,11 +198,7 @@ proptest! {
         let model = Duhem::<f32>::build(&p, PERIOD as f32);
         let reach = model.reach(Range { min: -300.0, max: 300.0 }).unwrap();
         let slack = 1e-5 * (1.0 + reach.min.abs() + reach.max.abs());
-        let mut state = model.begin(voltages[0], start);
-        for voltage in voltages {
-            let y = model.step(&mut state, voltage);
-            prop_assert!(reach.min - slack <= y && y <= reach.max + slack, "{} {:?}", y, reach);
-        }
+        laws::stays_within(reach, slack, &model, voltages, start)?;
     }
 
     #[test]
@@ -240,18 +223,10 @@ proptest! {
     }
 
     #[test]
-    fn the_columns_weighed_are_the_displacement(p in any_set(), voltages in any_voltages()) {
+    fn the_columns_weigh_to_the_displacement(p in any_set(), voltages in any_voltages()) {
         let model = Duhem::<f64>::build(&p, PERIOD);
         let weights = [p.f1_um_per_v, p.f3_um_per_v3, p.g0_um_per_v, p.g2_um_per_v3, p.offset_um].map(f64::from);
-        let mut state = model.begin(0.0, None);
-        for voltage in voltages {
-            let y = model.step(&mut state, voltage.into());
-            let mut columns = Vec::new();
-            model.columns(&state, |column| columns.push(column));
-            prop_assert_eq!(columns.len(), 5);
-            let sum: f64 = columns.iter().zip(weights).map(|(c, w)| c * w).sum();
-            prop_assert!((sum - y).abs() < 1e-8);
-        }
+        laws::columns_weigh_to_the_displacement(&model, &weights, 0.0, voltages.into_iter().map(f64::from), 1e-8)?;
     }
 
     /// Within 0 and saturation, a set with constant f' and g that meets the conditions moves the way the voltage moves.

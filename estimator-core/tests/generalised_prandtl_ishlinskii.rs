@@ -1,8 +1,11 @@
-//! Properties of the champion: bounded, monotone, linear in its weights, begun where it is told.
+//! Properties of the generalised Prandtl–Ishlinskii model: bounded, monotone, linear in its weights, begun where it is
+//! told.
+
+mod laws;
 
 use estimator_core::{
-    GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, Linear, List, Published, Range, Real,
-    Recursion, solve,
+    GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, List, Published, Range, Real, Recursion,
+    solve,
 };
 use proptest::prelude::*;
 
@@ -55,11 +58,8 @@ proptest! {
     fn stays_within_reach(parameters in any(), voltages in voltages(), known in prop::option::of(-30.0f64..30.0)) {
         let model = GeneralisedPrandtlIshlinskii::<f64>::build(&parameters, TICK);
         let range = if parameters == PLAIN { Range { min: 20.0, max: 80.0 } } else { Range { min: -5.0, max: 105.0 } };
-        let voltages: Vec<f64> = voltages.into_iter().map(|v| range.clamp(v)).collect();
         let reach = model.reach(range).unwrap();
-        for y in run(&parameters, &voltages, known) {
-            prop_assert!(reach.min - 1e-9 <= y && y <= reach.max + 1e-9, "{y} not in {reach:?}");
-        }
+        laws::stays_within(reach, 1e-9, &model, voltages.into_iter().map(|v| range.clamp(v)), known)?;
     }
 
     #[test]
@@ -87,16 +87,7 @@ proptest! {
         let model = GeneralisedPrandtlIshlinskii::<f64>::build(&parameters, TICK);
         let weights: Vec<f64> = parameters.weights_um.iter().chain(parameters.creep_um_per_v.iter())
             .chain([&parameters.offset_um]).map(|&w| w.into()).collect();
-        let (mut state, mut other) = (model.begin(voltages[0], None), model.begin(voltages[0], None));
-        for &v in &voltages {
-            let displacement = model.step(&mut state, v);
-            model.advance(&mut other, v);
-            let mut columns = Vec::new();
-            model.columns(&other, |column| columns.push(column));
-            prop_assert_eq!(columns.len(), weights.len());
-            let sum: f64 = columns.iter().zip(&weights).map(|(c, w)| c * w).sum();
-            prop_assert!((sum - displacement).abs() < 1e-9);
-        }
+        laws::columns_weigh_to_the_displacement(&model, &weights, voltages[0], voltages.iter().copied(), 1e-9)?;
     }
 
     #[test]

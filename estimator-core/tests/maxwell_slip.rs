@@ -1,5 +1,7 @@
 //! Properties of the Maxwell-slip model and of its exact inverse.
 
+mod laws;
+
 use estimator_core::model::{MaxwellSlip, MaxwellSlipParameters, Published, Recursion, Stop};
 use estimator_core::{List, Range, Real};
 use proptest::prelude::*;
@@ -123,9 +125,7 @@ fn every_rule_has_its_fault() {
 
 #[test]
 fn survives_the_wire() {
-    let mut buffer = [0; 256];
-    let bytes = postcard::to_slice(&PARAMETERS, &mut buffer).unwrap();
-    assert_eq!(postcard::from_bytes::<MaxwellSlipParameters>(bytes), Ok(PARAMETERS));
+    laws::survives_the_wire(PARAMETERS);
 }
 
 proptest! {
@@ -147,12 +147,8 @@ proptest! {
 
     #[test]
     fn rate_independent(voltages in voltages(), between in 1u32..9) {
-        let mut slow = vec![voltages[0]];
-        for pair in voltages.windows(2) {
-            slow.extend((1..between).map(|i| pair[0] + (pair[1] - pair[0]) * f64::from(i) / f64::from(between)));
-            slow.push(pair[1]);
-        }
-        for (fast, slow) in run(&voltages).into_iter().zip(run(&slow).into_iter().step_by(between as usize)) {
+        let (fast, slow) = laws::at_two_rates(run, &voltages, between);
+        for (fast, slow) in fast.into_iter().zip(slow) {
             prop_assert!((fast - slow).abs() < 1e-12);
         }
     }

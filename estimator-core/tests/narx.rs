@@ -1,5 +1,7 @@
 //! NARX: its monomials, its fit by least squares, its bound.
 
+mod laws;
+
 use estimator_core::model::{Narx, NarxParameters, NarxState, Published, Recursion};
 use estimator_core::{List, Range};
 use proptest::prelude::*;
@@ -246,10 +248,7 @@ fn what_breaks_a_rule_is_refused_and_still_builds() {
 
 #[test]
 fn survives_the_wire() {
-    let p = linear(List::of([0.9, 0.1, 0.0]), 1, 1);
-    let mut buffer = [0; 256];
-    let bytes = postcard::to_slice(&p, &mut buffer).unwrap();
-    assert_eq!(postcard::from_bytes::<NarxParameters>(bytes), Ok(p));
+    laws::survives_the_wire(linear(List::of([0.9, 0.1, 0.0]), 1, 1));
 }
 
 proptest! {
@@ -270,11 +269,7 @@ proptest! {
         let model = Narx::<f32>::build(&p, 5e-4);
         let reach = model.reach(Range { min: 0.0, max: 100.0 }).unwrap();
         prop_assert_eq!(reach, p.limits_um);
-        let mut state = model.begin(voltages[0], start);
-        for voltage in voltages {
-            let y = model.step(&mut state, voltage);
-            prop_assert!(reach.contains(y), "{}", y);
-        }
+        laws::stays_within(reach, 0.0, &model, voltages, start)?;
     }
 
     /// Jury's criterion beside the roots themselves.

@@ -2,6 +2,7 @@
 
 #[path = "common/prandtl_ishlinskii_inverse.rs"]
 mod exact;
+mod laws;
 
 use estimator_core::*;
 use exact::ExactInverse;
@@ -135,9 +136,7 @@ fn every_rule_has_its_fault() {
 
 #[test]
 fn survives_the_wire() {
-    let mut buffer = [0; 256];
-    let bytes = postcard::to_slice(&ASYMMETRIC, &mut buffer).unwrap();
-    assert_eq!(postcard::from_bytes::<PrandtlIshlinskiiParameters>(bytes), Ok(ASYMMETRIC));
+    laws::survives_the_wire(ASYMMETRIC);
 }
 
 proptest! {
@@ -153,9 +152,7 @@ proptest! {
         let mut inverse = Inverse::build(&engine, &context, &limits).unwrap();
         let mut state = model.begin(0.0, None);
         let mut displacement = model.step(&mut state, 0.0);
-        let mut plays = Vec::new();
-        model.columns(&state, |column| plays.push(column));
-        let mut exact = ExactInverse::new(&parameters, &plays);
+        let mut exact = ExactInverse::new(&parameters, &laws::columns(&model, &state));
         for &voltage in &voltages {
             displacement = model.step(&mut state, voltage);
             let expected = exact.step(displacement);
@@ -179,14 +176,8 @@ proptest! {
     #[test]
     fn rate_independent(parameters in either(), voltages in voltages(), between in 1u32..9) {
         let model = model::<f64>(&parameters);
-        let mut slow = vec![voltages[0]];
-        for pair in voltages.windows(2) {
-            slow.extend((1..between).map(|i| pair[0] + (pair[1] - pair[0]) * f64::from(i) / f64::from(between)));
-            slow.push(pair[1]);
-        }
-        let fast = run(&model, &voltages);
-        let at_the_same: Vec<f64> = run(&model, &slow).into_iter().step_by(between as usize).collect();
-        prop_assert_eq!(fast, at_the_same);
+        let (fast, slow) = laws::at_two_rates(|voltages| run(&model, voltages), &voltages, between);
+        prop_assert_eq!(fast, slow);
     }
 
     /// What happened between two voltages is forgotten once both have been passed.
@@ -203,27 +194,16 @@ proptest! {
     fn stays_within_reach(parameters in either(), voltages in voltages(), known in prop::option::of(-30.0f64..40.0)) {
         let single = model::<f32>(&parameters);
         let reach = single.reach(Range { min: RANGE.min as f32, max: RANGE.max as f32 });
-        let mut state = single.begin(voltages[0] as f32, known.map(|known| known as f32));
-        for &voltage in &voltages {
-            let displacement = single.step(&mut state, voltage as f32);
-            prop_assert!(reach.contains(displacement), "{} not in {:?}", displacement, reach);
-        }
+        let (voltages, known) = (voltages.into_iter().map(|v| v as f32), known.map(|known| known as f32));
+        laws::stays_within(reach, 0.0, &single, voltages, known)?;
     }
 
     #[test]
     fn the_columns_weigh_to_the_displacement(voltages in voltages()) {
         let model = model::<f64>(&SYMMETRIC);
         let weights = SYMMETRIC.weights_um_per_v.iter().chain([&SYMMETRIC.offset_um]);
-        let (mut state, mut other) = (model.begin(0.0, None), model.begin(0.0, None));
-        for &voltage in &voltages {
-            let displacement = model.step(&mut state, voltage);
-            model.advance(&mut other, voltage);
-            let mut columns = Vec::new();
-            model.columns(&other, |column| columns.push(column));
-            prop_assert_eq!(columns.len(), 6);
-            let weighed = columns.iter().zip(weights.clone()).map(|(column, &weight)| column * f64::from(weight));
-            let sum: f64 = weighed.sum();
-            prop_assert!((sum - displacement).abs() < 1e-12);
-        }
+        let weights: Vec<f64> = weights.map(|&weight| weight.into()).collect();
+        prop_assert_eq!(weights.len(), 6);
+        laws::columns_weigh_to_the_displacement(&model, &weights, 0.0, voltages, 1e-12)?;
     }
 }

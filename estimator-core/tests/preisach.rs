@@ -1,5 +1,6 @@
 //! Properties of the Preisach model: its Everett function, its memory, and densities from reversal curves.
 
+mod laws;
 mod relays;
 
 use estimator_core::model::{
@@ -163,9 +164,7 @@ fn every_rule_has_its_fault() {
 
 #[test]
 fn survives_the_wire() {
-    let mut buffer = [0; 512];
-    let bytes = postcard::to_slice(&UNEVEN, &mut buffer).unwrap();
-    assert_eq!(postcard::from_bytes::<PreisachParameters>(bytes), Ok(UNEVEN));
+    laws::survives_the_wire(UNEVEN);
 }
 
 /// Up to its capacity the memory is complete; beyond it a spiral of 300 reversals stays within 1 % of the stroke of
@@ -225,13 +224,8 @@ proptest! {
 
     #[test]
     fn rate_independent(parameters in either(), voltages in voltages(60), between in 1u32..9) {
-        let mut slow = vec![voltages[0]];
-        for pair in voltages.windows(2) {
-            slow.extend((1..between).map(|i| pair[0] + (pair[1] - pair[0]) * f64::from(i) / f64::from(between)));
-            slow.push(pair[1]);
-        }
-        let at_the_same: Vec<f64> = run(&parameters, &slow).into_iter().step_by(between as usize).collect();
-        prop_assert_eq!(run(&parameters, &voltages), at_the_same);
+        let (fast, slow) = laws::at_two_rates(|voltages| run(&parameters, voltages), &voltages, between);
+        prop_assert_eq!(fast, slow);
     }
 
     #[test]
@@ -239,11 +233,7 @@ proptest! {
         let model = model::<f32>(&parameters);
         let range = Range { min: 0.0, max: 50.0 };
         let reach = model.reach(range);
-        let mut state = model.begin(range.clamp(voltages[0] as f32), known);
-        for &voltage in &voltages {
-            let displacement = model.step(&mut state, range.clamp(voltage as f32));
-            prop_assert!(reach.contains(displacement), "{} not in {:?}", displacement, reach);
-        }
+        laws::stays_within(reach, 0.0, &model, voltages.into_iter().map(|v| range.clamp(v as f32)), known)?;
     }
 
     /// A memory that is always full stays within reach, and in f32 near f64.
@@ -258,8 +248,7 @@ proptest! {
             swing *= -factor;
             let displacement = single.step(&mut state, 30.0 + swing);
             prop_assert!(reach.contains(displacement), "{} not in {:?}", displacement, reach);
-            let mut columns = Vec::new();
-            single.columns(&state, |column| columns.push(column));
+            let columns = laws::columns(&single, &state);
             let weights = parameters.densities_um.iter().chain([&parameters.offset_um]);
             let sum: f32 = columns.iter().zip(weights).map(|(column, weight)| column * weight).sum();
             prop_assert!((sum - displacement).abs() < 2e-4, "{} against {}", sum, displacement);
@@ -269,17 +258,14 @@ proptest! {
     #[test]
     fn the_columns_weigh_to_the_displacement(parameters in either(), voltages in voltages(60)) {
         let model = model::<f64>(&parameters);
-        let (mut state, mut other) = (model.begin(0.0, None), model.begin(0.0, None));
-        for &voltage in &voltages {
-            let displacement = model.step(&mut state, voltage);
-            model.advance(&mut other, voltage);
-            let mut columns = Vec::new();
-            model.columns(&other, |column| columns.push(column));
-            prop_assert_eq!(columns.len(), parameters.densities_um.len() + 1);
+        let weights = parameters.densities_um.iter().chain([&parameters.offset_um]);
+        let weights: Vec<f64> = weights.map(|&weight| weight.into()).collect();
+        laws::columns_weigh_to_the_displacement(&model, &weights, 0.0, voltages.iter().copied(), 1e-11)?;
+        let mut state = model.begin(0.0, None);
+        for voltage in voltages {
+            model.advance(&mut state, voltage);
+            let columns = laws::columns(&model, &state);
             prop_assert!(columns.iter().all(|column| (-1e-12..=1.0 + 1e-12).contains(column)));
-            let weights = parameters.densities_um.iter().chain([&parameters.offset_um]);
-            let sum: f64 = columns.iter().zip(weights).map(|(column, &weight)| column * f64::from(weight)).sum();
-            prop_assert!((sum - displacement).abs() < 1e-11);
         }
     }
 }

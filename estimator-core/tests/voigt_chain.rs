@@ -1,5 +1,7 @@
 //! The Kelvin-Voigt chain: Eq. (3.20), its bound, its inverse and its resolution.
 
+mod laws;
+
 use estimator_core::*;
 use proptest::prelude::*;
 
@@ -83,11 +85,7 @@ fn single_precision_stays_within_the_stated_bound() {
 fn a_known_displacement_is_creep_of_the_slowest_elements() {
     let chain = VoigtChain::<f64>::build(&parameters(), PERIOD);
     let rested = -1.5 + 50.0 * chain.static_gain();
-    let voltages = |displacement: f64| {
-        let mut found = Vec::new();
-        chain.columns(&chain.begin(50.0, Some(displacement)), |column| found.push(column));
-        found
-    };
+    let voltages = |displacement: f64| laws::columns(&chain, &chain.begin(50.0, Some(displacement)));
     let found = voltages(rested + 0.1);
     assert!(
         (found[3] - 70.0).abs() < 1e-4 && (found[2] - 50.0).abs() < 1e-9 && (found[1] - 50.0).abs() < 1e-9,
@@ -150,9 +148,7 @@ fn what_breaks_a_rule_is_refused_and_still_builds() {
 
 #[test]
 fn survives_the_wire() {
-    let mut buffer = [0; 256];
-    let bytes = postcard::to_slice(&parameters(), &mut buffer).unwrap();
-    assert_eq!(postcard::from_bytes::<VoigtChainParameters>(bytes), Ok(parameters()));
+    laws::survives_the_wire(parameters());
 }
 
 prop_compose! {
@@ -187,13 +183,8 @@ proptest! {
         let chain = VoigtChain::<f32>::build(&p, PERIOD as f32);
         let reach = chain.reach(Range { min: -20.0, max: 120.0 });
         let slack = 1e-5 * (1.0 + reach.min.abs() + reach.max.abs() + p.offset_um.abs());
-        let mut state = chain.begin(voltages[0].0, start);
-        for (voltage, ticks) in voltages {
-            for _ in 0..ticks {
-                let y = chain.step(&mut state, voltage);
-                prop_assert!(reach.min - slack <= y && y <= reach.max + slack, "{} {:?}", y, reach);
-            }
-        }
+        let voltages = voltages.into_iter().flat_map(|(voltage, ticks)| std::iter::repeat_n(voltage, ticks));
+        laws::stays_within(reach, slack, &chain, voltages, start)?;
     }
 
     /// The inverse gives back the voltages that a displacement came from.
@@ -219,19 +210,11 @@ proptest! {
     }
 
     #[test]
-    fn the_columns_weighed_are_the_displacement(p in any_set(), voltages in prop::collection::vec(-20f64..120.0, 1..9)) {
+    fn the_columns_weigh_to_the_displacement(p in any_set(), voltages in prop::collection::vec(-20f64..120.0, 1..9)) {
         let chain = VoigtChain::<f64>::build(&p, PERIOD);
         let weights: Vec<f64> = [p.instantaneous_um_per_v].iter().chain(p.gains_um_per_v.iter())
             .chain(&[p.voltage_extremum_um_per_v, p.offset_um])
             .map(|&w| w.into()).collect();
-        let mut state = chain.begin(voltages[0], None);
-        for voltage in voltages {
-            let y = chain.step(&mut state, voltage);
-            let mut columns = Vec::new();
-            chain.columns(&state, |column| columns.push(column));
-            prop_assert_eq!(columns.len(), weights.len());
-            let sum: f64 = columns.iter().zip(&weights).map(|(c, w)| c * w).sum();
-            prop_assert!((sum - y).abs() < 1e-9);
-        }
+        laws::columns_weigh_to_the_displacement(&chain, &weights, voltages[0], voltages.iter().copied(), 1e-9)?;
     }
 }
