@@ -85,12 +85,6 @@ impl Normal {
         if sum < 0.0 { 0.0 } else { sum }
     }
 
-    /// The coefficients of the least squares; `sign` has one entry a column. `None` when it has not, or when the sums
-    /// are not finite.
-    pub fn solve(&self, sign: &[Sign]) -> Option<Vec<f64>> {
-        solve::solve(self, sign)
-    }
-
     fn entry(&self, i: usize, j: usize) -> f64 {
         self.gram[i.min(j) * self.columns + i.max(j)]
     }
