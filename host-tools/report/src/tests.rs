@@ -5,7 +5,7 @@ use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Statu
 use estimator_core::{Admitted, Digest, Parameters, Provenance, Table, VoigtParameters};
 use identification::cost::Feedback;
 use identification::validate::{Cold, Comparison, Figures, Trace};
-use identification::{Baseline, Conditions, Fit, Problem, SearchOptions, identify};
+use identification::{Baseline, Candidate, Conditions, Fit, Problem, SearchOptions, identify};
 use recordings::session::Session;
 
 fn fit(model: Model) -> Fit {
