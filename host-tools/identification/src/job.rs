@@ -48,7 +48,7 @@ pub struct Prepared {
     /// The sessions, cut, divided and prepared.
     pub problem: Problem,
     /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone, in its recipe.
-    pub setting: TableContext,
+    pub context: TableContext,
     /// What each log was used for.
     pub logs: Vec<LogUse>,
     /// A doubt for each log that is no sensor's.
@@ -108,7 +108,7 @@ pub enum JobError {
         if *held_out { "held out" } else { "used" }
     )]
     Rests {
-        /// The log.
+        /// Path of the log.
         log: PathBuf,
         /// "voltage" or "displacement".
         signal: &'static str,
@@ -122,9 +122,9 @@ pub enum JobError {
     /// The model that counts has no admissible candidate.
     #[error("model {model}")]
     Failed {
-        /// Which.
+        /// The model without a candidate.
         model: Model,
-        /// Why.
+        /// Why it has none.
         source: CandidateError,
     },
     /// The model that counts was not among those searched for.
@@ -170,7 +170,7 @@ impl Job {
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
         Ok(Prepared {
             problem: Problem::new(recipe.sessions(&training)?, recipe.sessions(&held_out)?, self.conditions),
-            setting: TableContext {
+            context: TableContext {
                 recipe,
                 calibration: self.calibration.clone(),
                 logs: digest(&training),
@@ -187,12 +187,12 @@ impl Job {
     /// # Errors
     /// A log cannot be used, or the model that counts has no admissible candidate.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
-        let Prepared { problem, setting, logs, estimates, delay_at_bound } = self.prepare(progress)?;
+        let Prepared { problem, context, logs, estimates, delay_at_bound } = self.prepare(progress)?;
         let fits = identify(&problem, &self.model.models(self.search.start), self.cost, &self.search, progress);
         let (mut candidates, mut failed) = (Vec::new(), Vec::new());
         for fit in fits {
             let model = fit.model;
-            match Candidate::new(&problem, fit, &setting) {
+            match Candidate::new(&problem, fit, &context) {
                 Ok(candidate) => candidates.push(candidate),
                 Err(error) => failed.push((model, error)),
             }
@@ -210,7 +210,7 @@ impl Job {
             doubts.push(Doubt::CalibrationAssumed);
         }
         let straight_line = Baseline::of(&problem);
-        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, recipe: setting.recipe, logs })
+        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, recipe: context.recipe, logs })
     }
 
     /// A doubt for each log that is no sensor's.

@@ -30,7 +30,7 @@ pub struct Bench {
 /// A model that was searched for.
 #[derive(Clone, Debug)]
 pub struct Attempt {
-    /// Which.
+    /// Which model it is.
     pub model: Model,
     /// What was minimised.
     pub cost: Feedback,
@@ -119,7 +119,7 @@ impl Bench {
     /// # Errors
     /// The logs cannot be brought to it.
     pub fn at_tick(&self, tick_us: u32, progress: Progress<'_>) -> Result<Prepared, JobError> {
-        let recipe = &self.prepared.setting.recipe;
+        let recipe = &self.prepared.context.recipe;
         let prepare = PrepareOptions {
             tick_us,
             voltage_zero: AutoOr::Given(recipe.voltage_zero_v),
@@ -142,11 +142,11 @@ impl Bench {
         }
         groups.extend(missing.iter().filter(|model| !model.is_voigt()).map(|model| vec![*model]));
         for group in groups {
-            let Prepared { problem, setting, .. } = &self.prepared;
+            let Prepared { problem, context, .. } = &self.prepared;
             for fit in identify(problem, &group, cost, &self.job.search, progress) {
                 let model = fit.model;
                 if self.attempt(cost, model).is_none() {
-                    let result = Candidate::new(problem, fit, setting);
+                    let result = Candidate::new(problem, fit, context);
                     self.found.push(Attempt { model, cost, result });
                 }
             }

@@ -94,7 +94,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
 fn row(bench: &Bench, inputs: BlackBoxInputs, thesis: (f64, f64), progress: Progress<'_>) -> Row {
     let problem = bench.problem();
     let fit = identify_black_box(problem, inputs, Feedback::Simulation, bench.search(), progress);
-    let candidate = Candidate::new(problem, fit, &bench.prepared.setting);
+    let candidate = Candidate::new(problem, fit, &bench.prepared.context);
     let found = candidate.as_ref().ok().and_then(|candidate| match &candidate.table.parameters {
         Parameters::Narx(of) => Some((candidate, of)),
         _ => None,

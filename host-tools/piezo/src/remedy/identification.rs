@@ -1,7 +1,7 @@
 //! Why nothing was identified, compared, reproduced or read as a table.
 
 use super::log::prepare;
-use identification::calibration::Misfit;
+use identification::calibration::ConverterMismatch;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
 use identification::{CandidateError, JobError, Reason};
@@ -31,13 +31,13 @@ pub fn reason(reason: Reason) -> &'static str {
 }
 
 /// What does not fit between a table and its converters.
-pub fn misfit(misfit: &Misfit) -> String {
-    let remedy = match misfit {
-        Misfit::Adc { .. } => "a wider --adc-span, by another divider",
-        Misfit::SafeOutput => "another --dac-span",
-        Misfit::Dac { .. } => "a wider --dac-span",
+pub fn mismatch(mismatch: &ConverterMismatch) -> String {
+    let remedy = match mismatch {
+        ConverterMismatch::Adc { .. } => "a wider --adc-span, by another divider",
+        ConverterMismatch::SafeOutput => "another --dac-span",
+        ConverterMismatch::Dac { .. } => "a wider --dac-span",
     };
-    format!("{misfit}: {remedy}")
+    format!("{mismatch}: {remedy}")
 }
 
 fn job(error: &JobError) -> String {

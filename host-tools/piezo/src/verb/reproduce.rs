@@ -159,7 +159,7 @@ fn print(arguments: &Reproduce, sections: &[(Item, Section)], facts: &[(String, 
 
 /// Where the figures come from.
 fn facts(bench: &Bench) -> Vec<(String, String)> {
-    let (recipe, search) = (&bench.prepared.setting.recipe, bench.search());
+    let (recipe, search) = (&bench.prepared.context.recipe, bench.search());
     let used = |role: Role| {
         let logs = bench.prepared.logs.iter().filter(|log| log.role == role);
         logs.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")
