@@ -21,7 +21,7 @@ pub struct Convergence {
 /// An identified model.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Fit {
-    /// Which.
+    /// Which model it is.
     pub model: Model,
     /// Its published parameters; `None` where no candidate has a solution.
     pub parameters: Option<Parameters>,
@@ -37,7 +37,7 @@ pub struct Fit {
     pub evaluations: usize,
     /// After each generation.
     pub convergence: Vec<Convergence>,
-    /// Of the Voigt family.
+    /// The space that was searched, of a model of the Voigt family.
     pub(crate) space: Option<Space>,
 }
 

@@ -47,7 +47,7 @@ pub enum TableFileError {
     /// The file cannot be read.
     #[error("{}: cannot be read as a table.toml", path.display())]
     Unreadable {
-        /// The file.
+        /// The file that was to be read.
         path: PathBuf,
         /// What the operating system says.
         source: std::io::Error,
@@ -55,7 +55,7 @@ pub enum TableFileError {
     /// The file holds something else.
     #[error("{}: is no table.toml: {error}", path.display())]
     NoTable {
-        /// The file.
+        /// The file that was to be read.
         path: PathBuf,
         /// Where and why.
         error: Box<toml::de::Error>,
@@ -63,9 +63,9 @@ pub enum TableFileError {
     /// The table in a file is refused.
     #[error("{}: is refused", path.display())]
     Refused {
-        /// The file.
+        /// The file that was to be read.
         path: PathBuf,
-        /// Why.
+        /// What is wrong with the table.
         source: Refused,
     },
     /// A table is refused before it is written.
