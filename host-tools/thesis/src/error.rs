@@ -1,6 +1,5 @@
 //! Why an item cannot be reproduced.
 
-use crate::Item;
 use estimator_core::Model;
 use identification::{CandidateError, JobError};
 use recordings::prepare::PrepareError;
@@ -20,9 +19,9 @@ pub enum ThesisError {
     /// The same, of the model that the item is about.
     #[error("model {model}")]
     Model {
-        /// Which.
+        /// The model without a candidate.
         model: Model,
-        /// Why.
+        /// Why it has none.
         source: CandidateError,
     },
     /// A model that the item needs was not searched for.
@@ -47,10 +46,10 @@ pub enum ThesisError {
     #[error(transparent)]
     Json(#[from] serde_json::Error),
     /// An item.
-    #[error("{}", item.name())]
+    #[error("{item}")]
     Item {
-        /// Which.
-        item: Item,
+        /// Its name.
+        item: &'static str,
         /// Why not.
         source: Box<Self>,
     },

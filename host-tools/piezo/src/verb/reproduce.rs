@@ -3,10 +3,11 @@
 
 use super::identify::zeros;
 use super::print::{out, progress};
-use crate::option::{Choice, LogOptions, PrepareArgs, SearchArgs, choice, limit};
+use crate::option::{LogOptions, PrepareArgs, SearchArgs, choice, limit};
 use crate::{output, remedy};
 use anyhow::{Result, ensure};
 use clap::Args;
+use clap::builder::TypedValueParser;
 use identification::calibration::CalibrationOptions;
 use identification::cost::Feedback;
 use identification::{Conditions, Job, ModelChoice, Role};
@@ -20,7 +21,7 @@ use thesis::{Bench, Item};
 #[derive(Args, Debug)]
 pub struct Reproduce {
     /// What of the thesis.
-    #[arg(value_name = "ITEM", value_parser = choice(ITEMS), default_value = "errors")]
+    #[arg(value_name = "ITEM", value_parser = items(), default_value = "errors")]
     pub items: Vec<Item>,
     /// Your own modelling logs instead of the synthetic rig's.
     #[arg(long, num_args = 1.., value_name = "LOG")]
@@ -55,25 +56,10 @@ pub struct Reproduce {
     pub search: SearchArgs,
 }
 
-/// What can be reproduced.
-const ITEMS: [Choice<Item>; 12] = [
-    (Item::Errors, Item::Errors.name(), "Validation errors: Tables 4.8, 5.3, 5.4, 5.5, Figures 4.11 and 5.1 to 5.6"),
-    (Item::SamplingTime, Item::SamplingTime.name(), "Validation error over the sampling time: Table 4.4, Figure 4.8"),
-    (Item::Parameters, Item::Parameters.name(), "Parameters and their ranges: Tables 4.5, 4.6, 5.2"),
-    (
-        Item::Convergence,
-        Item::Convergence.name(),
-        "Modelling and validation error over the search: Table 4.7, Figures 4.9 and 4.10",
-    ),
-    (Item::BlackBox, Item::BlackBox.name(), "NARX with and without extrema: Table 5.1"),
-    (Item::Search, Item::Search.name(), "Population and bits of the search: Tables C.1, C.2"),
-    (Item::Loops, Item::Loops.name(), "Recorded signals and loops: Appendix B"),
-    (Item::Features, Item::Features.name(), "Rate dependence, frequency range, reversibility: Table 3.1"),
-    (Item::Tracking, Item::Tracking.name(), "The rig driven by each model's inverse, beside plain scaling"),
-    (Item::ExtremumTerms, Item::ExtremumTerms.name(), "The extremum terms tried on every model: Section 6.2"),
-    (Item::Optimisers, Item::Optimisers.name(), "Optimisers at equal budget: Section 6.2"),
-    (Item::All, Item::All.name(), "Everything"),
-];
+/// A parser of an item's name.
+fn items() -> impl TypedValueParser<Value = Item> {
+    choice(Item::EACH.into_iter().chain([Item::All]).map(|item| (item, item.name(), item.description())))
+}
 
 /// Runs the verb.
 pub fn run(arguments: &Reproduce) -> Result<bool> {
