@@ -2,6 +2,7 @@
 //! each beside what it prints: one item a file. The thesis's figures come from its own actuator, ours from the
 //! synthetic rig or from a user's logs.
 
+mod added_term;
 mod bench;
 mod black_box;
 mod convergence;
