@@ -17,6 +17,15 @@ pub enum Scheme {
     ZeroOrderHold,
 }
 
+impl fmt::Display for Scheme {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::ForwardEuler => "forward Euler",
+            Self::ZeroOrderHold => "zero-order hold",
+        })
+    }
+}
+
 /// How a model's equations become ticks.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Discretisation<T> {

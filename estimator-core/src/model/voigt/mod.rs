@@ -51,7 +51,7 @@ impl<T: Real> VoigtTerms<T> {
     }
 }
 
-/// Per-tick coefficients of the Voigt family, in the direct form (one `exp` and one power a tick).
+/// Per-tick coefficients of the Voigt family: one `exp` and one power a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Voigt<T> {
     scheme: Scheme,

@@ -1,5 +1,17 @@
 //! The options that several verbs share. Each converts into what its library takes.
 
+/// A library's options from the arguments that say them, field by field.
+macro_rules! options {
+    ($arguments:ident => $options:ident { $($field:ident),+ $(,)? }) => {
+        impl From<&$arguments> for $options {
+            fn from(arguments: &$arguments) -> Self {
+                let &$arguments { $($field),+ } = arguments;
+                Self { $($field),+ }
+            }
+        }
+    };
+}
+
 mod calibration;
 mod choice;
 mod cost;
@@ -14,7 +26,7 @@ mod rig;
 mod search;
 
 pub use calibration::CalibrationArgs;
-pub use choice::{Choice, choice};
+pub use choice::choice;
 pub use cost::CostArgs;
 pub use fitting::Fitting;
 pub use logs::LogOptions;

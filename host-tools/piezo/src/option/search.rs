@@ -97,28 +97,10 @@ pub const OPTIMISERS: [Choice<Optimiser>; 5] = [
     (Optimiser::Local, "local", "Nelder–Mead with restarts"),
 ];
 
-impl From<&SearchArgs> for SearchOptions {
-    fn from(arguments: &SearchArgs) -> Self {
-        let &SearchArgs { ranges, bits, population, generations, rounds, shrink, patience, .. } = arguments;
-        let &SearchArgs { mutation, selection, elitism, start, optimiser, evaluations, seed, .. } = arguments;
-        Self {
-            ranges,
-            bits,
-            population,
-            generations,
-            rounds,
-            shrink,
-            patience,
-            mutation,
-            selection,
-            elitism,
-            start,
-            optimiser,
-            evaluations,
-            seed,
-        }
-    }
-}
+options!(SearchArgs => SearchOptions {
+    ranges, bits, population, generations, rounds, shrink, patience, mutation, selection, elitism, start, optimiser,
+    evaluations, seed,
+});
 
 #[cfg(test)]
 mod tests {
