@@ -158,10 +158,9 @@ impl Job {
     pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared, JobError> {
         let (training, held_out) = self.parts()?;
         let mut recipe = self.prepare.resolve(&training);
-        let delay = self.delay_search();
         let estimated = match self.prepare.delay {
             AutoOr::Given(_) => None,
-            AutoOr::Auto => Some(delay.estimate(&training, &recipe, progress)?),
+            AutoOr::Auto => Some(self.delay_search().estimate(&training, &recipe, progress)?),
         };
         if let Some(Delay { ticks, .. }) = estimated {
             recipe.delay_ticks = ticks;
@@ -255,8 +254,7 @@ impl Job {
 
 /// Refuses a part of a log in which the actuator rests.
 fn moves(part: &Log, whole: &Log) -> Result<(), JobError> {
-    let empty = Vec::new();
-    let displacement = |log: &Log| span(log.displacement.as_ref().unwrap_or(&empty));
+    let displacement = |log: &Log| span(log.displacement.as_deref().unwrap_or_default());
     let signals = [
         ("voltage", span(&part.voltage), span(&whole.voltage)),
         ("displacement", displacement(part), displacement(whole)),
