@@ -180,6 +180,14 @@ impl<T: Real> Recursion<T> for Voigt<T> {
     }
 
     #[inline]
+    fn first(&self, voltage: T, displacement: Option<T>) -> (VoigtState<T>, T) {
+        let terms = self.terms(voltage);
+        let mut state = self.rest(terms, displacement);
+        let displacement = self.step_with(&mut state, voltage, terms);
+        (state, displacement)
+    }
+
+    #[inline]
     fn step(&self, state: &mut VoigtState<T>, voltage: T) -> T {
         self.step_with(state, voltage, self.terms(voltage))
     }
