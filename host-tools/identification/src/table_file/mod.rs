@@ -45,15 +45,15 @@ pub struct TableFile {
 #[derive(Debug, thiserror::Error)]
 pub enum TableFileError {
     /// The file cannot be read.
-    #[error("{}: cannot be read as a table.toml", path.display())]
+    #[error("{}: cannot be read ({error})", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
         /// What the operating system says.
-        source: std::io::Error,
+        error: std::io::Error,
     },
     /// The file holds something else.
-    #[error("{}: is no table.toml: {error}", path.display())]
+    #[error("{}: is no table.toml: {}", path.display(), error.to_string().trim_end())]
     NoTable {
         /// The file.
         path: PathBuf,
@@ -106,7 +106,7 @@ impl TableFile {
     /// The file cannot be read, is no table, or is refused.
     pub fn load(path: &Path) -> Result<(Self, Admitted), TableFileError> {
         let text = std::fs::read_to_string(path)
-            .map_err(|source| TableFileError::Unreadable { path: path.to_owned(), source })?;
+            .map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
         let file: Self = toml::from_str(&text)
             .map_err(|error| TableFileError::NoTable { path: path.to_owned(), error: Box::new(error) })?;
         let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.to_owned(), source })?;

@@ -4,8 +4,10 @@ use super::log::prepare;
 use identification::calibration::Misfit;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
+use identification::table_file::TableFileError;
 use identification::{CandidateError, JobError, Reason};
 use std::error::Error;
+use std::io::ErrorKind;
 use thesis::ThesisError;
 
 /// The error with its remedy, if it is one of these.
@@ -17,6 +19,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(compare))
         .or_else(|| error.downcast_ref().map(thesis))
         .or_else(|| error.downcast_ref().map(unused_weight))
+        .or_else(|| error.downcast_ref().map(table))
 }
 
 /// Why a model was chosen, as the end of a sentence.
@@ -84,4 +87,24 @@ fn thesis(error: &ThesisError) -> String {
 
 fn unused_weight(_: &UnusedWeight) -> String {
     "--feedback-weight is of --cost multi-step alone: leave it out, or add that".to_owned()
+}
+
+fn table(error: &TableFileError) -> String {
+    const WANTED: &str = "name the table.toml that `identify` or `emit` wrote";
+    match error {
+        TableFileError::Unreadable { path, error } => {
+            let path = path.display();
+            match error.kind() {
+                ErrorKind::NotFound => format!("{path}: no such file: {WANTED}"),
+                ErrorKind::IsADirectory => format!("{path}: is a directory: {WANTED} into it"),
+                ErrorKind::InvalidData => format!("{path}: is not text: {WANTED}"),
+                _ => format!("{path}: cannot be read ({error}): check its permissions"),
+            }
+        }
+        // A log in the place of the table, or another face of it.
+        TableFileError::NoTable { path, .. } if path.extension().is_none_or(|extension| extension != "toml") => {
+            format!("{}: is no table.toml: {WANTED}, and logs after it", path.display())
+        }
+        _ => error.to_string(),
+    }
 }
