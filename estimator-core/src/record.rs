@@ -9,7 +9,7 @@
 //! | 8 + n | 4 | CRC-32 (ISO-HDLC) of all bytes before, little-endian |
 //!
 //! What follows the record (the rest of an erased page) is not looked at. Any change of [`Table`] changes the payload
-//! and must bump [`VERSION`]; the test `record_is_pinned` notices.
+//! and must bump [`VERSION`]; the test `record_is_pinned` notices, but for a model at the end of the catalogue.
 
 use crate::sealed::{self, CHECKSUM, Unsealed};
 use crate::table::{Admitted, Table, TableError};

@@ -1,12 +1,10 @@
 //! The one list of models. A line makes a model a choice of the table, of the tools and of the firmware.
 //!
-//! To add one: a file with its parameters ([`Published`]) and its recursion, and a line at the end of this file.
+//! To add one: a file with its parameters ([`Published`]) and its recursion, the parameters' `pub use` in `model` and at the
+//! root of this crate, where tables written as Rust find them, and a line at the end of this file. The example `own_model`
+//! of the crate `identification` has every step.
 
-use super::{
-    BoucWenParameters, DuhemParameters, GeneralisedPrandtlIshlinskiiParameters, MaxwellSlipParameters, NarxParameters,
-    PrandtlIshlinskiiParameters, PreisachParameters, Process, Recursion, Running, Scheme, VoigtChainParameters,
-    VoigtParameters,
-};
+use super::{Process, Recursion, Running, Scheme};
 use crate::admissible::Inadmissible;
 use crate::math::Real;
 use crate::range::Range;
@@ -91,7 +89,7 @@ macro_rules! models {
         /// The published parameters of a model, and with them which one it is.
         #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
         pub enum Parameters {
-            $($(#[doc = $line])+ #[serde(rename = $name)] $model($parameters),)*
+            $($(#[doc = $line])+ #[serde(rename = $name)] $model(crate::$parameters),)*
         }
 
         /// As a Rust expression.
@@ -140,7 +138,7 @@ macro_rules! models {
         /// Any model, running: coefficients and memory.
         #[derive(Clone, PartialEq, Debug)]
         pub enum Engine<T: Real> {
-            $($(#[doc = $line])+ $model(RunningOf<$parameters, T>),)*
+            $($(#[doc = $line])+ $model(RunningOf<crate::$parameters, T>),)*
         }
 
         impl<T: Real> Engine<T> {
