@@ -11,6 +11,7 @@ mod model;
 mod number;
 mod prepare;
 mod rig;
+mod scope;
 mod search;
 
 pub use calibration::CalibrationArgs;
@@ -22,4 +23,5 @@ pub use model::{model_choice, models};
 pub use number::{limit, not_negative};
 pub use prepare::{DECIMATIONS, PrepareArgs};
 pub use rig::RigArgs;
+pub use scope::{ScopeArgs, TOLD};
 pub use search::{OPTIMISERS, STARTS, SearchArgs};

@@ -4,6 +4,7 @@ use super::log::prepare;
 use identification::calibration::Misfit;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
+use identification::validate::{Bound, ScopeError};
 use identification::{CandidateError, JobError, Reason};
 use std::error::Error;
 use thesis::ThesisError;
@@ -17,6 +18,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(compare))
         .or_else(|| error.downcast_ref().map(thesis))
         .or_else(|| error.downcast_ref().map(unused_weight))
+        .or_else(|| error.downcast_ref().map(scope))
 }
 
 /// Why a model was chosen, as the end of a sentence.
@@ -84,4 +86,18 @@ fn thesis(error: &ThesisError) -> String {
 
 fn unused_weight(_: &UnusedWeight) -> String {
     "--feedback-weight is of --cost multi-step alone: leave it out, or add that".to_owned()
+}
+
+fn scope(error: &ScopeError) -> String {
+    let option = |bound: &Bound| match bound {
+        Bound::From => "--from",
+        Bound::To => "--to",
+        Bound::ZeroAt => "--zero-at",
+    };
+    match error {
+        ScopeError::Outside { bound, .. } => format!("{error}: choose a {} within it", option(bound)),
+        ScopeError::Order { bound, .. } => format!("{error}: choose a --to later than {}", option(bound)),
+        ScopeError::TooFew { .. } => format!("{error}: choose --from and --to further apart, or an earlier --zero-at"),
+        ScopeError::NoCycle => format!("{error}: choose another --told, or a longer part with --from and --to"),
+    }
 }
