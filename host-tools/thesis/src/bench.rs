@@ -1,6 +1,7 @@
 //! What the items are reproduced on: the synthetic rig's logs or the user's own, prepared once, and the models that
 //! have been identified on them, each once.
 
+use crate::QUICK_SEEDS;
 use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::compare::Say;
@@ -24,6 +25,8 @@ pub struct Bench {
     pub rig: Option<Rig>,
     /// How an error becomes a sentence of a section.
     pub say: Say,
+    /// Seeds of devices and searches where an item is over several.
+    pub seeds: u32,
     found: Vec<Attempt>,
 }
 
@@ -60,7 +63,7 @@ impl Bench {
         if prepared.problem.validation().next().is_none() {
             return Err(ThesisError::NothingHeldOut);
         }
-        Ok(Self { job, prepared, rig, say, found: Vec::new() })
+        Ok(Self { job, prepared, rig, say, seeds: QUICK_SEEDS, found: Vec::new() })
     }
 
     /// The thesis's logs from a rig: what is modelled, what is held out.

@@ -5,6 +5,7 @@
 mod bench;
 mod black_box;
 mod convergence;
+mod elsewhere;
 mod error;
 mod errors;
 mod extremum_terms;
@@ -21,6 +22,7 @@ mod search;
 mod tracking;
 
 pub use bench::Bench;
+pub use elsewhere::QUICK_SEEDS;
 pub use error::ThesisError;
 use identification::{Progress, SearchOptions};
 use report::Section;
@@ -50,13 +52,15 @@ pub enum Item {
     ExtremumTerms,
     /// Optimisers at equal budget: Section 6.2.
     Optimisers,
+    /// What was learnt judged on what was not: other sessions, amplitudes, frequencies and devices.
+    Elsewhere,
     /// Everything.
     All,
 }
 
 impl Item {
     /// Each by itself.
-    pub const EACH: [Self; 11] = [
+    pub const EACH: [Self; 12] = [
         Self::Errors,
         Self::SamplingTime,
         Self::Parameters,
@@ -68,6 +72,7 @@ impl Item {
         Self::Tracking,
         Self::ExtremumTerms,
         Self::Optimisers,
+        Self::Elsewhere,
     ];
 
     /// What some arguments ask for, each item once, in the order of [`Self::EACH`].
@@ -90,12 +95,13 @@ impl Item {
             Self::Tracking => "tracking",
             Self::ExtremumTerms => "extremum-terms",
             Self::Optimisers => "optimisers",
+            Self::Elsewhere => "elsewhere",
             Self::All => "all",
         }
     }
 
     /// Generations that it takes, roughly, for a progress bar.
-    pub fn generations(self, search: &SearchOptions) -> u64 {
+    pub fn generations(self, search: &SearchOptions, seeds: u32) -> u64 {
         match self {
             Self::Errors => errors::generations(search),
             Self::SamplingTime => sampling_time::generations(search),
@@ -108,7 +114,8 @@ impl Item {
             Self::Tracking => tracking::generations(search),
             Self::ExtremumTerms => extremum_terms::generations(search),
             Self::Optimisers => optimisers::generations(search),
-            Self::All => Self::EACH.into_iter().map(|item| item.generations(search)).sum(),
+            Self::Elsewhere => elsewhere::generations(seeds),
+            Self::All => Self::EACH.into_iter().map(|item| item.generations(search, seeds)).sum(),
         }
     }
 
@@ -125,6 +132,7 @@ impl Item {
             Self::Tracking => tracking::section(bench, progress),
             Self::ExtremumTerms => extremum_terms::section(bench, progress),
             Self::Optimisers => optimisers::section(bench, progress),
+            Self::Elsewhere => elsewhere::section(bench, progress),
             Self::All => return Ok(None),
         };
         section.map(Some).map_err(|source| ThesisError::Item { item: self, source: Box::new(source) })

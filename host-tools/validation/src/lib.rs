@@ -13,5 +13,5 @@ mod told;
 pub use compare::{Cold, Comparison, Trace, compare, compare_within};
 pub use estimates::{Estimates, Instant, estimates};
 pub use figures::Figures;
-pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S};
+pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S, errors_within};
 pub use told::{Told, ToldFigures};

@@ -153,6 +153,17 @@ impl Scope {
     }
 }
 
+/// Estimate − sensor (µm) of estimates that stand at the measured instants after the first, where a scope scores them; not
+/// zeroed.
+///
+/// # Errors
+/// The scope does not fit the session.
+pub fn errors_within(session: &Session, scope: &Scope, estimated: &[f64]) -> Result<Vec<f64>, ScopeError> {
+    let scored = scope.part(session)?.scored;
+    let pairs = estimated.iter().zip(session.displacement.iter().skip(1));
+    Ok(pairs.skip(scored.start).take(scored.len()).map(|(estimate, sensor)| estimate - sensor).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

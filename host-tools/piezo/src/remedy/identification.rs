@@ -79,6 +79,7 @@ fn thesis(error: &ThesisError) -> String {
         ThesisError::NothingHeldOut => {
             format!("{error}: name logs with --validate-on, or a fraction with --hold-out")
         }
+        ThesisError::OwnRecordings => format!("{error}: leave out --logs"),
         ThesisError::OtherZeros => format!("{error}: leave out --voltage-zero and --displacement-zero"),
         _ => error.to_string(),
     }

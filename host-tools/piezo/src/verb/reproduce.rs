@@ -14,7 +14,7 @@ use recordings::rig::Rig;
 use report::{ReproductionReport, Section};
 use serde_json::{Map, Value};
 use std::path::PathBuf;
-use thesis::{Bench, Item};
+use thesis::{Bench, Item, QUICK_SEEDS};
 
 /// Arguments of `piezo reproduce`.
 #[derive(Args, Debug)]
@@ -44,6 +44,9 @@ pub struct Reproduce {
     /// Seed of the rig's noise.
     #[arg(long, default_value_t = 1, conflicts_with = "logs")]
     pub rig_seed: u64,
+    /// Seeds of devices and searches that `elsewhere` takes medians over; 10 for figures to rely on, some minutes.
+    #[arg(long, default_value_t = QUICK_SEEDS, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub seeds: u32,
     /// Reading of the logs.
     #[command(flatten)]
     pub files: LogOptions,
@@ -56,7 +59,7 @@ pub struct Reproduce {
 }
 
 /// What can be reproduced.
-const ITEMS: [Choice<Item>; 12] = [
+const ITEMS: [Choice<Item>; 13] = [
     (Item::Errors, Item::Errors.name(), "Validation errors: Tables 4.8, 5.3, 5.4, 5.5, Figures 4.11 and 5.1 to 5.6"),
     (Item::SamplingTime, Item::SamplingTime.name(), "Validation error over the sampling time: Table 4.4, Figure 4.8"),
     (Item::Parameters, Item::Parameters.name(), "Parameters and their ranges: Tables 4.5, 4.6, 5.2"),
@@ -72,6 +75,11 @@ const ITEMS: [Choice<Item>; 12] = [
     (Item::Tracking, Item::Tracking.name(), "The rig driven by each model's inverse, beside plain scaling"),
     (Item::ExtremumTerms, Item::ExtremumTerms.name(), "The extremum terms tried on every model: Section 6.2"),
     (Item::Optimisers, Item::Optimisers.name(), "Optimisers at equal budget: Section 6.2"),
+    (
+        Item::Elsewhere,
+        Item::Elsewhere.name(),
+        "What was learnt judged on what was not: other sessions, amplitudes, frequencies, waveforms, devices",
+    ),
     (Item::All, Item::All.name(), "Everything"),
 ];
 
@@ -82,7 +90,8 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
         ensure!(!folder.exists() || folder.is_dir(), "{}: is a file, --out names a folder", folder.display());
     }
     let (job, rig) = job(arguments)?;
-    let length = items.iter().map(|item| item.generations(&job.search)).sum::<u64>() + job.generations_before();
+    let length =
+        items.iter().map(|item| item.generations(&job.search, arguments.seeds)).sum::<u64>() + job.generations_before();
     let bar = progress(length);
     let mut step = |model: estimator_core::Model, best: f64| {
         bar.set_prefix(model.to_string());
@@ -90,6 +99,7 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
         bar.inc(1);
     };
     let mut bench = Bench::new(job, rig, remedy::sentence, &mut step)?;
+    bench.seeds = arguments.seeds;
     let sections = thesis::run(&mut bench, &items, &mut step)?;
     bar.finish_and_clear();
     let facts = facts(&bench);
