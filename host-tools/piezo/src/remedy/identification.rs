@@ -17,6 +17,8 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(candidate))
         .or_else(|| error.downcast_ref().map(compare))
         .or_else(|| error.downcast_ref().map(thesis))
+        // That of an item, which is boxed since it is one of the same kind.
+        .or_else(|| error.downcast_ref::<Box<ThesisError>>().map(|of_an_item| thesis(of_an_item)))
         .or_else(|| error.downcast_ref().map(unused_weight))
         .or_else(|| error.downcast_ref().map(scope))
 }
