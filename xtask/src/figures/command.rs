@@ -105,7 +105,7 @@ fn json(command: Cmd<'_>) -> Result<Value> {
 /// Reads what the test prints of each model: `NAME: … N instructions … on average, N at most`.
 fn drive(sh: &Shell) -> Result<Value> {
     let image = embedded::image(sh, Board::NucleoG474re)?;
-    let printed = cmd!(sh, "cargo test --quiet --package board-emulator-test --test follow -- --nocapture")
+    let printed = cmd!(sh, "cargo test --quiet --package board-emulator-test --test image follow:: -- --nocapture")
         .env("FIRMWARE_IMAGE", image)
         .read()?;
     let counts = printed.lines().filter_map(|line| {

@@ -1,8 +1,6 @@
 //! The inverse: what it commands brings the model to the reference, within its limits, for every model that has one.
 
-mod common;
-
-use common::models::{DRIVE, table_of};
+use crate::common::models::{DRIVE, table_of};
 use estimator_core::*;
 use proptest::prelude::*;
 

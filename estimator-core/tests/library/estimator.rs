@@ -1,9 +1,7 @@
 //! The running estimator: finite and within its limits for any codes and any admitted table, and the same recursion as
 //! the model's.
 
-mod common;
-
-use common::{any_table, table};
+use crate::common::{VOIGT, any_table, table};
 use estimator_core::*;
 use proptest::prelude::*;
 
@@ -59,7 +57,7 @@ fn the_tick_is_the_recursion_of_eq_4_8() {
     let admitted = table().admit().unwrap();
     let mut estimator = Estimator::<f64>::new(&admitted);
     assert!(estimator.start_at(0.5));
-    let p = common::VOIGT.map(f64::from);
+    let p = VOIGT.map(f64::from);
     let mut y = 0.5f64;
     for k in 0..4000 {
         let v = 19.0 * (0.01 * f64::from(k)).sin();
@@ -77,13 +75,13 @@ fn the_tick_is_the_recursion_of_eq_4_8() {
 fn euler_tends_to_the_exact_step_as_the_tick_shrinks() {
     let run = |period: f64, scheme| {
         let discretisation = Discretisation { sample_period: period, scheme, deadband: 0.0 };
-        let model = Voigt::build(&common::VOIGT.map(f64::from), &discretisation);
+        let model = Voigt::build(&VOIGT.map(f64::from), &discretisation);
         let mut state = model.begin(0.0, Some(0.0));
         let ticks = (0.006 / period).round() as u32;
         (0..ticks).map(|_| model.step(&mut state, 10.0)).last().unwrap()
     };
     let discretisation = Discretisation { sample_period: 1.0, scheme: Scheme::ForwardEuler, deadband: 0.0 };
-    let model = Voigt::build(&common::VOIGT.map(f64::from), &discretisation);
+    let model = Voigt::build(&VOIGT.map(f64::from), &discretisation);
     let (rate, drive) = (model.rate(10.0), model.drive(10.0));
     let exact = drive / rate * (1.0 - (-0.006 * rate).exp());
     assert!((run(5e-4, Scheme::ZeroOrderHold) - exact).abs() < 1e-12);

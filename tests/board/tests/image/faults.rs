@@ -1,10 +1,8 @@
 //! What the ADC may bring: the DAC goes to its safe code when the codes cannot be believed, and follows them again when they
 //! have been good for a second.
 
-mod common;
-
+use crate::common::{Bench, triangle};
 use anyhow::Result;
-use common::{Bench, triangle};
 use protocol::Faults;
 
 /// Feeds `codes` to a running device for `ticks` ticks. For each, whether the DAC stood at its safe code a trigger later.

@@ -1,10 +1,8 @@
 //! Tables over the link into the flash: which one the device runs after the next start.
 
-mod common;
-
+use crate::common::{Bench, record, reseeded};
 use anyhow::Result;
 use board_emulator_test::{FlashKind, Reset};
-use common::{Bench, record, reseeded};
 use protocol::{Refusal, Reply, Request, TableSource};
 
 #[test]

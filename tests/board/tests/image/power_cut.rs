@@ -1,14 +1,12 @@
 //! Power goes at every flash operation of a push. When it is back, the device runs the old table or the new one, and can be
 //! pushed others.
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::mem;
 
+use crate::common::{Bench, push, record, reseeded};
 use anyhow::{Result, bail, ensure};
 use board_emulator_test::{Contents, FlashKind, FlashOperation, Reset, Stop, Tear, exception};
-use common::{Bench, push, record, reseeded};
 use estimator_core::Admitted;
 use protocol::Reply;
 

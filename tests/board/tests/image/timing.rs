@@ -1,12 +1,10 @@
 //! Nothing keeps the tick waiting: when its interrupt comes after the trigger, at rest and while the link, the flash or a
 //! noisy line keep the rest of the firmware busy.
 
-mod common;
-
+use crate::common::noise::Noise;
+use crate::common::{Bench, PERIOD, push, reseeded};
 use anyhow::Result;
 use board_emulator_test::{Conversion, FlashKind, exception};
-use common::noise::Noise;
-use common::{Bench, PERIOD, push, reseeded};
 use protocol::{BAUD, Request};
 
 /// Sixteen conversions of 60 ADC clocks, at a quarter of the core's clock.

@@ -1,10 +1,8 @@
 //! When the firmware itself fails: watchdog, hard fault, panic. The output is safe, the device starts again and tells why.
 
-mod common;
-
+use crate::common::Bench;
 use anyhow::Result;
 use board_emulator_test::{Board, CORE_HZ, Reset, Stop, exception};
-use common::Bench;
 use protocol::{Health, Request, ResetCause};
 
 /// TIM6_CR1, whose bit 0 lets it count.

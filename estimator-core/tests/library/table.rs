@@ -1,8 +1,6 @@
 //! The parameter table and its record: what goes in comes out, and what is wrong is refused by its own name.
 
-mod common;
-
-use common::{VOIGT, any_table, resealed, table};
+use crate::common::{VOIGT, any_table, resealed, table};
 use estimator_core::record::{MAX_LENGTH, VERSION};
 use estimator_core::*;
 use proptest::prelude::*;

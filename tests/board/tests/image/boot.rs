@@ -1,10 +1,8 @@
 //! From power-on to the first estimates: pins and clocks, the DAC's first code, the supply, why the device started.
 
-mod common;
-
+use crate::common::{Bench, PERIOD, triangle};
 use anyhow::Result;
 use board_emulator_test::{Board, Conversion, Image, Reset, Stop};
-use common::{Bench, PERIOD, triangle};
 use protocol::{Faults, ResetCause};
 
 /// Registers of GPIOA: MODER, AFRL.

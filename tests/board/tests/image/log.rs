@@ -1,14 +1,12 @@
 //! A measured log through the board's whole chain: every DAC code is the one that the host's f32 core predicts, put out
 //! exactly one trigger after the conversion it was computed from.
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::common::Bench;
 use anyhow::{Result, ensure};
 use board_emulator_test::{CORE_HZ, Reset, exception};
-use common::Bench;
 use estimator_core::{Admitted, DacCalibration, Estimator, Table};
 use identification::table_file::TableFile;
 use protocol::TableSource;

@@ -1,5 +1,4 @@
 //! A host at the other end of an emulated board's serial line, and the tables it sends.
-#![allow(dead_code, reason = "each test uses its part")]
 
 pub mod noise;
 

@@ -1,11 +1,9 @@
 //! The DAC drives the amplifier: references over the serial line in, and every DAC code is the one that the host's f32 inverse
 //! gives, in time for its tick, whichever the model.
 
-mod common;
-
+use crate::common::Bench;
 use anyhow::{Result, bail, ensure};
 use board_emulator_test::exception;
-use common::Bench;
 use estimator_core::*;
 use protocol::{Mode, Reply, Request};
 

@@ -4,10 +4,8 @@
 //! bits on purpose renews the checksums here and says why in the changelog.
 #![cfg(not(feature = "micromath"))]
 
-mod common;
-
-use common::VOIGT;
-use common::models::{DRIVE, table_of};
+use crate::common::VOIGT;
+use crate::common::models::{DRIVE, table_of};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use estimator_core::*;
 

@@ -1,5 +1,4 @@
 //! A table to test with: Table 4.6's simulation set, calibrated to a 12-bit converter over ±22 V.
-#![allow(dead_code, reason = "each test crate uses its part")]
 
 pub mod models;
 

@@ -1,9 +1,7 @@
 //! What must hold of a table of any model: its record's length, no panic on any bytes, no displacement beyond the limits.
 
-mod common;
-
-use common::models::table_of;
-use common::resealed;
+use crate::common::models::table_of;
+use crate::common::resealed;
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::*;
 use proptest::prelude::*;

@@ -1,10 +1,8 @@
 //! A hundred thousand bad frames at the line's full rate: noise, and requests cut short or with a byte changed.
 
-mod common;
-
+use crate::common::Bench;
+use crate::common::noise::Noise;
 use anyhow::{Result, ensure};
-use common::Bench;
-use common::noise::Noise;
 use protocol::BAUD;
 
 const ROUNDS: u32 = 100;
