@@ -100,10 +100,12 @@ impl Real for f64 {
         libm::expm1(self)
     }
 
+    #[inline]
     fn of(value: f32) -> Self {
         value.into()
     }
 
+    #[inline]
     fn to_u32_saturating(self) -> u32 {
         self as u32
     }

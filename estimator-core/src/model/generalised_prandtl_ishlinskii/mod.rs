@@ -278,7 +278,7 @@ impl<T: Real> Linear<T> for GeneralisedPrandtlIshlinskii<T> {
     fn columns(&self, state: &GeneralisedPrandtlIshlinskiiState<T>, mut each: impl FnMut(T)) {
         for (element, &memory) in self.elements.iter().zip(&state.plays).take(self.plays) {
             let p = play(memory, state.seen, element.half_width);
-            (0..self.degree).for_each(|index| each(element.of_weight(index, p, self.degree)));
+            element.weighed(p, self.degree).into_iter().take(self.degree).for_each(&mut each);
         }
         state.creep.iter().take(self.creeps).for_each(|x| each(x.value));
         each(T::one());

@@ -43,10 +43,28 @@ impl<T: Real> Element<T> {
         }
     }
 
-    /// What [`function`](Self::function) is with one weight of 1 and the others 0.
-    pub fn of_weight(&self, index: usize, play: T, degree: usize) -> T {
-        let weights = core::array::from_fn(|other| if other == index { T::one() } else { T::zero() });
-        Self { weights, ..*self }.function(play, degree)
+    /// What each weight weighs: [`function`](Self::function) with that weight of 1 and the others 0. Of the third degree at
+    /// most; what is above `degree` is 0.
+    #[inline]
+    pub fn weighed(&self, play: T, degree: usize) -> [T; 3] {
+        let s = (play - self.first) * self.per_volt;
+        let inside = unit(s);
+        let beyond = s - inside;
+        let (zero, one, two, three) = (T::zero(), T::one(), T::of(2.0), T::of(3.0));
+        let (lower, upper) = if beyond < zero { (beyond, zero) } else { (zero, beyond) };
+        match degree {
+            1 => [inside + beyond, zero, zero],
+            2 => [(two - inside) * inside + two * lower, inside * inside + two * upper, zero],
+            _ => {
+                let rest = one - inside;
+                let square = inside * inside;
+                [
+                    one - rest * rest * rest + three * lower,
+                    square * (three - two * inside),
+                    square * inside + three * upper,
+                ]
+            }
+        }
     }
 }
 
@@ -54,4 +72,25 @@ impl<T: Real> Element<T> {
 #[inline]
 fn unit<T: Real>(s: T) -> T {
     Range { min: T::zero(), max: T::one() }.clamp(s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_weighed_is_the_function_of_one_weight() {
+        for degree in 1..=3 {
+            for play in (-30..=130).map(|volts| f64::from(volts) * 0.5) {
+                let element = Element { half_width: 1.0, first: 3.0, per_volt: 0.02, weights: [0.0; 3] };
+                let weighed = element.weighed(play, degree);
+                for (index, found) in weighed.into_iter().enumerate().take(degree) {
+                    let mut weights = [0.0; 3];
+                    weights[index] = 1.0;
+                    let expected = Element { weights, ..element }.function(play, degree);
+                    assert!((found - expected).abs() <= 1e-12, "{degree} {index} at {play} V: {found}, not {expected}");
+                }
+            }
+        }
+    }
 }
