@@ -15,8 +15,7 @@
 //!
 //! micromath's error of 2.5e-3 goes into the displacement almost undiminished, so it may serve only where a table passes
 //! with it: admission runs in the target's own backend, and `piezo validate`, built with the feature `micromath`, shows that
-//! `f32` core beside the `f64` reference. A lookup is made with the backend of whoever makes it: a tabulated `table.rs` for a
-//! target with micromath must come from a tool built with it.
+//! `f32` core beside the `f64` reference.
 
 use core::fmt::{Debug, Display};
 use num_traits::float::FloatCore;
@@ -100,10 +99,12 @@ impl Real for f64 {
         libm::expm1(self)
     }
 
+    #[inline]
     fn of(value: f32) -> Self {
         value.into()
     }
 
+    #[inline]
     fn to_u32_saturating(self) -> u32 {
         self as u32
     }

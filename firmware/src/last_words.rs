@@ -70,7 +70,7 @@ pub unsafe fn keep(message: impl core::fmt::Display) {
 /// As for [`keep`].
 pub unsafe fn keep_panic(info: &PanicInfo<'_>) {
     // SAFETY: by the caller's promise.
-    unsafe { keep(Said(info)) }
+    unsafe { keep(PanicText(info)) }
 }
 
 /// Keeps where a hard fault was, and what the core says of it (Armv7-M, B3.2.15 and B3.2.18).
@@ -93,9 +93,9 @@ pub unsafe fn keep_hard_fault(frame: &cortex_m_rt::ExceptionFrame) {
     }
 }
 
-struct Said<'p>(&'p PanicInfo<'p>);
+struct PanicText<'p>(&'p PanicInfo<'p>);
 
-impl core::fmt::Display for Said<'_> {
+impl core::fmt::Display for PanicText<'_> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "panic: {}", self.0.message())?;
         self.0.location().map_or(Ok(()), |at| write!(f, ", {}:{}", at.file(), at.line()))

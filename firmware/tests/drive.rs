@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Other, PERIOD, SAFE, compiled, driving, tick, triangle};
+use common::{LinkEnd, PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Status};
 use firmware::Tick;
@@ -14,29 +14,29 @@ use protocol::{Faults, Mode};
 /// A driving tick and its ADC, which moves with whatever: the inverse does not look at it.
 struct Bench {
     tick: Tick<'static>,
-    other: Other,
+    link: LinkEnd,
     k: u32,
 }
 
 impl Bench {
     fn new() -> Self {
-        let (tick, other) = tick(Some(&driving()), Faults::empty());
-        other.telemetry.streaming.store(true, Relaxed);
-        Self { tick, other, k: 0 }
+        let (tick, link) = tick(Some(&driving()), Faults::empty());
+        link.telemetry.streaming.store(true, Relaxed);
+        Self { tick, link, k: 0 }
     }
 
     fn set(&mut self, mode: Mode) {
-        self.other.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+        self.link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
     }
 
     fn go(&mut self, hold: bool) {
-        self.other.queues.commands.enqueue(Command::Go { hold }).unwrap();
+        self.link.queues.commands.enqueue(Command::Go { hold }).unwrap();
     }
 
     fn step_with(&mut self, code: AdcCode) -> (DacCode, Status, Faults) {
         self.k += 1;
         let dac = self.tick.sample(code, self.k * PERIOD);
-        let sample = std::iter::from_fn(|| self.other.queues.samples.dequeue()).last().map(|numbered| numbered.sample);
+        let sample = std::iter::from_fn(|| self.link.queues.samples.dequeue()).last().map(|numbered| numbered.sample);
         if let Some(sample) = sample {
             assert_eq!(DacCode(sample.dac), dac, "the sample says what the DAC was given");
         }
@@ -78,7 +78,7 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
         bench.step();
         core.release();
     }
-    bench.other.queues.references.enqueue(20.0).unwrap();
+    bench.link.queues.references.enqueue(20.0).unwrap();
     for _ in 0..10 {
         assert_eq!(bench.step().0, REST, "references wait until they are to be followed");
         core.release();
@@ -88,7 +88,7 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
     assert_eq!(bench.step().0, drive.code(first.voltage, 4095));
     let wave = |k: u32| 18.0 + 12.0 * (k as f32 * 0.02).sin();
     for k in 0..2_000 {
-        bench.other.queues.references.enqueue(wave(k)).unwrap();
+        bench.link.queues.references.enqueue(wave(k)).unwrap();
         let expected = core.tick(wave(k));
         let (dac, status, faults) = bench.step();
         assert_eq!(dac, drive.code(expected.voltage, 4095), "tick {k}");
@@ -99,7 +99,7 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
         let expected = core.tick(wave(1_999));
         assert_eq!(bench.step().0, drive.code(expected.voltage, 4095));
     }
-    assert!(bench.other.telemetry.out_of_reach.load(Relaxed) > 0, "the first reference is a jump");
+    assert!(bench.link.telemetry.out_of_reach.load(Relaxed) > 0, "the first reference is a jump");
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
     let stride = 21;
     let mut last = REST.0;
     let mut follow = |bench: &mut Bench, code: Option<AdcCode>| {
-        let _ = bench.other.queues.references.enqueue(30.0);
+        let _ = bench.link.queues.references.enqueue(30.0);
         let code = code.unwrap_or(triangle(bench.k));
         let (dac, _, faults) = bench.step_with(code);
         assert!(dac.0.abs_diff(last) <= stride, "{last} → {}", dac.0);
@@ -142,7 +142,7 @@ fn where_nobody_speaks_any_more_it_goes_back_to_rest_unless_it_is_to_hold() {
         let mut bench = Bench::new();
         bench.set(Mode::Follow);
         bench.step();
-        bench.other.queues.references.enqueue(20.0).unwrap();
+        bench.link.queues.references.enqueue(20.0).unwrap();
         bench.go(hold);
         let held = (0..REFERENCE_TIMEOUT_TICKS).map(|_| bench.step().0).last().unwrap();
         assert!(held.0 > REST.0 + 300);

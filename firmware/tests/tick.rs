@@ -11,42 +11,42 @@ use protocol::{Faults, Mode};
 
 #[test]
 fn it_is_the_core_s_estimator_and_its_samples_are_numbered() {
-    let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     let mut reference = Estimator::<f32>::new(&compiled());
-    other.telemetry.streaming.store(true, Relaxed);
+    link.telemetry.streaming.store(true, Relaxed);
     for k in 0..5_000 {
         let expected = reference.tick(triangle(k));
         assert_eq!(tick.sample(triangle(k), k * PERIOD), expected.dac);
-        let found = other.queues.samples.dequeue().expect("a sample a tick");
+        let found = link.queues.samples.dequeue().expect("a sample a tick");
         assert_eq!((found.tick, found.sample.code), (k, triangle(k).0));
         assert_eq!(found.sample.displacement.to_bits(), expected.displacement.to_bits());
         assert_eq!((found.sample.status, found.sample.faults), (expected.status, Faults::empty()));
     }
-    assert_eq!(other.telemetry.ticks.load(Relaxed), 5_000);
-    assert_eq!((other.telemetry.missed.load(Relaxed), other.telemetry.faults_seen()), (0, Faults::empty()));
+    assert_eq!(link.telemetry.ticks.load(Relaxed), 5_000);
+    assert_eq!((link.telemetry.missed.load(Relaxed), link.telemetry.faults_seen()), (0, Faults::empty()));
 }
 
 #[test]
 fn nobody_reading_costs_samples_never_ticks() {
-    let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     for k in 0..10 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    assert!(other.queues.samples.dequeue().is_none(), "nobody asked for samples");
-    other.telemetry.streaming.store(true, Relaxed);
+    assert!(link.queues.samples.dequeue().is_none(), "nobody asked for samples");
+    link.telemetry.streaming.store(true, Relaxed);
     for k in 10..1_010 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    let kept = std::iter::from_fn(|| other.queues.samples.dequeue()).count() as u32;
-    assert_eq!(kept + other.telemetry.dropped.load(Relaxed), 1_000);
+    let kept = std::iter::from_fn(|| link.queues.samples.dequeue()).count() as u32;
+    assert_eq!(kept + link.telemetry.dropped.load(Relaxed), 1_000);
     tick.sample(triangle(0), 1_010 * PERIOD);
-    assert_eq!(other.queues.samples.dequeue().map(|next| next.tick), Some(1_010), "the gap shows in the numbers");
+    assert_eq!(link.queues.samples.dequeue().map(|next| next.tick), Some(1_010), "the gap shows in the numbers");
 }
 
 #[test]
 fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
-    let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
-    other.telemetry.streaming.store(true, Relaxed);
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
+    link.telemetry.streaming.store(true, Relaxed);
     // On time, on time, an eighth late, two lost, on time; the counter wraps on the way.
     let mut now = u32::MAX - 2 * PERIOD;
     for (elapsed, missed, fault, number) in [
@@ -59,20 +59,20 @@ fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
     ] {
         now = now.wrapping_add(elapsed);
         tick.sample(moving(number), now);
-        assert_eq!(other.telemetry.missed.load(Relaxed), missed);
-        let found = other.queues.samples.dequeue().unwrap();
+        assert_eq!(link.telemetry.missed.load(Relaxed), missed);
+        let found = link.queues.samples.dequeue().unwrap();
         assert_eq!(found.sample.faults, if fault { Faults::MISSED_DEADLINE } else { Faults::empty() });
         assert_eq!(found.tick, number, "what was lost shows as a gap");
     }
-    assert_eq!(other.telemetry.faults_seen(), Faults::MISSED_DEADLINE);
-    other.telemetry.forget();
-    assert_eq!((other.telemetry.missed.load(Relaxed), other.telemetry.faults_seen()), (0, Faults::empty()));
-    other.telemetry.took(50, 60);
+    assert_eq!(link.telemetry.faults_seen(), Faults::MISSED_DEADLINE);
+    link.telemetry.forget();
+    assert_eq!((link.telemetry.missed.load(Relaxed), link.telemetry.faults_seen()), (0, Faults::empty()));
+    link.telemetry.took(50, 60);
     tick.sample(moving(1), now.wrapping_add(PERIOD));
-    assert_eq!(other.telemetry.missed.load(Relaxed), 0);
-    other.telemetry.took(61, 60);
+    assert_eq!(link.telemetry.missed.load(Relaxed), 0);
+    link.telemetry.took(61, 60);
     tick.sample(moving(2), now.wrapping_add(2 * PERIOD));
-    assert_eq!(other.telemetry.missed.load(Relaxed), 1, "a tick that was not done in time");
+    assert_eq!(link.telemetry.missed.load(Relaxed), 1, "a tick that was not done in time");
 }
 
 /// A code in the middle of the range that does not stand still.
@@ -91,7 +91,7 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
         (STUCK, Faults::ADC_STUCK, &|_| AdcCode(30_000)),
     ];
     for (limit, fault, code) in cases {
-        let (mut tick, other) = tick(Some(&compiled()), Faults::empty());
+        let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
         let mut now = 0;
         let mut step = |code| {
             now += PERIOD;
@@ -103,15 +103,15 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
         }
         let last = (limit..limit + 3).map(|k| step(code(k))).last();
         assert_eq!(last, Some(SAFE), "{fault:?}");
-        assert!(other.telemetry.faults().contains(fault | Faults::SAFE_OUTPUT));
+        assert!(link.telemetry.faults().contains(fault | Faults::SAFE_OUTPUT));
         let mut reference = Estimator::<f32>::new(&compiled());
         for k in 1..HOLD {
             assert_eq!(step(moving(k)), SAFE, "{fault:?} has ended {k} ticks ago");
         }
         assert_eq!(step(moving(HOLD)), SAFE, "{fault:?}: the last tick of what is forgotten");
         assert_eq!(step(moving(1)), reference.tick(moving(1)).dac, "the estimate has started anew");
-        assert_eq!(other.telemetry.faults(), Faults::empty());
-        assert!(other.telemetry.faults_seen().contains(fault), "and is remembered");
+        assert_eq!(link.telemetry.faults(), Faults::empty());
+        assert!(link.telemetry.faults_seen().contains(fault), "and is remembered");
     }
 }
 
@@ -120,31 +120,31 @@ fn without_a_table_or_with_a_bad_supply_the_dac_is_safe_for_good() {
     for (table, standing, fault) in
         [(None, Faults::empty(), Faults::NO_TABLE), (Some(compiled()), Faults::SUPPLY, Faults::SUPPLY)]
     {
-        let (mut tick, other) = tick(table.as_ref(), standing);
+        let (mut tick, link) = tick(table.as_ref(), standing);
         for k in 0..100 {
             assert_eq!(tick.sample(triangle(k), k * PERIOD), SAFE);
-            assert_eq!(other.telemetry.faults(), fault | Faults::SAFE_OUTPUT);
+            assert_eq!(link.telemetry.faults(), fault | Faults::SAFE_OUTPUT);
         }
     }
 }
 
 #[test]
 fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
-    let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     for k in 0..100 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    other.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
+    link.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
     tick.sample(triangle(100), 100 * PERIOD);
-    assert_eq!((other.telemetry.mode(), other.telemetry.epoch.load(Relaxed)), (Mode::Pil, 1));
-    other.telemetry.streaming.store(true, Relaxed);
+    assert_eq!((link.telemetry.mode(), link.telemetry.epoch.load(Relaxed)), (Mode::Pil, 1));
+    link.telemetry.streaming.store(true, Relaxed);
     let mut reference = Estimator::<f32>::new(&compiled());
     for k in 0..300 {
         if k % 3 != 0 {
-            other.queues.fed.enqueue(triangle(7 * k)).unwrap();
+            link.queues.fed.enqueue(triangle(7 * k)).unwrap();
         }
         assert_eq!(tick.sample(AdcCode(0), (101 + k) * PERIOD), SAFE);
-        match other.queues.samples.dequeue() {
+        match link.queues.samples.dequeue() {
             None => assert_eq!(k % 3, 0),
             Some(found) => {
                 let expected = reference.tick(triangle(7 * k));
@@ -155,26 +155,26 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
         }
     }
     for (mode, estimates) in [(Mode::Pause, false), (Mode::Estimate, true)] {
-        other.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+        link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
         let dac = tick.sample(triangle(500), 401 * PERIOD);
-        assert_eq!((dac != SAFE, other.queues.samples.dequeue().is_some()), (estimates, estimates), "{mode:?}");
+        assert_eq!((dac != SAFE, link.queues.samples.dequeue().is_some()), (estimates, estimates), "{mode:?}");
     }
 }
 
 /// A log may rest for longer than an ADC can, and go where its table does not.
 #[test]
 fn fed_codes_are_no_sign_of_the_adc_s_health() {
-    let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
-    other.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
+    link.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
     tick.sample(triangle(0), 0);
-    other.telemetry.streaming.store(true, Relaxed);
+    link.telemetry.streaming.store(true, Relaxed);
     let mut reference = Estimator::<f32>::new(&compiled());
     let lasts = |code: u16, ticks: u32| (0..ticks).map(move |_| AdcCode(code));
     let log = lasts(30_000, 2 * STUCK).chain(lasts(65_520, 2 * OUT_OF_RANGE)).chain((0..3 * HOLD).map(moving));
     for (code, k) in log.zip(1..) {
-        other.queues.fed.enqueue(code).unwrap();
+        link.queues.fed.enqueue(code).unwrap();
         assert_eq!(tick.sample(AdcCode(0), PERIOD.wrapping_mul(k)), SAFE);
-        let found = other.queues.samples.dequeue().expect("a sample a tick").sample;
+        let found = link.queues.samples.dequeue().expect("a sample a tick").sample;
         let expected = reference.tick(code);
         assert_eq!(
             (found.displacement.to_bits(), found.status),
@@ -187,12 +187,12 @@ fn fed_codes_are_no_sign_of_the_adc_s_health() {
 
 #[test]
 fn zero_is_set_at_the_next_tick() {
-    let (mut tick, mut other) = tick(Some(&compiled()), Faults::empty());
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     for k in 0..500 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    other.queues.commands.enqueue(Command::SetZero).unwrap();
-    other.telemetry.streaming.store(true, Relaxed);
+    link.queues.commands.enqueue(Command::SetZero).unwrap();
+    link.telemetry.streaming.store(true, Relaxed);
     tick.sample(triangle(500), 500 * PERIOD);
-    assert!(other.queues.samples.dequeue().unwrap().sample.displacement.abs() < 0.1);
+    assert!(link.queues.samples.dequeue().unwrap().sample.displacement.abs() < 0.1);
 }

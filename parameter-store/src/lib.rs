@@ -26,7 +26,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use embedded_storage_async::nor_flash::NorFlash;
 
 /// Longest record, bytes.
-pub const MAX_RECORD: usize = 400;
+pub const MAX_RECORD: usize = 432;
 
 const HEADER: usize = 8;
 const CHECKSUM: usize = 4;
@@ -38,33 +38,24 @@ const WORD: usize = 32;
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Why the store failed. What was stored before is untouched.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum StoreError {
     /// The pages do not fit this flash: not two of its pages, or its words are too long.
+    #[error("the parameter pages do not fit the flash")]
     Layout,
     /// The flash itself reported an error.
+    #[error("the flash reports an error")]
     Flash,
     /// The record is longer than [`MAX_RECORD`].
+    #[error("the record is too long")]
     TooLong,
     /// An erased page is not blank.
+    #[error("an erased page is not blank: the flash is worn or protected; try again")]
     NotErased,
     /// What was read back is not what was written.
+    #[error("what was read back is not what was written: the flash is worn or protected; try again")]
     NotWritten,
 }
-
-impl core::fmt::Display for StoreError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Layout => "the parameter pages do not fit the flash",
-            Self::Flash => "the flash reports an error",
-            Self::TooLong => "the record is too long",
-            Self::NotErased => "an erased page is not blank: the flash is worn or protected; try again",
-            Self::NotWritten => "what was read back is not what was written: the flash is worn or protected; try again",
-        })
-    }
-}
-
-impl core::error::Error for StoreError {}
 
 /// The store in two pages of a flash.
 pub struct ParameterStore<F: NorFlash> {

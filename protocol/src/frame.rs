@@ -22,36 +22,27 @@ const DELIMITER: u8 = 0;
 const MAX_CONTENT: usize = MAX_FRAME - 4;
 
 /// Why a frame was refused.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum FrameError {
     /// More than [`MAX_FRAME`] bytes without a delimiter.
+    #[error("a frame longer than {MAX_FRAME} bytes")]
     TooLong,
     /// The byte stuffing is broken: bytes were lost or changed.
+    #[error("a damaged frame (byte stuffing)")]
     Stuffing,
     /// The checksum does not match, or there is none.
+    #[error("a damaged frame (checksum)")]
     Checksum,
     /// The other side speaks another version of the protocol.
+    #[error("protocol version {found}, this software speaks version {VERSION}")]
     Version {
         /// The version that the other side speaks.
         found: u8,
     },
     /// The checksum matches, but the content is no message of this version.
+    #[error("a frame that is no message of protocol version {VERSION}")]
     Content,
 }
-
-impl core::fmt::Display for FrameError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::TooLong => write!(f, "a frame longer than {MAX_FRAME} bytes"),
-            Self::Stuffing => write!(f, "a damaged frame (byte stuffing)"),
-            Self::Checksum => write!(f, "a damaged frame (checksum)"),
-            Self::Version { found } => write!(f, "protocol version {found}, this software speaks version {VERSION}"),
-            Self::Content => write!(f, "a frame that is no message of protocol version {VERSION}"),
-        }
-    }
-}
-
-impl core::error::Error for FrameError {}
 
 /// Writes the frame of a message, delimiter included, into `buffer`; `None` if the message is too long for a frame
 /// (no message of this crate is; a test shows it).

@@ -11,6 +11,7 @@ mod options;
 mod recorded;
 mod reproduce;
 mod rig;
+mod validate;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -59,7 +59,16 @@ fn tables_that_were_tampered_with_are_refused_by_name() {
     case("deadband_v", "deadband = 1.0", &["deadband", "line"]);
     fs::write(&table, "[table").unwrap();
     refused(&["emit", text(&table), "--face", "rust"], &["table.toml", "line 1"]);
-    refused(&["emit", "nowhere.toml", "--face", "rust"], &["nowhere.toml"]);
+    refused(&["emit", "nowhere.toml", "--face", "rust"], &["nowhere.toml", "no such file", "`identify`"]);
+}
+
+#[test]
+fn what_stands_in_the_place_of_a_table_is_named() {
+    let [rust, record, folder] = ["table/table.rs", "table/table.bin", "table"].map(data);
+    refused(&["validate", MEASURED, text(&data("table/table.toml"))], &["is no table.toml", "logs after it"]);
+    refused(&["validate", text(&rust), MEASURED], &["table.rs", "is no table.toml"]);
+    refused(&["validate", text(&record), MEASURED], &["table.bin", "is not text", "table.toml"]);
+    refused(&["validate", text(&folder), MEASURED], &["is a directory", "table.toml"]);
 }
 
 #[test]

@@ -109,6 +109,38 @@ fn what_section_6_2_recommends_is_tried_on_every_model_and_with_every_method() {
 }
 
 #[test]
+fn what_was_learnt_is_judged_on_what_was_not() {
+    let run = || {
+        let mut command = piezo();
+        command.args(["reproduce", "elsewhere", "--seeds", "1"]).args(SHORTEST);
+        command
+    };
+    let result = json(run().arg("--json"));
+    let rows = rows(&result, "elsewhere");
+    let subjects = ["measured PICMA stack", "the thesis's rig", "plants outside the models' class"];
+    for subject in subjects {
+        assert!(rows.iter().any(|row| row["subject"] == subject), "{subject} is missing");
+    }
+    let stack = |condition: &str| {
+        let row = rows.iter().find(|row| {
+            row["subject"] == subjects[0] && row["condition"].as_str().is_some_and(|of| of.starts_with(condition))
+        });
+        row.unwrap_or_else(|| panic!("{condition} is missing"))
+    };
+    // The sensor's noise at rest is some 0.07 µm, and its zero another on the other day.
+    assert!((number(stack("same"), "/noise_floor_um") - 0.07).abs() < 0.01);
+    let (other, zeroed) = (stack("other session"), stack("other session, zeroed"));
+    assert!(number(other, "/recordings") == 1.0 && zeroed["condition"].as_str().unwrap().contains("22 s"));
+    for row in rows {
+        let median = |name: &str| row[name]["median"].as_f64();
+        assert_eq!(row["found"] == 0, median("told_nothing_um").is_none(), "{row}");
+        assert!(row["interval_um"].is_null() && row["searched"].as_u64() > Some(0), "{row}");
+    }
+    refused(&["reproduce", "elsewhere", "--logs", super::MEASURED], &["--logs"]);
+    refused(&["reproduce", "elsewhere", "--seeds", "0"], &["--seeds"]);
+}
+
+#[test]
 fn own_logs_take_the_rig_s_place() {
     let folder = tempfile::tempdir().unwrap();
     let logs: Vec<PathBuf> = ["sin10", "tr100", "tr10"].iter().map(|name| write(folder.path(), &rig(name))).collect();

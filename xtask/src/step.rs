@@ -139,7 +139,7 @@ fn firmware(sh: &Shell) -> Result<()> {
 fn emulated(sh: &Shell) -> Result<()> {
     let image = embedded::image(sh, Board::Mps2An386)?;
     Ok(tests(sh)
-        .args(["exact", "follow", "link", "models", "pil", "store", "stream"].map(|test| format!("--test={test}")))
+        .args(["--test=exact", "--test=emulated"])
         .env("FIRMWARE_IMAGE_MPS2", image)
         .env("PIEZO", built_piezo(sh)?)
         .run()?)

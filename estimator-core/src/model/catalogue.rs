@@ -1,59 +1,17 @@
 //! The one list of models. A line makes a model a choice of the table, of the tools and of the firmware.
 //!
-//! To add one: a file with its parameters ([`Published`]) and its recursion, and a line at the end of this file.
+//! To add one: a file with its parameters ([`Published`]) and its recursion, the parameters' `pub use` in `model` and at the
+//! root of this crate, where tables written as Rust find them, and a line at the end of this file. The example `own_model`
+//! of the crate `identification` has every step.
 
-use super::{
-    BoucWenParameters, DuhemParameters, GeneralisedPrandtlIshlinskiiParameters, MaxwellSlipParameters, NarxParameters,
-    PrandtlIshlinskiiParameters, PreisachParameters, Process, Recursion, Running, Scheme, VoigtChainParameters,
-    VoigtParameters,
-};
+use super::published::{Discretisation, Published};
+use super::{Process, Recursion, Running};
 use crate::admissible::Inadmissible;
 use crate::math::Real;
 use crate::range::Range;
 use crate::rule::Rule;
 use core::fmt;
 use serde::{Deserialize, Serialize};
-
-/// How a model's equations become ticks.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Discretisation<T> {
-    /// Tick, s.
-    pub sample_period: T,
-    /// How the Voigt family's differential equation becomes a recursion.
-    pub scheme: Scheme,
-    /// Retreat of the voltage from its running extreme that counts as a reversal, V.
-    pub deadband: T,
-}
-
-/// The parameters of a model as they are published, in the literature's units.
-pub trait Published: Copy {
-    /// The model's per-tick coefficients.
-    type Coefficients<T: Real>: Recursion<T> + Clone + PartialEq + fmt::Debug;
-
-    /// The coefficients. Checks nothing.
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Self::Coefficients<T>;
-
-    /// Checks every parameter by itself and beside the others; whether the recursion is stable and bounded is
-    /// [`Recursion::bound`]'s.
-    ///
-    /// # Errors
-    /// The rule that they break.
-    fn check(&self) -> Result<(), Rule>;
-
-    /// Ticks by which the displacement comes later than its monotone part has it
-    /// ([`Recursion::monotone_part`]): what whoever knows a reference ahead of time can make up for.
-    fn delay_ticks(&self) -> f32 {
-        0.0
-    }
-
-    /// As [`check`](Self::check), for types that serve several models, of which one must leave parameters at 0.
-    ///
-    /// # Errors
-    /// The rule that they break.
-    fn check_as(&self, _model: Model) -> Result<(), Rule> {
-        self.check()
-    }
-}
 
 type Coefficients<P, T> = <P as Published>::Coefficients<T>;
 type RunningOf<P, T> = Running<Coefficients<P, T>, <Coefficients<P, T> as Recursion<T>>::State>;
@@ -91,7 +49,7 @@ macro_rules! models {
         /// The published parameters of a model, and with them which one it is.
         #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
         pub enum Parameters {
-            $($(#[doc = $line])+ #[serde(rename = $name)] $model($parameters),)*
+            $($(#[doc = $line])+ #[serde(rename = $name)] $model(crate::$parameters),)*
         }
 
         /// As a Rust expression.
@@ -116,12 +74,9 @@ macro_rules! models {
                 match self { $(Self::$model(_) => stringify!($parameters),)* }
             }
 
-            /// As [`Published::check`].
-            ///
-            /// # Errors
-            /// The rule that they break.
-            pub fn check(&self) -> Result<(), Rule> {
-                match self { $(Self::$model(of) => of.check_as(Model::$model),)* }
+            /// As [`Published::check`], whichever of the models that share their type they are of.
+            pub(super) fn check_numbers(&self) -> Result<(), Rule> {
+                match self { $(Self::$model(of) => of.check(),)* }
             }
 
             /// As [`Published::delay_ticks`].
@@ -140,7 +95,7 @@ macro_rules! models {
         /// Any model, running: coefficients and memory.
         #[derive(Clone, PartialEq, Debug)]
         pub enum Engine<T: Real> {
-            $($(#[doc = $line])+ $model(RunningOf<$parameters, T>),)*
+            $($(#[doc = $line])+ $model(RunningOf<crate::$parameters, T>),)*
         }
 
         impl<T: Real> Engine<T> {
@@ -200,7 +155,7 @@ models! {
     Preisach, "preisach", "Preisach (3.1)", PreisachParameters;
     /// Black box of Table 5.1: a polynomial of past voltages and displacements, and of extrema.
     Narx, "narx", "NARX (Table 5.1)", NarxParameters;
-    /// Functions of play operators in a chain with delay, lag, creep, curvature and resonance.
+    /// Fifteen play operators behind one envelope in a chain with delay, lag, creep and resonance.
     GeneralisedPrandtlIshlinskii, "generalised-prandtl-ishlinskii", "generalised Prandtl–Ishlinskii",
         GeneralisedPrandtlIshlinskiiParameters;
 }

@@ -12,19 +12,21 @@ mod play;
 mod prandtl_ishlinskii;
 mod preisach;
 mod process;
+mod published;
 mod recursion;
 mod relaxation;
 mod resonance;
 mod voigt;
 mod voigt_chain;
+mod voigt_family;
 
 pub use bouc_wen::{BoucWen, BoucWenParameters, BoucWenState};
-pub use catalogue::{Discretisation, Engine, Model, Parameters, Published};
+pub use catalogue::{Engine, Model, Parameters};
 pub use duhem::{Duhem, DuhemCondition, DuhemParameters, DuhemState, unmet_condition};
 pub use generalised_prandtl_ishlinskii::{GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters};
 pub use maxwell_slip::{ELEMENTS, MaxwellSlip, MaxwellSlipParameters, MaxwellSlipState};
 pub use narx::{Narx, NarxParameters, NarxState};
-pub use play::{Stop, play, virgin};
+pub use play::{Stop, play};
 pub use prandtl_ishlinskii::{
     DEAD_ZONES, PLAYS, PrandtlIshlinskii, PrandtlIshlinskiiParameters, PrandtlIshlinskiiState, Superposition,
 };
@@ -33,8 +35,9 @@ pub use preisach::{
     everett_from_reversal,
 };
 pub use process::{Process, Running};
+pub use published::{Discretisation, Published, Scheme};
 pub use recursion::{Linear, Recursion, solve};
-pub use relaxation::{Lag, Relaxation, Relaxed};
+pub use relaxation::{Lag, RampLag, RampLagged, Relaxation, Relaxed};
 pub use resonance::{Resonance, ResonanceState};
-pub use voigt::{LEAST_DECAY, Scheme, Voigt, VoigtParameters, VoigtState, VoigtTerms};
+pub use voigt::{LEAST_DECAY, Voigt, VoigtParameters, VoigtState, VoigtTerms};
 pub use voigt_chain::{VoigtChain, VoigtChainParameters, VoigtChainState};

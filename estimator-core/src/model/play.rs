@@ -23,12 +23,6 @@ pub fn play<T: Real>(memory: T, input: T, half_width: T) -> T {
     }
 }
 
-/// The play operator's output at an input that it first sees in the relaxed state: Eq. (3.8) with `y_0` = 0.
-#[inline]
-pub fn virgin<T: Real>(input: T, half_width: T) -> T {
-    play(T::zero(), input, half_width)
-}
-
 /// An elasto-slide element of unit stiffness, Eq. (3.10): what its spring is stretched by.
 ///
 /// With the yield displacements fixed, the voltage of the Maxwell-slip model is a weighted sum of such elements'

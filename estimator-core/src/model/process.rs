@@ -45,8 +45,10 @@ impl<M, S> Running<M, S> {
         M: Recursion<T, State = S>,
         S: Clone,
     {
-        let mut state = self.state.clone().unwrap_or_else(|| self.model.begin(voltage, None));
-        self.model.step(&mut state, voltage)
+        match &self.state {
+            Some(state) => self.model.step(&mut state.clone(), voltage),
+            None => self.model.first(voltage, None).1,
+        }
     }
 
     /// As [`Recursion::monotone_part`], with nothing remembered.
@@ -61,8 +63,12 @@ impl<M, S> Running<M, S> {
 impl<T: Real, M: Recursion<T> + Clone> Process<T> for Running<M, M::State> {
     #[inline]
     fn step(&mut self, voltage: T, known: Option<T>) -> T {
-        let model = &self.model;
-        model.step(self.state.get_or_insert_with(|| model.begin(voltage, known)), voltage)
+        if let Some(state) = &mut self.state {
+            return self.model.step(state, voltage);
+        }
+        let (state, displacement) = self.model.first(voltage, known);
+        self.state = Some(state);
+        displacement
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {

@@ -16,6 +16,15 @@ pub trait Recursion<T: Real>: Sized {
     /// One tick: takes this tick's voltage (V), returns the displacement (µm) a tick later.
     fn step(&self, state: &mut Self::State, voltage: T) -> T;
 
+    /// The first tick: [`begin`](Self::begin) and [`step`](Self::step) at one voltage, with what both need computed once where
+    /// a model can.
+    #[inline]
+    fn first(&self, voltage: T, displacement: Option<T>) -> (Self::State, T) {
+        let mut state = self.begin(voltage, displacement);
+        let displacement = self.step(&mut state, voltage);
+        (state, displacement)
+    }
+
     /// Displacements (µm) out of which no sequence of voltages of this range (V) leads: what the model's structure
     /// can reach, whatever `limits` are; or, where its memory is the displacement itself, `limits` if they are
     /// proven to hold for every start within them.

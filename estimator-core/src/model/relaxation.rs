@@ -70,6 +70,72 @@ impl<T: Real> Lag<T> {
     }
 }
 
+/// An input lag that is exact for an input which runs straight from tick to tick, or none.
+///
+/// ```text
+/// x ← x + (X − x)·k,   X = u + β·(u − u'),   β = 1/(e^h − 1) − 1/h,   h = t_s/T     u' the input a tick ago
+/// ```
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RampLag<T>(Option<(Relaxation<T>, T)>);
+
+/// What such a lag remembers.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RampLagged<T> {
+    output: Relaxed<T>,
+    input: T,
+}
+
+impl<T: Real> RampLagged<T> {
+    /// A lag that has come to rest at this value.
+    pub fn at(value: T) -> Self {
+        Self { output: Relaxed::at(value), input: value }
+    }
+
+    /// What has come through.
+    pub fn value(&self) -> T {
+        self.output.value
+    }
+
+    /// Holds the output at a value that something else limits it to.
+    pub fn hold(&mut self, value: T) {
+        self.output = Relaxed::at(value);
+    }
+}
+
+impl<T: Real> RampLag<T> {
+    /// A lag of this time constant T (s) for ticks of `sample_period` seconds; none where it is 0.
+    pub fn build(time: T, sample_period: T) -> Self {
+        Self((time > T::zero()).then(|| (Relaxation::build(time, sample_period), beta(sample_period / time))))
+    }
+
+    /// The same for an input that stands still within a tick, as a converter's output does.
+    #[must_use]
+    pub fn of_held_input(self) -> Self {
+        Self(self.0.map(|(relaxation, _)| (relaxation, T::zero())))
+    }
+
+    /// One tick: takes the input, returns what has come through. Without a lag that is the input itself.
+    #[inline]
+    pub fn step(&self, state: &mut RampLagged<T>, input: T) -> T {
+        match &self.0 {
+            Some((relaxation, beta)) => relaxation.step(&mut state.output, input + *beta * (input - state.input)),
+            None => state.output = Relaxed::at(input),
+        }
+        state.input = input;
+        state.output.value
+    }
+}
+
+/// 1/(e^h − 1) − 1/h, between −1/2 and 0; by its series where the two terms would cancel.
+fn beta<T: Real>(h: T) -> T {
+    if h < T::one() {
+        let square = h * h;
+        h * (T::one() - square * (T::one() - square / T::of(42.0)) / T::of(60.0)) / T::of(12.0) - T::of(0.5)
+    } else {
+        T::one() / h.exp_m1() - T::one() / h
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,6 +160,21 @@ mod tests {
         let mut state = Relaxed::at(0.1);
         for input in [33.3, -7.1, 1e-3] {
             assert_eq!(lag.step(&mut state, input), input);
+        }
+    }
+
+    /// A ramp comes out late by the time constant, whatever the tick.
+    #[test]
+    fn a_ramp_is_late_by_the_lag() {
+        for time in [1e-4f64, 4e-4, 6e-4, 2e-3, 0.5] {
+            let lag = RampLag::build(time, 5e-4);
+            let mut state = RampLagged::at(0.0);
+            let ticks = 40_000;
+            (1..=ticks).for_each(|tick| {
+                lag.step(&mut state, f64::from(tick) * 0.01);
+            });
+            let late = (f64::from(ticks) * 0.01 - state.value()) / 0.01 * 5e-4;
+            assert!((late - time).abs() < 1e-5 * time, "{late} s instead of {time} s");
         }
     }
 }

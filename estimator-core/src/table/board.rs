@@ -15,9 +15,10 @@ pub struct Board {
 }
 
 /// Why a table is not for a board.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Misfit {
     /// The ticks differ.
+    #[error("made for a tick of {table_us} µs, not {board_us} µs")]
     Tick {
         /// The table's, µs.
         table_us: u32,
@@ -25,6 +26,7 @@ pub enum Misfit {
         board_us: u32,
     },
     /// The ADC's largest codes differ, or the DAC's, or both.
+    #[error(fmt = converters)]
     Converters {
         /// What the table is made for.
         table: Board,
@@ -54,30 +56,22 @@ impl Table {
     }
 }
 
-impl fmt::Display for Misfit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Tick { table_us, board_us } => write!(f, "made for a tick of {table_us} µs, not {board_us} µs"),
-            Self::Converters { table, board } => {
-                let (adc, dac) = (table.adc_full_scale, table.dac_full_scale);
-                let (adc_differs, dac_differs) = (adc != board.adc_full_scale, dac != board.dac_full_scale);
-                write!(f, "made for ")?;
-                if adc_differs {
-                    write!(f, "an ADC up to {adc}, not {}", board.adc_full_scale)?;
-                }
-                if adc_differs && dac_differs {
-                    write!(f, ", and ")?;
-                }
-                if dac_differs {
-                    write!(f, "a DAC up to {dac}, not {}", board.dac_full_scale)?;
-                }
-                Ok(())
-            }
-        }
+/// Which converters differ, and how.
+fn converters(table: &Board, board: &Board, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let (adc, dac) = (table.adc_full_scale, table.dac_full_scale);
+    let (adc_differs, dac_differs) = (adc != board.adc_full_scale, dac != board.dac_full_scale);
+    write!(f, "made for ")?;
+    if adc_differs {
+        write!(f, "an ADC up to {adc}, not {}", board.adc_full_scale)?;
     }
+    if adc_differs && dac_differs {
+        write!(f, ", and ")?;
+    }
+    if dac_differs {
+        write!(f, "a DAC up to {dac}, not {}", board.dac_full_scale)?;
+    }
+    Ok(())
 }
-
-impl core::error::Error for Misfit {}
 
 #[cfg(test)]
 mod tests {

@@ -40,7 +40,7 @@ pub enum TableError {
     /// A number is NaN or infinite.
     #[error("{field} is not a finite number")]
     NonFinite {
-        /// Which.
+        /// Name of its field in the table.
         field: &'static str,
     },
     /// A number breaks a rule.

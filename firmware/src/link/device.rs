@@ -188,9 +188,9 @@ impl<F: NorFlash> Device<'_, F> {
         if self.telemetry.mode() != Mode::Pil {
             return Reply::Refused(Refusal::NotPil);
         }
-        let room = codes.iter().take_while(|&&code| self.queues.fed.enqueue(AdcCode(code)).is_ok()).count();
+        let taken = codes.iter().take_while(|&&code| self.queues.fed.enqueue(AdcCode(code)).is_ok()).count();
         // At most 64.
-        Reply::Fed(room as u16)
+        Reply::Fed(taken as u16)
     }
 
     fn refer(&mut self, references: &References, go: bool, hold: bool) -> Reply {
@@ -203,9 +203,9 @@ impl<F: NorFlash> Device<'_, F> {
         if go && self.queues.commands.enqueue(Command::Go { hold }).is_err() {
             return Reply::Refused(Refusal::Busy);
         }
-        let room =
+        let taken =
             references.iter().take_while(|&&reference| self.queues.references.enqueue(reference).is_ok()).count();
         // At most 64.
-        Reply::Referred { taken: room as u16, starved: self.telemetry.starved.load(Relaxed) }
+        Reply::Referred { taken: taken as u16, starved: self.telemetry.starved.load(Relaxed) }
     }
 }

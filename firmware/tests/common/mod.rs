@@ -48,19 +48,19 @@ pub fn driving() -> Admitted {
 }
 
 /// What the link has of a tick.
-pub struct Other {
+pub struct LinkEnd {
     pub queues: LinkQueues<'static>,
     pub telemetry: &'static Telemetry,
 }
 
 /// A tick with further faults since boot; `None` has no table.
-pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, Other) {
+pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, LinkEnd) {
     let (tick_queues, queues) = Box::leak(Box::new(Queues::new())).split();
     let telemetry: &'static Telemetry = Box::leak(Box::new(Telemetry::new()));
     let start = Startup::new(table, &FACTS, false);
     let safe = table.and_then(Drive::rest).unwrap_or(SAFE);
     let startup = Startup { safe, faults: start.faults | faults, ..start };
-    (Tick::new(startup, &FACTS, tick_queues, telemetry), Other { queues, telemetry })
+    (Tick::new(startup, &FACTS, tick_queues, telemetry), LinkEnd { queues, telemetry })
 }
 
 /// A code that goes up and down over most of the range.

@@ -12,7 +12,7 @@ pub enum LinkError {
     /// The port broke.
     #[error("{port}: the link broke: {error}; is the cable still in, the board powered, the emulator running?")]
     Broken {
-        /// Where.
+        /// Address of the device.
         port: Address,
         /// What the operating system says.
         error: std::io::Error,
@@ -23,29 +23,29 @@ pub enum LinkError {
          this program (protocol version {VERSION}), and is no other program connected to it?"
     )]
     Silent {
-        /// Where.
+        /// Address of the device.
         port: Address,
     },
     /// The other side speaks another version.
     #[error("{port}: its firmware speaks protocol version {found}, this program version {VERSION}: {}", older(*.found))]
     Version {
-        /// Where.
+        /// Address of the device.
         port: Address,
-        /// Its version.
+        /// The version that the device speaks.
         found: u8,
     },
     /// No reply to a request that must not be sent twice.
     #[error("{port}: no answer, so it is not known whether it was done")]
     Unknown {
-        /// Where.
+        /// Address of the device.
         port: Address,
     },
     /// The device refuses.
     #[error("{port}: the device refuses: {refusal}")]
     Refused {
-        /// Where.
+        /// Address of the device.
         port: Address,
-        /// Why.
+        /// What the device says.
         refusal: Box<Refusal>,
     },
     /// A reply to another question.
@@ -54,7 +54,7 @@ pub enum LinkError {
          sources"
     )]
     Confused {
-        /// Where.
+        /// Address of the device.
         port: Address,
     },
 }

@@ -3,7 +3,7 @@
 use super::client::Client;
 use super::error::LinkError;
 use super::interrupt::Interrupt;
-use super::window::{Numbers, Sequel};
+use super::window::{Continuity, Numbers};
 use protocol::{Faults, Mode, References, Sample};
 use std::time::{Duration, Instant};
 
@@ -54,7 +54,7 @@ pub enum FollowError {
     SamplesLost(u32),
     /// The device counts from 0 again.
     #[error("the device was restarted, or its mode set by somebody else")]
-    Anew,
+    Restarted,
     /// Neither samples nor errors come.
     #[error("the device gives nothing any more")]
     Silent,
@@ -102,9 +102,9 @@ pub fn follow(
         let mut patience = if full { LOOK } else { Duration::ZERO };
         while let Some(batch) = client.samples(patience)? {
             match numbers.take(&batch) {
-                Sequel::Follows => {}
-                Sequel::Lost(lost) => return Err(FollowError::SamplesLost(lost)),
-                Sequel::Anew => return Err(FollowError::Anew),
+                Continuity::Contiguous => {}
+                Continuity::Gap(lost) => return Err(FollowError::SamplesLost(lost)),
+                Continuity::Restarted => return Err(FollowError::Restarted),
             }
             take(&mut followed, &batch.samples, ticks);
             progress(followed.samples.len());

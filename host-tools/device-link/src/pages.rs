@@ -18,7 +18,7 @@ pub enum PagesError {
     /// The image cannot be read.
     #[error("{}: cannot be read", image.display())]
     Unreadable {
-        /// The file.
+        /// The firmware image.
         image: PathBuf,
         /// What the operating system says.
         source: std::io::Error,
@@ -26,15 +26,15 @@ pub enum PagesError {
     /// The file is something else.
     #[error("{}: is no 32-bit ELF image; `cargo fw` builds one", image.display())]
     NoImage {
-        /// The file.
+        /// The firmware image.
         image: PathBuf,
-        /// Why.
+        /// What the ELF reader says.
         source: object::read::Error,
     },
     /// The image does not say where its pages are.
     #[error("{}: has no symbol {symbol}: is it this project's firmware, not stripped?", image.display())]
     NoSymbol {
-        /// The file.
+        /// The firmware image.
         image: PathBuf,
         /// What is missing.
         symbol: &'static str,
@@ -45,7 +45,7 @@ pub enum PagesError {
         image.display()
     )]
     InRam {
-        /// The file.
+        /// The firmware image.
         image: PathBuf,
         /// Address of the pages.
         start: u32,

@@ -126,8 +126,8 @@ pub fn feed(
             return Err(FeedError::Interrupted { done, ticks });
         }
         let next = &codes[fed..codes.len().min(fed + CHUNK)];
-        let room = !next.is_empty() && fed - samples.len() + next.len() <= OUTSTANDING;
-        if room {
+        let fits = !next.is_empty() && fed - samples.len() + next.len() <= OUTSTANDING;
+        if fits {
             // Cannot fail: no more than fit.
             let chunk: Codes = next.iter().map(|code| code.0).collect();
             fed = match client.feed(chunk) {
@@ -136,7 +136,7 @@ pub fn feed(
                 Err(error) => return Err(error.into()),
             };
         }
-        if collect(client, &mut samples, fed, if room { Duration::ZERO } else { LOOK })? {
+        if collect(client, &mut samples, fed, if fits { Duration::ZERO } else { LOOK })? {
             news = Instant::now();
             progress(samples.len());
         }

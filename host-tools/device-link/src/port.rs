@@ -12,7 +12,7 @@ const READ: Duration = Duration::from_millis(20);
 /// Longest wait for a socket to be connected.
 const CONNECT: Duration = Duration::from_secs(3);
 
-/// A device's address, as `--port` says it.
+/// A device's address, as it is said on a command line.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Address {
     /// Name of a serial port: `/dev/ttyACM0`, `COM3`.
@@ -64,7 +64,7 @@ pub enum PortError {
     /// There is none of that name.
     #[error("{port}: there is no such port; {}", listed(.there))]
     Missing {
-        /// Its name.
+        /// Name of the port.
         port: String,
         /// Those there are.
         there: Vec<String>,
@@ -72,7 +72,7 @@ pub enum PortError {
     /// Somebody else has it.
     #[error("{port}: another program has it open; close that one (a terminal, a monitor) first")]
     Busy {
-        /// Its name.
+        /// Name of the port.
         port: String,
     },
     /// The user may not.
@@ -81,13 +81,13 @@ pub enum PortError {
          in again)"
     )]
     Forbidden {
-        /// Its name.
+        /// Name of the port.
         port: String,
     },
     /// It is none, or it does not work.
     #[error("{port}: cannot be used as a serial port: {reason}; {}", listed(.there))]
     Unusable {
-        /// Its name.
+        /// Name of the port.
         port: String,
         /// What the operating system says.
         reason: String,
@@ -97,13 +97,13 @@ pub enum PortError {
     /// No program listens there.
     #[error("tcp:{socket}: nothing listens there; start the emulated board with `cargo xtask emulate`")]
     Nobody {
-        /// The socket.
+        /// The socket, as HOST:PORT.
         socket: String,
     },
     /// The host is not known or does not answer.
     #[error("tcp:{socket}: cannot be reached: {error}")]
     Unreachable {
-        /// The socket.
+        /// The socket, as HOST:PORT.
         socket: String,
         /// What the operating system says.
         error: io::Error,

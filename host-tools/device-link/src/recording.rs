@@ -5,7 +5,7 @@
 
 use super::client::Client;
 use super::error::LinkError;
-use super::window::{Numbers, Sequel};
+use super::window::{Continuity, Numbers};
 use estimator_core::{AdcCalibration, AdcCode, Status};
 use protocol::{Faults, Samples};
 use std::io::{self, Write};
@@ -62,7 +62,7 @@ pub enum End {
         ticks: u32,
     },
     /// The device counts from 0 again: somebody restarted it.
-    Anew,
+    Restarted,
     /// No samples came any more.
     Silence,
     /// The link failed.
@@ -98,14 +98,14 @@ pub fn record(
         };
         silence = Duration::ZERO;
         match numbers.take(&samples) {
-            Sequel::Follows => {}
-            Sequel::Lost(ticks) if wish.allow_gaps => {
+            Continuity::Contiguous => {}
+            Continuity::Gap(ticks) if wish.allow_gaps => {
                 recording.lost += u64::from(ticks);
                 recording.ticks += u64::from(ticks);
                 recording.next = None;
             }
-            Sequel::Lost(ticks) => break End::Gap { ticks },
-            Sequel::Anew => break End::Anew,
+            Continuity::Gap(ticks) => break End::Gap { ticks },
+            Continuity::Restarted => break End::Restarted,
         }
         write(&samples, wish, &mut recording, log)?;
     };

@@ -6,13 +6,13 @@ use std::collections::VecDeque;
 
 /// How a frame of samples stands to the one before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Sequel {
+pub enum Continuity {
     /// At its end.
-    Follows,
+    Contiguous,
     /// So many ticks later.
-    Lost(u32),
+    Gap(u32),
     /// Before it: the device counts from 0 again, since its mode was set or it was restarted.
-    Anew,
+    Restarted,
 }
 
 /// Finds gaps in the numbers of samples.
@@ -23,12 +23,12 @@ pub struct Numbers {
 
 impl Numbers {
     /// How this frame stands to the one before.
-    pub fn take(&mut self, samples: &Samples) -> Sequel {
+    pub fn take(&mut self, samples: &Samples) -> Continuity {
         let expected = self.next.replace(samples.first.wrapping_add(samples.samples.len() as u32));
         match expected.map_or(0, |expected| samples.first.wrapping_sub(expected)) {
-            0 => Sequel::Follows,
-            gap if gap < 1 << 31 => Sequel::Lost(gap),
-            _ => Sequel::Anew,
+            0 => Continuity::Contiguous,
+            gap if gap < 1 << 31 => Continuity::Gap(gap),
+            _ => Continuity::Restarted,
         }
     }
 }
@@ -65,9 +65,9 @@ impl Window {
     /// Takes the next frame.
     pub fn take(&mut self, samples: &Samples) {
         match self.numbers.take(samples) {
-            Sequel::Follows => {}
-            Sequel::Lost(ticks) => self.lost += u64::from(ticks),
-            Sequel::Anew => self.samples.clear(),
+            Continuity::Contiguous => {}
+            Continuity::Gap(ticks) => self.lost += u64::from(ticks),
+            Continuity::Restarted => self.samples.clear(),
         }
         self.received += samples.samples.len() as u64;
         self.samples.extend(&samples.samples);
@@ -161,8 +161,8 @@ mod tests {
     #[test]
     fn numbers_run_over() {
         let mut numbers = Numbers::default();
-        assert_eq!(numbers.take(&frame(u32::MAX, &[1.0, 2.0])), Sequel::Follows);
-        assert_eq!(numbers.take(&frame(1, &[1.0])), Sequel::Follows);
-        assert_eq!(numbers.take(&frame(5, &[1.0])), Sequel::Lost(3));
+        assert_eq!(numbers.take(&frame(u32::MAX, &[1.0, 2.0])), Continuity::Contiguous);
+        assert_eq!(numbers.take(&frame(1, &[1.0])), Continuity::Contiguous);
+        assert_eq!(numbers.take(&frame(5, &[1.0])), Continuity::Gap(3));
     }
 }

@@ -7,20 +7,40 @@
 //!
 //! To make it a choice of the tables, of `piezo` and of the firmware:
 //!
-//! 1. Part 1 becomes `estimator-core/src/model/toy.rs`, with its `mod` and `pub use` in `model/mod.rs`.
-//! 2. A line at the end of `estimator-core/src/model/catalogue.rs`: `Toy, "toy", "straight line with lag", ToyParameters;`.
-//!    The record's format changes with it: bump `VERSION` in `record.rs`.
-//! 3. Part 2 becomes `host-tools/identification/src/family/toy.rs`, with `type Found = Parameters`, and the compiler asks for
-//!    its arm in `family::of`.
-//! 4. The compiler then asks for the model in the tests that go through all of them; each says what it wants.
+//! 1. Part 1 becomes `estimator-core/src/model/toy.rs`, all of it `pub` and documented, with `crate::` for `estimator_core::`.
+//!    `mod toy;` and `pub use toy::{Toy, ToyParameters};` in `model/mod.rs`; `ToyParameters` in the `pub use model::{…}` of
+//!    `lib.rs`, too.
+//! 2. At the end of `estimator-core/src/model/catalogue.rs`, the sentence of `--help` and the line of the model, last, since
+//!    records number the models by their order:
+//!
+//!        /// Straight line behind a first-order lag.
+//!        Toy, "toy", "straight line with lag", ToyParameters;
+//!
+//! 3. Part 2 becomes `host-tools/identification/src/family/toy.rs`, without `impl Trial`: [`Parameters`](estimator_core::Parameters)
+//!    has it. `type Found = Parameters`, and `project` ends in `.then_some(Parameters::Toy(parameters))`. `mod toy;` and an arm of
+//!    `of` in `family/mod.rs`, for which the compiler asks: `Model::Toy => vec![Box::new(toy::ToyFamily)]`. A family whose ranges
+//!    follow from the logs (a play's half-width, say) takes the [`Problem`] in a `new`, as `family/duhem.rs` does.
+//!
+//! `cargo run --release -- identify tests/data/picma-p885-1hz.csv --model toy --out out/toy` then runs, and so does every other
+//! verb. What goes through all models wants the new one:
+//!
+//! 4. A set of it in `estimator-core/tests/common/models.rs` (the compiler asks), and its bits in `tests/bits.rs` beside that (the
+//!    test prints the line). A model without an inverse is left out as `Narx` is, there and in `tests/inverse.rs`.
+//! 5. Its identified table, `tests/data/table/models/toy.toml` (the README there says how), which the tests in QEMU and
+//!    `cargo xtask size --models` run; the instructions of its tick in `xtask/src/figures/ceiling.rs` (`cargo xtask figures`
+//!    says how many). `cargo xtask figures models tracking` writes its rows in README.md; the column of words is yours.
+//! 6. The record's format: bump `VERSION` in `estimator-core/src/record.rs` unless it was bumped since the last release, since
+//!    older firmware cannot read the model. With it change the version and the CRC of `record_is_pinned` in
+//!    `estimator-core/tests/table.rs`, the two `table.bin` in `tests/data/table` (`cargo run --release -- emit FOLDER/table.toml
+//!    --out FOLDER` writes them), and the line in CHANGELOG.md.
 
 use estimator_core::admissible::within;
 use estimator_core::model::{Lag, Relaxed};
 use estimator_core::{Discretisation, Inadmissible, Linear, Published, Range, Real, Recursion, Rule, Running, rule};
 use identification::cost::{Cost, Feedback};
 use identification::family::{Family, Projection};
+use identification::search::Gene;
 use identification::search::Optimiser;
-use identification::search::space::Gene;
 use identification::{Conditions, Problem, StructureSearch, Trial};
 use least_squares::Sign;
 use recordings::prepare::Recipe;

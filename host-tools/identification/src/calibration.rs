@@ -38,10 +38,10 @@ impl CalibrationOptions {
         voltage_zero: f64,
         limits: Range<f64>,
     ) -> (AdcCalibration, DacCalibration) {
-        let room = ADC_ROOM * voltage.span();
+        let margin = ADC_ROOM * voltage.span();
         let adc = self
             .adc_span
-            .unwrap_or(Span { zero: voltage_zero + voltage.min - room, full: voltage_zero + voltage.max + room });
+            .unwrap_or(Span { zero: voltage_zero + voltage.min - margin, full: voltage_zero + voltage.max + margin });
         let dac = self.dac_span.unwrap_or(Span { zero: limits.min, full: limits.max });
         (
             adc_calibration(adc, self.adc_full_scale.unwrap_or(FULL_SCALE)),
@@ -72,7 +72,7 @@ impl CalibrationOptions {
 
 /// What does not fit between a table and its converters.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
-pub enum Misfit {
+pub enum ConverterMismatch {
     /// The ADC does not see all voltages of the table.
     #[error("the ADC sees {:.3} … {:.3} V, the table is for {} … {} V", sees.min, sees.max, table.min, table.max)]
     Adc {
@@ -95,28 +95,28 @@ pub enum Misfit {
 }
 
 /// Everything that does not fit between a table and its converters.
-pub fn misfits(table: &Table) -> Vec<Misfit> {
-    let mut misfits = Vec::new();
+pub fn converter_mismatches(table: &Table) -> Vec<ConverterMismatch> {
+    let mut mismatches = Vec::new();
     let between = |one: f64, other: f64| Range { min: one.min(other), max: one.max(other) };
     let volts = |code| table.adc.voltage::<f64>(AdcCode(code)) - f64::from(table.voltage_zero_v);
     let (sees, range) = (between(volts(0), volts(table.adc.full_scale)), table.voltage_range_v);
     if sees.min > f64::from(range.min) || sees.max < f64::from(range.max) {
-        misfits.push(Misfit::Adc { sees, table: range });
+        mismatches.push(ConverterMismatch::Adc { sees, table: range });
     }
     if table.drive.is_some() {
-        return misfits;
+        return mismatches;
     }
     if table.dac.saturated(table.dac.code(0.0f64)) {
-        misfits.push(Misfit::SafeOutput);
+        mismatches.push(ConverterMismatch::SafeOutput);
     }
     let um = |code| table.dac.displacement::<f64>(DacCode(code));
     let (reaches, limits) = (between(um(0), um(table.dac.full_scale)), table.displacement_limits_um);
     // A calibration that was assumed ends at the limits, to within rounding.
-    let room = 1e-4 * f64::from(limits.span());
-    if reaches.min > f64::from(limits.min) + room || reaches.max < f64::from(limits.max) - room {
-        misfits.push(Misfit::Dac { reaches, table: limits });
+    let margin = 1e-4 * f64::from(limits.span());
+    if reaches.min > f64::from(limits.min) + margin || reaches.max < f64::from(limits.max) - margin {
+        mismatches.push(ConverterMismatch::Dac { reaches, table: limits });
     }
-    misfits
+    mismatches
 }
 
 fn adc_calibration(span: Span, full_scale: u16) -> AdcCalibration {

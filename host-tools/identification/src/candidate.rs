@@ -55,9 +55,9 @@ impl Candidate {
     ///
     /// # Errors
     /// The fit has no parameters, or they are not admissible.
-    pub fn new(problem: &Problem, fit: Fit, setting: &TableContext) -> Result<Self, CandidateError> {
+    pub fn new(problem: &Problem, fit: Fit, context: &TableContext) -> Result<Self, CandidateError> {
         let parameters = fit.parameters.ok_or(CandidateError::NothingFound)?;
-        let table = table(problem, parameters, setting)?;
+        let table = table(problem, parameters, context)?;
         let first = table.admit()?;
         let candidate = Self {
             training: problem.training().map(|session| compare(&first, session)).collect(),
@@ -86,13 +86,13 @@ impl Candidate {
     }
 }
 
-fn table(problem: &Problem, parameters: Parameters, setting: &TableContext) -> Result<Table, CandidateError> {
-    let recipe = &setting.recipe;
+fn table(problem: &Problem, parameters: Parameters, context: &TableContext) -> Result<Table, CandidateError> {
+    let recipe = &context.recipe;
     let limits = problem.limits(&parameters).map_err(CandidateError::Unbounded)?;
-    let room = ROUNDING * limits.span();
-    let limits = Range { min: limits.min - room, max: limits.max + room };
+    let margin = ROUNDING * limits.span();
+    let limits = Range { min: limits.min - margin, max: limits.max + margin };
     let voltage = problem.voltage_range();
-    let (adc, dac) = setting.calibration.calibration(voltage, recipe.voltage_zero_v, limits);
+    let (adc, dac) = context.calibration.calibration(voltage, recipe.voltage_zero_v, limits);
     let single = |range: Range<f64>| Range { min: range.min as f32, max: range.max as f32 };
     let mut table = Table {
         sample_period_us: recipe.tick_us,
@@ -107,8 +107,8 @@ fn table(problem: &Problem, parameters: Parameters, setting: &TableContext) -> R
         dac,
         drive: None,
         provenance: Provenance {
-            logs: setting.logs,
-            seed: setting.seed,
+            logs: context.logs,
+            seed: context.seed,
             tool_version: version(),
             train_mae_um: 0.0,
             validation_mae_um: None,
@@ -116,7 +116,7 @@ fn table(problem: &Problem, parameters: Parameters, setting: &TableContext) -> R
         },
     };
     let full_scale = table.dac.full_scale;
-    setting.calibration.drive.apply(&mut table, full_scale);
+    context.calibration.drive.apply(&mut table, full_scale);
     Ok(table)
 }
 

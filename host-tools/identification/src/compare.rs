@@ -28,10 +28,10 @@ pub struct Matrix {
     pub doubts: Vec<Doubt>,
 }
 
-/// A model.
+/// How a model fared, and at what price.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// Which.
+    /// Which model it is.
     pub model: Model,
     /// Wall-clock time of its own search, s; that of the simpler models it starts from is theirs.
     pub seconds: f64,
@@ -64,7 +64,7 @@ pub enum Judgement {
     Identified(Box<Errors>),
     /// No admissible candidate.
     Failed {
-        /// Why.
+        /// Why it has none.
         failed: String,
     },
 }
@@ -170,7 +170,7 @@ pub fn run(
     say: Say,
     progress: Progress<'_>,
 ) -> Result<Matrix, CompareError> {
-    let Prepared { problem, setting, logs, estimates, delay_at_bound } = job.prepare(progress)?;
+    let Prepared { problem, context, logs, estimates, delay_at_bound } = job.prepare(progress)?;
     if problem.validation().next().is_none() {
         return Err(CompareError::NothingHeldOut);
     }
@@ -198,7 +198,7 @@ pub fn run(
     }
     let rows = models.iter().filter_map(|model| {
         let (fit, seconds) = found.iter().find(|(fit, _)| fit.model == *model)?;
-        let result = Candidate::new(&problem, fit.clone(), &setting).map(|candidate| errors(&candidate));
+        let result = Candidate::new(&problem, fit.clone(), &context).map(|candidate| errors(&candidate));
         Some(Row {
             model: *model,
             seconds: *seconds,
@@ -213,7 +213,7 @@ pub fn run(
     let rows = rows.collect();
     let straight_line = StraightLine::fit(problem.training()).and_then(|line| straight_line(line, &problem));
     let doubts = estimates.into_iter().chain(delay_at_bound).collect();
-    Ok(Matrix { rows, straight_line, recipe: setting.recipe, logs, doubts })
+    Ok(Matrix { rows, straight_line, recipe: context.recipe, logs, doubts })
 }
 
 /// What is searched for together: the wanted models of the Voigt family with those that they start from, simplest first;

@@ -65,7 +65,7 @@ pub struct Cost {
     /// What the search minimises: mean absolute error or root mean square. What a model is linear in (the weights of
     /// the models beyond the Voigt family) is solved for by least squares in either.
     pub norm: Norm,
-    /// Share of the measurement in `--cost multi-step`, 0 (simulation) to 1 (one-step prediction): errors are forgotten
+    /// Share of the measurement in multi-step feedback, 0 (simulation) to 1 (one-step prediction): errors are forgotten
     /// over some 1/w measured steps. 0.01 where it is not given.
     pub feedback_weight: Option<f64>,
 }

@@ -14,7 +14,7 @@ pub enum Doubt {
     },
     /// A searched coordinate ended at an end of its range.
     AtBound {
-        /// Its name.
+        /// Name of the coordinate.
         gene: &'static str,
         /// Where it ended.
         value: f64,
@@ -28,7 +28,7 @@ pub enum Doubt {
     FallsWithVoltage,
     /// A simpler or richer model found no admissible candidate.
     NotIdentified {
-        /// Which.
+        /// The model without a candidate.
         model: Model,
     },
     /// The error on what was held out is far from the training error.
@@ -84,7 +84,7 @@ pub enum Doubt {
     },
     /// A held-out log goes where the training logs did not.
     BeyondTraining {
-        /// Its name.
+        /// Name of the log.
         log: String,
     },
     /// The voltage is read with more noise than the deadband.

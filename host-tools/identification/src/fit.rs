@@ -4,8 +4,9 @@
 use crate::cost::Cost;
 use crate::family::{self, BlackBoxInputs, voigt};
 use crate::problem::Problem;
+use crate::search::Gene;
 use crate::search::SearchOptions;
-use crate::search::space::{Gene, Space};
+use crate::search::space::Space;
 use estimator_core::{Model, Parameters};
 use serde::Serialize;
 
@@ -21,7 +22,7 @@ pub struct Convergence {
 /// An identified model.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Fit {
-    /// Which.
+    /// Which model it is.
     pub model: Model,
     /// Its published parameters; `None` where no candidate has a solution.
     pub parameters: Option<Parameters>,
@@ -37,7 +38,7 @@ pub struct Fit {
     pub evaluations: usize,
     /// After each generation.
     pub convergence: Vec<Convergence>,
-    /// Of the Voigt family.
+    /// The space that was searched, of a model of the Voigt family.
     pub(crate) space: Option<Space>,
 }
 

@@ -12,6 +12,7 @@ use crate::log_use::{LogUse, Role};
 use crate::model_choice::ModelChoice;
 use crate::problem::{Conditions, Problem};
 use crate::search::SearchOptions;
+use crate::start::prepared;
 use crate::suspicion::doubts;
 use estimator_core::{Digest, Model};
 use recordings::log::Log;
@@ -48,7 +49,7 @@ pub struct Prepared {
     /// The sessions, cut, divided and prepared.
     pub problem: Problem,
     /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone, in its recipe.
-    pub setting: TableContext,
+    pub context: TableContext,
     /// What each log was used for.
     pub logs: Vec<LogUse>,
     /// A doubt for each log that is no sensor's.
@@ -108,7 +109,7 @@ pub enum JobError {
         if *held_out { "held out" } else { "used" }
     )]
     Rests {
-        /// The log.
+        /// Path of the log.
         log: PathBuf,
         /// "voltage" or "displacement".
         signal: &'static str,
@@ -122,9 +123,9 @@ pub enum JobError {
     /// The model that counts has no admissible candidate.
     #[error("model {model}")]
     Failed {
-        /// Which.
+        /// The model without a candidate.
         model: Model,
-        /// Why.
+        /// Why it has none.
         source: CandidateError,
     },
     /// The model that counts was not among those searched for.
@@ -156,21 +157,30 @@ impl Job {
     /// # Errors
     /// A log cannot be used.
     pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared, JobError> {
-        let (training, held_out) = self.parts()?;
+        let Parts { training, held_out, rests } = self.parts()?;
         let mut recipe = self.prepare.resolve(&training);
-        let delay = self.delay_search();
         let estimated = match self.prepare.delay {
             AutoOr::Given(_) => None,
-            AutoOr::Auto => Some(delay.estimate(&training, &recipe, progress)?),
+            AutoOr::Auto => Some(self.delay_search().estimate(&training, &recipe, progress)?),
         };
         if let Some(Delay { ticks, .. }) = estimated {
             recipe.delay_ticks = ticks;
         }
         let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
+        let sessions = |logs: &[Log]| logs.iter().map(|log| prepared(&recipe, log)).collect::<Result<Vec<_>, _>>();
+        let learnt_from = sessions(&training)?;
+        let mut validation = sessions(&held_out)?;
+        for (log, rest) in &rests {
+            let mut session = prepared(&recipe, log)?;
+            let learnt = rest.start_s - session.start_s;
+            session.lead_in = session.instants.partition_point(|&instant| f64::from(instant) * session.tick_s < learnt);
+            validation.push(session);
+        }
+        let held_out: Vec<Log> = held_out.into_iter().chain(rests.into_iter().map(|(_, rest)| rest)).collect();
         Ok(Prepared {
-            problem: Problem::new(recipe.sessions(&training)?, recipe.sessions(&held_out)?, self.conditions),
-            setting: TableContext {
+            problem: Problem::new(learnt_from, validation, self.conditions),
+            context: TableContext {
                 recipe,
                 calibration: self.calibration.clone(),
                 logs: digest(&training),
@@ -187,12 +197,12 @@ impl Job {
     /// # Errors
     /// A log cannot be used, or the model that counts has no admissible candidate.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
-        let Prepared { problem, setting, logs, estimates, delay_at_bound } = self.prepare(progress)?;
+        let Prepared { problem, context, logs, estimates, delay_at_bound } = self.prepare(progress)?;
         let fits = identify(&problem, &self.model.models(self.search.start), self.cost, &self.search, progress);
         let (mut candidates, mut failed) = (Vec::new(), Vec::new());
         for fit in fits {
             let model = fit.model;
-            match Candidate::new(&problem, fit, &setting) {
+            match Candidate::new(&problem, fit, &context) {
                 Ok(candidate) => candidates.push(candidate),
                 Err(error) => failed.push((model, error)),
             }
@@ -210,7 +220,7 @@ impl Job {
             doubts.push(Doubt::CalibrationAssumed);
         }
         let straight_line = Baseline::of(&problem);
-        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, recipe: setting.recipe, logs })
+        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, recipe: context.recipe, logs })
     }
 
     /// A doubt for each log that is no sensor's.
@@ -224,14 +234,15 @@ impl Job {
     }
 
     /// The logs cut and divided into what is fitted to and what is held out.
-    fn parts(&self) -> Result<(Vec<Log>, Vec<Log>), JobError> {
+    fn parts(&self) -> Result<Parts, JobError> {
         for log in &self.held_out {
             if let Some(twin) = self.training.iter().find(|other| other.sha256 == log.sha256) {
                 return Err(JobError::SameLog { held_out: log.path.clone(), training: twin.path.clone() });
             }
         }
         let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();
-        let (mut training, mut held_out) = (Vec::new(), cut(&self.held_out));
+        let held_out = cut(&self.held_out);
+        let (mut training, mut rests) = (Vec::new(), Vec::new());
         held_out.iter().try_for_each(|log| moves(log, log))?;
         for log in cut(&self.training) {
             let (first, rest) = log.split(self.hold_out);
@@ -239,10 +250,10 @@ impl Job {
             training.push(first);
             if !rest.voltage.is_empty() {
                 moves(&rest, &log)?;
-                held_out.push(rest);
+                rests.push((log, rest));
             }
         }
-        Ok((training, held_out))
+        Ok(Parts { training, held_out, rests })
     }
 
     fn choose(&self) -> (Model, Reason) {
@@ -253,10 +264,18 @@ impl Job {
     }
 }
 
+/// The logs of a job, cut.
+struct Parts {
+    training: Vec<Log>,
+    /// Held out as a whole.
+    held_out: Vec<Log>,
+    /// Training logs as a whole, and what is held out of each: the estimator runs on into that, as a device does.
+    rests: Vec<(Log, Log)>,
+}
+
 /// Refuses a part of a log in which the actuator rests.
 fn moves(part: &Log, whole: &Log) -> Result<(), JobError> {
-    let empty = Vec::new();
-    let displacement = |log: &Log| span(log.displacement.as_ref().unwrap_or(&empty));
+    let displacement = |log: &Log| span(log.displacement.as_deref().unwrap_or_default());
     let signals = [
         ("voltage", span(&part.voltage), span(&whole.voltage)),
         ("displacement", displacement(part), displacement(whole)),

@@ -1,8 +1,9 @@
 //! Rounds of the genetic algorithm whose ranges shrink around the best so far, for the Voigt family.
 
 use crate::fit::{Convergence, Fit, Identification, Progress};
+use crate::search::Gene;
 use crate::search::ga::{self, Best};
-use crate::search::space::{Gene, Space};
+use crate::search::space::Space;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 impl Identification<'_> {

@@ -14,17 +14,25 @@ pub fn mean_error(session: &Session, mut model: impl Process<f64>, cost: Cost) -
     let Some(&start) = session.displacement.first() else { return f64::INFINITY };
     let weight = cost.weight();
     let (mut tick, mut sum, mut estimated, mut offset) = (0, 0.0, start, 0.0);
-    for (&instant, &measured) in session.instants.iter().zip(&session.displacement).skip(1) {
+    // What a jump begins with is no displacement of the first tick's voltage.
+    let known = session.rested_v.is_none().then_some(start);
+    if let Some(rest) = session.rested_v {
+        model.step(rest, Some(start));
+    }
+    let judged = session.lead_in.max(1);
+    for (index, (&instant, &measured)) in session.instants.iter().zip(&session.displacement).enumerate().skip(1) {
         while tick < instant as usize {
-            estimated = model.step(session.voltage[tick], Some(start));
+            estimated = model.step(session.voltage[tick], known);
             tick += 1;
         }
-        sum += cost.norm.size(estimated + offset - measured);
+        if index >= judged {
+            sum += cost.norm.size(estimated + offset - measured);
+        }
         if weight > 0.0 && !model.set_displacement(mixed(estimated, measured, weight)) {
             offset = mixed(offset, measured - estimated, weight);
         }
     }
-    let mean = sum / (session.instants.len() - 1).max(1) as f64;
+    let mean = sum / session.instants.len().saturating_sub(judged).max(1) as f64;
     if mean.is_finite() { mean } else { f64::INFINITY }
 }
 

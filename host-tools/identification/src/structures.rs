@@ -4,7 +4,7 @@ use crate::cost::Cost;
 use crate::family::{AnyFamily, Family};
 use crate::fit::{Convergence, Fit, Identification, Progress};
 use crate::problem::Problem;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use crate::search::{Budget, Minimum, Optimiser, minimise};
 use estimator_core::Model;
 
@@ -63,8 +63,8 @@ impl StructureSearch<'_> {
             |at: &[f64]| genes.iter().zip(at).map(|(gene, &fraction)| gene.value(fraction)).collect::<Vec<_>>();
         let parameters = |at: &[f64]| family.project(&values(at), problem);
         let cost = |at: &[f64]| {
-            let found = parameters(at);
-            found.map_or(f64::INFINITY, |found| family.burden(&values(at)) * problem.cost(&found, self.cost))
+            let candidate = family.candidate(&values(at), problem, self.cost);
+            candidate.map_or(f64::INFINITY, |(_, size)| size)
         };
         let known = known.iter().map(|(gene, value)| gene.fraction(*value)).collect();
         let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(0.5)).take(genes.len()).collect();

@@ -11,31 +11,34 @@ const STEPS: usize = 10;
 /// A slope below this fraction of the target's norm is none.
 const FLAT: f64 = 1e-15;
 
-/// See [`Normal::solve`].
-pub fn solve(normal: &Normal, sign: &[Sign]) -> Option<Vec<f64>> {
-    let n = normal.columns;
-    let norms: Vec<f64> = (0..n).map(|i| normal.entry(i, i).sqrt()).collect();
-    if sign.len() != n || !normal.square.is_finite() || !norms.iter().all(|norm| norm.is_finite()) {
-        return None;
+impl Normal {
+    /// The coefficients of the least squares; `sign` has one entry a column. `None` when it has not, or when the sums
+    /// are not finite.
+    pub fn solve(&self, sign: &[Sign]) -> Option<Vec<f64>> {
+        let n = self.columns;
+        let norms: Vec<f64> = (0..n).map(|i| self.entry(i, i).sqrt()).collect();
+        if sign.len() != n || !self.square.is_finite() || !norms.iter().all(|norm| norm.is_finite()) {
+            return None;
+        }
+        // A column of zeros has no scale and is left out.
+        let scale: Vec<f64> = norms.iter().map(|norm| 1.0 / norm).collect();
+        let used: Vec<usize> = (0..n).filter(|&i| scale[i].is_finite()).collect();
+        let ridge = |i, j| if i == j { self.ridge } else { 0.0 };
+        let scaled = Scaled {
+            gram: DMatrix::from_fn(used.len(), used.len(), |i, j| {
+                self.entry(used[i], used[j]) * scale[used[i]] * scale[used[j]] + ridge(i, j)
+            }),
+            moment: DVector::from_fn(used.len(), |i, _| self.moment[used[i]] * scale[used[i]]),
+            limited: used.iter().map(|&i| sign[i] == Sign::NonNegative).collect(),
+            flat: FLAT * self.square.sqrt(),
+        };
+        let found = scaled.solve()?;
+        let mut solution = vec![0.0; n];
+        for (&i, x) in used.iter().zip(&found) {
+            solution[i] = x * scale[i];
+        }
+        solution.iter().all(|x| x.is_finite()).then_some(solution)
     }
-    // A column of zeros has no scale and is left out.
-    let scale: Vec<f64> = norms.iter().map(|norm| 1.0 / norm).collect();
-    let used: Vec<usize> = (0..n).filter(|&i| scale[i].is_finite()).collect();
-    let ridge = |i, j| if i == j { normal.ridge } else { 0.0 };
-    let scaled = Scaled {
-        gram: DMatrix::from_fn(used.len(), used.len(), |i, j| {
-            normal.entry(used[i], used[j]) * scale[used[i]] * scale[used[j]] + ridge(i, j)
-        }),
-        moment: DVector::from_fn(used.len(), |i, _| normal.moment[used[i]] * scale[used[i]]),
-        limited: used.iter().map(|&i| sign[i] == Sign::NonNegative).collect(),
-        flat: FLAT * normal.square.sqrt(),
-    };
-    let found = scaled.solve()?;
-    let mut solution = vec![0.0; n];
-    for (&i, x) in used.iter().zip(&found) {
-        solution[i] = x * scale[i];
-    }
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
 }
 
 /// The problem with columns of unit norm, all of them non-zero, and the ridge.

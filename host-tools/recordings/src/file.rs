@@ -10,7 +10,7 @@ pub enum FileError {
     /// The file cannot be written.
     #[error("{}: cannot be written", path.display())]
     Write {
-        /// The file.
+        /// The file that was to be written.
         path: PathBuf,
         /// What the operating system says.
         source: std::io::Error,
@@ -18,7 +18,7 @@ pub enum FileError {
     /// The folder cannot be created.
     #[error("{}: cannot create the folder", path.display())]
     Folder {
-        /// The folder.
+        /// The folder that was to be created.
         path: PathBuf,
         /// What the operating system says.
         source: std::io::Error,

@@ -1,8 +1,9 @@
 //! Measured logs: read and checked ([`log`]), brought to the tick ([`prepare`], [`session`]), or made by a synthetic
-//! actuator whose parameters are known ([`rig`]).
+//! actuator whose parameters are known ([`rig`]) or that no model is made of ([`plant`]).
 
 pub mod file;
 pub mod log;
+pub mod plant;
 pub mod prepare;
 pub mod rig;
 pub mod session;

@@ -18,12 +18,16 @@ pub struct Session {
     pub start_s: f64,
     /// Tick, s.
     pub tick_s: f64,
+    /// The voltage (V) at which the actuator had long rested before the first tick, where that is not the first tick's.
+    pub rested_v: Option<f64>,
+    /// Measured instants that are run through and not judged, because something was learnt from them; below their number.
+    pub lead_in: usize,
 }
 
 impl Session {
     /// A session from its parts; it starts where its log does.
     pub fn new(name: String, voltage: Vec<f64>, instants: Vec<u32>, displacement: Vec<f64>, tick_s: f64) -> Self {
         debug_assert!(instants.first() == Some(&0) && instants.len() == displacement.len());
-        Self { name, voltage, instants, displacement, start_s: 0.0, tick_s }
+        Self { name, voltage, instants, displacement, start_s: 0.0, tick_s, rested_v: None, lead_in: 0 }
     }
 }

@@ -88,8 +88,8 @@ fn widened(range: Option<(f64, f64)>) -> (f64, f64) {
     if max - min > 1e-6 * size {
         (min, max)
     } else {
-        let room = if size > 0.0 { size / 2.0 } else { 1.0 };
-        (min - room, max + room)
+        let margin = if size > 0.0 { size / 2.0 } else { 1.0 };
+        (min - margin, max + margin)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The page of a comparison of models: one HTML file that needs nothing else, for a screen, a phone or paper.
 
-use super::ReportError;
+use super::error::ReportError;
 use super::number::{number, quantity};
 use super::rows::Cell;
 use askama::Template;

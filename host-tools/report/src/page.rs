@@ -1,11 +1,13 @@
 //! What the template shows: figures, tables and words, in the order of the report.
 
+use super::error::ReportError;
 use super::number::quantity;
 use super::rows::{self, CandidateRow, ERRORS, GeneRow, ParameterRow};
-use super::{Report, errors, loops, traces};
+use super::{errors, loops, traces};
 use askama::Template;
 use estimator_core::Model;
 use identification::validate::Comparison;
+use identification::{Baseline, Candidate};
 
 /// Points of all lines together: what keeps the file below 1 MB.
 const POINTS: usize = 50_000;
@@ -17,6 +19,25 @@ const LOOPS: usize = 24;
 const HELD_OUT_TRACES: usize = 8;
 /// Training logs whose traces are drawn at most.
 const TRAINING_TRACES: usize = 3;
+
+/// What a report says.
+#[derive(Clone, Copy, Debug)]
+pub struct Report<'a> {
+    /// Heading.
+    pub title: &'a str,
+    /// How good the estimate is, in plain sentences.
+    pub verdict: &'a [String],
+    /// When not to trust it; may be empty.
+    pub doubts: &'a [String],
+    /// The model that was chosen.
+    pub chosen: &'a Candidate,
+    /// All identified models, the chosen one included.
+    pub candidates: &'a [Candidate],
+    /// What every model is to better.
+    pub straight_line: Option<&'a Baseline>,
+    /// Provenance: log digests, options, seed, version.
+    pub facts: &'a [(String, String)],
+}
 
 /// A plot with its caption.
 pub struct Figure {
@@ -60,6 +81,14 @@ pub struct Page<'a> {
 struct Shown<'a> {
     log: &'a Comparison,
     role: &'static str,
+}
+
+/// The report as HTML.
+///
+/// # Errors
+/// [`ReportError::Template`] where the template cannot be rendered.
+pub fn render(report: &Report<'_>) -> Result<String, ReportError> {
+    Ok(Page::new(report).render()?)
 }
 
 impl<'a> Page<'a> {

@@ -1,6 +1,6 @@
 //! One log as a picture of its own, for a README: loop on the left, the last periods and their error on the right.
 
-use super::ReportError;
+use super::error::ReportError;
 use super::svg::{Drawing, Frame};
 use super::traces::{ERROR, Lines};
 use super::{loops, rows, thin};

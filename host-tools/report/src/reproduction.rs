@@ -1,7 +1,7 @@
 //! The page of what was reproduced of the thesis: one HTML file that needs nothing else, for a screen, a phone or
 //! paper.
 
-use super::ReportError;
+use super::error::ReportError;
 use super::section::Section;
 use askama::Template;
 

@@ -2,7 +2,7 @@
 
 use super::number::{number, quantity};
 use estimator_core::{Parameters, Scheme, Status, Table};
-use identification::search::space::Gene;
+use identification::search::Gene;
 use identification::validate::{Comparison, Figures};
 use identification::{Baseline, Candidate, StraightLine};
 

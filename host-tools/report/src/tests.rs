@@ -4,8 +4,8 @@ use super::*;
 use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Status};
 use estimator_core::{Admitted, Digest, Parameters, Provenance, Table, VoigtParameters};
 use identification::cost::Feedback;
-use identification::validate::{Cold, Comparison, Figures, Trace};
-use identification::{Baseline, Conditions, Fit, Problem, SearchOptions, identify};
+use identification::validate::{Cold, Comparison, Figures, ToldFigures, Trace};
+use identification::{Baseline, Candidate, Conditions, Fit, Problem, SearchOptions, identify};
 use recordings::session::Session;
 
 fn fit(model: Model) -> Fit {
@@ -66,10 +66,12 @@ fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
         stroke_um: 8.0,
         offset_um: 0.0,
         mae_without_offset_um: 0.0,
+        rmse_without_offset_um: 0.0,
         mae_percent: 100.0 * error(0).abs() / 8.0,
         max_percent: 100.0 * error(0).abs() / 8.0,
         rmse_percent: 100.0 * error(0).abs() / 8.0,
         mae_without_offset_percent: 0.0,
+        rmse_without_offset_percent: 0.0,
     };
     Comparison {
         name: name.to_owned(),
@@ -77,6 +79,9 @@ fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
         sil: figures,
         mil_sil_um: 1e-6,
         cold: Cold { all: figures, settled: None, settled_after_s: None },
+        told: ToldFigures { nothing: figures, first_reading: figures, one_cycle: None, offset: figures },
+        scored_s: (5e-4, samples as f64 * 5e-4),
+        zeroed_um: None,
         status: Status::empty(),
         trace: Trace { time_s, voltage, measured, estimated },
     }

@@ -1,6 +1,7 @@
 //! What the items are reproduced on: the synthetic rig's logs or the user's own, prepared once, and the models that
 //! have been identified on them, each once.
 
+use crate::QUICK_SEEDS;
 use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::compare::Say;
@@ -24,13 +25,15 @@ pub struct Bench {
     pub rig: Option<Rig>,
     /// How an error becomes a sentence of a section.
     pub say: Say,
+    /// Seeds of devices and searches where an item is over several.
+    pub seeds: u32,
     found: Vec<Attempt>,
 }
 
 /// A model that was searched for.
 #[derive(Clone, Debug)]
 pub struct Attempt {
-    /// Which.
+    /// Which model it is.
     pub model: Model,
     /// What was minimised.
     pub cost: Feedback,
@@ -60,7 +63,7 @@ impl Bench {
         if prepared.problem.validation().next().is_none() {
             return Err(ThesisError::NothingHeldOut);
         }
-        Ok(Self { job, prepared, rig, say, found: Vec::new() })
+        Ok(Self { job, prepared, rig, say, seeds: QUICK_SEEDS, found: Vec::new() })
     }
 
     /// The thesis's logs from a rig: what is modelled, what is held out.
@@ -119,7 +122,7 @@ impl Bench {
     /// # Errors
     /// The logs cannot be brought to it.
     pub fn at_tick(&self, tick_us: u32, progress: Progress<'_>) -> Result<Prepared, JobError> {
-        let recipe = &self.prepared.setting.recipe;
+        let recipe = &self.prepared.context.recipe;
         let prepare = PrepareOptions {
             tick_us,
             voltage_zero: AutoOr::Given(recipe.voltage_zero_v),
@@ -142,11 +145,11 @@ impl Bench {
         }
         groups.extend(missing.iter().filter(|model| !model.is_voigt()).map(|model| vec![*model]));
         for group in groups {
-            let Prepared { problem, setting, .. } = &self.prepared;
+            let Prepared { problem, context, .. } = &self.prepared;
             for fit in identify(problem, &group, cost, &self.job.search, progress) {
                 let model = fit.model;
                 if self.attempt(cost, model).is_none() {
-                    let result = Candidate::new(problem, fit, setting);
+                    let result = Candidate::new(problem, fit, context);
                     self.found.push(Attempt { model, cost, result });
                 }
             }

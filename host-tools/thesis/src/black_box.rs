@@ -5,7 +5,7 @@ use super::bench::Bench;
 use crate::error::ThesisError;
 use estimator_core::{Model, Narx, NarxParameters, Parameters, Recursion};
 use identification::cost::Feedback;
-use identification::{BlackBoxInputs, Candidate, Progress, identify_black_box};
+use identification::{BlackBoxInputs, Candidate, Progress, SearchOptions, identify_black_box};
 use recordings::session::Session;
 use report::{Section, shown};
 use serde::Serialize;
@@ -36,7 +36,9 @@ struct Row {
 }
 
 /// Calls of the progress that it makes.
-pub const GENERATIONS: u64 = 81;
+pub fn generations(_: &SearchOptions) -> u64 {
+    81
+}
 
 /// Identifies each structure and compares.
 ///
@@ -94,7 +96,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
 fn row(bench: &Bench, inputs: BlackBoxInputs, thesis: (f64, f64), progress: Progress<'_>) -> Row {
     let problem = bench.problem();
     let fit = identify_black_box(problem, inputs, Feedback::Simulation, bench.search(), progress);
-    let candidate = Candidate::new(problem, fit, &bench.prepared.setting);
+    let candidate = Candidate::new(problem, fit, &bench.prepared.context);
     let found = candidate.as_ref().ok().and_then(|candidate| match &candidate.table.parameters {
         Parameters::Narx(of) => Some((candidate, of)),
         _ => None,

@@ -1,8 +1,9 @@
 //! Why an item cannot be reproduced.
 
-use crate::Item;
 use estimator_core::Model;
+use identification::validate::ScopeError;
 use identification::{CandidateError, JobError};
+use recordings::log::LogError;
 use recordings::prepare::PrepareError;
 
 /// Why an item, or none at all, cannot be reproduced.
@@ -20,9 +21,9 @@ pub enum ThesisError {
     /// The same, of the model that the item is about.
     #[error("model {model}")]
     Model {
-        /// Which.
+        /// The model without a candidate.
         model: Model,
-        /// Why.
+        /// Why it has none.
         source: CandidateError,
     },
     /// A model that the item needs was not searched for.
@@ -40,6 +41,15 @@ pub enum ThesisError {
     /// The logs are a user's.
     #[error("only the rig can be driven; a user's logs say nothing of other voltages")]
     NoRig,
+    /// The logs are a user's, and the item brings its own.
+    #[error("this is about recordings and devices that come with the tool, not about given logs")]
+    OwnRecordings,
+    /// A recording that comes with the tool cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// A part of a recording cannot be scored.
+    #[error(transparent)]
+    Scope(#[from] ScopeError),
     /// The model's zeros are not the rig's.
     #[error("the rig is driven from its own zeros")]
     OtherZeros,
@@ -47,10 +57,10 @@ pub enum ThesisError {
     #[error(transparent)]
     Json(#[from] serde_json::Error),
     /// An item.
-    #[error("{}", item.name())]
+    #[error("{item}")]
     Item {
-        /// Which.
-        item: Item,
+        /// Its name.
+        item: &'static str,
         /// Why not.
         source: Box<Self>,
     },

@@ -10,19 +10,17 @@
 //! displacement, as in the recursion. That is less than identifying anew with the term: where the catalogue has a model with it
 //! as a structure, that one stands beside it, refitted.
 
+use super::added_term::{LAGS, Observed, Term, mean_error};
 use super::bench::{Attempt, Bench};
 use crate::error::ThesisError;
-use estimator_core::{Admitted, Estimator, Model, Parameters, Tracker};
+use estimator_core::{Admitted, Model, Parameters};
 use identification::cost::{Cost, Feedback};
 use identification::family;
 use identification::{Character, Problem, Progress, SearchOptions, StructureSearch};
-use least_squares::{Normal, Sign};
 use recordings::session::Session;
 use report::{Section, shown};
 use serde::Serialize;
 
-/// First-order lags that a term may be behind, s.
-const LAGS: [f64; 6] = [0.0, 1e-3, 3e-3, 0.01, 0.03, 0.1];
 /// A term gains where it leaves less than this of the error: what a richer structure must in an identification.
 const GAINS: f64 = 0.97;
 
@@ -159,117 +157,6 @@ fn conclusion(rows: &[Row]) -> [String; 2] {
     })
 }
 
-/// A model's run over a session.
-struct Observed {
-    /// Measured less estimated at the measured instants after the first, µm.
-    residual: Vec<f64>,
-    /// V_ext (V) and y_ext (µm) of the tick before each of these instants, behind each of [`LAGS`].
-    terms: [[Vec<f64>; 2]; LAGS.len()],
-}
-
-impl Observed {
-    fn new(table: &Admitted, session: &Session) -> Self {
-        let mut estimator = Estimator::<f64>::new(table);
-        let mut displacement = session.displacement.first().copied().unwrap_or(0.0);
-        estimator.start_at(displacement);
-        let mut tracker = Tracker::new(f64::from(table.deadband_v));
-        let mut behind = LAGS.map(|lag| Behind::new(lag, session.tick_s));
-        let (mut residual, mut terms) = (Vec::new(), LAGS.map(|_| [Vec::new(), Vec::new()]));
-        let mut measured = session.instants.iter().zip(&session.displacement).skip(1).peekable();
-        for (tick, &voltage) in (1..).zip(&session.voltage) {
-            tracker.update(voltage, displacement);
-            displacement = estimator.tick_volts(voltage + f64::from(table.voltage_zero_v)).displacement;
-            let last = tracker.last();
-            behind.iter_mut().for_each(|behind| behind.step([last.voltage, last.displacement]));
-            if let Some((_, value)) = measured.next_if(|(instant, _)| **instant == tick) {
-                residual.push(value - displacement);
-                for (columns, behind) in terms.iter_mut().zip(&behind) {
-                    columns.iter_mut().zip(behind.state).for_each(|(column, x)| column.push(x));
-                }
-            }
-        }
-        Self { residual, terms }
-    }
-}
-
-/// Terms behind a first-order lag.
-struct Behind {
-    /// 1 − what a tick leaves of a difference.
-    gain: f64,
-    state: [f64; 2],
-}
-
-impl Behind {
-    fn new(lag_s: f64, tick_s: f64) -> Self {
-        let gain = if lag_s > 0.0 { -libm::expm1(-tick_s / lag_s) } else { 1.0 };
-        Self { gain, state: [0.0; 2] }
-    }
-
-    fn step(&mut self, terms: [f64; 2]) {
-        self.state.iter_mut().zip(terms).for_each(|(state, term)| *state += self.gain * (term - *state));
-    }
-}
-
-/// Terms with their weights and the means that are taken off them.
-struct Term<'a> {
-    which: &'a [usize],
-    lag: usize,
-    weights: Vec<f64>,
-    means: Vec<f64>,
-}
-
-impl<'a> Term<'a> {
-    /// By least squares, behind the lag that leaves least; `None` where no lag has a solution.
-    fn fit(which: &'a [usize], training: &[Observed]) -> Option<Self> {
-        let fits = (0..LAGS.len()).filter_map(|lag| Self::behind(which, lag, training));
-        fits.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(term, _)| term)
-    }
-
-    /// Behind one lag, and the sum of squares that it leaves.
-    fn behind(which: &'a [usize], lag: usize, training: &[Observed]) -> Option<(Self, f64)> {
-        let mut normal = Normal::new(which.len() + 1);
-        let mut means = vec![0.0; which.len()];
-        for observed in training {
-            let weight = 1.0 / observed.residual.len().max(1) as f64;
-            for (index, &residual) in observed.residual.iter().enumerate() {
-                let mut row: Vec<f64> = columns(which, lag, observed, index).collect();
-                for (mean, x) in means.iter_mut().zip(&row) {
-                    *mean += x * weight / training.len() as f64;
-                }
-                // The constant is not used: what is taken off the columns is their mean.
-                row.push(1.0);
-                normal.add(&row, residual, weight);
-            }
-        }
-        let mut weights = normal.solve(&vec![Sign::Free; which.len() + 1])?;
-        let left = normal.residual_sum(&weights);
-        weights.truncate(which.len());
-        Some((Self { which, lag, weights, means }, left))
-    }
-
-    /// Mean absolute error with the term, each session weighing the same, µm.
-    fn error(&self, sessions: &[Observed]) -> f64 {
-        mean_error(sessions, |observed, index| {
-            let columns = columns(self.which, self.lag, observed, index);
-            columns.zip(&self.means).zip(&self.weights).map(|((x, mean), weight)| weight * (x - mean)).sum()
-        })
-    }
-}
-
-/// The terms' values at an instant.
-fn columns<'a>(which: &'a [usize], lag: usize, observed: &'a Observed, index: usize) -> impl Iterator<Item = f64> + 'a {
-    which.iter().map(move |&term| observed.terms[lag][term][index])
-}
-
-fn mean_error(sessions: &[Observed], correction: impl Fn(&Observed, usize) -> f64) -> f64 {
-    let of = |observed: &Observed| {
-        let errors =
-            observed.residual.iter().enumerate().map(|(index, residual)| residual - correction(observed, index));
-        errors.map(f64::abs).sum::<f64>() / observed.residual.len().max(1) as f64
-    };
-    sessions.iter().map(of).sum::<f64>() / sessions.len().max(1) as f64
-}
-
 /// The terms added to an identified model.
 fn added(problem: &Problem, table: &Admitted) -> Option<Row> {
     let observed = |session: &Session| Observed::new(table, session);
@@ -363,23 +250,6 @@ mod tests {
         );
         let single = section.notes.iter().filter(|note| note.contains("single amplitude")).count();
         assert_eq!((section.notes.len(), single), (4, 1), "the rig has one amplitude: {:?}", section.notes);
-    }
-
-    /// A residual that is 0.1 of V_ext behind 10 ms and a constant: the weight and the lag are found, and the constant stays.
-    #[test]
-    fn a_term_that_is_there_is_found_with_its_weight_and_lag() {
-        let mut bench = small();
-        bench.identify(Feedback::Simulation, &[Model::PrandtlIshlinskii], &mut |_, _| ());
-        let table = bench.candidate(Feedback::Simulation, Model::PrandtlIshlinskii).unwrap().table;
-        let mut training: Vec<Observed> =
-            bench.problem().training().map(|session| Observed::new(&table, session)).collect();
-        for observed in &mut training {
-            observed.residual = observed.terms[3][0].iter().map(|x| 0.1 * x + 0.5).collect();
-        }
-        let term = Term::fit(&[0], &training).unwrap();
-        assert!(LAGS[term.lag] == 0.01 && (term.weights[0] - 0.1).abs() < 1e-6, "{} {:?}", term.lag, term.weights);
-        let constant = 0.5 + 0.1 * term.means[0];
-        assert!((term.error(&training) - constant.abs()).abs() < 1e-6);
     }
 
     #[test]

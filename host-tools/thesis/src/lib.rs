@@ -2,9 +2,11 @@
 //! each beside what it prints: one item a file. The thesis's figures come from its own actuator, ours from the
 //! synthetic rig or from a user's logs.
 
+mod added_term;
 mod bench;
 mod black_box;
 mod convergence;
+mod elsewhere;
 mod error;
 mod errors;
 mod extremum_terms;
@@ -21,113 +23,88 @@ mod search;
 mod tracking;
 
 pub use bench::Bench;
+pub use elsewhere::QUICK_SEEDS;
 pub use error::ThesisError;
 use identification::{Progress, SearchOptions};
 use report::Section;
 
-/// What can be reproduced.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Item {
+macro_rules! items {
+    ($(#[doc = $line:literal] $item:ident, $name:literal, $module:ident;)*) => {
+        /// What can be reproduced.
+        #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+        pub enum Item {
+            $(#[doc = $line] $item,)*
+            /// Everything.
+            All,
+        }
+
+        impl Item {
+            /// Each by itself.
+            pub const EACH: [Self; [$($name),*].len()] = [$(Self::$item),*];
+
+            /// Its name on the command line and in JSON.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$item => $name,)* Self::All => "all" }
+            }
+
+            /// What it is, in a line.
+            pub fn description(self) -> &'static str {
+                match self { $(Self::$item => $line,)* Self::All => "Everything" }.trim_ascii().trim_end_matches('.')
+            }
+
+            /// Generations that it takes, roughly, for a progress bar. Only `elsewhere` has seeds.
+            #[allow(unreachable_patterns, reason = "the one with seeds is among the items, too")]
+            pub fn generations(self, search: &SearchOptions, seeds: u32) -> u64 {
+                match self {
+                    Self::Elsewhere => u64::from(seeds) * elsewhere::generations(search),
+                    $(Self::$item => $module::generations(search),)*
+                    Self::All => Self::EACH.into_iter().map(|item| item.generations(search, seeds)).sum(),
+                }
+            }
+
+            fn section(self, bench: &mut Bench, progress: Progress<'_>) -> Result<Option<Section>, ThesisError> {
+                let section = match self {
+                    $(Self::$item => $module::section(bench, progress),)*
+                    Self::All => return Ok(None),
+                };
+                section.map(Some).map_err(|source| ThesisError::Item { item: self.name(), source: Box::new(source) })
+            }
+        }
+    };
+}
+
+items! {
     /// Validation errors: Tables 4.8, 5.3, 5.4, 5.5, Figures 4.11 and 5.1 to 5.6.
-    Errors,
+    Errors, "errors", errors;
     /// Validation error over the sampling time: Table 4.4, Figure 4.8.
-    SamplingTime,
+    SamplingTime, "sampling-time", sampling_time;
     /// Parameters and their ranges: Tables 4.5, 4.6, 5.2.
-    Parameters,
+    Parameters, "parameters", parameters;
     /// Modelling and validation error over the search: Table 4.7, Figures 4.9 and 4.10.
-    Convergence,
+    Convergence, "convergence", convergence;
     /// NARX with and without extrema: Table 5.1.
-    BlackBox,
+    BlackBox, "black-box", black_box;
     /// Population and bits of the search: Tables C.1, C.2.
-    Search,
+    Search, "search", search;
     /// Recorded signals and loops: Appendix B.
-    Loops,
+    Loops, "loops", loops;
     /// Rate dependence, frequency range, reversibility: Table 3.1.
-    Features,
+    Features, "features", features;
     /// The rig driven by each model's inverse, beside plain scaling.
-    Tracking,
+    Tracking, "tracking", tracking;
     /// The extremum terms tried on every model: Section 6.2.
-    ExtremumTerms,
+    ExtremumTerms, "extremum-terms", extremum_terms;
     /// Optimisers at equal budget: Section 6.2.
-    Optimisers,
-    /// Everything.
-    All,
+    Optimisers, "optimisers", optimisers;
+    /// What was learnt judged on what was not: other sessions, amplitudes, frequencies, waveforms, devices.
+    Elsewhere, "elsewhere", elsewhere;
 }
 
 impl Item {
-    /// Each by itself.
-    pub const EACH: [Self; 11] = [
-        Self::Errors,
-        Self::SamplingTime,
-        Self::Parameters,
-        Self::Convergence,
-        Self::BlackBox,
-        Self::Search,
-        Self::Loops,
-        Self::Features,
-        Self::Tracking,
-        Self::ExtremumTerms,
-        Self::Optimisers,
-    ];
-
     /// What some arguments ask for, each item once, in the order of [`Self::EACH`].
     pub fn asked(arguments: &[Self]) -> Vec<Self> {
         let asked = |item: &Self| arguments.contains(item) || arguments.contains(&Self::All);
         Self::EACH.into_iter().filter(asked).collect()
-    }
-
-    /// Its name on the command line and in JSON.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Errors => "errors",
-            Self::SamplingTime => "sampling-time",
-            Self::Parameters => "parameters",
-            Self::Convergence => "convergence",
-            Self::BlackBox => "black-box",
-            Self::Search => "search",
-            Self::Loops => "loops",
-            Self::Features => "features",
-            Self::Tracking => "tracking",
-            Self::ExtremumTerms => "extremum-terms",
-            Self::Optimisers => "optimisers",
-            Self::All => "all",
-        }
-    }
-
-    /// Generations that it takes, roughly, for a progress bar.
-    pub fn generations(self, search: &SearchOptions) -> u64 {
-        match self {
-            Self::Errors => errors::generations(search),
-            Self::SamplingTime => sampling_time::generations(search),
-            Self::Parameters => parameters::generations(search),
-            Self::Convergence => convergence::generations(search),
-            Self::BlackBox => black_box::GENERATIONS,
-            Self::Search => search::generations(search),
-            Self::Loops => loops::generations(search),
-            Self::Features => features::generations(search),
-            Self::Tracking => tracking::generations(search),
-            Self::ExtremumTerms => extremum_terms::generations(search),
-            Self::Optimisers => optimisers::generations(search),
-            Self::All => Self::EACH.into_iter().map(|item| item.generations(search)).sum(),
-        }
-    }
-
-    fn section(self, bench: &mut Bench, progress: Progress<'_>) -> Result<Option<Section>, ThesisError> {
-        let section = match self {
-            Self::Errors => errors::section(bench, progress),
-            Self::SamplingTime => sampling_time::section(bench, progress),
-            Self::Parameters => parameters::section(bench, progress),
-            Self::Convergence => convergence::section(bench, progress),
-            Self::BlackBox => black_box::section(bench, progress),
-            Self::Search => search::section(bench, progress),
-            Self::Loops => loops::section(bench, progress),
-            Self::Features => features::section(bench, progress),
-            Self::Tracking => tracking::section(bench, progress),
-            Self::ExtremumTerms => extremum_terms::section(bench, progress),
-            Self::Optimisers => optimisers::section(bench, progress),
-            Self::All => return Ok(None),
-        };
-        section.map(Some).map_err(|source| ThesisError::Item { item: self, source: Box::new(source) })
     }
 }
 

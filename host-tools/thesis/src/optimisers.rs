@@ -229,7 +229,7 @@ mod tests {
         let data = section.data().unwrap();
         let rows = data.as_array().unwrap();
         assert_eq!(rows.len(), 3 * Optimiser::ALL.len());
-        for (structure, searched, evaluations) in [(0, 9, 9 * 30), (1, 3, 3 * 6), (2, 6, 6 * 6)] {
+        for (structure, searched, evaluations) in [(0, 9, 9 * 30), (1, 6, 6 * 6), (2, 9, 9 * 6)] {
             let rows = &rows[structure * 5..structure * 5 + 5];
             for (row, optimiser) in rows.iter().zip(Optimiser::ALL) {
                 assert_eq!(row["optimiser"], serde_json::to_value(optimiser).unwrap());

@@ -52,7 +52,7 @@ impl Frequencies {
     pub fn of(bench: &Bench) -> Result<Self, PrepareError> {
         let mut sessions = Vec::new();
         if let Some(rig) = &bench.rig {
-            let recipe = &bench.prepared.setting.recipe;
+            let recipe = &bench.prepared.context.recipe;
             for (name, hertz) in TRIANGLES {
                 let log = rig.log(Excitation { name, waveform: Waveform::Triangle, hertz });
                 sessions.push((f64::from(hertz), recipe.session(&recipe.cut(&log))?));

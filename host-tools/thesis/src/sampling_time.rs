@@ -98,17 +98,17 @@ fn at(bench: &mut Bench, tick_us: u32, progress: Progress<'_>) -> Result<(f64, u
     let mae = |candidate: &Candidate| {
         candidate.held_out_figures().map(|figures| figures.mae_um).ok_or(ThesisError::NoFigures("held out"))
     };
-    if tick_us == bench.prepared.setting.recipe.tick_us {
+    if tick_us == bench.prepared.context.recipe.tick_us {
         bench.identify(Feedback::Osp, &[Model::Voigt], progress);
         let attempt = bench.attempt(Feedback::Osp, Model::Voigt).ok_or(ThesisError::NotSearched(Model::Voigt))?;
         return Ok((mae(attempt.result.as_ref().map_err(CandidateError::clone)?)?, 0));
     }
-    let Prepared { problem, setting, .. } = bench.at_tick(tick_us, progress)?;
+    let Prepared { problem, context, .. } = bench.at_tick(tick_us, progress)?;
     let constant = problem.training().zip(bench.problem().training());
     let constant = constant.filter(|(here, there)| span(here) < CONSTANT * span(there)).count();
     let fits = identify(&problem, &[Model::Voigt], Feedback::Osp, bench.search(), progress);
     let fit = fits.into_iter().next().ok_or(ThesisError::NotSearched(Model::Voigt))?;
-    Ok((mae(&Candidate::new(&problem, fit, &setting)?)?, constant))
+    Ok((mae(&Candidate::new(&problem, fit, &context)?)?, constant))
 }
 
 fn span(session: &Session) -> f64 {

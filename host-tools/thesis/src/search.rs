@@ -90,7 +90,7 @@ fn found(bench: &Bench, options: &SearchOptions, progress: Progress<'_>) -> Resu
     let problem = bench.problem();
     let fits = identify(problem, &[Model::Voigt], Feedback::Simulation, options, progress);
     let fit = fits.into_iter().next().ok_or(ThesisError::NotSearched(Model::Voigt))?;
-    let candidate = Candidate::new(problem, fit, &bench.prepared.setting)?;
+    let candidate = Candidate::new(problem, fit, &bench.prepared.context)?;
     let of = candidate.table.parameters.voigt().ok_or(ThesisError::NotVoigt)?;
     let of = of.map(f64::from);
     let values = [of.alpha_um, of.beta_v, of.lambda_per_v, of.b_ohm, of.p];

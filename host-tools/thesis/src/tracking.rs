@@ -73,7 +73,7 @@ pub fn generations(search: &SearchOptions) -> u64 {
 /// The logs are a user's: there is nothing to drive.
 pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     let rig = bench.rig.clone().ok_or(ThesisError::NoRig)?;
-    let recipe = &bench.prepared.setting.recipe;
+    let recipe = &bench.prepared.context.recipe;
     if recipe.voltage_zero_v != 0.0 || recipe.displacement_zero_um != 0.0 {
         return Err(ThesisError::OtherZeros);
     }

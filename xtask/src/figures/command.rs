@@ -4,8 +4,11 @@ use std::{
     cell::RefCell,
     collections::BTreeMap,
     fs,
+    panic::resume_unwind,
     path::{Path, PathBuf},
     rc::Rc,
+    thread,
+    time::Instant,
 };
 
 use anyhow::{Context, Result};
@@ -16,7 +19,6 @@ use xshell::{Cmd, Shell, cmd};
 use crate::{
     embedded::{self, Board},
     size::{self, LOG},
-    stopwatch::Stopwatch,
 };
 
 /// A command that prints JSON.
@@ -36,6 +38,13 @@ pub enum Command {
     Drive,
 }
 
+/// Every command, in rows that run side by side: what computes, and what an emulator does, which is one thread. A row has one
+/// emulator at a time, since two could choose the same port.
+const ROWS: [&[Command]; 2] = [
+    &[Command::Identify, Command::Validate, Command::Reproduce],
+    &[Command::Size, Command::SizeModels, Command::Drive],
+];
+
 /// What the commands have printed so far.
 pub struct Printed<'sh> {
     sh: &'sh Shell,
@@ -53,6 +62,28 @@ impl<'sh> Printed<'sh> {
         Ok(Self { sh, piezo, folder: TempDir::new()?, values: RefCell::default() })
     }
 
+    /// Runs all commands, which takes less time than one after the other.
+    ///
+    /// # Errors
+    /// One fails.
+    pub fn all(&self) -> Result<()> {
+        let (root, piezo, demo) = (&self.sh.current_dir(), &self.piezo, &self.demo());
+        let row = |commands: &'static [Command]| -> Result<Vec<Value>> {
+            // A shell is one thread's.
+            let sh = Shell::new()?;
+            sh.change_dir(root);
+            commands.iter().map(|&command| run(&sh, piezo, demo, command)).collect()
+        };
+        let printed = thread::scope(|scope| {
+            let rows = ROWS.map(|commands| scope.spawn(move || row(commands)));
+            rows.map(|row| row.join().unwrap_or_else(|panic| resume_unwind(panic)))
+        });
+        for (commands, printed) in ROWS.iter().zip(printed) {
+            self.values.borrow_mut().extend(commands.iter().copied().zip(printed?.into_iter().map(Rc::new)));
+        }
+        Ok(())
+    }
+
     /// What a command prints.
     ///
     /// # Errors
@@ -65,9 +96,7 @@ impl<'sh> Printed<'sh> {
             // Its table.
             self.by(Command::Identify)?;
         }
-        let stopwatch = Stopwatch::start();
-        let value = Rc::new(self.run(command).with_context(|| format!("{command:?}"))?);
-        println!("{command:?}: {}", stopwatch.read());
+        let value = Rc::new(run(self.sh, &self.piezo, &self.demo(), command)?);
         self.values.borrow_mut().insert(command, Rc::clone(&value));
         Ok(value)
     }
@@ -84,18 +113,21 @@ impl<'sh> Printed<'sh> {
     fn demo(&self) -> PathBuf {
         self.folder.path().join("demo")
     }
+}
 
-    fn run(&self, command: Command) -> Result<Value> {
-        let (sh, piezo) = (self.sh, &self.piezo);
-        match command {
-            Command::Identify => json(cmd!(sh, "{piezo} identify {LOG}").arg("--out").arg(self.demo())),
-            Command::Validate => json(cmd!(sh, "{piezo} validate").arg(self.demo().join("table.toml")).arg(LOG)),
-            Command::Reproduce => json(cmd!(sh, "{piezo} reproduce errors tracking")),
-            Command::Size => size::figures(sh, piezo),
-            Command::SizeModels => size::models(sh, piezo),
-            Command::Drive => drive(sh),
-        }
-    }
+/// What a command prints; `demo` is the folder of what `piezo identify` writes.
+fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value> {
+    let start = Instant::now();
+    let printed = match command {
+        Command::Identify => json(cmd!(sh, "{piezo} identify {LOG} --out {demo}")),
+        Command::Validate => json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).arg(LOG)),
+        Command::Reproduce => json(cmd!(sh, "{piezo} reproduce errors tracking")),
+        Command::Size => size::figures(sh, piezo),
+        Command::SizeModels => size::models(sh, piezo),
+        Command::Drive => drive(sh),
+    };
+    println!("{command:?}: {:.1} s", start.elapsed().as_secs_f64());
+    printed.with_context(|| format!("{command:?}"))
 }
 
 fn json(command: Cmd<'_>) -> Result<Value> {
@@ -105,7 +137,7 @@ fn json(command: Cmd<'_>) -> Result<Value> {
 /// Reads what the test prints of each model: `NAME: … N instructions … on average, N at most`.
 fn drive(sh: &Shell) -> Result<Value> {
     let image = embedded::image(sh, Board::NucleoG474re)?;
-    let printed = cmd!(sh, "cargo test --quiet --package board-emulator-test --test follow -- --nocapture")
+    let printed = cmd!(sh, "cargo test --quiet --package board-emulator-test --test image follow:: -- --nocapture")
         .env("FIRMWARE_IMAGE", image)
         .read()?;
     let counts = printed.lines().filter_map(|line| {

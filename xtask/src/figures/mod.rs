@@ -88,6 +88,9 @@ fn see_to(sh: &Shell, piezo: PathBuf, figures: &[&Figure], check: bool) -> Resul
         );
     }
     let printed = Printed::new(sh, piezo)?;
+    if figures.len() == FIGURES.len() {
+        printed.all()?;
+    }
     let mut wrong = Vec::new();
     for figure in figures {
         let content = (figure.make)(&printed).with_context(|| format!("figure `{}`", figure.name))?;

@@ -1,4 +1,4 @@
-//! Bouc-Wen hysteresis along one direction of the voltage: dh/dw = A − ψ·|h|^n, w the way in that direction, ψ one
+//! Bouc-Wen hysteresis along one direction of the voltage: dh/dw = A − ψ·|h|^n, w the distance in that direction, ψ one
 //! value before and another after h passes zero.
 //!
 //! For n = 1 the equation is linear before and after; a move takes the exact solution (one `expm1`; where h passes zero
@@ -18,7 +18,7 @@ pub(super) enum Power<T> {
     /// n = 2.
     Two,
     /// Any other n.
-    Other(T),
+    General(T),
 }
 
 impl<T: Real> Power<T> {
@@ -28,7 +28,7 @@ impl<T: Real> Power<T> {
         match self {
             Self::One => h.abs(),
             Self::Two => h * h,
-            Self::Other(n) => h.abs().signed_pow(n),
+            Self::General(n) => h.abs().signed_pow(n),
         }
     }
 }
@@ -96,14 +96,14 @@ impl<T: Real> Branch<T> {
         self.bend = n * self.unloading.abs();
     }
 
-    /// h after a move of `way` > 0.
+    /// h after a move by `distance` > 0.
     #[inline]
-    pub fn travel(&self, h: T, way: T, power: Power<T>) -> T {
-        if power == Power::One { self.exact(h, way) } else { self.approximate(h, way, power) }
+    pub fn travel(&self, h: T, distance: T, power: Power<T>) -> T {
+        if power == Power::One { self.exact(h, distance) } else { self.approximate(h, distance, power) }
     }
 
-    fn approximate(&self, mut h: T, way: T, power: Power<T>) -> T {
-        let mut rest = way;
+    fn approximate(&self, mut h: T, distance: T, power: Power<T>) -> T {
+        let mut rest = distance;
         for left in (1..=SUBSTEPS).rev() {
             let (length, longest) = if h >= T::zero() {
                 (self.loading_length, self.loading_length)
@@ -139,16 +139,16 @@ impl<T: Real> Branch<T> {
         h
     }
 
-    /// Exact solution for n = 1 after a move of `way` > 0.
+    /// Exact solution for n = 1 after a move by `distance` > 0.
     #[inline]
-    fn exact(&self, h: T, way: T) -> T {
+    fn exact(&self, h: T, distance: T) -> T {
         if h >= T::zero() {
-            return self.load(h, way);
+            return self.load(h, distance);
         }
         let stretched = if self.unloading == T::zero() {
-            way
+            distance
         } else {
-            let exponent = self.unloading * way;
+            let exponent = self.unloading * distance;
             let exponent = if exponent > T::of(LONGEST) { T::of(LONGEST) } else { exponent };
             exponent.exp_m1() * self.inverse_unloading
         };
@@ -156,7 +156,7 @@ impl<T: Real> Branch<T> {
         if end < T::zero() {
             return end;
         }
-        // The way to the crossing is −ln(1 + t)/unloading with t = unloading·h/a. One Newton step on expm1 takes away
+        // The distance to the crossing is −ln(1 + t)/unloading with t = unloading·h/a. One Newton step on expm1 takes away
         // the logarithm's cancellation near 1 and, with micromath, its error.
         let t = self.unloading_per_a * h;
         let one_plus = T::one() + t;
@@ -167,12 +167,12 @@ impl<T: Real> Branch<T> {
             let error = ln.exp_m1() - t;
             (error / one_plus - ln) * self.inverse_unloading
         };
-        if to_zero < way { self.load(T::zero(), way - to_zero) } else { T::zero() }
+        if to_zero < distance { self.load(T::zero(), distance - to_zero) } else { T::zero() }
     }
 
     #[inline]
-    fn load(&self, h: T, way: T) -> T {
-        h - (self.limit - h) * (-self.loading * way).exp_m1()
+    fn load(&self, h: T, distance: T) -> T {
+        h - (self.limit - h) * (-self.loading * distance).exp_m1()
     }
 
     /// dh/dw on one side of zero; a stage that looks past zero from below sees the slope at zero.
@@ -186,14 +186,14 @@ impl<T: Real> Branch<T> {
         }
     }
 
-    /// One Runge-Kutta step of `way`.
-    fn runge_kutta(&self, h: T, way: T, power: Power<T>) -> T {
-        let half = way * T::of(0.5);
+    /// One Runge-Kutta step by `distance`.
+    fn runge_kutta(&self, h: T, distance: T, power: Power<T>) -> T {
+        let half = distance * T::of(0.5);
         let loading = h >= T::zero();
         let k1 = self.slope(h, loading, power);
         let k2 = self.slope(h + k1 * half, loading, power);
         let k3 = self.slope(h + k2 * half, loading, power);
-        let k4 = self.slope(h + k3 * way, loading, power);
-        h + (k1 + k4 + (k2 + k3) * T::of(2.0)) * way * (T::one() / T::of(6.0))
+        let k4 = self.slope(h + k3 * distance, loading, power);
+        h + (k1 + k4 + (k2 + k3) * T::of(2.0)) * distance * (T::one() / T::of(6.0))
     }
 }

@@ -128,7 +128,7 @@ impl<T: Real> BoucWen<T> {
             power: match p.n {
                 1.0 => Power::One,
                 2.0 => Power::Two,
-                _ => Power::Other(n),
+                _ => Power::General(n),
             },
             rising,
             falling,

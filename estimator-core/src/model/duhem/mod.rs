@@ -194,8 +194,8 @@ impl<T: Real> Duhem<T> {
         self.f1 * v + self.f3 * self.cubic(v)
     }
 
-    fn decay(&self, state: &mut DuhemState<T>, way: T) {
-        let retention = T::one() + (-self.alpha * way).exp_m1();
+    fn decay(&self, state: &mut DuhemState<T>, distance: T) {
+        let retention = T::one() + (-self.alpha * distance).exp_m1();
         state.z0 = state.z0 * retention;
         state.z2 = state.z2 * retention;
     }

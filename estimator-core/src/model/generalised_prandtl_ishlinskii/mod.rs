@@ -2,37 +2,39 @@
 //! tip, a stage after the other.
 //!
 //! ```text
-//! V ─ delay ─ lag with slew limit ─► u ─► N play operators p_i ─► Σ g_i(p_i) ─────┐
-//!                                    └──► creep x_j: τ_j ẋ_j = u − x_j ─► Σ c_j x_j ─┴─ + offset ─► w ─► w + κ·w² ─ resonance ─► y
+//! V ─ delay ─ lag with slew limit ─► u ─┬─► q(u) ─────────────────────────────────────────────┐
+//!                                       └─► play operators p_i ─► h = Σ a_i g(p_i) ─┬──────────┴─ + offset ─ resonance ─► y
+//!                                                                                   └► creep c_j: τ_j ċ_j = h − c_j ─► Σ γ_j c_j ─┘
 //! ```
 //!
-//! - **Hysteresis.** Every Preisach operator is a superposition of functions of play operators (Brokate and Sprekels,
-//!   *Hysteresis and Phase Transitions*, 1996, ch. 2), so asymmetry and dependence on amplitude need no more than functions
-//!   g_i instead of the weights of Prandtl and Ishlinskii (Eq. 3.9). Here g_i' is a polynomial in Bernstein's basis over what
-//!   p_i can reach, with coefficients of at least 0: each g_i rises, the displacement rises with the voltage, and an inverse exists.
-//! - **Creep** is a chain of Kelvin–Voigt elements (Eq. 3.20) with times a decade apart, which is log-time creep as far as
-//!   a log can tell.
+//! - **Hysteresis.** A Prandtl–Ishlinskii operator (Eq. 3.9) whose plays stand behind an envelope function g, which gives it
+//!   asymmetry and saturation (Al Janaideh, Rakheja and Su, *IEEE/ASME Transactions on Mechatronics* 16(4), 2011, for
+//!   envelopes inside the plays; Brokate and Sprekels, *Hysteresis and Phase Transitions*, 1996, ch. 2, for functions behind
+//!   them), and a reversible part q. Slopes and weights are at least 0: the displacement rises with the voltage, and an
+//!   inverse exists. One g for all half-widths ties minor loops to major ones, so that a log of one amplitude says
+//!   something of others.
+//! - **Creep** is a chain of Kelvin–Voigt elements (Eq. 3.20) with times a decade apart, which is log-time creep as far as a
+//!   log can tell. It follows the hysteretic part: domains go on switching, the lattice does not.
 //! - **Rate dependence** is the amplifier's, a delay and a first-order lag whose rate is limited, and the mechanism's, a
-//!   resonance. The bound of the displacement is the resonance's input's: what swings beyond is left to the table's limits.
-//! - **Curvature** κ is the asymmetry that a loop's whole has, as opposed to its branches. It comes before the resonance: a
-//!   linear mechanism follows the ceramic's nonlinear strain.
+//!   resonance. Lag and resonance are exact for an input that runs straight within a tick. The bound of the displacement is
+//!   the resonance's input's: what swings beyond is left to the table's limits.
 //!
-//! With everything else fixed w is linear in the weights, which are found by non-negative least squares.
+//! With everything but the slopes fixed the displacement is linear in them.
 
+mod curve;
 mod parameters;
-mod play_function;
 
 pub use parameters::GeneralisedPrandtlIshlinskiiParameters;
 
 use super::play::play;
-use super::relaxation::{Lag, Relaxation, Relaxed};
+use super::relaxation::{RampLag, RampLagged, Relaxation, Relaxed};
 use super::resonance::{Resonance, ResonanceState};
-use super::{Linear, Recursion, solve};
+use super::{Recursion, solve};
 use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::range::Range;
+use curve::Curve;
 use parameters::{CREEPS, PLAYS};
-use play_function::Element;
 
 /// How far beyond the span the voltage is foreseen, as a fraction of it.
 const FORESEEN: f32 = 0.05;
@@ -42,7 +44,7 @@ const LINE: usize = 16;
 /// Per-tick coefficients.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct GeneralisedPrandtlIshlinskii<T> {
-    /// Voltages that the functions of the plays are laid out over, V.
+    /// Voltages that the functions are laid out over, V.
     span: Range<T>,
     /// Whole ticks of the delay, and the weight of the voltage a tick older.
     delay: usize,
@@ -53,15 +55,19 @@ pub struct GeneralisedPrandtlIshlinskii<T> {
     foreseen: Range<T>,
     /// Most a tick, V; none without a limit.
     slew: Option<T>,
-    lag: Lag<T>,
+    lag: RampLag<T>,
     resonance: Option<Resonance<T>>,
+    reversible: Curve<T>,
+    envelope: Curve<T>,
     plays: usize,
-    degree: usize,
-    elements: [Element<T>; PLAYS],
+    /// Half-width (V) and weight of each play.
+    elements: [(T, T); PLAYS],
     creeps: usize,
-    /// Creep elements and what each gives, µm/V.
+    /// Creep elements and what each gives of what drives it.
     creep: [(Relaxation<T>, T); CREEPS],
-    curvature: T,
+    /// Sum of what the creep elements give.
+    creep_gain: T,
+    rest_memory: T,
     offset: T,
 }
 
@@ -70,10 +76,9 @@ pub struct GeneralisedPrandtlIshlinskii<T> {
 pub struct GeneralisedPrandtlIshlinskiiState<T> {
     line: [T; LINE],
     newest: usize,
-    input: Relaxed<T>,
-    /// The input as far ahead as it is foreseen: it moves no memory, since it may not come true.
-    seen: T,
+    input: RampLagged<T>,
     plays: [T; PLAYS],
+    /// µm, as the hysteretic part that drives them.
     creep: [Relaxed<T>; CREEPS],
     /// Of use where there is one.
     resonance: ResonanceState<T>,
@@ -84,21 +89,12 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
     pub fn build(parameters: &GeneralisedPrandtlIshlinskiiParameters, sample_period: T) -> Self {
         let p = parameters;
         let span: Range<T> = p.span_v.of();
-        let plays = p.half_widths_v.len();
-        let degree = p.weights_um.len().checked_div(plays).unwrap_or(0).clamp(1, 3);
-        let nothing = Element { half_width: T::zero(), first: T::zero(), per_volt: T::zero(), weights: [T::zero(); 3] };
-        let mut elements = [nothing; PLAYS];
-        for ((element, &r), weights) in elements.iter_mut().zip(p.half_widths_v.iter()).zip(p.weights_um.chunks(degree))
-        {
-            let half_width = T::of(r);
-            let travel = span.span() - T::of(2.0) * half_width;
-            *element = Element { half_width, first: span.min + half_width, per_volt: T::one() / travel, ..nothing };
-            for (to, &from) in element.weights.iter_mut().zip(weights) {
-                *to = T::of(from);
-            }
+        let mut elements = [(T::zero(), T::zero()); PLAYS];
+        for (element, (&r, &weight)) in elements.iter_mut().zip(p.half_widths_v.iter().zip(p.weights.iter())) {
+            *element = (T::of(r), T::of(weight));
         }
         let mut creep = [(Relaxation::build(T::one(), sample_period), T::zero()); CREEPS];
-        for (to, (&time, &gain)) in creep.iter_mut().zip(p.creep_times_s.iter().zip(p.creep_um_per_v.iter())) {
+        for (to, (&time, &gain)) in creep.iter_mut().zip(p.creep_times_s.iter().zip(p.creep_gains.iter())) {
             *to = (Relaxation::build(T::of(time), sample_period), T::of(gain));
         }
         let whole = p.delay_ticks.max(0.0) as usize;
@@ -112,77 +108,84 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
                 max: span.max + T::of(FORESEEN) * span.span(),
             },
             slew: (p.slew_v_per_s > 0.0).then(|| T::of(p.slew_v_per_s) * sample_period),
-            lag: Lag::build(T::of(p.lag_s), sample_period),
+            lag: RampLag::build(T::of(p.lag_s), sample_period),
             resonance: (p.resonance_hz > 0.0)
                 .then(|| Resonance::build(T::of(p.resonance_hz), T::of(p.damping), sample_period)),
-            plays: plays.min(PLAYS),
-            degree,
+            reversible: Curve::build(span, &p.reversible_um_per_v),
+            envelope: Curve::build(span, &p.envelope_um_per_v),
+            plays: p.half_widths_v.len().min(PLAYS),
             elements,
             creeps: p.creep_times_s.len().min(CREEPS),
             creep,
-            curvature: T::of(p.curvature_per_um),
+            creep_gain: creep.iter().fold(T::zero(), |sum, (_, gain)| sum + *gain),
+            rest_memory: T::of(p.rest_memory),
             offset: T::of(p.offset_um),
         }
     }
 
-    /// The resonance, if it has one: what the sum of the columns goes through.
-    pub fn resonance(&self) -> Option<Resonance<T>> {
-        self.resonance
+    /// At rest at a voltage, each play `bias` of the way from there to an end of its memory: −1 as after a rise, 1 as after a
+    /// fall from an end of the span.
+    fn branch(&self, voltage: T, bias: T) -> GeneralisedPrandtlIshlinskiiState<T> {
+        let left = |half_width| Range { min: self.span.min + half_width, max: self.span.max - half_width };
+        let play_at = |half_width| play(left(half_width).clamp(voltage + bias * half_width), voltage, half_width);
+        self.resting(voltage, self.elements.map(|(half_width, _)| play_at(half_width)))
     }
 
-    /// At rest at a voltage, the plays' memory `bias` half-widths above it, as far as the span allows: −1 after a rise, 1
-    /// after a fall from its ends.
-    fn rest(&self, voltage: T, bias: T) -> GeneralisedPrandtlIshlinskiiState<T> {
-        let mut state = self.fresh(voltage);
-        for (memory, element) in state.plays.iter_mut().zip(&self.elements) {
-            let left = Range { min: element.first, max: self.span.max - element.half_width };
-            *memory = play(left.clamp(voltage + bias * element.half_width), voltage, element.half_width);
-        }
-        state
+    /// The plays of an actuator that has rested at a voltage.
+    fn rested(&self, voltage: T) -> [T; PLAYS] {
+        let middle = self.span.middle();
+        self.elements.map(|(half_width, _)| voltage + self.rest_memory * (play(middle, voltage, half_width) - voltage))
+    }
+
+    /// At rest at a voltage with these plays. Creep takes decades to forget what the
+    /// plays forget in a swing, and is where an actuator has it that has rested there whatever is known of the plays.
+    fn resting(&self, voltage: T, plays: [T; PLAYS]) -> GeneralisedPrandtlIshlinskiiState<T> {
+        let crept = self.hysteretic(&self.rested(voltage), voltage);
+        let state = GeneralisedPrandtlIshlinskiiState {
+            line: [voltage; LINE],
+            newest: 0,
+            input: RampLagged::at(voltage),
+            plays,
+            creep: [Relaxed::at(crept); CREEPS],
+            resonance: ResonanceState::rest(T::zero()),
+        };
+        GeneralisedPrandtlIshlinskiiState { resonance: ResonanceState::rest(self.at_rest(&state, voltage)), ..state }
     }
 
     /// At a known displacement. What no memory can have left is a lag's: the actuator is still on its way to this voltage.
     fn arrive(&self, voltage: T, known: T) -> GeneralisedPrandtlIshlinskiiState<T> {
         let one = T::one();
-        let at = |voltage: T, bias: T| self.displacement(&self.rest(voltage, bias));
+        let at = |voltage: T, bias: T| self.at_rest(&self.branch(voltage, bias), voltage);
         if known < at(voltage, -one) {
             let lowest = self.span.include(voltage).min;
-            self.rest(solve(known, lowest, voltage, |voltage| at(voltage, -one)), -one)
+            self.branch(solve(known, lowest, voltage, |voltage| at(voltage, -one)), -one)
         } else if known > at(voltage, one) {
             let highest = self.span.include(voltage).max;
-            self.rest(solve(known, voltage, highest, |voltage| at(voltage, one)), one)
+            self.branch(solve(known, voltage, highest, |voltage| at(voltage, one)), one)
         } else {
-            self.rest(voltage, solve(known, -one, one, |bias| at(voltage, bias)))
+            self.branch(voltage, solve(known, -one, one, |bias| at(voltage, bias)))
         }
     }
 
-    fn fresh(&self, voltage: T) -> GeneralisedPrandtlIshlinskiiState<T> {
-        GeneralisedPrandtlIshlinskiiState {
-            line: [voltage; LINE],
-            newest: 0,
-            input: Relaxed::at(voltage),
-            seen: voltage,
-            plays: [voltage; PLAYS],
-            creep: [Relaxed::at(voltage); CREEPS],
-            resonance: ResonanceState::rest(T::zero()),
-        }
+    /// h with the input at a voltage that the memories of the plays may not have seen yet.
+    #[inline]
+    fn hysteretic(&self, plays: &[T; PLAYS], input: T) -> T {
+        let elements = self.elements.iter().zip(plays).take(self.plays);
+        elements.fold(T::zero(), |sum, (&(half_width, weight), &memory)| {
+            sum + weight * self.envelope.at(play(memory, input, half_width))
+        })
     }
 
-    /// What the resonance takes in: the displacement at rest.
-    fn displacement(&self, state: &GeneralisedPrandtlIshlinskiiState<T>) -> T {
-        let mut sum = self.offset;
-        for (element, &memory) in self.elements.iter().zip(&state.plays).take(self.plays) {
-            sum = sum + element.function(play(memory, state.seen, element.half_width), self.degree);
-        }
-        for (&(_, gain), x) in self.creep.iter().zip(&state.creep).take(self.creeps) {
-            sum = sum + gain * x.value;
-        }
-        self.bend(sum)
+    /// The displacement with creep as it is, without the resonance.
+    fn at_rest(&self, state: &GeneralisedPrandtlIshlinskiiState<T>, voltage: T) -> T {
+        self.sum(voltage, self.hysteretic(&state.plays, voltage), &state.creep)
     }
 
-    /// y = w + κ·w².
-    fn bend(&self, w: T) -> T {
-        w + self.curvature * w * w
+    #[inline]
+    fn sum(&self, input: T, hysteretic: T, creep: &[Relaxed<T>; CREEPS]) -> T {
+        let still = self.offset + self.reversible.at(input) + hysteretic;
+        let crept = self.creep.iter().zip(creep).take(self.creeps);
+        crept.fold(still, |sum, (&(_, gain), c)| sum + gain * c.value)
     }
 
     /// The voltage behind the delay.
@@ -202,20 +205,20 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         let applied = if self.ahead > T::zero() { voltage.hull(self.foreseen) } else { voltage };
         // Plays and creep may begin anywhere in the span, too.
         let reach = applied.hull(self.span);
-        let (mut least, mut most) = (self.offset, self.offset);
-        for element in self.elements.iter().take(self.plays) {
-            // No play stands below the lowest voltage's or above the highest's.
-            least = least + element.function(reach.min + element.half_width, self.degree);
-            most = most + element.function(reach.max - element.half_width, self.degree);
-        }
-        for &(_, gain) in self.creep.iter().take(self.creeps) {
-            least = least + gain * reach.min;
-            most = most + gain * reach.max;
-        }
-        // κ must not turn the curve within what can be reached.
-        let rises = |w: T| T::one() + T::of(2.0) * self.curvature * w > T::zero();
+        // No play stands below where it rests at the lowest voltage or above where it rests at the highest, and creep lies where
+        // its input has been.
+        let hysteretic = |input: T, memory: T| {
+            let elements = self.elements.iter().take(self.plays);
+            elements.fold(T::zero(), |sum, &(r, weight)| sum + weight * self.envelope.at(input + memory * r))
+        };
+        let driven =
+            Range { min: hysteretic(reach.min, self.rest_memory), max: hysteretic(reach.max, -self.rest_memory) };
+        let crept = T::one() + self.creep_gain;
         let sound = self.resonance.is_none_or(|resonance| resonance.sound());
-        (sound && rises(least) && rises(most)).then(|| Range { min: self.bend(least), max: self.bend(most) })
+        sound.then(|| Range {
+            min: self.offset + self.reversible.at(reach.min) + crept * driven.min,
+            max: self.offset + self.reversible.at(reach.max) + crept * driven.max,
+        })
     }
 }
 
@@ -223,22 +226,33 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
     type State = GeneralisedPrandtlIshlinskiiState<T>;
 
     fn begin(&self, voltage: T, displacement: Option<T>) -> GeneralisedPrandtlIshlinskiiState<T> {
-        let mut state = self.fresh(voltage);
         match displacement {
-            Some(known) => state = self.arrive(voltage, known),
-            None => {
-                for (state, element) in state.plays.iter_mut().zip(&self.elements) {
-                    *state = play(self.span.middle(), voltage, element.half_width);
-                }
-            }
+            Some(known) => self.arrive(voltage, known),
+            None => self.resting(voltage, self.rested(voltage)),
         }
-        state.resonance = ResonanceState::rest(self.displacement(&state));
-        state
     }
 
     fn step(&self, state: &mut GeneralisedPrandtlIshlinskiiState<T>, voltage: T) -> T {
-        self.advance(state, voltage);
-        let displacement = self.displacement(state);
+        let target = self.delayed(state, voltage);
+        let before = state.input.value();
+        let mut u = self.lag.step(&mut state.input, target);
+        if let Some(most) = self.slew {
+            let allowed = Range { min: before - most, max: before + most };
+            if !allowed.contains(u) {
+                u = allowed.clamp(u);
+                state.input.hold(u);
+            }
+        }
+        // An input seen ahead of time moves no play, since it may not come true.
+        let seen = if self.ahead > T::zero() { self.foreseen.clamp(u + self.ahead * (u - before)) } else { u };
+        for (memory, &(half_width, _)) in state.plays.iter_mut().zip(&self.elements).take(self.plays) {
+            *memory = play(*memory, u, half_width);
+        }
+        let hysteretic = self.hysteretic(&state.plays, seen);
+        for (c, (relaxation, _)) in state.creep.iter_mut().zip(&self.creep).take(self.creeps) {
+            relaxation.step(c, hysteretic);
+        }
+        let displacement = self.sum(seen, hysteretic, &state.creep);
         match &self.resonance {
             Some(resonance) => resonance.step(&mut state.resonance, displacement),
             None => displacement,
@@ -249,38 +263,9 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
         within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
+    /// Its lag takes a voltage that stands for a tick, as a converter gives it: the inverse of one that runs straight would
+    /// swing from tick to tick.
     fn monotone_part(&self) -> Option<Self> {
-        Some(Self { delay: 0, older: T::zero(), resonance: None, ..*self })
-    }
-}
-
-impl<T: Real> Linear<T> for GeneralisedPrandtlIshlinskii<T> {
-    fn advance(&self, state: &mut GeneralisedPrandtlIshlinskiiState<T>, voltage: T) {
-        let target = self.delayed(state, voltage);
-        let before = state.input.value;
-        let mut u = self.lag.step(&mut state.input, target);
-        if let Some(most) = self.slew {
-            let allowed = Range { min: before - most, max: before + most };
-            if !allowed.contains(u) {
-                u = allowed.clamp(u);
-                state.input = Relaxed::at(u);
-            }
-        }
-        state.seen = if self.ahead > T::zero() { self.foreseen.clamp(u + self.ahead * (u - before)) } else { u };
-        for (state, element) in state.plays.iter_mut().zip(&self.elements).take(self.plays) {
-            *state = play(*state, u, element.half_width);
-        }
-        for (x, (relaxation, _)) in state.creep.iter_mut().zip(&self.creep).take(self.creeps) {
-            relaxation.step(x, u);
-        }
-    }
-
-    fn columns(&self, state: &GeneralisedPrandtlIshlinskiiState<T>, mut each: impl FnMut(T)) {
-        for (element, &memory) in self.elements.iter().zip(&state.plays).take(self.plays) {
-            let p = play(memory, state.seen, element.half_width);
-            (0..self.degree).for_each(|index| each(element.of_weight(index, p, self.degree)));
-        }
-        state.creep.iter().take(self.creeps).for_each(|x| each(x.value));
-        each(T::one());
+        Some(Self { delay: 0, older: T::zero(), resonance: None, lag: self.lag.of_held_input(), ..*self })
     }
 }

@@ -9,11 +9,11 @@ use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
 
 /// Most play operators.
-pub const PLAYS: usize = 10;
-/// Most weights: those of the plays' functions.
-pub const WEIGHTS: usize = 30;
+pub const PLAYS: usize = 15;
+/// Most knots of a tabulated function.
+pub const KNOTS: usize = 9;
 /// Most creep elements.
-pub const CREEPS: usize = 4;
+pub const CREEPS: usize = 5;
 /// Longest delay, ticks.
 const LONGEST_DELAY: f32 = 14.0;
 
@@ -21,31 +21,35 @@ const LONGEST_DELAY: f32 = 14.0;
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeneralisedPrandtlIshlinskiiParameters {
-    /// Voltages over which the functions of the plays are laid out, V.
+    /// Voltages over which the functions are laid out, V.
     pub span_v: Range,
     /// From voltage to actuator, ticks, −1 … 14; a fraction is interpolated. Below 0 the actuator's input is extrapolated, as
     /// far as the tick that the estimate is for.
     pub delay_ticks: f32,
     /// Fastest change behind the amplifier, V/s; 0 for no limit.
     pub slew_v_per_s: f32,
-    /// Time constant of the first-order lag, s; 0 for none.
+    /// Time constant T of the first-order lag, s; 0 for none.
     pub lag_s: f32,
-    /// Half-widths of the play operators, increasing from 0, V.
-    pub half_widths_v: List<PLAYS>,
     /// Natural frequency of the mechanism, Hz; 0 for none, else below half the tick rate.
     pub resonance_hz: f32,
     /// Its damping ζ, between 0 and 1; 0 without a resonance.
     pub damping: f32,
-    /// Weights of each play's functions (as many a play, 1 to 3), at least 0: what each adds from one end of the play's travel
-    /// to the other, µm.
-    pub weights_um: List<WEIGHTS>,
+    /// Slope of the reversible part q at knots that lie evenly over the span, at least 0, µm/V; two to nine.
+    pub reversible_um_per_v: List<KNOTS>,
+    /// Slope of the envelope g of the plays likewise.
+    pub envelope_um_per_v: List<KNOTS>,
+    /// Half-widths r_i of the play operators, increasing, up to half the span, V.
+    pub half_widths_v: List<PLAYS>,
+    /// Weight a_i of each play, at least 0.
+    pub weights: List<PLAYS>,
     /// Time constants of creep, s; 0.001 … 10,000.
     pub creep_times_s: List<CREEPS>,
-    /// Creep, at least 0, µm/V.
-    pub creep_um_per_v: List<CREEPS>,
-    /// κ of y = w + κ·w², 1/µm.
-    pub curvature_per_um: f32,
-    /// What is added to the sum w, µm.
+    /// What each adds in the end to the hysteretic part that drives it, as a part of it, at least 0.
+    pub creep_gains: List<CREEPS>,
+    /// Memory of an actuator at rest, 0 … 1: 0 as if it had never left that voltage, 1 as if it had come there from the middle
+    /// of the span.
+    pub rest_memory: f32,
+    /// Displacement at the lower end of the span without memory and creep, µm.
     pub offset_um: f32,
 }
 
@@ -61,8 +65,8 @@ impl Published for GeneralisedPrandtlIshlinskiiParameters {
     }
 
     fn check(&self) -> Result<(), Rule> {
-        let count = self.half_widths_v.len();
-        let all = |numbers: &[f32], rule: fn(f32) -> bool| numbers.iter().all(|&x| x.is_finite() && rule(x));
+        let positive = |numbers: &[f32]| numbers.iter().all(|&x| x >= 0.0 && x.is_finite());
+        let slopes = |slopes: &List<KNOTS>| slopes.len() >= 2 && positive(slopes);
         rule::check([
             (
                 "span_v must be ordered",
@@ -78,22 +82,26 @@ impl Published for GeneralisedPrandtlIshlinskiiParameters {
                     && self.damping < 1.0;
                 some || (self.resonance_hz == 0.0 && self.damping == 0.0)
             }),
-            ("half_widths_v must begin with 0", self.half_widths_v.first() == Some(&0.0)),
-            ("half_widths_v must increase, and stay below half of span_v", {
-                let below = self.half_widths_v.iter().all(|&r| 2.0 * r < self.span_v.span());
-                below && self.half_widths_v.windows(2).all(|pair| matches!(pair, [a, b] if a < b))
+            ("reversible_um_per_v must be two to nine slopes, and not negative", slopes(&self.reversible_um_per_v)),
+            ("envelope_um_per_v must be two to nine slopes, and not negative", slopes(&self.envelope_um_per_v)),
+            ("half_widths_v must increase from above 0 to at most half of span_v", {
+                let inside = self.half_widths_v.iter().all(|&r| r > 0.0 && 2.0 * r <= self.span_v.span());
+                inside && self.half_widths_v.windows(2).all(|pair| matches!(pair, [a, b] if a < b))
             }),
-            ("weights_um must be one, two or three for each half-width, and not negative", {
-                let degree = self.weights_um.len().checked_div(count).unwrap_or(0);
-                (1..=3).contains(&degree)
-                    && degree * count == self.weights_um.len()
-                    && all(&self.weights_um, |w| w >= 0.0)
-            }),
-            ("creep_times_s must lie between 0.001 and 10000", all(&self.creep_times_s, |t| (1e-3..=1e4).contains(&t))),
-            ("creep_um_per_v must be as many as creep_times_s, and not negative", {
-                self.creep_um_per_v.len() == self.creep_times_s.len() && all(&self.creep_um_per_v, |c| c >= 0.0)
-            }),
-            ("curvature_per_um and offset_um must be numbers", all(&[self.curvature_per_um, self.offset_um], |_| true)),
+            (
+                "weights must be as many as half_widths_v, and not negative",
+                self.weights.len() == self.half_widths_v.len() && positive(&self.weights),
+            ),
+            (
+                "creep_times_s must lie between 0.001 and 10000",
+                self.creep_times_s.iter().all(|t| (1e-3..=1e4).contains(t)),
+            ),
+            (
+                "creep_gains must be as many as creep_times_s, and not negative",
+                self.creep_gains.len() == self.creep_times_s.len() && positive(&self.creep_gains),
+            ),
+            ("rest_memory must lie between 0 and 1", (0.0..=1.0).contains(&self.rest_memory)),
+            ("offset_um must be a number", self.offset_um.is_finite()),
         ])
     }
 }

@@ -22,11 +22,11 @@
 mod parameters;
 mod proof;
 
-pub use parameters::{Scheme, VoigtParameters};
+pub use parameters::VoigtParameters;
 pub use proof::LEAST_DECAY;
 
 use super::Recursion;
-use super::catalogue::Discretisation;
+use super::published::{Discretisation, Scheme};
 use crate::admissible::Inadmissible;
 use crate::extremum::{Extremum, Tracker};
 use crate::math::Real;
@@ -51,7 +51,7 @@ impl<T: Real> VoigtTerms<T> {
     }
 }
 
-/// Per-tick coefficients of the Voigt family, in the direct form (one `exp` and one power a tick).
+/// Per-tick coefficients of the Voigt family: one `exp` and one power a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Voigt<T> {
     scheme: Scheme,
@@ -177,6 +177,14 @@ impl<T: Real> Recursion<T> for Voigt<T> {
 
     fn begin(&self, voltage: T, displacement: Option<T>) -> VoigtState<T> {
         self.rest(self.terms(voltage), displacement)
+    }
+
+    #[inline]
+    fn first(&self, voltage: T, displacement: Option<T>) -> (VoigtState<T>, T) {
+        let terms = self.terms(voltage);
+        let mut state = self.rest(terms, displacement);
+        let displacement = self.step_with(&mut state, voltage, terms);
+        (state, displacement)
     }
 
     #[inline]

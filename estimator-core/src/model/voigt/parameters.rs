@@ -1,21 +1,10 @@
-//! Published parameters of the Voigt family, and which of its models have which of them.
+//! Published parameters of the Voigt family.
 
 use super::Voigt;
 use crate::math::Real;
-use crate::model::catalogue::{Discretisation, Model, Parameters, Published};
+use crate::model::published::{Discretisation, Published};
 use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
-
-/// How the differential equation becomes a recursion.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scheme {
-    /// Forward Euler, Eq. (4.7).
-    #[default]
-    ForwardEuler,
-    /// Exact for a voltage held over the tick; stable for any rate.
-    ZeroOrderHold,
-}
 
 /// A published parameter set, in the units of Tables 4.6 and 5.2. Terms that a model lacks are 0.
 #[derive(Clone, Copy, PartialEq, Debug, Default, Serialize, Deserialize)]
@@ -97,62 +86,5 @@ impl Published for VoigtParameters {
             ("e_m_per_s must be finite", self.e_m_per_s.is_finite()),
             ("f must lie between 0 and 8", exponent(self.f)),
         ])
-    }
-
-    fn check_as(&self, model: Model) -> Result<(), Rule> {
-        self.check()?;
-        rule::check([
-            (
-                "g_um_per_s and h must be 0 in a model without the voltage-extremum term",
-                model.has_voltage_term() || (self.g_um_per_s == 0.0 && self.h == 0.0),
-            ),
-            (
-                "e_m_per_s and f must be 0 in a model without the displacement-extremum term",
-                model.has_displacement_term() || (self.e_m_per_s == 0.0 && self.f == 0.0),
-            ),
-        ])
-    }
-}
-
-impl Model {
-    /// The Voigt family, simplest first.
-    pub const VOIGT_FAMILY: [Self; 4] =
-        [Self::Voigt, Self::VoltageExtremum, Self::DisplacementExtremum, Self::Enhanced];
-
-    /// Whether it is one of the four with the parameters of Eq. (5.3).
-    pub const fn is_voigt(self) -> bool {
-        matches!(self, Self::Voigt | Self::VoltageExtremum | Self::DisplacementExtremum | Self::Enhanced)
-    }
-
-    /// Whether the model has the term `g·sgn(V_ext)·|V_ext|^h`.
-    pub const fn has_voltage_term(self) -> bool {
-        matches!(self, Self::VoltageExtremum | Self::Enhanced)
-    }
-
-    /// Whether the model has the term `e·sgn(y_ext)·|y_ext|^f`.
-    pub const fn has_displacement_term(self) -> bool {
-        matches!(self, Self::DisplacementExtremum | Self::Enhanced)
-    }
-}
-
-impl Parameters {
-    /// The parameters of a model of the Voigt family. Any other model is taken for the enhanced one, which has all terms.
-    pub const fn of_voigt_family(model: Model, parameters: VoigtParameters) -> Self {
-        match model {
-            Model::Voigt => Self::Voigt(parameters),
-            Model::VoltageExtremum => Self::VoltageExtremum(parameters),
-            Model::DisplacementExtremum => Self::DisplacementExtremum(parameters),
-            _ => Self::Enhanced(parameters),
-        }
-    }
-
-    /// Those of a model of the Voigt family.
-    pub const fn voigt(&self) -> Option<&VoigtParameters> {
-        match self {
-            Self::Voigt(of) | Self::VoltageExtremum(of) | Self::DisplacementExtremum(of) | Self::Enhanced(of) => {
-                Some(of)
-            }
-            _ => None,
-        }
     }
 }

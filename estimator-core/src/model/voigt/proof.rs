@@ -15,9 +15,10 @@
 //! The second condition is what a parameter set with positive feedback through `y_ext` fails, however well it predicts
 //! one step ahead.
 
-use super::{Scheme, Voigt};
+use super::Voigt;
 use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
+use crate::model::published::Scheme;
 use crate::range::Range;
 
 /// Smallest part of the displacement that a tick may take away.

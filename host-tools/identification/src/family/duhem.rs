@@ -2,7 +2,7 @@
 
 use super::projection::Projection;
 use crate::problem::Problem;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
 use least_squares::Sign;
 

@@ -2,7 +2,7 @@
 //! projected. For a given displacement the voltage is linear in them (Eq. 3.10), so they are fitted to the voltage.
 
 use crate::problem::Problem;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use estimator_core::{List, MaxwellSlipParameters, Parameters, Published, Stop};
 use least_squares::{Normal, Sign};
 

@@ -16,8 +16,9 @@ mod voigt_chain;
 pub use narx::{BlackBoxInputs, structures_with as black_boxes};
 pub use projection::Projection;
 
+use crate::cost::Cost;
 use crate::problem::Problem;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use crate::trial::Trial;
 use estimator_core::{Model, Parameters};
 
@@ -35,6 +36,13 @@ pub trait Family: Sync {
     /// The whole parameter set that fits best with these searched values, in the order of the genes; `None` where there is
     /// none.
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Self::Found>;
+
+    /// The same with what the search minimises. It need not be an error: candidates are only compared.
+    fn candidate(&self, values: &[f64], problem: &Problem, cost: Cost) -> Option<(Self::Found, f64)> {
+        let found = self.project(values, problem)?;
+        let size = self.burden(values) * problem.cost(&found, cost);
+        Some((found, size))
+    }
 
     /// How many of the numbers found were solved for by least squares. Numbers that are laid out before the search (spans,
     /// thresholds, grids, creep times, orders, scales, limits) do not count, and numbers that follow from one count once.

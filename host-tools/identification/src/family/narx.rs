@@ -3,7 +3,7 @@
 
 use super::AnyFamily;
 use crate::problem::Problem;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use estimator_core::{List, Narx, NarxParameters, Parameters, Published, Recursion};
 use least_squares::{Normal, Sign};
 use recordings::session::Session;

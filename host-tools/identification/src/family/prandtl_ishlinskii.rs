@@ -3,7 +3,7 @@
 
 use super::projection::Projection;
 use crate::problem::Problem;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use estimator_core::{
     List, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Published, Range, Superposition,
 };

@@ -5,7 +5,7 @@
 use super::AnyFamily;
 use super::projection::Projection;
 use crate::problem::Problem;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use estimator_core::model::CELLS;
 use estimator_core::{List, Parameters, Preisach, PreisachParameters, Published};
 use least_squares::Sign;

@@ -50,7 +50,7 @@ impl<M: Linear<f64>> Projection<'_, M> {
         let mut row = vec![0.0; normal.columns()];
         self.fill(&state, &mut row);
         let mut swings: Vec<ResonanceState<f64>> = row.iter().map(|&x| ResonanceState::rest(x)).collect();
-        let mut tick = 0;
+        let (mut tick, mut rows, mut targets) = (0, Vec::new(), Vec::new());
         for (index, (&instant, &measured)) in session.instants.iter().zip(&session.displacement).enumerate() {
             while tick < instant as usize {
                 self.model.advance(&mut state, session.voltage[tick]);
@@ -68,11 +68,11 @@ impl<M: Linear<f64>> Projection<'_, M> {
             if self.resonance.is_none() {
                 self.fill(&state, &mut row);
             }
-            if let Some(one) = row.get_mut(constant) {
-                *one = 1.0;
-            }
-            normal.add(&row, target(measured), weight);
+            row.iter_mut().skip(constant).take(1).for_each(|one| *one = 1.0);
+            rows.extend_from_slice(&row);
+            targets.push(target(measured));
         }
+        normal.add_all(&rows, &targets, weight);
     }
 
     /// The unknowns' columns; the constants are left 0.

@@ -6,7 +6,7 @@
 
 use crate::problem::Problem;
 use crate::reversals::reversals;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use estimator_core::model::{SIDE, densities_from_reversal_curves};
 use estimator_core::{List, Parameters, PreisachParameters, Published};
 use recordings::session::Session;

@@ -1,7 +1,8 @@
 //! The Voigt family where it is to be searched like any other model: all that it has is searched, nothing projected.
 
 use crate::problem::Problem;
-use crate::search::space::{Gene, Space};
+use crate::search::Gene;
+use crate::search::space::Space;
 use estimator_core::Parameters;
 
 /// A model of the family.

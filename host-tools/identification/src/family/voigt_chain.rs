@@ -4,7 +4,7 @@
 use super::AnyFamily;
 use super::projection::Projection;
 use crate::problem::Problem;
-use crate::search::space::Gene;
+use crate::search::Gene;
 use estimator_core::{List, Parameters, Published, Range, VoigtChain, VoigtChainParameters};
 use least_squares::Sign;
 

@@ -1,9 +1,9 @@
 //! How a search runs, as `table.toml` records it.
 
-use super::ga::{Elitism, Selection, Settings};
-use super::optimiser::Optimiser;
+use super::Optimiser;
 use super::space::Ranges;
 use estimator_core::Model;
+use minimisation::ga::{Elitism, Selection, Settings};
 use serde::{Deserialize, Serialize};
 
 /// Where the first population of a model comes from.

@@ -45,17 +45,17 @@ pub struct TableFile {
 #[derive(Debug, thiserror::Error)]
 pub enum TableFileError {
     /// The file cannot be read.
-    #[error("{}: cannot be read as a table.toml", path.display())]
+    #[error("{}: cannot be read ({error})", path.display())]
     Unreadable {
-        /// The file.
+        /// The file that was to be read.
         path: PathBuf,
         /// What the operating system says.
-        source: std::io::Error,
+        error: std::io::Error,
     },
     /// The file holds something else.
-    #[error("{}: is no table.toml: {error}", path.display())]
+    #[error("{}: is no table.toml: {}", path.display(), error.to_string().trim_end())]
     NoTable {
-        /// The file.
+        /// The file that was to be read.
         path: PathBuf,
         /// Where and why.
         error: Box<toml::de::Error>,
@@ -63,9 +63,9 @@ pub enum TableFileError {
     /// The table in a file is refused.
     #[error("{}: is refused", path.display())]
     Refused {
-        /// The file.
+        /// The file that was to be read.
         path: PathBuf,
-        /// Why.
+        /// What is wrong with the table.
         source: Refused,
     },
     /// A table is refused before it is written.
@@ -106,7 +106,7 @@ impl TableFile {
     /// The file cannot be read, is no table, or is refused.
     pub fn load(path: &Path) -> Result<(Self, Admitted), TableFileError> {
         let text = std::fs::read_to_string(path)
-            .map_err(|source| TableFileError::Unreadable { path: path.to_owned(), source })?;
+            .map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
         let file: Self = toml::from_str(&text)
             .map_err(|error| TableFileError::NoTable { path: path.to_owned(), error: Box::new(error) })?;
         let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.to_owned(), source })?;

@@ -1,7 +1,7 @@
 //! Converters by what is stated of them, and by what is assumed.
 
 use estimator_core::{AdcCode, DacCode, Range};
-use identification::calibration::{CalibrationOptions, misfits};
+use identification::calibration::{CalibrationOptions, converter_mismatches};
 use identification::span::Span;
 use identification::table_file::TableFile;
 
@@ -38,7 +38,7 @@ fn converters_that_do_not_fit_are_told() {
         let span = |(zero, full)| Some(Span { zero, full });
         let options = CalibrationOptions { adc_span: span(adc), dac_span: span(dac), ..Default::default() };
         options.apply(&mut table);
-        misfits(&table).len()
+        converter_mismatches(&table).len()
     };
     assert_eq!(fits((-1.0, 4.0), (-8.0, 52.0)), 0);
     assert_eq!(fits((4.0, -1.0), (52.0, -8.0)), 0, "inverting ones fit as well");

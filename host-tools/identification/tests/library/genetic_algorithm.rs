@@ -1,7 +1,7 @@
 //! The genetic algorithm finds minima, the same on any number of threads, and stops when it is told to.
 
 use identification::search::ga::{Elitism, Selection, Settings, run};
-use identification::search::space::{Gene, Scale};
+use identification::search::{Gene, Scale};
 
 const THESIS: Settings = Settings {
     bits: 10,

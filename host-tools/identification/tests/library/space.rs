@@ -1,7 +1,8 @@
 //! The coordinates of a search and the parameters that follow from them.
 
 use estimator_core::{Discretisation, Model, Scheme, Voigt, VoigtParameters};
-use identification::search::space::{Extent, Gene, Ranges, Scale, Space};
+use identification::search::space::{Extent, Ranges, Space};
+use identification::search::{Gene, Scale};
 
 const EXTENT: Extent = Extent { voltage: 20.0, displacement: 4.0, tick: 5e-4 };
 

@@ -1,42 +1,21 @@
 //! What `identify` and `compare` have in common: logs, what is held out of them, what is minimised, under which
 //! conditions.
 
+use super::choice::{Choice, choice};
 use super::number::limit;
 use super::{CostArgs, LogOptions, PrepareArgs};
 use anyhow::{Result, ensure};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use estimator_core::Scheme;
 use identification::calibration::CalibrationOptions;
 use identification::cost::Cost;
 use identification::{Conditions, Job, ModelChoice, SearchOptions};
 use std::path::PathBuf;
 
-/// Discretisation of the Voigt family on the command line.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub enum SchemeName {
-    /// The thesis's.
-    ForwardEuler,
-    /// Exact for a voltage that stays for the tick; stable for any rate.
-    ZeroOrderHold,
-}
-
-impl SchemeName {
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::ForwardEuler => "forward Euler",
-            Self::ZeroOrderHold => "zero-order hold",
-        }
-    }
-}
-
-impl From<SchemeName> for Scheme {
-    fn from(name: SchemeName) -> Self {
-        match name {
-            SchemeName::ForwardEuler => Self::ForwardEuler,
-            SchemeName::ZeroOrderHold => Self::ZeroOrderHold,
-        }
-    }
-}
+const SCHEMES: [Choice<Scheme>; 2] = [
+    (Scheme::ForwardEuler, "forward-euler", "The thesis's"),
+    (Scheme::ZeroOrderHold, "zero-order-hold", "Exact for a voltage that stays for the tick; stable for any rate"),
+];
 
 /// Logs to fit to, and how.
 #[derive(Args, Debug)]
@@ -54,8 +33,8 @@ pub struct Fitting {
     #[command(flatten)]
     pub cost: CostArgs,
     /// Discretisation of the Voigt family.
-    #[arg(long, value_enum, default_value_t = SchemeName::ForwardEuler)]
-    pub scheme: SchemeName,
+    #[arg(long, value_parser = choice(SCHEMES), default_value = "forward-euler")]
+    pub scheme: Scheme,
     /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
     /// voltage span where it is not given.
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
@@ -75,7 +54,7 @@ pub struct Fitting {
 }
 
 impl Fitting {
-    /// The job, with its logs read: the choice of a model left to it, direct form, converters assumed.
+    /// The job, with its logs read: the choice of a model left to it, converters assumed.
     pub fn job(&self, search: SearchOptions) -> Result<Job> {
         let hold_out = self.hold_out.unwrap_or(if self.validate_on.is_empty() { 0.5 } else { 0.0 });
         ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
@@ -86,7 +65,7 @@ impl Fitting {
             hold_out,
             prepare: (&self.prepare).into(),
             model: ModelChoice::Auto,
-            conditions: Conditions { scheme: self.scheme.into(), deadband: self.deadband, limit: self.limit },
+            conditions: Conditions { scheme: self.scheme, deadband: self.deadband, limit: self.limit },
             calibration: CalibrationOptions::default(),
             cost: Cost::from(self.cost).resolved()?,
             search,

@@ -1,5 +1,17 @@
 //! The options that several verbs share. Each converts into what its library takes.
 
+/// A library's options from the arguments that say them, field by field.
+macro_rules! options {
+    ($arguments:ident => $options:ident { $($field:ident),+ $(,)? }) => {
+        impl From<&$arguments> for $options {
+            fn from(arguments: &$arguments) -> Self {
+                let &$arguments { $($field),+ } = arguments;
+                Self { $($field),+ }
+            }
+        }
+    };
+}
+
 mod calibration;
 mod choice;
 mod cost;
@@ -11,10 +23,11 @@ mod model;
 mod number;
 mod prepare;
 mod rig;
+mod scope;
 mod search;
 
 pub use calibration::CalibrationArgs;
-pub use choice::{Choice, choice};
+pub use choice::choice;
 pub use cost::CostArgs;
 pub use fitting::Fitting;
 pub use logs::LogOptions;
@@ -22,4 +35,5 @@ pub use model::{model_choice, models};
 pub use number::{limit, not_negative};
 pub use prepare::{DECIMATIONS, PrepareArgs};
 pub use rig::RigArgs;
+pub use scope::{ScopeArgs, TOLD};
 pub use search::{OPTIMISERS, STARTS, SearchArgs};

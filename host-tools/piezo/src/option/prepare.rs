@@ -48,25 +48,10 @@ pub const DECIMATIONS: [Choice<Decimation>; 3] = [
     (Decimation::Interpolate, "interpolate", "Linear interpolation; the rates need be no multiples"),
 ];
 
-impl From<&PrepareArgs> for PrepareOptions {
-    fn from(arguments: &PrepareArgs) -> Self {
-        let &PrepareArgs { tick_us, voltage_scale, displacement_scale, voltage_zero, displacement_zero, .. } =
-            arguments;
-        let &PrepareArgs { delay, max_delay, skip_start, skip_end, decimate, .. } = arguments;
-        Self {
-            tick_us,
-            voltage_scale,
-            displacement_scale,
-            voltage_zero,
-            displacement_zero,
-            delay,
-            max_delay,
-            skip_start,
-            skip_end,
-            decimate,
-        }
-    }
-}
+options!(PrepareArgs => PrepareOptions {
+    tick_us, voltage_scale, displacement_scale, voltage_zero, displacement_zero, delay, max_delay, skip_start,
+    skip_end, decimate,
+});
 
 #[cfg(test)]
 mod tests {

@@ -43,10 +43,6 @@ pub struct RigArgs {
     pub seed: u64,
 }
 
-impl From<&RigArgs> for Rig {
-    fn from(arguments: &RigArgs) -> Self {
-        let &RigArgs { amplitude, duration, fs, cutoff, hysteresis, creep, asymmetry, .. } = arguments;
-        let &RigArgs { noise_nm, voltage_noise, adc_bits, seed, .. } = arguments;
-        Self { amplitude, duration, fs, cutoff, hysteresis, creep, asymmetry, noise_nm, voltage_noise, adc_bits, seed }
-    }
-}
+options!(RigArgs => Rig {
+    amplitude, duration, fs, cutoff, hysteresis, creep, asymmetry, noise_nm, voltage_noise, adc_bits, seed,
+});

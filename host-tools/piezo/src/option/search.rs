@@ -9,11 +9,12 @@ use identification::search::space::Ranges;
 use identification::{SearchOptions, Start};
 
 const DEFAULT: SearchOptions = SearchOptions::DEFAULT;
+const OTHERS: &str = "Search of the other models";
 
 /// How the search runs. The thesis's own setting is `--ranges table-4.5 --mutation 0.15 --elitism aside --generations
 /// 400 --rounds 1 --start random`.
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Genetic algorithm")]
+#[command(next_help_heading = "Genetic algorithm, which searches the Voigt family")]
 pub struct SearchArgs {
     /// What is searched, and where.
     #[arg(long, value_parser = choice(RANGES), default_value = "data")]
@@ -49,13 +50,18 @@ pub struct SearchArgs {
     #[arg(long, value_parser = choice(STARTS), default_value = "family")]
     pub start: Start,
     /// Method for the models beyond the Voigt family, of which only a few numbers are searched.
-    #[arg(long, value_parser = choice(OPTIMISERS), default_value = "cma-es")]
+    #[arg(long, help_heading = OTHERS, value_parser = choice(OPTIMISERS), default_value = "cma-es")]
     pub optimiser: Optimiser,
     /// Candidates that the method may try for each number that is searched.
-    #[arg(long, default_value_t = DEFAULT.evaluations, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(
+        long,
+        help_heading = OTHERS,
+        default_value_t = DEFAULT.evaluations,
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000)
+    )]
     pub evaluations: u32,
     /// Seed; the same seed gives the same table on any number of threads.
-    #[arg(long, default_value_t = DEFAULT.seed)]
+    #[arg(long, help_heading = "Any search", default_value_t = DEFAULT.seed)]
     pub seed: u32,
 }
 
@@ -97,28 +103,10 @@ pub const OPTIMISERS: [Choice<Optimiser>; 5] = [
     (Optimiser::Local, "local", "Nelder–Mead with restarts"),
 ];
 
-impl From<&SearchArgs> for SearchOptions {
-    fn from(arguments: &SearchArgs) -> Self {
-        let &SearchArgs { ranges, bits, population, generations, rounds, shrink, patience, .. } = arguments;
-        let &SearchArgs { mutation, selection, elitism, start, optimiser, evaluations, seed, .. } = arguments;
-        Self {
-            ranges,
-            bits,
-            population,
-            generations,
-            rounds,
-            shrink,
-            patience,
-            mutation,
-            selection,
-            elitism,
-            start,
-            optimiser,
-            evaluations,
-            seed,
-        }
-    }
-}
+options!(SearchArgs => SearchOptions {
+    ranges, bits, population, generations, rounds, shrink, patience, mutation, selection, elitism, start, optimiser,
+    evaluations, seed,
+});
 
 #[cfg(test)]
 mod tests {

@@ -57,8 +57,8 @@ pub fn doubt(doubt: &Doubt) -> String {
             }
         ),
         Doubt::FewReversals { reversals } => format!(
-            "the training logs reverse direction only {reversals} times: hysteresis needs at least {FEW_REVERSALS}; \
-             record several cycles"
+            "hysteresis needs at least {FEW_REVERSALS} reversals of the voltage, and the training logs have {reversals}: record \
+             several cycles"
         ),
         Doubt::SingleFrequency => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \

@@ -1,11 +1,14 @@
 //! Why nothing was identified, compared, reproduced or read as a table.
 
 use super::log::prepare;
-use identification::calibration::Misfit;
+use identification::calibration::ConverterMismatch;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
+use identification::table_file::TableFileError;
+use identification::validate::{Bound, ScopeError};
 use identification::{CandidateError, JobError, Reason};
 use std::error::Error;
+use std::io::ErrorKind;
 use thesis::ThesisError;
 
 /// The error with its remedy, if it is one of these.
@@ -16,7 +19,11 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(candidate))
         .or_else(|| error.downcast_ref().map(compare))
         .or_else(|| error.downcast_ref().map(thesis))
+        // That of an item, which is boxed since it is one of the same kind.
+        .or_else(|| error.downcast_ref::<Box<ThesisError>>().map(|of_an_item| thesis(of_an_item)))
         .or_else(|| error.downcast_ref().map(unused_weight))
+        .or_else(|| error.downcast_ref().map(scope))
+        .or_else(|| error.downcast_ref().map(table))
 }
 
 /// Why a model was chosen, as the end of a sentence.
@@ -31,13 +38,13 @@ pub fn reason(reason: Reason) -> &'static str {
 }
 
 /// What does not fit between a table and its converters.
-pub fn misfit(misfit: &Misfit) -> String {
-    let remedy = match misfit {
-        Misfit::Adc { .. } => "a wider --adc-span, by another divider",
-        Misfit::SafeOutput => "another --dac-span",
-        Misfit::Dac { .. } => "a wider --dac-span",
+pub fn mismatch(mismatch: &ConverterMismatch) -> String {
+    let remedy = match mismatch {
+        ConverterMismatch::Adc { .. } => "a wider --adc-span, by another divider",
+        ConverterMismatch::SafeOutput => "another --dac-span",
+        ConverterMismatch::Dac { .. } => "a wider --dac-span",
     };
-    format!("{misfit}: {remedy}")
+    format!("{mismatch}: {remedy}")
 }
 
 fn job(error: &JobError) -> String {
@@ -77,6 +84,7 @@ fn thesis(error: &ThesisError) -> String {
         ThesisError::NothingHeldOut => {
             format!("{error}: name logs with --validate-on, or a fraction with --hold-out")
         }
+        ThesisError::OwnRecordings => format!("{error}: leave out --logs"),
         ThesisError::OtherZeros => format!("{error}: leave out --voltage-zero and --displacement-zero"),
         _ => error.to_string(),
     }
@@ -84,4 +92,38 @@ fn thesis(error: &ThesisError) -> String {
 
 fn unused_weight(_: &UnusedWeight) -> String {
     "--feedback-weight is of --cost multi-step alone: leave it out, or add that".to_owned()
+}
+
+fn scope(error: &ScopeError) -> String {
+    let option = |bound: &Bound| match bound {
+        Bound::From => "--from",
+        Bound::To => "--to",
+        Bound::ZeroAt => "--zero-at",
+    };
+    match error {
+        ScopeError::Outside { bound, .. } => format!("{error}: choose a {} within it", option(bound)),
+        ScopeError::Order { bound, .. } => format!("{error}: choose a --to later than {}", option(bound)),
+        ScopeError::TooFew { .. } => format!("{error}: choose --from and --to further apart, or an earlier --zero-at"),
+        ScopeError::NoCycle => format!("{error}: choose another --told, or a longer part with --from and --to"),
+    }
+}
+
+fn table(error: &TableFileError) -> String {
+    const WANTED: &str = "name the table.toml that `identify` or `emit` wrote";
+    match error {
+        TableFileError::Unreadable { path, error } => {
+            let path = path.display();
+            match error.kind() {
+                ErrorKind::NotFound => format!("{path}: no such file: {WANTED}"),
+                ErrorKind::IsADirectory => format!("{path}: is a directory: {WANTED} into it"),
+                ErrorKind::InvalidData => format!("{path}: is not text: {WANTED}"),
+                _ => format!("{path}: cannot be read ({error}): check its permissions"),
+            }
+        }
+        // A log in the place of the table, or another face of it.
+        TableFileError::NoTable { path, .. } if path.extension().is_none_or(|extension| extension != "toml") => {
+            format!("{}: is no table.toml: {WANTED}, and logs after it", path.display())
+        }
+        _ => error.to_string(),
+    }
 }

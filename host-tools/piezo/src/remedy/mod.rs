@@ -10,7 +10,7 @@ mod log;
 pub use bits::{Meaning, faults, status};
 pub use device::{board, refusal};
 pub use doubt::{doubt, doubt_json};
-pub use identification::{misfit, reason};
+pub use identification::{mismatch, reason};
 
 use std::error::Error;
 

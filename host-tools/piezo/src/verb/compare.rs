@@ -127,7 +127,7 @@ fn facts(arguments: &Compare, cost: Cost, matrix: &Matrix) -> Vec<(String, Strin
         ("Every model fitted to", used(Role::Training)),
         ("Held out", used(Role::HeldOut)),
         ("Zero and delay", zeros(recipe)),
-        ("Tick", format!("{} µs, {} where it is the Voigt family's", recipe.tick_us, arguments.fitting.scheme.words())),
+        ("Tick", format!("{} µs, {} where it is the Voigt family's", recipe.tick_us, arguments.fitting.scheme)),
         ("Cost", cost.to_string()),
         (
             "Search",

@@ -7,7 +7,7 @@ use crate::{output, remedy};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use identification::Doubt;
-use identification::calibration::{CalibrationOptions, misfits};
+use identification::calibration::{CalibrationOptions, converter_mismatches};
 use identification::table_file::{TableFile, record, rust_source};
 use serde_json::json;
 use std::path::PathBuf;
@@ -52,7 +52,9 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         file.doubts.retain(|doubt| *doubt != assumed);
     }
     let admitted = file.admit()?;
-    misfits(&admitted).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
+    converter_mismatches(&admitted)
+        .iter()
+        .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
     if let Some(folder) = &arguments.out {
         file.write_faces(folder)?;
         let faces = ["table.toml", "table.rs", "table.bin"].map(|name| folder.join(name));

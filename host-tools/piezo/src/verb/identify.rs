@@ -167,7 +167,7 @@ fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, St
     let search = &arguments.search;
     let mut facts = vec![
         ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
-        ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme.words())),
+        ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme)),
         ("Zero".to_owned(), zeros(recipe)),
         ("Cost".to_owned(), cost.to_string()),
         (

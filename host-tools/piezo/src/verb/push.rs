@@ -8,7 +8,7 @@ use anyhow::{Result, ensure};
 use clap::Args;
 use device_link::board;
 use device_link::table::to_record;
-use identification::calibration::misfits;
+use identification::calibration::converter_mismatches;
 use protocol::TableSource;
 use serde_json::json;
 use std::path::PathBuf;
@@ -35,7 +35,9 @@ pub fn run(arguments: &Push) -> Result<bool> {
     let record = to_record(&table);
     let (mut client, identity) = arguments.port.connect()?;
     device::fits(&board::of(&identity)?, &table, &arguments.table)?;
-    misfits(&table).iter().for_each(|misfit| eprintln!("piezo: careful: {}", remedy::misfit(misfit)));
+    converter_mismatches(&table)
+        .iter()
+        .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
     let restarted = arguments.write.write(&mut client, |client, consent| client.push(record.clone(), consent))?;
     if let Some(identity) = &restarted {
         ensure!(

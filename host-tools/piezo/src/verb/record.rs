@@ -132,7 +132,7 @@ fn conclude(arguments: &Record, recording: &Recording, end: End) -> Result<bool>
             "{ticks} samples were lost: {before}. Is the cable sound, and this machine not too busy? --allow-gaps goes on, but \
              no verb reads a log with gaps"
         ),
-        End::Anew => format!("the device was restarted, or its mode set: {before}"),
+        End::Restarted => format!("the device was restarted, or its mode set: {before}"),
         End::Silence => format!("the device sends no samples any more: {before}. Look at it with `piezo info`"),
         End::Link(error) => return Err(lost(error, &before)),
     };

@@ -3,10 +3,11 @@
 
 use super::identify::zeros;
 use super::print::{out, progress};
-use crate::option::{Choice, LogOptions, PrepareArgs, SearchArgs, choice, limit};
+use crate::option::{LogOptions, PrepareArgs, SearchArgs, choice, limit};
 use crate::{output, remedy};
 use anyhow::{Result, ensure};
 use clap::Args;
+use clap::builder::TypedValueParser;
 use identification::calibration::CalibrationOptions;
 use identification::cost::Feedback;
 use identification::{Conditions, Job, ModelChoice, Role};
@@ -14,13 +15,13 @@ use recordings::rig::Rig;
 use report::{ReproductionReport, Section};
 use serde_json::{Map, Value};
 use std::path::PathBuf;
-use thesis::{Bench, Item};
+use thesis::{Bench, Item, QUICK_SEEDS};
 
 /// Arguments of `piezo reproduce`.
 #[derive(Args, Debug)]
 pub struct Reproduce {
     /// What of the thesis.
-    #[arg(value_name = "ITEM", value_parser = choice(ITEMS), default_value = "errors")]
+    #[arg(value_name = "ITEM", value_parser = items(), default_value = "errors")]
     pub items: Vec<Item>,
     /// Your own modelling logs instead of the synthetic rig's.
     #[arg(long, num_args = 1.., value_name = "LOG")]
@@ -44,6 +45,9 @@ pub struct Reproduce {
     /// Seed of the rig's noise.
     #[arg(long, default_value_t = 1, conflicts_with = "logs")]
     pub rig_seed: u64,
+    /// Seeds of devices and searches that `elsewhere` takes medians over; 10 for figures to rely on, some minutes.
+    #[arg(long, default_value_t = QUICK_SEEDS, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub seeds: u32,
     /// Reading of the logs.
     #[command(flatten)]
     pub files: LogOptions,
@@ -55,25 +59,10 @@ pub struct Reproduce {
     pub search: SearchArgs,
 }
 
-/// What can be reproduced.
-const ITEMS: [Choice<Item>; 12] = [
-    (Item::Errors, Item::Errors.name(), "Validation errors: Tables 4.8, 5.3, 5.4, 5.5, Figures 4.11 and 5.1 to 5.6"),
-    (Item::SamplingTime, Item::SamplingTime.name(), "Validation error over the sampling time: Table 4.4, Figure 4.8"),
-    (Item::Parameters, Item::Parameters.name(), "Parameters and their ranges: Tables 4.5, 4.6, 5.2"),
-    (
-        Item::Convergence,
-        Item::Convergence.name(),
-        "Modelling and validation error over the search: Table 4.7, Figures 4.9 and 4.10",
-    ),
-    (Item::BlackBox, Item::BlackBox.name(), "NARX with and without extrema: Table 5.1"),
-    (Item::Search, Item::Search.name(), "Population and bits of the search: Tables C.1, C.2"),
-    (Item::Loops, Item::Loops.name(), "Recorded signals and loops: Appendix B"),
-    (Item::Features, Item::Features.name(), "Rate dependence, frequency range, reversibility: Table 3.1"),
-    (Item::Tracking, Item::Tracking.name(), "The rig driven by each model's inverse, beside plain scaling"),
-    (Item::ExtremumTerms, Item::ExtremumTerms.name(), "The extremum terms tried on every model: Section 6.2"),
-    (Item::Optimisers, Item::Optimisers.name(), "Optimisers at equal budget: Section 6.2"),
-    (Item::All, Item::All.name(), "Everything"),
-];
+/// A parser of an item's name.
+fn items() -> impl TypedValueParser<Value = Item> {
+    choice(Item::EACH.into_iter().chain([Item::All]).map(|item| (item, item.name(), item.description())))
+}
 
 /// Runs the verb.
 pub fn run(arguments: &Reproduce) -> Result<bool> {
@@ -82,7 +71,8 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
         ensure!(!folder.exists() || folder.is_dir(), "{}: is a file, --out names a folder", folder.display());
     }
     let (job, rig) = job(arguments)?;
-    let length = items.iter().map(|item| item.generations(&job.search)).sum::<u64>() + job.generations_before();
+    let length =
+        items.iter().map(|item| item.generations(&job.search, arguments.seeds)).sum::<u64>() + job.generations_before();
     let bar = progress(length);
     let mut step = |model: estimator_core::Model, best: f64| {
         bar.set_prefix(model.to_string());
@@ -90,6 +80,7 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
         bar.inc(1);
     };
     let mut bench = Bench::new(job, rig, remedy::sentence, &mut step)?;
+    bench.seeds = arguments.seeds;
     let sections = thesis::run(&mut bench, &items, &mut step)?;
     bar.finish_and_clear();
     let facts = facts(&bench);
@@ -159,7 +150,7 @@ fn print(arguments: &Reproduce, sections: &[(Item, Section)], facts: &[(String, 
 
 /// Where the figures come from.
 fn facts(bench: &Bench) -> Vec<(String, String)> {
-    let (recipe, search) = (&bench.prepared.setting.recipe, bench.search());
+    let (recipe, search) = (&bench.prepared.context.recipe, bench.search());
     let used = |role: Role| {
         let logs = bench.prepared.logs.iter().filter(|log| log.role == role);
         logs.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")

@@ -1,12 +1,14 @@
-//! `piezo validate`: a table against logs, the f64 reference and the f32 core side by side.
+//! `piezo validate`: a table against logs, the f64 reference and the f32 core side by side; which part is scored, what the
+//! estimator is told, and the estimates as a file.
 
 use super::print::{heading, out, row};
-use crate::option::{DECIMATIONS, LogOptions, choice, not_negative};
-use anyhow::Result;
+use crate::option::{DECIMATIONS, LogOptions, ScopeArgs, TOLD, choice, not_negative};
+use crate::output;
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use estimator_core::Status;
 use identification::table_file::TableFile;
-use identification::validate::{Comparison, Figures, compare};
+use identification::validate::{Comparison, Estimates, Figures, Scope, Told, ToldFigures, compare_within, estimates};
 use identification::{LogUse, Role};
 use recordings::log::Log;
 use recordings::prepare::{Decimation, Recipe};
@@ -21,6 +23,16 @@ pub struct Validate {
     /// Logs, best such as it has not seen.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
+    /// What is scored.
+    #[command(flatten)]
+    pub scope: ScopeArgs,
+    /// What the estimator is told, where a threshold judges and in what --out writes.
+    #[arg(long, value_parser = choice(TOLD), default_value = Told::FirstReading.name())]
+    pub told: Told,
+    /// Write the f32 core's estimates to this file: time_s, voltage_V, displacement_um, estimate_um, status, scored, log;
+    /// a row a measured instant after the first, voltage and displacement as recorded, the estimate with the sensor's zero.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Fail (exit code 1) when the f32 core's mean absolute error over all logs exceeds this, µm.
     #[arg(long, value_name = "µm", value_parser = not_negative, allow_negative_numbers = true)]
     pub max_mae: Option<f64>,
@@ -49,6 +61,11 @@ pub struct Validate {
 
 /// Runs the verb; `false` when a threshold is exceeded.
 pub fn run(arguments: &Validate) -> Result<bool> {
+    if let Some(path) = &arguments.out {
+        ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
+        let logs = arguments.logs.iter().map(PathBuf::as_path);
+        output::not_over(path, &logs.chain([arguments.table.as_path()]).collect::<Vec<_>>())?;
+    }
     let (file, table) = TableFile::load(&arguments.table)?;
     let recipe = Recipe {
         skip_start_s: arguments.skip_start.unwrap_or(file.recipe.skip_start_s),
@@ -56,64 +73,60 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         decimation: arguments.decimate.unwrap_or(file.recipe.decimation),
         ..file.recipe
     };
+    let scope: Scope = (&arguments.scope).into();
     let logs = arguments.files.read_all(&arguments.logs)?;
-    let mut comparisons = Vec::new();
+    let (mut comparisons, mut written) = (Vec::new(), String::from(Estimates::HEADING));
     for log in &logs {
+        let named = || log.path.display().to_string();
         let recipe = recipe.of(log);
-        comparisons.push(compare(&table, &recipe.session(&recipe.cut(log))?));
+        let session = recipe.session(&recipe.cut(log))?;
+        let comparison = compare_within(&table, &session, &scope).with_context(named)?;
+        // Judged and written is what was told: of one cycle there must be one.
+        let estimates = estimates(&table, &session, &recipe, &scope, arguments.told).with_context(named)?;
+        comparisons.push(comparison);
+        if arguments.out.is_some() {
+            written.push_str(&estimates.csv());
+        }
     }
     let trained_on: Vec<Option<(f64, f64)>> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();
     let mil = Figures::all(comparisons.iter().map(|c| &c.mil));
-    let sil = Figures::all(comparisons.iter().map(|c| &c.sil));
-    let (Some(mil), Some(sil)) = (mil, sil) else { return Ok(false) };
+    let told = ToldFigures::all(comparisons.iter().map(|c| &c.told));
+    let (Some(mil), Some(told)) = (mil, told) else { return Ok(false) };
+    let Some(figures) = told.get(arguments.told) else { return Ok(false) };
     let (judged, percent) = match arguments.rezero {
-        true => (sil.mae_without_offset_um, sil.mae_without_offset_percent),
-        false => (sil.mae_um, sil.mae_percent),
+        true => (figures.mae_without_offset_um, figures.mae_without_offset_percent),
+        false => (figures.mae_um, figures.mae_percent),
     };
     let within = |limit: Option<f64>, value: f64| limit.is_none_or(|limit| value <= limit);
     let passed = within(arguments.max_mae, judged) && within(arguments.max_percent, percent);
+    if let Some(path) = &arguments.out {
+        output::write(path, written)?;
+    }
     if arguments.json {
         let logs: Vec<Value> = comparisons.iter().zip(&logs).zip(&trained_on).map(to_json).collect();
-        let report = json!({ "logs": logs, "all": { "mil": mil, "sil": sil }, "passed": passed });
+        let all = json!({ "mil": mil, "sil": told.first_reading, "told": told });
+        let judged =
+            json!({ "told": arguments.told, "rezeroed": arguments.rezero, "mae_um": judged, "percent": percent });
+        let report = json!({ "logs": logs, "all": all, "judged": judged, "out": arguments.out, "passed": passed });
         out(&serde_json::to_string_pretty(&report)?);
         return Ok(passed);
     }
-    out(
-        "Simulation from each log's first sample: the f64 reference (MIL) and the f32 core of the target (SIL), told the \
-         sensor's first reading.",
-    );
+    out(EXPLAINED);
+    if let Some(at) = scope.zero_at_s {
+        out(&format!(
+            "Zeroed at {at} s: the mean error of the 50 ms up to there is taken off; what follows is scored."
+        ));
+    }
+    out("");
     out(&heading("log"));
     for ((comparison, log), trained_on) in comparisons.iter().zip(&logs).zip(&trained_on) {
-        out(&row(&format!("{}  f64 (MIL)", comparison.name), &comparison.mil));
-        out(&row(&format!("{}  f32 (SIL)", comparison.name), &comparison.sil));
-        let cold = &comparison.cold;
-        out(&row(&format!("{}  f32, cold", comparison.name), &cold.all));
-        if let Some(settled) = &cold.settled {
-            out(&row(&format!("{}  f32, settled", comparison.name), settled));
-        }
-        out(&match cold.settled_after_s {
-            Some(after) => format!("    cold: started as a device is, told nothing; settled: the same after {after:.2} s"),
-            None => "    cold: started as a device is, told nothing; it never counts as settled, since the voltage does not turn \
-                     at either end of half the table's range"
-                .to_owned(),
-        });
-        out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
-        if let Some((from, to)) = trained_on {
-            out(&format!(
-                "    the table was trained on {from:.2} … {to:.2} s of this log: these errors prove nothing there"
-            ));
-        }
-        if log.displacement_estimated {
-            out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
-        }
-        let remarks = remarks(comparison.status);
-        if !remarks.is_empty() {
-            out(&format!("    {remarks}"));
-        }
+        print(comparison, log, *trained_on, &scope);
     }
     if comparisons.len() > 1 {
-        out(&row("all  f64 (MIL)", &mil));
-        out(&row("all  f32 (SIL)", &sil));
+        rows("all", &mil, &told, None);
+    }
+    if let Some(path) = &arguments.out {
+        out(&format!("\nWritten: {} (f32, {})", path.display(), arguments.told));
     }
     let limit = |limit: Option<f64>, unit: &str| limit.map_or(String::new(), |limit| format!(" {limit} {unit}"));
     if !passed {
@@ -121,6 +134,62 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         out(&format!("FAILED: {judged:.4} µm, {percent:.2} % of the stroke; allowed:{um}{of_stroke}"));
     }
     Ok(passed)
+}
+
+/// What the lines are.
+const EXPLAINED: &str = "\
+Simulation from each log's first sample, by the f64 reference (MIL) and the f32 core of the target (SIL).
+MIL, SIL         told the sensor's first reading, and nothing after it
+cold             told nothing, as a device that is switched on: at rest for long at the first voltage
+settled          the same from where reversals lie half of the table's voltage range apart
+one cycle        cold; its mean error over the voltage's first full cycle is taken off, what follows is scored
+no offset        cold; its own mean error is taken off, which no device knows: what zeroing could do at best";
+
+/// The lines of a log, or of all.
+fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figures>) {
+    out(&row(&format!("{name}  f64 (MIL)"), mil));
+    out(&row(&format!("{name}  f32 (SIL)"), &told.first_reading));
+    out(&row(&format!("{name}  f32, cold"), &told.nothing));
+    if let Some(settled) = settled {
+        out(&row(&format!("{name}  f32, settled"), settled));
+    }
+    if let Some(cycle) = &told.one_cycle {
+        out(&row(&format!("{name}  f32, one cycle"), cycle));
+    }
+    out(&row(&format!("{name}  f32, no offset"), &told.offset));
+}
+
+/// A log's lines and what is to be said of it.
+fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, scope: &Scope) {
+    let cold = &comparison.cold;
+    rows(&comparison.name, &comparison.mil, &comparison.told, cold.settled.as_ref());
+    if *scope != Scope::ALL {
+        let (from, to) = comparison.scored_s;
+        let zeroed = comparison.zeroed_um.map_or(String::new(), |um| format!("; SIL was {um:+.4} µm off at the zero"));
+        out(&format!("    scored: {from:.3} … {to:.3} s; the estimator runs from the log's beginning{zeroed}"));
+    }
+    out(&match cold.settled_after_s {
+        Some(after) => format!("    cold: started as a device is, told nothing; settled: the same after {after:.2} s"),
+        None => "    cold: started as a device is, told nothing; it never counts as settled, since the voltage does not turn \
+                 at either end of half the table's range"
+            .to_owned(),
+    });
+    if comparison.told.one_cycle.is_none() {
+        out("    one cycle: the voltage makes no full one in what is scored, or next to nothing is left after it");
+    }
+    out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
+    if let Some((from, to)) = trained_on {
+        out(&format!(
+            "    the table was trained on {from:.2} … {to:.2} s of this log: these errors prove nothing there"
+        ));
+    }
+    if log.displacement_estimated {
+        out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
+    }
+    let remarks = remarks(comparison.status);
+    if !remarks.is_empty() {
+        out(&format!("    {remarks}"));
+    }
 }
 
 /// The seconds of a log that a table was trained on.
@@ -152,6 +221,9 @@ fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64
         "sil": comparison.sil,
         "mil_sil_um": comparison.mil_sil_um,
         "cold": comparison.cold,
+        "told": comparison.told,
+        "scored_s": comparison.scored_s,
+        "zeroed_um": comparison.zeroed_um,
         "status": status,
         "trained_on_s": trained_on_s,
         "displacement_estimated": log.displacement_estimated,

@@ -1,4 +1,4 @@
-//! Which column holds what: from header names such as `displacement (µm)`, or from `--columns`.
+//! Which column holds what: from header names such as `displacement (µm)`, or as the user says.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ pub(super) struct Channel {
     pub unit: Unit,
 }
 
-/// The columns chosen from a file. Displayed as the value of `--columns` that chooses them.
+/// The columns chosen from a file. Displayed as the [`Columns`] that choose them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Channels {
     pub time: Option<Channel>,
@@ -140,7 +140,7 @@ pub(super) fn from_header(labels: &[Label]) -> Result<Channels, Fault> {
     Ok(channels)
 }
 
-/// A likely value of `--columns` for these names: by name, else by unit, else in order.
+/// Likely [`Columns`] for these names: by name, else by unit, else in order.
 pub(super) fn example(labels: &[Label]) -> String {
     let mut channels = Channels::default();
     for quantity in [Quantity::Time, Quantity::Voltage, Quantity::Displacement] {

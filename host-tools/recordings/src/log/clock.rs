@@ -11,7 +11,7 @@ use super::resolution::{coarsest, resolution};
 use super::steps::{self, Line};
 use super::units::{Quantity, Unit};
 
-/// Tolerated deviation of `--fs` from the time column's rate, as a part of it.
+/// Tolerated deviation of a stated sample rate from the time column's, as a part of it.
 const RATE_TOLERANCE: f64 = 1e-3;
 /// Sample periods outside this range are taken for a wrong unit, s.
 const PERIODS: std::ops::RangeInclusive<f64> = 1e-7..=10.0;

@@ -1,4 +1,4 @@
-//! `--columns`: which column of a log holds what, in which unit, as the user says it.
+//! Which column of a log holds what, in which unit, as the user says it.
 //!
 //! `time=1,voltage=2:mV,displacement=5:um`: a number counted from 1 or a header name, then the unit if it is not the
 //! header's or s, V, µm. Time may be left out where the sample rate is stated.
@@ -83,7 +83,7 @@ impl fmt::Display for Position {
     }
 }
 
-/// What is wrong with a value of `--columns`.
+/// What is wrong with a choice of columns.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ColumnsError {

@@ -1,6 +1,6 @@
 //! MATLAB level 5 MAT-files (`save -v6`, `-v7`): one real array of time, voltage and displacement.
 //!
-//! The array has three rows (s, V, µm) and a column a sample, or the transpose; with `--columns` any number of rows. Other
+//! The array has three rows (s, V, µm) and a column a sample, or the transpose; with columns chosen any number of rows. Other
 //! variables are passed over. Format: The MathWorks, "MAT-File Format". Sizes stated in the file are never trusted with
 //! memory: an array is read only where the file has, or inflates within [`EXPANSION`] to, the bytes it claims.
 

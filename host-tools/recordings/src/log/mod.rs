@@ -51,14 +51,22 @@ pub const MINIMUM_ROWS: usize = 16;
 /// # Errors
 /// Whatever makes the file no usable log; see [`Fault`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
+    let refuse = |fault: Fault| LogError { path: path.to_owned(), place: Place::File, fault };
+    read_bytes(path, &load(path).map_err(refuse)?, options)
+}
+
+/// Reads the log in the bytes of a file, which come with a program or were read before.
+///
+/// # Errors
+/// Whatever makes them no usable log.
+pub fn read_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Log, LogError> {
     let refuse = |PlacedFault(place, fault)| LogError { path: path.to_owned(), place, fault };
-    let bytes = load(path).map_err(|fault| refuse(fault.into()))?;
     let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let (recording, sample_period) = parse(&bytes, &file, options).map_err(refuse)?;
+    let (recording, sample_period) = parse(bytes, &file, options).map_err(refuse)?;
     Ok(Log {
         name: Path::new(&*file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         path: path.to_owned(),
-        sha256: Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+        sha256: Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
         start_s: 0.0,
         sample_period,
         voltage: recording.voltage,

@@ -1,0 +1,60 @@
+//! What the published parameters of every model can do, and how they become ticks.
+
+use super::recursion::Recursion;
+use crate::math::Real;
+use crate::rule::Rule;
+use core::fmt;
+use serde::{Deserialize, Serialize};
+
+/// How the differential equation becomes a recursion.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheme {
+    /// Forward Euler, Eq. (4.7).
+    #[default]
+    ForwardEuler,
+    /// Exact for a voltage held over the tick; stable for any rate.
+    ZeroOrderHold,
+}
+
+impl fmt::Display for Scheme {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::ForwardEuler => "forward Euler",
+            Self::ZeroOrderHold => "zero-order hold",
+        })
+    }
+}
+
+/// How a model's equations become ticks.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Discretisation<T> {
+    /// Tick, s.
+    pub sample_period: T,
+    /// How the Voigt family's differential equation becomes a recursion.
+    pub scheme: Scheme,
+    /// Retreat of the voltage from its running extreme that counts as a reversal, V.
+    pub deadband: T,
+}
+
+/// The parameters of a model as they are published, in the literature's units.
+pub trait Published: Copy {
+    /// The model's per-tick coefficients.
+    type Coefficients<T: Real>: Recursion<T> + Clone + PartialEq + fmt::Debug;
+
+    /// The coefficients. Checks nothing.
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Self::Coefficients<T>;
+
+    /// Checks every parameter by itself and beside the others; whether the recursion is stable and bounded is
+    /// [`Recursion::bound`]'s.
+    ///
+    /// # Errors
+    /// The rule that they break.
+    fn check(&self) -> Result<(), Rule>;
+
+    /// Ticks by which the displacement comes later than its monotone part has it
+    /// ([`Recursion::monotone_part`]): what whoever knows a reference ahead of time can make up for.
+    fn delay_ticks(&self) -> f32 {
+        0.0
+    }
+}

@@ -1,0 +1,18 @@
+//! The library from outside, by what is public of it.
+
+mod bits;
+mod bouc_wen;
+mod common;
+mod duhem;
+mod estimator;
+mod generalised_prandtl_ishlinskii;
+mod inverse;
+mod laws;
+mod maxwell_slip;
+mod models;
+mod narx;
+mod prandtl_ishlinskii;
+mod preisach;
+mod published;
+mod table;
+mod voigt_chain;

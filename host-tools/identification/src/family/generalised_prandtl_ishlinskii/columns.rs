@@ -1,0 +1,150 @@
+//! What the displacement of a generalised Prandtl–Ishlinskii model is a sum of, along a session.
+//!
+//! The model's own stages, with a basis where the model has its two functions: its displacement is the weighted sum of these
+//! columns (the test `what_is_found_is_what_the_model_runs` holds that). Voltage and sensor are taken at the same instant:
+//! what the model predicts ahead of the voltage is not the fit's concern, and would bend the hysteresis.
+
+use super::basis::{Basis, FUNCTIONS};
+use estimator_core::model::{RampLag, RampLagged, play};
+use estimator_core::{Range, Resonance, ResonanceState};
+use recordings::session::Session;
+
+/// Columns: those of the reversible part, then those of the hysteretic part with its creep.
+pub const COLUMNS: usize = 2 * FUNCTIONS;
+
+/// What is given before the columns are.
+pub struct Stages<'a> {
+    /// The functions.
+    pub basis: &'a Basis,
+    /// What they are laid out over, V.
+    pub span: Range<f64>,
+    /// Ticks from voltage to actuator.
+    pub delay_ticks: f64,
+    /// First-order lag, s; 0 for none.
+    pub lag_s: f64,
+    /// Fastest change, V/s; 0 for no limit.
+    pub slew_v_per_s: f64,
+    /// Half-width (V) and weight of each play.
+    pub plays: &'a [(f64, f64)],
+    /// Time constant (s) and gain of each creep element.
+    pub creep: &'a [(f64, f64)],
+    /// Memory at rest, 0 … 1.
+    pub rest_memory: f64,
+    /// Frequency (Hz) and damping of what the sum goes through.
+    pub resonance: Option<(f64, f64)>,
+}
+
+/// Lag, creep and slew limit for a step of so many ticks.
+struct Dynamics {
+    ticks: u32,
+    lag: RampLag<f64>,
+    creep: Vec<(RampLag<f64>, f64)>,
+    /// V; infinite without a limit.
+    most: f64,
+    resonance: Option<Resonance<f64>>,
+}
+
+/// What the walk remembers.
+struct Memory {
+    input: RampLagged<f64>,
+    /// Half-width, weight and memory of each play.
+    plays: Vec<(f64, f64, f64)>,
+    creep: Vec<[RampLagged<f64>; FUNCTIONS]>,
+    swings: Option<[ResonanceState<f64>; COLUMNS]>,
+}
+
+impl Stages<'_> {
+    /// Hands over each measured instant's index, its columns (µm for coefficients of 1) and the input behind lag and delay
+    /// (V), from the session's first sample on. It steps from instant to instant, between which the voltage of a log slower
+    /// than the tick runs straight, as every stage takes it to.
+    pub fn walk(&self, session: &Session, mut each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
+        let Some(&first) = session.voltage.first() else { return };
+        let rest = session.rested_v.unwrap_or(first);
+        let mut memory = self.rest(rest);
+        let mut dynamics = self.dynamics(1, session.tick_s);
+        // A jump at the first sample is one, and no ramp towards the second.
+        let jump = self.delay_ticks as u32 + 2;
+        let mut columns = self.step(&mut memory, &dynamics, self.delayed(&session.voltage, 0.0, rest));
+        let mut tick = 0;
+        for (index, &instant) in session.instants.iter().enumerate() {
+            while tick < instant {
+                let ticks = if tick < jump { 1 } else { instant - tick };
+                if ticks != dynamics.ticks {
+                    dynamics = self.dynamics(ticks, session.tick_s);
+                }
+                tick += ticks;
+                let target = self.delayed(&session.voltage, f64::from(tick), rest);
+                columns = self.step(&mut memory, &dynamics, target);
+            }
+            each(index, &columns, memory.input.value());
+        }
+    }
+
+    /// The voltage behind the delay at a tick.
+    fn delayed(&self, voltage: &[f64], tick: f64, rest: f64) -> f64 {
+        let at = tick - self.delay_ticks;
+        let whole = at.floor();
+        let value = |tick: f64| if tick < 0.0 { rest } else { voltage.get(tick as usize).copied().unwrap_or(rest) };
+        let lower = value(whole);
+        lower + (at - whole) * (value(whole + 1.0) - lower)
+    }
+
+    fn dynamics(&self, ticks: u32, tick_s: f64) -> Dynamics {
+        let period = f64::from(ticks) * tick_s;
+        Dynamics {
+            ticks,
+            lag: RampLag::build(self.lag_s, period),
+            creep: self.creep.iter().map(|&(time, gain)| (RampLag::build(time, period), gain)).collect(),
+            most: if self.slew_v_per_s > 0.0 { self.slew_v_per_s * period } else { f64::INFINITY },
+            resonance: self.resonance.map(|(hertz, damping)| Resonance::build(hertz, damping, period)),
+        }
+    }
+
+    fn rest(&self, voltage: f64) -> Memory {
+        let plays: Vec<_> = self.plays.iter().map(|&(r, weight)| (r, weight, self.rested(voltage, r))).collect();
+        let creep = self.hysteretic(&plays).map(RampLagged::at);
+        Memory { input: RampLagged::at(voltage), plays, creep: vec![creep; self.creep.len()], swings: None }
+    }
+
+    fn hysteretic(&self, plays: &[(f64, f64, f64)]) -> [f64; FUNCTIONS] {
+        let mut sum = [0.0; FUNCTIONS];
+        plays.iter().for_each(|&(_, weight, memory)| self.basis.add(memory, weight, &mut sum));
+        sum
+    }
+
+    #[inline]
+    fn step(&self, memory: &mut Memory, dynamics: &Dynamics, target: f64) -> [f64; COLUMNS] {
+        let before = memory.input.value();
+        let mut u = dynamics.lag.step(&mut memory.input, target);
+        if (u - before).abs() > dynamics.most {
+            u = u.clamp(before - dynamics.most, before + dynamics.most);
+            memory.input.hold(u);
+        }
+        for (half_width, _, at) in &mut memory.plays {
+            *at = play(*at, u, *half_width);
+        }
+        let driving = self.hysteretic(&memory.plays);
+        let mut crept = driving;
+        for ((lag, gain), elements) in dynamics.creep.iter().zip(&mut memory.creep) {
+            for j in 0..FUNCTIONS {
+                crept[j] += gain * lag.step(&mut elements[j], driving[j]);
+            }
+        }
+        let mut reversible = [0.0; FUNCTIONS];
+        self.basis.add(u, 1.0, &mut reversible);
+        let mut columns = std::array::from_fn(|j| if j < FUNCTIONS { reversible[j] } else { crept[j - FUNCTIONS] });
+        if let Some(resonance) = &dynamics.resonance {
+            let swings = memory.swings.get_or_insert_with(|| columns.map(ResonanceState::rest));
+            for (column, swing) in columns.iter_mut().zip(swings) {
+                *column = resonance.step(swing, *column);
+            }
+        }
+        columns
+    }
+
+    /// The play of an actuator that has rested at a voltage.
+    fn rested(&self, voltage: f64, half_width: f64) -> f64 {
+        let middle = play(self.span.middle(), voltage, half_width);
+        voltage + self.rest_memory * (middle - voltage)
+    }
+}

@@ -1,0 +1,296 @@
+//! Generalised Prandtl–Ishlinskii models: delay, lag, the law of the weights over the half-widths, creep and the memory at rest
+//! are searched, and where the logs are fast enough slew limit and resonance; the slopes of the two functions are solved for.
+//!
+//! One law over the half-widths, a_i = exp(−r_i/(ρR))·Δr_i/R, is what makes a recording of one amplitude say something of
+//! others: weights that are free fit it better, and fail elsewhere. What one recording cannot tell apart is drawn towards
+//! what actuators are like.
+
+mod basis;
+mod columns;
+mod fit;
+
+use super::AnyFamily;
+use crate::character::Character;
+use crate::cost::{Cost, Feedback};
+use crate::problem::Problem;
+use crate::search::Gene;
+use basis::{Basis, FUNCTIONS};
+use columns::Stages;
+use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
+use fit::Solution;
+use recordings::session::Session;
+
+/// Play operators beside the reversible part.
+const PLAYS: usize = 15;
+/// The smallest half-width, of half the span.
+const NARROWEST: f64 = 0.02;
+/// Time constants of creep, s, a decade apart.
+const CREEP_TIMES: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
+/// Least slope of the reversible part, of the stroke over the span: without any the inverse has no unique answer.
+const FLOOR: f64 = 1e-3;
+
+/// Periods that a recording is worth, for what weighs a prior against it.
+const WORTH: f64 = 20.0;
+/// Mean of the exponential prior of delay and lag, s: at a single frequency they do what hysteresis does.
+const LATE: f64 = 2e-3;
+
+/// What the model has besides hysteresis, creep and lag.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Extra {
+    Nothing,
+    Slew,
+    Resonance,
+}
+
+/// What is fixed before the search.
+struct Family {
+    extra: Extra,
+    basis: Basis,
+    span: Range<f64>,
+    /// Half-widths, V, and Δr_i/R.
+    plays: [(f64, f64); PLAYS],
+    stroke: f64,
+    tick: f64,
+    /// Steepest voltage, V/s.
+    steepest: f64,
+}
+
+/// Simplest first. A log slower than the tick shows neither slew nor resonance, and a single frequency cannot tell them from
+/// hysteresis.
+pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
+    let fast = problem.training().any(|session| session.instants.len() == session.voltage.len())
+        && !Character::of(problem.training(), problem.deadband).single_frequency();
+    let extras: &[Extra] = if fast { &[Extra::Nothing, Extra::Slew, Extra::Resonance] } else { &[Extra::Nothing] };
+    extras.iter().map(|&extra| Box::new(Family::new(extra, problem)) as AnyFamily).collect()
+}
+
+/// A candidate's values by name.
+struct Values {
+    delay_ticks: f64,
+    lag_s: f64,
+    /// ρ.
+    law: f64,
+    /// Gains of the fastest and of the slowest creep.
+    creep: [f64; 2],
+    rest_memory: f64,
+    slew_v_per_s: f64,
+    /// Hz and ζ; 0 without.
+    resonance: [f64; 2],
+}
+
+impl Values {
+    /// Minus twice the logarithm of the prior, for each of the periods that a recording is worth.
+    fn unlikely(&self, tick: f64) -> f64 {
+        let [fast, slow] = self.creep.map(libm::log);
+        let square = |x: f64| x * x;
+        let late = (self.delay_ticks * tick + self.lag_s) / LATE / WORTH;
+        let law = 0.06 * square(libm::log(self.law) + 0.8);
+        let creep = 0.03 * square(fast - slow) + 0.025 * (square(fast + 4.0) + square(slow + 4.0));
+        late + law + creep + 0.02 * square(self.rest_memory)
+    }
+}
+
+impl Family {
+    fn new(extra: Extra, problem: &Problem) -> Self {
+        let tick = problem.extent().tick;
+        let span = problem.training_voltages();
+        let steps = problem.training().flat_map(|session| session.voltage.windows(2));
+        let largest = steps.filter_map(|pair| Some((pair.last()? - pair.first()?).abs())).fold(0.0, f64::max);
+        let radius = 0.5 * span.span();
+        let half_width = |i: usize| libm::pow(NARROWEST, 1.0 - i as f64 / (PLAYS - 1) as f64);
+        let before = |i: usize| if i == 0 { 0.0 } else { half_width(i - 1) };
+        Self {
+            extra,
+            basis: Basis::new(span),
+            span,
+            plays: std::array::from_fn(|i| (radius * half_width(i), half_width(i) - before(i))),
+            stroke: problem.stroke().span(),
+            tick,
+            steepest: (largest / tick).max(f64::MIN_POSITIVE),
+        }
+    }
+
+    fn values(&self, values: &[f64]) -> Option<Values> {
+        let mut values = values.iter().copied();
+        let mut next = || values.next();
+        Some(Values {
+            delay_ticks: next()?,
+            lag_s: next()? * self.tick,
+            law: next()?,
+            creep: [next()?, next()?],
+            rest_memory: next()?,
+            slew_v_per_s: if self.extra == Extra::Nothing { 0.0 } else { next()? * self.steepest },
+            resonance: if self.extra == Extra::Resonance { [next()?, next()?] } else { [0.0, 0.0] },
+        })
+    }
+
+    /// Half-width and weight of each play.
+    fn weighed(&self, law: f64) -> [(f64, f64); PLAYS] {
+        let radius = 0.5 * self.span.span();
+        self.plays.map(|(r, share)| (r, libm::exp(-r / (law * radius)) * share))
+    }
+
+    /// The gain of each creep element, between the fastest's and the slowest's.
+    fn creep(&self, [fast, slow]: [f64; 2]) -> [(f64, f64); CREEP_TIMES.len()] {
+        let last = (CREEP_TIMES.len() - 1) as f64;
+        std::array::from_fn(|i| {
+            let part = i as f64 / last;
+            (CREEP_TIMES[i], (1.0 - part) * fast + part * slow)
+        })
+    }
+
+    fn least_slope(&self) -> f64 {
+        FLOOR * self.stroke / self.span.span()
+    }
+
+    fn stages<'a>(&'a self, values: &Values, plays: &'a [(f64, f64)], creep: &'a [(f64, f64)]) -> Stages<'a> {
+        let [hertz, damping] = values.resonance;
+        Stages {
+            basis: &self.basis,
+            span: self.span,
+            delay_ticks: values.delay_ticks,
+            lag_s: values.lag_s,
+            slew_v_per_s: values.slew_v_per_s,
+            plays,
+            creep,
+            rest_memory: values.rest_memory,
+            resonance: (hertz > 0.0).then_some((hertz, damping)),
+        }
+    }
+
+    fn solve(&self, values: &Values, sessions: &[&Session]) -> Option<Solution> {
+        let (plays, creep) = (self.weighed(values.law), self.creep(values.creep));
+        fit::solve(sessions, &self.stages(values, &plays, &creep), self.least_slope())
+    }
+
+    fn parameters(&self, values: &Values, solution: &Solution) -> Option<Parameters> {
+        let floor = self.least_slope();
+        let slopes = |coefficients: &[f64], floor: f64| {
+            List::collect(self.basis.slopes(coefficients).map(|slope| (slope + floor).max(0.0) as f32))
+        };
+        let weighed = self.weighed(values.law);
+        let creep = self.creep(values.creep);
+        let [hertz, damping] = values.resonance;
+        let parameters = GeneralisedPrandtlIshlinskiiParameters {
+            span_v: Range { min: self.span.min as f32, max: self.span.max as f32 },
+            // The model's displacement is that of the next tick.
+            delay_ticks: (values.delay_ticks - 1.0) as f32,
+            slew_v_per_s: values.slew_v_per_s as f32,
+            lag_s: values.lag_s as f32,
+            resonance_hz: hertz as f32,
+            damping: damping as f32,
+            reversible_um_per_v: slopes(&solution.reversible, floor)?,
+            envelope_um_per_v: slopes(&solution.envelope, 0.0)?,
+            half_widths_v: List::collect(weighed.map(|(r, _)| (r as f32).min(0.5 * (self.span.span() as f32))))?,
+            weights: List::collect(weighed.map(|(_, weight)| weight as f32))?,
+            creep_times_s: List::collect(CREEP_TIMES.map(|time| time as f32))?,
+            creep_gains: List::collect(creep.map(|(_, gain)| gain as f32))?,
+            rest_memory: values.rest_memory as f32,
+            offset_um: solution.offset as f32,
+        };
+        parameters.check().is_ok().then_some(Parameters::GeneralisedPrandtlIshlinskii(parameters))
+    }
+}
+
+impl super::Family for Family {
+    type Found = Parameters;
+
+    fn genes(&self) -> Vec<Gene> {
+        let mut genes = vec![
+            Gene::linear("delay", "delay from voltage to actuator", "ticks", 0.0, 15.0),
+            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            Gene::logarithmic("rho", "half-width at which the plays weigh 1/e, of half the span", "", 0.05, 5.0),
+            Gene::logarithmic("creep_fast", "gain of the creep in 0.01 s", "", 1e-4, 0.3),
+            Gene::logarithmic("creep_slow", "gain of the creep in 100 s", "", 1e-4, 0.3),
+            Gene::linear("memory", "memory at rest", "", 0.0, 1.0),
+        ];
+        if self.extra != Extra::Nothing {
+            genes.push(Gene::logarithmic("slew", "slew limit, of the steepest voltage", "", 0.05, 20.0));
+        }
+        if self.extra == Extra::Resonance {
+            let most = 0.45 / self.tick;
+            genes.push(Gene::logarithmic("resonance", "natural frequency", "Hz", 0.02 * most, most));
+            genes.push(Gene::logarithmic("damping", "ζ of the resonance", "", 0.003, 0.7));
+        }
+        genes
+    }
+
+    /// Lags of half a tick, of five and of thirty.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        [0.25, 0.55, 0.82].map(|lag| vec![0.1, lag, 0.45, 0.65, 0.65, 0.2]).to_vec()
+    }
+
+    /// Mean square errors of the sessions' blocks beside what actuators are like, whatever the cost of the search is.
+    fn candidate(&self, values: &[f64], problem: &Problem, _cost: Cost) -> Option<(Parameters, f64)> {
+        let values = self.values(values)?;
+        let sessions: Vec<&Session> = problem.training().collect();
+        let solution = self.solve(&values, &sessions)?;
+        let found = self.parameters(&values, &solution)?;
+        Some((found, libm::exp(0.5 * (solution.total + values.unlikely(self.tick)))))
+    }
+
+    fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
+        Some(self.candidate(values, problem, Cost::from(Feedback::Simulation))?.0)
+    }
+
+    fn solved(&self, _found: &Parameters) -> usize {
+        2 * FUNCTIONS + ["offset"].len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Conditions;
+    use estimator_core::{Discretisation, Process, Scheme};
+
+    /// A rest at 10 V, sines of growing amplitude about it and a staircase; every `every`-th tick has a reading, of some µm.
+    fn session(every: usize) -> Session {
+        let voltage: Vec<f64> = (0..4_000)
+            .map(|k| {
+                let t = f64::from(k) * 5e-4;
+                if k < 100 {
+                    10.0
+                } else if t < 1.5 {
+                    10.0 + 12.0 * t * libm::sin(20.0 * t)
+                } else {
+                    (f64::from(k / 200)) % 7.0
+                }
+            })
+            .collect();
+        let instants: Vec<u32> = (0..4_000).step_by(every).collect();
+        let displacement = instants.iter().map(|&k| 0.15 * voltage[k as usize]).collect();
+        Session::new("log".into(), voltage, instants, displacement, 5e-4)
+    }
+
+    /// The columns of the fit, weighed, are the displacement of the model that is made of it, to what an input that is seen
+    /// ahead of the voltage and readings apart cost.
+    #[test]
+    fn what_is_found_is_what_the_model_runs() {
+        let problem = Problem::new(vec![session(1)], vec![], Conditions::default());
+        let family = Family::new(Extra::Resonance, &problem);
+        let values = family.values(&[3.4, 2.0, 0.5, 0.02, 0.03, 0.4, 8.0, 500.0, 0.1]).unwrap();
+        let sessions: Vec<&Session> = problem.training().collect();
+        let mut solution = family.solve(&values, &sessions).unwrap();
+        solution.reversible = vec![0.5, 0.1, 0.4, 0.0, 0.3, 0.2, 0.6, 0.1];
+        solution.envelope = vec![1.0, 3.0, 0.0, 2.0, 5.0, 0.0, 1.0, 2.0];
+        let found = family.parameters(&values, &solution).unwrap();
+        let discretisation =
+            Discretisation { sample_period: 5e-4, scheme: Scheme::ForwardEuler, deadband: problem.deadband };
+        let mut model = found.build::<f64>(&discretisation);
+        let displaced: Vec<f64> = sessions[0].voltage.iter().map(|&v| model.step(v, None)).collect();
+        let weighed = family.weighed(values.law);
+        let creep = family.creep(values.creep);
+        let stages = family.stages(&values, &weighed, &creep);
+        let coefficients = [&solution.reversible[..], &solution.envelope].concat();
+        let stroke = Range::of_values(displaced.iter().copied()).span();
+        stages.walk(sessions[0], |index, columns, input| {
+            let sum: f64 = columns.iter().zip(&coefficients).map(|(c, w)| c * w).sum();
+            let expected = solution.offset + sum + family.least_slope() * (input - family.span.min);
+            // The model gives the displacement of the next tick.
+            if let Some(found) = index.checked_sub(1).and_then(|before| displaced.get(before)) {
+                assert!((found - expected).abs() < 2e-3 * stroke, "reading {index}: {found} µm, not {expected} µm");
+            }
+        });
+    }
+}

@@ -1,0 +1,62 @@
+//! Derivative-free minimisers of one cost over the unit cube [0, 1]ⁿ behind one interface, so that a comparison gives
+//! each the same budget of evaluations.
+//!
+//! | name | method |
+//! |---|---|
+//! | `genetic` | the thesis's binary genetic algorithm in rounds of shrinking ranges |
+//! | `differential-evolution` | current-to-pbest/1/bin |
+//! | `particle-swarm` | global best, constriction coefficients |
+//! | `cma-es` | covariance matrix adaptation with restarts of a doubled population |
+//! | `local` | Nelder–Mead from the best start, with restarts |
+//!
+//! The cost may be infinite, for what is inadmissible, anywhere or everywhere; NaN counts as infinite. Random numbers
+//! are drawn outside of the evaluations, which run in parallel: the same seed gives the same result on any number of
+//! threads.
+//!
+//! The methods are written here: `cmaes` 0.2 and `argmin` 0.11 each need an older `rand` beside this crate's, and a budget of
+//! evaluations and the limits of the cube are the point of this module.
+
+mod cma_es;
+mod differential_evolution;
+pub mod ga;
+mod gene;
+mod genetic;
+mod local;
+mod optimiser;
+mod particle_swarm;
+mod state;
+
+pub use gene::{Gene, Scale};
+pub use optimiser::Optimiser;
+use state::Search;
+pub use state::{Budget, Minimum};
+
+/// Minimises a cost over the unit cube of a dimension.
+///
+/// `starts` are evaluated first, exactly as they are, and join the first population (`cma-es` and `local` begin at the
+/// best of them); the result never costs more than any that the budget sufficed for. A coordinate outside of the cube
+/// is limited to it, a start of another dimension is left out. `watch` sees the evaluations made and the best so far
+/// whenever some more have been made. Dimension 0 takes one evaluation.
+pub fn minimise(
+    optimiser: Optimiser,
+    dimension: usize,
+    budget: Budget,
+    starts: &[Vec<f64>],
+    cost: &(impl Fn(&[f64]) -> f64 + Sync),
+    watch: &mut dyn FnMut(usize, &Minimum),
+) -> Minimum {
+    let mut search = Search::new(dimension, budget, cost, watch);
+    if dimension == 0 {
+        search.evaluate(vec![Vec::new()]);
+        return search.best;
+    }
+    let starts = search.starts(starts);
+    match optimiser {
+        Optimiser::Genetic => genetic::run(&mut search, &starts),
+        Optimiser::DifferentialEvolution => differential_evolution::run(&mut search, starts),
+        Optimiser::ParticleSwarm => particle_swarm::run(&mut search, starts),
+        Optimiser::CmaEs => cma_es::run(&mut search),
+        Optimiser::Local => local::run(&mut search),
+    }
+    search.best
+}

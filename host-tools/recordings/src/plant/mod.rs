@@ -1,0 +1,177 @@
+//! Actuators that no model of the catalogue is made of: other hysteresis, creep in the logarithm of time, and a device
+//! that is warmer, loaded or older than when it was learnt. Stepped at 10 kHz, recorded at 2 kHz, from rest at 0 V with
+//! a virgin memory; a seed draws the device, another its recordings.
+//!
+//! ```text
+//! command → slew limit → first-order lag → u = V/V_full → hysteresis h(u)        (one of [`Kind`])
+//! strain    = h + g·Σ_τ c_τ,   ċ_τ = (h − c_τ)/τ,  τ = 0.01, 0.1, 1, 10, 100 s    creep in log time
+//! position  = scale·strain, through a resonance where there is one; then what has [changed](Change)
+//! sensor    = position + 10 nm noise + drift;   recorded voltage = 12 bit of the command
+//! ```
+
+mod bouc_wen;
+mod catalogue;
+mod change;
+mod creep;
+mod drive;
+mod instruments;
+mod jiles_atherton;
+mod rate_dependent;
+mod relays;
+mod waveform;
+
+#[cfg(test)]
+mod tests;
+
+pub use catalogue::{CATALOGUE, Kind};
+pub use change::Change;
+pub use drive::Resonance;
+pub use instruments::Instruments;
+pub use relays::Density;
+pub use waveform::Waveform;
+
+use crate::log::Log;
+use creep::Creep;
+use drive::Drive;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Internal step, s.
+pub const STEP_S: f64 = 1e-4;
+/// Steps between two recorded samples.
+const EVERY: usize = 5;
+
+/// A hysteresis operator from normalised voltage (1 at full voltage) to normalised strain, virgin and at rest at 0.
+trait Hysteresis {
+    /// The strain after a step of so many s to a voltage.
+    fn step(&mut self, u: f64, seconds: f64) -> f64;
+}
+
+/// An actuator.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Plant {
+    /// What its hysteresis is.
+    pub kind: Kind,
+    /// Draws the numbers of its hysteresis, each within some ten to twenty per cent.
+    pub device: u64,
+    /// Voltage that counts as full, V.
+    pub full_v: f64,
+    /// Displacement from −`full_v` to `full_v` and back without creep and lag, peak to peak, µm.
+    pub stroke_um: f64,
+    /// Creep a decade of time, as a fraction of the strain.
+    pub creep: f64,
+    /// Time constant of the amplifier, s.
+    pub lag_s: f64,
+    /// Fastest change of the amplifier's voltage, V/s.
+    pub slew_v_per_s: Option<f64>,
+    /// Of the mechanics.
+    pub resonance: Option<Resonance>,
+    /// Voltage reading and sensor.
+    pub instruments: Instruments,
+    /// Against how it was learnt.
+    pub change: Change,
+}
+
+impl Plant {
+    /// A device of a kind: ±20 V, a stroke of 8 to 12 µm, an amplifier lag of some 0.3 ms.
+    pub fn drawn(kind: Kind, device: u64) -> Self {
+        let mut draw = Draw::new(device.wrapping_mul(2).wrapping_add(1));
+        Self {
+            kind,
+            device,
+            full_v: 20.0,
+            stroke_um: 10.0 * draw.about(1.0, 0.08),
+            creep: draw.about(0.012, 0.25),
+            lag_s: draw.about(3e-4, 0.1),
+            slew_v_per_s: None,
+            resonance: None,
+            instruments: Instruments::default(),
+            change: Change::NONE,
+        }
+    }
+
+    /// The same device, changed.
+    #[must_use]
+    pub fn after(self, change: Change) -> Self {
+        Self { change, ..self }
+    }
+
+    /// Records a waveform: 2 kHz, from rest at 0 V. The seed draws noise, drift and what the waveform leaves open.
+    pub fn log(&self, name: &str, waveform: &Waveform, duration_s: f64, seed: u64) -> Log {
+        let command = waveform.command(duration_s, seed);
+        let position = self.respond(&command);
+        let recorded = |samples: &[f64]| samples.iter().step_by(EVERY).copied().collect::<Vec<f64>>();
+        let (voltage, mut displacement) = (recorded(&command), recorded(&position));
+        let period = EVERY as f64 * STEP_S;
+        self.instruments.read(&mut displacement, period, seed);
+        Log {
+            name: name.to_owned(),
+            path: name.into(),
+            // In place of the bytes of a file.
+            sha256: format!("{self:?} {waveform:?} {duration_s} {seed}"),
+            start_s: 0.0,
+            sample_period: period,
+            voltage: voltage.into_iter().map(|volts| self.instruments.quantised(volts, self.full_v)).collect(),
+            displacement: Some(displacement),
+            displacement_estimated: false,
+        }
+    }
+
+    /// True positions (µm) at each step of a command (V), from rest at 0 V.
+    pub fn respond(&self, command: &[f64]) -> Vec<f64> {
+        let scale = self.scale();
+        let mut drive = Drive::new(self.slew_v_per_s, self.lag_s);
+        let mut hysteresis = self.kind.hysteresis(self.device);
+        let mut creep = Creep::new(self.creep);
+        let mut mechanics = self.resonance.map(drive::Mechanics::new);
+        let coercive = self.change.coercive;
+        let step = |(index, &volts): (usize, &f64)| {
+            // Wider thresholds at the same slopes.
+            let u = drive.step(volts) / self.full_v / coercive;
+            let strain = creep.step(coercive * hysteresis.step(u, STEP_S));
+            let position = scale * strain;
+            let position = mechanics.as_mut().map_or(position, |mechanics| mechanics.step(position));
+            self.change.of(position, index as f64 * STEP_S)
+        };
+        command.iter().enumerate().map(step).collect()
+    }
+
+    /// Strain to µm: a slow cycle to the full voltage has the stroke.
+    fn scale(&self) -> f64 {
+        let mut hysteresis = self.kind.hysteresis(self.device);
+        let turns = [0.0, 1.0, -1.0, 1.0];
+        let mut reached = (f64::INFINITY, f64::NEG_INFINITY);
+        for turn in turns.windows(2) {
+            for k in 1..=CYCLE {
+                let u = turn[0] + (turn[1] - turn[0]) * f64::from(k) / f64::from(CYCLE);
+                let strain = hysteresis.step(u, 1.0 / f64::from(CYCLE));
+                reached = (reached.0.min(strain), reached.1.max(strain));
+            }
+        }
+        self.stroke_um / (reached.1 - reached.0)
+    }
+}
+
+/// Steps of half a slow cycle.
+const CYCLE: u32 = 400;
+
+/// Numbers of a device.
+struct Draw(ChaCha8Rng);
+
+impl Draw {
+    fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// A value about another, by a relative spread (a standard deviation; cut off at twice that).
+    fn about(&mut self, value: f64, spread: f64) -> f64 {
+        let normal: f64 = StandardNormal.sample(&mut self.0);
+        value * libm::exp(spread * normal.clamp(-2.0, 2.0))
+    }
+
+    /// A standard normal number.
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+}

@@ -1,0 +1,113 @@
+//! Learning a subject with every model, and judging what came of it.
+
+use super::bootstrap::blocks;
+use super::noise::floor_um;
+use super::subject::{Subject, Trial};
+use crate::error::ThesisError;
+use estimator_core::Model;
+use identification::validate::{Estimates, Scope, Told, ToldFigures, compare_within, errors_within, estimates};
+use identification::{Candidate, Identification, Prepared, SearchOptions, StraightLine, prepared};
+use recordings::session::Session;
+
+/// Of the search's candidates a number, this part is tried here for the models whose weights are solved for: a search
+/// that is repeated for each device must be short.
+const OF_OTHERS: u32 = 12;
+/// A model of the Voigt family, whose candidates are cheap and whose numbers are all searched, may try so many times the
+/// search's candidates a number in all.
+const OF_VOIGT: u32 = 6;
+
+/// Candidates a number, and those of a model of the Voigt family in all.
+pub fn candidates(search: &SearchOptions) -> (u32, u32) {
+    ((search.evaluations / OF_OTHERS).max(1), search.evaluations * OF_VOIGT)
+}
+
+/// A model on a recording.
+pub struct Judged {
+    /// As the tables call what the device belongs to.
+    pub subject: &'static str,
+    /// What tells the device from others.
+    pub device: String,
+    /// As the tables call the recording.
+    pub condition: &'static str,
+    /// Which model; `None` is the straight line.
+    pub model: Option<Model>,
+    /// Noise floor of the sensor, µm rms.
+    pub noise_floor_um: Option<f64>,
+    /// Its errors; `None` where no admissible candidate was found.
+    pub errors: Option<Errors>,
+}
+
+/// Errors on a recording.
+pub struct Errors {
+    /// By what was told.
+    pub told: ToldFigures,
+    /// MAE of blocks of what is scored, without the mean error, µm.
+    pub blocks: Vec<f64>,
+}
+
+/// Learns every model and the straight line, and judges each on every trial.
+///
+/// # Errors
+/// A recording cannot be prepared or scored. A model that finds nothing is judged with no errors.
+pub fn learn(subject: &Subject) -> Result<Vec<Judged>, ThesisError> {
+    let Prepared { problem, context, .. } = subject.job.prepare(&mut |_, _| ())?;
+    let (evaluations, of_voigt) = candidates(&subject.job.search);
+    let short = SearchOptions { evaluations, ..subject.job.search.clone() };
+    let cost = subject.job.cost;
+    let others: Vec<Model> = Model::ALL.into_iter().filter(|model| !model.is_voigt()).collect();
+    let identify = |models: &[Model], budget| {
+        Identification { problem: &problem, cost, options: &short, budget }.run(models, &mut |_, _| ())
+    };
+    let fits = identify(&Model::VOIGT_FAMILY, Some(of_voigt as usize)).into_iter().chain(identify(&others, None));
+    let line = StraightLine::fit(problem.training());
+    let mut judged = Vec::new();
+    let trials: Vec<(&Trial, Session)> = subject
+        .trials
+        .iter()
+        .map(|trial| {
+            let cut = context.recipe.cut(&trial.log);
+            Ok((trial, prepared(&context.recipe, &cut)?))
+        })
+        .collect::<Result<_, ThesisError>>()?;
+    let of = |trial: &Trial, model, errors| Judged {
+        subject: subject.name,
+        device: subject.device.clone(),
+        condition: trial.condition,
+        model,
+        noise_floor_um: trial.log.displacement.as_deref().and_then(floor_um),
+        errors,
+    };
+    for fit in fits {
+        let model = fit.model;
+        let candidate = Candidate::new(&problem, fit, &context).ok();
+        for (trial, session) in &trials {
+            let errors = candidate.as_ref().map(|candidate| -> Result<Errors, ThesisError> {
+                let told = compare_within(&candidate.table, session, &trial.scope)?.told;
+                let estimates = estimates(&candidate.table, session, &context.recipe, &trial.scope, Told::Offset)?;
+                Ok(Errors { told, blocks: blocks(&scored(&estimates)) })
+            });
+            judged.push(of(trial, Some(model), errors.transpose()?));
+        }
+    }
+    for (trial, session) in &trials {
+        let errors = line.map(|line| of_line(line, session, &trial.scope)).transpose()?;
+        judged.push(of(trial, None, errors));
+    }
+    Ok(judged)
+}
+
+/// Estimate − sensor where it counts, µm.
+fn scored(estimates: &Estimates) -> Vec<f64> {
+    let counts = estimates.instants.iter().filter(|instant| instant.scored);
+    counts.map(|instant| instant.estimate - instant.displacement).collect()
+}
+
+/// The straight line, which knows the voltage of the tick before as every model does.
+fn of_line(line: StraightLine, session: &Session, scope: &Scope) -> Result<Errors, ThesisError> {
+    let at = |instant: u32| line.displacement(session.voltage[instant as usize]);
+    let estimated: Vec<f64> = session.instants.iter().skip(1).map(|&instant| at(instant - 1)).collect();
+    let told = ToldFigures::of_estimates(session, scope, at(0), &estimated)?;
+    let errors = errors_within(session, scope, &estimated)?;
+    let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+    Ok(Errors { told, blocks: blocks(&errors.iter().map(|error| error - mean).collect::<Vec<_>>()) })
+}

@@ -1,0 +1,135 @@
+//! How far an admitted table's estimate is from the sensor, in simulation: the f64 reference (MIL) and the f32 core that
+//! the target runs (SIL) side by side.
+
+use crate::figures::Figures;
+use crate::run::Run;
+use crate::scope::{Part, Scope, ScopeError, time_s};
+use crate::told::{Correction, Told, ToldFigures};
+use estimator_core::{Admitted, Status};
+use recordings::session::Session;
+use serde::Serialize;
+
+/// An estimate beside the sensor, at the measured instants after the first.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Trace {
+    /// Time within the log, s.
+    pub time_s: Vec<f64>,
+    /// Voltage, V relative to the model's zero.
+    pub voltage: Vec<f64>,
+    /// Sensor, µm relative to the model's zero.
+    pub measured: Vec<f64>,
+    /// Reference estimate, µm.
+    pub estimated: Vec<f64>,
+}
+
+impl Trace {
+    /// Without what lies before an instant.
+    fn since(self, from: usize) -> Self {
+        let rest = |values: Vec<f64>| values.into_iter().skip(from).collect();
+        Self {
+            time_s: rest(self.time_s),
+            voltage: rest(self.voltage),
+            measured: rest(self.measured),
+            estimated: rest(self.estimated),
+        }
+    }
+}
+
+/// The f32 core as a device starts: without the sensor's first reading, from rest at the first voltage.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Cold {
+    /// All that is scored.
+    pub all: Figures,
+    /// From where it counts as settled ([`Status::NOT_SETTLED`]); `None` where it never does.
+    pub settled: Option<Figures>,
+    /// When that is, s from the first sample.
+    pub settled_after_s: Option<f64>,
+}
+
+/// One log against a table.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Comparison {
+    /// Name of the log.
+    pub name: String,
+    /// The f64 reference, told the sensor's first reading.
+    pub mil: Figures,
+    /// The f32 core, told the same.
+    pub sil: Figures,
+    /// Largest difference of the two estimates, µm.
+    pub mil_sil_um: f64,
+    /// The f32 core told nothing.
+    pub cold: Cold,
+    /// The f32 core by what it was told.
+    pub told: ToldFigures,
+    /// What is scored, s since the log's first sample.
+    pub scored_s: (f64, f64),
+    /// What the f32 core, told the first reading, was off where it was zeroed, µm; `None` where it was not.
+    pub zeroed_um: Option<f64>,
+    /// Every status bit that the f32 core raised, from the log's beginning on.
+    pub status: Status,
+    /// The reference beside the sensor, from the log's beginning on, not zeroed.
+    pub trace: Trace,
+}
+
+/// Runs a table over a session, all of which is scored but what it says that something was learnt from.
+pub fn compare(table: &Admitted, session: &Session) -> Comparison {
+    let all = session.lead_in.saturating_sub(1)..session.instants.len().saturating_sub(1);
+    let compared = within(table, session, &Part { scored: all.clone(), zero: None });
+    Comparison { trace: compared.trace.since(all.start), ..compared }
+}
+
+/// Runs a table over a session from its beginning and scores a part of it.
+///
+/// # Errors
+/// The scope does not fit the session.
+pub fn compare_within(table: &Admitted, session: &Session, scope: &Scope) -> Result<Comparison, ScopeError> {
+    Ok(within(table, session, &scope.part(session)?))
+}
+
+fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
+    let first = session.displacement[0];
+    let reference = Run::of::<f64>(table, session, Some(first));
+    let single = Run::of::<f32>(table, session, Some(first));
+    let nothing = Run::of::<f32>(table, session, None);
+    let told = ToldFigures::of(session, part, &nothing, &single);
+    let instants = &session.instants[1..];
+    let time = |k: usize| time_s(session, instants[k]);
+    let difference = |(a, b): (&f64, &f64)| (a - b).abs();
+    Comparison {
+        name: session.name.clone(),
+        mil: ToldFigures::of(session, part, &reference, &reference).first_reading,
+        sil: told.first_reading,
+        mil_sil_um: reference.estimated.iter().zip(&single.estimated).map(difference).fold(0.0, f64::max),
+        cold: cold(session, part, &nothing),
+        told,
+        scored_s: if part.scored.is_empty() {
+            (0.0, 0.0)
+        } else {
+            (time(part.scored.start), time(part.scored.end - 1))
+        },
+        zeroed_um: part.zero.as_ref().map(|_| part.zeroed(&single.errors(session))),
+        status: single.status.into_iter().fold(Status::empty(), Status::union),
+        trace: Trace {
+            time_s: instants.iter().map(|&instant| time_s(session, instant)).collect(),
+            // The last instant's own voltage is the one after the last tick that was run.
+            voltage: instants.iter().map(|&tick| session.voltage[tick as usize]).collect(),
+            measured: session.displacement[1..].to_vec(),
+            estimated: reference.estimated,
+        },
+    }
+}
+
+fn cold(session: &Session, part: &Part, run: &Run) -> Cold {
+    let figures = |part: &Part| {
+        let correction = Correction::of(Told::Nothing, session, part, run);
+        // Only a cycle can be missing.
+        correction.expect("needs no cycle").figures(session, run)
+    };
+    let settled = run.status.iter().position(|status| !status.contains(Status::NOT_SETTLED));
+    let scored = settled.map(|from| from.max(part.scored.start)..part.scored.end).filter(|scored| !scored.is_empty());
+    Cold {
+        all: figures(part),
+        settled: scored.map(|scored| figures(&Part { scored, ..part.clone() })),
+        settled_after_s: settled.map(|from| f64::from(session.instants[1..][from]) * session.tick_s),
+    }
+}

@@ -1,0 +1,17 @@
+//! How far an estimate is from the sensor: an admitted table run over a session through the very
+//! [`Estimator`](estimator_core::Estimator) that the firmware has, and its errors by what the estimator was told and by
+//! which part of the log is scored.
+
+mod compare;
+mod estimates;
+mod figures;
+pub mod reversals;
+mod run;
+mod scope;
+mod told;
+
+pub use compare::{Cold, Comparison, Trace, compare, compare_within};
+pub use estimates::{Estimates, Instant, estimates};
+pub use figures::Figures;
+pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S, errors_within};
+pub use told::{Told, ToldFigures};

@@ -1,0 +1,160 @@
+//! From power-on to the first estimates: pins and clocks, the DAC's first code, the supply, why the device started.
+
+use crate::common::{Bench, PERIOD, triangle};
+use anyhow::Result;
+use board_emulator_test::{Board, Conversion, Image, Reset, Stop};
+use protocol::{Faults, ResetCause};
+
+/// Registers of GPIOA: MODER, AFRL.
+const MODER: u32 = 0x4800_0000;
+const AFRL: u32 = 0x4800_0020;
+
+/// VREFINT's code at a supply, mV, where the factory read 1655 at 3.0 V.
+fn reference(supply_mv: u32) -> u16 {
+    (1655 * 3000 / supply_mv) as u16
+}
+
+/// Registers that the firmware touches and no model has a rule for: plain memory, which is enough for them.
+const PLAIN: [(u32, &str); 21] = [
+    (0x4000_7000, "PWR_CR1"),
+    (0x4000_7008, "PWR_CR3"),
+    (0x4000_7080, "PWR_CR5"),
+    (0x4000_8004, "LPUART_CR2"),
+    (0x4001_0000, "SYSCFG_MEMRMP"),
+    (0x4002_2000, "FLASH_ACR"),
+    (MODER, "GPIOA_MODER"),
+    (0x4800_0004, "GPIOA_OTYPER"),
+    (0x4800_0008, "GPIOA_OSPEEDR"),
+    (0x4800_000C, "GPIOA_PUPDR"),
+    (0x4800_0018, "GPIOA_BSRR"),
+    (AFRL, "GPIOA_AFRL"),
+    (0x5000_0034, "ADC_SQR2"),
+    (0x5000_0038, "ADC_SQR3"),
+    (0x5000_003C, "ADC_SQR4"),
+    (0x5000_00B0, "ADC_DIFSEL"),
+    (0x5000_0860, "DAC_STMODR"),
+    (0xE000_1000, "DWT_CTRL"),
+    (0xE000_ED88, "CPACR"),
+    (0xE000_EDFC, "DEMCR"),
+    (0xE004_2004, "DBGMCU_CR"),
+];
+
+#[test]
+fn pins_clocks_and_converters_are_set_up() -> Result<()> {
+    let bench = Bench::started()?;
+    let board = &bench.board;
+    let mode = |pin: u32| board.plain(MODER) >> (2 * pin) & 3;
+    assert_eq!([0, 4].map(mode), [3, 3], "converters' pins are analogue");
+    assert_eq!([2, 3].map(mode), [2, 2], "the link's pins are the UART's");
+    assert_eq!(board.plain(AFRL) >> 8 & 0xFF, 0xCC, "LPUART1 is alternate function 12");
+    assert_eq!(board.oversampling(), (16, 0));
+    let record = board.record();
+    assert!(record.unclocked.is_empty(), "{:x?}", record.unclocked);
+    assert!(record.faults.is_empty(), "{:?}", record.faults);
+    let unknown: Vec<_> =
+        record.plain.iter().filter(|address| PLAIN.iter().all(|(known, _)| known != *address)).collect();
+    assert!(unknown.is_empty(), "registers {unknown:x?} need a model or, if plain memory will do, a line in PLAIN");
+    Ok(())
+}
+
+#[test]
+fn the_dac_shows_its_safe_code_first_and_nothing_else_before_the_first_estimate() -> Result<()> {
+    let mut bench = Bench::started()?;
+    let safe = bench.table()?.dac.code(0.0f32).0;
+    for cause in [Reset::PowerOn, Reset::Pin, Reset::Watchdog] {
+        let before = bench.board.record().outputs.len();
+        bench.board.reboot(cause)?;
+        assert_eq!(bench.board.output(), None, "{cause:?}");
+        let clock = bench.board.clock();
+        bench.start()?;
+        bench.run(0.01)?;
+        let record = bench.board.record();
+        let first = record.conversions.iter().find(|conversion| conversion.trigger > clock).map(|first| first.trigger);
+        let outputs = &record.outputs[before..];
+        let early = outputs.iter().take_while(|latch| Some(latch.clock) <= first).collect::<Vec<_>>();
+        println!(
+            "{cause:?}: the pin is driven after {:.2} ms, the first estimate is out after {:.2} ms",
+            (early[0].clock - clock) as f64 / 170e3,
+            (outputs[early.len()].clock - clock) as f64 / 170e3
+        );
+        assert!(
+            early.len() > 1 && early.iter().all(|latch| latch.code == safe),
+            "{cause:?}: {early:?}, safe is {safe}"
+        );
+        assert!(outputs.len() > early.len() + 15 && outputs[early.len()].code != safe, "{cause:?}: it estimates then");
+    }
+    Ok(())
+}
+
+#[test]
+fn the_first_trigger_is_a_period_before_the_second() -> Result<()> {
+    let mut bench = Bench::started()?;
+    bench.run(0.01)?;
+    let triggers: Vec<u64> =
+        bench.board.record().conversions.iter().map(|Conversion { trigger, .. }| *trigger).collect();
+    assert!(triggers.len() > 15 && triggers.windows(2).all(|pair| pair[1] - pair[0] == PERIOD), "{triggers:?}");
+    Ok(())
+}
+
+#[test]
+fn a_supply_out_of_tolerance_makes_the_output_safe_for_good() -> Result<()> {
+    let mut bench = Bench::started()?;
+    for (supply_mv, good) in [(3000, false), (3120, false), (3150, true), (3300, true), (3450, true), (3480, false)] {
+        bench.board.set_reference(reference(supply_mv));
+        bench.reboot(Reset::PowerOn)?;
+        let first = bench.board.record().outputs.len();
+        let safe = bench.table()?.dac.code(0.0f32).0;
+        bench.run(0.05)?;
+        let health = bench.health()?;
+        let measured = u32::from(health.supply_mv.expect("the board can measure it"));
+        assert!(measured.abs_diff(supply_mv) <= 2, "{supply_mv} mV, measured {measured}");
+        assert_eq!(
+            health.faults,
+            if good { Faults::empty() } else { Faults::SUPPLY | Faults::SAFE_OUTPUT },
+            "{supply_mv} mV"
+        );
+        let shown = &bench.board.record().outputs[first..];
+        assert_eq!(shown[2..].iter().all(|latch| latch.code == safe), !good, "{supply_mv} mV");
+        // The supply recovers; the reference was converted at the start only.
+        bench.board.set_reference(reference(3300));
+        bench.run(0.05)?;
+        assert_eq!(bench.health()?.faults, health.faults);
+        bench.restart()?;
+        assert_eq!(bench.health()?.faults, Faults::empty(), "a start looks anew");
+    }
+    Ok(())
+}
+
+#[test]
+fn the_cause_of_a_start_is_told_and_garbage_in_memory_is_no_message() -> Result<()> {
+    let mut bench = Bench::started()?;
+    for _ in 0..6 {
+        for (cause, told) in [
+            (Reset::PowerOn, ResetCause::BROWN_OUT | ResetCause::PIN),
+            (Reset::Pin, ResetCause::PIN),
+            (Reset::Watchdog, ResetCause::WATCHDOG | ResetCause::PIN),
+            (Reset::Software, ResetCause::SOFTWARE | ResetCause::PIN),
+            (Reset::PowerOn, ResetCause::BROWN_OUT | ResetCause::PIN),
+        ] {
+            bench.reboot(cause)?;
+            let health = bench.health()?;
+            assert_eq!((health.reset, health.last_words), (told, None), "{cause:?}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn two_runs_are_equal() -> Result<()> {
+    let run = || {
+        let mut board = Board::power_on(&Image::from_environment()?)?;
+        board.feed(triangle);
+        assert_eq!(board.run(0.1)?, Stop::Time);
+        Ok::<_, anyhow::Error>(board)
+    };
+    let (one, other) = (run()?, run()?);
+    assert_eq!((one.clock(), one.skipped()), (other.clock(), other.skipped()));
+    assert_eq!(one.record().outputs, other.record().outputs);
+    assert_eq!(one.record().services, other.record().services);
+    Ok(())
+}

@@ -1,0 +1,175 @@
+//! A host at the other end of an emulated board's serial line, and the tables it sends.
+
+pub mod noise;
+
+use anyhow::{Result, bail, ensure};
+use board_emulator_test::{Board, CORE_HZ, Image, Reset, Stop};
+use estimator_core::record::MAX_LENGTH;
+use estimator_core::{Admitted, Table};
+use protocol::frame::MAX_FRAME;
+use protocol::{Deframer, Health, Identity, Record, Reply, Request, Samples, ToDevice, ToHost, encode};
+
+/// Clocks from trigger to trigger.
+pub const PERIOD: u64 = CORE_HZ as u64 / 2000;
+/// How long the device may take to start and to reply, s. The longest reply waits for some thirty flash operations.
+const PATIENCE: f64 = 0.5;
+
+/// A board and its host.
+pub struct Bench {
+    pub board: Board,
+    /// What the device has streamed.
+    pub samples: Vec<Samples>,
+    deframer: Deframer,
+    sequence: u16,
+}
+
+impl Bench {
+    /// A new board, running, on a voltage that rises and falls.
+    pub fn started() -> Result<Self> {
+        let mut board = Board::power_on(&Image::from_environment()?)?;
+        board.feed(triangle);
+        let mut bench = Self { board, samples: Vec::new(), deframer: Deframer::new(), sequence: 0 };
+        bench.start()?;
+        Ok(bench)
+    }
+
+    /// Until the device ticks.
+    pub fn start(&mut self) -> Result<()> {
+        let before = self.board.record().conversions.len();
+        let stop = self.board.run_until(PATIENCE, |board| board.record().conversions.len() > before)?;
+        ensure!(stop == Stop::Condition, "the firmware does not come to its first conversion: {stop:?}");
+        Ok(())
+    }
+
+    /// A reset or the return of power, after which the device runs again.
+    pub fn reboot(&mut self, cause: Reset) -> Result<()> {
+        self.board.reboot(cause)?;
+        self.deframer = Deframer::new();
+        self.board.take_received();
+        self.start()
+    }
+
+    /// Runs for `seconds`; nothing may end the run before.
+    pub fn run(&mut self, seconds: f64) -> Result<()> {
+        let stop = self.board.run(seconds)?;
+        ensure!(stop == Stop::Time, "the run ends with {stop:?}");
+        self.listen();
+        Ok(())
+    }
+
+    /// The reply to a request.
+    pub fn ask(&mut self, request: Request) -> Result<Reply> {
+        let name = format!("{request:?}");
+        match self.ask_or_stop(request)? {
+            Ok(reply) => Ok(reply),
+            Err(stop) => bail!("no reply to {name}: {stop:?}"),
+        }
+    }
+
+    /// The reply to a request, or what kept the device from giving it.
+    pub fn ask_or_stop(&mut self, request: Request) -> Result<Result<Reply, Stop>> {
+        self.sequence += 1;
+        let sequence = self.sequence;
+        self.board.send(&frame(sequence, request));
+        let deadline = self.board.clock() + (PATIENCE * f64::from(CORE_HZ)) as u64;
+        while self.board.clock() < deadline {
+            let stop = self.board.run_until(PATIENCE, |board| board.received() > 0)?;
+            if stop != Stop::Condition {
+                return Ok(Err(stop));
+            }
+            if let Some((_, reply)) = self.listen().into_iter().find(|(to, _)| *to == sequence) {
+                return Ok(Ok(reply));
+            }
+        }
+        Ok(Err(Stop::Time))
+    }
+
+    /// Takes what has come: keeps the samples, gives the replies.
+    pub fn listen(&mut self) -> Vec<(u16, Reply)> {
+        let mut replies = Vec::new();
+        for byte in self.board.take_received() {
+            match self.deframer.push(byte) {
+                Some(Ok(ToHost::Reply { to, reply })) => replies.push((to, reply)),
+                Some(Ok(ToHost::Samples(samples))) => self.samples.push(samples),
+                Some(Err(error)) => panic!("the device sends {error}"),
+                None => {}
+            }
+        }
+        replies
+    }
+
+    pub fn does(&mut self, request: Request) -> Result<()> {
+        let reply = self.ask(request)?;
+        ensure!(reply == Reply::Done, "{reply:?}");
+        Ok(())
+    }
+
+    pub fn health(&mut self) -> Result<Health> {
+        match self.ask(Request::Health)? {
+            Reply::Health(health) => Ok(health),
+            other => bail!("{other:?}"),
+        }
+    }
+
+    pub fn identity(&mut self) -> Result<Identity> {
+        match self.ask(Request::Identify)? {
+            Reply::Identity(identity) => Ok(identity),
+            other => bail!("{other:?}"),
+        }
+    }
+
+    /// The table in use.
+    pub fn table(&mut self) -> Result<Admitted> {
+        match self.ask(Request::Pull)? {
+            Reply::Table(record) => Ok(Table::parse(&record)?),
+            other => bail!("{other:?}"),
+        }
+    }
+
+    /// Flash operations so far.
+    pub fn operations(&self) -> usize {
+        self.board.record().flash.len()
+    }
+
+    /// Stores a table, which is used after [`Bench::restart`].
+    pub fn push(&mut self, table: &Admitted) -> Result<()> {
+        self.does(push(table))
+    }
+
+    /// A reset that the device is asked for.
+    pub fn restart(&mut self) -> Result<()> {
+        self.does(Request::Reset)?;
+        let stop = self.board.run(PATIENCE)?;
+        ensure!(stop == Stop::Reset(Reset::Software), "{stop:?}");
+        self.reboot(Reset::Software)
+    }
+}
+
+/// A request's frame.
+pub fn frame(sequence: u16, request: Request) -> Vec<u8> {
+    let message = ToDevice { sequence, request };
+    encode(&message, &mut [0; MAX_FRAME]).expect("every request fits a frame").to_vec()
+}
+
+pub fn push(table: &Admitted) -> Request {
+    Request::Push { record: record(table), while_estimating: true, rewired: true }
+}
+
+pub fn record(table: &Admitted) -> Record {
+    let mut buffer = [0; MAX_LENGTH];
+    let length = table.encode(&mut buffer).expect("the longest record fits");
+    buffer[..length].iter().copied().collect()
+}
+
+/// The table with another seed: as good, and told apart by its record.
+pub fn reseeded(table: &Admitted, seed: u32) -> Admitted {
+    let mut table: Table = **table;
+    table.provenance.seed = seed;
+    table.admit().expect("the seed does not matter")
+}
+
+/// Codes over a good part of the range, never the same twice in a row, far from the converter's ends.
+pub fn triangle(n: u64) -> u16 {
+    let phase = (n % 2000) as u16;
+    10_000 + 40 * phase.min(2000 - phase)
+}

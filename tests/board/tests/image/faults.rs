@@ -1,0 +1,72 @@
+//! What the ADC may bring: the DAC goes to its safe code when the codes cannot be believed, and follows them again when they
+//! have been good for a second.
+
+use crate::common::{Bench, triangle};
+use anyhow::Result;
+use protocol::Faults;
+
+/// Feeds `codes` to a running device for `ticks` ticks. For each, whether the DAC stood at its safe code a trigger later.
+fn safe_after(bench: &mut Bench, ticks: usize, codes: impl FnMut(u64) -> u16 + 'static) -> Result<Vec<bool>> {
+    let safe = bench.table()?.dac.code(0.0f32).0;
+    let first = bench.board.record().conversions.len();
+    bench.board.feed(codes);
+    bench.board.run_until(20.0, |board| board.record().conversions.len() > first + ticks)?;
+    let record = bench.board.record();
+    // The conversion of `first` began before, but shows the first code fed.
+    let shown = |trigger| {
+        let latch = record.outputs.partition_point(|latch| latch.clock < trigger);
+        record.outputs[latch].code == safe
+    };
+    let triggers = record.conversions[first + 1..].iter().map(|conversion| conversion.trigger);
+    Ok(triggers.map(shown).take(ticks).collect())
+}
+
+/// From the first to the last, and their number.
+fn span(safe: &[bool]) -> Option<(usize, usize, usize)> {
+    let first = safe.iter().position(|&safe| safe)?;
+    let last = safe.iter().rposition(|&safe| safe)?;
+    Some((first, last, safe.iter().filter(|&&safe| safe).count()))
+}
+
+/// How long the output is safe after a fault's last cause: a second, and the tick at which the estimate starts anew.
+const HOLD: usize = 2001;
+
+#[test]
+fn an_adc_at_an_end_of_its_range_for_ten_milliseconds_is_a_fault() -> Result<()> {
+    for end in [0, 65_520] {
+        let mut bench = Bench::started()?;
+        let codes = move |n| if (300..350).contains(&n) || (3000..3019).contains(&n) { end } else { triangle(n) };
+        let safe = safe_after(&mut bench, 3500, codes)?;
+        // The twentieth tick is the first that is safe; 19 in a row are none.
+        assert_eq!(span(&safe), Some((319, 349 + HOLD - 1, 30 + HOLD)), "{end}");
+        let health = bench.health()?;
+        assert_eq!((health.faults, health.adc_saturated), (Faults::empty(), 69), "{end}");
+        assert_eq!(health.faults_seen, Faults::ADC_SATURATED);
+    }
+    Ok(())
+}
+
+#[test]
+fn an_adc_that_gives_one_code_for_ten_seconds_is_a_fault() -> Result<()> {
+    let mut bench = Bench::started()?;
+    let codes = |n| if (100..20_150).contains(&n) { 30_000 } else { triangle(n) };
+    let safe = safe_after(&mut bench, 22_300, codes)?;
+    assert_eq!(span(&safe), Some((20_100, 20_149 + HOLD - 1, 49 + HOLD)));
+    let health = bench.health()?;
+    assert_eq!((health.faults, health.faults_seen), (Faults::empty(), Faults::ADC_STUCK));
+    Ok(())
+}
+
+#[test]
+fn a_voltage_that_the_table_does_not_know_is_a_fault_after_a_second() -> Result<()> {
+    let mut bench = Bench::started()?;
+    let table = bench.table()?;
+    let beyond = table.adc.code(table.voltage_range_v.max + 0.02).0;
+    let codes = move |n: u64| if (100..2_200).contains(&n) { beyond + (n % 2) as u16 } else { triangle(n) };
+    let safe = safe_after(&mut bench, 4_300, codes)?;
+    assert_eq!(span(&safe), Some((2_099, 2_199 + HOLD - 1, 100 + HOLD)));
+    let health = bench.health()?;
+    assert_eq!((health.faults, health.voltage_out_of_range), (Faults::empty(), 2_100));
+    assert_eq!(health.faults_seen, Faults::OUT_OF_CALIBRATION);
+    Ok(())
+}

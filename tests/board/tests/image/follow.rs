@@ -1,0 +1,131 @@
+//! The DAC drives the amplifier: references over the serial line in, and every DAC code is the one that the host's f32 inverse
+//! gives, in time for its tick, whichever the model.
+
+use crate::common::Bench;
+use anyhow::{Result, bail, ensure};
+use board_emulator_test::exception;
+use estimator_core::*;
+use protocol::{Mode, Reply, Request};
+
+const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 400.0 };
+/// Clocks of a tick, and so more instructions than one may take.
+const TICK: u64 = 85_000;
+
+fn list<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> List<N> {
+    List::collect(numbers).expect("no more than fit")
+}
+
+/// The device's table with another model, driving an amplifier of 0 … 4 V.
+fn driving(table: &Admitted, parameters: Parameters) -> Result<Admitted> {
+    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
+    let limits = Range { min: -50.0, max: 100.0 };
+    let table = Table { parameters, displacement_limits_um: limits, drive: Some(drive), ..**table };
+    Ok(table.admit()?)
+}
+
+fn generalised_prandtl_ishlinskii() -> Parameters {
+    Parameters::GeneralisedPrandtlIshlinskii(GeneralisedPrandtlIshlinskiiParameters {
+        span_v: Range { min: -0.18, max: 3.78 },
+        delay_ticks: 0.6,
+        slew_v_per_s: 300.0,
+        lag_s: 1e-3,
+        resonance_hz: 300.0,
+        damping: 0.05,
+        reversible_um_per_v: list([5.0; 9]),
+        envelope_um_per_v: list([20.0; 9]),
+        half_widths_v: list((1..16).map(|i| 0.12 * i as f32)),
+        weights: list([0.03; 15]),
+        creep_times_s: list([0.01, 0.1, 1.0, 10.0, 100.0]),
+        creep_gains: list([0.02; 5]),
+        rest_memory: 0.0,
+        offset_um: 0.0,
+    })
+}
+
+fn preisach() -> Parameters {
+    let densities_um = list((0..55).map(|i| if i % 7 == 0 { 2.0 } else { 0.5 }));
+    Parameters::Preisach(PreisachParameters { lower_v: -0.18, upper_v: 3.78, densities_um, offset_um: 0.0 })
+}
+
+fn bouc_wen() -> Parameters {
+    Parameters::BoucWen(BoucWenParameters {
+        lag_s: 1e-3,
+        a: 1.0,
+        beta: 0.8,
+        gamma: 0.3,
+        delta: 0.2,
+        n: 1.5,
+        offset_um: 0.0,
+        d1_um_per_v: 10.0,
+        d2_um_per_v2: 0.1,
+        c_um_per_v: -3.0,
+    })
+}
+
+/// Swings that shrink, so that a memory of reversals fills.
+fn wanted(tick: usize) -> f32 {
+    let t = tick as f32 * 5e-4;
+    14.0 + (9.0 - 4.0 * t) * (t * 60.0).sin()
+}
+
+fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
+    bench.push(table)?;
+    bench.restart()?;
+    ensure!(bench.table()? == *table, "{name}: the stored table is used");
+    let mut references: Vec<f32> = (0..3_000).map(wanted).collect();
+    // From end to end, which no voltage reaches in a tick.
+    references.extend([24.0; 300]);
+    references.extend([4.0; 300]);
+    let rest = table.drive.map(|drive| drive.code(LIMITS.rest_v, 4095).0);
+    bench.does(Request::SetMode(Mode::Follow))?;
+    let served = bench.board.instructions(exception::ADC1_2).count();
+    let first = bench.board.record().outputs.len();
+    let mut sent = 0;
+    while sent < references.len() {
+        let references = references[sent..].iter().take(64).copied().collect();
+        match bench.ask(Request::Refer { references, go: true, hold: true })? {
+            Reply::Referred { taken, starved: 0 } => sent += usize::from(taken),
+            other => bail!("{name}: {other:?}"),
+        }
+        bench.run(0.01)?;
+    }
+    bench.run(0.2)?;
+
+    let mut inverse = table.inverse::<f32>(&LIMITS)?;
+    let drive = table.drive.expect("it drives");
+    let expected: Vec<u16> =
+        references.iter().map(|&reference| drive.code(inverse.tick(reference).voltage, 4095).0).collect();
+    let codes: Vec<u16> = bench.board.record().outputs[first..].iter().map(|latch| latch.code).collect();
+    let start = codes.iter().position(|&code| Some(code) != rest).expect("it moves");
+    let begins = expected.iter().position(|&code| Some(code) != rest).expect("it is to move");
+    let found = &codes[start..][..expected.len() - begins];
+    let wrong = found.iter().zip(&expected[begins..]).position(|(a, b)| a != b);
+    assert_eq!(wrong, None, "{name}: reference of {}", expected.len());
+    let distinct = expected.iter().collect::<std::collections::BTreeSet<_>>().len();
+    assert!(distinct > 500, "{name}: {distinct} codes");
+    let own: Vec<u64> = bench.board.instructions(exception::ADC1_2).skip(served + 1).collect();
+    let (mean, most) = (own.iter().sum::<u64>() / own.len() as u64, own.iter().copied().max().unwrap_or(0));
+    println!(
+        "{name}: {distinct} DAC codes as predicted; {mean} instructions in the tick's interrupt on average, {most} at most"
+    );
+    assert!(most < TICK, "{name}: {most} instructions");
+    let health = bench.health()?;
+    assert_eq!((health.missed, health.mode), (0, Mode::Follow), "{name}");
+    Ok(())
+}
+
+#[test]
+fn the_drive_gives_the_codes_of_the_host_s_inverse_in_time() -> Result<()> {
+    let mut bench = Bench::started()?;
+    let table = bench.table()?;
+    let voigt = table.parameters;
+    for (name, parameters) in [
+        ("Voigt", voigt),
+        ("generalised-prandtl-ishlinskii", generalised_prandtl_ishlinskii()),
+        ("Preisach", preisach()),
+        ("Bouc-Wen", bouc_wen()),
+    ] {
+        follows(name, &mut bench, &driving(&table, parameters)?)?;
+    }
+    Ok(())
+}

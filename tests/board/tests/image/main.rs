@@ -1,0 +1,12 @@
+//! What the board's image does, from reset to reset. One program, so that its tests run side by side.
+
+mod boot;
+mod common;
+mod faults;
+mod flood;
+mod follow;
+mod log;
+mod power_cut;
+mod resets;
+mod store;
+mod timing;

@@ -1,0 +1,155 @@
+//! When the firmware itself fails: watchdog, hard fault, panic. The output is safe, the device starts again and tells why.
+
+use crate::common::Bench;
+use anyhow::Result;
+use board_emulator_test::{Board, CORE_HZ, Reset, Stop, exception};
+use protocol::{Health, Request, ResetCause};
+
+/// TIM6_CR1, whose bit 0 lets it count.
+const TIM6_CR1: u32 = 0x4000_1000;
+/// NVIC_ICER0, a bit an interrupt to be disabled.
+const NVIC_ICER0: u32 = 0xE000_E180;
+/// ICSR, with the bit that asks for an NMI.
+const ICSR: u32 = 0xE000_ED04;
+const NMIPENDSET: u32 = 1 << 31;
+/// NVIC_ISER0 and NVIC_ISPR0, a bit an interrupt to be enabled and to be pending; one that the firmware does not use.
+const NVIC_ISER0: u32 = 0xE000_E100;
+const NVIC_ISPR0: u32 = 0xE000_E200;
+const TIM2: u32 = 28;
+/// Memory behind the image's.
+const SPARE: u32 = 0x2001_F000;
+/// Nothing is there.
+const NOWHERE: u32 = 0x6000_0000;
+
+/// A device that has run for a while, and its safe code.
+fn running() -> Result<(Bench, u16)> {
+    let mut bench = Bench::started()?;
+    let safe = bench.table()?.dac.code(0.0f32).0;
+    bench.run(0.1)?;
+    assert_ne!(bench.board.output(), Some(safe));
+    Ok((bench, safe))
+}
+
+/// Runs to the reset, which must come within `ms`, and over it.
+fn resets(bench: &mut Bench, cause: Reset, ms: f64) -> Result<Health> {
+    let clock = bench.board.clock();
+    assert_eq!(bench.board.run(1.0)?, Stop::Reset(cause));
+    let took = (bench.board.clock() - clock) as f64 * 1e3 / f64::from(CORE_HZ);
+    assert!(took <= ms, "the reset comes after {took:.1} ms");
+    println!("{cause:?} reset after {took:.3} ms");
+    bench.reboot(cause)?;
+    bench.health()
+}
+
+#[test]
+fn a_tick_that_stops_is_the_watchdogs_to_end() -> Result<()> {
+    let irq = exception::ADC1_2 - 16;
+    for (address, value) in [(TIM6_CR1, 0), (NVIC_ICER0, 1 << irq)] {
+        let (mut bench, _) = running()?;
+        bench.board.poke(address, value)?;
+        // The main loop goes on and answers.
+        let ticks = bench.health()?.ticks;
+        assert_eq!(bench.health()?.ticks, ticks);
+        let health = resets(&mut bench, Reset::Watchdog, 221.0)?;
+        assert_eq!((health.reset, health.last_words), (ResetCause::WATCHDOG | ResetCause::PIN, None));
+        bench.run(0.5)?;
+        assert!(bench.health()?.ticks > 900, "it ticks again");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_main_loop_that_hangs_is_the_watchdogs_to_end() -> Result<()> {
+    let (mut bench, safe) = running()?;
+    // `b .`, in memory that the image does not use.
+    bench.board.poke(SPARE, 0xE7FE_E7FE)?;
+    bench.board.jump(SPARE);
+    let ticks = bench.board.record().conversions.len();
+    let health = resets(&mut bench, Reset::Watchdog, 201.0)?;
+    assert_eq!(health.reset, ResetCause::WATCHDOG | ResetCause::PIN);
+    let record = bench.board.record();
+    assert!(record.conversions.len() - ticks > 350, "the tick goes on meanwhile");
+    assert!(record.outputs[record.outputs.len() - 300..].iter().any(|latch| latch.code != safe));
+    Ok(())
+}
+
+/// The device fails by `cause`: safe output, reset, and a message with these parts, until it is forgotten.
+fn leaves_its_last_words(cause: impl Fn(&mut Bench) -> Result<()>, parts: &[&str]) -> Result<()> {
+    let (mut bench, safe) = running()?;
+    cause(&mut bench)?;
+    assert_eq!(bench.board.run(1e-3)?, Stop::Reset(Reset::Software), "{parts:?}");
+    assert_eq!(bench.board.output(), Some(safe), "{parts:?}");
+    bench.reboot(Reset::Software)?;
+    let health = bench.health()?;
+    let words = health.last_words.expect("last words");
+    println!("{words}");
+    assert!(parts.iter().all(|part| words.contains(part)), "{words}");
+    assert_eq!(health.reset, ResetCause::SOFTWARE | ResetCause::PIN);
+    assert_eq!(bench.health()?.last_words.as_deref(), Some(&*words), "as often as it is asked");
+    bench.does(Request::Forget)?;
+    assert_eq!(bench.health()?.last_words, None);
+    bench.restart()?;
+    assert_eq!(bench.health()?.last_words, None);
+    Ok(())
+}
+
+#[test]
+fn a_hard_fault_leaves_its_place_and_status() -> Result<()> {
+    // IBUSERR
+    let message = "hard fault at 0x60000000, called from";
+    leaves_its_last_words(
+        |bench| {
+            bench.board.jump(NOWHERE);
+            Ok(())
+        },
+        &[message, "status 0x00000100"],
+    )?;
+    // BFARVALID, PRECISERR; `ldr r0, [pc]; ldr r0, [r0]`
+    leaves_its_last_words(
+        |bench| {
+            bench.board.poke(SPARE, 0x6800_4800)?;
+            bench.board.poke(SPARE + 4, NOWHERE)?;
+            bench.board.jump(SPARE);
+            Ok(())
+        },
+        &["hard fault at 0x2001f002", "status 0x00008200, address 0x60000000"],
+    )?;
+    // In the tick's interrupt.
+    leaves_its_last_words(
+        |bench| {
+            let ticks = |board: &Board| board.record().services[&exception::ADC1_2].len();
+            let before = ticks(&bench.board);
+            assert_eq!(bench.board.run_until(1e-3, |board| ticks(board) > before)?, Stop::Condition);
+            bench.board.jump(NOWHERE);
+            Ok(())
+        },
+        &[message, "from 0xffffffe9"],
+    )
+}
+
+#[test]
+fn a_panic_leaves_its_message() -> Result<()> {
+    leaves_its_last_words(
+        |bench| bench.board.poke(ICSR, NMIPENDSET),
+        &["panic", "non-maskable interrupt, flash ECC state 0x00000000", "nucleo_g474re.rs"],
+    )?;
+    leaves_its_last_words(
+        |bench| {
+            bench.board.poke(NVIC_ISER0, 1 << TIM2)?;
+            bench.board.poke(NVIC_ISPR0, 1 << TIM2)
+        },
+        &["panic", "interrupt 28 has no handler"],
+    )
+}
+
+#[test]
+fn last_words_survive_the_watchdog_and_the_pin_but_not_the_loss_of_power() -> Result<()> {
+    for (cause, survives) in [(Reset::Pin, true), (Reset::Watchdog, true), (Reset::PowerOn, false)] {
+        let (mut bench, _) = running()?;
+        bench.board.jump(NOWHERE);
+        assert_eq!(bench.board.run(1e-3)?, Stop::Reset(Reset::Software));
+        bench.reboot(cause)?;
+        assert_eq!(bench.health()?.last_words.is_some(), survives, "{cause:?}");
+    }
+    Ok(())
+}

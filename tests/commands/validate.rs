@@ -1,0 +1,166 @@
+//! What `validate` says of a part of a log, of what the estimator is told, and the estimates that it writes: on the
+//! measured sessions, against errors that are taken anew from the written rows.
+
+use super::{MEASURED, json, number, piezo, refused, text};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Learnt from the first half of the first session.
+const TABLE: &str = "tests/data/table/models/generalised-prandtl-ishlinskii.toml";
+const OTHER_DAY: &str = "tests/data/picma-p885-session2.csv";
+
+/// A written row: time, voltage, sensor, estimate, status, whether it counts, log.
+struct Row {
+    time: f64,
+    voltage: f64,
+    sensor: f64,
+    estimate: f64,
+    status: String,
+    scored: bool,
+    log: String,
+}
+
+fn validate(logs: &[&str], arguments: &[&str], out: &Path) -> (Value, Vec<Row>) {
+    let report = json(piezo().arg("validate").arg(TABLE).args(logs).args(arguments).args(["--json", "--out"]).arg(out));
+    let written = fs::read_to_string(out).unwrap();
+    let mut lines = written.lines();
+    assert_eq!(lines.next(), Some("time_s,voltage_V,displacement_um,estimate_um,status,scored,log"));
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let at = |cell: usize| cells[cell].parse::<f64>().unwrap();
+        Row {
+            time: at(0),
+            voltage: at(1),
+            sensor: at(2),
+            estimate: at(3),
+            status: cells[4].to_owned(),
+            scored: cells[5] == "1",
+            log: cells[6].to_owned(),
+        }
+    };
+    (report, lines.map(row).collect())
+}
+
+/// Mean absolute error and RMS without the mean of what counts, µm.
+fn errors(rows: &[Row]) -> (f64, f64) {
+    let errors: Vec<f64> = rows.iter().filter(|row| row.scored).map(|row| row.estimate - row.sensor).collect();
+    let mean = |of: &dyn Fn(f64) -> f64| errors.iter().map(|&e| of(e)).sum::<f64>() / errors.len() as f64;
+    let offset = mean(&|e| e);
+    (mean(&f64::abs), mean(&|e| (e - offset) * (e - offset)).sqrt())
+}
+
+fn out(folder: &tempfile::TempDir) -> PathBuf {
+    folder.path().join("estimates.csv")
+}
+
+#[test]
+fn the_written_estimates_give_the_printed_errors_in_the_units_of_the_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let (report, rows) = validate(&[OTHER_DAY], &[], &out(&folder));
+    let log = fs::read_to_string(super::root().join(OTHER_DAY)).unwrap();
+    let recorded: Vec<Vec<f64>> = log
+        .lines()
+        .filter(|line| line.starts_with(|first: char| first.is_ascii_digit()))
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    // Of the first instant there is no estimate yet.
+    assert_eq!(rows.len(), recorded.len() - 1);
+    for (row, recorded) in rows.iter().zip(&recorded[1..]) {
+        assert!((row.time - recorded[0]).abs() < 1e-6 && (row.voltage - recorded[1]).abs() < 2e-6, "{}", row.time);
+        assert!((row.sensor - recorded[2]).abs() < 2e-6 && row.log == "picma-p885-session2");
+    }
+    let (mae, rms) = errors(&rows);
+    assert!((mae - number(&report, "/all/sil/mae_um")).abs() < 1e-5, "{mae}");
+    assert!((rms - number(&report, "/all/sil/rmse_without_offset_um")).abs() < 1e-5, "{rms}");
+    assert!(rows[0].status.contains("NOT_SETTLED") && rows.last().unwrap().status.is_empty());
+}
+
+#[test]
+fn each_of_the_four_ways_of_being_told_is_what_is_written_and_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let mae = |told: &str| {
+        let (report, rows) = validate(&[OTHER_DAY], &["--told", told], &out(&folder));
+        let key = told.replace('-', "_");
+        let printed = number(&report, &format!("/logs/0/told/{key}/mae_um"));
+        assert!((errors(&rows).0 - printed).abs() < 1e-5, "{told}: {printed}");
+        assert_eq!(number(&report, "/judged/mae_um"), printed, "{told}");
+        printed
+    };
+    let [nothing, _, cycle, offset] = ["nothing", "first-reading", "one-cycle", "offset"].map(mae);
+    // Between the sessions the sensor's zero moves by about 1 µm, which one cycle beside it tells.
+    assert!(nothing > 0.6 && cycle < 0.6 * nothing && offset < cycle, "{nothing} {cycle} {offset}");
+}
+
+#[test]
+fn a_part_is_scored_with_the_log_before_it_as_its_past() {
+    let folder = tempfile::tempdir().unwrap();
+    let (report, rows) = validate(&[MEASURED], &["--from", "20", "--to", "30"], &out(&folder));
+    let scored: Vec<f64> = rows.iter().filter(|row| row.scored).map(|row| row.time).collect();
+    assert_eq!((scored[0], scored[scored.len() - 1], scored.len()), (20.0, 29.995, 2000));
+    assert_eq!(number(&report, "/logs/0/scored_s/0"), 20.0);
+    // It runs on from the beginning: what is estimated does not depend on what is scored.
+    let (_, all) = validate(&[MEASURED], &[], &out(&folder));
+    assert!(rows.iter().zip(&all).all(|(a, b)| a.estimate == b.estimate));
+    let (mae, _) = errors(&rows);
+    assert!((mae - number(&report, "/all/sil/mae_um")).abs() < 1e-5);
+}
+
+#[test]
+fn a_zero_in_the_rest_holds_from_then_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let (report, rows) = validate(&[OTHER_DAY], &["--zero-at", "22"], &out(&folder));
+    let (_, plain) = validate(&[OTHER_DAY], &[], &out(&folder));
+    // 50 ms are ten readings.
+    let at = rows.iter().position(|row| row.time == 22.0).unwrap();
+    let before: f64 = plain[at - 9..=at].iter().map(|row| row.estimate - row.sensor).sum::<f64>() / 10.0;
+    assert!((before - number(&report, "/logs/0/zeroed_um")).abs() < 1e-5, "{before}");
+    for (index, (row, plain)) in rows.iter().zip(&plain).enumerate() {
+        let less = if index < at { 0.0 } else { before };
+        assert!((plain.estimate - row.estimate - less).abs() < 1e-5, "{}", row.time);
+        assert_eq!(row.scored, index > at);
+    }
+    let whole = json(piezo().args(["validate", TABLE, OTHER_DAY, "--from", "22.005", "--json"]));
+    let (zeroed, not) = (number(&report, "/all/sil/mae_um"), number(&whole, "/all/sil/mae_um"));
+    assert!(zeroed < 0.5 * not, "{zeroed} {not}");
+}
+
+#[test]
+fn several_logs_stand_in_one_file_each_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let (report, rows) = validate(&[MEASURED, OTHER_DAY], &["--told", "nothing"], &out(&folder));
+    for (index, name) in ["picma-p885-1hz", "picma-p885-session2"].into_iter().enumerate() {
+        let own: Vec<Row> = validate(&[[MEASURED, OTHER_DAY][index]], &["--told", "nothing"], &out(&folder)).1;
+        assert_eq!(rows.iter().filter(|row| row.log == name).count(), own.len());
+        assert_eq!(report["logs"][index]["log"], name);
+    }
+    let people = piezo().args(["validate", TABLE, MEASURED, OTHER_DAY]).assert().success().get_output().stdout.clone();
+    let people = String::from_utf8(people).unwrap();
+    for line in ["picma-p885-1hz  f32, one cycle", "picma-p885-session2  f32, cold", "all  f32, no offset"] {
+        assert!(people.lines().any(|printed| printed.starts_with(line)), "{line} is missing in {people}");
+    }
+}
+
+#[test]
+fn what_cannot_be_scored_or_written_is_refused_by_name_and_value() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = out(&folder);
+    let refuse = |arguments: &[&str], says: &[&str]| {
+        let all = [&["validate", TABLE, MEASURED][..], arguments, &["--out", text(&path)]].concat();
+        refused(&all, says);
+        assert!(!path.exists(), "nothing may be written");
+    };
+    refuse(&["--from", "41"], &["picma-p885-1hz.csv", "41 s", "40.130", "--from"]);
+    refuse(&["--to", "99"], &["picma-p885-1hz.csv", "99 s", "--to"]);
+    refuse(&["--zero-at", "50"], &["picma-p885-1hz.csv", "50 s", "--zero-at"]);
+    refuse(&["--from", "20", "--to", "10"], &["10 s", "20 s", "--to"]);
+    refuse(&["--to", "10", "--zero-at", "12"], &["10 s", "12 s", "--zero-at"]);
+    refuse(&["--from", "40.1"], &["only 7", "16"]);
+    refuse(&["--told", "one-cycle", "--to", "1.2"], &["no full cycle", "--told"]);
+    refuse(&["--from", "-1"], &["--from"]);
+    refuse(&["--told", "everything"], &["--told", "first-reading"]);
+    for input in [MEASURED, TABLE] {
+        refused(&["validate", TABLE, MEASURED, "--out", input], &["would overwrite", input]);
+    }
+    refused(&["validate", TABLE, MEASURED, "--out", text(folder.path())], &["--out names a file"]);
+}
