@@ -89,7 +89,7 @@ impl<M: Linear<f64>> Projection<'_, M> {
 }
 
 /// The first instant at which a session's voltage has been near both of its extremes; 0 where that takes more than half of it.
-fn settled(session: &Session) -> usize {
+pub(super) fn settled(session: &Session) -> usize {
     let low = session.voltage.iter().copied().fold(f64::INFINITY, f64::min);
     let high = session.voltage.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let near = EXTREME * (high - low);

@@ -6,7 +6,7 @@
 
 use estimator_core::Range;
 
-/// Functions.
+/// How many functions a slope is made of.
 pub const FUNCTIONS: usize = 8;
 /// Knots at which the model holds slopes.
 pub const KNOTS: usize = 9;

@@ -14,7 +14,7 @@ pub const COLUMNS: usize = 2 * FUNCTIONS;
 
 /// What is given before the columns are.
 pub struct Stages<'a> {
-    /// The functions.
+    /// The functions that the columns belong to.
     pub basis: &'a Basis,
     /// What they are laid out over, V.
     pub span: Range<f64>,

@@ -10,11 +10,10 @@
 
 use super::basis::FUNCTIONS;
 use super::columns::{COLUMNS, Stages};
+use crate::family::projection::settled;
 use least_squares::{Normal, Sign};
 use recordings::session::Session;
 
-/// How near to its extremes, as a fraction of its span, a session's voltage must have come for its start to be over.
-const EXTREME: f64 = 0.01;
 /// What the start's block counts beside the rest's: few periods, and the least certain.
 const START: f64 = 0.3;
 /// Turns between coefficients and noise.
@@ -94,16 +93,4 @@ impl Block {
         self.normal.add(row, target, 1.0);
         self.rows += 1.0;
     }
-}
-
-/// The first measured instant at which a session's voltage has been near both of its extremes; 0 where that takes more than
-/// half of it.
-fn settled(session: &Session) -> usize {
-    let low = session.voltage.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = session.voltage.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let near = EXTREME * (high - low);
-    let first = |is: &dyn Fn(f64) -> bool| session.voltage.iter().position(|&v| is(v)).unwrap_or(0);
-    let tick = first(&|v| v <= low + near).max(first(&|v| v >= high - near)) as u32;
-    let index = session.instants.partition_point(|&instant| instant < tick);
-    if 2 * index <= session.instants.len() { index } else { 0 }
 }
