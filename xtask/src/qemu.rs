@@ -49,14 +49,18 @@ impl Qemu {
     pub fn start(command: &mut Command) -> Result<Self> {
         let child = command.args(["-monitor", "stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
         let mut qemu = Self(child.context(NO_QEMU)?);
+        // The first prompt comes while QEMU still opens its devices. An order is taken when all of them are ready, and the
+        // next prompt follows it.
+        qemu.order("info chardev")?;
         let output = qemu.0.stdout.as_mut().context("QEMU's monitor has no output")?;
-        // The monitor's prompt comes when every device is ready.
-        let prompt = b"(qemu)";
-        let mut said = Vec::new();
-        while !said.ends_with(prompt) {
-            let mut byte = [0];
-            output.read_exact(&mut byte).context("QEMU ended at once")?;
-            said.extend(byte);
+        let prompt = b"\n(qemu)";
+        for _ in ["at its start", "after the order"] {
+            let mut said = Vec::new();
+            while !said.ends_with(prompt) {
+                let mut byte = [0];
+                output.read_exact(&mut byte).context("QEMU ended at once")?;
+                said.extend(byte);
+            }
         }
         Ok(qemu)
     }
@@ -66,11 +70,16 @@ impl Qemu {
     /// # Errors
     /// It had ended already, or fails.
     pub fn quit(mut self) -> Result<()> {
-        let monitor = self.0.stdin.as_mut().context("QEMU's monitor has no input")?;
-        monitor.write_all(b"quit\n").context("QEMU has ended before its time")?;
+        self.order("quit")?;
         let status = self.0.wait()?;
         ensure!(status.success(), "QEMU: {status}");
         Ok(())
+    }
+
+    /// Types an order into QEMU's monitor.
+    fn order(&mut self, order: &str) -> Result<()> {
+        let monitor = self.0.stdin.as_mut().context("QEMU's monitor has no input")?;
+        writeln!(monitor, "{order}").context("QEMU has ended before its time")
     }
 }
 
