@@ -88,6 +88,14 @@ impl<T: Real> Estimator<T> {
         }
     }
 
+    /// The same estimator, at rest, for voltages that stand for a tick, as those of an [`Inverse`](crate::Inverse) do:
+    /// see [`Recursion::of_held_voltage`](crate::Recursion::of_held_voltage).
+    #[must_use]
+    pub fn of_held_voltage(mut self) -> Self {
+        self.restart();
+        Self { engine: self.engine.of_held_voltage(), ..self }
+    }
+
     /// Starts anew from a known displacement (µm relative to the model's zero), with no reversal seen. Returns whether it
     /// lay within the limits; beyond, the start is at the nearest, as it is where no memory of the model gives it.
     pub fn start_at(&mut self, displacement: T) -> bool {

@@ -104,6 +104,12 @@ macro_rules! models {
                 match self { $(Self::$model(model) => model.peek(voltage),)* }
             }
 
+            /// As [`Recursion::of_held_voltage`], with nothing remembered.
+            #[must_use]
+            pub fn of_held_voltage(&self) -> Self {
+                match self { $(Self::$model(model) => Self::$model(model.of_held_voltage()),)* }
+            }
+
             /// As [`Recursion::monotone_part`], with nothing remembered.
             pub fn monotone_part(&self) -> Option<Self> {
                 Some(match self { $(Self::$model(model) => Self::$model(model.monotone_part()?),)* })

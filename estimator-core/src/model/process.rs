@@ -51,6 +51,15 @@ impl<M, S> Running<M, S> {
         }
     }
 
+    /// As [`Recursion::of_held_voltage`], with nothing remembered.
+    #[must_use]
+    pub fn of_held_voltage<T: Real>(&self) -> Self
+    where
+        M: Recursion<T, State = S> + Clone,
+    {
+        Self::new(self.model.of_held_voltage())
+    }
+
     /// As [`Recursion::monotone_part`], with nothing remembered.
     pub fn monotone_part<T: Real>(&self) -> Option<Self>
     where

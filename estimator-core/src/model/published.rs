@@ -52,8 +52,8 @@ pub trait Published: Copy {
     /// The rule that they break.
     fn check(&self) -> Result<(), Rule>;
 
-    /// Ticks by which the displacement comes later than its monotone part has it
-    /// ([`Recursion::monotone_part`]): what whoever knows a reference ahead of time can make up for.
+    /// Ticks by which the displacement comes later than the monotone part of the model has it
+    /// ([`Recursion::monotone_part`]), for a voltage that stands for a tick: what whoever knows a reference ahead of time can make up for.
     fn delay_ticks(&self) -> f32 {
         0.0
     }

@@ -33,7 +33,16 @@ pub trait Recursion<T: Real>: Sized {
     /// The recursion is unstable or has no bound, or the bound is not within `limits`.
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>>;
 
-    /// The model without delay and resonance, whose displacement a tick later rises with this tick's voltage. `None`
+    /// The same model for a voltage that stands for a tick, as a converter gives it, where the model takes that of a log to run
+    /// straight from sample to sample: of voltages that it gives itself, what it predicts is not a tick ahead of them.
+    fn of_held_voltage(&self) -> Self
+    where
+        Self: Clone,
+    {
+        self.clone()
+    }
+
+    /// Of a voltage that stands for a tick, the model without delay and resonance, whose displacement a tick later rises with this tick's voltage. `None`
     /// where the model has no such part. Parameters that bend it until it falls are found by
     /// [`Inverse::build`](crate::Inverse::build).
     fn monotone_part(&self) -> Option<Self>;

@@ -78,7 +78,7 @@ pub fn near(table: &Admitted) -> f64 {
 /// Plans a trajectory from rest at the limits' rest voltage.
 pub fn plan(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> Result<Plan, NoInverse> {
     let mut inverse: Inverse<f64> = table.inverse(limits)?;
-    let mut model = Estimator::<f64>::new(table);
+    let mut model = Estimator::<f64>::new(table).of_held_voltage();
     let ahead = 1.0 + f64::from(table.parameters.delay_ticks());
     let mut now = model.tick_volts(limits.rest_v.into()).displacement;
     let count = trajectory.0.len();

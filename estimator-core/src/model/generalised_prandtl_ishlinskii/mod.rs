@@ -263,9 +263,15 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
         within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
-    /// Its lag takes a voltage that stands for a tick, as a converter gives it: the inverse of one that runs straight would
-    /// swing from tick to tick.
+    /// The displacement a tick later then needs no voltage that is foreseen. (The inverse of a lag that takes its input to run
+    /// straight would swing from tick to tick.)
+    fn of_held_voltage(&self) -> Self {
+        let (delay, older) =
+            if self.ahead > T::zero() { (0, T::one() - self.ahead) } else { (self.delay + 1, self.older) };
+        Self { delay, older, ahead: T::zero(), lag: self.lag.of_held_input(), ..*self }
+    }
+
     fn monotone_part(&self) -> Option<Self> {
-        Some(Self { delay: 0, older: T::zero(), resonance: None, lag: self.lag.of_held_input(), ..*self })
+        Some(Self { delay: 0, older: T::zero(), resonance: None, ..self.of_held_voltage() })
     }
 }

@@ -61,7 +61,7 @@ impl Published for GeneralisedPrandtlIshlinskiiParameters {
     }
 
     fn delay_ticks(&self) -> f32 {
-        self.delay_ticks.max(0.0)
+        self.delay_ticks + 1.0
     }
 
     fn check(&self) -> Result<(), Rule> {
