@@ -10,6 +10,7 @@
 //! swing would wipe out, and slow creep, may still be the start's.
 
 use crate::calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, Line};
+use crate::interval::{Interval, IntervalState, Width};
 use crate::math::Real;
 use crate::model::{Engine, Process};
 use crate::range::Range;
@@ -34,6 +35,8 @@ bitflags::bitflags! {
         const NOT_SETTLED = 1 << 4;
         /// The wanted displacement cannot be had at this tick: the voltage or its slew rate is at a limit.
         const OUT_OF_REACH = 1 << 5;
+        /// The voltage has gone as it never went in the training: what the estimate says here was not learnt.
+        const UNTRAINED = 1 << 6;
     }
 }
 
@@ -42,6 +45,9 @@ bitflags::bitflags! {
 pub struct Estimate<T> {
     /// Displacement at the next tick, µm relative to the model's zero, or to where [`Estimator::set_zero`] was called.
     pub displacement: T,
+    /// Half the width of its 95 % interval ([`interval`](crate::interval)), µm; `None` where the table has none, or the
+    /// displacement was not told since the start.
+    pub half_width: Option<T>,
     /// The same as the DAC takes it.
     pub dac: DacCode,
     /// What to know about it.
@@ -65,6 +71,9 @@ pub struct Estimator<T: Real> {
     /// Displacement at the next tick, or where it was told to start, µm; `None` before.
     displacement: Option<T>,
     zero: T,
+    interval: Option<Interval<T>>,
+    /// From the first tick on.
+    interval_state: Option<IntervalState<T>>,
 }
 
 impl<T: Real> Estimator<T> {
@@ -85,6 +94,8 @@ impl<T: Real> Estimator<T> {
             settling: Some(Settling::new(voltage_range, deadband)),
             displacement: None,
             zero: T::zero(),
+            interval: table.interval.map(|of| Interval::build(&of, voltage_range, table.sample_period())),
+            interval_state: None,
         }
     }
 
@@ -110,11 +121,22 @@ impl<T: Real> Estimator<T> {
         self.settling = Some(Settling::new(self.voltage_range, self.deadband));
         self.displacement = None;
         self.zero = T::zero();
+        self.interval_state = None;
     }
 
     /// Calls the displacement of now 0, as at rest, where creep has carried the actuator from what the model knows.
     pub fn set_zero(&mut self) {
         self.zero = self.displacement.unwrap_or(T::zero());
+        self.tell();
+    }
+
+    /// Takes the displacement of now to be told: the interval is relative to it. Returns whether there is one from now on;
+    /// there is none where the table has none, or too soon after the start.
+    pub fn tell(&mut self) -> bool {
+        match (&self.interval, &mut self.interval_state) {
+            (Some(interval), Some(state)) => interval.tell(state),
+            _ => false,
+        }
     }
 
     /// One tick: the code of this tick's conversion in, the displacement at the next tick out.
@@ -134,8 +156,11 @@ impl<T: Real> Estimator<T> {
         let mut status = Status::empty();
         status.set(Status::ADC_SATURATED, saturated);
         status.set(Status::VOLTAGE_OUT_OF_RANGE, voltage != wanted);
-        let free = self.engine.step(voltage, self.displacement);
+        let known = self.displacement;
+        let free = self.engine.step(voltage, known);
         self.displacement = Some(free);
+        let Width { half: half_width, untrained } = self.width(voltage, free, known.is_some());
+        status.set(Status::UNTRAINED, untrained);
         if let Some(settling) = &mut self.settling {
             if settling.settles(voltage) {
                 self.settling = None;
@@ -146,10 +171,27 @@ impl<T: Real> Estimator<T> {
         let displacement = free - self.zero;
         let dac = self.dac.code(displacement);
         if self.limits.contains(free) && !self.dac.saturated(dac) {
-            Estimate { displacement, dac, status }
+            Estimate { displacement, half_width, dac, status }
         } else {
-            self.limited(free, status)
+            Estimate { half_width, ..self.limited(free, status) }
         }
+    }
+
+    /// The interval of a tick. At the first one a displacement is `known` where the estimator was told it.
+    #[inline]
+    fn width(&mut self, voltage: T, displacement: T, known: bool) -> Width<T> {
+        let Some(interval) = &self.interval else { return Width { half: None, untrained: false } };
+        let state = match &mut self.interval_state {
+            Some(state) => state,
+            none => {
+                let state = none.insert(interval.begin(voltage, displacement));
+                if known {
+                    interval.tell_at_rest(state);
+                }
+                state
+            }
+        };
+        interval.step(state, voltage, displacement)
     }
 
     /// A displacement beyond the limits or the DAC's range.
@@ -163,6 +205,6 @@ impl<T: Real> Estimator<T> {
         let dac = self.dac.code(displacement);
         status.set(Status::CLAMPED, limited != free);
         status.set(Status::DAC_SATURATED, self.dac.saturated(dac));
-        Estimate { displacement, dac, status }
+        Estimate { displacement, half_width: None, dac, status }
     }
 }

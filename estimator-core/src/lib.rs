@@ -4,7 +4,7 @@
 //! the reference), so the number that was validated on the host and the number that leaves the DAC come from one source.
 //!
 //! ```text
-//! bytes ─► Table::parse ─► Admitted ─┬► Estimator ── AdcCode ─► tick ─► Estimate { displacement, DacCode, Status }
+//! bytes ─► Table::parse ─► Admitted ─┬► Estimator ── AdcCode ─► tick ─► Estimate { displacement, half_width, DacCode, Status }
 //!               │                    ├► Inverse ── reference ─► tick ─► Commanded { voltage, displacement, reached }
 //!               │                    └► Engine: any model with its memory, built from the published parameters
 //!               └─ refuses what is truncated, corrupt, of another version, not finite, or not admissible
@@ -18,6 +18,7 @@ pub mod admissible;
 pub mod calibration;
 pub mod estimator;
 pub mod extremum;
+pub mod interval;
 pub mod inverse;
 pub mod list;
 pub mod math;
@@ -33,6 +34,7 @@ pub use admissible::Inadmissible;
 pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, DriveCalibration, DriveLimits};
 pub use estimator::{Estimate, Estimator, Status};
 pub use extremum::{Extremum, Tracker};
+pub use interval::IntervalParameters;
 pub use inverse::{Commanded, Inverse, InverseContext, NoInverse};
 pub use list::List;
 pub use math::Real;

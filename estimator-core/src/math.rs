@@ -28,6 +28,8 @@ pub trait Real: FloatCore + Debug + Display + Send + Sync + 'static {
     fn exp_m1(self) -> Self;
     /// Natural logarithm; −∞ for 0. Call it with values of at least 0.
     fn ln(self) -> Self;
+    /// Square root; NaN below 0.
+    fn sqrt(self) -> Self;
     /// The value of a number of the parameter table.
     fn of(value: f32) -> Self;
     /// Towards zero, saturating at 0 and `u32::MAX`; 0 for NaN. One instruction of the target, unlike the same to `u16`.
@@ -76,6 +78,10 @@ impl Real for f32 {
         libm::expm1f(self)
     }
 
+    fn sqrt(self) -> Self {
+        libm::sqrtf(self)
+    }
+
     fn of(value: f32) -> Self {
         value
     }
@@ -97,6 +103,10 @@ impl Real for f64 {
 
     fn exp_m1(self) -> Self {
         libm::expm1(self)
+    }
+
+    fn sqrt(self) -> Self {
+        libm::sqrt(self)
     }
 
     #[inline]

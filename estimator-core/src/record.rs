@@ -15,9 +15,9 @@ use crate::sealed::{self, CHECKSUM, Unsealed};
 use crate::table::{Admitted, Table, TableError};
 
 /// Format version that this software writes and reads.
-pub const VERSION: u16 = 5;
+pub const VERSION: u16 = 6;
 /// No record is longer than this, bytes.
-pub const MAX_LENGTH: usize = 416;
+pub const MAX_LENGTH: usize = 584;
 
 const MAGIC: [u8; 4] = *b"PZTB";
 const HEADER: usize = 8;

@@ -75,9 +75,9 @@ impl<'q> Tick<'q> {
     }
 
     fn estimate(&mut self, code: AdcCode, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
-        let Estimate { displacement, dac, mut status } = match &mut self.startup.estimator {
+        let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
             Some(estimator) => tick_sample(estimator, code),
-            None => Estimate { displacement: 0.0, dac: self.startup.safe, status: Status::empty() },
+            None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
         };
         let (mut faults, sound) = self.supervise(code, status, missed, faults);
         let output = self.output(dac, sound);
@@ -88,7 +88,7 @@ impl<'q> Tick<'q> {
         }
         self.telemetry.count(status);
         faults.set(Faults::SAFE_OUTPUT, output.safe);
-        self.stream(Sample { code: code.0, displacement, dac: output.code.0, status, faults });
+        self.stream(Sample { code: code.0, displacement, half_width, dac: output.code.0, status, faults });
         self.number = self.number.wrapping_add(1);
         (output.code, faults)
     }

@@ -15,7 +15,7 @@ use serde::de::DeserializeOwned;
 pub const VERSION: u8 = 2;
 
 /// No frame is longer than this on the wire, delimiter included, bytes.
-pub const MAX_FRAME: usize = 512;
+pub const MAX_FRAME: usize = 768;
 
 const DELIMITER: u8 = 0;
 /// Longest content before stuffing, which adds one byte and one more for every 254.

@@ -15,6 +15,8 @@ pub struct Sample {
     pub code: u16,
     /// Displacement at the next tick, µm relative to the zero; 0 where nothing was estimated.
     pub displacement: f32,
+    /// Half the width of its 95 % interval ([`estimator_core::interval`]), µm; `None` where there is none.
+    pub half_width: Option<f32>,
     /// What the DAC was given ([`estimator_core::DacCode`]), to be put out at the next tick.
     pub dac: u16,
     /// What the estimator reported.

@@ -40,8 +40,14 @@ fn requests() -> Vec<Request> {
 }
 
 fn samples(count: usize) -> Samples {
-    let sample =
-        Sample { code: u16::MAX, displacement: f32::MIN, dac: u16::MAX, status: Status::all(), faults: Faults::all() };
+    let sample = Sample {
+        code: u16::MAX,
+        displacement: f32::MIN,
+        half_width: Some(f32::MAX),
+        dac: u16::MAX,
+        status: Status::all(),
+        faults: Faults::all(),
+    };
     Samples { first: u32::MAX, samples: (0..count).map(|_| sample).collect() }
 }
 

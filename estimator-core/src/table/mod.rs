@@ -14,6 +14,7 @@ pub use digest::Digest;
 pub use error::TableError;
 
 use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration, DriveLimits};
+use crate::interval::IntervalParameters;
 use crate::inverse::{Inverse, InverseContext, NoInverse};
 use crate::math::Real;
 use crate::model::{Discretisation, Engine, Model, Parameters, Process, Scheme};
@@ -65,6 +66,8 @@ pub struct Table {
     pub dac: DacCalibration,
     /// Where the DAC drives the amplifier: volts to codes, and limits. It then shows no displacement.
     pub drive: Option<DriveCalibration>,
+    /// How far the estimate may be off; `None` where nobody knows.
+    pub interval: Option<IntervalParameters>,
     /// Where it comes from.
     pub provenance: Provenance,
 }
@@ -205,6 +208,7 @@ impl Table {
             ("dac.full_scale must be at least 1", self.dac.full_scale >= 1),
         ])
         .and_then(|()| self.parameters.check())
+        .and_then(|()| self.interval.as_ref().map_or(Ok(()), IntervalParameters::check))
         .map_err(|rule| TableError::OutOfRange { rule })
     }
 }

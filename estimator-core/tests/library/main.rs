@@ -6,6 +6,7 @@ mod common;
 mod duhem;
 mod estimator;
 mod generalised_prandtl_ishlinskii;
+mod interval;
 mod inverse;
 mod laws;
 mod maxwell_slip;

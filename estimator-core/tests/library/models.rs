@@ -1,5 +1,6 @@
 //! What must hold of a table of any model: its record's length, no panic on any bytes, no displacement beyond the limits.
 
+use crate::common::interval;
 use crate::common::models::table_of;
 use crate::common::resealed;
 use estimator_core::record::MAX_LENGTH;
@@ -27,6 +28,7 @@ fn the_longest_record_of_every_model_fits_and_comes_back() {
             sample_period_us: 1_000_000,
             adc: AdcCalibration { full_scale: u16::MAX, ..table.adc },
             dac: DacCalibration { full_scale: u16::MAX, ..table.dac },
+            interval: Some(interval()),
             provenance: longest_provenance,
             ..table
         };
@@ -51,7 +53,8 @@ proptest! {
         codes in prop::collection::vec(prop_oneof![Just(0u16), Just(u16::MAX), any::<u16>(), 0u16..4096], 1..60),
         references in prop::collection::vec(prop_oneof![Just(f32::NAN), any::<f32>(), -20f32..40.0], 1..20),
     ) {
-        let mut record = encoded(&table_of(model).admit().unwrap());
+        let table = Table { interval: Some(interval()), ..table_of(model) };
+        let mut record = encoded(&table.admit().unwrap());
         for (at, bits) in flips {
             if let Some(byte) = record.get_mut(at) {
                 *byte ^= bits;

@@ -21,8 +21,8 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0500",
-            "7000", // magic, version, length
+            "0600",
+            "7100", // magic, version, length
             "f403",
             "00",
             "00000000",
@@ -51,13 +51,14 @@ fn record_is_pinned() {
             "00f0ff44",
             "ff1f", // DAC
             "00",   // no drive
+            "00",   // no interval
             "a5a5a5a5a5a5a5a5",
             "07",
             "000100",
             "0000803e",
             "01b81e853e",
             "00",       // provenance
-            "d90761f5", // CRC-32
+            "6c7aa442", // CRC-32
         ),
         "the format changed: bump record::VERSION and say so in CHANGELOG.md"
     );

@@ -230,7 +230,14 @@ mod tests {
 
     #[test]
     fn what_is_odd_before_the_first_reference_ends_nothing_but_an_unsafe_fault_does() {
-        let sample = |faults| Sample { code: 1, displacement: 0.0, dac: 0, status: Default::default(), faults };
+        let sample = |faults| Sample {
+            code: 1,
+            displacement: 0.0,
+            half_width: None,
+            dac: 0,
+            status: Default::default(),
+            faults,
+        };
         let after = |faults: &[Faults]| {
             let mut followed = Followed::default();
             take(&mut followed, &faults.iter().map(|&faults| sample(faults)).collect::<Vec<_>>(), 10);

@@ -4,7 +4,9 @@ use crate::calibration::CalibrationOptions;
 use crate::fit::Fit;
 use crate::problem::Problem;
 use crate::validate::{Comparison, Figures, compare};
-use estimator_core::{Admitted, Digest, Inadmissible, Parameters, Provenance, Range, Scheme, Table, TableError};
+use estimator_core::{
+    Admitted, Digest, Inadmissible, IntervalParameters, Parameters, Provenance, Range, Scheme, Table, TableError,
+};
 use recordings::prepare::Recipe;
 
 /// An identified model with its table and its errors.
@@ -75,6 +77,14 @@ impl Candidate {
         Ok(Self { table: Table { provenance, ..table }.admit()?, ..candidate })
     }
 
+    /// The same with this interval beside its estimate, or none.
+    ///
+    /// # Errors
+    /// The interval breaks a rule.
+    pub fn with_interval(self, interval: Option<IntervalParameters>) -> Result<Self, CandidateError> {
+        Ok(Self { table: Table { interval, ..*self.table }.admit()?, ..self })
+    }
+
     /// Reference errors over all training logs.
     pub fn training_figures(&self) -> Option<Figures> {
         Figures::all(self.training.iter().map(|comparison| &comparison.mil))
@@ -106,6 +116,7 @@ fn table(problem: &Problem, parameters: Parameters, context: &TableContext) -> R
         adc,
         dac,
         drive: None,
+        interval: None,
         provenance: Provenance {
             logs: context.logs,
             seed: context.seed,

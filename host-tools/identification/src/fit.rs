@@ -98,6 +98,24 @@ impl Identification<'_> {
         fits
     }
 
+    /// The model of a fit once more, on other sessions, from where that one ended: one structure and one search of so many
+    /// candidates.
+    pub fn again(&self, fit: &Fit, evaluations: usize) -> Fit {
+        let structures = family::of(fit.model, self.problem);
+        let alike = structures.iter().find(|family| family.genes().len() == fit.genes.len());
+        match alike.or(structures.first()) {
+            Some(family) => {
+                let methods = [self.options.optimiser];
+                self.structure(fit.model, family.as_ref(), &methods, evaluations, Some(fit), &mut |_, _| ())
+            }
+            None => Identification { budget: Some(evaluations), ..*self }.voigt(
+                fit.model,
+                std::slice::from_ref(fit),
+                &mut |_, _| (),
+            ),
+        }
+    }
+
     /// By rounds of the genetic algorithm, from random candidates and again with the simpler models' solutions among
     /// them where there are any: the better of the two. Within a budget in one search that starts at the best of those
     /// solutions.

@@ -16,7 +16,7 @@ use crate::start::prepared;
 use crate::suspicion::doubts;
 use estimator_core::{Digest, Model};
 use recordings::log::Log;
-use recordings::prepare::{AutoOr, PrepareError, PrepareOptions, Recipe};
+use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use sha2::{Digest as _, Sha256};
 use std::path::PathBuf;
 
@@ -73,8 +73,10 @@ pub struct Outcome {
     pub doubts: Vec<Doubt>,
     /// What every model is to better; `None` where the training voltage does not move.
     pub straight_line: Option<Baseline>,
-    /// How the logs were prepared.
-    pub recipe: Recipe,
+    /// What every model was identified on.
+    pub problem: Problem,
+    /// What every table holds besides; how the logs were prepared is in its recipe.
+    pub context: TableContext,
     /// What each log was used for.
     pub logs: Vec<LogUse>,
 }
@@ -220,7 +222,7 @@ impl Job {
             doubts.push(Doubt::CalibrationAssumed);
         }
         let straight_line = Baseline::of(&problem);
-        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, recipe: context.recipe, logs })
+        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, problem, context, logs })
     }
 
     /// A doubt for each log that is no sensor's.

@@ -75,6 +75,13 @@ impl Problem {
         }
     }
 
+    /// The same conditions with other sessions, at the same tick.
+    #[must_use]
+    pub fn of(&self, training: Vec<Session>, validation: Vec<Session>) -> Self {
+        let conditions = Conditions { scheme: self.scheme, deadband: Some(self.deadband), limit: self.limit };
+        Self::new(training, validation, conditions)
+    }
+
     /// Cost of parameters: their training error (µm), infinite where they are not admissible.
     pub fn cost(&self, trial: &impl Trial, cost: impl Into<Cost>) -> f64 {
         let model = trial.model(&self.discretisation(), self.voltage_range);

@@ -40,6 +40,7 @@ fn table(model: Model) -> Admitted {
         adc: AdcCalibration { gain_v_per_code: 0.0107, offset_v: -22.0, invert: false, full_scale: 4095 },
         dac: DacCalibration { gain_codes_per_um: 100.0, offset_code: 2048.0, full_scale: 4095 },
         drive: None,
+        interval: None,
         provenance: Provenance {
             logs: Digest([0; 8]),
             seed: 1,

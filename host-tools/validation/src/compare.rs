@@ -1,6 +1,7 @@
 //! How far an admitted table's estimate is from the sensor, in simulation: the f64 reference (MIL) and the f32 core that
 //! the target runs (SIL) side by side.
 
+use crate::coverage::Coverage;
 use crate::figures::Figures;
 use crate::run::Run;
 use crate::scope::{Part, Scope, ScopeError, time_s};
@@ -57,6 +58,9 @@ pub struct Comparison {
     pub sil: Figures,
     /// Largest difference of the two estimates, µm.
     pub mil_sil_um: f64,
+    /// How the interval of the f32 core did, relative to the first reading, or to the zero where there is one; `None` where
+    /// the table has no interval, or the zero comes too soon.
+    pub interval: Option<Coverage>,
     /// The f32 core told nothing.
     pub cold: Cold,
     /// The f32 core by what it was told.
@@ -88,9 +92,11 @@ pub fn compare_within(table: &Admitted, session: &Session, scope: &Scope) -> Res
 
 fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
     let first = session.displacement[0];
-    let reference = Run::of::<f64>(table, session, Some(first));
-    let single = Run::of::<f32>(table, session, Some(first));
-    let nothing = Run::of::<f32>(table, session, None);
+    let zero = part.zero.as_ref().map(|window| window.end - 1);
+    let reference = Run::of::<f64>(table, session, Some(first), zero);
+    let single = Run::of::<f32>(table, session, Some(first), zero);
+    let nothing = Run::of::<f32>(table, session, None, zero);
+    let beside = Correction::of(Told::FirstReading, session, part, &single);
     let told = ToldFigures::of(session, part, &nothing, &single);
     let instants = &session.instants[1..];
     let time = |k: usize| time_s(session, instants[k]);
@@ -100,6 +106,7 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
         mil: ToldFigures::of(session, part, &reference, &reference).first_reading,
         sil: told.first_reading,
         mil_sil_um: reference.estimated.iter().zip(&single.estimated).map(difference).fold(0.0, f64::max),
+        interval: beside.ok().and_then(|correction| correction.coverage(session, &single)),
         cold: cold(session, part, &nothing),
         told,
         scored_s: if part.scored.is_empty() {

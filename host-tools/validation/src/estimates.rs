@@ -19,6 +19,8 @@ pub struct Instant {
     pub displacement: f64,
     /// Estimate, µm with the sensor's zero.
     pub estimate: f64,
+    /// Half-width of its interval, µm; `None` where there is none.
+    pub half_width: Option<f64>,
     /// What was raised on the way to it.
     pub status: Status,
     /// It counts in the errors.
@@ -48,8 +50,10 @@ pub fn estimates(
 ) -> Result<Estimates, ScopeError> {
     let part = scope.part(session)?;
     let start = (told == Told::FirstReading).then_some(session.displacement[0]);
-    let run = Run::of::<f32>(table, session, start);
+    let run = Run::of::<f32>(table, session, start, None);
     let correction = Correction::of(told, session, &part, &run)?;
+    // When it was told follows from a run that was not.
+    let run = Run::of::<f32>(table, session, start, correction.told());
     let displacement = |um: f64| (um + recipe.displacement_zero_um) / recipe.displacement_scale;
     let instants = session.instants.iter().zip(&session.displacement).skip(1).enumerate();
     let instants = instants.map(|(k, (&instant, &measured))| Instant {
@@ -57,6 +61,7 @@ pub fn estimates(
         voltage: (session.voltage[instant as usize] + recipe.voltage_zero_v) / recipe.voltage_scale,
         displacement: displacement(measured),
         estimate: displacement(run.estimated[k] - correction.at(k)),
+        half_width: run.half_width[k].map(|half| half / recipe.displacement_scale.abs()),
         status: run.status[k],
         scored: correction.scored.contains(&k),
     });
@@ -65,9 +70,9 @@ pub fn estimates(
 
 impl Estimates {
     /// Heading of [`csv`](Self::csv).
-    pub const HEADING: &str = "time_s,voltage_V,displacement_um,estimate_um,status,scored,log\n";
+    pub const HEADING: &str = "time_s,voltage_V,displacement_um,estimate_um,half_width_um,status,scored,log\n";
 
-    /// A row an instant: numbers with six decimals, the names of the status bits joined by `|`, 1 where the row counts
+    /// A row an instant: numbers with six decimals (none where there is no interval), the names of the status bits joined by `|`, 1 where the row counts
     /// in the errors, and the log's name.
     pub fn csv(&self) -> String {
         let mut text = String::new();
@@ -77,12 +82,13 @@ impl Estimates {
             self.log.clone()
         };
         for row in &self.instants {
-            let &Instant { time_s, voltage, displacement, estimate, status, scored } = row;
+            let &Instant { time_s, voltage, displacement, estimate, half_width, status, scored } = row;
+            let half_width = half_width.map_or(String::new(), |half| format!("{half:.6}"));
             let names: Vec<&str> = status.iter_names().map(|(name, _)| name).collect();
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{time_s:.6},{voltage:.6},{displacement:.6},{estimate:.6},{},{},{log}",
+                "{time_s:.6},{voltage:.6},{displacement:.6},{estimate:.6},{half_width},{},{},{log}",
                 names.join("|"),
                 u8::from(scored)
             );
@@ -102,12 +108,13 @@ mod tests {
             voltage: 1.0,
             displacement: -120.0,
             estimate: -119.5,
+            half_width: Some(0.25),
             status: Status::NOT_SETTLED | Status::CLAMPED,
             scored: true,
         };
         let estimates = Estimates { log: "a, \"b\"".to_owned(), instants: vec![instant] };
-        let expected = "0.005000,1.000000,-120.000000,-119.500000,CLAMPED|NOT_SETTLED,1,\"a, \"\"b\"\"\"\n";
+        let expected = "0.005000,1.000000,-120.000000,-119.500000,0.250000,CLAMPED|NOT_SETTLED,1,\"a, \"\"b\"\"\"\n";
         assert_eq!(estimates.csv(), expected);
-        assert_eq!(Estimates::HEADING.split(',').count(), 7);
+        assert_eq!(Estimates::HEADING.split(',').count(), 8);
     }
 }

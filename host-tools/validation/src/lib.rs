@@ -3,6 +3,7 @@
 //! which part of the log is scored.
 
 mod compare;
+mod coverage;
 mod estimates;
 mod figures;
 pub mod reversals;
@@ -11,6 +12,7 @@ mod scope;
 mod told;
 
 pub use compare::{Cold, Comparison, Trace, compare, compare_within};
+pub use coverage::Coverage;
 pub use estimates::{Estimates, Instant, estimates};
 pub use figures::Figures;
 pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S, errors_within};

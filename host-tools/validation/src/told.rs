@@ -10,6 +10,7 @@
 //! A full cycle is what lies between the first and the third reversal of the voltage, a retreat by a quarter of its span within
 //! what is scored.
 
+use crate::coverage::Coverage;
 use crate::figures::Figures;
 use crate::reversals::reversals;
 use crate::run::Run;
@@ -101,6 +102,7 @@ impl ToldFigures {
         let part = scope.part(session)?;
         let run = |offset: f64| Run {
             estimated: estimated.iter().map(|estimate| estimate - offset).collect(),
+            half_width: Vec::new(),
             status: Vec::new(),
         };
         Ok(Self::of(session, &part, &run(0.0), &run(first - session.displacement[0])))
@@ -161,6 +163,18 @@ impl Correction {
         self.steps.iter().rev().find(|(from, _)| *from <= instant).map_or(0.0, |(_, offset)| *offset)
     }
 
+    /// Where the interval begins that is relative to the last thing told: `None` at the log's beginning, or nowhere.
+    pub fn told(&self) -> Option<usize> {
+        self.steps.last().and_then(|(from, _)| from.checked_sub(1))
+    }
+
+    /// How the interval did over what is scored; `None` where the run has none.
+    pub fn coverage(&self, session: &Session, run: &Run) -> Option<Coverage> {
+        let errors = run.errors(session);
+        let beside = |k: usize| Some((errors[k] - self.at(k), run.half_width.get(k).copied().flatten()?));
+        Coverage::of(&self.scored.clone().filter_map(beside).collect::<Vec<_>>())
+    }
+
     /// Errors of what is scored.
     pub fn figures(&self, session: &Session, run: &Run) -> Figures {
         let estimated: Vec<f64> = self.scored.clone().map(|k| run.estimated[k] - self.at(k)).collect();
@@ -201,7 +215,7 @@ mod tests {
     /// The sensor's reading and something on top, a function of the instant.
     fn run(session: &Session, more: impl Fn(usize) -> f64) -> Run {
         let estimated = session.displacement[1..].iter().enumerate().map(|(k, y)| y + more(k)).collect();
-        Run { estimated, status: Vec::new() }
+        Run { estimated, half_width: Vec::new(), status: Vec::new() }
     }
 
     #[test]

@@ -47,6 +47,7 @@ pub const TABLE: Table = Table {
         full_scale: 4095,
     },
     drive: None,
+    interval: None,
     provenance: Provenance {
         logs: Digest(
             [

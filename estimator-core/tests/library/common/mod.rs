@@ -2,6 +2,7 @@
 
 pub mod models;
 
+use estimator_core::interval::{PLAYS, TRIANGLE};
 use estimator_core::*;
 use proptest::prelude::*;
 
@@ -30,6 +31,7 @@ pub fn table() -> Table {
         adc: AdcCalibration { gain_v_per_code: 44.0 / 4095.0, offset_v: -22.0, invert: false, full_scale: 4095 },
         dac: DacCalibration { gain_codes_per_um: 300.0, offset_code: 2047.5, full_scale: 4095 },
         drive: None,
+        interval: None,
         provenance: Provenance {
             logs: Digest([0xa5; 8]),
             seed: 7,
@@ -38,6 +40,22 @@ pub fn table() -> Table {
             validation_mae_um: Some(0.26),
             validation_max_um: None,
         },
+    }
+}
+
+/// An interval in which every part has its own size; the plays count alone.
+pub fn interval() -> IntervalParameters {
+    let mut spread_um = [0.0; TRIANGLE];
+    (0..PLAYS).for_each(|row| spread_um[row * (row + 3) / 2] = 0.2);
+    IntervalParameters {
+        memory_um: [2.0, 1.0, 0.5, 0.25, 0.0, 0.0, 0.0, 0.0, 0.0],
+        misfit_um: 0.1,
+        rate_ticks: 1.0,
+        spread_um,
+        familiar_at_um: [0.0; PLAYS],
+        familiar_um: 0.1,
+        drift_um: 0.05,
+        earliest_s: 0.01,
     }
 }
 

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use identification::cost::Cost;
 use identification::table_file::TableFile;
-use identification::{Candidate, Job, ModelChoice, Outcome, Role, StraightLine};
+use identification::{Candidate, Job, ModelChoice, Outcome, Role, SearchOptions, StraightLine};
 use recordings::prepare::Recipe;
 use report::Report;
 use serde_json::{Value, json};
@@ -25,6 +25,9 @@ pub struct Identify {
     /// What is fitted to what.
     #[command(flatten)]
     pub fitting: Fitting,
+    /// Devices to simulate for the interval beside the estimate; 0 for a table without one.
+    #[arg(long, default_value_t = prediction_interval::Options::default().devices, value_name = "N")]
+    pub devices: u32,
     /// The search.
     #[command(flatten)]
     pub search: SearchArgs,
@@ -49,6 +52,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
+    let outcome = with_interval(outcome, &job.search, arguments.devices)?;
     let verdict = verdict(&outcome);
     write(arguments, job.cost, &outcome, &verdict)?;
     if arguments.fitting.json {
@@ -59,6 +63,19 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     Ok(true)
 }
 
+/// The same with an interval in the chosen table.
+fn with_interval(mut outcome: Outcome, search: &SearchOptions, devices: u32) -> Result<Outcome> {
+    let bar = progress(devices.into());
+    bar.set_prefix("interval");
+    let options = prediction_interval::Options { devices, ..Default::default() };
+    let chosen = outcome.candidate();
+    let interval =
+        prediction_interval::calibrate(&outcome.problem, chosen, &outcome.context, search, options, || bar.inc(1));
+    bar.finish_and_clear();
+    outcome.candidates[outcome.chosen] = chosen.clone().with_interval(interval)?;
+    Ok(outcome)
+}
+
 fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]) -> Result<()> {
     let candidate = outcome.candidate();
     let doubts: Vec<String> = outcome.doubts.iter().map(remedy::doubt).collect();
@@ -66,7 +83,7 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
         doubts: doubts.clone(),
         table: *candidate.table,
-        recipe: outcome.recipe.clone(),
+        recipe: outcome.context.recipe.clone(),
         cost: Some(cost.feedback),
         norm: Some(cost.norm),
         feedback_weight: cost.feedback_weight,
@@ -126,7 +143,7 @@ fn verdict(outcome: &Outcome) -> Vec<String> {
         "Proven: stable at every voltage, and within {:.2} … {:.2} µm of the model's zero for any sequence of voltages.",
         limits.min, limits.max
     ));
-    sentences.push(format!("{}.", zeros(&outcome.recipe)));
+    sentences.push(format!("{}.", zeros(&outcome.context.recipe)));
     sentences
 }
 
@@ -163,7 +180,7 @@ pub(super) fn zeros(recipe: &Recipe) -> String {
 
 /// Provenance for the report.
 fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, String)> {
-    let recipe = &outcome.recipe;
+    let recipe = &outcome.context.recipe;
     let search = &arguments.search;
     let mut facts = vec![
         ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
@@ -221,7 +238,7 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
         "straight_line": outcome.straight_line,
         "failed": failed,
         "doubts": doubts,
-        "recipe": outcome.recipe,
+        "recipe": outcome.context.recipe,
         "logs": outcome.logs,
     }))
 }

@@ -8,7 +8,9 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use estimator_core::Status;
 use identification::table_file::TableFile;
-use identification::validate::{Comparison, Estimates, Figures, Scope, Told, ToldFigures, compare_within, estimates};
+use identification::validate::{
+    Comparison, Coverage, Estimates, Figures, Scope, Told, ToldFigures, compare_within, estimates,
+};
 use identification::{LogUse, Role};
 use recordings::log::Log;
 use recordings::prepare::{Decimation, Recipe};
@@ -29,7 +31,7 @@ pub struct Validate {
     /// What the estimator is told, where a threshold judges and in what --out writes.
     #[arg(long, value_parser = choice(TOLD), default_value = Told::FirstReading.name())]
     pub told: Told,
-    /// Write the f32 core's estimates to this file: time_s, voltage_V, displacement_um, estimate_um, status, scored, log;
+    /// Write the f32 core's estimates to this file: time_s, voltage_V, displacement_um, estimate_um, half_width_um, status, scored, log;
     /// a row a measured instant after the first, voltage and displacement as recorded, the estimate with the sensor's zero.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -177,6 +179,9 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
     if comparison.told.one_cycle.is_none() {
         out("    one cycle: the voltage makes no full one in what is scored, or next to nothing is left after it");
     }
+    if let Some(interval) = &comparison.interval {
+        out(&format!("    {}", held(interval)));
+    }
     out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
     if let Some((from, to)) = trained_on {
         out(&format!(
@@ -190,6 +195,14 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
     if !remarks.is_empty() {
         out(&format!("    {remarks}"));
     }
+}
+
+/// How an interval did, in words.
+fn held(interval: &Coverage) -> String {
+    format!(
+        "± 95 %: holds the sensor {:.1} % of the time with {:.3} µm on average (a constant that were known beforehand: {:.3} µm)",
+        interval.covered_percent, interval.half_width_um, interval.best_constant_um
+    )
 }
 
 /// The seconds of a log that a table was trained on.
@@ -220,6 +233,7 @@ fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64
         "mil": comparison.mil,
         "sil": comparison.sil,
         "mil_sil_um": comparison.mil_sil_um,
+        "interval": comparison.interval,
         "cold": comparison.cold,
         "told": comparison.told,
         "scored_s": comparison.scored_s,

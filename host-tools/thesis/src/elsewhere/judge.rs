@@ -5,7 +5,9 @@ use super::noise::floor_um;
 use super::subject::{Subject, Trial};
 use crate::error::ThesisError;
 use estimator_core::Model;
-use identification::validate::{Estimates, Scope, Told, ToldFigures, compare_within, errors_within, estimates};
+use identification::validate::{
+    Comparison, Coverage, Estimates, Scope, Told, ToldFigures, compare_within, errors_within, estimates,
+};
 use identification::{Candidate, Identification, Prepared, SearchOptions, StraightLine, prepared};
 use recordings::session::Session;
 
@@ -15,6 +17,9 @@ const OF_OTHERS: u32 = 12;
 /// A model of the Voigt family, whose candidates are cheap and whose numbers are all searched, may try so many times the
 /// search's candidates a number in all.
 const OF_VOIGT: u32 = 6;
+
+/// The model that a user gets, whose estimate has an interval beside it.
+const BESIDE: Model = Model::GeneralisedPrandtlIshlinskii;
 
 /// Candidates a number, and those of a model of the Voigt family in all.
 pub fn candidates(search: &SearchOptions) -> (u32, u32) {
@@ -41,6 +46,8 @@ pub struct Judged {
 pub struct Errors {
     /// By what was told.
     pub told: ToldFigures,
+    /// How the interval of the estimate did, of a model that has one.
+    pub interval: Option<Coverage>,
     /// MAE of blocks of what is scored, without the mean error, µm.
     pub blocks: Vec<f64>,
 }
@@ -79,12 +86,20 @@ pub fn learn(subject: &Subject) -> Result<Vec<Judged>, ThesisError> {
     };
     for fit in fits {
         let model = fit.model;
-        let candidate = Candidate::new(&problem, fit, &context).ok();
+        let candidate = Candidate::new(&problem, fit, &context).and_then(|candidate| match model {
+            BESIDE => {
+                let options = prediction_interval::Options::default();
+                let interval = prediction_interval::calibrate(&problem, &candidate, &context, &short, options, || ());
+                candidate.with_interval(interval)
+            }
+            _ => Ok(candidate),
+        });
+        let candidate = candidate.ok();
         for (trial, session) in &trials {
             let errors = candidate.as_ref().map(|candidate| -> Result<Errors, ThesisError> {
-                let told = compare_within(&candidate.table, session, &trial.scope)?.told;
+                let Comparison { told, interval, .. } = compare_within(&candidate.table, session, &trial.scope)?;
                 let estimates = estimates(&candidate.table, session, &context.recipe, &trial.scope, Told::Offset)?;
-                Ok(Errors { told, blocks: blocks(&scored(&estimates)) })
+                Ok(Errors { told, interval, blocks: blocks(&scored(&estimates)) })
             });
             judged.push(of(trial, Some(model), errors.transpose()?));
         }
@@ -109,5 +124,5 @@ fn of_line(line: StraightLine, session: &Session, scope: &Scope) -> Result<Error
     let told = ToldFigures::of_estimates(session, scope, at(0), &estimated)?;
     let errors = errors_within(session, scope, &estimated)?;
     let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    Ok(Errors { told, blocks: blocks(&errors.iter().map(|error| error - mean).collect::<Vec<_>>()) })
+    Ok(Errors { told, interval: None, blocks: blocks(&errors.iter().map(|error| error - mean).collect::<Vec<_>>()) })
 }

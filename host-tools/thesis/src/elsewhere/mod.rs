@@ -89,6 +89,8 @@ fn grid(rows: &[Row]) -> Grid {
         .numbers("one cycle", 12)
         .numbers("without offset", 12)
         .numbers("RMS, no offset", 12)
+        .numbers("± 95 %", 12)
+        .numbers("holds %", 12)
         .words("", 1);
     for row in rows {
         let cell = |range: Option<Range>| range.map_or("–".to_owned(), |range| range.told(3));
@@ -100,6 +102,8 @@ fn grid(rows: &[Row]) -> Grid {
             cell(row.told_one_cycle_um),
             cell(row.without_offset_um),
             cell(row.rms_without_offset_um),
+            cell(row.interval_um),
+            row.coverage_percent.map_or("–".to_owned(), |range| range.told(0)),
             match (row.best, row.different_from_best) {
                 (true, _) => "best",
                 (_, Some(true)) => "*",
@@ -130,7 +134,8 @@ fn notes(rows: &[Row], bench: &Bench) -> Vec<String> {
         "Best: the least median without offset. *: different from it by a paired bootstrap over recordings and blocks of \
          them, 95 %; without a mark the difference is none that these recordings show."
             .to_owned(),
-        "Found: searches with an admissible candidate. Intervals are not judged yet.".to_owned(),
+        "Found: searches with an admissible candidate. ±: half-width of the interval, relative to the first reading or the zero; \
+         holds: how often the sensor lay within.".to_owned(),
     ];
     let of = |model: Model| {
         let at = |row: &&Row| {

@@ -69,8 +69,9 @@ pub struct Row {
     pub without_offset_um: Option<Range>,
     /// RMS without the mean error, µm.
     pub rms_without_offset_um: Option<Range>,
-    /// Half-width of the interval and its coverage, %: not judged yet.
+    /// Half-width of the interval, µm, relative to the first reading or the zero; of the model that a user gets.
     pub interval_um: Option<Range>,
+    /// Part of the time for which it held the sensor, %.
     pub coverage_percent: Option<Range>,
     /// The least median without offset.
     pub best: bool,
@@ -135,8 +136,8 @@ fn row(of: &[&Judged], model: Option<Model>) -> Row {
         told_one_cycle_um: range(&|errors| errors.told.one_cycle.map(|figures| figures.mae_um)),
         without_offset_um: range(&|errors| Some(errors.told.offset.mae_um)),
         rms_without_offset_um: range(&|errors| Some(errors.told.nothing.rmse_without_offset_um)),
-        interval_um: None,
-        coverage_percent: None,
+        interval_um: range(&|errors| errors.interval.map(|interval| interval.half_width_um)),
+        coverage_percent: range(&|errors| errors.interval.map(|interval| interval.covered_percent)),
         best: false,
         different_from_best: None,
     }

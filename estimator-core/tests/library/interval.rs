@@ -1,0 +1,143 @@
+//! The interval beside the estimate.
+
+use crate::common::interval as parameters;
+use crate::common::models::table_of;
+use estimator_core::interval::{Interval, SPANS, TRIANGLE};
+use estimator_core::{Admitted, Estimator, IntervalParameters, Model, Range, Status, Table, TableError};
+
+fn table(interval: IntervalParameters) -> Table {
+    Table { interval: Some(interval), ..table_of(Model::GeneralisedPrandtlIshlinskii) }
+}
+
+fn admitted() -> Admitted {
+    table(parameters()).admit().unwrap()
+}
+
+const RANGE: Range<f64> = Range { min: -10.0, max: 10.0 };
+
+fn interval(parameters: IntervalParameters) -> Interval<f64> {
+    Interval::build(&parameters, RANGE, 5e-4)
+}
+
+#[test]
+fn there_is_none_before_a_displacement_is_told_or_too_soon() {
+    let mut estimator = Estimator::<f32>::new(&admitted());
+    assert!(!estimator.tell(), "before the first tick");
+    for tick in 0..60 {
+        assert_eq!(estimator.tick_volts(0.0).half_width, None, "tick {tick}");
+        assert_eq!(estimator.tell(), tick >= 19, "tick {tick}: 10 ms are 20 ticks");
+        if tick >= 19 {
+            break;
+        }
+    }
+    assert!(estimator.tick_volts(0.0).half_width.unwrap() >= 0.1);
+    estimator.restart();
+    assert_eq!(estimator.tick_volts(0.0).half_width, None);
+    // At rest a start is known at once.
+    estimator.start_at(0.0);
+    assert!(estimator.tick_volts(0.0).half_width.is_some());
+}
+
+#[test]
+fn a_table_without_an_interval_gives_none() {
+    let mut estimator = Estimator::<f32>::new(&table_of(Model::GeneralisedPrandtlIshlinskii).admit().unwrap());
+    estimator.start_at(0.0);
+    assert_eq!(estimator.tick_volts(0.0).half_width, None);
+    assert!(!estimator.tell());
+}
+
+/// Between two tellings the memory is what the sweep has wiped out of it.
+#[test]
+fn a_sweep_wipes_out_the_memory_of_the_start() {
+    let of =
+        interval(IntervalParameters { rate_ticks: 0.0, spread_um: [0.0; TRIANGLE], drift_um: 0.0, ..parameters() });
+    let mut state = of.begin(0.0, 0.0);
+    of.tell_at_rest(&mut state);
+    assert!((of.step(&mut state, 0.0, 0.0).half.unwrap() - 0.1).abs() < 1e-7);
+    // An eighth of 20 V, and a half of it.
+    assert!((of.step(&mut state, 2.5, 0.0).half.unwrap() - 1.1).abs() < 1e-7);
+    assert!((of.step(&mut state, 1.25, 0.0).half.unwrap() - 1.1).abs() < 1e-7, "it has swept as much as before");
+    assert!((of.step(&mut state, 10.0, 0.0).half.unwrap() - 2.1).abs() < 1e-7);
+    of.tell_at_rest(&mut state);
+    assert!((of.step(&mut state, -10.0, 0.0).half.unwrap() - 0.1).abs() < 1e-7, "all was wiped out before");
+}
+
+#[test]
+fn plays_elsewhere_fast_change_and_time_widen_it() {
+    let still = IntervalParameters { memory_um: [0.0; SPANS], ..parameters() };
+    let of = interval(still);
+    let told = || {
+        let mut state = of.begin(0.0, 0.0);
+        of.step(&mut state, 0.0, 0.0);
+        of.tell_at_rest(&mut state);
+        state
+    };
+    let mut state = told();
+    let here = of.step(&mut state, 0.0, 0.0);
+    assert!(!here.untrained);
+    assert!(of.step(&mut state, 10.0, 0.0).untrained, "every play but the widest has moved");
+    let parts = of.parts(&state).unwrap();
+    // Half-widths 0.04 … 0.9 of half the range: the plays stand at 10 V less that; 0.2 µm for each half range.
+    let expected: f64 = [0.96f64, 0.925, 0.86, 0.74, 0.52, 0.1].iter().map(|at| (0.2 * at).powi(2)).sum();
+    assert!((parts.moved - expected.sqrt()).abs() < 1e-7, "{parts:?}");
+    let mut state = told();
+    of.step(&mut state, 0.0, 0.5);
+    assert_eq!(of.parts(&state).unwrap().rate, 0.5);
+    for _ in 0..10 {
+        of.step(&mut state, 0.0, 0.5);
+    }
+    assert!((of.parts(&state).unwrap().rate - 0.5 * libm::exp(-1.0)).abs() < 1e-6, "5 ms later");
+}
+
+/// From 1 s to 100 s after the start the drift is two decades, to the clock's steps of 1.6 %.
+#[test]
+fn age_counts_decades_since_it_was_told() {
+    let of = interval(IntervalParameters { drift_um: 1.0, ..parameters() });
+    let mut state = of.begin(0.0, 0.0);
+    for _ in 0..1_900 {
+        of.step(&mut state, 0.0, 0.0);
+    }
+    of.tell_at_rest(&mut state);
+    for _ in 0..198_000 {
+        of.step(&mut state, 0.0, 0.0);
+    }
+    let drift = of.parts(&state).unwrap().drift;
+    assert!((drift - 2.0).abs() < 0.02, "{drift}");
+}
+
+/// The target's precision, over a day of ticks with a wild voltage: never anything but a positive number.
+#[test]
+fn it_is_a_positive_number_whatever_happens() {
+    let mut single = Estimator::<f32>::new(&admitted());
+    let mut double = Estimator::<f64>::new(&admitted());
+    (single.start_at(0.0), double.start_at(0.0));
+    let mut noise = 1u32;
+    for tick in 0..200_000 {
+        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let volts = match tick % 5_000 {
+            4_000 => f32::NAN,
+            4_001 => f32::INFINITY,
+            _ => (noise >> 16) as f32 / 1000.0 - 30.0,
+        };
+        let (here, there) = (single.tick_volts(volts), double.tick_volts(volts.into()));
+        let (half, reference) = (here.half_width.unwrap(), there.half_width.unwrap());
+        assert!(half.is_finite() && half >= 0.1, "tick {tick}: {half}");
+        assert!((f64::from(half) - reference).abs() < 2e-3 * reference, "tick {tick}: {half}, {reference}");
+        assert_eq!(here.status.contains(Status::UNTRAINED), there.status.contains(Status::UNTRAINED));
+    }
+}
+
+#[test]
+fn numbers_that_are_none_are_refused() {
+    let refused = |change: fn(&mut IntervalParameters)| {
+        let mut wrong = parameters();
+        change(&mut wrong);
+        assert!(matches!(table(wrong).admit(), Err(TableError::OutOfRange { .. })), "{wrong:?}");
+    };
+    refused(|p| p.misfit_um = 0.0);
+    refused(|p| p.misfit_um = f32::NAN);
+    refused(|p| p.memory_um[8] = -1.0);
+    refused(|p| p.spread_um[3] = f32::INFINITY);
+    refused(|p| p.familiar_um = -0.1);
+    refused(|p| p.earliest_s = f32::NAN);
+}

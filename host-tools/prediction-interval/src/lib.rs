@@ -1,0 +1,143 @@
+//! A ± beside the estimate: the numbers of a table's prediction interval ([`estimator_core::interval`]).
+//!
+//! What a model is off by on a recording that it was not learnt on cannot be seen in the recordings it was learnt on. So
+//! devices are simulated that no model of the catalogue is made of, driven by the user's own voltages and learnt as the
+//! actuator was; what their tables are off by on other recordings says how wide the interval has to be for what is known of a
+//! tick: how far the voltage has gone where the training never went, how fast it goes, how long ago the displacement was told.
+
+mod device;
+mod gains;
+mod spread;
+mod start_memory;
+mod trial;
+
+use device::Device;
+use estimator_core::interval::{PLAYS, SPANS, TRIANGLE};
+use estimator_core::{IntervalParameters, Parameters};
+use gains::gains;
+use identification::{Candidate, CandidateError, Identification, Problem, SearchOptions, TableContext};
+use rayon::prelude::*;
+use recordings::session::Session;
+use spread::learnt;
+use start_memory::start_memory;
+use trial::recordings;
+
+/// How an interval is calibrated.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Options {
+    /// Devices that are simulated.
+    pub devices: u32,
+    /// Candidates that the search of each of their tables may try.
+    pub evaluations: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { devices: 12, evaluations: 150 }
+    }
+}
+
+/// Half-width for a deviation of 1 of what is off in any case.
+const CERTAIN: f64 = 2.0;
+/// What no log can tell a model to be off less than, of the stroke.
+const LEAST: f64 = 0.004;
+/// A displacement may be told once so many lags and delays have gone by since the start.
+const LAGS: f64 = 5.0;
+
+/// The interval of an identified model; `None` without a device that could be learnt. `progress` is
+/// called after each device.
+pub fn calibrate(
+    problem: &Problem,
+    candidate: &Candidate,
+    context: &TableContext,
+    search: &SearchOptions,
+    options: Options,
+    progress: impl Fn() + Sync,
+) -> Option<IntervalParameters> {
+    let judged: Vec<trial::Recording> = (0..options.devices)
+        .into_par_iter()
+        .flat_map_iter(|number| {
+            let judged = judged(number, problem, candidate, context, search, options.evaluations);
+            progress();
+            judged
+        })
+        .collect();
+    (!judged.is_empty()).then(|| scaled(unscaled(problem, candidate), gains(&judged), misfit(candidate)))
+}
+
+/// What the table of a device is off on its recordings; none where nothing could be learnt.
+fn judged(
+    number: u32,
+    problem: &Problem,
+    candidate: &Candidate,
+    context: &TableContext,
+    search: &SearchOptions,
+    evaluations: usize,
+) -> Vec<trial::Recording> {
+    let device = Device::drawn(number, context.seed, problem);
+    let sessions =
+        |sessions: &mut dyn Iterator<Item = &Session>| sessions.map(|session| device.session(session)).collect();
+    let theirs = problem.of(sessions(&mut problem.training()), sessions(&mut problem.validation()));
+    let Ok(learnt) = again(&theirs, candidate, context, search, evaluations) else { return Vec::new() };
+    let seed = (u64::from(context.seed) << 20) + u64::from(number);
+    recordings(&device, &learnt.table, &unscaled(&theirs, &learnt), &theirs, seed)
+}
+
+/// The same model learnt from a device's sessions.
+fn again(
+    problem: &Problem,
+    candidate: &Candidate,
+    context: &TableContext,
+    search: &SearchOptions,
+    evaluations: usize,
+) -> Result<Candidate, CandidateError> {
+    let identification = Identification { problem, cost: candidate.fit.minimised, options: search, budget: None };
+    Candidate::new(problem, identification.again(&candidate.fit, evaluations), context)
+}
+
+/// What an estimate is off by in any case, µm: rms without offset on what was held out, or where nothing was, on the training.
+fn misfit(candidate: &Candidate) -> f64 {
+    let figures = candidate.held_out_figures().or_else(|| candidate.training_figures());
+    figures.map_or(f64::NAN, |figures| figures.rmse_without_offset_um).max(f64::MIN_POSITIVE)
+}
+
+/// The interval whose gains are 1, and whose misfit is the stroke.
+fn unscaled(problem: &Problem, candidate: &Candidate) -> IntervalParameters {
+    let table = &candidate.table;
+    let stroke = problem.stroke().span();
+    let bare = IntervalParameters {
+        memory_um: [0.0; SPANS],
+        misfit_um: stroke as f32,
+        rate_ticks: 1.0,
+        spread_um: [0.0; TRIANGLE],
+        familiar_at_um: [0.0; PLAYS],
+        familiar_um: 0.0,
+        drift_um: stroke as f32,
+        earliest_s: (LAGS * late_s(&table.parameters, table.sample_period())) as f32,
+    };
+    let parameters = IntervalParameters { memory_um: start_memory(table), ..bare };
+    learnt(parameters, problem, table.voltage_range_v.of(), misfit(candidate).hypot(LEAST * stroke))
+}
+
+/// Lag and delay of a model, s; 0 of those that have none.
+fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
+    match parameters {
+        Parameters::GeneralisedPrandtlIshlinskii(of) => {
+            f64::from(of.delay_ticks).max(0.0) * tick_s + f64::from(of.lag_s)
+        }
+        _ => 0.0,
+    }
+}
+
+fn scaled(unscaled: IntervalParameters, [misfit, rate, moved, drift]: [f64; 4], own: f64) -> IntervalParameters {
+    let times = |number: f32, gain: f64| (f64::from(number) * gain) as f32;
+    IntervalParameters {
+        misfit_um: (misfit * f64::from(unscaled.misfit_um)).hypot(CERTAIN * own) as f32,
+        rate_ticks: times(unscaled.rate_ticks, rate),
+        spread_um: unscaled.spread_um.map(|number| times(number, moved)),
+        familiar_at_um: unscaled.familiar_at_um.map(|number| times(number, moved)),
+        familiar_um: times(unscaled.familiar_um, moved),
+        drift_um: times(unscaled.drift_um, drift),
+        ..unscaled
+    }
+}

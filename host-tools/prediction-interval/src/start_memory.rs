@@ -1,0 +1,67 @@
+//! What two starts can still differ by after the voltage has swept so much of its range.
+
+use estimator_core::interval::SPANS;
+use estimator_core::model::Process;
+use estimator_core::{Admitted, Range};
+
+/// Ticks that the voltage takes over its range.
+const RAMP: usize = 800;
+/// Ticks for which it then stands, so that lags are over.
+const STAND: usize = 400;
+
+/// Half the largest difference (µm) of the two extreme memories that an actuator can start with, by the span of voltage since
+/// the start in eighths of the table's range. They are those of a rise from the lowest voltage and of a fall from the highest;
+/// every other lies between them. What is left after a sweep of the whole range is creep, and no memory of hysteresis.
+pub fn start_memory(table: &Admitted) -> [f32; SPANS] {
+    let range: Range<f64> = table.voltage_range_v.of();
+    let at = |eighth: usize| range.min + range.span() * eighth as f64 / (SPANS - 1) as f64;
+    let mut widest = [0.0f64; SPANS];
+    for start in (0..SPANS).map(at) {
+        for (far, near) in [(range.min, range.max), (range.max, range.min)] {
+            // Up to one end and then to the other, so that every span is met.
+            let path: Vec<f64> = [ramp(start, far), ramp(far, near)].concat();
+            let [low, high] = [[range.max, range.min], [range.min, range.max]]
+                .map(|[first, second]| displacements(table, &[first, second, start], &path));
+            let mut swept = Range::point(start);
+            for ((&voltage, low), high) in path.iter().zip(low).zip(high) {
+                let before = eighths(swept, range);
+                swept = swept.include(voltage);
+                for widest in widest.iter_mut().take(eighths(swept, range) + 1).skip(before) {
+                    *widest = widest.max((high - low).abs());
+                }
+            }
+        }
+    }
+    let left = widest[SPANS - 1];
+    let mut least = f64::INFINITY;
+    widest.map(|width| {
+        least = least.min((width - left).max(0.0));
+        (0.5 * least) as f32
+    })
+}
+
+/// Whole eighths of the range that a span has.
+fn eighths(swept: Range<f64>, range: Range<f64>) -> usize {
+    (swept.span() / range.span() * (SPANS - 1) as f64 + 1e-9) as usize
+}
+
+/// From a voltage to another, evenly, without the first.
+fn ramp(from: f64, to: f64) -> Vec<f64> {
+    (1..=RAMP).map(|k| from + (to - from) * k as f64 / RAMP as f64).collect()
+}
+
+/// Displacements along a path after a past of voltages that were gone to.
+fn displacements(table: &Admitted, past: &[f64], path: &[f64]) -> Vec<f64> {
+    let mut model = table.engine::<f64>();
+    for pair in past.windows(2) {
+        ramp(pair[0], pair[1]).iter().for_each(|&voltage| {
+            model.step(voltage, None);
+        });
+    }
+    if let Some(&last) = past.last() {
+        (0..STAND).for_each(|_| {
+            model.step(last, None);
+        });
+    }
+    path.iter().map(|&voltage| model.step(voltage, None)).collect()
+}

@@ -1,0 +1,154 @@
+//! What a device's table is off on recordings that it was not learnt on, beside what the interval is made of there.
+
+use crate::device::Device;
+use estimator_core::interval::Interval;
+use estimator_core::{Admitted, Estimator, IntervalParameters, Range};
+use identification::Problem;
+use identification::reversals::reversals;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use recordings::plant::{STEP_S, Waveform};
+
+/// Parts of a recording after which the displacement is told.
+const TOLD: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+/// Samples of a recording that count, evenly over what follows.
+const SAMPLES: usize = 60;
+/// Recordings of a device.
+const RECORDINGS: usize = 8;
+/// Periods of a recording, and its length in s, within.
+const PERIODS: f64 = 6.0;
+const LENGTH_S: Range<f64> = Range { min: 2.0, max: 20.0 };
+/// Ticks that it may have at most.
+const MOST: f64 = 40_000.0;
+/// Amplitude, of the training's.
+const AMPLITUDE: Range<f64> = Range { min: 0.15, max: 1.0 };
+/// Frequency, of the training's; drawn evenly in its logarithm.
+const FREQUENCY: Range<f64> = Range { min: 0.4, max: 2.5 };
+/// The device's gain on another day, a standard deviation.
+const GAIN: f64 = 0.01;
+/// A reversal is a retreat by so much of the voltage's span.
+const LARGE: f64 = 0.25;
+
+/// An error, and what the interval has there: µm, of an interval whose gains are 1.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Sample {
+    /// Absolute error since the displacement was told.
+    pub error: f64,
+    /// Memory of the start.
+    pub memory: f64,
+    /// Misfit, rate, plays that moved, drift.
+    pub parts: [f64; 4],
+}
+
+/// The samples that follow one telling of one recording.
+pub type Recording = Vec<Sample>;
+
+/// Recordings of a device beside the estimates of its table.
+pub fn recordings(
+    device: &Device,
+    table: &Admitted,
+    unscaled: &IntervalParameters,
+    problem: &Problem,
+    seed: u64,
+) -> Vec<Recording> {
+    let mut draw = ChaCha8Rng::seed_from_u64(seed);
+    (0..RECORDINGS).flat_map(|number| one(number, device, table, unscaled, problem, &mut draw)).collect()
+}
+
+fn one(
+    number: usize,
+    device: &Device,
+    table: &Admitted,
+    unscaled: &IntervalParameters,
+    problem: &Problem,
+    draw: &mut ChaCha8Rng,
+) -> Vec<Recording> {
+    let range = problem.training_voltages();
+    let voltage = voltage(number, problem, draw);
+    let Some(&first) = voltage.first() else { return Vec::new() };
+    let mut even = |range: Range<f64>| draw.random_range(range.min..range.max);
+    let past = match number % 2 {
+        0 => vec![(first, 3.0)],
+        _ => vec![(even(range), 0.0), (even(range), 0.0), (first, 0.5)],
+    };
+    let normal: f64 = StandardNormal.sample(draw);
+    let gain = 1.0 + GAIN * normal;
+    let truth: Vec<f64> = device.respond(&past, &voltage).iter().map(|y| gain * y).collect();
+    judged(table, unscaled, &voltage, &truth)
+}
+
+/// The voltages of a recording, V a tick.
+fn voltage(number: usize, problem: &Problem, draw: &mut ChaCha8Rng) -> Vec<f64> {
+    let range = problem.training_voltages();
+    let (half, tick_s) = (0.5 * range.span(), problem.extent().tick);
+    let mut even = |range: Range<f64>| draw.random_range(range.min..range.max);
+    let log_even = |even: &mut dyn FnMut(Range<f64>) -> f64, range: Range<f64>| {
+        libm::exp(even(Range { min: libm::log(range.min), max: libm::log(range.max) }))
+    };
+    let frequencies: Vec<f64> = problem.training().map(|session| frequency(&session.voltage, tick_s)).collect();
+    let which = even(Range { min: 0.0, max: frequencies.len() as f64 }) as usize;
+    let hertz = frequencies.get(which).copied().unwrap_or(1.0) * log_even(&mut even, FREQUENCY);
+    let amplitude = half * even(AMPLITUDE);
+    let offset = range.middle() + (half - amplitude) * even(Range { min: -1.0, max: 1.0 });
+    let duration_s = LENGTH_S.clamp(PERIODS / hertz).min(MOST * tick_s);
+    // Every fourth recording is as the training was.
+    let waveform = match number {
+        0 => Waveform::AmplitudeModulated { amplitude, hertz, swell_hz: hertz / 5.0 },
+        1 => Waveform::Staircase { amplitude, steps: 5, hold_s: 0.05 / hertz },
+        2 => Waveform::Multisine { amplitude, from_hz: 0.3 * hertz, to_hz: 3.0 * hertz, tones: 8 },
+        3 => Waveform::Sine { amplitude, hertz, offset: 0.0 },
+        4 => Waveform::MoveAndRest { amplitude, move_s: 0.2 / hertz, rest_s: 0.4 / hertz },
+        5 => Waveform::Triangle { amplitude, hertz, offset: 0.0 },
+        _ => return again(problem, which),
+    };
+    // The command is made at the plant's steps.
+    let stride = (tick_s / STEP_S).round().max(1.0);
+    let command = waveform.command(duration_s / tick_s * stride * STEP_S, draw.random());
+    command.iter().step_by(stride as usize).map(|volts| range.clamp(offset + volts)).collect()
+}
+
+/// The voltages of a training session, as far as a recording goes.
+fn again(problem: &Problem, which: usize) -> Vec<f64> {
+    let ticks = (LENGTH_S.max / problem.extent().tick).min(MOST) as usize;
+    problem.training().nth(which).map_or(Vec::new(), |session| session.voltage.iter().copied().take(ticks).collect())
+}
+
+/// Frequency of a voltage by its reversals, Hz.
+fn frequency(voltage: &[f64], tick_s: f64) -> f64 {
+    let span = Range::of_values(voltage.iter().copied()).span();
+    let turns = reversals(voltage, LARGE * span).len().max(1) as f64;
+    turns / 2.0 / (voltage.len().max(1) as f64 * tick_s)
+}
+
+/// The estimates beside the truth, after each telling.
+fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], truth: &[f64]) -> Vec<Recording> {
+    let interval = Interval::<f64>::build(unscaled, table.voltage_range_v.of(), table.sample_period());
+    let mut estimator = Estimator::<f64>::new(table);
+    let ticks = voltage.len().saturating_sub(1);
+    let zero = f64::from(table.voltage_zero_v);
+    let mut begun = None;
+    let mut told: Vec<(f64, estimator_core::interval::IntervalState<f64>, Recording, usize)> = Vec::new();
+    for tick in 0..ticks {
+        let estimate = estimator.tick_volts(voltage[tick] + zero).displacement;
+        let off = estimate - truth[tick + 1];
+        let state = begun.get_or_insert_with(|| interval.begin(voltage[tick], estimate));
+        interval.step(state, voltage[tick], estimate);
+        for (at, state, recording, every) in &mut told {
+            interval.step(state, voltage[tick], estimate);
+            if tick % *every == 0
+                && let Some(parts) = interval.parts(state)
+            {
+                let error = (off - *at).abs();
+                let of = [parts.misfit, parts.rate, parts.moved, parts.drift];
+                recording.push(Sample { error, memory: parts.memory, parts: of });
+            }
+        }
+        if TOLD.iter().any(|part| (part * ticks as f64) as usize == tick) {
+            let mut state = *state;
+            interval.tell_at_rest(&mut state);
+            told.push((off, state, Vec::new(), ((ticks - tick) / SAMPLES).max(1)));
+        }
+    }
+    told.into_iter().map(|(_, _, recording, _)| recording).filter(|recording| !recording.is_empty()).collect()
+}
