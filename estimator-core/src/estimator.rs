@@ -1,6 +1,6 @@
 //! The estimator: a raw ADC code in, a displacement, a DAC code and a status out, each tick.
 //!
-//! It never returns NaN and never leaves the table's displacement limits (less the zero, where one was set), whatever
+//! It never returns NaN and never leaves the table's displacement limits (plus the bias, where one was told), whatever
 //! codes come in. The displacement that `tick` k returns is the one predicted for tick k + 1, when the DAC's trigger puts it
 //! out (Eq. 4.8: `y(k+1)` from `V(k)` and `y(k)`).
 //!
@@ -43,7 +43,7 @@ bitflags::bitflags! {
 /// What a tick gives.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Estimate<T> {
-    /// Displacement at the next tick, µm relative to the model's zero, or to where [`Estimator::set_zero`] was called.
+    /// Displacement at the next tick, µm: the model's, relative to its zero, plus [`Estimator::bias`].
     pub displacement: T,
     /// Half the width of its 95 % interval ([`interval`](crate::interval)), µm; `None` where the table has none, or the
     /// displacement was not told since the start.
@@ -70,7 +70,8 @@ pub struct Estimator<T: Real> {
     settling: Option<Settling<T>>,
     /// Displacement at the next tick, or where it was told to start, µm; `None` before.
     displacement: Option<T>,
-    zero: T,
+    /// What is added to the model's displacement, µm.
+    bias: T,
     interval: Option<Interval<T>>,
     /// From the first tick on.
     interval_state: Option<IntervalState<T>>,
@@ -93,7 +94,7 @@ impl<T: Real> Estimator<T> {
             engine: table.engine(),
             settling: Some(Settling::new(voltage_range, deadband)),
             displacement: None,
-            zero: T::zero(),
+            bias: T::zero(),
             interval: table.interval.map(|of| Interval::build(&of, voltage_range, table.sample_period())),
             interval_state: None,
         }
@@ -115,19 +116,49 @@ impl<T: Real> Estimator<T> {
         self.limits.contains(displacement)
     }
 
-    /// Starts anew, from rest at the next tick's voltage, with the model's zero.
+    /// Starts anew, from rest at the next tick's voltage, with the model's zero: the bias is 0 again.
     pub fn restart(&mut self) {
         self.engine.forget();
         self.settling = Some(Settling::new(self.voltage_range, self.deadband));
         self.displacement = None;
-        self.zero = T::zero();
+        self.bias = T::zero();
         self.interval_state = None;
     }
 
-    /// Calls the displacement of now 0, as at rest, where creep has carried the actuator from what the model knows.
-    pub fn set_zero(&mut self) {
-        self.zero = self.displacement.unwrap_or(T::zero());
-        self.tell();
+    /// Calls the displacement of now `at` (µm), where a stop, a gauge or rest tells it: the bias becomes `at` less the model's
+    /// displacement. Returns whether it did: only where it [may be told](Self::may_be_told), and where `at` is finite.
+    pub fn set_zero(&mut self, at: T) -> bool {
+        self.displacement.is_some_and(|displacement| self.set_bias(at - displacement))
+    }
+
+    /// Adds `by` (µm) to the bias, and so to every displacement from now on. Returns whether it did, as
+    /// [`set_zero`](Self::set_zero) does.
+    pub fn shift(&mut self, by: T) -> bool {
+        self.set_bias(self.bias + by)
+    }
+
+    /// What is added to the model's displacement, µm: what the model is too low by, as [`Self::set_zero`] and [`Self::shift`]
+    /// have told. 0 from each start on.
+    pub fn bias(&self) -> T {
+        self.bias
+    }
+
+    /// Whether a displacement may be told now: not before the first tick, nor so soon after it that an actuator which moved
+    /// then is still on its way ([`IntervalParameters::earliest_s`](crate::IntervalParameters::earliest_s)).
+    pub fn may_be_told(&self) -> bool {
+        match (&self.interval, &self.interval_state) {
+            (Some(interval), Some(state)) => interval.may_be_told(state),
+            _ => self.displacement.is_some(),
+        }
+    }
+
+    fn set_bias(&mut self, bias: T) -> bool {
+        let told = bias.is_finite() && self.may_be_told();
+        if told {
+            self.bias = bias;
+            self.tell();
+        }
+        told
     }
 
     /// Takes the displacement of now to be told: the interval is relative to it. Returns whether there is one from now on;
@@ -168,7 +199,7 @@ impl<T: Real> Estimator<T> {
                 status |= Status::NOT_SETTLED;
             }
         }
-        let displacement = free - self.zero;
+        let displacement = free + self.bias;
         let dac = self.dac.code(displacement);
         if self.limits.contains(free) && !self.dac.saturated(dac) {
             Estimate { displacement, half_width, dac, status }
@@ -201,7 +232,7 @@ impl<T: Real> Estimator<T> {
         let limited = self.limits.clamp(free);
         self.displacement = Some(limited);
         self.engine.set_displacement(limited);
-        let displacement = limited - self.zero;
+        let displacement = limited + self.bias;
         let dac = self.dac.code(displacement);
         status.set(Status::CLAMPED, limited != free);
         status.set(Status::DAC_SATURATED, self.dac.saturated(dac));

@@ -214,11 +214,16 @@ impl<T: Real> Interval<T> {
     /// The displacement is told: from now on the interval is relative to this tick. Returns whether it is late enough for
     /// that; if not, nothing changes.
     pub fn tell(&self, state: &mut IntervalState<T>) -> bool {
-        let late = T::of(state.ticks as f32) >= self.earliest;
-        if late {
+        let told = self.may_be_told(state);
+        if told {
             self.tell_at_rest(state);
         }
-        late
+        told
+    }
+
+    /// Whether it is late enough after the start for a displacement to be told.
+    pub fn may_be_told(&self, state: &IntervalState<T>) -> bool {
+        T::of(state.ticks as f32) >= self.earliest
     }
 
     /// As [`tell`](Self::tell), of an actuator that is known to rest, however early.

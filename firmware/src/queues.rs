@@ -5,12 +5,20 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use protocol::{Mode, Sample};
 
 /// What the link tells the tick.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Command {
     /// Change the mode and start anew.
     SetMode(Mode),
-    /// Call the displacement of now 0.
-    SetZero,
+    /// Tell the bias by a displacement that is known now.
+    SetZero {
+        /// What the displacement of now is called, µm.
+        at_um: f32,
+    },
+    /// Shift the bias.
+    ShiftBias {
+        /// What is added to the displacement from now on, µm.
+        by_um: f32,
+    },
     /// Follow the references that wait and those that come.
     Go {
         /// Hold the last reference for ever; otherwise for [`crate::drive::REFERENCE_TIMEOUT_TICKS`].

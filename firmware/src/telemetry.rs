@@ -38,6 +38,12 @@ pub struct Telemetry {
     pub streaming: AtomicBool,
     /// How often the mode has been set; even the same again counts.
     pub epoch: AtomicU8,
+    /// Whether the estimator may be told a displacement.
+    pub may_be_told: AtomicBool,
+    /// Bits of the bias, µm.
+    bias: AtomicU32,
+    /// Ticks since the bias was told, and one more; 0 where it was not since the estimate began.
+    told: AtomicU32,
     faults: AtomicU8,
     faults_seen: AtomicU8,
     mode: AtomicU8,
@@ -68,6 +74,9 @@ impl Telemetry {
             safe: AtomicU16::new(0),
             streaming: AtomicBool::new(false),
             epoch: AtomicU8::new(0),
+            may_be_told: AtomicBool::new(false),
+            bias: AtomicU32::new(0),
+            told: AtomicU32::new(0),
             faults: AtomicU8::new(0),
             faults_seen: AtomicU8::new(0),
             mode: AtomicU8::new(0),
@@ -103,6 +112,17 @@ impl Telemetry {
         Mode::from_number(self.mode.load(Relaxed)).unwrap_or_default()
     }
 
+    /// What is added to the model's displacement, µm; 0 where nothing was told.
+    pub fn bias_um(&self) -> f32 {
+        f32::from_bits(self.bias.load(Relaxed))
+    }
+
+    /// Ticks since the bias was told, at most [`protocol::Health::OLDEST_BIAS_TICKS`]; `None` where it was not since the
+    /// estimate began.
+    pub fn bias_age_ticks(&self) -> Option<u32> {
+        self.told.load(Relaxed).checked_sub(1)
+    }
+
     /// Forgets counts and faults seen.
     pub fn forget(&self) {
         let counters = [
@@ -123,6 +143,21 @@ impl Telemetry {
         self.mode.store(mode as u8, Relaxed);
         self.starved.store(0, Relaxed);
         self.epoch.store(self.epoch.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    /// The bias (µm) was told at this tick; without one, the estimate has begun anew.
+    pub(crate) fn set_bias(&self, told_um: Option<f32>) {
+        self.bias.store(told_um.unwrap_or(0.0).to_bits(), Relaxed);
+        self.told.store(u32::from(told_um.is_some()), Relaxed);
+    }
+
+    /// A tick has passed since the bias was told, where it was.
+    #[inline]
+    pub(crate) fn age_bias(&self) {
+        let told = self.told.load(Relaxed);
+        if told > 0 {
+            self.told.store(told.saturating_add(1), Relaxed);
+        }
     }
 
     #[inline]
@@ -148,6 +183,25 @@ impl Telemetry {
             if status.contains(bit) {
                 add(counter, 1);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protocol::Health;
+
+    #[test]
+    fn a_bias_grows_no_older_than_can_be_said() {
+        let telemetry = Telemetry::new();
+        telemetry.age_bias();
+        assert_eq!(telemetry.bias_age_ticks(), None, "what was never told does not age");
+        telemetry.set_bias(Some(0.5));
+        telemetry.told.store(u32::MAX - 1, Relaxed);
+        for _ in 0..3 {
+            telemetry.age_bias();
+            assert_eq!(telemetry.bias_age_ticks(), Some(Health::OLDEST_BIAS_TICKS));
         }
     }
 }

@@ -55,6 +55,7 @@ impl<'q> Tick<'q> {
     /// One tick: the code just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
     pub fn sample(&mut self, code: AdcCode, now: u32) -> DacCode {
         add(&self.telemetry.ticks, 1);
+        self.telemetry.age_bias();
         let missed = self.missed(now);
         if let Some(command) = self.queues.commands.dequeue() {
             self.obey(command);
@@ -79,6 +80,8 @@ impl<'q> Tick<'q> {
             Some(estimator) => tick_sample(estimator, code),
             None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
         };
+        let may_be_told = self.startup.estimator.as_ref().is_some_and(Estimator::may_be_told);
+        self.telemetry.may_be_told.store(may_be_told, Relaxed);
         let (mut faults, sound) = self.supervise(code, status, missed, faults);
         let output = self.output(dac, sound);
         status |= output.status;
@@ -163,6 +166,16 @@ impl<'q> Tick<'q> {
         if let Some(estimator) = &mut self.startup.estimator {
             tick_restart(estimator);
         }
+        self.telemetry.set_bias(None);
+    }
+
+    /// Tells the estimator its bias, which it may not take.
+    fn tell(&mut self, tell: impl FnOnce(&mut Estimator<f32>) -> bool) {
+        if let Some(estimator) = &mut self.startup.estimator
+            && tell(estimator)
+        {
+            self.telemetry.set_bias(Some(estimator.bias()));
+        }
     }
 
     fn obey(&mut self, command: Command) {
@@ -184,11 +197,8 @@ impl<'q> Tick<'q> {
                     drive.go(hold);
                 }
             }
-            Command::SetZero => {
-                if let Some(estimator) = &mut self.startup.estimator {
-                    estimator.set_zero();
-                }
-            }
+            Command::SetZero { at_um } => self.tell(|estimator| estimator.set_zero(at_um)),
+            Command::ShiftBias { by_um } => self.tell(|estimator| estimator.shift(by_um)),
         }
     }
 }

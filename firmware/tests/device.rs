@@ -149,13 +149,43 @@ fn it_says_who_and_how_it_is() {
     assert_eq!(empty.ask(push(&compiled(), false)), Reply::Done, "without a table nothing is estimated");
 }
 
+/// Longer than a tick, after which a command is obeyed.
+const TICKS: std::time::Duration = std::time::Duration::from_millis(20);
+
 #[test]
-fn zero_is_set_only_where_something_is_estimated() {
+fn the_bias_is_told_only_where_something_is_estimated_and_in_reason() {
+    let span_um = compiled().displacement_limits_um.span();
+    type Tell = fn(f32) -> Request;
+    let ways: [Tell; 2] = [|at_um| Request::SetZero { at_um }, |by_um| Request::ShiftBias { by_um }];
+    for tell in ways {
+        let mut bench = Bench::new(Some(compiled()));
+        assert_eq!(bench.ask(tell(0.0)), Reply::Refused(Refusal::TooSoon), "there was no tick");
+        std::thread::sleep(TICKS);
+        assert_eq!(bench.ask(tell(-span_um)), Reply::Done);
+        for odd in [f32::NAN, f32::NEG_INFINITY, 1.01 * span_um] {
+            assert_eq!(bench.ask(tell(odd)), Reply::Refused(Refusal::BeyondSpan { span_um }));
+        }
+        assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
+        assert_eq!(bench.ask(tell(0.0)), Reply::Refused(Refusal::NotEstimating));
+        assert_eq!(Bench::new(None).ask(tell(0.0)), Reply::Refused(Refusal::NotEstimating));
+    }
+}
+
+#[test]
+fn health_has_the_bias_and_its_age() {
     let mut bench = Bench::new(Some(compiled()));
-    assert_eq!(bench.ask(Request::SetZero), Reply::Done);
-    assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
-    assert_eq!(bench.ask(Request::SetZero), Reply::Refused(Refusal::NotEstimating));
-    assert_eq!(Bench::new(None).ask(Request::SetZero), Reply::Refused(Refusal::NotEstimating));
+    let bias = |bench: &mut Bench| {
+        std::thread::sleep(TICKS);
+        let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
+        (health.bias_um, health.bias_age_ticks)
+    };
+    assert_eq!(bias(&mut bench), (0.0, None));
+    assert_eq!(bench.ask(Request::ShiftBias { by_um: 1.5 }), Reply::Done);
+    let (um, age) = bias(&mut bench);
+    assert!(um == 1.5 && age.is_some(), "{um} {age:?}");
+    assert!(bias(&mut bench).1 > age, "it grows old");
+    assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done);
+    assert_eq!(bias(&mut bench), (0.0, None));
 }
 
 #[test]
@@ -193,7 +223,11 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
         assert_eq!(bench.ask(refer(odd)), Reply::Refused(Refusal::NotFinite));
     }
     assert_eq!(bench.ask(push(&driving(), false)), Reply::Refused(Refusal::Estimating), "flash may cost ticks");
-    assert_eq!(bench.ask(Request::SetZero), Reply::Refused(Refusal::NotEstimating), "references have the model's zero");
+    assert_eq!(
+        bench.ask(Request::SetZero { at_um: 0.0 }),
+        Reply::Refused(Refusal::NotEstimating),
+        "references have the model's zero"
+    );
     let full = (0..1_000).any(|_| match bench.ask(refer(10.0)) {
         Reply::Referred { taken, .. } => taken < 64,
         reply => panic!("{reply:?}"),

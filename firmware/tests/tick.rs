@@ -186,13 +186,29 @@ fn fed_codes_are_no_sign_of_the_adc_s_health() {
 }
 
 #[test]
-fn zero_is_set_at_the_next_tick() {
+fn the_bias_is_told_at_the_next_tick_and_ages_until_the_estimate_begins_anew() {
     let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     for k in 0..500 {
         tick.sample(triangle(k), k * PERIOD);
     }
-    link.queues.commands.enqueue(Command::SetZero).unwrap();
+    assert_eq!((link.telemetry.bias_um(), link.telemetry.bias_age_ticks()), (0.0, None));
+    link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).unwrap();
     link.telemetry.streaming.store(true, Relaxed);
     tick.sample(triangle(500), 500 * PERIOD);
-    assert!(link.queues.samples.dequeue().unwrap().sample.displacement.abs() < 0.1);
+    assert!((link.queues.samples.dequeue().unwrap().sample.displacement - 3.0).abs() < 0.1);
+    assert_eq!(link.telemetry.bias_age_ticks(), Some(0));
+    let zeroed = link.telemetry.bias_um();
+    for k in 501..511 {
+        tick.sample(triangle(k), k * PERIOD);
+    }
+    assert_eq!(link.telemetry.bias_age_ticks(), Some(10));
+    link.telemetry.forget();
+    assert_eq!(link.telemetry.bias_um(), zeroed, "the bias is no count");
+    link.queues.commands.enqueue(Command::ShiftBias { by_um: -0.5 }).unwrap();
+    tick.sample(triangle(511), 511 * PERIOD);
+    assert!((link.telemetry.bias_um() - (zeroed - 0.5)).abs() < 1e-5);
+    assert_eq!(link.telemetry.bias_age_ticks(), Some(0));
+    link.queues.commands.enqueue(Command::SetMode(Mode::Estimate)).unwrap();
+    tick.sample(triangle(512), 512 * PERIOD);
+    assert_eq!((link.telemetry.bias_um(), link.telemetry.bias_age_ticks()), (0.0, None));
 }

@@ -63,6 +63,15 @@ pub struct Health {
     pub line_errors: u32,
     /// Flash words that could not be corrected, as a power cut during a write leaves them.
     pub flash_errors: u32,
+    /// What is added to the model's displacement, µm; 0 where nothing was told.
+    pub bias_um: f32,
+    /// Ticks since the bias was told, at most [`Self::OLDEST_BIAS_TICKS`]; `None` where it was not since the estimate began.
+    pub bias_age_ticks: Option<u32>,
     /// Analogue supply at boot, mV; `None` where the board cannot tell.
     pub supply_mv: Option<u16>,
+}
+
+impl Health {
+    /// The age at which a bias grows no older: it may have been told longer ago.
+    pub const OLDEST_BIAS_TICKS: u32 = u32::MAX - 1;
 }

@@ -54,8 +54,17 @@ pub enum Request {
     },
     /// Stream samples, or stop. → [`Reply::Done`]
     Stream(bool),
-    /// Call the displacement of now 0. → [`Reply::Done`]
-    SetZero,
+    /// Tell the bias by a displacement that is known now, in [`Mode::Estimate`]; until the estimate starts anew.
+    /// → [`Reply::Done`]
+    SetZero {
+        /// What the displacement of now is called, µm; no larger than the span of the table's displacement limits.
+        at_um: f32,
+    },
+    /// Shift the bias, in [`Mode::Estimate`]; until the estimate starts anew. → [`Reply::Done`]
+    ShiftBias {
+        /// What is added to the displacement from now on, µm; no larger than the span of the table's displacement limits.
+        by_um: f32,
+    },
     /// Change what the tick does; the estimate starts anew, from rest, samples are counted from 0, and streaming ends.
     /// → [`Reply::Done`]
     SetMode(Mode),

@@ -18,9 +18,18 @@ pub enum Refusal {
     /// There is no table to send.
     #[error("it has no admissible table")]
     NoTable,
-    /// There is no displacement to call 0: nothing is being estimated from the ADC.
+    /// There is no displacement to tell the bias by: nothing is being estimated from the ADC.
     #[error("it is not estimating")]
     NotEstimating,
+    /// What the displacement is to be called, or to be shifted by, cannot be true.
+    #[error("it takes a bias only from finite displacements of at most {span_um} µm, the span of its table's limits")]
+    BeyondSpan {
+        /// Span of the table's displacement limits, µm.
+        span_um: f32,
+    },
+    /// The estimate began so lately that an actuator which moved then is still on its way.
+    #[error("its estimate has only just begun")]
+    TooSoon,
     /// Codes were fed, but the mode is not [`Mode::Pil`](crate::Mode::Pil).
     #[error("it takes fed samples in processor-in-the-loop mode only")]
     NotPil,

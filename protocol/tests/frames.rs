@@ -31,7 +31,8 @@ fn requests() -> Vec<Request> {
         Request::Push { record, while_estimating: true, rewired: true },
         Request::Erase { while_estimating: false, rewired: false },
         Request::Stream(true),
-        Request::SetZero,
+        Request::SetZero { at_um: f32::MIN },
+        Request::ShiftBias { by_um: f32::MAX },
         Request::SetMode(Mode::Pil),
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
         Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true, hold: true },
@@ -73,6 +74,8 @@ fn answers() -> Vec<ToHost> {
         frames_refused: u32::MAX,
         line_errors: u32::MAX,
         flash_errors: u32::MAX,
+        bias_um: f32::MIN,
+        bias_age_ticks: Some(Health::OLDEST_BIAS_TICKS),
         supply_mv: Some(u16::MAX),
     };
     let identity = Identity {
@@ -95,6 +98,7 @@ fn answers() -> Vec<ToHost> {
         Reply::Fed(64),
         Reply::Referred { taken: 64, starved: u32::MAX },
         Reply::Refused(Refusal::Table(text("µ".repeat(200)))),
+        Reply::Refused(Refusal::BeyondSpan { span_um: f32::MAX }),
     ];
     let replies = replies.into_iter().map(|reply| ToHost::Reply { to: u16::MAX, reply });
     replies.chain([ToHost::Samples(samples(32)), ToHost::Samples(samples(1))]).collect()
@@ -116,11 +120,14 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f02ac0209030102f0ff0390c7469c00");
-    assert_eq!(hex(frame(&ToHost::Samples(samples(1)))), "190201ffffffff0f01ffff03ffff7fffffff033fff62d2113400");
+    assert_eq!(hex(frame(&message)), "0f03ac020a030102f0ff0333b66c4200");
+    assert_eq!(
+        hex(frame(&ToHost::Samples(samples(1)))),
+        "1e0301ffffffff0f01ffff03ffff7fff01ffff7f7fffff037fff8221b0c500"
+    );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (2, 2594583055));
+    assert_eq!((VERSION, crc), (3, 2967872935));
 }
 
 #[test]
@@ -148,7 +155,7 @@ fn too_long_empty_and_trailing() {
 proptest! {
     /// A damaged frame is refused, and the next one is received.
     #[test]
-    fn damage_costs_one_frame(which in 0usize..11, at in 0usize..400, flip in 1u8.., cut: bool) {
+    fn damage_costs_one_frame(which in 0usize..13, at in 0usize..400, flip in 1u8.., cut: bool) {
         let message = ToDevice { sequence: 9, request: requests()[which].clone() };
         let mut bytes = frame(&message);
         let at = at % (bytes.len() - 1);

@@ -1,17 +1,19 @@
 //! The verbs that talk to a device, where there is none, or none that answers; and what they would do to a board.
 
-use super::{MEASURED, data, json, piezo, refused, text};
+use super::{MEASURED, data, json, number, piezo, refused, text};
+use emulator::Emulator;
 use std::fs;
 use std::net::TcpListener;
 use std::path::Path;
 
 /// The verbs and what each needs beside a port.
-const VERBS: [&[&str]; 8] = [
+const VERBS: [&[&str]; 9] = [
     &["info"],
     &["pull", "--out", "-"],
     &["erase", "--pause"],
     &["monitor", "--seconds", "1"],
     &["zero"],
+    &["zero", "--over-cycle", "--at", "-3.5"],
     &["reset"],
     &["push", "tests/data/table/table.bin"],
     &["pil", "tests/data/table/table.toml", MEASURED],
@@ -144,4 +146,36 @@ fn flash_hands_the_parameter_pages_to_probe_rs_and_says_when_that_fails() {
     let record = fs::read(Path::new(&table).with_file_name("table.bin")).unwrap();
     assert_eq!(pages.len(), 4096);
     assert!(pages.windows(record.len()).any(|bytes| bytes == record), "the record is not in the pages");
+}
+
+#[test]
+fn zero_calls_the_displacement_of_now_or_the_mean_over_a_cycle_what_is_known() {
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let port = format!("tcp:{}", device.address());
+    let zero = |options: &[&str]| json(piezo().args(["zero", "--json", "--port", &port]).args(options));
+    let said = |verb: &str| {
+        let output = piezo().args([verb, "--port", &port]).assert().success().get_output().stdout.clone();
+        String::from_utf8(output).unwrap()
+    };
+    assert!(said("info").contains("never zeroed since the estimate began"));
+
+    let over = zero(&["--over-cycle", "--at", "-2.5", "--seconds", "20"]);
+    // The triangle's period.
+    assert_eq!(number(&over, "/cycle/seconds"), 1.0);
+    assert!((number(&over, "/bias_um") - (-2.5 - number(&over, "/cycle/mean_um"))).abs() < 1e-4, "{over}");
+    assert!(said("info").contains(&format!("ago, bias {:+.3} µm", number(&over, "/bias_um"))));
+    let again = zero(&["--over-cycle", "--at", "-2.5"]);
+    assert!((number(&again, "/cycle/mean_um") + 2.5).abs() < 0.5, "the mean is what it was called: {again}");
+
+    let now = zero(&["--at", "7"]);
+    assert!(now["cycle"].is_null() && number(&now, "/bias_um") != number(&again, "/bias_um"), "{now}");
+    let text = said("zero");
+    assert!(text.contains("called 0 µm") && text.contains("zeroed 0 s ago, bias"), "{text}");
+
+    let zero = |options: &[&str], says: &[&str]| refused(&[&["zero", "--port", &port], options].concat(), says);
+    zero(&["--at", "1e5"], &["the device refuses", "span of its table's limits", "give µm"]);
+    zero(&["--at", "nan"], &["--at", "finite"]);
+    zero(&["--seconds", "5"], &["--over-cycle"]);
+    let short = ["--over-cycle", "--seconds", "0.2"];
+    zero(&short, &["nothing was changed on the device", "no full cycle within 0.2 s", "--at"]);
 }

@@ -128,18 +128,40 @@ fn what_is_wrong_is_said() {
 }
 
 #[test]
-fn the_zero_can_be_set_and_a_restart_forgets_it() {
+fn the_bias_can_be_told_and_a_restart_forgets_it() {
     let mut estimator = running(table());
     let codes = [3.0f32, 7.0, 12.0, 4.0].map(|v| table().adc.code(v));
     let first = codes.map(|code| estimator.tick(code));
     let mut twin = estimator.clone();
-    estimator.set_zero();
+    assert!(estimator.set_zero(0.0));
     let zero = twin.tick(codes[3]).displacement;
     let rest = estimator.tick(codes[3]);
     let after = twin.tick(codes[3]).displacement - estimator.tick(codes[3]).displacement;
     assert!(rest.displacement.abs() < 0.1 && (zero - rest.displacement - after).abs() < 1e-6);
     assert_eq!(rest.dac, table().dac.code(rest.displacement));
     estimator.restart();
-    estimator.set_zero();
-    assert_eq!(codes.map(|code| estimator.tick(code)), first, "before the first tick there is nothing to call 0");
+    assert!(!estimator.set_zero(0.0), "before the first tick there is nothing to call 0");
+    assert_eq!(estimator.bias(), 0.0);
+    assert_eq!(codes.map(|code| estimator.tick(code)), first);
+}
+
+#[test]
+fn the_displacement_of_now_can_be_called_anything_and_shifted() {
+    let mut estimator = running(table());
+    let code = table().adc.code(7.0f32);
+    // At rest the displacement of now is that of the next tick.
+    let model = estimator.tick(code).displacement;
+    assert!(estimator.set_zero(2.5));
+    assert!((estimator.bias() - (2.5 - model)).abs() < 1e-6, "what is added to the model's displacement");
+    assert!((estimator.tick(code).displacement - 2.5).abs() < 1e-5);
+    assert!(estimator.shift(-0.75));
+    let shifted = estimator.tick(code);
+    assert!((shifted.displacement - 1.75).abs() < 1e-5);
+    assert_eq!(shifted.dac, table().dac.code(shifted.displacement));
+    let bias = estimator.bias();
+    assert!(!estimator.set_zero(f32::NAN) && !estimator.shift(f32::INFINITY));
+    assert_eq!(estimator.bias(), bias, "what is not finite changes nothing");
+    estimator.restart();
+    assert!(!estimator.set_zero(0.5) && !estimator.shift(0.5), "there is no displacement before the first tick");
+    assert!((estimator.tick(code).displacement - model).abs() < 1e-5);
 }

@@ -10,7 +10,7 @@ use embassy_time::{Duration, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::record::{MAX_LENGTH, VERSION, checksum};
 use estimator_core::table::Board;
-use estimator_core::{AdcCode, Admitted};
+use estimator_core::{AdcCode, Admitted, Range};
 use parameter_store::ParameterStore;
 use protocol::{
     Codes, Faults, Health, Identity, Mode, Record, References, Refusal, Reply, Request, TableSource, Text, text,
@@ -54,7 +54,8 @@ impl<F: NorFlash> Device<'_, F> {
             Request::Push { record, while_estimating, rewired } => self.push(&record, while_estimating, rewired).await,
             Request::Erase { while_estimating, rewired } => self.erase(while_estimating, rewired).await,
             Request::SetMode(mode) => self.set_mode(mode).await,
-            Request::SetZero => self.set_zero(),
+            Request::SetZero { at_um } => self.tell(at_um, Command::SetZero { at_um }),
+            Request::ShiftBias { by_um } => self.tell(by_um, Command::ShiftBias { by_um }),
             Request::Stream(on) => {
                 self.stream(on);
                 Ok(())
@@ -106,6 +107,8 @@ impl<F: NorFlash> Device<'_, F> {
             frames_refused: self.frames_refused,
             line_errors: (self.facts.line_errors)().wrapping_add(self.read_errors),
             flash_errors: (self.facts.flash_errors)(),
+            bias_um: telemetry.bias_um(),
+            bias_age_ticks: telemetry.bias_age_ticks(),
             supply_mv: self.facts.supply_mv,
         }
     }
@@ -146,12 +149,17 @@ impl<F: NorFlash> Device<'_, F> {
         if self.estimating() && !while_estimating { Err(Refusal::Estimating) } else { Ok(()) }
     }
 
-    fn set_zero(&mut self) -> Result<(), Refusal> {
-        if self.table.is_some() && self.telemetry.mode() == Mode::Estimate {
-            self.queues.commands.enqueue(Command::SetZero).map_err(|_| Refusal::Busy)
-        } else {
-            Err(Refusal::NotEstimating)
+    /// Hands on a command that tells the bias by a displacement, µm.
+    fn tell(&mut self, displacement: f32, command: Command) -> Result<(), Refusal> {
+        let table = self.table.as_ref().filter(|_| matches!(self.telemetry.mode(), Mode::Estimate | Mode::Pil));
+        let span_um = table.ok_or(Refusal::NotEstimating)?.displacement_limits_um.span();
+        if !(Range { min: -span_um, max: span_um }).contains(displacement) {
+            return Err(Refusal::BeyondSpan { span_um });
         }
+        if !self.telemetry.may_be_told.load(Relaxed) {
+            return Err(Refusal::TooSoon);
+        }
+        self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)
     }
 
     fn estimating(&self) -> bool {

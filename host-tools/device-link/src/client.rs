@@ -1,8 +1,8 @@
 //! The host's end of the link: requests and their replies, and the samples that arrive in between.
 //!
 //! A reply belongs to the request whose sequence number it carries. A request without a reply is sent again under the same
-//! number where doing it twice is as good as once. [`Request::Feed`] and [`Request::SetZero`] are not; whether they were
-//! done is then not known ([`LinkError::Unknown`]), and the caller must find out.
+//! number where twice is as good as once. It is not for [`Request::Feed`], [`Request::Refer`], [`Request::SetZero`] (the
+//! displacement has moved on) and [`Request::ShiftBias`] (it adds): then [`LinkError::Unknown`] has the caller find out.
 
 use super::error::LinkError;
 use super::port::{Address, Port};
@@ -125,9 +125,14 @@ impl Client {
         self.done(Request::Forget)
     }
 
-    /// Calls the displacement of now 0.
-    pub fn set_zero(&mut self) -> Result<(), LinkError> {
-        self.done(Request::SetZero)
+    /// Calls the displacement of now `at_um`, µm, until the estimate starts anew.
+    pub fn set_zero(&mut self, at_um: f32) -> Result<(), LinkError> {
+        self.done(Request::SetZero { at_um })
+    }
+
+    /// Adds `by_um`, µm, to the displacement from now on, until the estimate starts anew.
+    pub fn shift_bias(&mut self, by_um: f32) -> Result<(), LinkError> {
+        self.done(Request::ShiftBias { by_um })
     }
 
     /// Turns the stream of samples on or off. What was streamed before is gone.
@@ -188,7 +193,9 @@ impl Client {
     /// Asks, and asks again where that does no harm.
     pub fn request(&mut self, request: Request) -> Result<Reply, LinkError> {
         let (tries, patience) = match request {
-            Request::Feed(_) | Request::Refer { .. } | Request::SetZero => (1, REPLY),
+            Request::Feed(_) | Request::Refer { .. } | Request::SetZero { .. } | Request::ShiftBias { .. } => {
+                (1, REPLY)
+            }
             Request::Push { .. } | Request::Erase { .. } => (TRIES, WRITTEN),
             _ => (TRIES, REPLY),
         };

@@ -2,6 +2,7 @@
 
 pub mod board;
 pub mod client;
+pub mod cycle;
 pub mod error;
 pub mod follow;
 pub mod interrupt;

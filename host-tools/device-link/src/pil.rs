@@ -1,4 +1,5 @@
-//! Processor in the loop: codes in over the link, the device's estimates back, tick for tick beside the host's f32 core.
+//! Processor in the loop: codes in over the link, the device's estimates back, tick for tick beside the host's f32 core. On
+//! the way both are told a displacement, so that bias and interval are compared, too.
 
 use super::client::Client;
 use super::error::LinkError;
@@ -9,6 +10,11 @@ use protocol::{Codes, Mode, Sample};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
+/// Ticks after which a displacement is told, or as soon as the table allows; and what is told, µm.
+const TOLD: usize = 1_000;
+const TOLD_UM: f32 = 0.5;
+/// How often it is told again where no reply came and nothing was done.
+const TELLS: u32 = 3;
 /// Codes in one frame; [`Codes`] takes so many.
 const CHUNK: usize = 64;
 /// Codes under way or waiting in the device: its queues hold 255 each way, and the link adds some milliseconds.
@@ -27,6 +33,8 @@ pub struct TickResult {
     pub displacement_um: f32,
     /// Its bits.
     pub bits: u32,
+    /// Half-width of its interval, µm; `None` where there is none.
+    pub half_width_um: Option<f32>,
     /// Status bits.
     #[serde(serialize_with = "words::serialize_status")]
     pub status: Status,
@@ -50,8 +58,10 @@ pub struct Difference {
 pub struct Comparison {
     /// Ticks compared.
     pub ticks: usize,
-    /// Ticks on which every bit of displacement and status is the same.
+    /// Ticks on which every bit of displacement, interval and status is the same.
     pub identical: usize,
+    /// Ticks with an interval.
+    pub with_interval: usize,
     /// The first tick on which one is not.
     pub first_difference: Option<Difference>,
     /// Largest difference of the displacements, µm.
@@ -105,12 +115,19 @@ pub enum FeedError {
     },
 }
 
+/// The tick before which a displacement is told.
+fn told_at(table: &Admitted) -> usize {
+    let earliest = table.interval.map_or(0.0, |interval| interval.earliest_s / table.sample_period::<f32>());
+    TOLD.max(earliest.ceil() as usize + 1)
+}
+
 /// Feeds codes to the device at its own pace and collects what it gives. It is left in [`Mode::Pil`], streaming.
 ///
 /// # Errors
 /// The link fails or loses samples, the device stops, or the user does not want to wait.
 pub fn feed(
     client: &mut Client,
+    table: &Admitted,
     codes: &[AdcCode],
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
@@ -119,13 +136,21 @@ pub fn feed(
     client.stream(true)?;
     let mut samples: Vec<Sample> = Vec::with_capacity(codes.len());
     let mut fed = 0;
+    let told_at = told_at(table);
+    let mut untold = true;
     let mut news = Instant::now();
     while samples.len() < codes.len() {
         let (done, ticks) = (samples.len(), codes.len());
         if interrupt.wanted() {
             return Err(FeedError::Interrupted { done, ticks });
         }
-        let next = &codes[fed..codes.len().min(fed + CHUNK)];
+        if untold && samples.len() == told_at {
+            tell(client)?;
+            untold = false;
+        }
+        // What is fed before it is told has to have been run through.
+        let end = if untold { codes.len().min(told_at) } else { codes.len() };
+        let next = &codes[fed..end.min(fed + CHUNK)];
         let fits = !next.is_empty() && fed - samples.len() + next.len() <= OUTSTANDING;
         if fits {
             // Cannot fail: no more than fit.
@@ -145,6 +170,19 @@ pub fn feed(
         }
     }
     Ok(samples)
+}
+
+/// Calls the displacement of now [`TOLD_UM`].
+fn tell(client: &mut Client) -> Result<(), LinkError> {
+    let mut told = client.set_zero(TOLD_UM);
+    for _ in 1..TELLS {
+        match told {
+            Err(LinkError::Unknown { .. }) if client.health()?.bias_age_ticks.is_some() => return Ok(()),
+            Err(LinkError::Unknown { .. }) => told = client.set_zero(TOLD_UM),
+            known => return known,
+        }
+    }
+    told
 }
 
 /// Takes the samples that come within `patience`, of `fed` codes at most; returns whether any did.
@@ -180,18 +218,30 @@ pub fn compare(table: &Admitted, codes: &[AdcCode], samples: &[Sample]) -> Compa
     let mut comparison = Comparison {
         ticks: samples.len(),
         identical: 0,
+        with_interval: 0,
         first_difference: None,
         max_difference_um: 0.0,
         status: Status::empty(),
     };
+    let told_at = told_at(table);
     for (tick, (&code, sample)) in codes.iter().zip(samples).enumerate() {
+        if tick == told_at {
+            estimator.set_zero(TOLD_UM);
+        }
         let estimate = estimator.tick(code);
-        let gave =
-            |displacement_um: f32, status| TickResult { displacement_um, bits: displacement_um.to_bits(), status };
-        let host = gave(estimate.displacement, estimate.status);
-        let device = gave(sample.displacement, sample.status);
+        let gave = |displacement_um: f32, half_width_um, status| TickResult {
+            displacement_um,
+            bits: displacement_um.to_bits(),
+            half_width_um,
+            status,
+        };
+        let host = gave(estimate.displacement, estimate.half_width, estimate.status);
+        let device = gave(sample.displacement, sample.half_width, sample.status);
         comparison.status |= host.status;
-        if host.bits == device.bits && host.status == device.status && sample.code == code.0 {
+        comparison.with_interval += usize::from(host.half_width_um.is_some());
+        let bits = |width: Option<f32>| width.map(f32::to_bits);
+        let same = host.bits == device.bits && bits(host.half_width_um) == bits(device.half_width_um);
+        if same && host.status == device.status && sample.code == code.0 {
             comparison.identical += 1;
         } else {
             comparison.first_difference.get_or_insert(Difference { tick, code: code.0, host, device });
@@ -224,7 +274,7 @@ mod tests {
         let (mut client, _) = Client::connect(&line.address().into()).unwrap();
         let table = TABLE.admit().unwrap();
         let codes = codes(&table);
-        let samples = feed(&mut client, &codes, &Interrupt::default(), &mut |_| {})?;
+        let samples = feed(&mut client, &table, &codes, &Interrupt::default(), &mut |_| {})?;
         Ok(compare(&table, &codes, &samples))
     }
 

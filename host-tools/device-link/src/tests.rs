@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 /// Requests that connecting takes: the stream is stopped, and the device identified.
 const CONNECTING: u32 = 2;
-/// A frame of protocol version 3 with nothing in it, and the checksum that it needs.
-const VERSION_3: [u8; 7] = [6, 3, 0x37, 0xBE, 0x0B, 0x4B, 0];
+/// A frame of protocol version 4 with nothing in it, and the checksum that it needs.
+const VERSION_4: [u8; 7] = [6, 4, 0x94, 0x2B, 0x6F, 0xD5, 0];
 
 fn device() -> EmulatedDevice {
     Emulator::new().speed(8.0).start().unwrap()
@@ -59,9 +59,28 @@ fn three_lost_replies_are_silence_and_the_next_request_is_answered() {
 #[test]
 fn what_does_more_the_second_time_is_asked_once() {
     let device = device();
-    let line = line(&device, lose_replies([CONNECTING]));
+    let line = line(&device, lose_replies([CONNECTING, CONNECTING + 1]));
     let (mut client, _) = connect(line.address());
-    assert!(matches!(client.set_zero(), Err(LinkError::Unknown { .. })));
+    assert!(matches!(client.set_zero(1.0), Err(LinkError::Unknown { .. })));
+    assert!(matches!(client.shift_bias(1.0), Err(LinkError::Unknown { .. })));
+    assert!(client.health().unwrap().bias_age_ticks.is_some(), "it was done, once");
+}
+
+#[test]
+fn a_bias_that_is_told_is_added_and_its_age_is_known() {
+    let device = device();
+    let (mut client, _) = connect(device.address());
+    assert_eq!(client.health().unwrap().bias_age_ticks, None);
+    client.shift_bias(2.0).unwrap();
+    client.shift_bias(-0.5).unwrap();
+    std::thread::sleep(Duration::from_millis(100));
+    let health = client.health().unwrap();
+    assert!(health.bias_um == 1.5 && health.bias_age_ticks.is_some(), "{health:?}");
+    let Err(LinkError::Refused { refusal, .. }) = client.set_zero(1e6) else { panic!() };
+    assert!(matches!(*refusal, Refusal::BeyondSpan { span_um } if span_um > 0.0), "{refusal}");
+    client.set_mode(Mode::Estimate).unwrap();
+    let health = client.health().unwrap();
+    assert_eq!((health.bias_um, health.bias_age_ticks), (0.0, None), "the estimate starts anew without");
 }
 
 #[test]
@@ -103,9 +122,9 @@ fn samples_that_come_between_request_and_reply_are_kept() {
 #[test]
 fn another_version_is_named_and_which_side_is_older() {
     let device = device();
-    let line = line(&device, replies(|_, _, frame| *frame = VERSION_3.to_vec()));
+    let line = line(&device, replies(|_, _, frame| *frame = VERSION_4.to_vec()));
     let error = Client::connect(&line.address().into()).err().unwrap().to_string();
-    assert!(error.contains("version 2") && error.contains("this program is older"), "{error}");
+    assert!(error.contains("version 3") && error.contains("this program is older"), "{error}");
 }
 
 #[test]

@@ -134,6 +134,7 @@ mod tests {
         let sample = |&displacement| Sample {
             code: 100,
             displacement,
+            half_width: None,
             dac: 7,
             status: Status::CLAMPED,
             faults: Faults::empty(),

@@ -65,7 +65,7 @@ const FAULTS: [(Faults, &str); 8] = [
     (Faults::SAFE_OUTPUT, "the DAC stands at its safe value"),
 ];
 
-const STATUS: [(Status, &str); 6] = [
+const STATUS: [(Status, &str); 7] = [
     (Status::ADC_SATURATED, "the ADC was at an end of its range: the voltage was at least that large"),
     (
         Status::VOLTAGE_OUT_OF_RANGE,
@@ -80,6 +80,10 @@ const STATUS: [(Status, &str); 6] = [
     (
         Status::OUT_OF_REACH,
         "the wanted displacement was out of reach: the voltage or its slew rate stood at the drive's limit",
+    ),
+    (
+        Status::UNTRAINED,
+        "the voltage went as it never did in the training: what the estimate said there was not learnt",
     ),
 ];
 

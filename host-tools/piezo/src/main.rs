@@ -78,8 +78,11 @@ enum Verb {
     /// A wanted trajectory → the device, whose DAC drives the amplifier there; its estimate on the way as a log.
     #[command(after_help = "Example: piezo follow wanted.csv --out followed.csv --port /dev/ttyACM0")]
     Follow(follow::Follow),
-    /// Calls the displacement of now 0, as at rest.
-    #[command(after_help = "Example: piezo zero --port /dev/ttyACM0")]
+    /// Calls the displacement of now, or the mean over one cycle of the voltage, 0 or what it is known to be.
+    #[command(after_help = "Examples:
+  piezo zero --port /dev/ttyACM0
+  piezo zero --at 12.5 --port /dev/ttyACM0
+  piezo zero --over-cycle --at 12.5 --port /dev/ttyACM0")]
     Zero(zero::Zero),
     /// Restarts the device.
     #[command(after_help = "Example: piezo reset --port /dev/ttyACM0")]

@@ -33,7 +33,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { devices: 12, evaluations: 150 }
+        Self { devices: 12, evaluations: 300 }
     }
 }
 
@@ -74,7 +74,8 @@ fn judged(
     search: &SearchOptions,
     evaluations: usize,
 ) -> Vec<trial::Recording> {
-    let device = Device::drawn(number, context.seed, problem);
+    let device =
+        Device::drawn(number, context.seed, problem, late_s(&candidate.table.parameters, problem.extent().tick));
     let sessions =
         |sessions: &mut dyn Iterator<Item = &Session>| sessions.map(|session| device.session(session)).collect();
     let theirs = problem.of(sessions(&mut problem.training()), sessions(&mut problem.validation()));
@@ -95,10 +96,13 @@ fn again(
     Candidate::new(problem, identification.again(&candidate.fit, evaluations), context)
 }
 
-/// What an estimate is off by in any case, µm: rms without offset on what was held out, or where nothing was, on the training.
+/// What an estimate is off by in any case, µm: the median over the logs of the rms without offset, of what was held out, or
+/// where nothing was, of the training. (What fast logs have beyond that belongs to the rate.)
 fn misfit(candidate: &Candidate) -> f64 {
-    let figures = candidate.held_out_figures().or_else(|| candidate.training_figures());
-    figures.map_or(f64::NAN, |figures| figures.rmse_without_offset_um).max(f64::MIN_POSITIVE)
+    let logs = if candidate.held_out.is_empty() { &candidate.training } else { &candidate.held_out };
+    let mut errors: Vec<f64> = logs.iter().map(|log| log.mil.rmse_without_offset_um).collect();
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() / 2).copied().unwrap_or(0.0).max(f64::MIN_POSITIVE)
 }
 
 /// The interval whose gains are 1, and whose misfit is the stroke.

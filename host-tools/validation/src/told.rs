@@ -12,17 +12,13 @@
 
 use crate::coverage::Coverage;
 use crate::figures::Figures;
-use crate::reversals::reversals;
+use crate::reversals::first_cycle;
 use crate::run::Run;
 use crate::scope::{FEWEST, Part, ScopeError, mean};
-use estimator_core::Range as Span;
 use recordings::session::Session;
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
-
-/// A retreat of the voltage by so much of its span is a reversal.
-const LARGE: f64 = 0.25;
 
 /// What an estimator is told.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -188,13 +184,9 @@ fn cycle(session: &Session, part: &Range<usize>) -> Option<Range<usize>> {
     let first = instants.get(part.start).copied()? as usize;
     let last = instants.get(part.end.checked_sub(1)?).copied()? as usize;
     let voltage = session.voltage.get(first..=last)?;
-    let span = Span::of_values(voltage.iter().copied()).span();
-    let turns = reversals(voltage, LARGE * span);
-    let at = |turn: usize| {
-        let tick = (first + turns.get(turn)?) as u32;
-        Some(instants.partition_point(|&instant| instant < tick))
-    };
-    let cycle = at(0)?..at(2)?;
+    let turns = first_cycle(voltage, 0.0)?;
+    let at = |turn: usize| instants.partition_point(|&instant| (instant as usize) < first + turn);
+    let cycle = at(turns.start)..at(turns.end);
     (!cycle.is_empty() && part.end.saturating_sub(cycle.end) >= FEWEST).then_some(cycle)
 }
 

@@ -1,6 +1,8 @@
 //! What goes wrong between host and device.
 
+use super::bits::{Meaning, faults, status};
 use device_link::LinkError;
+use device_link::cycle::CycleError;
 use device_link::follow::FollowError;
 use device_link::pil::FeedError;
 use device_link::probe::ProbeError;
@@ -17,6 +19,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .downcast_ref()
         .map(link)
         .or_else(|| error.downcast_ref().map(follow))
+        .or_else(|| error.downcast_ref().map(cycle))
         .or_else(|| error.downcast_ref().map(feed))
         .or_else(|| error.downcast_ref().map(running))
         .or_else(|| error.downcast_ref().map(write))
@@ -52,6 +55,8 @@ pub fn refusal(refusal: &Refusal) -> String {
 fn remedy(refusal: &Refusal) -> &'static str {
     match refusal {
         Refusal::NoDrive => ": piezo emit --drive-span, then push",
+        Refusal::TooSoon => ": let the actuator rest for a second, and zero again",
+        Refusal::BeyondSpan { .. } => ": give µm; `piezo info` says the limits",
         Refusal::Faulty => ": piezo info says which",
         Refusal::Rewired => ": unplug it, then repeat with --rewired",
         _ => "",
@@ -77,6 +82,25 @@ fn follow(error: &FollowError) -> String {
         FollowError::Link(error) => link(error),
         FollowError::Silent => format!("{error}: look at it with `piezo info`"),
         _ => error.to_string(),
+    }
+}
+
+fn cycle(error: &CycleError) -> String {
+    let remedies = |meanings: &mut dyn Iterator<Item = Meaning>| {
+        let remedies: Vec<_> = meanings.map(|meaning| meaning.remedy).collect();
+        format!("{error}: {}", remedies.join("; "))
+    };
+    match error {
+        CycleError::Link(error) => link(error),
+        CycleError::NoCycle { .. } => format!(
+            "{error}: drive it up and down meanwhile, wait longer with --seconds, or leave --over-cycle out and tell the \
+             displacement of now with --at"
+        ),
+        CycleError::SamplesLost(_) => format!("{error} Try again"),
+        CycleError::Restarted | CycleError::Silent => format!("{error}: look at it with `piezo info`"),
+        CycleError::Faulty(bits) => remedies(&mut faults(*bits)),
+        CycleError::Worthless(bits) => remedies(&mut status(*bits)),
+        CycleError::Interrupted => error.to_string(),
     }
 }
 

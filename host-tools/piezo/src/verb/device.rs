@@ -44,6 +44,21 @@ pub fn source(source: &TableSource) -> String {
     }
 }
 
+/// How old the bias is and what it adds to the model's displacement, as the end of a sentence that starts with the device.
+pub fn bias(health: &Health, tick_us: u32) -> String {
+    let Some(ticks) = health.bias_age_ticks else {
+        return "never zeroed since the estimate began".to_owned();
+    };
+    let seconds = f64::from(ticks) * f64::from(tick_us) * 1e-6;
+    let age = match seconds {
+        ..120.0 => format!("{seconds:.0} s"),
+        ..7200.0 => format!("{:.0} min", seconds / 60.0),
+        _ => format!("{:.1} h", seconds / 3600.0),
+    };
+    let oldest = if ticks >= Health::OLDEST_BIAS_TICKS { "at least " } else { "" };
+    format!("zeroed {oldest}{age} ago, bias {:+.3} µm", health.bias_um)
+}
+
 /// Says when frames came damaged, which a sound line does not do.
 pub fn note_damage(client: &Client) {
     if client.damaged() > 0 {
@@ -64,6 +79,19 @@ mod tests {
     use emulator::{Emulator, FaultyLine, TABLE};
     use estimator_core::record::VERSION;
     use protocol::{Identity, Reply, ToHost};
+
+    #[test]
+    fn a_bias_says_how_old_it_is() {
+        let device = Emulator::new().start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        let health = client.health().unwrap();
+        assert_eq!(bias(&health, 500), "never zeroed since the estimate began");
+        let aged = |ticks| bias(&Health { bias_um: 0.412, bias_age_ticks: Some(ticks), ..health.clone() }, 500);
+        assert_eq!(aged(24_000), "zeroed 12 s ago, bias +0.412 µm");
+        assert_eq!(aged(600_000), "zeroed 5 min ago, bias +0.412 µm");
+        assert_eq!(aged(18_000_000), "zeroed 2.5 h ago, bias +0.412 µm");
+        assert_eq!(aged(Health::OLDEST_BIAS_TICKS), "zeroed at least 596.5 h ago, bias +0.412 µm");
+    }
 
     #[test]
     fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {

@@ -69,6 +69,7 @@ fn lines(found: &Found) -> Vec<String> {
         health.ticks,
         words::reset(health.reset)
     ));
+    lines.push(format!("Zero     {}", device::bias(health, identity.tick_us)));
     let percent = |cycles: u32| 100.0 * f64::from(cycles) / f64::from(health.cycles_period.max(1));
     lines.push(format!(
         "Tick     takes {:.1} % of its time, at most {:.1} % so far ({} of {} cycles); {} late or missed",
@@ -218,6 +219,8 @@ mod tests {
             cycles_max: 1700,
             cycles_period: 85_000,
             voltage_out_of_range: 3,
+            bias_um: -0.4125,
+            bias_age_ticks: Some(24_000),
             supply_mv: Some(3298),
             ..client.health().unwrap()
         };
@@ -229,6 +232,7 @@ mod tests {
             "Board    emulated",
             "from the firmware image, since no table is stored",
             "1.0 % of its time, at most 2.0 %",
+            "zeroed 12 s ago, bias -0.412 µm",
             "3.298 V",
             "now: the DAC stands at its safe value",
             "earlier: the ADC gives one and the same code",
@@ -240,6 +244,7 @@ mod tests {
         let json = to_json(&found).unwrap();
         assert_eq!(json["identity"]["source"]["Compiled"]["reason"], "no table is stored");
         assert_eq!(json["health"]["faults_seen"], json!(["ADC_STUCK"]));
+        assert_eq!(json["health"]["bias_age_ticks"], 24_000);
         assert_eq!(json["table"]["sample_period_us"], 500);
     }
 }

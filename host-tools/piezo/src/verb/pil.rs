@@ -108,7 +108,7 @@ fn compare_all(
     for (log, codes) in logs.iter().zip(codes) {
         let before = bar.position();
         bar.set_prefix(log.name.clone());
-        let samples = feed(client, codes, interrupt, &mut |ticks| bar.set_position(before + ticks as u64))?;
+        let samples = feed(client, table, codes, interrupt, &mut |ticks| bar.set_position(before + ticks as u64))?;
         comparisons.push(compare(table, codes, &samples));
     }
     bar.finish_and_clear();

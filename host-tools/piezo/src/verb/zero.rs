@@ -1,19 +1,41 @@
-//! `piezo zero`: calls the displacement of now 0, as at rest.
+//! `piezo zero`: calls the displacement of now, or the mean over one cycle of the voltage, 0 or what it is known to be.
 
-use super::device::{note_damage, require_estimating};
+use super::device::{self, note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
-use anyhow::{Result, anyhow};
+use crate::option::{finite, not_negative};
+use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;
+use device_link::cycle::{Cycle, Wish, over_cycle};
+use device_link::interrupt::Interrupt;
 use device_link::table;
 use device_link::{Client, LinkError};
+use estimator_core::{Admitted, Status};
+use indicatif::ProgressBar;
 use serde_json::json;
 use std::time::Duration;
 
 /// Arguments of `piezo zero`.
 #[derive(Args, Debug)]
 pub struct Zero {
-    /// Print the displacement before and after as JSON.
+    /// What the displacement of now is called, µm: a stop that is known, a gauge's reading. With --over-cycle what its mean is
+    /// called: the mean of a sensor beside it, or the middle of two stops.
+    #[arg(long, value_name = "UM", value_parser = finite, default_value_t = 0.0, allow_negative_numbers = true)]
+    pub at: f64,
+    /// Tell the mean over the voltage's first full cycle, from its first to its third reversal, instead of the displacement of
+    /// now. The voltage must move meanwhile.
+    #[arg(long)]
+    pub over_cycle: bool,
+    /// Wait so long for the cycle, s.
+    #[arg(
+        long,
+        value_parser = not_negative,
+        default_value_t = 60.0,
+        requires = "over_cycle",
+        allow_negative_numbers = true
+    )]
+    pub seconds: f64,
+    /// Print the displacement before and after, the bias and the cycle as JSON.
     #[arg(long)]
     pub json: bool,
     /// The device.
@@ -27,26 +49,88 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Runs the verb.
 pub fn run(arguments: &Zero) -> Result<bool> {
     let port = &arguments.port.port;
-    let (mut client, _) = arguments.port.connect()?;
+    let interrupt = Interrupt::watch()?;
+    let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, port)?;
-    table::running(&mut client)?;
+    let table = table::running(&mut client)?;
     let before = displacement(&mut client)?;
-    client.set_zero().map_err(|error| match error {
-        LinkError::Unknown { .. } => {
-            anyhow!("{error}: look with `piezo monitor --port {port}`, and zero again if need be")
-        }
+    let cycle = if arguments.over_cycle { Some(cycle(arguments, &mut client, &table, &interrupt)?) } else { None };
+    let told = match cycle {
+        Some(cycle) => client.shift_bias((arguments.at - cycle.mean_um) as f32),
+        None => client.set_zero(arguments.at as f32),
+    };
+    told.map_err(|error| match error {
+        LinkError::Unknown { .. } => anyhow!(
+            "{error}: `piezo info --port {port}` says how long ago it was zeroed; repeat the command if need be"
+        ),
         error => error.into(),
     })?;
     let after = displacement(&mut client)?;
+    let health = client.health()?;
     note_damage(&client);
+    ensure!(
+        health.bias_age_ticks.is_some(),
+        "{port}: the estimate began anew meanwhile, and forgot it: `piezo info --port {port}` says why; then repeat the command"
+    );
     if arguments.json {
-        out(&serde_json::to_string_pretty(&json!({ "before_um": before, "after_um": after }))?);
-    } else {
-        let number = |um: Option<f32>| um.map_or("unknown".to_owned(), |um| format!("{um:.4} µm"));
-        out(&format!("The displacement was {}; it was called 0, and now reads {}", number(before), number(after)));
-        out("The zero lasts until the device is restarted or paused, runs pil, or has had a fault.");
+        let cycle = cycle.map(|cycle| {
+            json!({
+                "mean_um": cycle.mean_um,
+                "seconds": seconds(cycle.ticks, &table),
+                "voltage_min_V": cycle.voltage_v.min,
+                "voltage_max_V": cycle.voltage_v.max,
+                "status": cycle.status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
+            })
+        });
+        out(&serde_json::to_string_pretty(&json!({
+            "at_um": arguments.at,
+            "before_um": before,
+            "after_um": after,
+            "bias_um": health.bias_um,
+            "cycle": cycle,
+        }))?);
+        return Ok(true);
     }
+    let number = |um: Option<f32>| um.map_or("unknown".to_owned(), |um| format!("{um:.4} µm"));
+    match cycle {
+        Some(cycle) => tell(&cycle, arguments.at, &table),
+        None => out(&format!(
+            "The displacement was {}; it was called {} µm, and now reads {}",
+            number(before),
+            arguments.at,
+            number(after)
+        )),
+    }
+    out(&format!("The device: {}", device::bias(&health, identity.tick_us)));
+    out("The bias lasts until the device is restarted or paused, runs pil, or has had a fault.");
     Ok(true)
+}
+
+/// The voltage's first full cycle. An error says that nothing is changed.
+fn cycle(arguments: &Zero, client: &mut Client, table: &Admitted, interrupt: &Interrupt) -> Result<Cycle> {
+    let bar = ProgressBar::new_spinner();
+    let found = over_cycle(client, &Wish::new(table, arguments.seconds), interrupt, &mut |ticks| {
+        bar.set_message(format!("waits for a full cycle of the voltage, {:.1} s", seconds(ticks, table)));
+    });
+    bar.finish_and_clear();
+    found.context("nothing was changed on the device")
+}
+
+fn tell(cycle: &Cycle, at: f64, table: &Admitted) {
+    out(&format!(
+        "Over one cycle of the voltage, {:.3} s between {:.4} and {:.4} V, the mean was {:.4} µm; it was called {at} µm",
+        seconds(cycle.ticks, table),
+        cycle.voltage_v.min,
+        cycle.voltage_v.max,
+        cycle.mean_um
+    ));
+    if cycle.status.contains(Status::NOT_SETTLED) {
+        out("The estimate was not settled all through the cycle: a larger swing may move it. Zero again after one.");
+    }
+}
+
+fn seconds(ticks: usize, table: &Admitted) -> f64 {
+    ticks as f64 * f64::from(table.sample_period_us) * 1e-6
 }
 
 /// The displacement of now, µm.
@@ -55,4 +139,74 @@ fn displacement(client: &mut Client) -> Result<Option<f32>, LinkError> {
     let samples = client.samples(PATIENCE)?;
     client.stream(false)?;
     Ok(samples.and_then(|samples| samples.samples.last().map(|sample| sample.displacement)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::remedy::sentence;
+    use emulator::faults::{lose_samples_at, replies, samples};
+    use emulator::{Emulator, Fault, FaultyLine};
+    use protocol::{Faults, Health, Reply};
+
+    /// Zeroes over a cycle, to 3 µm; what came of it, and how the device is then.
+    fn zeroed(fault: impl Fault, seconds: f64) -> (Result<bool>, Health) {
+        let device = Emulator::new().speed(8.0).start().unwrap();
+        let line = FaultyLine::to(device.address(), fault).unwrap();
+        let port = PortOption { port: line.address().into() };
+        let done = run(&Zero { at: 3.0, over_cycle: true, seconds, json: true, port });
+        drop(line);
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        (done, client.health().unwrap())
+    }
+
+    fn complaint(fault: impl Fault, seconds: f64) -> String {
+        let (done, health) = zeroed(fault, seconds);
+        assert_eq!((health.bias_um, health.bias_age_ticks), (0.0, None), "nothing is changed");
+        let complaint = sentence(done.unwrap_err().as_ref());
+        assert!(complaint.contains("nothing was changed on the device"), "{complaint}");
+        complaint
+    }
+
+    #[test]
+    fn the_mean_over_a_cycle_is_told() {
+        let (done, health) = zeroed(|_, _: &mut Vec<u8>| {}, 10.0);
+        assert!(done.unwrap() && health.bias_um != 0.0 && health.bias_age_ticks.is_some(), "{health:?}");
+    }
+
+    #[test]
+    fn without_a_sound_cycle_nothing_is_told() {
+        let short = complaint(|_, _: &mut Vec<u8>| {}, 0.1);
+        assert!(short.contains("no full cycle within 0.1 s") && short.contains("--seconds"), "{short}");
+        // The first batch shows the displacement before.
+        let lost = complaint(lose_samples_at(600), 10.0);
+        assert!(lost.contains("samples were lost"), "{lost}");
+        let stuck = samples(|batch| {
+            batch.samples.iter_mut().for_each(|sample| sample.faults |= Faults::ADC_STUCK);
+            true
+        });
+        let stuck = complaint(stuck, 10.0);
+        assert!(stuck.contains("one and the same code") && stuck.contains("check the wire"), "{stuck}");
+        let clamped = samples(|batch| {
+            batch.samples.iter_mut().for_each(|sample| sample.status |= Status::CLAMPED);
+            true
+        });
+        let clamped = complaint(clamped, 10.0);
+        assert!(clamped.contains("clamped") && clamped.contains("as large a stroke"), "{clamped}");
+    }
+
+    #[test]
+    fn a_lost_reply_says_how_to_find_out() {
+        // Stream, identity, health, table, and the stream on and off, twice.
+        let lost = replies(|number, reply, frame| {
+            if number == 8 {
+                assert_eq!(*reply, Reply::Done);
+                frame.clear();
+            }
+        });
+        let (done, health) = zeroed(lost, 10.0);
+        let complaint = sentence(done.unwrap_err().as_ref());
+        assert!(complaint.contains("not known") && complaint.contains("piezo info --port tcp:"), "{complaint}");
+        assert!(health.bias_age_ticks.is_some(), "it was done");
+    }
 }

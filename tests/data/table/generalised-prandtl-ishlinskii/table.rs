@@ -144,6 +144,7 @@ pub const TABLE: Table = Table {
             },
         },
     ),
+    interval: None,
     provenance: Provenance {
         logs: Digest(
             [

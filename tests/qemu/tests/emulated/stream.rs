@@ -25,8 +25,10 @@ fn monitor_and_zero() {
     let lines = board.does("monitor", &["--seconds", "3", "--json"]);
     let seconds: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert!(!seconds.is_empty(), "a line a second");
-    board.does("zero", &[]);
+    let zeroed = board.does("zero", &["--at", "2"]);
+    assert!(zeroed.contains("called 2 µm"), "{zeroed}");
     let info = board.does("info", &["--forget"]);
+    assert!(info.contains("ago, bias "), "{info}");
     assert!(info.contains("mps2-an386") && info.contains("Voigt (4.8)"), "{info}");
     let health = &board.info()["health"];
     assert_eq!((&health["missed"], &health["samples_dropped"]), (&Value::from(0), &Value::from(0)), "{health:#}");
