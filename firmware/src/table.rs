@@ -3,8 +3,8 @@
 
 #[allow(unused_imports, reason = "which types a table names depends on what it has")]
 use estimator_core::{
-    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, List, Parameters, Provenance, Range,
-    Scheme::*, Table, VoigtParameters,
+    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, IntervalParameters, List, Parameters,
+    Provenance, Range, Scheme::*, Table, VoigtParameters,
 };
 
 /// The compiled-in parameter table.

@@ -100,6 +100,11 @@ impl Window {
         self.extent(|sample| sample.displacement)
     }
 
+    /// Half-width of the last estimate's 95 % interval, µm; `None` where there is none.
+    pub fn half_width(&self) -> Option<f32> {
+        self.samples.back().and_then(|sample| sample.half_width)
+    }
+
     /// Voltage, V.
     pub fn voltage(&self) -> Option<Extent> {
         self.extent(|sample| self.calibration.voltage(AdcCode(sample.code)))

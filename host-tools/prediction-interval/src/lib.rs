@@ -44,6 +44,16 @@ const LEAST: f64 = 0.004;
 /// A displacement may be told once so many lags and delays have gone by since the start.
 const LAGS: f64 = 5.0;
 
+/// An interval, and where its width comes from.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Calibration {
+    /// The interval.
+    pub parameters: IntervalParameters,
+    /// What the actuator's own recordings have of the half-width where nothing else counts, µm; the rest is the simulated
+    /// devices'.
+    pub own_um: f64,
+}
+
 /// The interval of an identified model; `None` without a device that could be learnt. `progress` is
 /// called after each device.
 pub fn calibrate(
@@ -53,7 +63,7 @@ pub fn calibrate(
     search: &SearchOptions,
     options: Options,
     progress: impl Fn() + Sync,
-) -> Option<IntervalParameters> {
+) -> Option<Calibration> {
     let judged: Vec<trial::Recording> = (0..options.devices)
         .into_par_iter()
         .flat_map_iter(|number| {
@@ -62,7 +72,9 @@ pub fn calibrate(
             judged
         })
         .collect();
-    (!judged.is_empty()).then(|| scaled(unscaled(problem, candidate), gains(&judged), misfit(candidate)))
+    let own_um = CERTAIN * misfit(candidate);
+    (!judged.is_empty())
+        .then(|| Calibration { parameters: scaled(unscaled(problem, candidate), gains(&judged), own_um), own_um })
 }
 
 /// What the table of a device is off on its recordings; none where nothing could be learnt.
@@ -133,10 +145,10 @@ fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
     }
 }
 
-fn scaled(unscaled: IntervalParameters, [misfit, rate, moved, drift]: [f64; 4], own: f64) -> IntervalParameters {
+fn scaled(unscaled: IntervalParameters, [misfit, rate, moved, drift]: [f64; 4], own_um: f64) -> IntervalParameters {
     let times = |number: f32, gain: f64| (f64::from(number) * gain) as f32;
     IntervalParameters {
-        misfit_um: (misfit * f64::from(unscaled.misfit_um)).hypot(CERTAIN * own) as f32,
+        misfit_um: (misfit * f64::from(unscaled.misfit_um)).hypot(own_um) as f32,
         rate_ticks: times(unscaled.rate_ticks, rate),
         spread_um: unscaled.spread_um.map(|number| times(number, moved)),
         familiar_at_um: unscaled.familiar_at_um.map(|number| times(number, moved)),

@@ -12,8 +12,8 @@ pub fn rust_source(table: &Admitted) -> String {
         "// Made by `piezo emit`; change table.toml instead.\n\
          // Logs {}, seed {}, training MAE {:.4} µm.\n\n\
          #[allow(unused_imports, reason = \"which types a table names depends on what it has\")]\n\
-         use estimator_core::{{\n    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, List, Parameters, \
-         Provenance, Range,\n    Scheme::*, Table, {},\n}};\n\n\
+         use estimator_core::{{\n    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, IntervalParameters, List, \
+         Parameters,\n    Provenance, Range, Scheme::*, Table, {},\n}};\n\n\
          /// The compiled-in parameter table.\n\
          pub const TABLE: Table = {:#?};\n",
         provenance.logs,

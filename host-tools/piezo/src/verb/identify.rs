@@ -8,6 +8,7 @@ use clap::Args;
 use identification::cost::Cost;
 use identification::table_file::TableFile;
 use identification::{Candidate, Job, ModelChoice, Outcome, Role, SearchOptions, StraightLine};
+use prediction_interval::Calibration;
 use recordings::prepare::Recipe;
 use report::Report;
 use serde_json::{Value, json};
@@ -52,8 +53,9 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    let outcome = with_interval(outcome, &job.search, arguments.devices)?;
-    let verdict = verdict(&outcome);
+    let (outcome, interval) = with_interval(outcome, &job.search, arguments.devices)?;
+    let mut verdict = verdict(&outcome);
+    verdict.push(beside(interval.as_ref(), arguments.devices));
     write(arguments, job.cost, &outcome, &verdict)?;
     if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict)?)?);
@@ -64,7 +66,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
 }
 
 /// The same with an interval in the chosen table.
-fn with_interval(mut outcome: Outcome, search: &SearchOptions, devices: u32) -> Result<Outcome> {
+fn with_interval(mut outcome: Outcome, search: &SearchOptions, devices: u32) -> Result<(Outcome, Option<Calibration>)> {
     let bar = progress(devices.into());
     bar.set_prefix("interval");
     let options = prediction_interval::Options { devices, ..Default::default() };
@@ -72,8 +74,24 @@ fn with_interval(mut outcome: Outcome, search: &SearchOptions, devices: u32) -> 
     let interval =
         prediction_interval::calibrate(&outcome.problem, chosen, &outcome.context, search, options, || bar.inc(1));
     bar.finish_and_clear();
-    outcome.candidates[outcome.chosen] = chosen.clone().with_interval(interval)?;
-    Ok(outcome)
+    outcome.candidates[outcome.chosen] = chosen.clone().with_interval(interval.map(|of| of.parameters))?;
+    Ok((outcome, interval))
+}
+
+/// The interval in words.
+fn beside(interval: Option<&Calibration>, devices: u32) -> String {
+    let Some(Calibration { parameters, own_um }) = interval else {
+        return "There is no interval beside the estimate: no simulated device was asked for, or none could be learnt."
+            .to_owned();
+    };
+    format!(
+        "Beside the estimate stands what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time: \
+         ±{:.3} µm on voltages as they were in the training ({own_um:.3} µm of it by these logs' own errors, the rest by those of \
+         {devices} simulated devices that were learnt from the same voltages), more where the voltage goes otherwise or fast, \
+         and up to {:.3} µm more until a full swing has wiped out a start that nobody knows.",
+        parameters.misfit_um,
+        2.0 * parameters.memory_um[0]
+    )
 }
 
 fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]) -> Result<()> {

@@ -97,8 +97,9 @@ fn line(window: &Window, received: u64, lost: u64) -> String {
         return format!("no samples; {lost} lost");
     };
     format!(
-        "{:9.3} µm ({:.3} … {:.3})  {:8.4} V ({:.4} … {:.4})  code {code:5}  {received} samples, {lost} lost{}",
+        "{:9.3} µm{} ({:.3} … {:.3})  {:8.4} V ({:.4} … {:.4})  code {code:5}  {received} samples, {lost} lost{}",
         y.last,
+        beside(window),
         y.min,
         y.max,
         v.last,
@@ -108,11 +109,17 @@ fn line(window: &Window, received: u64, lost: u64) -> String {
     )
 }
 
+/// The interval beside the estimate, if there is one.
+fn beside(window: &Window) -> String {
+    window.half_width().map_or(String::new(), |half| format!(" ± {half:.3} µm"))
+}
+
 fn object(window: &Window, time_s: f64, samples: u64, lost: u64) -> String {
     let (y, v) = (window.displacement(), window.voltage());
     json!({
         "time_s": time_s,
         "displacement_um": y.map(|y| y.last),
+        "half_width_um": window.half_width(),
         "displacement_min_um": y.map(|y| y.min),
         "displacement_max_um": y.map(|y| y.max),
         "voltage_V": v.map(|v| v.last),
@@ -160,7 +167,7 @@ fn picture(window: &Window, limits: Range, rate: Option<f64>) -> Vec<String> {
     };
     let rate = rate.map_or("…".to_owned(), |rate| format!("{rate:.0}"));
     vec![
-        format!("displacement {:10.3} µm   last second {:.3} … {:.3} µm", y.last, y.min, y.max),
+        format!("displacement {:10.3} µm{}   last second {:.3} … {:.3} µm", y.last, beside(window), y.min, y.max),
         format!("voltage      {:10.4} V    last second {:.4} … {:.4} V   ADC code {code}", v.last, v.min, v.max),
         format!("{:.1} {} {:.1} µm", limits.min, bar(y.last, limits), limits.max),
         format!("{rate} samples a second, {} lost", window.lost()),

@@ -90,7 +90,7 @@ pub fn learn(subject: &Subject) -> Result<Vec<Judged>, ThesisError> {
             BESIDE => {
                 let options = prediction_interval::Options::default();
                 let interval = prediction_interval::calibrate(&problem, &candidate, &context, &short, options, || ());
-                candidate.with_interval(interval)
+                candidate.with_interval(interval.map(|of| of.parameters))
             }
             _ => Ok(candidate),
         });
