@@ -85,7 +85,8 @@ mod tests {
         assert!((1.8..2.3).contains(&gains[2]), "{gains:?}");
         let others = gains[0].max(gains[1]).max(gains[3]);
         assert!(others < 0.1, "{gains:?}");
-        let within = recordings.iter().flatten().filter(|of| of.error - of.memory <= 1.001 * deviation(&of.parts, &gains));
+        let within =
+            recordings.iter().flatten().filter(|of| of.error - of.memory <= 1.001 * deviation(&of.parts, &gains));
         let covered = within.count() as f64 / 1400.0;
         assert!((0.945..0.99).contains(&covered), "{covered}");
     }

@@ -21,6 +21,9 @@ use crate::{
     size::{self, LOG},
 };
 
+/// Another session of the actuator whose log is identified from.
+const OTHER_DAY: &str = "tests/data/picma-p885-session2.csv";
+
 /// A command that prints JSON.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Command {
@@ -28,6 +31,10 @@ pub enum Command {
     Identify,
     /// `piezo validate` of its table on the same log.
     Validate,
+    /// The same, zeroed as the held-out half begins.
+    SameDay,
+    /// `piezo validate` of its table on another session of the same actuator, zeroed in a rest.
+    OtherDay,
     /// `piezo reproduce errors tracking`, which identifies each model once for both.
     Reproduce,
     /// `cargo xtask size`.
@@ -41,7 +48,7 @@ pub enum Command {
 /// Every command, in rows that run side by side: what computes, and what an emulator does, which is one thread. A row has one
 /// emulator at a time, since two could choose the same port.
 const ROWS: [&[Command]; 2] = [
-    &[Command::Identify, Command::Validate, Command::Reproduce],
+    &[Command::Identify, Command::Validate, Command::SameDay, Command::OtherDay, Command::Reproduce],
     &[Command::Size, Command::SizeModels, Command::Drive],
 ];
 
@@ -92,7 +99,7 @@ impl<'sh> Printed<'sh> {
         if let Some(value) = self.values.borrow().get(&command) {
             return Ok(Rc::clone(value));
         }
-        if command == Command::Validate {
+        if matches!(command, Command::Validate | Command::SameDay | Command::OtherDay) {
             // Its table.
             self.by(Command::Identify)?;
         }
@@ -121,6 +128,12 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
     let printed = match command {
         Command::Identify => json(cmd!(sh, "{piezo} identify {LOG} --out {demo}")),
         Command::Validate => json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).arg(LOG)),
+        Command::SameDay => {
+            json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).args([LOG, "--zero-at", "20.1"]))
+        }
+        Command::OtherDay => {
+            json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).args([OTHER_DAY, "--zero-at", "24"]))
+        }
         Command::Reproduce => json(cmd!(sh, "{piezo} reproduce errors tracking")),
         Command::Size => size::figures(sh, piezo),
         Command::SizeModels => size::models(sh, piezo),

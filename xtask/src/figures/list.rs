@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::{
     ceiling,
     command::{
-        Command::{self, Drive, Identify, Reproduce, Size, SizeModels, Validate},
+        Command::{self, Drive, Identify, OtherDay, Reproduce, SameDay, Size, SizeModels, Validate},
         Printed, bytes,
     },
     document::{Content, Table},
@@ -24,7 +24,7 @@ pub struct Figure {
 }
 
 /// Every figure.
-pub const FIGURES: [Figure; 14] = [
+pub const FIGURES: [Figure; 15] = [
     Figure {
         name: "picture",
         file: Some("docs/estimate.svg"),
@@ -34,6 +34,7 @@ pub const FIGURES: [Figure; 14] = [
     stated("settled-after-s", |printed| value(printed, Validate, "/logs/0/cold/settled_after_s", 2)),
     stated("settled-mae-um", |printed| value(printed, Validate, "/logs/0/cold/settled/mae_um", 3)),
     stated("told-mae-um", |printed| value(printed, Validate, "/all/sil/mae_um", 3)),
+    stated("interval", intervals),
     stated("thesis", |printed| thesis(&printed.by(Reproduce)?["errors"])),
     stated("tracking", |printed| tracking(&printed.by(Reproduce)?["tracking"])),
     stated("models", models),
@@ -65,6 +66,33 @@ fn held_out(printed: &Value) -> Result<Content> {
     };
     let columns = ["MAE µm", "MAX µm", "RMSE µm", "MAE, % of stroke", "MAE µm without constant offset"];
     table(1, &columns, array(printed, "/candidates")?.iter().map(row))
+}
+
+/// How the interval does after a zero, on the recording's own held-out half and on another day.
+fn intervals(printed: &Printed<'_>) -> Result<Content> {
+    let row = |(name, command): (&str, Command)| -> Result<Vec<String>> {
+        let printed = printed.by(command)?;
+        let log = printed.pointer("/logs/0").context("no log was judged")?;
+        let holds = number(log, "/interval/covered_percent")?;
+        ensure!(holds >= 90.0, "{name}: the interval holds the sensor {holds:.1} % of the time, and must 90 %");
+        Ok(vec![
+            name.to_owned(),
+            fixed(number(log, "/sil/mae_um")?, 3),
+            fixed(number(log, "/sil/rmse_without_offset_um")?, 3),
+            fixed(number(log, "/interval/half_width_um")?, 3),
+            fixed(holds, 1),
+            fixed(number(log, "/interval/best_constant_um")?, 3),
+        ])
+    };
+    let rows = [("its own held-out half, zeroed at 20.1 s", SameDay), ("another session, zeroed at 24 s", OtherDay)];
+    let columns = [
+        "MAE µm",
+        "RMS µm without offset",
+        "± µm, mean",
+        "holds the sensor, % of the time",
+        "constant that holds as often, µm",
+    ];
+    table(1, &columns, rows.into_iter().map(row))
 }
 
 /// Errors on the synthetic rig, beside those of the thesis.
