@@ -11,7 +11,11 @@ use std::fs;
 #[test]
 fn identifies_the_measured_log_and_says_how_good_it_is() {
     let out = tempfile::tempdir().unwrap();
-    let result = json(piezo().args(["identify", MEASURED, "--json", "--generations", "50", "--out"]).arg(out.path()));
+    let result = json(
+        piezo()
+            .args(["identify", MEASURED, "--json", "--generations", "50", "--devices", "2", "--out"])
+            .arg(out.path()),
+    );
     assert_eq!(result["model"], "generalised-prandtl-ishlinskii");
     let candidates = result["candidates"].as_array().unwrap();
     let held_out: Vec<f64> = candidates.iter().map(|candidate| number(candidate, "/held_out/mae_um")).collect();
@@ -34,6 +38,10 @@ fn identifies_the_measured_log_and_says_how_good_it_is() {
     let (file, admitted) = TableFile::load(&out.path().join("table.toml")).unwrap();
     let record = fs::read(out.path().join("table.bin")).unwrap();
     assert_eq!(Table::parse(&record).unwrap(), admitted);
+    let interval = admitted.interval.expect("an interval was calibrated");
+    assert!((0.1..3.0).contains(&interval.misfit_um), "{interval:?}");
+    let verdict = result["verdict"].to_string();
+    assert!(verdict.contains(&format!("±{:.3} µm", interval.misfit_um)), "{verdict}");
     assert!((f64::from(file.table.provenance.validation_mae_um.unwrap()) - held_out[4]).abs() < 1e-6);
     let report = fs::read_to_string(out.path().join("report.html")).unwrap();
     for words in ["picma-p885-1hz", "single amplitude", "straight line (2.1)"] {
@@ -46,7 +54,18 @@ fn identifies_the_measured_log_and_says_how_good_it_is() {
 fn the_seed_decides_and_the_number_of_threads_does_not() {
     let run = |threads: &str, seed: &str| {
         let out = tempfile::tempdir().unwrap();
-        let short = ["--generations", "15", "--rounds", "2", "--model", "displacement-extremum", "--seed", seed];
+        let short = [
+            "--generations",
+            "15",
+            "--rounds",
+            "2",
+            "--model",
+            "displacement-extremum",
+            "--seed",
+            seed,
+            "--devices",
+            "2",
+        ];
         let mut command = piezo();
         command.env("RAYON_NUM_THREADS", threads);
         command.args(["identify", MEASURED]).args(short).arg("--out").arg(out.path()).assert().success();

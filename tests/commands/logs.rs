@@ -9,8 +9,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A search that is as short as each test can do with.
-const SHORT: [&str; 4] = ["--generations", "15", "--rounds", "3"];
-const SHORTEST: [&str; 4] = ["--generations", "5", "--rounds", "1"];
+const SHORT: [&str; 6] = ["--generations", "15", "--rounds", "3", "--devices", "0"];
+const SHORTEST: [&str; 6] = ["--generations", "5", "--rounds", "1", "--devices", "0"];
 
 fn measured() -> Log {
     read(&root().join(MEASURED), &ReadOptions::default()).unwrap()

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 const TABLE: &str = "tests/data/table/table.toml";
-const SHORT: [&str; 4] = ["--generations", "15", "--rounds", "3"];
+const SHORT: [&str; 6] = ["--generations", "15", "--rounds", "3", "--devices", "0"];
 
 /// A Voigt table of the rig's 10 Hz sine, in the folder of that log; returns the table and the log.
 fn sin10(folder: &Path, arguments: &[&str]) -> (PathBuf, PathBuf) {
@@ -138,8 +138,22 @@ fn numbers_that_make_no_sense_are_refused_by_the_name_of_their_option() {
 
 /// So few candidates that some models find none that is admissible within so narrow limits. With this seed the enhanced
 /// model is one of those and Voigt is not.
-const HARDLY_SEARCHED: [&str; 12] =
-    ["--start", "random", "--generations", "5", "--rounds", "1", "--population", "8", "--limit", "1.25", "--seed", "3"];
+const HARDLY_SEARCHED: [&str; 14] = [
+    "--start",
+    "random",
+    "--generations",
+    "5",
+    "--rounds",
+    "1",
+    "--population",
+    "8",
+    "--limit",
+    "1.25",
+    "--seed",
+    "3",
+    "--devices",
+    "0",
+];
 
 #[test]
 fn a_model_that_finds_nothing_admissible_does_not_take_the_others_along() {

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const SHORTEST: [&str; 6] = ["--model", "voigt", "--generations", "5", "--rounds", "1"];
+const SHORTEST: [&str; 8] = ["--model", "voigt", "--generations", "5", "--rounds", "1", "--devices", "0"];
 const DOUBT: &str = "is a device's estimate";
 
 /// One of the rig's logs as `piezo record` would have written it.

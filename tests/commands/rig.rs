@@ -16,7 +16,7 @@ fn simulated_logs_are_identified_and_validated_on_the_held_out_triangle() {
     let written = json(piezo().args(["simulate", "--json", "--out"]).arg(&rig));
     assert_eq!(written.as_array().unwrap().len(), 6);
     let table = out.path().join("fit");
-    let short = ["--model", "enhanced", "--generations", "40", "--rounds", "4"];
+    let short = ["--model", "enhanced", "--generations", "40", "--rounds", "4", "--devices", "0"];
     let result = json(
         piezo()
             .arg("identify")

@@ -10,12 +10,13 @@ use std::path::{Path, PathBuf};
 const TABLE: &str = "tests/data/table/models/generalised-prandtl-ishlinskii.toml";
 const OTHER_DAY: &str = "tests/data/picma-p885-session2.csv";
 
-/// A written row: time, voltage, sensor, estimate, status, whether it counts, log.
+/// A written row: time, voltage, sensor, estimate, its interval, status, whether it counts, log.
 struct Row {
     time: f64,
     voltage: f64,
     sensor: f64,
     estimate: f64,
+    half_width: Option<f64>,
     status: String,
     scored: bool,
     log: String,
@@ -25,7 +26,7 @@ fn validate(logs: &[&str], arguments: &[&str], out: &Path) -> (Value, Vec<Row>) 
     let report = json(piezo().arg("validate").arg(TABLE).args(logs).args(arguments).args(["--json", "--out"]).arg(out));
     let written = fs::read_to_string(out).unwrap();
     let mut lines = written.lines();
-    assert_eq!(lines.next(), Some("time_s,voltage_V,displacement_um,estimate_um,status,scored,log"));
+    assert_eq!(lines.next(), Some("time_s,voltage_V,displacement_um,estimate_um,half_width_um,status,scored,log"));
     let row = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
         let at = |cell: usize| cells[cell].parse::<f64>().unwrap();
@@ -34,9 +35,10 @@ fn validate(logs: &[&str], arguments: &[&str], out: &Path) -> (Value, Vec<Row>) 
             voltage: at(1),
             sensor: at(2),
             estimate: at(3),
-            status: cells[4].to_owned(),
-            scored: cells[5] == "1",
-            log: cells[6].to_owned(),
+            half_width: cells[4].parse().ok(),
+            status: cells[5].to_owned(),
+            scored: cells[6] == "1",
+            log: cells[7].to_owned(),
         }
     };
     (report, lines.map(row).collect())
@@ -73,7 +75,7 @@ fn the_written_estimates_give_the_printed_errors_in_the_units_of_the_log() {
     let (mae, rms) = errors(&rows);
     assert!((mae - number(&report, "/all/sil/mae_um")).abs() < 1e-5, "{mae}");
     assert!((rms - number(&report, "/all/sil/rmse_without_offset_um")).abs() < 1e-5, "{rms}");
-    assert!(rows[0].status.contains("NOT_SETTLED") && rows.last().unwrap().status.is_empty());
+    assert!(rows[0].status.contains("NOT_SETTLED") && !rows.last().unwrap().status.contains("NOT_SETTLED"));
 }
 
 #[test]
@@ -123,6 +125,13 @@ fn a_zero_in_the_rest_holds_from_then_on() {
     let whole = json(piezo().args(["validate", TABLE, OTHER_DAY, "--from", "22.005", "--json"]));
     let (zeroed, not) = (number(&report, "/all/sil/mae_um"), number(&whole, "/all/sil/mae_um"));
     assert!(zeroed < 0.5 * not, "{zeroed} {not}");
+    // The interval is relative to the zero, and holds on this other day.
+    let beside = rows.iter().filter(|row| row.scored).map(|row| (row.estimate - row.sensor, row.half_width.unwrap()));
+    let (count, held) = beside.fold((0, 0), |(count, held), (e, half)| (count + 1, held + u32::from(e.abs() <= half)));
+    let percent = 100.0 * f64::from(held) / f64::from(count);
+    assert!((percent - number(&report, "/logs/0/interval/covered_percent")).abs() < 0.1, "{percent}");
+    assert!(percent >= 90.0, "{percent}");
+    assert!(number(&report, "/logs/0/interval/half_width_um") < 2.0, "{report}");
 }
 
 #[test]

@@ -110,7 +110,8 @@ fn age_counts_decades_since_it_was_told() {
 fn it_is_a_positive_number_whatever_happens() {
     let mut single = Estimator::<f32>::new(&admitted());
     let mut double = Estimator::<f64>::new(&admitted());
-    (single.start_at(0.0), double.start_at(0.0));
+    single.start_at(0.0);
+    double.start_at(0.0);
     let mut noise = 1u32;
     for tick in 0..200_000 {
         noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

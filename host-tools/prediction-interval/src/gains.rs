@@ -77,7 +77,7 @@ mod tests {
     fn what_the_errors_go_with_is_found() {
         let sample = |k: u32| {
             let moved = 0.1 * f64::from(k % 7 + 1);
-            let error = if k % 20 == 0 { 2.5 * moved } else { 2.0 * moved * f64::from(k % 20) / 19.0 };
+            let error = if k.is_multiple_of(20) { 2.5 * moved } else { 2.0 * moved * f64::from(k % 20) / 19.0 };
             Sample { error: error + 0.3, memory: 0.3, parts: [1.0, 1.0, moved, 1.0] }
         };
         let recordings: Vec<Recording> = (0..10).map(|n| (0..140).map(|k| sample(k + n)).collect()).collect();

@@ -22,20 +22,8 @@ use spread::learnt;
 use start_memory::start_memory;
 use trial::recordings;
 
-/// How an interval is calibrated.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Options {
-    /// Devices that are simulated.
-    pub devices: u32,
-    /// Candidates that the search of each of their tables may try.
-    pub evaluations: usize,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { devices: 12, evaluations: 300 }
-    }
-}
+/// Devices that are simulated where nobody says how many.
+pub const DEVICES: u32 = 12;
 
 /// Half-width for a deviation of 1 of what is off in any case.
 const CERTAIN: f64 = 2.0;
@@ -55,19 +43,19 @@ pub struct Calibration {
 }
 
 /// The interval of an identified model; `None` without a device that could be learnt. `progress` is
-/// called after each device.
+/// called after each of the simulated devices, whose searches try as many candidates as `search` has for one number.
 pub fn calibrate(
     problem: &Problem,
     candidate: &Candidate,
     context: &TableContext,
     search: &SearchOptions,
-    options: Options,
+    devices: u32,
     progress: impl Fn() + Sync,
 ) -> Option<Calibration> {
-    let judged: Vec<trial::Recording> = (0..options.devices)
+    let judged: Vec<trial::Recording> = (0..devices)
         .into_par_iter()
         .flat_map_iter(|number| {
-            let judged = judged(number, problem, candidate, context, search, options.evaluations);
+            let judged = judged(number, problem, candidate, context, search);
             progress();
             judged
         })
@@ -84,14 +72,13 @@ fn judged(
     candidate: &Candidate,
     context: &TableContext,
     search: &SearchOptions,
-    evaluations: usize,
 ) -> Vec<trial::Recording> {
     let device =
         Device::drawn(number, context.seed, problem, late_s(&candidate.table.parameters, problem.extent().tick));
     let sessions =
         |sessions: &mut dyn Iterator<Item = &Session>| sessions.map(|session| device.session(session)).collect();
     let theirs = problem.of(sessions(&mut problem.training()), sessions(&mut problem.validation()));
-    let Ok(learnt) = again(&theirs, candidate, context, search, evaluations) else { return Vec::new() };
+    let Ok(learnt) = again(&theirs, candidate, context, search) else { return Vec::new() };
     let seed = (u64::from(context.seed) << 20) + u64::from(number);
     recordings(&device, &learnt.table, &unscaled(&theirs, &learnt), &theirs, seed)
 }
@@ -102,10 +89,9 @@ fn again(
     candidate: &Candidate,
     context: &TableContext,
     search: &SearchOptions,
-    evaluations: usize,
 ) -> Result<Candidate, CandidateError> {
     let identification = Identification { problem, cost: candidate.fit.minimised, options: search, budget: None };
-    Candidate::new(problem, identification.again(&candidate.fit, evaluations), context)
+    Candidate::new(problem, identification.again(&candidate.fit, search.evaluations as usize), context)
 }
 
 /// What an estimate is off by in any case, µm: the median over the logs of the rms without offset, of what was held out, or

@@ -5,12 +5,12 @@ use identification::calibration::CalibrationOptions;
 use identification::cost::{Cost, Feedback};
 use identification::validate::{Coverage, Scope, compare_within};
 use identification::{Candidate, Conditions, Job, ModelChoice, Prepared, SearchOptions, identify, prepared};
-use prediction_interval::{Calibration, Options, calibrate};
+use prediction_interval::{Calibration, calibrate};
 use recordings::plant::{Density, Kind, Plant, Waveform};
 use recordings::prepare::{AutoOr, PrepareOptions};
 
-/// Few devices and short searches, so that the test takes seconds.
-const SMALL: Options = Options { devices: 6, evaluations: 40 };
+/// Few, so that the test takes seconds.
+const DEVICES: u32 = 6;
 
 fn learnt(plant: &Plant) -> (Prepared, Candidate, SearchOptions) {
     let sine = |hertz| Waveform::Sine { amplitude: plant.full_v, hertz, offset: 0.0 };
@@ -43,7 +43,7 @@ fn it_holds_on_recordings_of_another_kind_and_is_narrower_where_the_training_was
     let (Prepared { problem, context, .. }, candidate, search) = learnt(&plant);
     let calibrated = |seed: u32| {
         let context = identification::TableContext { seed, ..context.clone() };
-        calibrate(&problem, &candidate, &context, &search, SMALL, || ()).unwrap()
+        calibrate(&problem, &candidate, &context, &search, DEVICES, || ()).unwrap()
     };
     let Calibration { parameters, own_um } = calibrated(1);
     assert_eq!(calibrated(1).parameters, parameters, "the same seed, the same interval");

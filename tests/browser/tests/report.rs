@@ -31,6 +31,8 @@ fn identify(out: &Path) -> Result<PathBuf> {
             "1",
             "--evaluations",
             "50",
+            "--devices",
+            "0",
             "--out",
         ])
         .arg(out)

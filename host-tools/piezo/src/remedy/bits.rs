@@ -53,13 +53,14 @@ const FAULTS: [(Faults, &str); 8] = [
     ),
 ];
 
-const STATUS: [(Status, &str); 6] = [
+const STATUS: [(Status, &str); 7] = [
     (Status::ADC_SATURATED, "a divider for larger voltages, or less voltage; then piezo emit --adc-span"),
     (Status::VOLTAGE_OUT_OF_RANGE, "identify on logs that reach as far, or drive the actuator less"),
     (Status::CLAMPED, "identify on logs with as large a stroke"),
     (Status::DAC_SATURATED, "a wider output: piezo emit --dac-span"),
     (Status::NOT_SETTLED, "move the actuator once up and down its range; a start from rest at 0 V needs it least"),
     (Status::OUT_OF_REACH, "ask for less or more slowly, or widen the limits: piezo emit --drive-range, --drive-slew"),
+    (Status::UNTRAINED, "believe the estimate as far as its ±; identify on logs with swings such as these"),
 ];
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ pub struct Identify {
     #[command(flatten)]
     pub fitting: Fitting,
     /// Devices to simulate for the interval beside the estimate; 0 for a table without one.
-    #[arg(long, default_value_t = prediction_interval::Options::default().devices, value_name = "N")]
+    #[arg(long, default_value_t = prediction_interval::DEVICES, value_name = "N")]
     pub devices: u32,
     /// The search.
     #[command(flatten)]
@@ -69,10 +69,9 @@ pub fn run(arguments: &Identify) -> Result<bool> {
 fn with_interval(mut outcome: Outcome, search: &SearchOptions, devices: u32) -> Result<(Outcome, Option<Calibration>)> {
     let bar = progress(devices.into());
     bar.set_prefix("interval");
-    let options = prediction_interval::Options { devices, ..Default::default() };
     let chosen = outcome.candidate();
     let interval =
-        prediction_interval::calibrate(&outcome.problem, chosen, &outcome.context, search, options, || bar.inc(1));
+        prediction_interval::calibrate(&outcome.problem, chosen, &outcome.context, search, devices, || bar.inc(1));
     bar.finish_and_clear();
     outcome.candidates[outcome.chosen] = chosen.clone().with_interval(interval.map(|of| of.parameters))?;
     Ok((outcome, interval))
@@ -253,6 +252,7 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
         "reason": remedy::reason(outcome.reason),
         "verdict": verdict,
         "candidates": candidates,
+        "interval": outcome.candidate().table.interval,
         "straight_line": outcome.straight_line,
         "failed": failed,
         "doubts": doubts,

@@ -153,6 +153,9 @@ pub fn describe(table: &Admitted) -> Vec<String> {
             "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training; {held_out}",
             made.logs, made.seed, made.train_mae_um
         ),
+        table.interval.map_or("no ± beside the estimate".to_owned(), |interval| {
+            format!("± {:.3} µm beside the estimate at least, once its displacement was told", interval.misfit_um)
+        }),
     ]
 }
 

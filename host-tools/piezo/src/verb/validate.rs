@@ -221,6 +221,10 @@ fn remarks(status: Status) -> String {
         (Status::CLAMPED, "the estimate was clamped to the table's limits"),
         (Status::DAC_SATURATED, "the displacement reached an end of the DAC's range"),
         (Status::ADC_SATURATED, "the ADC stood at an end of its range"),
+        (
+            Status::UNTRAINED,
+            "the voltage went as it never did in the training, and what the estimate says there was not learnt",
+        ),
     ];
     let raised = meanings.into_iter().filter(|(bit, _)| status.contains(*bit)).map(|(_, meaning)| meaning);
     raised.collect::<Vec<_>>().join("; ")

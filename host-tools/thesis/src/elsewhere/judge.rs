@@ -9,6 +9,7 @@ use identification::validate::{
     Comparison, Coverage, Estimates, Scope, Told, ToldFigures, compare_within, errors_within, estimates,
 };
 use identification::{Candidate, Identification, Prepared, SearchOptions, StraightLine, prepared};
+use prediction_interval::DEVICES;
 use recordings::session::Session;
 
 /// Of the search's candidates a number, this part is tried here for the models whose weights are solved for: a search
@@ -18,6 +19,8 @@ const OF_OTHERS: u32 = 12;
 /// search's candidates a number in all.
 const OF_VOIGT: u32 = 6;
 
+/// A search of fewer candidates a number has its interval from fewer devices: one for each so many.
+const OF_A_DEVICE: u32 = 20;
 /// The model that a user gets, whose estimate has an interval beside it.
 const BESIDE: Model = Model::GeneralisedPrandtlIshlinskii;
 
@@ -88,8 +91,9 @@ pub fn learn(subject: &Subject) -> Result<Vec<Judged>, ThesisError> {
         let model = fit.model;
         let candidate = Candidate::new(&problem, fit, &context).and_then(|candidate| match model {
             BESIDE => {
-                let options = prediction_interval::Options::default();
-                let interval = prediction_interval::calibrate(&problem, &candidate, &context, &short, options, || ());
+                let search = &subject.job.search;
+                let devices = DEVICES.min(search.evaluations / OF_A_DEVICE).max(1);
+                let interval = prediction_interval::calibrate(&problem, &candidate, &context, search, devices, || ());
                 candidate.with_interval(interval.map(|of| of.parameters))
             }
             _ => Ok(candidate),
