@@ -190,8 +190,13 @@ impl<T: Real> Estimator<T> {
         let known = self.displacement;
         let free = self.engine.step(voltage, known);
         self.displacement = Some(free);
-        let Width { half: half_width, untrained } = self.width(voltage, free, known.is_some());
-        status.set(Status::UNTRAINED, untrained);
+        let half_width = if self.interval.is_some() {
+            let Width { half, untrained } = self.width(voltage, free, known.is_some());
+            status.set(Status::UNTRAINED, untrained);
+            half
+        } else {
+            None
+        };
         if let Some(settling) = &mut self.settling {
             if settling.settles(voltage) {
                 self.settling = None;
@@ -208,8 +213,9 @@ impl<T: Real> Estimator<T> {
         }
     }
 
-    /// The interval of a tick. At the first one a displacement is `known` where the estimator was told it.
-    #[inline]
+    /// The interval of a tick. At the first one a displacement is `known` where the estimator was told it. A function of its
+    /// own, so that a table without an interval pays nothing for it.
+    #[inline(never)]
     fn width(&mut self, voltage: T, displacement: T, known: bool) -> Width<T> {
         let Some(interval) = &self.interval else { return Width { half: None, untrained: false } };
         let state = match &mut self.interval_state {

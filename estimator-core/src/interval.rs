@@ -130,13 +130,13 @@ struct Told<T> {
 pub struct Parts<T> {
     /// Memory of the start.
     pub memory: T,
-    /// What is there always.
+    /// What is there always, on voltages as the training had them.
     pub misfit: T,
-    /// Fast change.
+    /// Fastest change of the estimate in the last 5 ms.
     pub rate: T,
     /// Plays that stand elsewhere than when the displacement was told.
     pub moved: T,
-    /// Time since then.
+    /// Time since the displacement was told.
     pub drift: T,
 }
 

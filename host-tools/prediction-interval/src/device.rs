@@ -29,7 +29,7 @@ const RESTS_S: f64 = 3.0;
 /// Of each log no more than this is simulated, s.
 const LONGEST_S: f64 = 60.0;
 
-/// A device.
+/// An actuator that no model of the catalogue is made of, driven over the user's voltages.
 pub struct Device {
     plant: Plant,
     /// The user's voltages, V.

@@ -35,14 +35,15 @@ const LAGS: f64 = 5.0;
 /// An interval, and where its width comes from.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Calibration {
-    /// The interval.
+    /// What a table says of its interval.
     pub parameters: IntervalParameters,
     /// What the actuator's own recordings have of the half-width where nothing else counts, µm; the rest is the simulated
     /// devices'.
     pub own_um: f64,
 }
 
-/// The interval of an identified model; `None` without a device that could be learnt. `progress` is
+/// The interval of an identified model; `None` without a device that could be learnt, or where the
+/// training voltage does not move. `progress` is
 /// called after each of the simulated devices, whose searches try as many candidates as `search` has for one number.
 pub fn calibrate(
     problem: &Problem,
@@ -52,7 +53,8 @@ pub fn calibrate(
     devices: u32,
     progress: impl Fn() + Sync,
 ) -> Option<Calibration> {
-    let judged: Vec<trial::Recording> = (0..devices)
+    let driven = problem.training_voltages().span() > 0.0;
+    let judged: Vec<trial::Recording> = (0..if driven { devices } else { 0 })
         .into_par_iter()
         .flat_map_iter(|number| {
             let judged = judged(number, problem, candidate, context, search);

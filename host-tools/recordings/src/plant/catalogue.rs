@@ -21,7 +21,7 @@ pub enum Kind {
     BoucWenSharp,
 }
 
-/// Every kind.
+/// Every kind of hysteresis that a plant can have.
 pub const CATALOGUE: [Kind; 8] = [
     Kind::Relays(Density::Gaussian),
     Kind::Relays(Density::Lorentzian),

@@ -21,7 +21,7 @@ impl Default for Instruments {
 }
 
 impl Instruments {
-    /// Exact ones.
+    /// Instruments that add neither noise, nor drift, nor steps.
     pub const EXACT: Self = Self { noise_nm: 0.0, drift_nm_per_s: 0.0, adc_bits: None };
 
     /// Adds noise and drift to positions (µm) that are so many s apart.

@@ -48,7 +48,7 @@ trait Hysteresis {
     fn step(&mut self, u: f64, seconds: f64) -> f64;
 }
 
-/// An actuator.
+/// An actuator with its amplifier and the instruments that record it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Plant {
     /// What its hysteresis is.

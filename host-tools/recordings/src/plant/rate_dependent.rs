@@ -13,7 +13,7 @@ const PLAYS: usize = 24;
 /// Lag of the rate, s.
 const RATE_LAG_S: f64 = 1e-3;
 
-/// Such plays.
+/// Plays whose thresholds grow with the rate of the voltage, as the module says.
 pub struct RateDependent {
     plays: [f64; PLAYS],
     weights: [f64; PLAYS],

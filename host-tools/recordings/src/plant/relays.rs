@@ -28,7 +28,7 @@ pub enum Density {
     Gamma,
 }
 
-/// Half-widths.
+/// Number of half-widths that stand for all of them.
 const WIDTHS: usize = 60;
 /// Knots of the integral over the centre, from −[`REACH`] to [`REACH`].
 const KNOTS: usize = 201;

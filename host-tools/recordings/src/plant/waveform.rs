@@ -11,25 +11,25 @@ const RISE_S: f64 = 0.2;
 pub enum Waveform {
     /// A sine about an offset.
     Sine {
-        /// Amplitude.
+        /// Largest distance from the offset, or from 0 V where there is none, V.
         amplitude: f64,
-        /// Frequency.
+        /// Periods a second, Hz.
         hertz: f64,
-        /// Offset.
+        /// Voltage about which it goes, V.
         offset: f64,
     },
     /// A triangle about an offset.
     Triangle {
-        /// Amplitude.
+        /// Largest distance from the offset, or from 0 V where there is none, V.
         amplitude: f64,
-        /// Frequency.
+        /// Periods a second, Hz.
         hertz: f64,
-        /// Offset.
+        /// Voltage about which it goes, V.
         offset: f64,
     },
     /// A sine whose amplitude swells between 10 and 100 % by another.
     AmplitudeModulated {
-        /// Largest amplitude.
+        /// Amplitude where it has swollen most, V.
         amplitude: f64,
         /// Of the carrier.
         hertz: f64,
@@ -38,7 +38,7 @@ pub enum Waveform {
     },
     /// Steps from 0 up to the amplitude, down to its negative and back, each held.
     Staircase {
-        /// Amplitude.
+        /// Largest distance from the offset, or from 0 V where there is none, V.
         amplitude: f64,
         /// Steps to the amplitude.
         steps: u32,
@@ -47,38 +47,38 @@ pub enum Waveform {
     },
     /// Tones evenly apart in the logarithm of the frequency, each with a phase of the seed, together of this amplitude.
     Multisine {
-        /// Largest voltage.
+        /// Largest voltage either way, V.
         amplitude: f64,
-        /// Lowest frequency.
+        /// Frequency of the lowest tone, Hz.
         from_hz: f64,
-        /// Highest.
+        /// Frequency of the highest tone, Hz.
         to_hz: f64,
-        /// How many.
+        /// Number of tones.
         tones: u32,
     },
     /// A sine that dies away.
     Decaying {
         /// Amplitude at first.
         amplitude: f64,
-        /// Frequency.
+        /// Periods a second, Hz.
         hertz: f64,
-        /// Time constant.
+        /// Time in which the amplitude falls to 1/e, s.
         tau_s: f64,
     },
     /// Moves between drawn voltages, each followed by a rest.
     MoveAndRest {
-        /// Largest voltage.
+        /// Largest voltage either way, V.
         amplitude: f64,
         /// How long a move takes.
         move_s: f64,
         /// How long a rest.
         rest_s: f64,
     },
-    /// A jump.
+    /// A jump from 0 V to a voltage, which then stands.
     Step {
         /// To which voltage.
         amplitude: f64,
-        /// When.
+        /// Time of the jump, s.
         at_s: f64,
     },
 }
