@@ -1,7 +1,7 @@
 //! What a device's table is off on recordings that it was not learnt on, beside what the interval is made of there.
 
 use crate::device::Device;
-use estimator_core::interval::Interval;
+use estimator_core::interval::{Interval, IntervalState};
 use estimator_core::{Admitted, Estimator, IntervalParameters, Range};
 use identification::Problem;
 use identification::reversals::reversals;
@@ -128,7 +128,7 @@ fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], trut
     let ticks = voltage.len().saturating_sub(1);
     let zero = f64::from(table.voltage_zero_v);
     let mut begun = None;
-    let mut told: Vec<(f64, estimator_core::interval::IntervalState<f64>, Recording, usize)> = Vec::new();
+    let mut told: Vec<(f64, IntervalState<f64>, Recording, usize)> = Vec::new();
     for tick in 0..ticks {
         let estimate = estimator.tick_volts(voltage[tick] + zero).displacement;
         let off = estimate - truth[tick + 1];

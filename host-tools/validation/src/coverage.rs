@@ -26,17 +26,6 @@ impl Coverage {
             best_constant_um: *sizes.get(covered.saturating_sub(1)).or(sizes.last())?,
         })
     }
-
-    /// Several logs in one, each weighing the same; `None` of none.
-    pub fn all<'a>(coverages: impl Iterator<Item = &'a Self> + Clone) -> Option<Self> {
-        let count = coverages.clone().count();
-        let mean = |of: fn(&Self) -> f64| coverages.clone().map(of).sum::<f64>() / count as f64;
-        (count > 0).then(|| Self {
-            covered_percent: mean(|of| of.covered_percent),
-            half_width_um: mean(|of| of.half_width_um),
-            best_constant_um: mean(|of| of.best_constant_um),
-        })
-    }
 }
 
 #[cfg(test)]
@@ -50,12 +39,5 @@ mod tests {
         assert!((found.half_width_um - 0.3).abs() < 1e-12);
         assert_eq!(found.best_constant_um, 0.2, "three of the four errors are no larger");
         assert_eq!(Coverage::of(&[]), None);
-    }
-
-    #[test]
-    fn logs_weigh_the_same() {
-        let logs = [Coverage::of(&[(0.1, 0.2)]).unwrap(), Coverage::of(&[(0.3, 0.2), (0.3, 0.2)]).unwrap()];
-        assert_eq!(Coverage::all(logs.iter()).unwrap().covered_percent, 50.0);
-        assert_eq!(Coverage::all([].iter()), None);
     }
 }
