@@ -72,7 +72,7 @@ pub enum Judgement {
 /// Errors of an identified model.
 #[derive(Clone, Debug, Serialize)]
 pub struct Errors {
-    /// Numbers identified: see [`parameters`].
+    /// Numbers identified: see [`Fit::numbers`].
     pub parameters: usize,
     /// On what it was fitted to.
     pub training: Part,
@@ -232,7 +232,7 @@ fn errors(candidate: &Candidate) -> Option<Errors> {
         Some(Part { logs, all: all? })
     };
     Some(Errors {
-        parameters: parameters(&candidate.fit),
+        parameters: candidate.fit.numbers(),
         training: part(&candidate.training, candidate.training_figures())?,
         held_out: part(&candidate.held_out, candidate.held_out_figures())?,
     })
@@ -252,9 +252,4 @@ fn straight_line(line: StraightLine, problem: &Problem) -> Option<StraightLineEr
         held_out: part(&mut problem.validation())?,
     };
     Some(StraightLineErrors { gain_um_per_v: line.gain_um_per_v, offset_um: line.offset_um(), errors })
-}
-
-/// Numbers that were identified from the logs: those searched and those solved for by least squares.
-pub fn parameters(fit: &Fit) -> usize {
-    fit.genes.len() + fit.solved
 }

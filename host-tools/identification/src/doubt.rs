@@ -1,6 +1,6 @@
 //! Reasons not to trust an identification. Each doubt holds what was seen.
 
-use estimator_core::{DuhemCondition, Model};
+use estimator_core::DuhemCondition;
 use serde::Serialize;
 
 /// A reason not to trust a result.
@@ -26,11 +26,6 @@ pub enum Doubt {
     },
     /// The displacement falls while the voltage rises.
     FallsWithVoltage,
-    /// A simpler or richer model found no admissible candidate.
-    NotIdentified {
-        /// The model without a candidate.
-        model: Model,
-    },
     /// The error on what was held out is far from the training error.
     HeldOutFar {
         /// Simulation MAE in training, µm.

@@ -42,6 +42,13 @@ pub struct Fit {
     pub(crate) space: Option<Space>,
 }
 
+impl Fit {
+    /// Numbers that were identified from the logs: those searched and those solved for by least squares.
+    pub fn numbers(&self) -> usize {
+        self.genes.len() + self.solved
+    }
+}
+
 /// Told of each generation: the model, its best cost so far (µm).
 pub type Progress<'a> = &'a mut dyn FnMut(Model, f64);
 

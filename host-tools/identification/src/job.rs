@@ -7,9 +7,9 @@ use crate::character::Character;
 use crate::cost::Cost;
 use crate::delay::{Delay, DelaySearch};
 use crate::doubt::Doubt;
-use crate::fit::{Progress, identify};
+use crate::fit::{Identification, Progress};
 use crate::log_use::{LogUse, Role};
-use crate::model_choice::ModelChoice;
+use crate::model_choice::{Choice, ModelChoice, Reason, with_contained};
 use crate::problem::{Conditions, Problem};
 use crate::search::SearchOptions;
 use crate::start::prepared;
@@ -81,15 +81,6 @@ pub struct Outcome {
     pub logs: Vec<LogUse>,
 }
 
-/// Why a model was chosen.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Reason {
-    /// It was asked for.
-    AskedFor,
-    /// The generalised Prandtl–Ishlinskii model has hysteresis, creep and lag in one.
-    AllInOne,
-}
-
 /// Why nothing came of a job.
 #[derive(Debug, thiserror::Error)]
 pub enum JobError {
@@ -130,9 +121,9 @@ pub enum JobError {
         /// Why it has none.
         source: CandidateError,
     },
-    /// The model that counts was not among those searched for.
-    #[error("model {0} was not searched for")]
-    NotSearched(Model),
+    /// No model has an admissible candidate.
+    #[error("of no model an admissible candidate was found")]
+    NothingFound,
 }
 
 impl Outcome {
@@ -145,7 +136,11 @@ impl Outcome {
 impl Job {
     /// Generations that it takes at most, for a progress bar.
     pub fn generations(&self) -> u64 {
-        self.generations_before() + self.search.generations_of(&self.model.models(self.search.start))
+        let search = match self.model {
+            ModelChoice::Is(model) => self.search.generations_of(&with_contained(model, self.search.start)),
+            ModelChoice::Auto => OF_ALL,
+        };
+        self.generations_before() + search
     }
 
     /// Generations that [`prepare`](Self::prepare) takes at most.
@@ -200,7 +195,9 @@ impl Job {
     /// A log cannot be used, or the model that counts has no admissible candidate.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
         let Prepared { problem, context, logs, estimates, delay_at_bound } = self.prepare(progress)?;
-        let fits = identify(&problem, &self.model.models(self.search.start), self.cost, &self.search, progress);
+        let identification = Identification { problem: &problem, cost: self.cost, options: &self.search, budget: None };
+        let Choice { fits, model, reason } = identification.choose(self.model, progress);
+        let model = model.ok_or(JobError::NothingFound)?;
         let (mut candidates, mut failed) = (Vec::new(), Vec::new());
         for fit in fits {
             let model = fit.model;
@@ -210,14 +207,12 @@ impl Job {
             }
         }
         let character = Character::of(problem.training(), problem.deadband);
-        let (model, reason) = self.choose();
         let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {
             let why = failed.into_iter().find(|(failed, _)| *failed == model);
-            return Err(why.map_or(JobError::NotSearched(model), |(model, source)| JobError::Failed { model, source }));
+            return Err(why.map_or(JobError::NothingFound, |(model, source)| JobError::Failed { model, source }));
         };
         let mut doubts = [estimates, doubts(&candidates[chosen], &character, self.cost)].concat();
         doubts.extend(delay_at_bound);
-        doubts.extend(failed.iter().map(|(model, _)| Doubt::NotIdentified { model: *model }));
         if !self.calibration.stated() {
             doubts.push(Doubt::CalibrationAssumed);
         }
@@ -257,13 +252,6 @@ impl Job {
         }
         Ok(Parts { training, held_out, rests })
     }
-
-    fn choose(&self) -> (Model, Reason) {
-        match self.model.model() {
-            Some(model) => (model, Reason::AskedFor),
-            None => (Model::GeneralisedPrandtlIshlinskii, Reason::AllInOne),
-        }
-    }
 }
 
 /// The logs of a job, cut.
@@ -274,6 +262,9 @@ struct Parts {
     /// Training logs as a whole, and what is held out of each: the estimator runs on into that, as a device does.
     rests: Vec<(Log, Log)>,
 }
+
+/// Callbacks of brief searches of all models and a long one, roughly, for a progress bar.
+const OF_ALL: u64 = 1_200;
 
 /// Refuses a part of a log in which the actuator rests.
 fn moves(part: &Log, whole: &Log) -> Result<(), JobError> {

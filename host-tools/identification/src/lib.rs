@@ -2,11 +2,13 @@
 //! model is not linear in, by another method; and what a table found so is good for.
 
 mod baseline;
+mod brief;
 pub mod calibration;
 mod candidate;
 mod character;
 pub mod compare;
 pub mod cost;
+mod cross_validation;
 mod delay;
 mod doubt;
 pub mod drive;
@@ -28,14 +30,16 @@ pub mod table_file;
 mod trial;
 
 pub use baseline::{Baseline, Point, StraightLine};
+pub use brief::Brief;
 pub use candidate::{Candidate, CandidateError, TableContext};
 pub use character::Character;
+pub use cross_validation::{CrossValidation, LeftOut, Score};
 pub use doubt::{Converter, Doubt, FEW_REVERSALS};
 pub use family::BlackBoxInputs;
 pub use fit::{Convergence, Fit, Identification, Progress, identify, identify_black_box};
-pub use job::{Job, JobError, Outcome, Prepared, Reason};
+pub use job::{Job, JobError, Outcome, Prepared};
 pub use log_use::{LogUse, Role};
-pub use model_choice::{ModelChoice, with_contained};
+pub use model_choice::{Choice, ModelChoice, Reason, with_contained};
 pub use problem::{Conditions, Problem};
 pub use search::{SearchOptions, Start};
 pub use start::prepared;

@@ -1,12 +1,14 @@
-//! Which models are identified when one, or none, is asked for.
+//! Which models are identified when one, or none, is asked for, and which of them is chosen.
 
+use crate::cross_validation::CrossValidation;
+use crate::fit::{Fit, Identification, Progress};
 use crate::search::Start;
 use estimator_core::Model;
 
 /// Which model to identify.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ModelChoice {
-    /// The Voigt family and the generalised Prandtl–Ishlinskii model, which is chosen.
+    /// Whichever does best on parts of the training data that it was not fitted to.
     Auto,
     /// This one.
     Is(Model),
@@ -20,13 +22,53 @@ impl ModelChoice {
             Self::Is(model) => Some(model),
         }
     }
+}
 
-    /// The models to identify, simplest first: the wanted one and, where it starts from them, those it contains.
-    pub fn models(self, start: Start) -> Vec<Model> {
-        match self.model() {
-            Some(wanted) => with_contained(wanted, start),
-            None => [&Model::VOIGT_FAMILY[..], &[Model::GeneralisedPrandtlIshlinskii]].concat(),
+/// Why a model was chosen.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Reason {
+    /// It was asked for.
+    AskedFor,
+    /// It is the simplest that does as well as the best on parts of the training data that it was not fitted to.
+    CrossValidated(CrossValidation),
+    /// Its error in training is the least by far, or the training data are too short to be divided.
+    LeastInTraining,
+}
+
+/// What was identified when a model, or none, was asked for.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Choice {
+    /// Every fit, simplest first.
+    pub fits: Vec<Fit>,
+    /// The chosen model; `None` where none has an admissible candidate.
+    pub model: Option<Model>,
+    /// Why it was chosen.
+    pub reason: Reason,
+}
+
+impl Identification<'_> {
+    /// Identifies the wanted model and those that it starts from; or every model briefly and the one that cross-validation
+    /// chooses at length.
+    pub fn choose(&self, wanted: ModelChoice, progress: Progress<'_>) -> Choice {
+        if let Some(model) = wanted.model() {
+            let fits = self.run(&with_contained(model, self.options.start), progress);
+            return Choice { fits, model: Some(model), reason: Reason::AskedFor };
         }
+        let mut fits = self.brief(progress);
+        let least = fits.iter().filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let Some(least) = least.map(|fit| (fit.model, fit.cost)) else {
+            return Choice { fits, model: None, reason: Reason::LeastInTraining };
+        };
+        let validated = CrossValidation::of(self, &fits, || progress(least.0, least.1));
+        let model = validated.as_ref().map_or(least.0, |of| of.score().model);
+        let found = self.run(&[model], progress);
+        for longer in found {
+            let brief = fits.iter_mut().find(|fit| fit.model == model && longer.cost <= fit.cost);
+            if let Some(brief) = brief {
+                *brief = longer;
+            }
+        }
+        Choice { fits, model: Some(model), reason: validated.map_or(Reason::LeastInTraining, Reason::CrossValidated) }
     }
 }
 

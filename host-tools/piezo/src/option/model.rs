@@ -6,7 +6,7 @@ use estimator_core::Model;
 use identification::ModelChoice;
 
 const AUTO: Choice<ModelChoice> =
-    (ModelChoice::Auto, "auto", "The Voigt family and the generalised Prandtl–Ishlinskii model, which is chosen");
+    (ModelChoice::Auto, "auto", "Every model briefly, and the one that cross-validation chooses at length");
 
 /// A parser of a model's name.
 pub fn models() -> impl TypedValueParser<Value = Model> {

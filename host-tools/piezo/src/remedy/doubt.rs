@@ -25,10 +25,6 @@ pub fn doubt(doubt: &Doubt) -> String {
              -1), or the voltage inverted (--voltage-scale -1)?"
                 .to_owned()
         }
-        Doubt::NotIdentified { model } => format!(
-            "for the model {model} no admissible candidate was found: search longer (--generations, --rounds) or raise \
-             --limit"
-        ),
         Doubt::HeldOutFar { training_um, held_out_um } => format!(
             "on the held-out data the error is {held_out_um:.3} µm, in training {training_um:.3} µm: the model has \
              learnt this recording rather than the actuator, or the two were recorded under other conditions"
@@ -131,7 +127,6 @@ fn named(converter: Converter) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use estimator_core::Model;
 
     #[test]
     fn every_doubt_says_what_helps() {
@@ -140,7 +135,6 @@ mod tests {
             Doubt::AtBound { gene: "p", value: 2.5 },
             Doubt::PoorFit { percent: 40.0 },
             Doubt::FallsWithVoltage,
-            Doubt::NotIdentified { model: Model::Enhanced },
             Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
             Doubt::NothingHeldOut,
             Doubt::Diverges { fed_um: 0.01, simulation_um: 3.0 },

@@ -7,7 +7,9 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use identification::cost::Cost;
 use identification::table_file::TableFile;
-use identification::{Candidate, Job, ModelChoice, Outcome, Role, SearchOptions, StraightLine};
+use identification::{
+    Candidate, CrossValidation, Job, ModelChoice, Outcome, Reason, Role, SearchOptions, StraightLine,
+};
 use prediction_interval::Calibration;
 use recordings::prepare::Recipe;
 use report::Report;
@@ -20,7 +22,7 @@ pub struct Identify {
     /// Folder for table.toml, table.rs, table.bin, report.html and estimate.svg.
     #[arg(long)]
     pub out: PathBuf,
-    /// Which model; `auto` identifies the Voigt family and the generalised Prandtl–Ishlinskii model.
+    /// Which model; `auto` tries every one and chooses by cross-validation inside the training data.
     #[arg(long, value_parser = model_choice(), default_value = "auto")]
     pub model: ModelChoice,
     /// What is fitted to what.
@@ -129,7 +131,7 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
 /// How good it is, in plain words.
 fn verdict(outcome: &Outcome) -> Vec<String> {
     let candidate = outcome.candidate();
-    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model(), remedy::reason(outcome.reason))];
+    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model(), remedy::reason(&outcome.reason))];
     if let Some(held_out) = candidate.held_out_figures() {
         sentences.push(format!(
             "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
@@ -177,6 +179,9 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
     if let Some(line) = &outcome.straight_line {
         out(&row(&format!("  {}", StraightLine::NAME), &line.held_out.unwrap_or(line.training)));
     }
+    for (model, _) in &outcome.failed {
+        out(&format!("  {model}: no admissible candidate was found"));
+    }
     out("");
     verdict.iter().for_each(|sentence| out(sentence));
     out("\nWhen not to trust it:");
@@ -223,6 +228,14 @@ fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, St
     facts
 }
 
+/// What cross-validation has found, where it chose.
+fn cross_validation(reason: &Reason) -> Option<&CrossValidation> {
+    match reason {
+        Reason::CrossValidated(of) => Some(of),
+        Reason::AskedFor | Reason::LeastInTraining => None,
+    }
+}
+
 fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
     let candidates: Vec<Value> = outcome
         .candidates
@@ -249,7 +262,8 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
     let doubts = outcome.doubts.iter().map(remedy::doubt_json).collect::<serde_json::Result<Vec<Value>>>()?;
     Ok(json!({
         "model": outcome.candidate().table.model(),
-        "reason": remedy::reason(outcome.reason),
+        "reason": remedy::reason(&outcome.reason),
+        "cross_validation": cross_validation(&outcome.reason),
         "verdict": verdict,
         "candidates": candidates,
         "interval": outcome.candidate().table.interval,

@@ -8,26 +8,14 @@ use estimator_core::Model;
 use identification::validate::{
     Comparison, Coverage, Estimates, Scope, Told, ToldFigures, compare_within, errors_within, estimates,
 };
-use identification::{Candidate, Identification, Prepared, SearchOptions, StraightLine, prepared};
+use identification::{Candidate, Identification, Prepared, StraightLine, prepared};
 use prediction_interval::DEVICES;
 use recordings::session::Session;
-
-/// Of the search's candidates a number, this part is tried here for the models whose weights are solved for: a search
-/// that is repeated for each device must be short.
-const OF_OTHERS: u32 = 12;
-/// A model of the Voigt family, whose candidates are cheap and whose numbers are all searched, may try so many times the
-/// search's candidates a number in all.
-const OF_VOIGT: u32 = 6;
 
 /// A search of fewer candidates a number has its interval from fewer devices: one for each so many.
 const OF_A_DEVICE: u32 = 20;
 /// The model that a user gets, whose estimate has an interval beside it.
 const BESIDE: Model = Model::GeneralisedPrandtlIshlinskii;
-
-/// Candidates a number, and those of a model of the Voigt family in all.
-pub fn candidates(search: &SearchOptions) -> (u32, u32) {
-    ((search.evaluations / OF_OTHERS).max(1), search.evaluations * OF_VOIGT)
-}
 
 /// A model on a recording.
 pub struct Judged {
@@ -61,14 +49,9 @@ pub struct Errors {
 /// A recording cannot be prepared or scored. A model that finds nothing is judged with no errors.
 pub fn learn(subject: &Subject) -> Result<Vec<Judged>, ThesisError> {
     let Prepared { problem, context, .. } = subject.job.prepare(&mut |_, _| ())?;
-    let (evaluations, of_voigt) = candidates(&subject.job.search);
-    let short = SearchOptions { evaluations, ..subject.job.search.clone() };
-    let cost = subject.job.cost;
-    let others: Vec<Model> = Model::ALL.into_iter().filter(|model| !model.is_voigt()).collect();
-    let identify = |models: &[Model], budget| {
-        Identification { problem: &problem, cost, options: &short, budget }.run(models, &mut |_, _| ())
-    };
-    let fits = identify(&Model::VOIGT_FAMILY, Some(of_voigt as usize)).into_iter().chain(identify(&others, None));
+    let identification =
+        Identification { problem: &problem, cost: subject.job.cost, options: &subject.job.search, budget: None };
+    let fits = identification.brief(&mut |_, _| ());
     let line = StraightLine::fit(problem.training());
     let mut judged = Vec::new();
     let trials: Vec<(&Trial, Session)> = subject

@@ -14,8 +14,8 @@ mod summary;
 use super::bench::Bench;
 use crate::error::ThesisError;
 use estimator_core::Model;
-use identification::{Progress, SearchOptions};
-use judge::{Judged, candidates, learn};
+use identification::{Brief, Progress, SearchOptions};
+use judge::{Judged, learn};
 use rayon::prelude::*;
 use report::{Grid, Section, shown};
 use subject::{Subject, plants, sessions, thesis_rig};
@@ -118,7 +118,7 @@ fn grid(rows: &[Row]) -> Grid {
 /// How the tables are to be read, and what they say of the enhanced model.
 fn notes(rows: &[Row], bench: &Bench) -> Vec<String> {
     let seeds = bench.seeds;
-    let (of_a_number, of_voigt) = candidates(bench.search());
+    let Brief { of_a_number, of_voigt } = Brief::of(bench.search());
     let mut notes = vec![
         format!(
             "MAE in µm, the median over the recordings and in brackets their range; {seeds} seed{} of devices and searches.",

@@ -1,0 +1,43 @@
+//! Every model in seconds, so that they can be compared: a search that stops long before its last digit.
+
+use crate::fit::{Fit, Identification, Progress};
+use crate::search::SearchOptions;
+use estimator_core::Model;
+
+/// Of the search's candidates a number, this part is tried for the models whose weights are solved for.
+const OF_OTHERS: u32 = 6;
+/// A model of the Voigt family, whose candidates are cheap and whose numbers are all searched, may try so many times the
+/// search's candidates a number in all.
+const OF_VOIGT: u32 = 8;
+
+/// Candidates that a brief search tries.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Brief {
+    /// For each number that is searched, of the models whose weights are solved for.
+    pub of_a_number: u32,
+    /// In all, of a model of the Voigt family.
+    pub of_voigt: u32,
+}
+
+impl Brief {
+    /// What is left of a search.
+    pub fn of(search: &SearchOptions) -> Self {
+        Self {
+            of_a_number: (search.evaluations / OF_OTHERS).max(1),
+            of_voigt: search.evaluations.saturating_mul(OF_VOIGT),
+        }
+    }
+}
+
+impl Identification<'_> {
+    /// Every model of the catalogue by a [`Brief`] search of the method for the models beyond the Voigt family.
+    pub fn brief(&self, progress: Progress<'_>) -> Vec<Fit> {
+        let Brief { of_a_number, of_voigt } = Brief::of(self.options);
+        let others: Vec<Model> = Model::ALL.into_iter().filter(|model| !model.is_voigt()).collect();
+        let options = SearchOptions { evaluations: of_a_number, ..self.options.clone() };
+        let search = |budget| Identification { options: &options, budget, ..*self };
+        let mut fits = search(Some(of_voigt as usize)).run(&Model::VOIGT_FAMILY, progress);
+        fits.extend(search(None).run(&others, progress));
+        fits
+    }
+}
