@@ -10,11 +10,7 @@ use std::fs;
 #[test]
 fn identifies_the_measured_log_and_says_how_good_it_is() {
     let out = tempfile::tempdir().unwrap();
-    let result = json(
-        piezo()
-            .args(["identify", MEASURED, "--json", "--devices", "2", "--out"])
-            .arg(out.path()),
-    );
+    let result = json(piezo().args(["identify", MEASURED, "--json", "--devices", "2", "--out"]).arg(out.path()));
     assert_eq!(result["model"], "generalised-prandtl-ishlinskii");
     let candidates = result["candidates"].as_array().unwrap();
     let held_out: Vec<f64> = candidates.iter().map(|candidate| number(candidate, "/held_out/mae_um")).collect();

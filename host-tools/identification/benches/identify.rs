@@ -1,10 +1,11 @@
 //! The thesis's whole search (64 chromosomes, 400 generations, five logs of 4,000 samples, nine parameters), in seconds,
-//! and the evaluation of one admissible candidate on one core, in sample-evaluations a second. In the search a candidate
+//! and the evaluation of an admissible population on one core, in sample-evaluations a second. In the search a candidate
 //! that is not admissible costs no samples, so its time times its 513 million nominal evaluations would flatter it.
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use estimator_core::Model;
 use identification::cost::Feedback;
+use identification::family::voigt::Kernel;
 use identification::search::Optimiser;
 use identification::search::ga::{Elitism, Selection};
 use identification::search::space::{Ranges, Space};
@@ -38,6 +39,8 @@ fn sessions() -> Vec<Session> {
     modelling.map(|excitation| session(excitation).expect("the rig is five times as fast as the tick")).collect()
 }
 
+const POPULATION: usize = 64;
+
 /// The optimum of the search with the simulation cost, to four digits.
 const CANDIDATE: [f64; 9] = [307.2, 0.9423, 1.132, -0.073, 0.2415, 0.1027, 0.2458, 0.348, 1.027];
 
@@ -53,19 +56,29 @@ fn whole_search(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn one_candidate(criterion: &mut Criterion) {
+/// A population on one thread, at once and one candidate after the other.
+fn population(criterion: &mut Criterion) {
     let problem = Problem::new(sessions(), Vec::new(), Conditions::default());
     let samples: usize = problem.training().map(|session| session.voltage.len()).sum();
-    let parameters = Space::new(Model::Enhanced, Ranges::Data, problem.extent()).parameters(&CANDIDATE);
-    let mut group = criterion.benchmark_group("one candidate, enhanced model");
-    group.throughput(Throughput::Elements(samples as u64));
+    let space = Space::new(Model::Enhanced, Ranges::Data, problem.extent());
+    let (candidate, published) = (space.parameters(&CANDIDATE), space.published(&CANDIDATE));
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be had");
+    let mut group = criterion.benchmark_group("population, enhanced model");
+    group.throughput(Throughput::Elements((POPULATION * samples) as u64)).sample_size(10);
     for cost in [Feedback::Osp, Feedback::Simulation] {
-        assert!(problem.cost(&parameters, cost).is_finite(), "the candidate must be admissible to be evaluated");
-        group
-            .bench_function(format!("{cost:?}"), |bencher| bencher.iter(|| problem.cost(black_box(&parameters), cost)));
+        let kernel = Kernel::new(&problem, cost.into());
+        let candidates = [candidate; POPULATION];
+        let admissible = kernel.costs(&candidates).iter().all(|cost| cost.is_finite());
+        assert!(admissible, "the candidate must be admissible to be evaluated");
+        group.bench_function(format!("{cost:?}, at once"), |bencher| {
+            alone.install(|| bencher.iter(|| kernel.costs(black_box(&candidates))));
+        });
+        group.bench_function(format!("{cost:?}, one by one"), |bencher| {
+            bencher.iter(|| (0..POPULATION).map(|_| problem.cost(black_box(&published), cost)).sum::<f64>());
+        });
     }
     group.finish();
 }
 
-criterion_group!(benches, whole_search, one_candidate);
+criterion_group!(benches, whole_search, population);
 criterion_main!(benches);

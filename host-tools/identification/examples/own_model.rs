@@ -132,7 +132,7 @@ impl<T: Real> Linear<T> for Toy<T> {
 impl Trial for ToyParameters {
     type Model = Running<Toy<f64>, Relaxed<f64>>;
 
-    fn model(&self, discretisation: &Discretisation<f64>, _voltages: Range<f64>) -> Self::Model {
+    fn model(&self, discretisation: &Discretisation<f64>) -> Self::Model {
         Running::new(self.build(discretisation))
     }
 }

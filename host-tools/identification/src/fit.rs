@@ -132,7 +132,8 @@ impl Identification<'_> {
         let simpler = simpler.iter().filter_map(|fit| Some((fit, fit.space.as_ref()?)));
         let seeds: Vec<Vec<f64>> = simpler.map(|(fit, theirs)| space.adopt(theirs, &values(fit))).collect();
         if let Some(budget) = self.budget {
-            let family = voigt::Family { space: &space, seeds: &seeds };
+            let kernel = voigt::Kernel::new(self.problem, self.cost);
+            let family = voigt::Family { space: &space, seeds: &seeds, kernel: &kernel };
             let found = self.structure(model, &family, &[self.options.optimiser], budget, None, progress);
             return Fit { space: Some(space), ..found };
         }

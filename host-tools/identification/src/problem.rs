@@ -84,17 +84,14 @@ impl Problem {
 
     /// Cost of parameters: their training error (µm), infinite where they are not admissible.
     pub fn cost(&self, trial: &impl Trial, cost: impl Into<Cost>) -> f64 {
-        let model = trial.model(&self.discretisation(), self.voltage_range);
-        // The widest limits first: nearly every set that has any has those.
-        let admissible = LIMIT_STEPS.iter().rev().any(|&step| self.bound(&model, step).is_ok());
-        if admissible { error(&self.training, &model, cost.into()) } else { f64::INFINITY }
+        let model = trial.model(&self.discretisation());
+        if self.admits(&model, self.voltage_range) { error(&self.training, &model, cost.into()) } else { f64::INFINITY }
     }
 
     /// Simulation error on what was held out in the norm of a cost, µm; `None` where nothing was.
     pub fn held_out(&self, trial: &impl Trial, cost: Cost) -> Option<f64> {
-        (!self.validation.is_empty()).then(|| {
-            error(&self.validation, &trial.model(&self.discretisation(), self.voltage_range), cost.in_simulation())
-        })
+        (!self.validation.is_empty())
+            .then(|| error(&self.validation, &trial.model(&self.discretisation()), cost.in_simulation()))
     }
 
     /// The tightest displacement limits (µm) within which parameters are proven to stay.
@@ -102,9 +99,9 @@ impl Problem {
     /// # Errors
     /// There are none within the widest that the conditions allow.
     pub fn limits(&self, trial: &impl Trial) -> Result<Range<f64>, Inadmissible<f64>> {
-        let model = trial.model(&self.discretisation(), self.voltage_range);
-        let tightest = LIMIT_STEPS.iter().find_map(|&step| self.bound(&model, step).ok());
-        tightest.map_or_else(|| self.bound(&model, 1.0), Ok)
+        let model = trial.model(&self.discretisation());
+        let bound = |step| model.bound(self.voltage_range, self.limits_at(step));
+        LIMIT_STEPS.into_iter().find_map(|step| bound(step).ok()).map_or_else(|| bound(1.0), Ok)
     }
 
     /// Tick, scheme and deadband.
@@ -152,8 +149,10 @@ impl Problem {
         expanded(self.stroke, 1.0 + step * (self.limit - 1.0))
     }
 
-    fn bound(&self, model: &impl Process<f64>, step: f64) -> Result<Range<f64>, Inadmissible<f64>> {
-        model.bound(self.voltage_range, self.limits_at(step))
+    /// Whether a model is proven to stay within any of the limits at voltages of a range (V).
+    pub(crate) fn admits(&self, model: &impl Process<f64>, voltage: Range<f64>) -> bool {
+        // The widest limits first: nearly every set that has any has those.
+        LIMIT_STEPS.into_iter().rev().any(|step| model.bound(voltage, self.limits_at(step)).is_ok())
     }
 }
 

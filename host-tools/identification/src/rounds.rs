@@ -1,16 +1,17 @@
 //! Rounds of the genetic algorithm whose ranges shrink around the best so far, for the Voigt family.
 
+use crate::family::voigt::Kernel;
 use crate::fit::{Convergence, Fit, Identification, Progress};
 use crate::search::Gene;
 use crate::search::ga::{self, Best};
 use crate::search::space::Space;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::cell::Cell;
 
 impl Identification<'_> {
     /// Searches a space; `seeds` are candidates in gene values that join the first population.
     pub(super) fn genetic(&self, space: &Space, seeds: &[Vec<f64>], progress: Progress<'_>) -> Fit {
         let (problem, options) = (self.problem, self.options);
-        let asked = AtomicUsize::new(0);
+        let (asked, kernel) = (Cell::new(0), Kernel::new(problem, self.cost));
         let mut genes = space.genes.clone();
         let mut seeds = seeds.to_vec();
         let mut best: Option<Best> = None;
@@ -18,13 +19,14 @@ impl Identification<'_> {
         let mut shown = (f64::INFINITY, None);
         for round in 0..options.rounds.max(1) {
             let seed = (u64::from(options.seed) << 32) | (u64::from(round) << 8) | u64::from(!seeds.is_empty());
-            let error = |values: &[f64]| {
-                asked.fetch_add(1, Ordering::Relaxed);
-                problem.cost(&space.parameters(values), self.cost)
+            let costs = |candidates: &[Vec<f64>]| {
+                asked.set(asked.get() + candidates.len());
+                let candidates: Vec<_> = candidates.iter().map(|values| space.parameters(values)).collect();
+                kernel.costs(&candidates)
             };
-            let found = ga::run(&genes, &options.settings(), seed, &seeds, error, |_, best| {
+            let found = ga::run(&genes, &options.settings(), seed, &seeds, costs, |_, best| {
                 if best.cost < shown.0 {
-                    shown = (best.cost, problem.held_out(&space.parameters(&best.genes), self.cost));
+                    shown = (best.cost, problem.held_out(&space.published(&best.genes), self.cost));
                 }
                 convergence.push(Convergence { training: shown.0, validation: shown.1 });
                 progress(space.model, shown.0);
@@ -46,7 +48,7 @@ impl Identification<'_> {
             genes: space.genes.iter().copied().zip(best.genes).collect(),
             cost: best.cost,
             minimised: self.cost,
-            evaluations: asked.into_inner(),
+            evaluations: asked.get(),
             convergence,
             space: Some(space.clone()),
         }

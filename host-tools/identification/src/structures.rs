@@ -62,9 +62,9 @@ impl StructureSearch<'_> {
         let values =
             |at: &[f64]| genes.iter().zip(at).map(|(gene, &fraction)| gene.value(fraction)).collect::<Vec<_>>();
         let parameters = |at: &[f64]| family.project(&values(at), problem);
-        let cost = |at: &[f64]| {
-            let candidate = family.candidate(&values(at), problem, self.cost);
-            candidate.map_or(f64::INFINITY, |(_, size)| size)
+        let costs = |points: &[Vec<f64>]| {
+            let candidates: Vec<Vec<f64>> = points.iter().map(|at| values(at)).collect();
+            family.costs(&candidates, problem, self.cost)
         };
         let known = known.iter().map(|(gene, value)| gene.fraction(*value)).collect();
         let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(0.5)).take(genes.len()).collect();
@@ -87,7 +87,7 @@ impl StructureSearch<'_> {
                 convergence.push(Convergence { training: shown.0, validation: shown.1 });
                 progress(before + made, shown.0);
             };
-            let found = minimise(method, genes.len(), budget, &starts, &cost, &mut watch);
+            let found = minimise(method, genes.len(), budget, &starts, &costs, &mut watch);
             evaluations += found.evaluations;
             if best.as_ref().is_none_or(|best| found.cost < best.cost) {
                 best = Some(found);

@@ -5,13 +5,12 @@
 //! generation shares, `ceil(mutation·bits·genes·(population − 1))` bit flips anywhere, evaluation. The best chromosome
 //! ever seen is kept aside; with [`Elitism::Reinsert`] it also replaces the worst of each generation.
 //!
-//! Only evaluation runs in parallel, and it draws no random numbers: the same seed gives the same result on any number
-//! of threads.
+//! A generation is evaluated at once, without random numbers: the same seed gives the same result on any number of
+//! threads.
 
 use super::gene::Gene;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// How parents are chosen.
@@ -65,14 +64,14 @@ pub struct Best {
 /// Gene codes of one candidate.
 type Chromosome = Vec<u32>;
 
-/// Runs the algorithm. `cost` is what is minimised (infinite for what must not win); `seeds` are candidates in gene
+/// Runs the algorithm. `costs_of` some candidates, one each in their order, are what is minimised (infinite for what must not win); `seeds` are candidates in gene
 /// values that join the first population; `watch` sees the best after every generation.
 pub fn run(
     genes: &[Gene],
     settings: &Settings,
     seed: u64,
     seeds: &[Vec<f64>],
-    cost: impl Fn(&[f64]) -> f64 + Sync,
+    costs_of: impl Fn(&[Vec<f64>]) -> Vec<f64>,
     mut watch: impl FnMut(u32, &Best),
 ) -> Best {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
@@ -80,9 +79,7 @@ pub fn run(
     let decode = |chromosome: &Chromosome| -> Vec<f64> {
         genes.iter().zip(chromosome).map(|(gene, &code)| gene.value(f64::from(code) / f64::from(levels))).collect()
     };
-    let evaluate = |population: &[Chromosome]| -> Vec<f64> {
-        population.par_iter().map(|chromosome| cost(&decode(chromosome))).collect()
-    };
+    let evaluate = |population: &[Chromosome]| costs_of(&population.iter().map(decode).collect::<Vec<_>>());
     let mut population: Vec<Chromosome> = (0..settings.population.max(2))
         .map(|_| genes.iter().map(|_| random.random_range(0..=levels)).collect())
         .collect();
@@ -94,8 +91,7 @@ pub fn run(
     let mut best = fittest(&population, &costs);
     // Seeds count as they are, not only as their nearest chromosome.
     let mut best_genes = Best { genes: decode(&best.0), cost: best.1 };
-    for seed in seeds {
-        let cost = cost(seed);
+    for (seed, cost) in seeds.iter().zip(costs_of(seeds)) {
         if cost < best_genes.cost {
             best_genes = Best { genes: seed.clone(), cost };
         }

@@ -8,7 +8,7 @@ use super::ga::{self, Elitism, Selection, Settings};
 use super::gene::{Gene, Scale};
 use super::state::{Scored, Search, admissible};
 use rand::RngExt;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::cell::Cell;
 
 const POPULATION: usize = 64;
 const GENERATIONS_A_ROUND: usize = 20;
@@ -50,16 +50,18 @@ fn breed(search: &mut Search<'_>, genes: &[Gene], population: usize, generations
     };
     let seed = search.random.random();
     let seeds: Vec<Vec<f64>> = known.iter().map(|point| point.at.clone()).collect();
-    let (ask, asked) = (search.cost(), AtomicUsize::new(0));
-    let cost = |values: &[f64]| match known.iter().find(|point| point.at == values) {
-        Some(point) => point.cost,
-        None => {
-            asked.fetch_add(1, Ordering::Relaxed);
-            admissible(ask(&inside(values)))
-        }
+    let (ask, asked) = (search.costs(), Cell::new(0));
+    let cost_known = |values: &Vec<f64>| known.iter().find(|point| point.at == *values).map(|point| point.cost);
+    let costs = |points: &[Vec<f64>]| {
+        let unknown: Vec<Vec<f64>> = points.iter().filter(|at| cost_known(at).is_none()).map(|at| inside(at)).collect();
+        asked.set(asked.get() + unknown.len());
+        let mut found = ask(&unknown).into_iter();
+        // As many are found as were unknown.
+        let cost = |at| cost_known(at).or_else(|| found.next()).map_or(f64::INFINITY, admissible);
+        points.iter().map(cost).collect()
     };
-    ga::run(genes, &settings, seed, &seeds, cost, |_, best| {
-        search.note(asked.swap(0, Ordering::Relaxed), &[Scored { at: inside(&best.genes), cost: best.cost }]);
+    ga::run(genes, &settings, seed, &seeds, costs, |_, best| {
+        search.note(asked.take(), &[Scored { at: inside(&best.genes), cost: best.cost }]);
     });
 }
 

@@ -10,7 +10,7 @@
 //! | `local` | Nelder–Mead from the best start, with restarts |
 //!
 //! The cost may be infinite, for what is inadmissible, anywhere or everywhere; NaN counts as infinite. Random numbers
-//! are drawn outside of the evaluations, which run in parallel: the same seed gives the same result on any number of
+//! are drawn outside of the evaluations, which may run in parallel: the same seed gives the same result on any number of
 //! threads.
 //!
 //! The methods are written here: `cmaes` 0.2 and `argmin` 0.11 each need an older `rand` beside this crate's, and a budget of
@@ -28,10 +28,17 @@ mod state;
 
 pub use gene::{Gene, Scale};
 pub use optimiser::Optimiser;
+use rayon::prelude::*;
 use state::Search;
 pub use state::{Budget, Minimum};
 
-/// Minimises a cost over the unit cube of a dimension.
+/// The costs of many points from that of one, asked in parallel.
+pub fn each(cost: impl Fn(&[f64]) -> f64 + Sync) -> impl Fn(&[Vec<f64>]) -> Vec<f64> + Sync {
+    move |points| points.par_iter().map(|at| cost(at)).collect()
+}
+
+/// Minimises a cost over the unit cube of a dimension. `costs` are those of some points, one each in their order; of a cost
+/// that is asked for one point at a time it is [`each`].
 ///
 /// `starts` are evaluated first, exactly as they are, and join the first population (`cma-es` and `local` begin at the
 /// best of them); the result never costs more than any that the budget sufficed for. A coordinate outside of the cube
@@ -42,10 +49,10 @@ pub fn minimise(
     dimension: usize,
     budget: Budget,
     starts: &[Vec<f64>],
-    cost: &(impl Fn(&[f64]) -> f64 + Sync),
+    costs: &(impl Fn(&[Vec<f64>]) -> Vec<f64> + Sync),
     watch: &mut dyn FnMut(usize, &Minimum),
 ) -> Minimum {
-    let mut search = Search::new(dimension, budget, cost, watch);
+    let mut search = Search::new(dimension, budget, costs, watch);
     if dimension == 0 {
         search.evaluate(vec![Vec::new()]);
         return search.best;

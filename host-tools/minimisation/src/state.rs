@@ -2,7 +2,6 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// What a search may spend.
@@ -25,8 +24,8 @@ pub struct Minimum {
     pub evaluations: usize,
 }
 
-/// A cost that many threads may ask.
-pub type Cost<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
+/// The costs of some points, one each in their order.
+pub type Costs<'a> = &'a (dyn Fn(&[Vec<f64>]) -> Vec<f64> + Sync);
 
 /// An evaluated point.
 #[derive(Clone, PartialEq, Debug)]
@@ -45,19 +44,19 @@ pub struct Search<'a> {
     pub best: Minimum,
     /// Seeded by the budget.
     pub random: ChaCha8Rng,
-    cost: Cost<'a>,
+    costs: Costs<'a>,
     limit: usize,
     watch: &'a mut dyn FnMut(usize, &Minimum),
 }
 
 impl<'a> Search<'a> {
     /// Nothing evaluated yet.
-    pub fn new(dimension: usize, budget: Budget, cost: Cost<'a>, watch: &'a mut dyn FnMut(usize, &Minimum)) -> Self {
+    pub fn new(dimension: usize, budget: Budget, costs: Costs<'a>, watch: &'a mut dyn FnMut(usize, &Minimum)) -> Self {
         Self {
             dimension,
             best: Minimum { at: vec![0.5; dimension], cost: f64::INFINITY, evaluations: 0 },
             random: ChaCha8Rng::seed_from_u64(budget.seed),
-            cost,
+            costs,
             limit: budget.evaluations,
             watch,
         }
@@ -68,16 +67,20 @@ impl<'a> Search<'a> {
         self.limit.saturating_sub(self.best.evaluations)
     }
 
-    /// The cost alone, for a method that evaluates by itself and then calls [`Self::note`].
-    pub fn cost(&self) -> Cost<'a> {
-        self.cost
+    /// The costs alone, for a method that evaluates by itself and then calls [`Self::note`].
+    pub fn costs(&self) -> Costs<'a> {
+        self.costs
     }
 
-    /// Evaluates points of the unit cube in parallel, as many of the first as the budget has left; returns those.
+    /// Evaluates points of the unit cube, as many of the first as the budget has left; returns those.
     pub fn evaluate(&mut self, mut points: Vec<Vec<f64>>) -> Vec<Scored> {
         points.truncate(self.left());
-        let cost = self.cost;
-        let scored: Vec<Scored> = points.into_par_iter().map(|at| Scored { cost: admissible(cost(&at)), at }).collect();
+        if points.is_empty() {
+            return Vec::new();
+        }
+        let costs = (self.costs)(&points);
+        let scored = points.into_iter().zip(costs).map(|(at, cost)| Scored { cost: admissible(cost), at });
+        let scored: Vec<Scored> = scored.collect();
         self.note(scored.len(), &scored);
         scored
     }

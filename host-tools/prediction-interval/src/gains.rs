@@ -6,7 +6,7 @@
 //! ```
 
 use crate::trial::Recording;
-use minimisation::{Budget, Gene, Optimiser, minimise};
+use minimisation::{Budget, Gene, Optimiser, each, minimise};
 
 /// Degrees of freedom.
 const FREEDOM: f64 = 4.0;
@@ -24,7 +24,7 @@ pub fn gains(recordings: &[Recording]) -> [f64; 4] {
         recordings.iter().map(|recording| unlikely(recording, &gains)).sum::<f64>()
     };
     let budget = Budget { evaluations: EVALUATIONS, seed: 1 };
-    let best = minimise(Optimiser::Local, genes.len(), budget, &[vec![0.5; 4]], &cost, &mut |_, _| ());
+    let best = minimise(Optimiser::Local, genes.len(), budget, &[vec![0.5; 4]], &each(cost), &mut |_, _| ());
     let found = gains(&best.at);
     let factor = quantile(recordings, &found);
     found.map(|gain| factor * gain)

@@ -72,7 +72,8 @@ pub fn generations(search: &SearchOptions) -> u64 {
 pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     let (problem, search) = (bench.problem(), bench.search());
     let space = Space::new(Model::Enhanced, search.ranges, problem.extent());
-    let enhanced = voigt::Family { space: &space, seeds: &[] };
+    let kernel = voigt::Kernel::new(problem, Feedback::Simulation.into());
+    let enhanced = voigt::Family { space: &space, seeds: &[], kernel: &kernel };
     let plays = family::of(Model::GeneralisedPrandtlIshlinskii, problem);
     let mut structures = vec![Structure::new(Model::Enhanced, &enhanced, search.evaluations)];
     for family in ends(&plays) {

@@ -21,6 +21,7 @@ use crate::problem::Problem;
 use crate::search::Gene;
 use crate::trial::Trial;
 use estimator_core::{Model, Parameters};
+use rayon::prelude::*;
 
 /// What a tick of delay or lag must gain, as a fraction of the cost: at a single frequency they do what hysteresis does.
 const DELAYED: f64 = 3e-3;
@@ -42,6 +43,12 @@ pub trait Family: Sync {
         let found = self.project(values, problem)?;
         let size = self.burden(values) * problem.cost(&found, cost);
         Some((found, size))
+    }
+
+    /// What the search minimises of some candidates, in their order; infinite where there is no solution.
+    fn costs(&self, candidates: &[Vec<f64>], problem: &Problem, cost: Cost) -> Vec<f64> {
+        let of = |values: &Vec<f64>| self.candidate(values, problem, cost).map_or(f64::INFINITY, |(_, size)| size);
+        candidates.par_iter().map(of).collect()
     }
 
     /// How many of the numbers found were solved for by least squares. Numbers that are laid out before the search (spans,

@@ -1,6 +1,6 @@
 //! What every method of the search keeps to, and how well it does on functions whose minimum is known.
 
-use identification::search::{Budget, Minimum, Optimiser, minimise};
+use identification::search::{Budget, Minimum, Optimiser, each, minimise};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 const SEEDS: std::ops::Range<u64> = 1..6;
@@ -12,7 +12,7 @@ fn search(optimiser: Optimiser, dimension: usize, evaluations: usize, seed: u64,
         assert!(x.iter().all(|x| (0.0..=1.0).contains(x)), "{x:?}");
         cost(x)
     };
-    let found = minimise(optimiser, dimension, Budget { evaluations, seed }, &[], &checked, &mut |_, _| ());
+    let found = minimise(optimiser, dimension, Budget { evaluations, seed }, &[], &each(checked), &mut |_, _| ());
     assert!(found.at.iter().all(|x| (0.0..=1.0).contains(x)), "{found:?}");
     if found.cost.is_finite() {
         assert_eq!(found.cost, cost(&found.at));
@@ -99,7 +99,7 @@ fn the_budget_is_spent_and_never_exceeded_whatever_the_cost() {
                     let starts = vec![vec![0.25, 0.75]; starts];
                     let mut seen = (0, f64::INFINITY);
                     let budget = Budget { evaluations, seed: 1 };
-                    let found = minimise(optimiser, 2, budget, &starts, &counted, &mut |made, best| {
+                    let found = minimise(optimiser, 2, budget, &starts, &each(counted), &mut |made, best| {
                         assert!(made > seen.0 && best.cost <= seen.1 && made == best.evaluations);
                         seen = (made, best.cost);
                     });
@@ -121,7 +121,14 @@ fn without_an_admissible_point_the_first_start_or_the_centre_is_left() {
     for optimiser in Optimiser::ALL {
         for cost in [f64::INFINITY, f64::NAN] {
             let with = |starts: &[Vec<f64>]| {
-                minimise(optimiser, 2, Budget { evaluations: 200, seed: 1 }, starts, &|_: &[f64]| cost, &mut |_, _| ())
+                minimise(
+                    optimiser,
+                    2,
+                    Budget { evaluations: 200, seed: 1 },
+                    starts,
+                    &each(|_: &[f64]| cost),
+                    &mut |_, _| (),
+                )
             };
             assert_eq!((with(&[]).at, with(&[]).cost), (vec![0.5; 2], f64::INFINITY));
             assert_eq!(with(&[vec![0.1, 0.2], vec![0.3, 0.4]]).at, [0.1, 0.2]);
@@ -145,7 +152,7 @@ fn the_best_start_is_kept_exactly_as_it_is() {
     // Another dimension is left out, what lies beyond the cube limited to it.
     let starts = [vec![0.9; 3], vec![0.1; 2], vec![hidden[0], 1.5, -2.0], vec![f64::NAN; 3]];
     for optimiser in Optimiser::ALL {
-        let found = minimise(optimiser, 3, Budget { evaluations: 500, seed: 1 }, &starts, &cost, &mut |_, _| ());
+        let found = minimise(optimiser, 3, Budget { evaluations: 500, seed: 1 }, &starts, &each(cost), &mut |_, _| ());
         assert_eq!((found.at.as_slice(), found.cost), (hidden.as_slice(), 0.0), "{optimiser}");
     }
 }
@@ -157,7 +164,7 @@ fn a_start_in_a_small_admissible_place_is_searched_around() {
     let cost = |x: &[f64]| if sphere(x) < 4e-4 { sphere(x) } else { f64::INFINITY };
     for optimiser in [Optimiser::Genetic, Optimiser::CmaEs, Optimiser::Local] {
         let budget = Budget { evaluations: 4000, seed: 1 };
-        let found = minimise(optimiser, 3, budget, std::slice::from_ref(&start), &cost, &mut |_, _| ());
+        let found = minimise(optimiser, 3, budget, std::slice::from_ref(&start), &each(cost), &mut |_, _| ());
         let least = if optimiser == Optimiser::Genetic { 5e-5 } else { 1e-10 };
         assert!(found.cost < least, "{optimiser}: {:e}", found.cost);
     }

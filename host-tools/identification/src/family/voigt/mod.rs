@@ -1,9 +1,16 @@
 //! The Voigt family where it is to be searched like any other model: all that it has is searched, nothing projected.
 
+mod kernel;
+mod knots;
+mod timeline;
+
+pub use kernel::Kernel;
+
+use crate::cost::Cost;
 use crate::problem::Problem;
 use crate::search::Gene;
 use crate::search::space::Space;
-use estimator_core::Parameters;
+use estimator_core::{Parameters, VoigtParameters};
 
 /// A model of the family.
 pub struct Family<'a> {
@@ -11,6 +18,8 @@ pub struct Family<'a> {
     pub space: &'a Space,
     /// Candidates to start from, in gene values.
     pub seeds: &'a [Vec<f64>],
+    /// What costs them.
+    pub kernel: &'a Kernel<'a>,
 }
 
 impl super::Family for Family<'_> {
@@ -28,6 +37,11 @@ impl super::Family for Family<'_> {
 
     fn project(&self, values: &[f64], _problem: &Problem) -> Option<Parameters> {
         Some(self.space.published(values))
+    }
+
+    fn costs(&self, candidates: &[Vec<f64>], _problem: &Problem, _cost: Cost) -> Vec<f64> {
+        let candidates: Vec<VoigtParameters<f64>> = candidates.iter().map(|of| self.space.parameters(of)).collect();
+        self.kernel.costs(&candidates)
     }
 
     fn solved(&self, _found: &Parameters) -> usize {
