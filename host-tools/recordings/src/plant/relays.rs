@@ -38,6 +38,8 @@ const REACH: f64 = 1.1;
 /// The relays of a density beside a reversible part.
 pub struct Relays {
     plays: Vec<f64>,
+    /// What the relays of each half-width add as the plays stand.
+    sums: Vec<f64>,
     /// Of each half-width, the integral of the density from 0 to the knots.
     integrals: Vec<[f64; KNOTS]>,
     cubic: f64,
@@ -61,7 +63,8 @@ impl Relays {
         // All relays switched from −1 to 1 add 2 × share to a reversible part of 2.
         let total: f64 = integrals.iter().map(|integral| (integral[KNOTS - 1] - integral[0]) / 2.0).sum();
         integrals.iter_mut().flatten().for_each(|value| *value *= share / total);
-        Self { plays: vec![0.0; WIDTHS], integrals, cubic: 0.06 * draw.normal().clamp(-1.5, 1.5) }
+        let sums = integrals.iter().map(|integral| interpolated(integral, 0.0)).collect();
+        Self { plays: vec![0.0; WIDTHS], sums, integrals, cubic: 0.06 * draw.normal().clamp(-1.5, 1.5) }
     }
 }
 
@@ -73,14 +76,24 @@ fn width(index: usize) -> f64 {
 impl Hysteresis for Relays {
     fn step(&mut self, u: f64, _: f64) -> f64 {
         let mut sum = u + self.cubic * u * u * u;
-        for (index, (play, integral)) in self.plays.iter_mut().zip(&self.integrals).enumerate() {
-            *play = play.clamp(u - width(index), u + width(index));
-            let at = ((*play + REACH) / (2.0 * REACH) * (KNOTS - 1) as f64).clamp(0.0, (KNOTS - 1) as f64);
-            let left = (at as usize).min(KNOTS - 2);
-            sum += integral[left] + (at - left as f64) * (integral[left + 1] - integral[left]);
+        let plays = self.plays.iter_mut().zip(&mut self.sums).zip(&self.integrals);
+        for (index, ((play, of_width), integral)) in plays.enumerate() {
+            let moved = play.clamp(u - width(index), u + width(index));
+            if moved != *play {
+                *play = moved;
+                *of_width = interpolated(integral, moved);
+            }
+            sum += *of_width;
         }
         sum
     }
+}
+
+/// The integral of the density up to a play.
+fn interpolated(integral: &[f64; KNOTS], play: f64) -> f64 {
+    let at = ((play + REACH) / (2.0 * REACH) * (KNOTS - 1) as f64).clamp(0.0, (KNOTS - 1) as f64);
+    let left = (at as usize).min(KNOTS - 2);
+    integral[left] + (at - left as f64) * (integral[left + 1] - integral[left])
 }
 
 /// Numbers of a density.
