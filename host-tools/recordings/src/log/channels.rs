@@ -1,23 +1,41 @@
-//! Which column holds what: from header names such as `displacement (µm)`, or as the user says.
+//! Which column holds what: from names such as `displacement (µm)`, from units, or as the user says.
 
 use std::fmt;
 
+use measurement_files::{Column, Quantity, Table, Unit, excerpt};
+
 use super::columns::{Columns, Position};
 use super::fault::Fault;
-use super::label::{Label, find, listed};
-use super::number::excerpt;
+use super::guess;
+use super::label::{Label, find};
 use super::read_options::ReadOptions;
-use super::units::{Quantity, Unit};
+use super::sensitivity::Sensitivity;
+
+/// Every quantity of a log.
+pub(super) const QUANTITIES: [Quantity; 3] = [Quantity::Time, Quantity::Voltage, Quantity::Displacement];
 
 /// One column chosen from a file: its index from 0 and its unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Channel {
     pub index: usize,
     pub unit: Unit,
+    /// The sensor's scale, where the unit is one of voltage and the column holds the displacement.
+    pub sensor: Option<Sensitivity>,
+}
+
+impl Channel {
+    pub fn new(index: usize, unit: Unit) -> Self {
+        Self { index, unit, sensor: None }
+    }
+
+    /// A value of the column in s, V or µm.
+    pub fn to_base(self, value: f64) -> f64 {
+        self.unit.to_base(value) * self.sensor.map_or(1.0, |sensor| sensor.um_per_v)
+    }
 }
 
 /// The columns chosen from a file. Displayed as the [`Columns`] that choose them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Channels {
     pub time: Option<Channel>,
     pub voltage: Option<Channel>,
@@ -44,52 +62,23 @@ impl Channels {
         self
     }
 
-    /// The same columns with another unit for `quantity`: an example for a message.
-    pub fn restated(self, quantity: Quantity, unit: Unit) -> String {
-        let channels = match self.get(quantity) {
-            Some(channel) => self.with(quantity, Channel { unit, ..channel }),
-            None => self,
-        };
-        channels.to_string()
+    /// Whether a column has been chosen.
+    pub fn has(&self, index: usize) -> bool {
+        QUANTITIES.iter().any(|&quantity| self.get(quantity).is_some_and(|channel| channel.index == index))
     }
 
-    /// Refuses a choice of columns without voltage, without a displacement that is required, and without a time where
-    /// no sample rate is stated.
-    pub fn check_complete(
-        &self,
-        count: usize,
-        labels: Option<&[Label]>,
-        file: &str,
-        options: &ReadOptions,
-    ) -> Result<(), Fault> {
-        let file = file.to_owned();
-        let example = match labels {
-            Some(labels) => example(labels),
-            None => Self::in_order(count).to_string(),
-        };
-        let required =
-            [(Quantity::Voltage, options.voltage_required), (Quantity::Displacement, options.displacement_required)];
-        if let Some((quantity, _)) = required.into_iter().find(|&(q, required)| required && self.get(q).is_none()) {
-            return Err(Fault::NoColumn {
-                quantity,
-                columns: labels.map_or_else(|| format!("1 to {count}"), listed),
-                file,
-                example,
-            });
+    /// The same columns with another unit for `quantity`: an example for a message.
+    pub fn restated(self, quantity: Quantity, unit: Unit) -> String {
+        match self.get(quantity) {
+            Some(channel) if channel.sensor.is_none() => self.with(quantity, Channel { unit, ..channel }).to_string(),
+            _ => self.to_string(),
         }
-        if self.time.is_none() && options.sample_rate.is_none() {
-            return Err(Fault::NoTime { file });
-        }
-        Ok(())
     }
 
     /// The columns in the thesis's order, time first, and without it where there are fewer than three.
     pub fn in_order(count: usize) -> Self {
         let first = usize::from(count >= 3);
-        let channel = |index, quantity: Quantity| {
-            let unit = quantity.base();
-            (index < count).then_some(Channel { index, unit })
-        };
+        let channel = |index, quantity: Quantity| (index < count).then_some(Channel::new(index, quantity.base()));
         Self {
             time: channel(0, Quantity::Time).filter(|_| first == 1),
             voltage: channel(first, Quantity::Voltage),
@@ -102,9 +91,13 @@ impl Channels {
 impl fmt::Display for Channels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut comma = "";
-        for quantity in [Quantity::Time, Quantity::Voltage, Quantity::Displacement] {
-            if let Some(Channel { index, unit }) = self.get(quantity) {
-                write!(f, "{comma}{quantity}={}:{unit}", index + 1)?;
+        for quantity in QUANTITIES {
+            if let Some(Channel { index, unit, sensor }) = self.get(quantity) {
+                write!(f, "{comma}{quantity}={}:", index + 1)?;
+                match sensor {
+                    Some(sensor) => write!(f, "{sensor}")?,
+                    None => write!(f, "{unit}")?,
+                }
                 comma = ",";
             }
         }
@@ -112,143 +105,273 @@ impl fmt::Display for Channels {
     }
 }
 
-/// Columns whose header names say what they hold.
-///
-/// # Errors
-/// Two columns for one quantity; a unit that is missing, unknown or of another quantity.
-pub(super) fn from_header(labels: &[Label]) -> Result<Channels, Fault> {
-    let example = example(labels);
-    let mut channels = Channels::default();
-    for quantity in [Quantity::Time, Quantity::Voltage, Quantity::Displacement] {
-        let mut claims = labels.iter().enumerate().filter(|(_, label)| label.quantity() == Some(quantity));
-        let Some((index, label)) = claims.next() else {
-            continue;
+/// The columns of a table that hold the log: as stated, and where nothing is stated as the table says itself.
+pub(super) fn choose(table: &Table<'_>, options: &ReadOptions) -> Result<Channels, Fault> {
+    let labels: Vec<Label> = table.columns.iter().map(|column| Label::new(&column.name)).collect();
+    let chooser = Chooser { table, labels: &labels, options };
+    let mut channels = match &options.columns {
+        Some(columns) => chooser.stated(columns)?,
+        None => Channels::default(),
+    };
+    if table.named {
+        channels = chooser.named(channels)?;
+    } else if options.columns.is_none() {
+        channels = chooser.unnamed()?;
+    }
+    chooser.check_complete(&channels)?;
+    channels.displacement_estimated =
+        table.named && channels.displacement.is_some_and(|displacement| labels[displacement.index].says_estimated());
+    Ok(channels)
+}
+
+/// What a choice is made from.
+struct Chooser<'a> {
+    table: &'a Table<'a>,
+    labels: &'a [Label],
+    options: &'a ReadOptions,
+}
+
+impl Chooser<'_> {
+    /// The columns that the user states.
+    fn stated(&self, columns: &Columns) -> Result<Channels, Fault> {
+        let mut channels = Channels::default();
+        let count = self.labels.len();
+        for (quantity, column) in columns.stated() {
+            let index = match &column.at {
+                Position::Number(number) => (1..=count).contains(number).then(|| number - 1),
+                Position::Name(name) => find(self.labels, name).filter(|_| self.table.named),
+            };
+            let index = index.ok_or_else(|| Fault::NoSuchColumn {
+                wanted: excerpt(&column.at.to_string()),
+                columns: self.listed(),
+            })?;
+            let scaled =
+                (quantity == Quantity::Displacement).then_some(column.sensor.or(self.options.sensor)).flatten();
+            let channel = match (column.unit, scaled) {
+                (None, Some(sensor)) => self.sensor_channel(index, sensor)?,
+                (Some(unit), _) => Channel::new(index, unit),
+                (None, None) => Channel::new(index, self.unit(index, quantity)?.unwrap_or(quantity.base())),
+            };
+            channels = channels.with(quantity, channel);
+        }
+        Ok(channels)
+    }
+
+    /// The unit that a column states, if it states one.
+    fn unit(&self, index: usize, quantity: Quantity) -> Result<Option<Unit>, Fault> {
+        match self.table.named {
+            true if !self.table.columns[index].stamps => self.labels[index].unit_as(quantity, &self.example(None)),
+            _ => Ok(None),
+        }
+    }
+
+    /// A column that holds a sensor's volts.
+    fn sensor_channel(&self, index: usize, sensor: Sensitivity) -> Result<Channel, Fault> {
+        let label = &self.labels[index];
+        if let Some(unit) = label.unit_of(Quantity::Displacement) {
+            return Err(Fault::SensitivityOfLength { column: excerpt(&label.text), unit });
+        }
+        let unit = label.unit_of(Quantity::Voltage).unwrap_or(Unit::Volt);
+        Ok(Channel { index, unit, sensor: Some(sensor) })
+    }
+
+    /// What names and units add to what is stated.
+    fn named(&self, mut channels: Channels) -> Result<Channels, Fault> {
+        let rate_stated = self.options.columns.is_some() && self.options.sample_rate.is_some();
+        for quantity in QUANTITIES {
+            let left_out = quantity == Quantity::Time && rate_stated;
+            if channels.get(quantity).is_some() || left_out {
+                continue;
+            }
+            let claimed = self.by_name(quantity, &channels)?;
+            let found = match claimed {
+                Some(channel) => Some(channel),
+                None if quantity == Quantity::Voltage && !self.options.voltage_required => None,
+                None => self.by_unit(quantity, &channels)?,
+            };
+            if let Some(channel) = found {
+                channels = channels.with(quantity, channel);
+            }
+        }
+        Ok(channels)
+    }
+
+    fn by_name(&self, quantity: Quantity, channels: &Channels) -> Result<Option<Channel>, Fault> {
+        let mut claims: Vec<usize> = self.free(channels).filter(|&at| self.claims(at, quantity)).collect();
+        // Numbers tell the time better than stamps; and several channels may each bring the same time.
+        if claims.iter().any(|&at| !self.table.columns[at].stamps) {
+            claims.retain(|&at| !self.table.columns[at].stamps);
+        }
+        let columns = &self.table.columns;
+        claims.dedup_by(|later, first| columns[*later].values == columns[*first].values);
+        let index = match claims[..] {
+            [] => return Ok(None),
+            [index] => index,
+            [first, second, ..] => {
+                let name = |at: usize| excerpt(&self.labels[at].text);
+                let example = self.example(None);
+                return Err(Fault::TwoClaims { quantity, first: name(first), second: name(second), example });
+            }
         };
-        if let Some((_, second)) = claims.next() {
-            return Err(Fault::TwoClaims {
+        let label = &self.labels[index];
+        let in_volts = quantity == Quantity::Displacement && label.unit_of(Quantity::Voltage).is_some();
+        match self.options.sensor {
+            Some(sensor) if quantity == Quantity::Displacement => return self.sensor_channel(index, sensor).map(Some),
+            None if in_volts => return Err(self.no_sensitivity(index)),
+            _ => {}
+        }
+        if columns[index].stamps {
+            return Ok(Some(Channel::new(index, Unit::Second)));
+        }
+        let example = self.example(None);
+        let unit = label.unit_as(quantity, &example)?;
+        let unit = unit.ok_or_else(|| Fault::MissingUnit { column: excerpt(&label.text), example })?;
+        Ok(Some(Channel::new(index, unit)))
+    }
+
+    /// The only column that can be a quantity by its unit.
+    fn by_unit(&self, quantity: Quantity, channels: &Channels) -> Result<Option<Channel>, Fault> {
+        let with_unit = |of: Quantity| {
+            let fits = move |&at: &usize| self.labels[at].unit_of(of).is_some() && self.labels[at].quantity().is_none();
+            self.free(channels).filter(fits).collect::<Vec<usize>>()
+        };
+        let mut found = with_unit(quantity);
+        if quantity == Quantity::Voltage {
+            found.retain(|&at| !self.labels[at].is_sensor());
+        }
+        if quantity == Quantity::Displacement && (found.is_empty() || self.options.sensor.is_some()) {
+            return match (self.sensor(&with_unit(Quantity::Voltage))?, found.first(), self.options.sensor) {
+                (None, Some(&index), Some(sensor)) => self.sensor_channel(index, sensor).map(Some),
+                (found, ..) => Ok(found),
+            };
+        }
+        match found[..] {
+            [] => Ok(None),
+            [index] => Ok(self.labels[index].unit_of(quantity).map(|unit| Channel::new(index, unit))),
+            _ => Err(Fault::Ambiguous { quantity, columns: self.listed(), example: self.example(Some(quantity)) }),
+        }
+    }
+
+    /// The displacement sensor among columns in volts: the one that is named so, else the only one.
+    fn sensor(&self, in_volts: &[usize]) -> Result<Option<Channel>, Fault> {
+        let named: Vec<usize> = in_volts.iter().copied().filter(|&at| self.labels[at].is_sensor()).collect();
+        let found = if named.is_empty() { in_volts } else { &named };
+        match (found, self.options.sensor) {
+            ([], _) => Ok(None),
+            ([index], Some(sensor)) => self.sensor_channel(*index, sensor).map(Some),
+            ([_], None) if !self.options.displacement_required => Ok(None),
+            ([index], None) => Err(self.no_sensitivity(*index)),
+            _ => Err(Fault::Ambiguous {
+                quantity: Quantity::Displacement,
+                columns: self.listed(),
+                example: self.example(Some(Quantity::Displacement)),
+            }),
+        }
+    }
+
+    fn no_sensitivity(&self, index: usize) -> Fault {
+        let label = &self.labels[index];
+        let unit = label.unit_of(Quantity::Voltage).unwrap_or(Unit::Volt);
+        Fault::NoSensitivity { column: excerpt(&label.text), unit }
+    }
+
+    /// Columns of a table that nothing names: a MATLAB array of three signals has them in the documented order.
+    fn unnamed(&self) -> Result<Channels, Fault> {
+        let count = self.labels.len();
+        if count == 3 && matches!(self.table.first_row, measurement_files::Place::Sample(_)) {
+            return Ok(Channels::in_order(count));
+        }
+        let guess = self.guess();
+        Err(Fault::NoHeader {
+            count,
+            columns: self.listed(),
+            rate_needed: self.rate_needed(guess.time.is_some()),
+            example: guess.to_string(),
+        })
+    }
+
+    /// Refuses a choice of columns without voltage, without a displacement that is required, and without a time.
+    fn check_complete(&self, channels: &Channels) -> Result<(), Fault> {
+        let options = self.options;
+        let required =
+            [(Quantity::Voltage, options.voltage_required), (Quantity::Displacement, options.displacement_required)];
+        let missing = |&(quantity, required): &(Quantity, bool)| required && channels.get(quantity).is_none();
+        if let Some((quantity, _)) = required.into_iter().find(missing) {
+            let guess = self.guess();
+            let with_sensor = guess.displacement.filter(|displacement| self.may_be_volts(displacement.index));
+            return Err(Fault::NoColumn {
                 quantity,
-                first: excerpt(&label.text),
-                second: excerpt(&second.text),
-                example,
+                columns: self.listed(),
+                rate_needed: self.rate_needed(guess.time.is_some()),
+                example: guess.to_string(),
+                with_sensor: with_sensor.map(|_| guess::with_sensor(&guess, self.options.sensor)),
             });
         }
-        let unit = label
-            .unit_as(quantity, &example)?
-            .ok_or_else(|| Fault::MissingUnit { column: excerpt(&label.text), example: example.clone() })?;
-        channels = channels.with(quantity, Channel { index, unit });
+        if self.rate_needed(channels.time.is_some()) {
+            return Err(Fault::NoTime { columns: self.listed() });
+        }
+        Ok(())
     }
-    Ok(channels)
-}
 
-/// Likely [`Columns`] for these names: by name, else by unit, else in order.
-pub(super) fn example(labels: &[Label]) -> String {
-    let mut channels = Channels::default();
-    for quantity in [Quantity::Time, Quantity::Voltage, Quantity::Displacement] {
-        let by_unit = |label: &Label| label.unit_of(quantity).is_some();
-        let index = labels
-            .iter()
-            .position(|label| label.quantity() == Some(quantity))
-            .or_else(|| labels.iter().position(by_unit));
-        if let Some(index) = index {
-            let unit = labels[index].unit_of(quantity).unwrap_or(quantity.base());
-            channels = channels.with(quantity, Channel { index, unit });
+    fn rate_needed(&self, has_time: bool) -> bool {
+        !has_time && self.options.sample_rate.is_none() && self.table.sample_time.is_none()
+    }
+
+    fn may_be_volts(&self, index: usize) -> bool {
+        self.labels[index].unit_of(Quantity::Displacement).is_none()
+    }
+
+    fn claims(&self, at: usize, quantity: Quantity) -> bool {
+        let by_stamps = self.table.columns[at].stamps && quantity == Quantity::Time;
+        by_stamps || (self.labels[at].quantity() == Some(quantity) && !self.table.columns[at].stamps)
+    }
+
+    /// Indices of the columns of numbers that have not been chosen.
+    fn free<'c>(&'c self, channels: &'c Channels) -> impl Iterator<Item = usize> + 'c {
+        let columns = self.table.columns.iter().enumerate();
+        columns.filter(|(at, column)| column.numeric && !channels.has(*at)).map(|(at, _)| at)
+    }
+
+    fn guess(&self) -> Channels {
+        guess::channels(&self.table.columns, self.labels, self.table.sample_time.is_none())
+    }
+
+    /// The likely columns as they are stated; where volts can be the sensor's, with a place for its scale.
+    fn example(&self, ambiguous: Option<Quantity>) -> String {
+        let guess = self.guess();
+        let in_volts = |displacement: Channel| self.labels[displacement.index].unit_of(Quantity::Voltage).is_some();
+        match guess.displacement {
+            Some(displacement) if ambiguous.is_some() && in_volts(displacement) => {
+                guess::with_sensor(&guess, self.options.sensor)
+            }
+            _ => guess.to_string(),
         }
     }
-    if channels.voltage.is_none() {
-        channels = Channels::in_order(labels.len());
+
+    /// The columns, each with number, name and range, for a message.
+    fn listed(&self) -> String {
+        listed(&self.table.columns)
     }
-    channels.to_string()
 }
 
-/// The columns the user stated, in a file of `count` columns, with `labels` where it has a header.
-///
-/// # Errors
-/// A column that is not there or not unique, or a header unit that does not fit and is not overruled.
-pub(super) fn from_columns(columns: &Columns, count: usize, labels: Option<&[Label]>) -> Result<Channels, Fault> {
-    let mut channels = Channels::default();
-    for (quantity, column) in columns.stated() {
-        let index = match &column.at {
-            Position::Number(number) => (1..=count).contains(number).then(|| number - 1),
-            Position::Name(name) => labels.and_then(|labels| find(labels, name)),
+/// The columns of a file, each with its number, its name and the range of its values.
+pub(super) fn listed(columns: &[Column]) -> String {
+    const MOST: usize = 12;
+    let one = |(at, column): (usize, &Column)| {
+        let name = if column.name.is_empty() { String::new() } else { format!(" {:?}", excerpt(&column.name)) };
+        let range = match column.values.iter().copied().filter(|value| value.is_finite()).fold(None, wider) {
+            Some((low, high)) => format!(" {} … {}", super::Number(low), super::Number(high)),
+            None => " no numbers".to_owned(),
         };
-        let index = index.ok_or_else(|| Fault::NoSuchColumn {
-            wanted: excerpt(&column.at.to_string()),
-            columns: match (labels, &column.at) {
-                (Some(labels), Position::Name(_)) => listed(labels),
-                _ => format!("1 to {count}"),
-            },
-        })?;
-        let header_unit = match (column.unit, labels) {
-            (None, Some(labels)) => labels[index].unit_as(quantity, &example(labels))?,
-            _ => None,
-        };
-        let unit = column.unit.or(header_unit).unwrap_or(quantity.base());
-        channels = channels.with(quantity, Channel { index, unit });
+        format!("{}{name}{range}", at + 1)
+    };
+    let mut shown: Vec<String> = columns.iter().enumerate().take(MOST).map(one).collect();
+    if columns.len() > MOST {
+        shown.push("…".to_owned());
     }
-    Ok(channels)
+    shown.join("; ")
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn header(names: &[&str]) -> Result<String, Fault> {
-        let labels: Vec<Label> = names.iter().map(|name| Label::new(name)).collect();
-        from_header(&labels).map(|channels| channels.to_string())
-    }
-
-    #[test]
-    fn the_usual_spellings() {
-        let base = "time=1:s,voltage=2:V,displacement=3:um";
-        for names in [
-            ["time_s", "voltage_V", "displacement_um"],
-            ["time (s)", "voltage (V)", "displacement (\u{b5}m)"],
-            ["Time [s]", "Voltage [V]", "Displacement [\u{3bc}m]"],
-            ["t / s", "U / V", "y / um"],
-            ["t in s", "Drive voltage, V", "position.um"],
-            ["TIME_S", "DRIVE_VOLTAGE_V", "POS_UM"],
-            ["s", "V", "micron"],
-            ["t_s", "u_V", "x_um"],
-            ["Time stamp {s}", "v(volts)", "Measured displacement um"],
-        ] {
-            assert_eq!(header(&names).unwrap(), base, "{names:?}");
-        }
-        assert_eq!(
-            header(&["position_nm", "temperature_C", "Voltage [mV]", "time (ms)"]).unwrap(),
-            "time=4:ms,voltage=3:mV,displacement=1:nm"
-        );
-    }
-
-    #[test]
-    fn refuses_bad_units_and_two_claims() {
-        assert!(matches!(header(&["t_s", "voltage (furlong)"]), Err(Fault::UnknownUnit { .. })));
-        assert!(matches!(header(&["t_s", "voltage_kg"]), Err(Fault::UnknownUnit { .. })));
-        assert!(matches!(header(&["t_s", "voltage_um"]), Err(Fault::WrongDimension { .. })));
-        assert!(matches!(
-            header(&["time_s", "voltage", "y_um"]),
-            Err(Fault::MissingUnit { example, .. })
-                if example == "time=1:s,voltage=2:V,displacement=3:um"
-        ));
-        assert!(matches!(header(&["u_V", "voltage_mV"]), Err(Fault::TwoClaims { .. })));
-    }
-
-    fn stated(columns: &str, names: &[&str]) -> Result<String, Fault> {
-        let labels: Vec<Label> = names.iter().map(|name| Label::new(name)).collect();
-        from_columns(&columns.parse().unwrap(), names.len(), Some(&labels)).map(|channels| channels.to_string())
-    }
-
-    #[test]
-    fn stated_columns_by_number_and_name() {
-        let names = ["CH1 (mV)", "CH2 (V)", "Sensor", "n"];
-        assert_eq!(stated("voltage=ch1,displacement=sensor:nm", &names).unwrap(), "voltage=1:mV,displacement=3:nm");
-        assert_eq!(stated("voltage=CH1 (mV)", &names).unwrap(), "voltage=1:mV");
-        assert_eq!(stated("voltage=3", &names).unwrap(), "voltage=3:V");
-        assert_eq!(stated("voltage=1:kV", &names).unwrap(), "voltage=1:kV");
-        for columns in ["voltage=5", "voltage=CH3"] {
-            assert!(matches!(stated(columns, &names), Err(Fault::NoSuchColumn { .. })));
-        }
-        assert!(matches!(stated("voltage=x", &["x", "X"]).unwrap().as_str(), "voltage=1:V"));
-        assert!(stated("voltage=a", &["A_V", "A_mV"]).is_err());
-        assert!(matches!(stated("displacement=2,voltage=1", &names), Err(Fault::WrongDimension { .. })));
-    }
+fn wider(range: Option<(f64, f64)>, value: f64) -> Option<(f64, f64)> {
+    Some(range.map_or((value, value), |(low, high): (f64, f64)| (low.min(value), high.max(value))))
 }
