@@ -92,7 +92,9 @@ fn array(data: &Dataset, name: &str) -> Result<Array, Fault> {
         [rows, columns] => (rows, columns),
         _ => return Ok(array),
     };
-    if ["char", "cell", "logical"].contains(&class.as_str()) || data.attribute("MATLAB_empty").is_ok() {
+    // An object, such as a timeseries, is a list of where its parts are.
+    let no_numbers = ["MATLAB_empty", "MATLAB_object_decode"].iter().any(|name| data.attribute(name).is_ok());
+    if no_numbers || ["char", "cell", "logical"].contains(&class.as_str()) {
         return Ok(array);
     }
     let Some(numbers) = decoder(data.dtype()) else { return Ok(array) };

@@ -1,6 +1,6 @@
 //! What a text table's columns are called: the line before the table, and the units beside or below the names.
 
-use crate::dialect::{Delimiter, Dialect};
+use crate::dialect::{Delimiter, Dialect, Kind};
 use crate::layout::{Layout, is_comment};
 use crate::preamble::{Entry, cells, without_comment, words};
 use crate::unit::{Unit, without_brackets};
@@ -27,6 +27,11 @@ struct Aligned {
 
 /// The header of `layout` among the lines before it.
 pub(crate) fn find(lines: &[String], layout: &Layout, entries: &[Entry]) -> Option<Header> {
+    if layout.kinds.first() == Some(&Kind::Empty)
+        && let Some(header) = keyed(entries, layout.kinds.len())
+    {
+        return Some(header);
+    }
     let near = aligned(&lines[..layout.start], layout);
     let units_at = near.iter().position(|line| is_units(&line.cells));
     let names_at = match units_at {
@@ -141,11 +146,26 @@ fn is_names(cells: &[String]) -> bool {
     named > 0 && 2 * named >= filled
 }
 
+/// Names that a preamble states behind a key, in a table whose first column is left for the keys, as Yokogawa's is.
+fn keyed(entries: &[Entry], columns: usize) -> Option<Header> {
+    const NAMES: [&str; 8] = ["tracename", "trace name", "label", "labels", "name", "names", "signal", "source"];
+    let fits = |entry: &&Entry| NAMES.contains(&entry.key.as_str()) && entry.values.len() + 1 >= columns.min(3);
+    let entry = entries.iter().find(fits)?;
+    let units = units_beside(entries, columns).unwrap_or_default();
+    let with_unit = |(index, name): (usize, &String)| match units.get(index + 1).filter(|unit| !unit.is_empty()) {
+        Some(unit) if !name.is_empty() => format!("{name} ({unit})"),
+        _ => name.clone(),
+    };
+    let mut names = vec![String::new()];
+    names.extend(entry.values.iter().enumerate().map(with_unit));
+    Some(Header { line: entry.line, cells: names.len(), names })
+}
+
 /// The units that a preamble states under a key of their own, a cell a column: Tektronix' `Vertical Units`, LabVIEW's
 /// `Y_Unit_Label`.
 fn units_beside(entries: &[Entry], columns: usize) -> Option<Vec<String>> {
-    const OTHERS: [&str; 7] =
-        ["vertical units", "vertical unit", "y unit label", "units", "unit", "einheit", "einheiten"];
+    const OTHERS: [&str; 8] =
+        ["vunit", "vertical units", "vertical unit", "y unit label", "units", "unit", "einheit", "einheiten"];
     const FIRST: [&str; 3] = ["horizontal units", "horizontal unit", "x unit label"];
     let of = |keys: &[&str]| entries.iter().find(|entry| keys.contains(&entry.key.as_str()));
     let time_is_x =

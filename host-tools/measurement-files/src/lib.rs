@@ -23,7 +23,6 @@ mod tdms;
 mod text;
 mod unit;
 
-
 use std::io::{BufRead, BufReader, Read};
 
 use flate2::read::MultiGzDecoder;

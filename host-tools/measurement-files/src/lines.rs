@@ -19,6 +19,8 @@ const LONGEST: u64 = 1 << 20;
 /// The lines of a text.
 pub(crate) struct Lines<'a> {
     text: Box<dyn BufRead + 'a>,
+    /// What ends a line: a line feed, or of some old programs a carriage return alone.
+    end: u8,
     bytes: Vec<u8>,
 }
 
@@ -33,6 +35,7 @@ impl<'a> Lines<'a> {
         if !wide && start.iter().any(is_control) {
             return Err(Fault::Binary { what: "binary" });
         }
+        let end = if start.contains(&b'\n') || !start.contains(&b'\r') { b'\n' } else { b'\r' };
         let whole = std::io::Cursor::new(start).chain(stream);
         let decoded = DecodeReaderBytesBuilder::new()
             .encoding((encoding != UTF_8).then_some(encoding))
@@ -40,13 +43,13 @@ impl<'a> Lines<'a> {
             .strip_bom(true)
             .utf8_passthru(true)
             .build(whole);
-        Ok(Self { text: Box::new(BufReader::with_capacity(1 << 16, decoded)), bytes: Vec::new() })
+        Ok(Self { text: Box::new(BufReader::with_capacity(1 << 16, decoded)), end, bytes: Vec::new() })
     }
 
     /// Reads the next line into `line`, without what ends it; whether there was one.
     pub fn next_into(&mut self, line: &mut String) -> Result<bool, Fault> {
         self.bytes.clear();
-        let read = self.text.by_ref().take(LONGEST).read_until(b'\n', &mut self.bytes).map_err(Fault::unreadable)?;
+        let read = self.text.by_ref().take(LONGEST).read_until(self.end, &mut self.bytes).map_err(Fault::unreadable)?;
         if read as u64 == LONGEST {
             return Err(Fault::Binary { what: "text with a line of more than a megabyte" });
         }
@@ -123,6 +126,13 @@ mod tests {
             WINDOWS_1252.encode(text).0.into_owned(),
         ] {
             assert_eq!(lines(&bytes), expected);
+        }
+    }
+
+    #[test]
+    fn every_end_of_a_line_ends_one() {
+        for text in ["a\nb\n", "a\r\nb\r\n", "a\rb\r", "a\nb"] {
+            assert_eq!(lines(text.as_bytes()), ["a", "b"], "{text:?}");
         }
     }
 

@@ -6,11 +6,12 @@ use crate::table::SampleTime;
 use crate::unit::{Quantity, Unit};
 
 /// What instruments call the time from sample to sample.
-const PERIODS: [&str; 40] = [
+const PERIODS: [&str; 41] = [
     "sample time",
     "sampletime",
     "samplingtime",
     "tinterval",
+    "hresolution",
     "sample interval",
     "sample period",
     "sampling time",

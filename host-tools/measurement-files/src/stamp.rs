@@ -18,6 +18,10 @@ pub(crate) const DAY: i128 = 86_400 * SECOND;
 impl Stamp {
     /// The stamp in a field: a time of day, or a date and a time of day.
     pub fn parse(field: &str) -> Option<Self> {
+        // MATLAB's durations.
+        if let Some(seconds) = field.strip_suffix(" sec") {
+            return Some(Self { nanoseconds: decimal(seconds.trim())?, dated: false });
+        }
         // Cheap for what is no stamp: it needs a colon and begins with a digit.
         if !field.contains(':') || !field.starts_with(|c: char| c.is_ascii_digit()) {
             return None;
@@ -168,6 +172,7 @@ mod tests {
     fn times_without_a_date() {
         assert_eq!(Stamp::parse("10:00:00.25"), Some(Stamp { nanoseconds: 36_000_250_000_000, dated: false }));
         assert_eq!(nanoseconds("02:03.5"), 123_500_000_000);
+        assert_eq!(nanoseconds("0.0005 sec"), 500_000);
         assert_eq!(nanoseconds("100:00:00"), 360_000 * SECOND);
     }
 

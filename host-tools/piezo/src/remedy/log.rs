@@ -82,6 +82,11 @@ fn fault(fault: &Fault) -> String {
         Fault::ImplausibleSpan { example, .. } => {
             format!("{fault}: if that is wrong, state its unit, as in{}", columns(example))
         }
+        Fault::FewRows { rows: 0, .. } => {
+            "holds no rows of numbers: it must be a table of a row a line, with comma, semicolon, tab or spaces between its \
+             fields"
+                .to_owned()
+        }
         fault => fault.to_string(),
     }
 }

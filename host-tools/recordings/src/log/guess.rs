@@ -9,7 +9,9 @@ use super::sensitivity::Sensitivity;
 /// The likely columns: by name, by unit, by what the numbers do, else in order. Without `time_needed` no column is taken
 /// for the time by its numbers.
 pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool) -> Channels {
-    let numeric = |at: &usize| columns[*at].numeric;
+    // A setting beside the first rows is no column.
+    let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
+    let numeric = |at: &usize| columns[*at].numeric && columns[*at].values.len() == rows;
     let all: Vec<usize> = (0..columns.len()).filter(numeric).collect();
     let mut channels = Channels::default();
     for quantity in QUANTITIES {

@@ -148,9 +148,14 @@ mod tests {
             let quantity = read_as(name).0;
             assert_eq!(quantity == Some(Quantity::Voltage), name != "Ua voltage 1", "{name}");
         }
-        for name in
-            ["Current Position of axis 1", "Auslenkung [\u{b5}m]", "d\u{e9}placement_um", "変位(um)", "Sensor position"]
-        {
+        for name in [
+            "Current Position of axis 1",
+            "Auslenkung [\u{b5}m]",
+            "d\u{e9}placement_um",
+            "変位(um)",
+            "Sensor position",
+            "Current Position of axis1",
+        ] {
             assert_eq!(read_as(name).0, Some(Quantity::Displacement), "{name}");
         }
         for name in ["Zeit [s]", "Temps (s)", "时间(s)", "timestamp"] {

@@ -84,6 +84,7 @@ const DISPLACEMENT: &[&str] = &[
 /// Words that may stand beside a name and change nothing.
 const NEUTRAL: &[&str] = &[
     "piezo",
+    "control",
     "drive",
     "driving",
     "input",
@@ -157,7 +158,8 @@ pub(super) fn quantity(name: &str) -> Option<Quantity> {
 }
 
 fn is_neutral(word: &&str) -> bool {
-    NEUTRAL.contains(word) || word.bytes().all(|b| b.is_ascii_digit())
+    let unnumbered = word.trim_end_matches(|c: char| c.is_ascii_digit());
+    unnumbered.is_empty() || NEUTRAL.contains(&unnumbered)
 }
 
 /// Whether a name is a displacement sensor's.

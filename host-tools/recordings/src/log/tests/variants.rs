@@ -48,6 +48,7 @@ fn other_languages_separators_and_encodings() {
     ] {
         same(name, text.as_bytes(), &none);
     }
+    same("old Macintosh", format!("t_s,u_V,y_um\n{}", plain()).replace('\n', "\r").as_bytes(), &none);
     let chinese = format!("时间(s),驱动电压(V),位移(μm)\n{}", plain());
     same("GBK", &encoding_rs::GBK.encode(&chinese).0, &none);
     let japanese = format!("時間(s),電圧(V),変位(μm)\n{}", plain());
@@ -114,6 +115,8 @@ fn other_ways_to_say_when() {
         ("midnight", format!("Time,u_V,y_um\n{}", stamped(midnight))),
         ("two clocks", format!("Date,Time (s),u_V,y_um\n{}", dated(&plain()))),
         ("twice", format!("t_s,u_V,t_s,y_um\n{}", table(&[0, 1, 0, 2], SI, ",", "."))),
+        ("MATLAB durations", format!("Time,u_V,y_um\n{}", stamped(|k| format!("{} sec", f64::from(k) / 1000.0)))),
+        ("Yokogawa", yokogawa(&two)),
         ("LVM without X", lvm("No", &two, "\t")),
         ("LVM with X", lvm("One", &plain(), "")),
     ] {
@@ -123,6 +126,15 @@ fn other_ways_to_say_when() {
 
 fn dated(lines: &str) -> String {
     lines.lines().map(|line| format!("2026-11-01 10:00:00,{line}\n")).collect()
+}
+
+/// A table whose first column is left for the keys of the settings above it.
+fn yokogawa(rows: &str) -> String {
+    let shifted: String = rows.lines().map(|line| format!(",{line},\n")).collect();
+    format!(
+        "\"Header Size\",16\n\"TraceName\",\"Voltage\",\"Gauge\"\n\"BlockSize\",20,20\n\"VUnit\",\"V\",\"um\"\n\
+         \"HResolution\",0.001,0.001\n\"HUnit\",\"s\",\"s\"\n\n{shifted}"
+    )
 }
 
 /// A LabVIEW file with decimal commas.
