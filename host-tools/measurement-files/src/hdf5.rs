@@ -106,8 +106,11 @@ fn array(data: &Dataset, name: &str) -> Result<Array, Fault> {
     Ok(array)
 }
 
+/// Turns bytes into numbers.
+type Decoder = fn(&[u8]) -> Vec<f64>;
+
 /// What turns the native bytes of a datatype into numbers.
-fn decoder(datatype: &Datatype) -> Option<fn(&[u8]) -> Vec<f64>> {
+fn decoder(datatype: &Datatype) -> Option<Decoder> {
     const BIG: bool = cfg!(target_endian = "big");
     Some(match datatype {
         Datatype::FloatingPoint { size: 8, .. } => |bytes| decode(bytes, BIG, f64::from_le_bytes),

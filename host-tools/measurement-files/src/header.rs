@@ -32,6 +32,9 @@ pub(crate) fn find(lines: &[String], layout: &Layout, entries: &[Entry]) -> Opti
     {
         return Some(header);
     }
+    if let Some(header) = numbered(entries, layout.kinds.len()) {
+        return Some(header);
+    }
     let near = aligned(&lines[..layout.start], layout);
     let units_at = near.iter().position(|line| is_units(&line.cells));
     let names_at = match units_at {
@@ -41,9 +44,7 @@ pub(crate) fn find(lines: &[String], layout: &Layout, entries: &[Entry]) -> Opti
     };
     let beside = units_beside(entries, layout.kinds.len());
     let units = units_at.map(|at| near[at].cells.clone()).or(beside);
-    let Some(names) = names_at.map(|at| &near[at]).or(units_at.map(|at| &near[at])) else {
-        return numbered(entries, layout.kinds.len());
-    };
+    let names = near.get(names_at.or(units_at)?)?;
     let units = if names_at.is_some() { units.unwrap_or_default() } else { Vec::new() };
     let with_unit = |(index, name): (usize, &String)| match units.get(index).map(|unit| without_brackets(unit)) {
         Some(unit) if !unit.is_empty() && unit.parse::<f64>().is_err() && !states_unit(name) => {

@@ -20,6 +20,7 @@ mod sample_time;
 mod stamp;
 mod table;
 mod tdms;
+mod tdms_cursor;
 mod text;
 mod unit;
 

@@ -65,9 +65,7 @@ fn fault(fault: &Fault) -> String {
         Fault::NoSuchColumn { wanted, columns } => {
             format!("--columns asks for column {wanted} and the columns are {columns}: choose among these")
         }
-        Fault::IrregularTime { .. } => {
-            format!("{fault}: in --columns state voltage and displacement only, and the rate by --fs <HZ>")
-        }
+        Fault::IrregularTime { example, .. } => format!("{fault}{}", line(example, true)),
         Fault::ImplausiblePeriod { example, .. } => {
             format!("{fault}: if it is another, state it, as in{}", columns(example))
         }

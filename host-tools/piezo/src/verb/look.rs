@@ -9,8 +9,10 @@ use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey, survey};
 use recordings::log::{Fault, LogError, Quantity, ReadOptions, Reading, open};
 use std::path::{Path, PathBuf};
 
-/// Rows at an end of the range that look like saturation.
-const SATURATED: u64 = 8;
+/// Fewest rows at an end of the range that look like a rest or saturation.
+const REST: u64 = 8;
+/// Smallest part of a mean half cycle that does: a sine's crest, rounded, is one number for less.
+const PART_OF_A_HALF_CYCLE: u64 = 20;
 
 /// Arguments of `piezo look`.
 #[derive(Args, Debug)]
@@ -93,7 +95,10 @@ fn print(survey: &Survey) {
         [("voltage", "V", "mV", &survey.voltage), ("displacement", "µm", "nm", &survey.displacement)]
     {
         match series {
-            Some(series) => ranges(&line, name, (unit, small), series),
+            Some(series) => {
+                ranges(&line, name, (unit, small), series);
+                rests(&line, unit, series, survey);
+            }
             None => line(name, "no column holds it"),
         }
     }
@@ -131,7 +136,7 @@ fn rate(survey: &Survey) -> String {
 }
 
 fn ranges(line: &dyn Fn(&str, &str), name: &str, (unit, small): (&str, &str), series: &Series) {
-    let Series { low, high, noise, resolution, longest_at_low, longest_at_high } = *series;
+    let Series { low, high, noise, resolution, .. } = *series;
     let words = format!(
         "{} … {} {unit}; noise {} {small} (1 σ), smallest step {} {small}",
         short(low),
@@ -140,14 +145,19 @@ fn ranges(line: &dyn Fn(&str, &str), name: &str, (unit, small): (&str, &str), se
         short(resolution * 1e3)
     );
     line(name, &words);
+}
+
+/// How long a series stands at its ends.
+fn rests(line: &dyn Fn(&str, &str), unit: &str, series: &Series, survey: &Survey) {
+    let Series { low, high, longest_at_low, longest_at_high, .. } = *series;
+    let half_cycle = survey.rows / (survey.swings.reversals as u64 + 1);
+    let least = REST.max(half_cycle / PART_OF_A_HALF_CYCLE);
     for (end, value, rows) in [("lowest", low, longest_at_low), ("highest", high, longest_at_high)] {
-        if rows >= SATURATED && low < high {
+        if rows >= least && low < high {
+            let value = short(value);
             line(
                 "",
-                &format!(
-                    "stands at its {end}, {} {unit}, for {rows} rows: a rest, or the end of the range?",
-                    short(value)
-                ),
+                &format!("stands at its {end}, {value} {unit}, for {rows} rows: a rest, or the end of the range?"),
             );
         }
     }

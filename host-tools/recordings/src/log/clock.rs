@@ -3,6 +3,7 @@
 //! The period is the slope of the line of least squares through all time stamps, never one step; a whole-hertz rate that
 //! the stamps cannot tell from it is taken instead.
 
+use super::channels::Channels;
 use super::error::PlacedFault;
 use super::fault::Fault;
 use super::number::Number;
@@ -36,7 +37,7 @@ pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> 
         true => steps::check(time, &resolution, rough),
         false => steps::check_increasing(time, |_| false),
     };
-    checked.map_err(|(row, fault)| fault.at(recording.place(row)))?;
+    checked.map_err(|(row, fault)| without_time_column(fault, recording).at(recording.place(row)))?;
     if !plausible {
         let (period, example) = (Number(rough), example(neighbour(unit)));
         return Err(Fault::ImplausiblePeriod { period, unit, example }.into());
@@ -63,14 +64,25 @@ pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> 
     Ok(period)
 }
 
+/// The fault with the columns that do without the time, where its remedy asks for them.
+fn without_time_column(fault: Fault, recording: &Recording) -> Fault {
+    match fault {
+        Fault::IrregularTime { value, percent, period, .. } => {
+            let example = Channels { time: None, ..recording.channels }.to_string();
+            Fault::IrregularTime { value, percent, period, example }
+        }
+        fault => fault,
+    }
+}
+
 /// Sample period (s) of a recording without a time column: what the file says beside its columns, else the stated rate (Hz);
 /// where there are both, they agree.
 pub(super) fn without_time(sample_time: Option<&SampleTime>, stated_rate: Option<f64>) -> Result<f64, PlacedFault> {
     match (sample_time, stated_rate) {
         (None, None) => Err(Fault::SampleRate(f64::NAN).into()),
         (None, Some(rate)) => Ok(1.0 / rate),
-        (Some(SampleTime { seconds, place, .. }), None) if !PERIODS.contains(seconds) => {
-            Err(Fault::SampleRate(1.0 / seconds).at(*place))
+        (Some(SampleTime { seconds, place, name }), _) if !PERIODS.contains(seconds) => {
+            Err(Fault::ImplausibleSampleTime { name: excerpt(name), seconds: Number(*seconds) }.at(*place))
         }
         (Some(SampleTime { seconds, place, name }), Some(rate)) if (seconds * rate - 1.0).abs() > RATE_TOLERANCE => {
             let (stated, seconds) = (Number(rate), Number(*seconds));
@@ -94,7 +106,6 @@ fn neighbour(unit: Unit) -> Unit {
 
 #[cfg(test)]
 mod tests {
-    use super::super::channels::Channels;
     use super::super::recording::Recording;
     use super::*;
     use measurement_files::Place;

@@ -100,6 +100,16 @@ pub enum Fault {
         /// Its unit.
         unit: Unit,
     },
+    /// The file states a sample time outside its columns that no log has.
+    #[error(
+        "the file's {name:?} is a sample time of {seconds} s, which no such log has: correct that line of the file"
+    )]
+    ImplausibleSampleTime {
+        /// What the file calls it.
+        name: String,
+        /// The sample time, s.
+        seconds: Number,
+    },
     /// The stated rate and the file's own sample time differ.
     #[error("a rate of {stated} Hz disagrees with the file's {name:?}, a sample time of {seconds} s")]
     RateContradicted {
@@ -229,6 +239,8 @@ pub enum Fault {
         percent: Number,
         /// Sample period, s.
         period: Number,
+        /// [`Columns`](super::Columns) without the time.
+        example: String,
     },
     /// A sample period that no log of this kind has.
     #[error("the time column gives a sample period of {period} s, taken to be in {unit}")]

@@ -13,13 +13,15 @@ pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool) 
     let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
     let numeric = |at: &usize| columns[*at].numeric && columns[*at].values.len() == rows;
     let all: Vec<usize> = (0..columns.len()).filter(numeric).collect();
+    // Of two columns none can be spared for the time.
+    let seek_clock = time_needed && all.len() >= 3;
     let mut channels = Channels::default();
     for quantity in QUANTITIES {
         let free = || all.iter().copied().filter(|at| !channels.has(*at));
         let named = free().find(|&at| labels[at].quantity() == Some(quantity));
         let in_unit = || free().find(|&at| labels[at].unit_of(quantity).is_some());
         let by_numbers = || match quantity {
-            Quantity::Time => free().find(|&at| columns[at].stamps || (time_needed && is_clock(&columns[at].values))),
+            Quantity::Time => free().find(|&at| columns[at].stamps || (seek_clock && is_clock(&columns[at].values))),
             _ => free().find(|&at| !is_clock(&columns[at].values) && is_free_of(labels, at, quantity)),
         };
         let in_order = || (quantity != Quantity::Time).then(|| free().next()).flatten();

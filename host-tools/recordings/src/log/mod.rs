@@ -4,6 +4,7 @@
 //! everything else is refused with the file, the line, the value and the remedy ([`LogError`]).
 
 mod channels;
+mod choose;
 mod clock;
 mod columns;
 mod error;

@@ -7,7 +7,8 @@ use measurement_files::{
     Column, Fault as FileFault, Format, PlacedFault as PlacedFileFault, Quantity, SampleTime, Table, place,
 };
 
-use super::channels::{Channel, Channels, QUANTITIES, choose};
+use super::channels::{Channel, Channels, QUANTITIES};
+use super::choose::choose;
 use super::error::PlacedFault;
 use super::fault::Fault;
 use super::read_options::ReadOptions;

@@ -189,4 +189,15 @@ fn what_is_not_stated_is_taken_from_the_file() {
     same("and the rate", gcs.as_bytes(), &options("voltage=1:V,displacement=2:um", Some(1000.0)));
     let wrong = parse(gcs.as_bytes(), &options("voltage=1:V,displacement=2:um", Some(2000.0))).unwrap_err();
     assert!(matches!(wrong, PlacedFault(Place::Line(1), Fault::RateContradicted { .. })), "{}", wrong.1);
+    let slow = gcs.replace("1e-3", "500");
+    let slow = parse(slow.as_bytes(), &options("voltage=1:V,displacement=2:um", None)).unwrap_err();
+    assert!(matches!(slow, PlacedFault(Place::Line(1), Fault::ImplausibleSampleTime { .. })), "{}", slow.1);
+    let jumping = rows(0.001, |t, v, y| format!("{},{v},{y}", t + 0.0004 * (900.0 * t).sin()));
+    let jumping = format!("t_s,u_V,y_um\n{jumping}");
+    let Err(PlacedFault(_, Fault::IrregularTime { example, .. })) = parse(jumping.as_bytes(), &options("", None))
+    else {
+        panic!("an uneven clock is refused");
+    };
+    let as_told = options(&example, Some(1000.0));
+    assert!(parse(jumping.as_bytes(), &as_told).is_ok(), "{example}");
 }
