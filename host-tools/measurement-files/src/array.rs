@@ -79,11 +79,14 @@ pub(crate) fn column(name: String, values: Vec<f64>) -> Column {
     Column { name, numeric: true, stamps: false, values }
 }
 
-/// The signals of that length whose signals hold most numbers.
+/// The signals of that length whose signals hold most numbers; a signal alone comes last, however long.
 fn longest(arrays: &[Array]) -> Vec<&Array> {
     let of_length =
         |length: usize| arrays.iter().filter(move |array| array.channels() > 0 && array.samples() == length);
-    let numbers = |length: usize| of_length(length).map(|array| array.channels() * length).sum::<usize>();
+    let numbers = |length: usize| {
+        let channels = of_length(length).map(Array::channels).sum::<usize>();
+        (channels > 1, channels.saturating_mul(length))
+    };
     let lengths = arrays.iter().filter(|array| array.channels() > 0 && array.samples() > 1).map(Array::samples);
     lengths.max_by_key(|&length| numbers(length)).map(|length| of_length(length).collect()).unwrap_or_default()
 }
@@ -103,4 +106,31 @@ fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
         names.push("…");
     }
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vector(name: &str, length: usize) -> Array {
+        let values = Some((0..length).map(|k| k as f64).collect());
+        Array { name: name.to_owned(), description: name.to_owned(), rows: length, columns: 1, values }
+    }
+
+    #[test]
+    fn signals_of_one_length_make_the_table_and_numbers_alone_its_sample_time() {
+        let rate = Array { name: "Fs".to_owned(), rows: 1, columns: 1, values: Some(vec![200.0]), ..Array::default() };
+        let arrays = [vector("long", 1000), vector("u", 20), rate, vector("y", 20), vector("other", 30)];
+        let table = table(Format::Matlab, &arrays).unwrap();
+        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names, ["u", "y"]);
+        assert_eq!(table.sample_time.unwrap().seconds, 0.005);
+    }
+
+    #[test]
+    fn two_arrays_of_three_signals_are_not_chosen_between() {
+        let array = |name: &str| Array { rows: 3, columns: 4, values: Some(vec![0.0; 12]), ..vector(name, 0) };
+        let found = table(Format::Matlab, &[array("first"), array("second")]).map(|_| ());
+        assert!(matches!(found, Err(PlacedFault(_, Fault::SeveralArrays { .. }))), "{found:?}");
+    }
 }

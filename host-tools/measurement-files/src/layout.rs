@@ -133,11 +133,13 @@ fn continues(earlier: &Layout, table: &Layout, lines: &[String]) -> bool {
         let numeric = kinds.iter().filter(|kind| kind.is_numeric()).count();
         numeric == table.numeric() && numeric == earlier.numeric()
     });
+    // Words where the table has nothing are the keys of settings.
+    let has_keys = earlier.kinds.iter().zip(&table.kinds).any(|kinds| kinds == (&Kind::Text, &Kind::Empty));
     let between = &lines[earlier.end..table.start];
     let heading = |line: &String| {
         !line.trim().is_empty() && !is_comment(line) && row(line, table.dialect).is_none() && !has_digit_first(line)
     };
-    same && (earlier.rows() >= TABLE || (between.len() <= DAMAGE && !between.iter().any(heading)))
+    same && !has_keys && (earlier.rows() >= TABLE || (between.len() <= DAMAGE && !between.iter().any(heading)))
 }
 
 fn has_digit_first(line: &str) -> bool {
@@ -210,6 +212,12 @@ mod tests {
             let text = preamble.to_owned() + &"0.5,1.5,2.5\n".repeat(301);
             assert_eq!(found(&text).2, start, "{preamble}");
         }
+    }
+
+    #[test]
+    fn settings_above_a_table_whose_first_column_is_theirs_are_no_rows() {
+        let text = "Trace,CH1,CH2\nSize,400,400\nResolution,1,1\n\n".to_owned() + &",1.5,2.5,\n".repeat(40);
+        assert_eq!(found(&text).2, 4);
     }
 
     #[test]

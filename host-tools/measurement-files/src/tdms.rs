@@ -159,9 +159,13 @@ impl File {
 
     fn table<'a>(self) -> Result<Table<'a>, PlacedFault> {
         let (mut increments, mut arrays, mut stamped) = (Vec::new(), Vec::new(), Vec::new());
-        for path in &self.paths {
+        let own_names: Vec<Option<String>> = self.paths.iter().map(|path| channel_name(path)).collect();
+        for (path, own_name) in self.paths.iter().zip(&own_names) {
             let channel = self.channels.get(path).and_then(|channel| Some((channel, channel.index?)));
-            let (Some((channel, index)), Some(name)) = (channel, channel_name(path)) else { continue };
+            let (Some((channel, index)), Some(name)) = (channel, own_name) else { continue };
+            // Channels of one name are told apart by their groups.
+            let unique = own_names.iter().flatten().filter(|other| *other == name).count() == 1;
+            let name = if unique { name.clone() } else { path.trim_matches(['/', '\'']).replace("'/'", "/") };
             let name = if channel.unit.is_empty() { name } else { format!("{name} ({})", channel.unit) };
             let rows = channel.values.len();
             let description = format!("{name} ({rows} values)");

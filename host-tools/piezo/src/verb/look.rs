@@ -132,6 +132,9 @@ fn rate(survey: &Survey) -> String {
         0 => String::new(),
         gaps => format!("; {gaps} gaps, where identify will refuse it"),
     };
+    if survey.rows < 2 {
+        return format!("{} row, of which there must be two to have a rate", survey.rows);
+    }
     format!("{} Hz, {source}; {} rows, {} s{steps}{gaps}", short(*hz), survey.rows, short(*duration_s))
 }
 

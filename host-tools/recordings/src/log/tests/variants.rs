@@ -133,7 +133,7 @@ fn yokogawa(rows: &str) -> String {
     let shifted: String = rows.lines().map(|line| format!(",{line},\n")).collect();
     format!(
         "\"Header Size\",16\n\"TraceName\",\"Voltage\",\"Gauge\"\n\"BlockSize\",20,20\n\"VUnit\",\"V\",\"um\"\n\
-         \"HResolution\",0.001,0.001\n\"HUnit\",\"s\",\"s\"\n\n{shifted}"
+         \"HResolution\",0.001,0.001\n\"HUnit\",\"s\",\"s\"\n\"DisplayBlockSize\",20,20\n\n{shifted}"
     )
 }
 
