@@ -5,6 +5,7 @@ mod demo;
 mod device;
 mod faces;
 mod feedforward;
+mod instruments;
 mod logs;
 mod mistakes;
 mod options;

@@ -8,8 +8,8 @@ mod verb;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
-    compare, emit, erase, feedforward, flash, follow, identify, info, monitor, pil, pull, push, record, reproduce,
-    reset, simulate, validate, zero,
+    compare, emit, erase, feedforward, flash, follow, identify, info, look, monitor, pil, pull, push, record,
+    reproduce, reset, simulate, validate, zero,
 };
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
@@ -27,6 +27,11 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` or `fe
 
 #[derive(Subcommand)]
 enum Verb {
+    /// Logs → what was understood of them: columns, rate, ranges, reversals, amplitudes × frequencies, noise, saturation.
+    #[command(after_help = "Examples:
+  piezo look tests/data/picma-p885-1hz.csv
+  piezo look recording.csv --out recording.svg")]
+    Look(look::Look),
     /// Recorded logs → parameter table (table.toml, table.rs, table.bin) and report.html.
     #[command(after_help = "Example: piezo identify tests/data/picma-p885-1hz.csv --out out/demo")]
     Identify(Box<identify::Identify>),
@@ -96,6 +101,7 @@ enum Verb {
 
 fn main() -> ExitCode {
     let result = match Cli::parse().verb {
+        Verb::Look(arguments) => look::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Validate(arguments) => validate::run(&arguments),

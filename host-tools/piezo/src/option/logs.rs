@@ -2,36 +2,43 @@
 
 use anyhow::{Result, bail};
 use clap::Args;
-use recordings::log::{Columns, Log, ReadOptions, read};
+use recordings::log::{Columns, Log, ReadOptions, Sensitivity, read};
 use std::path::{Path, PathBuf};
 
 /// What the user says about log files.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Log files")]
 pub struct LogOptions {
-    /// Which column holds what, where no header says so: time=1,voltage=2:mV,displacement=5:um (numbers or header names).
+    /// Which column holds what, where the file does not say so: time=1,voltage=2:mV,displacement=5:um (numbers or names in
+    /// the file; a sensor's volts as displacement=5:2.5um/V). What is left out is taken from the file.
     #[arg(long)]
     pub columns: Option<Columns>,
-    /// Sample rate, Hz, where no column holds the time.
+    /// How far a volt of the displacement sensor is, where its output was recorded: 2.5um/V (also nm/mV, V/um).
+    #[arg(long, value_name = "SCALE", allow_hyphen_values = true)]
+    pub sensor: Option<Sensitivity>,
+    /// Sample rate, Hz, where the file does not say when its rows were recorded.
     #[arg(long, value_name = "HZ")]
     pub fs: Option<f64>,
 }
 
 impl LogOptions {
+    /// What these options say to whoever reads a log.
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions {
+            columns: self.columns.clone(),
+            sensor: self.sensor,
+            sample_rate: self.fs,
+            ..ReadOptions::default()
+        }
+    }
+
     pub fn read(&self, path: &Path) -> Result<Log> {
-        let options = ReadOptions { columns: self.columns.clone(), sample_rate: self.fs, ..ReadOptions::default() };
-        Ok(read(path, &options)?)
+        Ok(read(path, &self.options())?)
     }
 
     /// Reads what is wanted: time and displacement, without a voltage.
     pub fn read_trajectory(&self, path: &Path) -> Result<Log> {
-        let options = ReadOptions {
-            columns: self.columns.clone(),
-            sample_rate: self.fs,
-            voltage_required: false,
-            ..ReadOptions::default()
-        };
-        Ok(read(path, &options)?)
+        Ok(read(path, &ReadOptions { voltage_required: false, ..self.options() })?)
     }
 
     /// Reads every log; refuses none and the same file twice.

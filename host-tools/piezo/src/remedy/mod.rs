@@ -6,6 +6,7 @@ mod device;
 mod doubt;
 mod identification;
 mod log;
+mod paste;
 
 pub use bits::{Meaning, faults, status};
 pub use device::{board, refusal};

@@ -239,7 +239,7 @@ mod tests {
             dry_run,
             json: true,
             port: PortOption { port: device.address().into() },
-            log: LogOptions { columns: None, fs: None },
+            log: LogOptions { columns: None, sensor: None, fs: None },
         };
         (run(&arguments), std::fs::read_to_string(log).ok())
     }

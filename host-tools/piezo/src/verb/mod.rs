@@ -9,6 +9,7 @@ pub mod flash;
 pub mod follow;
 pub mod identify;
 pub mod info;
+pub mod look;
 pub mod monitor;
 pub mod pil;
 pub mod pull;

@@ -194,7 +194,7 @@ mod tests {
                 limit: Some(1000),
                 json: true,
                 port: PortOption { port: line.address().into() },
-                logs: LogOptions { columns: None, fs: None },
+                logs: LogOptions { columns: None, sensor: None, fs: None },
             };
             assert_eq!(run(&arguments).ok(), expected, "{what}");
             let (mut client, _) = Client::connect(&device.address().into()).unwrap();

@@ -3,13 +3,14 @@
 //! The period is the slope of the line of least squares through all time stamps, never one step; a whole-hertz rate that
 //! the stamps cannot tell from it is taken instead.
 
+use super::channels::Channels;
 use super::error::PlacedFault;
 use super::fault::Fault;
 use super::number::Number;
 use super::recording::Recording;
 use super::resolution::{coarsest, resolution};
 use super::steps::{self, Line};
-use super::units::{Quantity, Unit};
+use measurement_files::{Quantity, SampleTime, Unit, excerpt};
 
 /// Tolerated deviation of a stated sample rate from the time column's, as a part of it.
 const RATE_TOLERANCE: f64 = 1e-3;
@@ -24,8 +25,7 @@ pub(super) fn check_rate(rate: f64) -> Result<(), Fault> {
 /// Sample period (s) from the time column, which must hold at least two rows, else from the stated rate (Hz).
 pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> Result<f64, PlacedFault> {
     let (Some(time), Some(channel)) = (&recording.time, recording.channels.time) else {
-        let rate = stated_rate.ok_or(Fault::SampleRate(f64::NAN))?;
-        return Ok(1.0 / rate);
+        return without_time(recording.sample_time.as_ref(), stated_rate);
     };
     let unit = channel.unit;
     let example = |unit| recording.channels.restated(Quantity::Time, unit);
@@ -37,7 +37,7 @@ pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> 
         true => steps::check(time, &resolution, rough),
         false => steps::check_increasing(time, |_| false),
     };
-    checked.map_err(|(row, fault)| fault.at(recording.origin.place(row)))?;
+    checked.map_err(|(row, fault)| without_time_column(fault, recording).at(recording.place(row)))?;
     if !plausible {
         let (period, example) = (Number(rough), example(neighbour(unit)));
         return Err(Fault::ImplausiblePeriod { period, unit, example }.into());
@@ -64,6 +64,34 @@ pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> 
     Ok(period)
 }
 
+/// The fault with the columns that do without the time, where its remedy asks for them.
+fn without_time_column(fault: Fault, recording: &Recording) -> Fault {
+    match fault {
+        Fault::IrregularTime { value, percent, period, .. } => {
+            let example = Channels { time: None, ..recording.channels }.to_string();
+            Fault::IrregularTime { value, percent, period, example }
+        }
+        fault => fault,
+    }
+}
+
+/// Sample period (s) of a recording without a time column: what the file says beside its columns, else the stated rate (Hz);
+/// where there are both, they agree.
+pub(super) fn without_time(sample_time: Option<&SampleTime>, stated_rate: Option<f64>) -> Result<f64, PlacedFault> {
+    match (sample_time, stated_rate) {
+        (None, None) => Err(Fault::SampleRate(f64::NAN).into()),
+        (None, Some(rate)) => Ok(1.0 / rate),
+        (Some(SampleTime { seconds, place, name }), _) if !PERIODS.contains(seconds) => {
+            Err(Fault::ImplausibleSampleTime { name: excerpt(name), seconds: Number(*seconds) }.at(*place))
+        }
+        (Some(SampleTime { seconds, place, name }), Some(rate)) if (seconds * rate - 1.0).abs() > RATE_TOLERANCE => {
+            let (stated, seconds) = (Number(rate), Number(*seconds));
+            Err(Fault::RateContradicted { stated, name: excerpt(name), seconds }.at(*place))
+        }
+        (Some(SampleTime { seconds, .. }), _) => Ok(whole_rate(*seconds, 0.0).map_or(*seconds, |rate| 1.0 / rate)),
+    }
+}
+
 /// The rate (Hz) of `period` (s) if that is a whole number, to the relative `tolerance` of the period.
 pub(super) fn whole_rate(period: f64, tolerance: f64) -> Option<f64> {
     const ARITHMETIC: f64 = 1e-9;
@@ -78,15 +106,15 @@ fn neighbour(unit: Unit) -> Unit {
 
 #[cfg(test)]
 mod tests {
-    use super::super::channels::Channels;
-    use super::super::error::Place;
-    use super::super::recording::{Origin, Recording};
+    use super::super::recording::Recording;
     use super::*;
+    use measurement_files::Place;
 
     fn period(time: &[f64], rate: Option<f64>) -> Result<f64, (Place, Fault)> {
         let recording = Recording {
             channels: Channels::in_order(3),
-            origin: Origin::Line(2),
+            first_row: Place::Line(2),
+            sample_time: None,
             time: Some(time.to_vec()),
             voltage: vec![0.0; time.len()],
             displacement: None,

@@ -1,31 +1,36 @@
 //! Which column of a log holds what, in which unit, as the user says it.
 //!
 //! `time=1,voltage=2:mV,displacement=5:um`: a number counted from 1 or a header name, then the unit if it is not the
-//! header's or s, V, µm. Time may be left out where the sample rate is stated.
+//! header's or s, V, µm. What is left out is taken from the header where that is clear. A displacement that was recorded as
+//! a sensor's volts has the sensor's scale for its unit: `displacement=5:2.5um/V`.
 
 use std::fmt;
 use std::str::FromStr;
 
-use super::units::{Quantity, Unit, UnknownUnit};
+use measurement_files::{Quantity, Unit, UnknownUnit};
+
+use super::sensitivity::{Sensitivity, SensitivityError};
 
 /// The columns of a log, as stated by the user. Displayed as it is written on the command line.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
-    /// Column of the time; none where the sample rate is stated.
+    /// Column of the time; none where the header or the sample rate says it.
     pub time: Option<Column>,
-    /// Column of the voltage; none where it is not needed.
+    /// Column of the voltage; none where the header says it, or it is not needed.
     pub voltage: Option<Column>,
-    /// Column of the displacement; none where it is not needed.
+    /// Column of the displacement; none where the header says it, or it is not needed.
     pub displacement: Option<Column>,
 }
 
 /// One column of a log.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Which column.
     pub at: Position,
     /// Its unit; without one the header's counts, and without a header s, V or µm.
     pub unit: Option<Unit>,
+    /// The sensor's scale, where the column holds a sensor's volts.
+    pub sensor: Option<Sensitivity>,
 }
 
 /// How a column is named.
@@ -48,17 +53,6 @@ impl Columns {
         .into_iter()
         .filter_map(|(quantity, column)| Some((quantity, column?)))
     }
-
-    /// The highest column number stated.
-    pub(super) fn highest_number(&self) -> usize {
-        self.stated()
-            .filter_map(|(_, column)| match column.at {
-                Position::Number(number) => Some(number),
-                Position::Name(_) => None,
-            })
-            .max()
-            .unwrap_or(0)
-    }
 }
 
 impl fmt::Display for Columns {
@@ -68,6 +62,9 @@ impl fmt::Display for Columns {
             write!(f, "{comma}{quantity}={}", column.at)?;
             if let Some(unit) = column.unit {
                 write!(f, ":{unit}")?;
+            }
+            if let Some(sensor) = column.sensor {
+                write!(f, ":{sensor}")?;
             }
         }
         Ok(())
@@ -96,6 +93,9 @@ pub enum ColumnsError {
     /// A unit that is not known.
     #[error("{0} (a header name with a colon is best given by its number)")]
     Unit(#[from] UnknownUnit),
+    /// A sensor's scale that is none.
+    #[error(transparent)]
+    Sensitivity(#[from] SensitivityError),
     /// A unit of another quantity.
     #[error("{unit} is no unit of {quantity}")]
     Dimension {
@@ -151,9 +151,12 @@ fn parse_part(part: &str) -> Result<(Quantity, Column), ColumnsError> {
         "displacement" | "y" => Quantity::Displacement,
         _ => return Err(ColumnsError::Quantity(quantity.trim().to_owned())),
     };
-    let (at, unit) = match column.rsplit_once(':') {
-        Some((at, unit)) => (at.trim(), Some(unit.parse::<Unit>()?)),
-        None => (column.trim(), None),
+    let (at, unit, sensor) = match column.rsplit_once(':') {
+        Some((at, scale)) if scale.contains('/') && quantity == Quantity::Displacement => {
+            (at.trim(), None, Some(scale.parse::<Sensitivity>()?))
+        }
+        Some((at, unit)) => (at.trim(), Some(unit.parse::<Unit>()?), None),
+        None => (column.trim(), None, None),
     };
     if let Some(unit) = unit.filter(|unit| unit.quantity() != quantity) {
         return Err(ColumnsError::Dimension { quantity, unit });
@@ -164,7 +167,7 @@ fn parse_part(part: &str) -> Result<(Quantity, Column), ColumnsError> {
         Err(_) if at.is_empty() => return Err(form()),
         Err(_) => Position::Name(at.to_owned()),
     };
-    Ok((quantity, Column { at, unit }))
+    Ok((quantity, Column { at, unit, sensor }))
 }
 
 #[cfg(test)]
@@ -187,7 +190,16 @@ mod tests {
         assert_eq!(columns.time, None);
         assert_eq!(columns.displacement, None);
         assert_eq!(columns.voltage.as_ref().unwrap().unit, None);
-        assert_eq!(columns.highest_number(), 3);
+    }
+
+    #[test]
+    fn a_sensors_volts_have_its_scale_for_a_unit() {
+        let columns: Columns = "voltage=2,displacement=3:80nm/mV".parse().unwrap();
+        let displacement = columns.displacement.as_ref().unwrap();
+        assert_eq!((displacement.unit, displacement.sensor.unwrap().um_per_v), (None, 80.0));
+        assert_eq!(columns.to_string(), "voltage=2,displacement=3:80um/V");
+        assert!(matches!("displacement=3:<N>um/V".parse::<Columns>(), Err(ColumnsError::Sensitivity(_))));
+        assert!("voltage=2:80nm/mV".parse::<Columns>().is_err());
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Where a log was refused, and how that reads: `path:line: what (value): remedy`.
 
-use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use measurement_files::Place;
 
 use super::fault::Fault;
 
@@ -17,30 +18,17 @@ pub struct LogError {
     pub fault: Fault,
 }
 
-/// A place in a log file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// The file as a whole.
-    File,
-    /// A line of a text file, counted from 1, comments and header included.
-    Line(usize),
-    /// A sample of a binary array, counted from 1.
-    Sample(usize),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File => Ok(()),
-            Self::Line(line) => write!(f, ":{line}"),
-            Self::Sample(sample) => write!(f, ": sample {sample}"),
-        }
-    }
-}
-
 /// A fault and where it is; the file's path is added by [`super::read`].
 #[derive(Debug)]
 pub(super) struct PlacedFault(pub Place, pub Fault);
+
+impl PlacedFault {
+    /// The error about the file at `path`.
+    pub fn in_file(self, path: &Path) -> LogError {
+        let Self(place, fault) = self;
+        LogError { path: path.to_owned(), place, fault }
+    }
+}
 
 impl Fault {
     pub(super) fn at(self, place: Place) -> PlacedFault {
@@ -56,8 +44,8 @@ impl From<Fault> for PlacedFault {
 
 #[cfg(test)]
 mod tests {
-    use super::super::units::Quantity;
     use super::*;
+    use measurement_files::Quantity;
 
     #[test]
     fn reads_path_line_what_value_remedy() {

@@ -1,8 +1,9 @@
 //! Everything that can be wrong with a log, each with its value, and its remedy where that lies in the file. Where it lies
 //! in what is said about the file ([`ReadOptions`](super::ReadOptions)), the fault holds an example of it.
 
+use measurement_files::{Quantity, Unit, UnknownUnit};
+
 use super::number::Number;
-use super::units::{Quantity, Unit, UnknownUnit};
 
 /// What is wrong with a log.
 #[derive(Debug, thiserror::Error)]
@@ -23,8 +24,8 @@ pub enum Fault {
     /// No bytes, or nothing but comments.
     #[error("holds no data: record or export the log again")]
     Empty,
-    /// Neither text nor a MATLAB file.
-    #[error("is {what}, not a text table: export the log as CSV or as a MATLAB v7 .mat file")]
+    /// Neither text nor of a binary format that is read.
+    #[error("is {what}, not a text table: export the log as CSV, or as a .mat or .tdms file")]
     Binary {
         /// What the file looks like.
         what: &'static str,
@@ -42,32 +43,82 @@ pub enum Fault {
     #[error("{0} Hz is not a sample rate")]
     SampleRate(f64),
     /// A table without a header, and no columns stated.
-    #[error("no header names the {count} columns")]
+    #[error("no header names the {count} columns ({columns})")]
     NoHeader {
         /// Columns of the file.
         count: usize,
-        /// The file's name.
-        file: String,
+        /// The columns there are, each with its range.
+        columns: String,
         /// [`Columns`](super::Columns) as they may be meant.
         example: String,
+        /// Whether the sample rate has to be stated, too.
+        rate_needed: bool,
     },
-    /// Neither a time column nor a stated rate.
-    #[error("no column holds the time")]
+    /// Neither a time column, nor a sample time in the file, nor a stated rate.
+    #[error("nothing in the file says when its rows were recorded (columns: {columns})")]
     NoTime {
-        /// The file's name.
-        file: String,
+        /// The columns there are, each with its range.
+        columns: String,
     },
     /// No column for a quantity that is needed.
-    #[error("no column holds the {quantity} (columns: {columns})")]
+    #[error("no column says that it holds the {quantity} (columns: {columns})")]
     NoColumn {
         /// What is missing.
         quantity: Quantity,
-        /// The columns there are.
+        /// The columns there are, each with its range.
         columns: String,
-        /// The file's name.
-        file: String,
         /// [`Columns`](super::Columns) as they may be meant.
         example: String,
+        /// The same where the displacement was recorded as a sensor's volts; if that can be.
+        with_sensor: Option<String>,
+        /// Whether the sample rate has to be stated, too.
+        rate_needed: bool,
+    },
+    /// Several columns can be a quantity by their units, and none says so by its name.
+    #[error("several columns can be the {quantity} (columns: {columns})")]
+    Ambiguous {
+        /// What is sought.
+        quantity: Quantity,
+        /// The columns there are, each with its range.
+        columns: String,
+        /// [`Columns`](super::Columns) as they may be meant.
+        example: String,
+    },
+    /// A sensor's volts, and no scale to turn them into a displacement.
+    #[error("column {column:?} is a sensor's output in {unit}, and how far a volt is was not said")]
+    NoSensitivity {
+        /// The header name.
+        column: String,
+        /// Its unit.
+        unit: Unit,
+    },
+    /// A sensor's scale for a column that is a displacement already.
+    #[error("a sensor's scale was stated, and column {column:?} is in {unit}")]
+    SensitivityOfLength {
+        /// The header name.
+        column: String,
+        /// Its unit.
+        unit: Unit,
+    },
+    /// The file states a sample time outside its columns that no log has.
+    #[error(
+        "the file's {name:?} is a sample time of {seconds} s, which no such log has: correct that line of the file"
+    )]
+    ImplausibleSampleTime {
+        /// What the file calls it.
+        name: String,
+        /// The sample time, s.
+        seconds: Number,
+    },
+    /// The stated rate and the file's own sample time differ.
+    #[error("a rate of {stated} Hz disagrees with the file's {name:?}, a sample time of {seconds} s")]
+    RateContradicted {
+        /// The stated rate, Hz.
+        stated: Number,
+        /// What the file calls its sample time.
+        name: String,
+        /// The file's sample time, s.
+        seconds: Number,
     },
     /// Two header names claim one quantity.
     #[error("columns {first:?} and {second:?} both claim to be the {quantity}")]
@@ -121,14 +172,12 @@ pub enum Fault {
     },
 
     /// A field that is no number.
-    #[error("the {quantity} is not a number ({value:?}): {remedy}")]
+    #[error("the {quantity} is not a number ({value:?}): correct the value, or delete the rows before or after it")]
     NotANumber {
         /// Which quantity.
         quantity: Quantity,
         /// The field's text.
         value: String,
-        /// What to do.
-        remedy: &'static str,
     },
     /// NaN or infinity.
     #[error("the {quantity} is not finite ({value}): remove the recording's invalid part, or record again")]
@@ -190,6 +239,8 @@ pub enum Fault {
         percent: Number,
         /// Sample period, s.
         period: Number,
+        /// [`Columns`](super::Columns) without the time.
+        example: String,
     },
     /// A sample period that no log of this kind has.
     #[error("the time column gives a sample period of {period} s, taken to be in {unit}")]
@@ -255,16 +306,27 @@ pub enum Fault {
     #[error("is a damaged MATLAB file ({what}): save it again with save('log.mat', 'log', '-v7')")]
     MatDamaged {
         /// What was found.
-        what: &'static str,
+        what: String,
+    },
+    /// A LabVIEW file that cannot be read.
+    #[error("is a .tdms file that cannot be read ({what}): export it as .lvm or CSV")]
+    TdmsDamaged {
+        /// What was found.
+        what: String,
     },
     /// No variable of the file can be a log.
     #[error(
-        "no variable is {wanted} (variables: {variables}): save the log as log = [t(:)'; V(:)'; y(:)'] in s, V and um"
+        "no variable holds signals (variables: {variables}): save the log as log = [t(:)'; V(:)'; y(:)'] in s, V and um; of a \
+         timeseries ts, ts.Time and ts.Data"
     )]
     MatNoLog {
-        /// The shape looked for.
-        wanted: String,
         /// The variables there are.
+        variables: String,
+    },
+    /// No channel of the file can be a log.
+    #[error("no channel holds numbers (channels: {variables}): record or export the log again")]
+    TdmsNoLog {
+        /// The channels there are.
         variables: String,
     },
     /// Several variables of the file can be a log.

@@ -1,8 +1,9 @@
 //! Names of a header: `displacement (µm)` taken apart into a quantity and a unit.
 
+use measurement_files::{Quantity, Unit, UnknownUnit, excerpt};
+
 use super::fault::Fault;
-use super::number::excerpt;
-use super::units::{Quantity, Unit, UnknownUnit};
+use super::vocabulary;
 
 /// A header name taken apart.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,8 +20,11 @@ impl Label {
     pub fn new(text: &str) -> Self {
         let text = text.trim();
         let label = |name: &str, unit| Self { text: text.to_owned(), name: normalised(name), unit };
-        for (open, close) in [('(', ')'), ('[', ']'), ('{', '}')] {
-            if let Some((name, unit)) = text.strip_suffix(close).and_then(|t| t.rsplit_once(open)) {
+        for (open, close) in [('(', ')'), ('[', ']'), ('{', '}'), ('（', '）'), ('【', '】')] {
+            // What has a colon is a part of a MATLAB array: `x(:,1)`.
+            if let Some((name, unit)) = text.strip_suffix(close).and_then(|t| t.rsplit_once(open))
+                && !unit.contains(':')
+            {
                 return label(name, Some(unit.parse()));
             }
         }
@@ -43,26 +47,15 @@ impl Label {
 
     /// What the name says the column holds, whatever the unit says.
     fn named_quantity(&self) -> Option<Quantity> {
-        match self.name.as_str() {
-            "t" | "time" | "timestamp" | "time stamp" | "elapsed time" => Some(Quantity::Time),
-            "v" | "u" | "voltage" | "drive voltage" | "input voltage" | "amplifier voltage" | "actuator voltage"
-            | "piezo voltage" => Some(Quantity::Voltage),
-            "y"
-            | "x"
-            | "displacement"
-            | "disp"
-            | "position"
-            | "pos"
-            | "measured displacement"
-            | "estimated displacement" => Some(Quantity::Displacement),
-            _ => None,
-        }
+        vocabulary::quantity(&self.name)
     }
 
     /// What the column holds, by its name or, where the name is a unit alone, by that.
     pub fn quantity(&self) -> Option<Quantity> {
         match (&self.unit, self.name.as_str()) {
             (Some(Ok(unit)), "") => Some(unit.quantity()),
+            // A letter that something else follows than a unit is no name: `X (Sequence)`.
+            (Some(Err(_)), name) if name.chars().count() == 1 => None,
             _ => self.named_quantity(),
         }
     }
@@ -70,6 +63,11 @@ impl Label {
     /// Whether the name says that the column is an estimate, as `piezo record` names its displacement.
     pub fn says_estimated(&self) -> bool {
         self.name.split(' ').next() == Some("estimated")
+    }
+
+    /// Whether the name is a displacement sensor's.
+    pub fn is_sensor(&self) -> bool {
+        vocabulary::is_sensor(&self.name)
     }
 
     /// The unit, if it is one of `quantity`.
@@ -98,16 +96,6 @@ fn normalised(name: &str) -> String {
         words.pop();
     }
     words.join(" ")
-}
-
-/// The header names, quoted, for a message.
-pub(super) fn listed(labels: &[Label]) -> String {
-    const MOST: usize = 12;
-    let mut names: Vec<String> = labels.iter().take(MOST).map(|label| format!("{:?}", excerpt(&label.text))).collect();
-    if labels.len() > MOST {
-        names.push("…".to_owned());
-    }
-    names.join(", ")
 }
 
 /// The only column of that name: as written, else without unit, case and punctuation.
@@ -154,6 +142,25 @@ mod tests {
         }
         assert_eq!(read_as("Drive_Voltage"), (Some(Quantity::Voltage), None));
         assert_eq!(read_as("voltage (furlong)"), (Some(Quantity::Voltage), None));
+        for name in
+            ["Piezo Voltage of output chan 1", "Spannung [V]", "Tension (V)", "电压（V）", "Ua voltage 1", "U / V"]
+        {
+            let quantity = read_as(name).0;
+            assert_eq!(quantity == Some(Quantity::Voltage), name != "Ua voltage 1", "{name}");
+        }
+        for name in [
+            "Current Position of axis 1",
+            "Auslenkung [\u{b5}m]",
+            "d\u{e9}placement_um",
+            "変位(um)",
+            "Sensor position",
+            "Current Position of axis1",
+        ] {
+            assert_eq!(read_as(name).0, Some(Quantity::Displacement), "{name}");
+        }
+        for name in ["Zeit [s]", "Temps (s)", "时间(s)", "timestamp"] {
+            assert_eq!(read_as(name).0, Some(Quantity::Time), "{name}");
+        }
     }
 
     #[test]
@@ -168,7 +175,17 @@ mod tests {
 
     #[test]
     fn other_names_claim_nothing() {
-        for name in ["position error_um", "sensor_V", "phase (deg)", "", "voltages", "m_kg"] {
+        for name in [
+            "position error_um",
+            "sensor_V",
+            "phase (deg)",
+            "",
+            "voltages",
+            "m_kg",
+            "X (Sequence)",
+            "x(:,1)",
+            "Channel A (V)",
+        ] {
             assert_eq!(Label::new(name).quantity(), None, "{name}");
         }
     }

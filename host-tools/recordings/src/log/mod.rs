@@ -1,46 +1,48 @@
-//! Recorded sessions: voltage and displacement over time, read from CSV, text tables and MATLAB files.
+//! Recorded sessions: voltage and displacement over time, read from what instruments and programs write.
 //!
 //! A log that comes out of [`read`] is in V and µm at one sample period, finite, without gaps, and of plausible size;
 //! everything else is refused with the file, the line, the value and the remedy ([`LogError`]).
 
 mod channels;
+mod choose;
 mod clock;
 mod columns;
-mod delimiter;
 mod error;
 mod fault;
+mod guess;
 mod label;
-mod mat;
-mod mat_reader;
 mod number;
 mod plausible;
 mod read_options;
+mod reading;
 mod recorded;
 mod recording;
 mod resolution;
+mod sensitivity;
 mod steps;
-mod text;
-mod units;
+mod vocabulary;
 mod write;
 
 #[cfg(test)]
 mod tests;
 
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 pub use columns::{Column, Columns, ColumnsError, Position};
+pub use error::LogError;
 use error::PlacedFault;
-pub use error::{LogError, Place};
 pub use fault::Fault;
+pub use measurement_files::{Place, Quantity, Unit, UnknownUnit};
 pub use number::Number;
 pub use read_options::ReadOptions;
+pub use reading::{Chosen, Reading, Row};
 pub use recorded::Log;
 use recording::Recording;
-pub use units::{Quantity, Unit, UnknownUnit};
+pub use sensitivity::{Sensitivity, SensitivityError};
 pub use write::{Displacement, write_csv};
 
 /// Fewest rows that make a log.
@@ -51,8 +53,8 @@ pub const MINIMUM_ROWS: usize = 16;
 /// # Errors
 /// Whatever makes the file no usable log; see [`Fault`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
-    let refuse = |fault: Fault| LogError { path: path.to_owned(), place: Place::File, fault };
-    read_bytes(path, &load(path).map_err(refuse)?, options)
+    let bytes = load(path).map_err(|fault| PlacedFault::from(fault).in_file(path))?;
+    read_bytes(path, &bytes, options)
 }
 
 /// Reads the log in the bytes of a file, which come with a program or were read before.
@@ -60,9 +62,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
 /// # Errors
 /// Whatever makes them no usable log.
 pub fn read_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Log, LogError> {
-    let refuse = |PlacedFault(place, fault)| LogError { path: path.to_owned(), place, fault };
     let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let (recording, sample_period) = parse(bytes, &file, options).map_err(refuse)?;
+    let (recording, sample_period) = parse(bytes, options).map_err(|fault| fault.in_file(path))?;
     Ok(Log {
         name: Path::new(&*file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         path: path.to_owned(),
@@ -75,7 +76,17 @@ pub fn read_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Lo
     })
 }
 
-fn load(path: &Path) -> Result<Vec<u8>, Fault> {
+/// Opens the log in the file at `path` without reading it to its end: only what is needed to know its columns.
+///
+/// # Errors
+/// Whatever keeps its columns from being known.
+pub fn open(path: &Path, options: &ReadOptions) -> Result<Reading<'static>, LogError> {
+    let opened = file(path).map_err(PlacedFault::from).and_then(|file| Reading::new(file, path, options));
+    opened.map_err(|fault| fault.in_file(path))
+}
+
+/// The regular file at `path`.
+fn file(path: &Path) -> Result<fs::File, Fault> {
     let fault = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => Fault::NotFound,
         _ => Fault::Unreadable(error),
@@ -87,24 +98,18 @@ fn load(path: &Path) -> Result<Vec<u8>, Fault> {
     if !kind.is_file() {
         return Err(Fault::NotRegular);
     }
-    let bytes = fs::read(path).map_err(fault)?;
-    if bytes.is_empty() {
-        return Err(Fault::Empty);
-    }
+    fs::File::open(path).map_err(fault)
+}
+
+fn load(path: &Path) -> Result<Vec<u8>, Fault> {
+    let mut bytes = Vec::new();
+    file(path)?.read_to_end(&mut bytes).map_err(Fault::Unreadable)?;
     Ok(bytes)
 }
 
-/// The recording in `bytes`, checked, and its sample period in s. `file` is the file's name.
-fn parse(bytes: &[u8], file: &str, options: &ReadOptions) -> Result<(Recording, f64), PlacedFault> {
-    if let Some(rate) = options.sample_rate {
-        clock::check_rate(rate)?;
-    }
-    let named_mat = Path::new(file).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mat"));
-    let recording = if named_mat || mat::is_mat(bytes) {
-        mat::read(bytes, file, options)?
-    } else {
-        text::read(bytes, file, options)?
-    };
+/// The recording in `bytes`, checked, and its sample period in s.
+fn parse(bytes: &[u8], options: &ReadOptions) -> Result<(Recording, f64), PlacedFault> {
+    let recording = Reading::new(bytes, Path::new(""), options)?.recording()?;
     let rows = recording.rows();
     // What is wanted may be said in a few corners.
     let minimum = if options.voltage_required { MINIMUM_ROWS } else { 2 };

@@ -1,4 +1,4 @@
-//! Numbers and texts of a log, short enough for a message.
+//! Numbers of a log, short enough for a message.
 
 use std::fmt;
 
@@ -17,15 +17,6 @@ impl fmt::Display for Number {
     }
 }
 
-/// `text` cut to what a message can carry.
-pub(super) fn excerpt(text: &str) -> String {
-    const LONGEST: usize = 40;
-    if text.chars().count() <= LONGEST {
-        return text.to_owned();
-    }
-    text.chars().take(LONGEST).chain(['…']).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,11 +33,5 @@ mod tests {
         ] {
             assert_eq!(Number(x).to_string(), text);
         }
-    }
-
-    #[test]
-    fn long_text_is_cut() {
-        assert_eq!(excerpt("ab"), "ab");
-        assert_eq!(excerpt(&"µ".repeat(50)).chars().count(), 41);
     }
 }

@@ -4,7 +4,7 @@ use super::error::PlacedFault;
 use super::fault::Fault;
 use super::number::Number;
 use super::recording::Recording;
-use super::units::Quantity;
+use measurement_files::Quantity;
 
 /// Refuses a constant voltage or displacement, a voltage span outside 1 mV to 5 kV and a displacement span outside
 /// 1 nm to 10 mm.

@@ -1,13 +1,16 @@
 //! What is said about a log besides its file.
 
 use super::columns::Columns;
+use super::sensitivity::Sensitivity;
 
 /// What the user says about a log that its file does not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
     /// Which column holds what. Needed where no header says so.
     pub columns: Option<Columns>,
-    /// Sample rate, Hz. Needed where no column holds the time; checked where one does.
+    /// The sensor's scale. Needed where its volts were recorded.
+    pub sensor: Option<Sensitivity>,
+    /// Sample rate, Hz. Needed where the file states no time; checked where it does.
     pub sample_rate: Option<f64>,
     /// Refuse a log without displacement.
     pub displacement_required: bool,
@@ -18,6 +21,6 @@ pub struct ReadOptions {
 impl Default for ReadOptions {
     /// Nothing stated, voltage and displacement required.
     fn default() -> Self {
-        Self { columns: None, sample_rate: None, displacement_required: true, voltage_required: true }
+        Self { columns: None, sensor: None, sample_rate: None, displacement_required: true, voltage_required: true }
     }
 }

@@ -77,7 +77,8 @@ impl Steps<'_> {
 
     fn irregular(&self, k: usize, deviation: f64) -> (usize, Fault) {
         let percent = Number((100.0 * deviation / self.period).abs().round());
-        let fault = Fault::IrregularTime { value: Number(self.time[k]), percent, period: Number(self.period) };
+        let (value, period, example) = (Number(self.time[k]), Number(self.period), String::new());
+        let fault = Fault::IrregularTime { value, percent, period, example };
         (k, fault)
     }
 }

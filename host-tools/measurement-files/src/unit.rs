@@ -45,12 +45,16 @@ pub enum Unit {
     Millisecond,
     /// µs
     Microsecond,
+    /// ns
+    Nanosecond,
     /// kV
     Kilovolt,
     /// V
     Volt,
     /// mV
     Millivolt,
+    /// µV
+    Microvolt,
     /// m
     Metre,
     /// mm
@@ -59,30 +63,37 @@ pub enum Unit {
     Micrometre,
     /// nm
     Nanometre,
+    /// pm
+    Picometre,
 }
 
 impl Unit {
     /// Every unit, from large to small within a quantity.
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 13] = [
         Self::Second,
         Self::Millisecond,
         Self::Microsecond,
+        Self::Nanosecond,
         Self::Kilovolt,
         Self::Volt,
         Self::Millivolt,
+        Self::Microvolt,
         Self::Metre,
         Self::Millimetre,
         Self::Micrometre,
         Self::Nanometre,
+        Self::Picometre,
     ];
 
     /// What this unit measures.
     #[must_use]
     pub fn quantity(self) -> Quantity {
         match self {
-            Self::Second | Self::Millisecond | Self::Microsecond => Quantity::Time,
-            Self::Kilovolt | Self::Volt | Self::Millivolt => Quantity::Voltage,
-            Self::Metre | Self::Millimetre | Self::Micrometre | Self::Nanometre => Quantity::Displacement,
+            Self::Second | Self::Millisecond | Self::Microsecond | Self::Nanosecond => Quantity::Time,
+            Self::Kilovolt | Self::Volt | Self::Millivolt | Self::Microvolt => Quantity::Voltage,
+            Self::Metre | Self::Millimetre | Self::Micrometre | Self::Nanometre | Self::Picometre => {
+                Quantity::Displacement
+            }
         }
     }
 
@@ -92,21 +103,24 @@ impl Unit {
         match self {
             Self::Second | Self::Volt | Self::Micrometre => value,
             Self::Millisecond | Self::Millivolt | Self::Nanometre => value / 1e3,
-            Self::Microsecond => value / 1e6,
+            Self::Microsecond | Self::Microvolt | Self::Picometre => value / 1e6,
+            Self::Nanosecond => value / 1e9,
             Self::Kilovolt | Self::Millimetre => value * 1e3,
             Self::Metre => value * 1e6,
         }
     }
 
     /// The next smaller unit of the same quantity.
-    pub(super) fn smaller(self) -> Option<Self> {
+    #[must_use]
+    pub fn smaller(self) -> Option<Self> {
         let at = Self::ALL.iter().position(|&unit| unit == self)?;
         let next = *Self::ALL.get(at + 1)?;
         (next.quantity() == self.quantity()).then_some(next)
     }
 
     /// The next larger unit of the same quantity.
-    pub(super) fn larger(self) -> Option<Self> {
+    #[must_use]
+    pub fn larger(self) -> Option<Self> {
         Self::ALL.into_iter().find(|unit| unit.smaller() == Some(self))
     }
 
@@ -115,13 +129,16 @@ impl Unit {
             Self::Second => "s",
             Self::Millisecond => "ms",
             Self::Microsecond => "us",
+            Self::Nanosecond => "ns",
             Self::Kilovolt => "kV",
             Self::Volt => "V",
             Self::Millivolt => "mV",
+            Self::Microvolt => "uV",
             Self::Metre => "m",
             Self::Millimetre => "mm",
             Self::Micrometre => "um",
             Self::Nanometre => "nm",
+            Self::Picometre => "pm",
         }
     }
 }
@@ -134,33 +151,99 @@ impl fmt::Display for Unit {
 
 /// The text names none of the units a log may be written in.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("unknown unit {0:?}: use s, ms, us, kV, V, mV, m, mm, um or nm")]
+#[error("unknown unit {0:?}: use s, ms, us, ns, kV, V, mV, uV, m, mm, um, nm or pm")]
 pub struct UnknownUnit(pub String);
 
 impl FromStr for Unit {
     type Err = UnknownUnit;
 
     /// Symbols in any case but for a leading `M`, which would be mega (`MV` is not `mV`); µ as U+00B5, U+03BC or `u`;
-    /// English names in both spellings.
+    /// names in the languages that instruments speak.
     fn from_str(text: &str) -> Result<Self, UnknownUnit> {
         let ascii = text.trim().replace(['\u{b5}', '\u{3bc}'], "u");
         let spelling = if ascii.len() <= 2 && ascii.starts_with('M') { ascii } else { ascii.to_lowercase() };
-        match spelling.as_str() {
-            "s" | "sec" | "second" | "seconds" => Ok(Self::Second),
-            "ms" | "msec" | "millisecond" | "milliseconds" => Ok(Self::Millisecond),
-            "us" | "usec" | "microsecond" | "microseconds" => Ok(Self::Microsecond),
-            "kv" | "kilovolt" | "kilovolts" => Ok(Self::Kilovolt),
-            "v" | "volt" | "volts" => Ok(Self::Volt),
-            "mv" | "millivolt" | "millivolts" => Ok(Self::Millivolt),
-            "m" | "metre" | "metres" | "meter" | "meters" => Ok(Self::Metre),
-            "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => Ok(Self::Millimetre),
-            "um" | "micron" | "microns" | "micrometre" | "micrometres" | "micrometer" | "micrometers" => {
-                Ok(Self::Micrometre)
-            }
-            "nm" | "nanometre" | "nanometres" | "nanometer" | "nanometers" => Ok(Self::Nanometre),
-            _ => Err(UnknownUnit(text.trim().to_owned())),
+        let spelled = |(_, spellings): &&(Self, &[&str])| spellings.contains(&spelling.as_str());
+        match SPELLINGS.iter().find(spelled) {
+            Some((unit, _)) => Ok(*unit),
+            None => Err(UnknownUnit(text.trim().to_owned())),
         }
     }
+}
+
+/// How each unit is written: its symbol, and names in English, German, French, Spanish, Italian, Chinese and Japanese.
+const SPELLINGS: [(Unit, &[&str]); 13] = [
+    (
+        Unit::Second,
+        &[
+            "s", "sec", "secs", "second", "seconds", "sekunde", "sekunden", "sek", "seconde", "secondes", "segundo",
+            "segundos", "secondo", "secondi", "秒",
+        ],
+    ),
+    (
+        Unit::Millisecond,
+        &[
+            "ms",
+            "msec",
+            "millisecond",
+            "milliseconds",
+            "millisekunden",
+            "millisecondes",
+            "milisegundos",
+            "millisecondi",
+            "毫秒",
+            "ミリ秒",
+        ],
+    ),
+    (
+        Unit::Microsecond,
+        &[
+            "us",
+            "usec",
+            "microsecond",
+            "microseconds",
+            "mikrosekunden",
+            "microsecondes",
+            "microsegundos",
+            "微秒",
+            "マイクロ秒",
+        ],
+    ),
+    (Unit::Nanosecond, &["ns", "nsec", "nanosecond", "nanoseconds", "纳秒", "ナノ秒"]),
+    (Unit::Kilovolt, &["kv", "kilovolt", "kilovolts", "千伏"]),
+    (Unit::Volt, &["v", "volt", "volts", "voltios", "伏", "伏特", "ボルト"]),
+    (Unit::Millivolt, &["mv", "millivolt", "millivolts", "毫伏", "ミリボルト"]),
+    (Unit::Microvolt, &["uv", "microvolt", "microvolts", "mikrovolt", "微伏"]),
+    (Unit::Metre, &["m", "metre", "metres", "meter", "meters", "metro", "metros", "米"]),
+    (Unit::Millimetre, &["mm", "millimetre", "millimetres", "millimeter", "millimeters", "毫米", "ミリメートル"]),
+    (
+        Unit::Micrometre,
+        &[
+            "um",
+            "micron",
+            "microns",
+            "micrometre",
+            "micrometres",
+            "micrometer",
+            "micrometers",
+            "mikrometer",
+            "micromètres",
+            "micrómetros",
+            "micrometri",
+            "micra",
+            "微米",
+            "マイクロメートル",
+            "㎛",
+        ],
+    ),
+    (Unit::Nanometre, &["nm", "nanometre", "nanometres", "nanometer", "nanometers", "纳米", "ナノメートル"]),
+    (Unit::Picometre, &["pm", "picometre", "picometres", "picometer", "picometers", "皮米"]),
+];
+
+/// A unit without the brackets around it.
+#[must_use]
+pub fn without_brackets(unit: &str) -> &str {
+    const BRACKETS: [char; 10] = ['(', ')', '[', ']', '{', '}', '（', '）', '【', '】'];
+    unit.trim().trim_matches(BRACKETS).trim()
 }
 
 #[cfg(test)]
@@ -181,6 +264,9 @@ mod tests {
         }
         assert_eq!("\u{b5}s".parse(), Ok(Unit::Microsecond));
         assert_eq!("Volts".parse(), Ok(Unit::Volt));
+        for text in ["Mikrometer", "微米", "micromètres"] {
+            assert_eq!(text.parse(), Ok(Unit::Micrometre), "{text}");
+        }
         for mega in ["MV", "Mm", "M", "Ms", "furlong", "", "mA"] {
             assert!(mega.parse::<Unit>().is_err(), "{mega}");
         }
@@ -195,13 +281,16 @@ mod tests {
         assert_eq!(Unit::Metre.to_base(12e-6), 12.0);
         assert_eq!(Unit::Millimetre.to_base(0.012), 12.0);
         assert_eq!(Unit::Nanometre.to_base(12_000.0), 12.0);
+        assert_eq!(Unit::Picometre.to_base(12e6), 12.0);
+        assert_eq!(Unit::Microvolt.to_base(1.5e6), 1.5);
+        assert_eq!(Unit::Nanosecond.to_base(500_000.0), 0.0005);
     }
 
     #[test]
     fn neighbours_stay_within_the_quantity() {
         assert_eq!(Unit::Micrometre.smaller(), Some(Unit::Nanometre));
         assert_eq!(Unit::Micrometre.larger(), Some(Unit::Millimetre));
-        assert_eq!(Unit::Microsecond.smaller(), None);
+        assert_eq!(Unit::Nanosecond.smaller(), None);
         assert_eq!(Unit::Kilovolt.larger(), None);
     }
 }

@@ -1,0 +1,80 @@
+//! When the rows of a log were recorded: the period, and how evenly the time stamps keep it.
+
+use serde::Serialize;
+
+/// When the rows were recorded.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Clock {
+    /// Rows a second, from the first time stamp to the last, or as stated; NaN of a single row.
+    pub hz: f64,
+    /// Who says so.
+    pub source: RateSource,
+    /// Smallest and largest step from a time stamp to the next, s, where a column holds them.
+    pub steps_s: Option<(f64, f64)>,
+    /// Steps of more than one and a half periods.
+    pub long_steps: u64,
+    /// Time from the first row to the last, s.
+    pub duration_s: f64,
+}
+
+/// Who says how fast the rows were recorded.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RateSource {
+    /// A column of time stamps.
+    Column,
+    /// The file's header, under this name.
+    File(String),
+    /// Whoever reads the log.
+    Stated,
+}
+
+/// The time stamps so far.
+#[derive(Default)]
+pub(crate) struct Tally {
+    first: Option<f64>,
+    last: f64,
+    rows: u64,
+    steps: Option<(f64, f64)>,
+    long: u64,
+}
+
+impl Tally {
+    pub fn add(&mut self, time: Option<f64>) {
+        let Some(time) = time else { return };
+        let Some(first) = self.first else {
+            (self.first, self.last, self.rows) = (Some(time), time, 1);
+            return;
+        };
+        let step = time - self.last;
+        let mean = (self.last - first) / (self.rows.saturating_sub(1)).max(1) as f64;
+        // The mean so far tells a gap from the second step on.
+        self.long += u64::from(self.rows > 2 && step > 1.5 * mean);
+        let (low, high) = self.steps.unwrap_or((step, step));
+        self.steps = Some((low.min(step), high.max(step)));
+        (self.last, self.rows) = (time, self.rows + 1);
+    }
+
+    /// `stated` is a period that no column states, s, and what the file calls it.
+    pub fn result(&self, rows: u64, stated: Option<(f64, Option<String>)>) -> Clock {
+        let intervals = rows.saturating_sub(1) as f64;
+        let Some((period, name)) = stated else {
+            let duration_s = self.first.map_or(0.0, |first| self.last - first);
+            let hz = intervals / duration_s;
+            return Clock {
+                hz: whole(hz),
+                source: RateSource::Column,
+                steps_s: self.steps,
+                long_steps: self.long,
+                duration_s,
+            };
+        };
+        let source = name.map_or(RateSource::Stated, RateSource::File);
+        Clock { hz: whole(1.0 / period), source, steps_s: None, long_steps: 0, duration_s: intervals * period }
+    }
+}
+
+/// The nearest whole number of a rate that is one but for rounding.
+fn whole(hz: f64) -> f64 {
+    if (hz / hz.round() - 1.0).abs() < 1e-6 { hz.round() } else { hz }
+}

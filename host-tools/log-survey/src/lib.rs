@@ -1,0 +1,191 @@
+//! What a log holds, before anything is fitted to it: its rate, the ranges and the noise of what was recorded, where it
+//! stands still, and which amplitudes it has at which frequencies.
+//!
+//! A log passes by once and is not kept: [`survey`] needs some 50 MB however long it is. Of a log with more than 2¹⁸ rows,
+//! neighbouring rows are kept as their extremes.
+
+mod blocks;
+mod clock;
+mod noise;
+mod stillness;
+mod swings;
+
+use recordings::log::{Chosen, LogError, Reading, Row};
+use serde::Serialize;
+
+pub use blocks::Block;
+pub use clock::{Clock, RateSource};
+pub use stillness::Stillness;
+pub use swings::{Cell, Swings};
+
+use blocks::Blocks;
+use noise::Noise;
+use stillness::Watch;
+
+/// What a log holds.
+#[derive(Debug, Clone, Serialize)]
+pub struct Survey {
+    /// The columns that were read.
+    pub columns: Vec<ColumnRead>,
+    /// How many rows there are.
+    pub rows: u64,
+    /// When the rows were recorded.
+    pub clock: Clock,
+    /// The voltage, V, where there is one.
+    pub voltage: Option<Series>,
+    /// The displacement, µm, where there is one.
+    pub displacement: Option<Series>,
+    /// The longest stretch in which the displacement is one number and the voltage moves most.
+    pub frozen: Option<Stillness>,
+    /// The voltage's reversals, and the half cycles between them.
+    pub swings: Swings,
+    /// Rows that are kept as one: 1 unless the log is long.
+    pub rows_a_block: u64,
+    /// The log's course.
+    #[serde(skip)]
+    pub blocks: Vec<Block>,
+}
+
+/// A column that was read.
+#[derive(Debug, Clone, Serialize)]
+pub struct ColumnRead {
+    /// What it holds: time, voltage or displacement.
+    pub quantity: String,
+    /// Its number, counted from 1.
+    pub number: usize,
+    /// Its name in the file.
+    pub name: String,
+    /// Its unit, or a sensor's unit and scale.
+    pub unit: String,
+}
+
+/// One series of a log.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Series {
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// Scatter from row to row that no slow course explains, one standard deviation.
+    pub noise: f64,
+    /// Smallest change from a row to the next that is none.
+    pub resolution: f64,
+    /// Rows of the longest stretch at the smallest value.
+    pub longest_at_low: u64,
+    /// Rows of the longest stretch at the largest value.
+    pub longest_at_high: u64,
+}
+
+impl From<Chosen> for ColumnRead {
+    fn from(Chosen { quantity, number, name, unit }: Chosen) -> Self {
+        Self { quantity: quantity.to_string(), number, name, unit }
+    }
+}
+
+/// Reads a log once, to its end.
+///
+/// # Errors
+/// The first row that is none; a stated rate that the file contradicts.
+pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
+    let columns = reading.chosen().into_iter().map(ColumnRead::from).collect();
+    let stated = reading.stated_period()?.map(|seconds| (seconds, reading.sample_time().map(|time| time.name.clone())));
+    let mut tally = Tally::default();
+    reading.rows(&mut |row| tally.row(row))?;
+    let clock = tally.clock.result(tally.rows, stated);
+    let period = 1.0 / clock.hz;
+    let voltage = tally.voltage.result();
+    let swings = match &voltage {
+        Some(series) => swings::find(tally.blocks.all(), series, period),
+        None => Swings::default(),
+    };
+    Ok(Survey {
+        columns,
+        rows: tally.rows,
+        clock,
+        displacement: tally.displacement.result(),
+        frozen: tally.watch.result(voltage.as_ref()),
+        voltage,
+        swings,
+        rows_a_block: tally.blocks.rows_a_block(),
+        blocks: tally.blocks.into_all(),
+    })
+}
+
+/// What is known of the rows so far.
+#[derive(Default)]
+struct Tally {
+    rows: u64,
+    clock: clock::Tally,
+    voltage: SeriesTally,
+    displacement: SeriesTally,
+    watch: Watch,
+    blocks: Blocks,
+}
+
+impl Tally {
+    fn row(&mut self, row: Row) {
+        self.clock.add(row.time);
+        self.voltage.add(row.voltage);
+        self.displacement.add(row.displacement);
+        if let (Some(voltage), Some(displacement)) = (row.voltage, row.displacement) {
+            self.watch.add(self.rows, voltage, displacement);
+        }
+        self.blocks.add(row.voltage.unwrap_or(f64::NAN), row.displacement.unwrap_or(f64::NAN));
+        self.rows += 1;
+    }
+}
+
+/// What is known of a series so far.
+#[derive(Default)]
+struct SeriesTally {
+    last: Option<f64>,
+    low: Extreme,
+    high: Extreme,
+    resolution: Option<f64>,
+    noise: Noise,
+}
+
+/// A largest value, and how long the series stood there.
+#[derive(Default)]
+struct Extreme {
+    value: Option<f64>,
+    run: u64,
+    longest: u64,
+}
+
+impl Extreme {
+    fn add(&mut self, value: f64) {
+        match self.value {
+            Some(most) if value < most => self.run = 0,
+            Some(most) if value == most => self.run += 1,
+            _ => (self.value, self.run, self.longest) = (Some(value), 1, 1),
+        }
+        self.longest = self.longest.max(self.run);
+    }
+}
+
+impl SeriesTally {
+    fn add(&mut self, value: Option<f64>) {
+        let Some(value) = value else { return };
+        self.low.add(-value);
+        self.high.add(value);
+        let step = self.last.map(|last| (value - last).abs()).filter(|step| *step > 0.0);
+        self.resolution = self.resolution.into_iter().chain(step).reduce(f64::min);
+        self.noise.add(value);
+        self.last = Some(value);
+    }
+
+    fn result(&self) -> Option<Series> {
+        Some(Series {
+            low: -self.low.value?,
+            high: self.high.value?,
+            noise: self.noise.deviation(),
+            resolution: self.resolution.unwrap_or(0.0),
+            longest_at_low: self.low.longest,
+            longest_at_high: self.high.longest,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

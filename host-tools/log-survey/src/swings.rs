@@ -1,0 +1,116 @@
+//! The voltage's reversals, and the half cycles between them: which amplitudes a log has at which frequencies.
+
+use serde::Serialize;
+
+use crate::Series;
+use crate::blocks::BlocksView;
+
+/// Smallest half cycle, as a part of the voltage's range.
+const PART: f64 = 0.02;
+/// A half cycle is larger than so many standard deviations of the noise.
+const DEVIATIONS: f64 = 8.0;
+/// Classes of amplitude, as parts of the largest there can be.
+const AMPLITUDES: usize = 5;
+
+/// The voltage's reversals and half cycles.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Swings {
+    /// How often the voltage turns.
+    pub reversals: usize,
+    /// Smallest swing that counts, V from one reversal to the next.
+    pub threshold_v: f64,
+    /// Half cycles by amplitude and frequency, those that there are.
+    pub cells: Vec<Cell>,
+}
+
+/// Half cycles of one class.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Cell {
+    /// Amplitudes from … to, V: half of what the voltage goes from reversal to reversal.
+    pub amplitude_v: (f64, f64),
+    /// Frequencies from … to, Hz: one over twice the time from reversal to reversal.
+    pub frequency_hz: (f64, f64),
+    /// How many half cycles.
+    pub half_cycles: usize,
+}
+
+/// Finds them in the blocks of a log of this voltage and sample period, s.
+pub(crate) fn find(blocks: BlocksView<'_>, voltage: &Series, period: f64) -> Swings {
+    let range = voltage.high - voltage.low;
+    let threshold_v = (PART * range).max(DEVIATIONS * voltage.noise);
+    if range <= 0.0 || !period.is_finite() {
+        return Swings { threshold_v, ..Swings::default() };
+    }
+    let turns = turns(blocks, threshold_v);
+    let mut cells: Vec<((usize, i32), usize)> = Vec::new();
+    for pair in turns.windows(2) {
+        let amplitude = (pair[1].1 - pair[0].1).abs() / 2.0;
+        let seconds = (pair[1].0 - pair[0].0) * period;
+        let class = (amplitude_class(amplitude, range), frequency_class(0.5 / seconds));
+        match cells.iter_mut().find(|(other, _)| *other == class) {
+            Some((_, count)) => *count += 1,
+            None => cells.push((class, 1)),
+        }
+    }
+    cells.sort_unstable();
+    let cell = |((amplitude, frequency), half_cycles): ((usize, i32), usize)| Cell {
+        amplitude_v: (amplitude_edge(amplitude, range), amplitude_edge(amplitude + 1, range)),
+        frequency_hz: (frequency_edge(frequency), frequency_edge(frequency + 1)),
+        half_cycles,
+    };
+    Swings { reversals: turns.len().saturating_sub(2), threshold_v, cells: cells.into_iter().map(cell).collect() }
+}
+
+/// The log's start, its reversals and its end, as rows and voltages.
+fn turns(blocks: BlocksView<'_>, threshold: f64) -> Vec<(f64, f64)> {
+    let points = blocks.blocks.iter().enumerate().flat_map(|(index, block)| {
+        let at = |part: f64| (index as f64 + part) * blocks.rows_a_block as f64;
+        let (low, high) = block.voltage;
+        let second = if blocks.rows_a_block > 1 { 0.5 } else { 0.0 };
+        if block.rising { [(at(0.0), low), (at(second), high)] } else { [(at(0.0), high), (at(second), low)] }
+    });
+    let mut turns: Vec<(f64, f64)> = Vec::new();
+    // The furthest point since the last reversal, and the way there: up, down, or not yet known.
+    let mut furthest: Option<(f64, f64)> = None;
+    let mut up: Option<bool> = None;
+    for point in points {
+        let Some(far) = furthest else {
+            furthest = Some(point);
+            turns.push(point);
+            continue;
+        };
+        match up {
+            None if (point.1 - far.1).abs() >= threshold => (up, furthest) = (Some(point.1 > far.1), Some(point)),
+            None => {}
+            Some(true) if point.1 >= far.1 => furthest = Some(point),
+            Some(false) if point.1 <= far.1 => furthest = Some(point),
+            Some(was_up) if (point.1 - far.1).abs() >= threshold => {
+                turns.push(far);
+                (up, furthest) = (Some(!was_up), Some(point));
+            }
+            Some(_) => {}
+        }
+    }
+    turns.extend(furthest.filter(|_| up.is_some()));
+    turns
+}
+
+fn amplitude_class(amplitude: f64, range: f64) -> usize {
+    let class = (amplitude / (range / 2.0) * AMPLITUDES as f64).ceil() as usize;
+    class.clamp(1, AMPLITUDES) - 1
+}
+
+fn amplitude_edge(class: usize, range: f64) -> f64 {
+    range / 2.0 * class as f64 / AMPLITUDES as f64
+}
+
+/// Classes of frequency have their edges at 1, 3, 10, 30, …
+fn frequency_class(hz: f64) -> i32 {
+    let decade = hz.log10().floor();
+    let decade = decade.clamp(-12.0, 12.0) as i32;
+    2 * decade + i32::from(hz >= 3.0 * 10_f64.powi(decade))
+}
+
+fn frequency_edge(class: i32) -> f64 {
+    10_f64.powi(class.div_euclid(2)) * if class.rem_euclid(2) == 1 { 3.0 } else { 1.0 }
+}

@@ -1,0 +1,85 @@
+//! Made logs whose contents are known.
+
+use std::fmt::Write;
+
+use recordings::log::{ReadOptions, open};
+
+use super::*;
+
+/// Surveys a log of `time,voltage,displacement` rows.
+fn surveyed(rows: impl Iterator<Item = (f64, f64, f64)>) -> Survey {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    let mut text = "time_s,voltage_V,displacement_um\n".to_owned();
+    for (time, voltage, displacement) in rows {
+        writeln!(text, "{time},{voltage},{displacement}").unwrap();
+    }
+    std::fs::write(&path, text).unwrap();
+    survey(open(&path, &ReadOptions::default()).unwrap()).unwrap()
+}
+
+/// A sine of `volts` at `hz` for `seconds`, at 1 kHz.
+fn sine(volts: f64, hz: f64, seconds: f64) -> impl Iterator<Item = f64> {
+    let rows = (seconds * 1000.0) as u32;
+    (0..rows).map(move |k| volts * (std::f64::consts::TAU * hz * f64::from(k) / 1000.0).sin())
+}
+
+#[test]
+fn amplitudes_and_frequencies_are_found() {
+    let voltage: Vec<f64> = sine(10.0, 2.0, 5.0).chain(sine(50.0, 20.0, 2.0)).collect();
+    let rows = voltage.iter().enumerate().map(|(k, v)| (k as f64 / 1000.0, *v, v / 10.0));
+    let survey = surveyed(rows);
+    assert_eq!((survey.rows, survey.clock.hz, survey.clock.long_steps), (7000, 1000.0, 0));
+    // Two reversals a cycle.
+    assert!(survey.swings.reversals.abs_diff(20 + 80) <= 2, "{:?}", survey.swings);
+    let of = |low: f64, hz: f64| {
+        let fits = |cell: &&Cell| (cell.amplitude_v.0 - low).abs() < 0.5 && cell.frequency_hz.0 == hz;
+        survey.swings.cells.iter().find(fits).map_or(0, |cell| cell.half_cycles)
+    };
+    assert!(of(10.0, 1.0).abs_diff(20) <= 2, "{:?}", survey.swings);
+    assert!(of(40.0, 10.0).abs_diff(80) <= 2, "{:?}", survey.swings);
+}
+
+#[test]
+fn long_logs_are_kept_in_blocks_and_show_the_same() {
+    let cycles = 700;
+    let voltage = sine(10.0, 1.0, f64::from(cycles));
+    let survey = surveyed(voltage.enumerate().map(|(k, v)| (k as f64 / 1000.0, v, v)));
+    assert_eq!(survey.rows_a_block, 4);
+    assert!(survey.blocks.len() <= 1 << 18);
+    assert!(survey.swings.reversals.abs_diff(2 * cycles as usize) <= 1, "{}", survey.swings.reversals);
+    let voltage = survey.voltage.unwrap();
+    assert!((voltage.high - 10.0).abs() < 1e-3 && (voltage.low + 10.0).abs() < 1e-3);
+}
+
+#[test]
+fn noise_clipping_and_a_frozen_sensor_are_seen() {
+    // A multiplicative generator's numbers, even from -1 to 1.
+    let mut state = 1_u64;
+    let mut scatter = move || {
+        state = state * 48_271 % 2_147_483_647;
+        state as f64 / 1_073_741_823.5 - 1.0
+    };
+    let deviation = 1.0 / 3.0_f64.sqrt();
+    let voltage: Vec<f64> = sine(50.0, 1.0, 10.0).collect();
+    let noisy = voltage.iter().enumerate().map(|(k, v)| (k as f64 / 1000.0, *v, v + scatter()));
+    let noise = surveyed(noisy).displacement.unwrap().noise;
+    assert!((noise / deviation - 1.0).abs() < 0.1, "{noise} {deviation}");
+
+    let clipped = voltage.iter().enumerate().map(|(k, v)| (k as f64 / 1000.0, *v, v.min(40.0)));
+    let displacement = surveyed(clipped).displacement.unwrap();
+    assert!(displacement.longest_at_high > 100 && displacement.longest_at_low < 8, "{displacement:?}");
+
+    let frozen = voltage.iter().enumerate().map(|(k, v)| (k as f64 / 1000.0, *v, if k < 3000 { *v } else { 7.0 }));
+    let frozen = surveyed(frozen).frozen.unwrap();
+    assert_eq!((frozen.first_row, frozen.rows, frozen.displacement_um), (3000, 7000, 7.0));
+    assert!(surveyed(voltage.iter().enumerate().map(|(k, v)| (k as f64 / 1000.0, *v, *v))).frozen.is_none());
+}
+
+#[test]
+fn gaps_and_a_still_voltage_are_told() {
+    let survey = surveyed((0..1000).map(|k| (f64::from(k + 50 * (k / 500)) / 1000.0, 5.0, f64::from(k))));
+    assert_eq!(survey.clock.long_steps, 1);
+    assert_eq!(survey.swings.reversals, 0);
+    assert!(survey.swings.cells.is_empty());
+}

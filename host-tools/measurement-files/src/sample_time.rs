@@ -1,0 +1,181 @@
+//! The sample time that a preamble states: `SAMPLE_TIME = 0.005`, `Sample Interval,5.00E-03`, `Delta_X`, `Sampling rate: 200 Hz`.
+
+use crate::fault::Place;
+use crate::preamble::Entry;
+use crate::table::SampleTime;
+use crate::unit::{Quantity, Unit};
+
+/// What instruments call the time from sample to sample.
+const PERIODS: [&str; 41] = [
+    "sample time",
+    "sampletime",
+    "samplingtime",
+    "tinterval",
+    "hresolution",
+    "sample interval",
+    "sample period",
+    "sampling time",
+    "sampling interval",
+    "sampling period",
+    "time step",
+    "timestep",
+    "time interval",
+    "time increment",
+    "time resolution",
+    "delta x",
+    "delta t",
+    "dt",
+    "ts",
+    "tinc",
+    "xinc",
+    "xincr",
+    "xincrement",
+    "x increment",
+    "horizontal interval",
+    "increment",
+    "wf increment",
+    "abtastzeit",
+    "abtastintervall",
+    "abtastperiode",
+    "periode d échantillonnage",
+    "période d échantillonnage",
+    "pas de temps",
+    "période de muestreo",
+    "periodo de muestreo",
+    "intervalo de muestreo",
+    "periodo di campionamento",
+    "采样间隔",
+    "采样周期",
+    "サンプリング間隔",
+    "サンプリング周期",
+];
+
+/// What instruments call the samples a second.
+const RATES: [&str; 19] = [
+    "sample rate",
+    "samplerate",
+    "sampling rate",
+    "sample frequency",
+    "sampling frequency",
+    "samples per second",
+    "samples s",
+    "data rate",
+    "acquisition rate",
+    "fs",
+    "abtastrate",
+    "abtastfrequenz",
+    "fréquence d échantillonnage",
+    "frequence d echantillonnage",
+    "frecuencia de muestreo",
+    "frequenza di campionamento",
+    "采样率",
+    "采样频率",
+    "サンプリング周波数",
+];
+
+/// The first sample time among the entries; the first line of the text is line 1.
+pub(crate) fn find(entries: &[Entry]) -> Option<SampleTime> {
+    entries.iter().find_map(|entry| {
+        let value = entry.values.first()?;
+        let unit = entry.unit.as_deref().or_else(|| entry.values.get(1).map(String::as_str));
+        let seconds = seconds(&entry.key, value, unit)?;
+        Some(SampleTime { seconds, place: Place::Line(entry.line + 1), name: entry.written.clone() })
+    })
+}
+
+/// The sample time that `key` states by `value`, s: a number with a unit behind it, else in `unit`, else in s or Hz.
+pub(crate) fn seconds(key: &str, value: &str, unit: Option<&str>) -> Option<f64> {
+    let (number, behind) = number(value)?;
+    let unit = if behind.is_empty() { unit.unwrap_or("") } else { behind };
+    let seconds = if PERIODS.contains(&key) {
+        match unit.parse::<Unit>() {
+            Ok(unit) if unit.quantity() == Quantity::Time => unit.to_base(number),
+            _ if is_none(unit) => number,
+            _ => return None,
+        }
+    } else if RATES.contains(&key) {
+        1.0 / (number * hertz(unit)?)
+    } else {
+        return None;
+    };
+    (seconds.is_finite() && seconds > 0.0).then_some(seconds)
+}
+
+/// A number and what stands behind it.
+fn number(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim().trim_matches('"');
+    let is_part = |(at, c): &(usize, char)| {
+        let exponent = |c: char| c.eq_ignore_ascii_case(&'e');
+        let after_exponent = text[..*at].ends_with(exponent);
+        c.is_ascii_digit() || ".,".contains(*c) || ("+-".contains(*c) && (*at == 0 || after_exponent)) || {
+            let rest = text[at + c.len_utf8()..].trim_start_matches(['+', '-']);
+            exponent(*c) && rest.starts_with(|c: char| c.is_ascii_digit())
+        }
+    };
+    let end = text.char_indices().find(|part| !is_part(part)).map_or(text.len(), |(at, _)| at);
+    let number = text[..end].trim_end_matches(',').replace(',', ".").parse().ok()?;
+    Some((number, text[end..].trim()))
+}
+
+/// Hz of one of the units of a rate, 1 where none is stated.
+fn hertz(unit: &str) -> Option<f64> {
+    match unit.to_lowercase().replace(' ', "").as_str() {
+        "hz" | "s/s" | "sa/s" | "sps" | "1/s" | "samples/s" | "samples/sec" | "samples/second" => Some(1.0),
+        "khz" | "ks/s" | "ksps" | "ksa/s" => Some(1e3),
+        "mhz" | "ms/s" | "msps" | "msa/s" => Some(1e6),
+        "ghz" | "gs/s" | "gsps" | "gsa/s" => Some(1e9),
+        _ if is_none(unit) => Some(1.0),
+        _ => None,
+    }
+}
+
+/// Whether what stands in a unit's place is nothing, or the next number.
+fn is_none(unit: &str) -> bool {
+    !unit.chars().any(char::is_alphabetic) || number(unit).is_some_and(|(_, behind)| behind.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preamble::entries;
+
+    #[test]
+    fn every_spelling_states_five_milliseconds() {
+        for text in [
+            "# SAMPLE_TIME = 5e-3",
+            "Sample Interval,5.00E-03,5.00E-03",
+            "Sample interval:\t5 ms",
+            "Delta_X\t0.005\t0.005",
+            "Abtastintervall [ms];5",
+            "Abtastrate;200",
+            "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,0.000000e+00,5.000000e-03",
+            "CH1V,t0 =-0.05, tInc = 5e-03,",
+            "\"Sampling Rate\",\"0.2 kHz\"",
+            "% fs: 200",
+            "Sampling period (us): 5000",
+            "Sample Rate,200,Hz",
+            "Intervalo de muestreo;0,005;s",
+            "采样率:200Hz",
+        ] {
+            let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+            let found = find(&entries(&lines)).unwrap_or_else(|| panic!("{text}"));
+            assert!((found.seconds - 0.005).abs() < 1e-15, "{text}: {}", found.seconds);
+            assert_eq!(found.place, Place::Line(1));
+        }
+    }
+
+    #[test]
+    fn other_entries_state_none() {
+        for text in [
+            "Record Length,2000",
+            "Sample Interval,",
+            "Sample rate: fast",
+            "SAMPLE_TIME = 0",
+            "Sampling time: 5 min",
+            "Sample rate = -1",
+            "ts",
+        ] {
+            assert_eq!(find(&entries(&[text.to_owned()])), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Text tables: found by themselves behind a preamble of any length, then read row by row.
+
+use std::borrow::Cow;
+use std::collections::VecDeque;
+use std::io::BufRead;
+
+use crate::dialect::Kind;
+use crate::excerpt::excerpt;
+use crate::fault::{Fault, Place, PlacedFault};
+use crate::header::{self, Header};
+use crate::layout::{self, Layout, is_comment};
+use crate::lines::Lines;
+use crate::preamble;
+use crate::sample_time;
+use crate::stamp::{DAY, Stamp};
+use crate::table::{Body, Column, Table};
+
+/// How much text is looked at to find the table, bytes.
+const HEAD: usize = 1 << 18;
+/// How much is looked at where the table has not begun yet, bytes.
+const LONGEST_PREAMBLE: usize = 1 << 26;
+/// Rows that are a table without doubt.
+const CERTAIN: usize = 16;
+
+/// The rows of a text table that have not been read.
+pub(crate) struct TextRows<'a> {
+    layout: Layout,
+    /// Fewest and most fields of a row.
+    fields: (usize, usize),
+    /// Lines that were read to find the table, from its first row on.
+    head: VecDeque<String>,
+    rest: Lines<'a>,
+    /// Number of the line before the next, counted from 1.
+    line: usize,
+}
+
+/// Opens the table in a text.
+pub(crate) fn open<'a>(stream: Box<dyn BufRead + 'a>) -> Result<Table<'a>, PlacedFault> {
+    let mut rest = Lines::new(stream)?;
+    let (lines, layout) = head(&mut rest)?;
+    let Some(layout) = layout else {
+        let blank = |line: &String| line.trim().is_empty() || is_comment(line);
+        return Err(if lines.iter().all(blank) { Fault::Empty.into() } else { Fault::NoRows.into() });
+    };
+    let entries = preamble::entries(&lines[..layout.start]);
+    let header = header::find(&lines, &layout, &entries);
+    let sample_time = sample_time::find(&entries);
+    let (named, at) = match &header {
+        Some(header) => (true, header.line),
+        None => (false, layout.start),
+    };
+    let fields = widths(&layout, header.as_ref());
+    let columns = columns(&lines, &layout, header);
+    let first_row = Place::Line(layout.start + 1);
+    let head: VecDeque<String> = lines.into_iter().skip(layout.start).collect();
+    let line = layout.start;
+    let body = Body::Text(Box::new(TextRows { layout, fields, head, rest, line }));
+    Ok(Table { columns, named, header: Place::Line(at + 1), sample_time, first_row, body })
+}
+
+/// The first lines of a text, as many as it takes to be sure of the table, and the table.
+fn head(rest: &mut Lines<'_>) -> Result<(Vec<String>, Option<Layout>), Fault> {
+    let (mut lines, mut line) = (Vec::new(), String::new());
+    let (mut read, mut enough) = (0, HEAD);
+    loop {
+        let more = rest.next_into(&mut line)?;
+        if more {
+            read += line.len() + 1;
+            lines.push(std::mem::take(&mut line));
+            if read < enough {
+                continue;
+            }
+        }
+        let layout = layout::find(&lines);
+        let certain =
+            layout.as_ref().is_some_and(|layout| layout.rows() >= CERTAIN && layout.end + CERTAIN > lines.len());
+        if !more || certain || enough >= LONGEST_PREAMBLE {
+            return Ok((lines, layout));
+        }
+        enough *= 4;
+    }
+}
+
+/// Fewest and most fields of a row: what header and rows agree on, and what they may leave out at their ends.
+fn widths(layout: &Layout, header: Option<&Header>) -> (usize, usize) {
+    let least = layout.kinds.iter().rposition(|kind| kind.is_numeric()).map_or(0, |last| last + 1);
+    (least, layout.kinds.len().max(header.map_or(0, |header| header.cells)))
+}
+
+fn columns(lines: &[String], layout: &Layout, header: Option<Header>) -> Vec<Column> {
+    let names =
+        header.map(|header| header.names).unwrap_or_default().into_iter().chain(std::iter::repeat(String::new()));
+    let column = |(kind, name): (&Kind, String)| Column {
+        name,
+        numeric: kind.is_numeric(),
+        stamps: *kind == Kind::Stamp,
+        values: Vec::new(),
+    };
+    let mut columns: Vec<Column> = layout.kinds.iter().zip(names).map(column).collect();
+    let mut clocks = vec![Clock::default(); columns.len()];
+    let mut fields = Vec::new();
+    for line in &lines[layout.start..layout.end] {
+        fields.clear();
+        layout.dialect.split(line, &mut fields);
+        for ((column, clock), field) in columns.iter_mut().zip(&mut clocks).zip(&fields) {
+            let value = if column.stamps { clock.seconds(field) } else { layout.dialect.number(field) };
+            column.values.extend(value.filter(|_| column.numeric));
+        }
+    }
+    columns
+}
+
+/// Turns time stamps into seconds since the first.
+#[derive(Clone, Default)]
+struct Clock {
+    first: Option<i128>,
+    last: i128,
+}
+
+impl Clock {
+    fn seconds(&mut self, field: &str) -> Option<f64> {
+        let stamp = Stamp::parse(field)?;
+        let mut instant = stamp.nanoseconds;
+        let first = *self.first.get_or_insert(instant);
+        if !stamp.dated && self.last - instant > DAY / 2 {
+            instant += ((self.last - instant) / DAY + 1) * DAY;
+        }
+        self.last = instant;
+        Some((instant - first) as f64 / 1e9)
+    }
+}
+
+impl TextRows<'_> {
+    /// See [`Table::rows`].
+    pub fn read(mut self, wanted: &[usize], visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
+        let stamps = |at: &usize| self.layout.kinds.get(*at) == Some(&Kind::Stamp);
+        let mut clocks: Vec<Option<Clock>> = wanted.iter().map(|at| stamps(at).then(Clock::default)).collect();
+        let mut row = vec![0.0; wanted.len()];
+        let mut line = String::new();
+        while self.next_into(&mut line)? {
+            let mut fields = Vec::with_capacity(self.layout.kinds.len());
+            self.layout.dialect.split(&line, &mut fields);
+            match self.fill(&line, &fields, wanted, &mut clocks, &mut row) {
+                Ok(()) => visit(&row),
+                Err(fault) => return self.end(&line, fault),
+            }
+        }
+        Ok(())
+    }
+
+    fn next_into(&mut self, line: &mut String) -> Result<bool, Fault> {
+        self.line += 1;
+        match self.head.pop_front() {
+            Some(next) => {
+                *line = next;
+                Ok(true)
+            }
+            None => self.rest.next_into(line),
+        }
+    }
+
+    /// Reads one row.
+    fn fill(
+        &self,
+        line: &str,
+        fields: &[Cow<'_, str>],
+        wanted: &[usize],
+        clocks: &mut [Option<Clock>],
+        row: &mut [f64],
+    ) -> Result<(), Fault> {
+        if line.trim().is_empty() {
+            return Err(Fault::EmptyLine);
+        }
+        let filled = fields.iter().rposition(|field| !field.is_empty()).map_or(0, |last| last + 1);
+        let (least, most) = self.fields;
+        if fields.len() < least || filled > most {
+            let expected = if fields.len() < least { least.max(self.layout.kinds.len()) } else { most };
+            return Err(Fault::UnevenRow { found: fields.len(), expected });
+        }
+        for (column, ((&at, clock), value)) in wanted.iter().zip(clocks).zip(row).enumerate() {
+            let field = fields.get(at).map_or("", |field| field);
+            *value = match clock {
+                Some(clock) => clock.seconds(field),
+                None => self.layout.dialect.number(field),
+            }
+            .ok_or_else(|| match field {
+                "" => Fault::MissingField { column },
+                _ => Fault::NotANumber { column, value: excerpt(field) },
+            })?;
+            if !value.is_finite() {
+                return Err(Fault::NotFinite { column, value: excerpt(field) });
+            }
+        }
+        Ok(())
+    }
+
+    /// The end of the table at a line that is no row: the end of the file if no row follows, and the line is none cut short.
+    fn end(mut self, line: &str, fault: Fault) -> Result<(), PlacedFault> {
+        let place = Place::Line(self.line);
+        let is_row = |rows: &Self, line: &str| {
+            let mut fields = Vec::new();
+            rows.layout.dialect.split(line, &mut fields);
+            fields.iter().any(|field| rows.layout.dialect.kind(field).is_numeric())
+        };
+        if is_row(&self, line) {
+            return Err(fault.at(place));
+        }
+        let mut next = String::new();
+        while self.next_into(&mut next)? {
+            if is_row(&self, &next) {
+                return Err(fault.at(place));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,122 @@
+//! Text tables of every dialect, and what is wrong with them.
+
+use super::*;
+
+fn csv(header: &str, period: f64, separator: &str) -> String {
+    let row = |t: f64, v: f64, y: f64| [t, v, y].map(|x| x.to_string()).join(separator);
+    header.to_owned() + &rows(period, row)
+}
+
+#[test]
+fn delimiters_comments_line_ends_and_byte_order_mark() {
+    let reference = parsed(&csv("t_s,u_V,y_um\n", 0.001, ","), &options("", None)).unwrap();
+    assert_eq!(reference.sample_period, 0.001);
+    let comma = csv("# rig 3\n% run 1\n\n\"time, s\",u_V,y_um\n", 0.001, " , ");
+    for text in [
+        csv("time (s);voltage (V);displacement (\u{b5}m)\n", 0.001, ";"),
+        csv("t / s\tU / V\ty / \u{3bc}m\n", 0.001, "\t"),
+        csv("t_s u_V y_um\n", 0.001, "   "),
+        csv("time,voltage,displacement\n(s),(V),(um)\n", 0.001, ","),
+        comma.replace('\n', "\r\n"),
+        "\u{feff}".to_owned() + &comma + "\n\n",
+    ] {
+        let log = parsed(&text, &options("", None)).unwrap();
+        assert_eq!(log.voltage, reference.voltage, "{text}");
+        assert_eq!(log.displacement, reference.displacement);
+        assert_eq!(log.sample_period, 0.001);
+    }
+    let latin1 = csv("t_s;u_V;y (?m)\n", 0.001, ";");
+    let latin1: Vec<u8> = latin1.bytes().map(|b| if b == b'?' { 0xb5 } else { b }).collect();
+    let (recording, _) = parse(&latin1, &options("", None)).unwrap();
+    assert_eq!(recording.displacement, reference.displacement);
+}
+
+#[test]
+fn units_are_converted() {
+    let text = rows(0.5, |t, v, y| format!("{},{t},{},-", y * 1e3, v * 1e3));
+    let header = "y_nm,time (ms),Voltage [mV],note\n";
+    let log = parsed(&(header.to_owned() + &text), &options("", None)).unwrap();
+    assert_eq!(log.sample_period, 0.0005);
+    assert!((log.voltage[3] - 20.0 * 0.9_f64.sin()).abs() < 1e-12);
+    assert!((log.displacement.unwrap()[3] - 4.0 * 0.7_f64.sin()).abs() < 1e-12);
+}
+
+#[test]
+fn tables_without_a_header() {
+    let stated = options("time=1:ms,voltage=2,displacement=3", None);
+    for separator in [" ", "\t", "  \t ", ", ", ";"] {
+        let log = parsed(&csv("", 0.5, separator), &stated).unwrap();
+        assert_eq!(log.sample_period, 0.0005, "{separator:?}");
+    }
+    let (place, fault) = refused(&csv("", 0.5, " "), &options("", None));
+    assert_eq!(place, Place::Line(1));
+    let Fault::NoHeader { example, rate_needed, .. } = fault else { panic!("{fault}") };
+    assert_eq!((rate_needed, &*example), (false, "time=1:s,voltage=2:V,displacement=3:um"));
+    let two = rows(0.5, |_, v, y| format!("{v} {y}"));
+    let (_, fault) = refused(&two, &options("", None));
+    assert!(matches!(fault, Fault::NoHeader { count: 2, example, .. } if example == "voltage=1:V,displacement=2:um"));
+    let (_, fault) = refused(&two, &options("voltage=1,displacement=3", Some(2e3)));
+    assert!(matches!(fault, Fault::NoSuchColumn { .. }), "{fault}");
+}
+
+/// `text` with `from` replaced by `to` in the row at line 10 of a file whose header is line 2.
+fn with_line_10(to: &str) -> String {
+    let text = csv("# log\nt_s,u_V,y_um\n", 0.001, ",");
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines[9] = to;
+    lines.join("\n")
+}
+
+#[test]
+fn bad_fields_are_named_with_their_line() {
+    let line_10 = |row: &str| {
+        let (place, fault) = refused(&with_line_10(row), &options("", None));
+        assert_eq!(place, Place::Line(10), "{fault}");
+        fault
+    };
+    let fault = line_10("0.007,12V,1");
+    assert!(fault.to_string().starts_with("the voltage is not a number (\"12V\")"));
+    assert!(matches!(line_10("0.007,nan,1"), Fault::NotFinite { .. }));
+    assert!(matches!(line_10("0.007,1,-inf"), Fault::NotFinite { .. }));
+    assert!(matches!(line_10("0.007,1e999,1"), Fault::NotFinite { .. }));
+    assert!(matches!(line_10("0.007,,1"), Fault::MissingField { .. }));
+    assert!(matches!(line_10("0.007,1"), Fault::UnevenRow { found: 2, expected: 3 }));
+    assert!(matches!(line_10("0.007,1,2,3"), Fault::UnevenRow { .. }));
+    assert!(matches!(line_10(""), Fault::EmptyLine));
+    assert!(matches!(line_10("# pause"), Fault::UnevenRow { .. }));
+}
+
+#[test]
+fn decimal_commas_are_read() {
+    let point = csv("t_s;u_V;y_um\n", 0.001, ";");
+    let reference = parsed(&point, &options("", None)).unwrap();
+    let comma = parsed(&point.replace('.', ","), &options("", None)).unwrap();
+    assert_eq!((comma.voltage, comma.displacement), (reference.voltage, reference.displacement));
+}
+
+#[test]
+fn short_empty_and_binary_files() {
+    let none = options("", None);
+    assert!(matches!(refused("# only this\n\n", &none).1, Fault::Empty));
+    let header_only = refused("t_s,u_V,y_um\n", &none).1;
+    assert!(matches!(header_only, Fault::FewRows { rows: 0, .. }));
+    let short = "t_s,u_V,y_um\n0,1,2\n1,2,3\n";
+    assert!(matches!(refused(short, &none).1, Fault::FewRows { rows: 2, .. }));
+    for text in ["PK\u{3}\u{4}...", "a\0b", "\u{1b}[0m"] {
+        let fault = refused(text, &none).1;
+        assert!(matches!(fault, Fault::Binary { .. }), "{fault}");
+    }
+}
+
+#[test]
+fn header_faults_stand_at_the_header() {
+    let text = csv("# log\ntime,u_V,y_um\n", 0.001, ",");
+    let (place, fault) = refused(&text, &options("", None));
+    assert_eq!(place, Place::Line(2));
+    let Fault::MissingUnit { column, example } = fault else { panic!("{fault}") };
+    assert_eq!((&*column, &*example), ("time", "time=1:s,voltage=2:V,displacement=3:um"));
+    let stated = options("time=1,voltage=2,displacement=3", None);
+    assert_eq!(parsed(&text, &stated).unwrap().sample_period, 0.001);
+    let stated = options("time=time:ms,voltage=u,displacement=Y", None);
+    assert_eq!(parsed(&text, &stated).unwrap().sample_period, 1e-6);
+}
