@@ -2,7 +2,7 @@
 //!
 //! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
 //! wrong, or nobody speaks any more, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a
-//! reset or a panic.
+//! reset that nobody asked the firmware for.
 //!
 //! ```text
 //! Waiting ── go ─► Ready ── first reference ─► Following ── timeout ─► Stopped
@@ -12,6 +12,7 @@
 //!
 //! A restart leads from every state to `Waiting`.
 
+use crate::ramp::Stride;
 use crate::rate::TICK_HZ;
 use estimator_core::{Admitted, DacCode, DriveCalibration, Inverse, Status};
 
@@ -51,6 +52,12 @@ impl Drive {
     /// The code of the rest voltage.
     pub fn rest(table: &Admitted) -> Option<DacCode> {
         table.drive.map(|drive| drive.code(drive.limits.rest_v, table.dac.full_scale))
+    }
+
+    /// The slew rate of a table that has a drive.
+    pub fn stride(table: &Admitted) -> Option<Stride> {
+        let DriveCalibration { gain_codes_per_v, limits, .. } = table.drive?;
+        Some(Stride::of(gain_codes_per_v.abs() * limits.slew_v_per_s / TICK_HZ as f32))
     }
 
     /// Follows nothing and waits for [`go`](Self::go), even after a [`stop`](Self::stop). The voltage stays where it is until

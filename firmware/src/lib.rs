@@ -20,6 +20,7 @@ pub mod last_words;
 pub mod link;
 pub mod peripherals;
 pub mod queues;
+pub mod ramp;
 pub mod rate;
 pub mod run;
 pub mod startup;

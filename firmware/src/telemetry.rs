@@ -1,8 +1,9 @@
 //! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`], and nothing
 //! interrupts it, so plain loads and stores are enough.
 
+use crate::ramp::{Ramp, Stride};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
-use estimator_core::Status;
+use estimator_core::{DacCode, Status};
 use protocol::{Faults, Mode};
 
 /// Counters and latches of the tick.
@@ -32,8 +33,11 @@ pub struct Telemetry {
     pub dropped: AtomicU32,
     /// The last tick was not done in time for its output.
     pub overdue: AtomicBool,
-    /// The DAC's safe code.
-    pub safe: AtomicU16,
+    /// The code that the DAC was given last.
+    dac: AtomicU16,
+    /// Its safe one, and how fast it may go there.
+    safe: AtomicU16,
+    stride: AtomicU32,
     /// Whether samples are wanted; written by the link.
     pub streaming: AtomicBool,
     /// How often the mode has been set; even the same again counts.
@@ -71,7 +75,9 @@ impl Telemetry {
             starved: AtomicU32::new(0),
             dropped: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
+            dac: AtomicU16::new(0),
             safe: AtomicU16::new(0),
+            stride: AtomicU32::new(Stride::JUMP.0),
             streaming: AtomicBool::new(false),
             epoch: AtomicU8::new(0),
             may_be_told: AtomicBool::new(false),
@@ -94,6 +100,26 @@ impl Telemetry {
         if cycles > self.cycles_max.load(Relaxed) {
             self.cycles_max.store(cycles, Relaxed);
         }
+    }
+
+    /// The DAC's safe code.
+    pub fn safe(&self) -> DacCode {
+        DacCode(self.safe.load(Relaxed))
+    }
+
+    /// The way from a code of the DAC to the safe one.
+    pub fn ramp(&self, from: DacCode) -> Ramp {
+        Ramp::new(from, self.safe(), Stride(self.stride.load(Relaxed)))
+    }
+
+    /// Whether the DAC drives something, so that its code may not jump.
+    pub fn drives(&self) -> bool {
+        Stride(self.stride.load(Relaxed)) != Stride::JUMP
+    }
+
+    /// Ticks from the code that the DAC was given last to the safe one.
+    pub fn ticks_to_safe(&self) -> u32 {
+        self.ramp(DacCode(self.dac.load(Relaxed))).ticks()
     }
 
     /// What is wrong now.
@@ -137,6 +163,17 @@ impl Telemetry {
         ];
         counters.iter().for_each(|counter| counter.store(0, Relaxed));
         self.faults_seen.store(0, Relaxed);
+    }
+
+    pub(crate) fn set_safe(&self, safe: DacCode, stride: Stride) {
+        self.dac.store(safe.0, Relaxed);
+        self.safe.store(safe.0, Relaxed);
+        self.stride.store(stride.0, Relaxed);
+    }
+
+    #[inline]
+    pub(crate) fn set_dac(&self, code: DacCode) {
+        self.dac.store(code.0, Relaxed);
     }
 
     pub(crate) fn set_mode(&self, mode: Mode) {

@@ -46,7 +46,7 @@ struct Output {
 impl<'q> Tick<'q> {
     /// A tick of a board; its safe code and its faults since boot can be read in `telemetry` from now on.
     pub fn new(startup: Startup, facts: &Facts, queues: TickQueues<'q>, telemetry: &'q Telemetry) -> Self {
-        telemetry.safe.store(startup.safe.0, Relaxed);
+        telemetry.set_safe(startup.safe, startup.stride);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
         Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last }
@@ -72,6 +72,7 @@ impl<'q> Tick<'q> {
             None => (self.safe_output(), faults | Faults::SAFE_OUTPUT),
         };
         self.telemetry.set_faults(faults);
+        self.telemetry.set_dac(dac);
         dac
     }
 

@@ -142,6 +142,7 @@ fn it_says_who_and_how_it_is() {
     let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
     assert_eq!((health.frames_refused, health.line_errors, health.last_words), (0, 0, None));
     assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done, "which takes a tick");
+    assert_eq!(bench.ask(Request::Reset), Reply::Resetting { in_ms: 0 }, "it drives nothing");
     let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
     assert!(health.ticks > 0);
     let mut empty = Bench::new(None);

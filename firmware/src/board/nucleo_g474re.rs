@@ -39,8 +39,8 @@ use embassy_stm32::usart::{self, BufferedInterruptHandler, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, Peri, bind_interrupts, dma, flash, interrupt, rcc};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
-use estimator_core::AdcCode;
 use estimator_core::table::Board;
+use estimator_core::{AdcCode, DacCode};
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words};
 use protocol::{BAUD, ResetCause};
@@ -167,7 +167,7 @@ async fn main(_spawner: Spawner) {
             // The pin, analogue since reset, stays high-impedance until the output register holds the safe code: the driver
             // switches a channel on before it can be given a code, so this one starts without the pin.
             let mut dac = DacChannel::new_triggered_internal::<_, Ch1, _>(dac1, dma, TIM6_TRGO, Irqs);
-            dac.set(Value::Bit12Right(TELEMETRY.safe.load(Relaxed)));
+            dac.set(Value::Bit12Right(TELEMETRY.safe().0));
             dac.set_mode(Mode::NormalExternalBuffered);
             dac.enable();
             // The constructor chooses the trigger and leaves it off.
@@ -269,11 +269,28 @@ fn reset_cause() -> ResetCause {
     causes.into_iter().filter(|(set, _)| *set).map(|(_, cause)| cause).collect()
 }
 
-/// The DAC to its safe value, at once. Before the DAC runs this does nothing: the registers have no clock.
+/// The DAC to its safe value: where it drives the amplifier, no faster than the drive may, and at once elsewhere. The tick
+/// must not come any more. Before the DAC runs this does nothing: the registers have no clock, and read as 0.
 fn output_safe() {
-    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(TELEMETRY.safe.load(Relaxed)));
-    // The code goes out as soon as no trigger is waited for.
-    pac::DAC1.cr().modify(|w| w.set_ten(0, false));
+    let shown = pac::DAC1.dor(0).read().dor();
+    if !pac::DAC1.cr().read().en(0) {
+        return;
+    }
+    let put_out = |code| {
+        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
+        // The code goes out as soon as no trigger is waited for.
+        pac::DAC1.cr().modify(|w| w.set_ten(0, false));
+    };
+    if TELEMETRY.drives() {
+        put_out(shown);
+    }
+    for DacCode(code) in TELEMETRY.ramp(DacCode(shown)) {
+        if TELEMETRY.drives() {
+            cortex_m::asm::delay(CORE_HZ / TICK_HZ);
+            pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::RESET));
+        }
+        put_out(code);
+    }
 }
 
 #[panic_handler]

@@ -3,6 +3,7 @@
 use crate::boot;
 use crate::facts::Facts;
 use crate::queues::{Command, LinkQueues};
+use crate::rate::TICK_HZ;
 use crate::table::TABLE;
 use crate::telemetry::Telemetry;
 use core::sync::atomic::Ordering::Relaxed;
@@ -64,9 +65,20 @@ impl<F: NorFlash> Device<'_, F> {
                 self.forget();
                 Ok(())
             }
-            Request::Reset => Ok(()),
+            Request::Reset => return Reply::Resetting { in_ms: self.telemetry.ticks_to_safe() / (TICK_HZ / 1_000) },
         };
         done.map_or_else(Reply::Refused, |()| Reply::Done)
+    }
+
+    /// Brings the output to its safe code, at the drive's slew rate where there is one, however long that takes. Where the
+    /// tick does not come any more, the watchdog ends this.
+    pub async fn rest(&mut self) {
+        while self.set_mode(Mode::Pause).await.is_err() {
+            Timer::after(POLL).await;
+        }
+        while self.telemetry.ticks_to_safe() > 0 {
+            Timer::after(POLL).await;
+        }
     }
 
     fn identity(&self) -> Identity {

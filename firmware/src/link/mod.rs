@@ -74,6 +74,8 @@ impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
                     let reply = self.device.answer(request).await;
                     self.send(&ToHost::Reply { to: sequence, reply }).await;
                     if reset {
+                        self.device.rest().await;
+                        // The code is the pin's a tick later, which is sooner than this.
                         Timer::after(DRAIN).await;
                         return ControlFlow::Break(());
                     }

@@ -144,7 +144,12 @@ impl Board {
     }
 
     /// From now on, the n-th injected conversion, counted from 0, shows `codes(n)` in JDR1.
-    pub fn feed(&mut self, codes: impl FnMut(u64) -> u16 + 'static) {
+    pub fn feed(&mut self, mut codes: impl FnMut(u64) -> u16 + 'static) {
+        self.connect(move |n, _| codes(n));
+    }
+
+    /// As [`Board::feed`], of what the DAC's pin shows when the conversion ends; nothing where it is not driven.
+    pub fn connect(&mut self, codes: impl FnMut(u64, Option<u16>) -> u16 + 'static) {
         let inputs = &mut self.machine_mut().bench.inputs;
         inputs.codes = Box::new(codes);
         inputs.converted = 0;

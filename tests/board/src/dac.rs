@@ -8,6 +8,7 @@ use crate::{field, record::Latch};
 
 const CR: u32 = 0x00;
 const DHR12R1: u32 = 0x08;
+const DOR1: u32 = 0x2C;
 const MCR: u32 = 0x3C;
 
 const EN: u32 = 1 << 0;
@@ -42,6 +43,7 @@ impl Dac {
     pub fn read(&self, offset: u32) -> Option<u32> {
         Some(match offset {
             CR => self.control,
+            DOR1 => self.output.into(),
             MCR => self.mode,
             _ => return None,
         })

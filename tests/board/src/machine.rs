@@ -142,6 +142,7 @@ impl Machine {
             self.tim5.advance(at);
         }
         if self.adc.due() == at {
+            self.bench.inputs.pin = self.dac.output();
             self.adc.advance(at, &mut self.bench.inputs, &mut self.bench.record)?;
         }
         if self.tim6.due == at && self.tim6.advance(at) {

@@ -7,6 +7,7 @@ mod flood;
 mod follow;
 mod log;
 mod power_cut;
+mod ramps;
 mod resets;
 mod store;
 mod timing;

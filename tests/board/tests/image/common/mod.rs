@@ -136,9 +136,17 @@ impl Bench {
         self.does(push(table))
     }
 
+    /// Asks for a reset; the time that the device says it needs before, ms.
+    pub fn reset(&mut self) -> Result<u32> {
+        match self.ask(Request::Reset)? {
+            Reply::Resetting { in_ms } => Ok(in_ms),
+            other => bail!("{other:?}"),
+        }
+    }
+
     /// A reset that the device is asked for.
     pub fn restart(&mut self) -> Result<()> {
-        self.does(Request::Reset)?;
+        self.reset()?;
         let stop = self.board.run(PATIENCE)?;
         ensure!(stop == Stop::Reset(Reset::Software), "{stop:?}");
         self.reboot(Reset::Software)
