@@ -18,6 +18,7 @@ pub mod drive;
 pub mod facts;
 pub mod last_words;
 pub mod link;
+pub mod panel;
 pub mod peripherals;
 pub mod queues;
 pub mod ramp;

@@ -2,6 +2,7 @@
 
 use crate::boot::{self, Chosen};
 use crate::link::{Device, Link};
+use crate::panel::{Front, Panel};
 use crate::peripherals::Peripherals;
 use crate::queues::Queues;
 use crate::startup::Startup;
@@ -42,8 +43,8 @@ impl Default for Resources {
 ///
 /// # Errors
 /// The parameter pages do not fit the flash: a mistake in the board or its memory map.
-pub async fn run<'r, R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<'r>)>(
-    board: Peripherals<R, W, F, D, S>,
+pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: FnOnce(Tick<'r>)>(
+    board: Peripherals<R, W, F, P, D, S>,
     resources: &'r mut Resources,
     telemetry: &'r Telemetry,
 ) -> Result<(), StoreError> {
@@ -65,7 +66,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<
         frames_refused: 0,
         read_errors: 0,
     };
-    let link = Link::new(device, board.receiver, board.transmitter);
+    let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
     (board.start)(tick);
     let watchdog = async {
         let mut seen = 0;

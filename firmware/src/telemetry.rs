@@ -90,16 +90,18 @@ impl Telemetry {
     }
 
     /// How long a tick took, entry to exit, and how long it might have, cycles. The board's interrupt handler says so when
-    /// it is done.
+    /// it is done, and learns whether it was in time.
     #[inline]
-    pub fn took(&self, cycles: u32, allowed: u32) {
-        if cycles > allowed {
+    pub fn took(&self, cycles: u32, allowed: u32) -> bool {
+        let in_time = cycles <= allowed;
+        if !in_time {
             self.overdue.store(true, Relaxed);
         }
         self.cycles_last.store(cycles, Relaxed);
         if cycles > self.cycles_max.load(Relaxed) {
             self.cycles_max.store(cycles, Relaxed);
         }
+        in_time
     }
 
     /// The DAC's safe code.

@@ -32,6 +32,7 @@ pub struct Tick<'q> {
     number: u32,
     /// Cycle counter at the last tick.
     last: Option<u32>,
+    valid: bool,
 }
 
 /// What the DAC is given.
@@ -49,7 +50,7 @@ impl<'q> Tick<'q> {
         telemetry.set_safe(startup.safe, startup.stride);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
-        Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last }
+        Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last, valid: false }
     }
 
     /// One tick: the code just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
@@ -73,7 +74,14 @@ impl<'q> Tick<'q> {
         };
         self.telemetry.set_faults(faults);
         self.telemetry.set_dac(dac);
+        self.valid = faults.is_empty();
         dac
+    }
+
+    /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick. Where it
+    /// is, the board shows so by an edge of a pin, which dies with the tick.
+    pub fn valid(&self) -> bool {
+        self.valid
     }
 
     fn estimate(&mut self, code: AdcCode, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {

@@ -5,6 +5,8 @@
 //! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, sixteenfold oversampling: codes up to 65,520 |
 //! | estimate | PA4 (A2), DAC1 channel 1, 12 bits |
 //! | high while the tick runs, for an oscilloscope | PA8 (D7) |
+//! | VALID: an edge at every good tick, for an interlock | PB10 (D6) |
+//! | lamp, button: [`firmware::panel`] | PA5 (LD2), PC13 (B1) |
 //! | link | LPUART1 on PA2, PA3: the ST-Link's virtual COM port |
 //! | trigger of both converters | TIM6, 2 kHz |
 //! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
@@ -26,7 +28,7 @@ use embassy_executor::Spawner;
 use embassy_stm32::adc::{Adc, AdcChannel as _, AdcConfig, Exten, InjectedAdc, SampleTime};
 use embassy_stm32::dac::{Ch1, DacChannel, Mode, Value};
 use embassy_stm32::flash::Flash;
-use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::typelevel::{Handler, LPUART1 as LPUART1Interrupt};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::mode::Async;
@@ -41,6 +43,7 @@ use embassy_stm32::{Config, Peri, bind_interrupts, dma, flash, interrupt, rcc};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::table::Board;
 use estimator_core::{AdcCode, DacCode};
+use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words};
 use protocol::{BAUD, ResetCause};
@@ -85,6 +88,23 @@ struct Armed {
     adc: InjectedAdc<'static, ADC1, 1>,
     dac: DacChannel<'static, Async>,
     marker: Output<'static>,
+    valid: Output<'static>,
+}
+
+/// The board's own button and lamp.
+struct OnBoard {
+    button: Input<'static>,
+    lamp: Output<'static>,
+}
+
+impl Front for OnBoard {
+    fn level(&mut self) -> bool {
+        self.button.is_high()
+    }
+
+    fn light(&mut self, on: bool) {
+        self.lamp.set_level(on.into());
+    }
 }
 
 /// What the tick leaves for others to read.
@@ -142,6 +162,9 @@ async fn main(_spawner: Spawner) {
     let pages = addr_of!(__parameters_start) as u32 - flash_start..addr_of!(__parameters_end) as u32 - flash_start;
     let (tim6, dac1, dma, pa0) = (p.TIM6, p.DAC1, p.DMA1_CH2, p.PA0);
     let marker = Output::new(p.PA8, Level::Low, Speed::High);
+    let valid = Output::new(p.PB10, Level::Low, Speed::Low);
+    // The board has the button's resistor.
+    let front = OnBoard { button: Input::new(p.PC13, Pull::None), lamp: Output::new(p.PA5, Level::Low, Speed::Low) };
     let facts = Facts {
         name: "nucleo-g474re",
         interface: INTERFACE,
@@ -160,6 +183,7 @@ async fn main(_spawner: Spawner) {
         transmitter,
         flash: Flash::new(p.FLASH, Irqs),
         pages,
+        front,
         feed_watchdog: || watchdog.pet(),
         start: |tick: Tick<'static>| {
             // Before the converters listen: loading the prescaler is a trigger too.
@@ -174,7 +198,7 @@ async fn main(_spawner: Spawner) {
             dac.set_triggering(true);
             let channel = (pa0.degrade_adc(), SampleTime::CYCLES47_5);
             let adc = adc.setup_injected_conversions([channel], TIM6_TRGO, Exten::RISING_EDGE, true);
-            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, dac, marker })));
+            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, dac, marker, valid })));
             // SAFETY: the handler below is ready, and no critical section masks by priority.
             unsafe { interrupt::ADC1_2.enable() };
             timer.start();
@@ -194,7 +218,7 @@ async fn main(_spawner: Spawner) {
 fn ADC1_2() {
     static mut OWNED: Option<Armed> = None;
     let started = DWT::cycle_count();
-    let Some(Armed { tick, adc, dac, marker }) = OWNED.as_mut() else {
+    let Some(Armed { tick, adc, dac, marker, valid }) = OWNED.as_mut() else {
         // The first time: the request stays, so the handler is entered again at once.
         *OWNED = ARMED.lock(Cell::take);
         return;
@@ -202,7 +226,10 @@ fn ADC1_2() {
     marker.set_high();
     let [code] = adc.read_injected_samples();
     dac.set(Value::Bit12Right(tick.sample(AdcCode(code), started).0));
-    TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION);
+    let in_time = TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION);
+    if in_time && tick.valid() {
+        valid.toggle();
+    }
     marker.set_low();
 }
 

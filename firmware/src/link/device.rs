@@ -174,6 +174,11 @@ impl<F: NorFlash> Device<'_, F> {
         self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)
     }
 
+    /// Calls the displacement of now 0.
+    pub fn zero(&mut self) -> Result<(), Refusal> {
+        self.tell(0.0, Command::SetZero { at_um: 0.0 })
+    }
+
     fn estimating(&self) -> bool {
         matches!(self.telemetry.mode(), Mode::Estimate | Mode::Follow) && self.table.is_some()
     }

@@ -7,11 +7,12 @@ mod device;
 
 pub use device::Device;
 
+use crate::panel::{Front, Panel};
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::select::{Either, select};
 use embassy_futures::yield_now;
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Instant, Timer};
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use protocol::frame::MAX_FRAME;
@@ -24,18 +25,19 @@ const PACE: Duration = Duration::from_millis(4);
 const DRAIN: Duration = Duration::from_millis(10);
 
 /// The link over a serial line.
-pub struct Link<'q, R, W, F: NorFlash> {
+pub struct Link<'q, R, W, F: NorFlash, P> {
     device: Device<'q, F>,
     receiver: R,
     transmitter: W,
+    panel: Panel<P>,
     deframer: Deframer,
     frame: [u8; MAX_FRAME],
 }
 
-impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
-    /// A link for a device.
-    pub fn new(device: Device<'q, F>, receiver: R, transmitter: W) -> Self {
-        Self { device, receiver, transmitter, deframer: Deframer::new(), frame: [0; MAX_FRAME] }
+impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
+    /// A link for a device, which has its panel's button obeyed, too.
+    pub fn new(device: Device<'q, F>, receiver: R, transmitter: W, panel: Panel<P>) -> Self {
+        Self { device, receiver, transmitter, panel, deframer: Deframer::new(), frame: [0; MAX_FRAME] }
     }
 
     /// Serves it until it is asked to restart the device.
@@ -52,6 +54,7 @@ impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
                 Either::Second(()) => {}
             }
             self.carry().await;
+            self.attend();
             // A sender that never pauses must not keep the watchdog's keeper waiting.
             yield_now().await;
         }
@@ -83,6 +86,15 @@ impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Obeys the button and has the lamp say how the device is.
+    fn attend(&mut self) {
+        let now_ms = Instant::now().as_millis();
+        if self.panel.pressed(now_ms) && self.device.zero().is_ok() {
+            self.panel.obeyed(now_ms);
+        }
+        self.panel.show(now_ms, self.device.telemetry.faults());
     }
 
     async fn carry(&mut self) {

@@ -56,6 +56,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
                 transmitter: Transmitter(self.line),
                 flash: &mut self.flash,
                 pages: self.pages.clone(),
+                front: (),
                 feed_watchdog: || {},
                 start: |tick| started.signal(tick),
             };

@@ -8,6 +8,7 @@ use crate::{
     CORE_HZ, Garbage, Image, Record,
     contents::{Contents, Tear},
     cpu::{self, Chip, Core},
+    gpio::Pin,
     machine::Machine,
     memory::{RAM, RAM_SIZE},
     rcc::Reset,
@@ -164,6 +165,17 @@ impl Board {
     #[must_use]
     pub fn oversampling(&self) -> (u32, u32) {
         self.machine().adc.injected_oversampling()
+    }
+
+    /// Drives a pin from outside; nobody does before.
+    pub fn drive(&mut self, pin: Pin, high: bool) {
+        self.machine_mut().bench.levels.insert(pin, high);
+    }
+
+    /// What a pin is set to by MODER: 0 input, 1 output, 2 alternate function, 3 analogue.
+    #[must_use]
+    pub fn mode(&self, pin: Pin) -> u32 {
+        self.machine().gpio[pin.port as usize].mode(pin.number)
     }
 
     /// The code at the pin of DAC1's channel 1, if it is driven.

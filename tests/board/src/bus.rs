@@ -17,6 +17,7 @@ const TIM6: u32 = 0x4000_1000;
 const IWDG: u32 = 0x4000_3000;
 const LPUART1: u32 = 0x4000_8000;
 const RCC: u32 = 0x4002_1000;
+const GPIO: [u32; 3] = [0x4800_0000, 0x4800_0400, 0x4800_0800];
 const FLASH: u32 = 0x4002_2000;
 const ADC: u32 = 0x5000_0000;
 const DAC: u32 = 0x5000_0800;
@@ -69,6 +70,9 @@ impl Machine {
             return Ok(Some(0));
         }
         let offset = address & 0x3FF;
+        if let Some(port) = port(address) {
+            return Ok(self.gpio[port].read(offset, &self.bench.levels));
+        }
         Ok(match address & !0x3FF {
             TIM5 => self.tim5.read(offset, self.clock),
             TIM6 => self.tim6.read(offset, self.clock),
@@ -125,6 +129,9 @@ impl Machine {
             });
         }
         let (now, offset) = (self.clock, address & 0x3FF);
+        if let Some(port) = port(address).filter(|_| size == 4) {
+            return Ok(self.gpio[port].write(offset, value, now, &mut self.bench.record.edges));
+        }
         Ok(match address & !0x3FF {
             page if size != 4 && MODELLED.contains(&page) && !SHORT.contains(&address) => {
                 bail!("{size} bytes are written to register {address:#x}; only whole words are modelled");
@@ -194,4 +201,9 @@ impl Machine {
             self.end = Some(Ok(Stop::PowerCut));
         }
     }
+}
+
+/// The index of the port that has a register at this address.
+fn port(address: u32) -> Option<usize> {
+    GPIO.iter().position(|&base| base == address & !0x3FF)
 }

@@ -12,6 +12,7 @@ use crate::{
     dac::Dac,
     exception,
     flash::Flash,
+    gpio::{Gpio, Levels, Port},
     nvic::Nvic,
     rcc::{Rcc, Reset},
     record::Record,
@@ -20,14 +21,16 @@ use crate::{
     watchdog::Watchdog,
 };
 
-/// Reset values among the registers without a rule that firmware depends on: FLASH_ACR, PWR_CR5, GPIOA_MODER.
-const PLAIN: [(u32, u32); 3] = [(0x4002_2000, 0x0004_0600), (0x4000_7080, 0x100), (0x4800_0000, 0xABFF_FFFF)];
+/// Reset values among the registers without a rule that firmware depends on: FLASH_ACR, PWR_CR5.
+const PLAIN: [(u32, u32); 2] = [(0x4002_2000, 0x0004_0600), (0x4000_7080, 0x100)];
 
 /// What is around the chip and stays when it is reset.
 #[derive(Default)]
 pub struct Bench {
     pub inputs: Inputs,
     pub wire: Wire,
+    /// What drives the inputs from outside.
+    pub levels: Levels,
     pub record: Record,
     /// Power goes during the operation that makes the record of them this long.
     pub cut: Option<(usize, Tear)>,
@@ -61,6 +64,7 @@ pub struct Machine {
     pub flash: Flash,
     pub adc: Adc,
     pub dac: Dac,
+    pub(crate) gpio: [Gpio; 3],
     pub(crate) tim5: Timer,
     pub(crate) tim6: Timer,
     pub(crate) uart: Uart,
@@ -85,6 +89,7 @@ impl Machine {
             flash: Flash::new(contents),
             adc: Adc::new(),
             dac: Dac::default(),
+            gpio: Port::ALL.map(Gpio::new),
             tim5: Timer::new(u32::MAX, 4),
             tim6: Timer::new(0xFFFF, 0),
             uart: Uart::new(),

@@ -159,6 +159,8 @@ impl Rcc {
             0x4000_8000 => (APB1ENR2, 0),
             0x4002_2000 => (AHB1ENR, 8),
             0x4800_0000 => (AHB2ENR, 0),
+            0x4800_0400 => (AHB2ENR, 1),
+            0x4800_0800 => (AHB2ENR, 2),
             0x5000_0000 => (AHB2ENR, 13),
             0x5000_0800 => (AHB2ENR, 16),
             _ => return true,

@@ -68,6 +68,7 @@ async fn main(_spawner: Spawner) {
         transmitter: uart::Transmitter,
         flash: RamFlash::new(flash),
         pages,
+        front: (),
         feed_watchdog: || {},
         start: |tick: Tick<'static>| {
             ARMED.lock(|armed| armed.set(Some(tick)));

@@ -11,3 +11,4 @@ mod ramps;
 mod resets;
 mod store;
 mod timing;
+mod valid;

@@ -34,6 +34,7 @@ fn running() -> Result<(Bench, u16)> {
 fn resets(bench: &mut Bench, cause: Reset, ms: f64) -> Result<Health> {
     let clock = bench.board.clock();
     assert_eq!(bench.board.run(1.0)?, Stop::Reset(cause));
+    assert!(bench.board.output().is_some(), "the pin is driven until the reset");
     let took = (bench.board.clock() - clock) as f64 * 1e3 / f64::from(CORE_HZ);
     assert!(took <= ms, "the reset comes after {took:.1} ms");
     println!("{cause:?} reset after {took:.3} ms");

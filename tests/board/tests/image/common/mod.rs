@@ -3,7 +3,7 @@
 pub mod noise;
 
 use anyhow::{Result, bail, ensure};
-use board_emulator_test::{Board, CORE_HZ, Image, Reset, Stop};
+use board_emulator_test::{Board, CORE_HZ, Edge, Image, Pin, Port, Reset, Stop};
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::{Admitted, Table};
 use protocol::frame::MAX_FRAME;
@@ -11,6 +11,8 @@ use protocol::{Deframer, Health, Identity, Record, Reply, Request, Samples, ToDe
 
 /// Clocks from trigger to trigger.
 pub const PERIOD: u64 = CORE_HZ as u64 / 2000;
+/// The pin that has an edge at every good tick.
+pub const VALID: Pin = Pin { port: Port::B, number: 10 };
 /// How long the device may take to start and to reply, s. The longest reply waits for some thirty flash operations.
 const PATIENCE: f64 = 0.5;
 
@@ -151,6 +153,16 @@ impl Bench {
         ensure!(stop == Stop::Reset(Reset::Software), "{stop:?}");
         self.reboot(Reset::Software)
     }
+}
+
+/// The edges of VALID.
+pub fn valid(board: &Board) -> &[Edge] {
+    board.record().edges.get(&VALID).map_or(&[], Vec::as_slice)
+}
+
+/// How many of them have come since.
+pub fn valid_since(board: &Board, clock: u64) -> usize {
+    valid(board).iter().filter(|edge| edge.clock >= clock).count()
 }
 
 /// A request's frame.
