@@ -191,9 +191,12 @@ async fn main(_spawner: Spawner) {
             // The pin, analogue since reset, stays high-impedance until the output register holds the safe code: the driver
             // switches a channel on before it can be given a code, so this one starts without the pin.
             let mut dac = DacChannel::new_triggered_internal::<_, Ch1, _>(dac1, dma, TIM6_TRGO, Irqs);
-            dac.set(Value::Bit12Right(TELEMETRY.safe().0));
+            let safe = || Value::Bit12Right(TELEMETRY.safe().0);
+            dac.set(safe());
             dac.set_mode(Mode::NormalExternalBuffered);
             dac.enable();
+            // Once more, for a DAC that loads its output register when a code is written and at no other time.
+            dac.set(safe());
             // The constructor chooses the trigger and leaves it off.
             dac.set_triggering(true);
             let channel = (pa0.degrade_adc(), SampleTime::CYCLES47_5);
@@ -305,8 +308,9 @@ fn output_safe() {
     }
     let put_out = |code| {
         pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
-        // The code goes out as soon as no trigger is waited for.
         pac::DAC1.cr().modify(|w| w.set_ten(0, false));
+        // Once more: only what is written while no trigger is waited for is sure to go out.
+        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
     };
     if TELEMETRY.drives() {
         put_out(shown);
