@@ -16,6 +16,9 @@
 #![no_std]
 #![no_main]
 
+#[path = "nucleo_g474re/clocks.rs"]
+mod clocks;
+
 use core::cell::Cell;
 use core::panic::PanicInfo;
 use core::ptr::addr_of;
@@ -39,7 +42,7 @@ use embassy_stm32::timer::low_level::{RoundTo, Timer};
 use embassy_stm32::triggers::TIM6_TRGO;
 use embassy_stm32::usart::{self, BufferedInterruptHandler, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_stm32::{Config, Peri, bind_interrupts, dma, flash, interrupt, rcc};
+use embassy_stm32::{Peri, bind_interrupts, dma, flash, interrupt};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::table::Board;
 use estimator_core::{AdcCode, DacCode};
@@ -129,7 +132,7 @@ async fn main(_spawner: Spawner) {
     let reset = reset_cause();
     // With its reset values, half a second: a crystal that does not start must not be waited for for ever.
     pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::START));
-    let p = embassy_stm32::init(clocks());
+    let p = clocks::start();
     // Otherwise a page is 4 KiB, both parameter pages are one, and an erase stops the code.
     assert!(pac::FLASH.optr().read().dbank(), "the flash is not in dual-bank mode: set the option bit DBANK");
     // Cannot fail: this is the only call.
@@ -194,6 +197,7 @@ async fn main(_spawner: Spawner) {
             let safe = || Value::Bit12Right(TELEMETRY.safe().0);
             dac.set(safe());
             dac.set_mode(Mode::NormalExternalBuffered);
+            clocks::tell_dac();
             dac.enable();
             // Once more, for a DAC that loads its output register when a code is written and at no other time.
             dac.set(safe());
@@ -234,27 +238,6 @@ fn ADC1_2() {
         valid.toggle();
     }
     marker.set_low();
-}
-
-/// 170 MHz: 24 MHz / 6 · 85 / 2.
-fn clocks() -> Config {
-    use rcc::{Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux::Adcsel};
-    let mut config = Config::default();
-    config.rcc.hse = Some(Hse { freq: Hertz(24_000_000), mode: HseMode::Oscillator });
-    config.rcc.pll = Some(Pll {
-        source: PllSource::HSE,
-        prediv: PllPreDiv::DIV6,
-        mul: PllMul::MUL85,
-        divp: None,
-        divq: None,
-        divr: Some(PllRDiv::DIV2),
-    });
-    config.rcc.sys = Sysclk::PLL1_R;
-    config.rcc.boost = true;
-    config.rcc.mux.adc12sel = Adcsel::SYS;
-    // The cycle counter must go on while the core sleeps, or lost ticks would not be seen.
-    config.enable_debug_during_sleep = true;
-    config
 }
 
 /// TIM6, not started, with its trigger output at exactly 2 kHz.

@@ -5,6 +5,7 @@ use anyhow::{Result, bail};
 use crate::{
     NEVER,
     board::Stop,
+    clock::{FLASH_ACR, PWR_CR5},
     machine::Machine,
     nvic::Written,
     rcc::Reset,
@@ -78,6 +79,7 @@ impl Machine {
             TIM6 => self.tim6.read(offset, self.clock),
             LPUART1 => self.uart.read(offset),
             RCC => self.rcc.read(offset),
+            FLASH if offset == 0 => self.clocks.read(address),
             FLASH => {
                 let value = self.flash.read(offset);
                 if self.flash.due() != NEVER {
@@ -88,6 +90,7 @@ impl Machine {
             }
             ADC => self.adc.read(offset),
             DAC => self.dac.read(offset),
+            _ if address == PWR_CR5 => self.clocks.read(address),
             _ if address == DWT_CYCCNT => {
                 Some(if self.cycle_counter_runs() { self.clock.wrapping_sub(self.cycles) as u32 } else { 0 })
             }
@@ -154,7 +157,16 @@ impl Machine {
                 self.rcc.check_uart()?;
                 self.uart.write(offset, value, now)?
             }
-            RCC => self.rcc.write(offset, value),
+            RCC => {
+                let known = self.rcc.write(offset, value);
+                self.clocks_change(now)?;
+                known
+            }
+            _ if [PWR_CR5, FLASH_ACR].contains(&address) => {
+                self.clocks.write(address, value);
+                self.clocks_change(now)?;
+                true
+            }
             FLASH if self.flash.read(offset).is_some() => {
                 self.stall();
                 let started = self.flash.write(offset, value, self.clock)?;
@@ -162,13 +174,23 @@ impl Machine {
                 true
             }
             ADC => self.adc.write(offset, value, now, &self.rcc)?,
-            DAC => self.dac.write(offset, value, now, &mut self.bench.record.outputs),
+            DAC => self.dac.write(offset, value, now, &mut self.bench.record.outputs)?,
             _ if address == DWT_CYCCNT => {
                 self.cycles = now.wrapping_sub(value.into());
                 true
             }
             _ => false,
         })
+    }
+
+    /// The registers that make the clocks have been written.
+    fn clocks_change(&mut self, now: u64) -> Result<()> {
+        self.clocks.hold(self.rcc.holds_power(), self.rcc.holds_flash());
+        self.clocks.check(self.rcc.speeds()?, now)?;
+        let clocks = self.rcc.timer_clocks()?;
+        self.tim5.clock_by(clocks, now);
+        self.tim6.clock_by(clocks, now);
+        Ok(())
     }
 
     /// A load from bank 2.

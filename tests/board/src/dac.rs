@@ -6,6 +6,8 @@
 //! Loading takes no clock, and the output amplifier wakes soon (up to 7.5 µs on silicon). Other triggers load nothing. Waves,
 //! DMA, channel 2 and the other holding registers are plain memory.
 
+use anyhow::{Result, ensure};
+
 use crate::{field, microseconds, record::Latch};
 
 const CR: u32 = 0x00;
@@ -20,6 +22,9 @@ const TIM6_TRGO: u32 = 7;
 /// MODE1, its lower two bits: the one mode without the pin.
 const INTERNAL: u32 = 3;
 
+/// MCR's HFSEL, two bits: what it must say where the core's bus, which is the DAC's, is faster than 160 MHz.
+const HFSEL: u32 = 14;
+const FASTEST: u32 = 2;
 /// How soon the pin shows the output of a channel that has been switched on, core clocks: what is loaded before, it never shows.
 const WAKE: u64 = microseconds(1);
 
@@ -63,7 +68,7 @@ impl Dac {
         })
     }
 
-    pub fn write(&mut self, offset: u32, value: u32, now: u64, outputs: &mut Vec<Latch>) -> bool {
+    pub fn write(&mut self, offset: u32, value: u32, now: u64, outputs: &mut Vec<Latch>) -> Result<bool> {
         self.wake(now, outputs);
         let before = self.output();
         match offset {
@@ -84,12 +89,17 @@ impl Dac {
             // Writable while the channel is off.
             MCR if self.control & EN == 0 => self.mode = value,
             MCR => {}
-            _ => return false,
+            _ => return Ok(false),
         }
+        ensure!(
+            self.output().is_none() || field(self.mode, HFSEL, 2) == FASTEST,
+            "the DAC drives its pin, and its MCR ({:#x}) does not say how fast its clock is",
+            self.mode
+        );
         if let Some(code) = self.output().filter(|&code| before != Some(code) && self.wakes.is_none()) {
             outputs.push(Latch { clock: now, code });
         }
-        true
+        Ok(true)
     }
 }
 
@@ -97,12 +107,18 @@ impl Dac {
 mod tests {
     use super::*;
 
+    const FAST: u32 = FASTEST << HFSEL;
+
+    fn fast() -> Dac {
+        Dac { mode: FAST, ..Dac::default() }
+    }
+
     /// What the pin shows of these writes and triggers, each an amplifier's wake-up after the one before.
     fn shown(dac: &mut Dac, steps: &[Option<(u32, u32)>]) -> Vec<(u64, u16)> {
         let mut outputs = Vec::new();
         for (step, write) in (0..).zip(steps) {
             match *write {
-                Some((offset, value)) => assert!(dac.write(offset, value, step * WAKE, &mut outputs)),
+                Some((offset, value)) => assert!(dac.write(offset, value, step * WAKE, &mut outputs).unwrap()),
                 None => dac.trigger(step * WAKE, &mut outputs),
             }
         }
@@ -111,7 +127,7 @@ mod tests {
 
     #[test]
     fn triggered_it_waits_untriggered_it_takes_what_is_written_and_nothing_else() {
-        let mut dac = Dac::default();
+        let mut dac = fast();
         let steps = [
             Some((DHR12R1, 100)),
             Some((CR, EN | TEN | TIM6_TRGO << 2)),
@@ -128,24 +144,33 @@ mod tests {
         let expected = [(2, 0), (3, 200), (6, 300)];
         assert_eq!(shown(&mut dac, &steps), expected, "no write of CR loads, and the last trigger is another's");
         assert_eq!(dac.read(DOR1), Some(300));
-        dac.write(CR, 0, 0, &mut Vec::new());
+        dac.write(CR, 0, 0, &mut Vec::new()).unwrap();
         assert_eq!(dac.output(), None);
     }
 
     #[test]
     fn the_pin_shows_nothing_before_it_is_connected_and_forgets_when_switched_off() {
-        let writes = [(MCR, INTERNAL), (CR, EN), (DHR12R1, 100), (MCR, 0), (CR, 0), (MCR, 0), (CR, EN), (MCR, 0)];
+        let writes =
+            [(MCR, INTERNAL), (CR, EN), (DHR12R1, 100), (MCR, FAST), (CR, 0), (MCR, FAST), (CR, EN), (MCR, FAST)];
         let outputs = shown(&mut Dac::default(), &writes.map(Some));
         assert_eq!(outputs, [(7, 0)], "the mode cannot change while the channel is on");
     }
 
     #[test]
     fn what_is_loaded_before_the_amplifier_wakes_is_all_that_shows() {
-        let (mut dac, mut outputs) = (Dac::default(), Vec::new());
+        let (mut dac, mut outputs) = (fast(), Vec::new());
         for (clock, (offset, value)) in (0..).zip([(CR, EN), (DHR12R1, 100), (CR, EN | TEN | TIM6_TRGO << 2)]) {
-            dac.write(offset, value, clock, &mut outputs);
+            dac.write(offset, value, clock, &mut outputs).unwrap();
         }
         dac.trigger(2 * WAKE, &mut outputs);
         assert_eq!(outputs, [WAKE, 2 * WAKE].map(|clock| Latch { clock, code: 100 }));
+    }
+
+    #[test]
+    fn its_clock_must_be_told_before_the_pin_is_driven() {
+        for (mode, fine) in [(0, false), (1 << HFSEL, false), (INTERNAL, true), (FAST, true)] {
+            let mut dac = Dac { mode, ..Dac::default() };
+            assert_eq!(dac.write(CR, EN, 0, &mut Vec::new()).is_ok(), fine, "{mode:#x}");
+        }
     }
 }

@@ -15,6 +15,7 @@
 mod adc;
 mod board;
 mod bus;
+mod clock;
 mod contents;
 mod cpu;
 mod dac;

@@ -8,21 +8,19 @@ use crate::{
     NEVER,
     adc::{Adc, Inputs},
     board::Stop,
+    clock::Clock,
     contents::{Contents, Tear},
     dac::Dac,
     exception,
     flash::Flash,
     gpio::{Gpio, Levels, Port},
     nvic::Nvic,
-    rcc::{Rcc, Reset},
+    rcc::{RESET, Rcc, Reset},
     record::Record,
     timer::Timer,
     uart::{Uart, Wire},
     watchdog::Watchdog,
 };
-
-/// Reset values among the registers without a rule that firmware depends on: FLASH_ACR, PWR_CR5.
-const PLAIN: [(u32, u32); 2] = [(0x4002_2000, 0x0004_0600), (0x4000_7080, 0x100)];
 
 /// What is around the chip and stays when it is reset.
 #[derive(Default)]
@@ -61,6 +59,7 @@ pub struct Machine {
     pub bench: Bench,
     pub nvic: Nvic,
     pub(crate) rcc: Rcc,
+    pub(crate) clocks: Clock,
     pub flash: Flash,
     pub adc: Adc,
     pub dac: Dac,
@@ -86,6 +85,7 @@ impl Machine {
             bench,
             nvic: Nvic::new(),
             rcc,
+            clocks: Clock::new(RESET),
             flash: Flash::new(contents),
             adc: Adc::new(),
             dac: Dac::default(),
@@ -94,7 +94,7 @@ impl Machine {
             tim6: Timer::new(0xFFFF, 0),
             uart: Uart::new(),
             watchdog: Watchdog::new(),
-            plain: PLAIN.into(),
+            plain: HashMap::new(),
             cycles: 0,
         };
         machine.listen();

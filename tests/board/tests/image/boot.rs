@@ -14,13 +14,11 @@ fn reference(supply_mv: u32) -> u16 {
 }
 
 /// Registers that the firmware touches and no model has a rule for: plain memory, which is enough for them.
-const PLAIN: [(u32, &str); 27] = [
+const PLAIN: [(u32, &str); 25] = [
     (0x4000_7000, "PWR_CR1"),
     (0x4000_7008, "PWR_CR3"),
-    (0x4000_7080, "PWR_CR5"),
     (0x4000_8004, "LPUART_CR2"),
     (0x4001_0000, "SYSCFG_MEMRMP"),
-    (0x4002_2000, "FLASH_ACR"),
     (0x4800_0004, "GPIOA_OTYPER"),
     (0x4800_0008, "GPIOA_OSPEEDR"),
     (0x4800_000C, "GPIOA_PUPDR"),
