@@ -12,9 +12,10 @@
 //!
 //! A restart leads from every state to `Waiting`.
 
+use crate::answer::Answer;
 use crate::ramp::Stride;
 use crate::rate::TICK_HZ;
-use estimator_core::{Admitted, DacCode, DriveCalibration, Inverse, Status};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, Inverse, Status};
 
 /// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be held: 1 s.
 pub const REFERENCE_TIMEOUT_TICKS: u32 = TICK_HZ;
@@ -38,6 +39,7 @@ pub struct Drive {
     calibration: DriveCalibration,
     full_scale: u16,
     state: State,
+    answer: Answer,
 }
 
 impl Drive {
@@ -46,7 +48,8 @@ impl Drive {
         let calibration = table.drive?;
         // Cannot fail: the table was admitted with it.
         let inverse = table.inverse(&calibration.limits).ok()?;
-        Some(Self { inverse, calibration, full_scale: table.dac.full_scale, state: State::Waiting })
+        let answer = Answer::new(table.adc, &calibration.limits);
+        Some(Self { inverse, calibration, full_scale: table.dac.full_scale, state: State::Waiting, answer })
     }
 
     /// The code of the rest voltage.
@@ -109,13 +112,21 @@ impl Drive {
         };
         let State::Following { reference, .. } = self.state else { return (self.release(), Status::empty()) };
         let commanded = tick_inverse(&mut self.inverse, reference);
+        self.answer.commanded(commanded.voltage);
         let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
         (self.calibration.code(commanded.voltage, self.full_scale), status)
     }
 
+    /// Whether the amplifier is not where it was commanded to.
+    pub fn astray(&self, code: AdcCode) -> bool {
+        self.answer.astray(code)
+    }
+
     /// One tick towards the rest voltage.
     pub fn release(&mut self) -> DacCode {
-        self.calibration.code(self.inverse.release().voltage, self.full_scale)
+        let commanded = self.inverse.release();
+        self.answer.commanded(commanded.voltage);
+        self.calibration.code(commanded.voltage, self.full_scale)
     }
 }
 

@@ -13,6 +13,7 @@
 //! single-producer single-consumer queues and atomics: it takes no lock and waits for nobody.
 #![cfg_attr(not(test), no_std)]
 
+pub mod answer;
 pub mod boot;
 pub mod drive;
 pub mod facts;

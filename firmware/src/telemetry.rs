@@ -48,8 +48,8 @@ pub struct Telemetry {
     bias: AtomicU32,
     /// Ticks since the bias was told, and one more; 0 where it was not since the estimate began.
     told: AtomicU32,
-    faults: AtomicU8,
-    faults_seen: AtomicU8,
+    faults: AtomicU16,
+    faults_seen: AtomicU16,
     mode: AtomicU8,
 }
 
@@ -83,8 +83,8 @@ impl Telemetry {
             may_be_told: AtomicBool::new(false),
             bias: AtomicU32::new(0),
             told: AtomicU32::new(0),
-            faults: AtomicU8::new(0),
-            faults_seen: AtomicU8::new(0),
+            faults: AtomicU16::new(0),
+            faults_seen: AtomicU16::new(0),
             mode: AtomicU8::new(0),
         }
     }

@@ -112,7 +112,8 @@ impl<'q> Tick<'q> {
             return (faults, false);
         }
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
-        match self.watch.update(code, status, missed.is_some()) {
+        let astray = self.mode == Mode::Follow && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(code));
+        match self.watch.update(code, status, missed.is_some(), astray) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
             FaultState::Recovered => {
                 // What it has made of the bad codes is forgotten.

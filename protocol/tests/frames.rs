@@ -124,11 +124,11 @@ fn the_wire_format_is_pinned() {
     assert_eq!(hex(frame(&message)), "0f04ac020a030102f0ff034aadb0a000");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "1e0401ffffffff0f01ffff03ffff7fff01ffff7f7fffff037fff2adde00b00"
+        "1f0401ffffffff0f01ffff03ffff7fff01ffff7f7fffff037fff033c97bb9000"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (4, 2079811399));
+    assert_eq!((VERSION, crc), (4, 2883582082));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Arm's AN386 (Cortex-M4F, 25 MHz) for the MPS2 board, as QEMU emulates it: all of the firmware but the STM32.
 //!
-//! The tick is CMSDK timer 0 at 2 kHz. There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, and
-//! the "DAC" is a word in memory. The link is UART 0. The flash is memory that a reset keeps and a power-on does not.
+//! The tick is CMSDK timer 0 at 2 kHz. There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, or,
+//! with a table that drives, what the "DAC" puts out, which is a word in memory. The link is UART 0. The flash is memory that a reset keeps and a power-on does not.
 #![no_std]
 #![no_main]
 
@@ -92,7 +92,8 @@ fn Timer0() {
         *TICK = ARMED.lock(Cell::take);
         return;
     };
-    DAC.store(tick.sample(triangle(), started).0, Relaxed);
+    let code = if TELEMETRY.drives() { looped_back() } else { triangle() };
+    DAC.store(tick.sample(code, started).0, Relaxed);
     TELEMETRY.took(registers::cycles().wrapping_sub(started), CORE_HZ / TICK_HZ);
 }
 
@@ -107,6 +108,15 @@ fn triangle() -> AdcCode {
     let phase = PHASE.load(Relaxed);
     PHASE.store((phase + 1) % TICK_HZ, Relaxed);
     AdcCode((3_000 + 59 * phase.min(TICK_HZ - phase)) as u16)
+}
+
+/// The DAC's code on the ADC's scale, as a wire from one to the other gives it, with a converter's noise.
+fn looped_back() -> AdcCode {
+    static NOISE: AtomicU16 = AtomicU16::new(0);
+    let noise = 1 - NOISE.load(Relaxed);
+    NOISE.store(noise, Relaxed);
+    // Codes are no larger than 4,095 each, so this fits.
+    AdcCode((INTERFACE.adc_full_scale / INTERFACE.dac_full_scale * DAC.load(Relaxed)).saturating_add(noise))
 }
 
 /// The parameter pages, erased if this is the first start since power-on, and why the board started.

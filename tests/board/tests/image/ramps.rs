@@ -1,10 +1,10 @@
 //! Where the DAC drives the amplifier its voltage never jumps: whatever ends the drive, the code goes to rest at the slew rate.
 
-use crate::common::{Bench, PERIOD};
+use crate::common::{Bench, PERIOD, valid_since};
 use anyhow::{Result, ensure};
 use board_emulator_test::{Reset, Stop};
 use estimator_core::*;
-use protocol::{Mode, Reply, Request};
+use protocol::{Faults, Mode, Reply, Request};
 
 /// 20 mV or 20.48 codes a tick.
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
@@ -18,14 +18,11 @@ const NOWHERE: u32 = 0x6000_0000;
 const ICSR: u32 = 0xE000_ED04;
 const NMIPENDSET: u32 = 1 << 31;
 
-/// A device that drives an amplifier, which the ADC reads, far from rest, and the first latch from there on.
+/// A device whose amplifier has been driven far from rest, which the ADC reads, and the first latch on the way.
 fn driven() -> Result<(Bench, usize)> {
     let mut bench = Bench::started()?;
     let table = Table { drive: Some(DRIVE), ..*bench.table()? }.admit()?;
-    bench.board.connect(move |n, pin| {
-        let AdcCode(code) = table.adc.code(DRIVE.voltage::<f32>(DacCode(pin.unwrap_or(REST))));
-        code + (n % 2) as u16
-    });
+    bench.connect(&table, |volts| volts);
     bench.push(&table)?;
     bench.restart()?;
     bench.does(Request::SetMode(Mode::Follow))?;
@@ -95,6 +92,33 @@ fn a_panic_and_a_hard_fault() -> Result<()> {
         went_to_rest(name, &bench, start);
         bench.reboot(Reset::Software)?;
         assert!(bench.health()?.last_words.is_some(), "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn an_amplifier_that_does_not_go_along() -> Result<()> {
+    type Amplifier = fn(f32) -> f32;
+    let plants: [(&str, Amplifier); 3] = [
+        ("an open wire", |_| 1.0),
+        ("a tripped amplifier", |_| 0.0),
+        ("a span a quarter too wide", |volts| 1.25 * volts),
+    ];
+    for (name, plant) in plants {
+        let (mut bench, start) = driven()?;
+        let table = bench.table()?;
+        // The command moves as the model creeps; it must stand for the fault to come at its earliest.
+        bench.run(0.4)?;
+        bench.connect(&table, plant);
+        let clock = bench.board.clock();
+        // It is a fault after 100 ms.
+        bench.run(0.09)?;
+        assert!(bench.board.output() > Some(REST + 1000), "{name}: not at once");
+        bench.run(0.21)?;
+        went_to_rest(name, &bench, start);
+        let health = bench.health()?;
+        assert!(health.faults.contains(Faults::AMPLIFIER | Faults::SAFE_OUTPUT), "{name}: {health:?}");
+        assert!(valid_since(&bench.board, clock + 240 * PERIOD) == 0, "{name}: VALID is silent");
     }
     Ok(())
 }

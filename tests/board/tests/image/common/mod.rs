@@ -5,7 +5,7 @@ pub mod noise;
 use anyhow::{Result, bail, ensure};
 use board_emulator_test::{Board, CORE_HZ, Edge, Image, Pin, Port, Reset, Stop};
 use estimator_core::record::MAX_LENGTH;
-use estimator_core::{Admitted, Table};
+use estimator_core::{AdcCode, Admitted, DacCode, Table};
 use protocol::frame::MAX_FRAME;
 use protocol::{Deframer, Health, Identity, Record, Reply, Request, Samples, ToDevice, ToHost, encode};
 
@@ -49,6 +49,17 @@ impl Bench {
         self.deframer = Deframer::new();
         self.board.take_received();
         self.start()
+    }
+
+    /// Connects an amplifier between DAC and ADC, which makes of the voltage that a table's drive commands the one that its ADC
+    /// reads.
+    pub fn connect(&mut self, table: &Admitted, amplifier: impl Fn(f32) -> f32 + 'static) {
+        let (adc, drive) = (table.adc, table.drive.expect("the table drives"));
+        let rest = drive.code(drive.limits.rest_v, table.dac.full_scale);
+        self.board.connect(move |n, pin| {
+            let AdcCode(code) = adc.code(amplifier(drive.voltage(pin.map_or(rest, DacCode))));
+            code.saturating_add((n % 2) as u16).min(adc.full_scale)
+        });
     }
 
     /// Runs for `seconds`; nothing may end the run before.
