@@ -93,6 +93,11 @@ impl Drive {
         matches!(self.state, State::Following { .. })
     }
 
+    /// Whether a reference is followed that is to be held for ever.
+    pub fn holding(&self) -> bool {
+        matches!(self.state, State::Following { hold: true, .. })
+    }
+
     /// One tick: the code for the reference that has come (µm), else for the last one, else on the way to rest; and whether
     /// the reference is out of reach.
     pub fn follow(&mut self, next: Option<f32>) -> (DacCode, Status) {

@@ -44,6 +44,8 @@ pub struct Telemetry {
     pub epoch: AtomicU8,
     /// Whether the estimator may be told a displacement.
     pub may_be_told: AtomicBool,
+    /// Whether a reference is followed that is to be held for ever.
+    pub holding: AtomicBool,
     /// Bits of the bias, µm.
     bias: AtomicU32,
     /// Ticks since the bias was told, and one more; 0 where it was not since the estimate began.
@@ -81,6 +83,7 @@ impl Telemetry {
             streaming: AtomicBool::new(false),
             epoch: AtomicU8::new(0),
             may_be_told: AtomicBool::new(false),
+            holding: AtomicBool::new(false),
             bias: AtomicU32::new(0),
             told: AtomicU32::new(0),
             faults: AtomicU16::new(0),

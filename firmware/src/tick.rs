@@ -137,6 +137,7 @@ impl<'q> Tick<'q> {
                     add(&self.telemetry.starved, 1);
                 }
                 let (code, status) = drive.follow(next);
+                self.telemetry.holding.store(drive.holding(), Relaxed);
                 Output { code, safe: !drive.following(), status }
             }
             Some(drive) => Output { code: drive.release(), safe: true, status },
@@ -200,6 +201,7 @@ impl<'q> Tick<'q> {
                 if let Some(drive) = &mut self.startup.drive {
                     drive.restart();
                 }
+                self.telemetry.holding.store(false, Relaxed);
                 self.telemetry.set_mode(mode);
             }
             Command::Go { hold } => {

@@ -190,7 +190,13 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.streaming.store(on, Relaxed);
     }
 
-    async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
+    /// Whether the mode is one that lasts only while the host that has set it speaks.
+    pub fn lent(&self) -> bool {
+        self.telemetry.mode() != Mode::Estimate && !self.telemetry.holding.load(Relaxed)
+    }
+
+    /// Changes what the tick does, which takes a tick.
+    pub async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
         if mode == Mode::Follow && self.table.is_none_or(|table| table.drive.is_none()) {
             return Err(Refusal::NoDrive);
         }

@@ -5,6 +5,7 @@ mod common;
 mod faults;
 mod flood;
 mod follow;
+mod leases;
 mod log;
 mod power_cut;
 mod ramps;
