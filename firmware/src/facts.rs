@@ -14,6 +14,10 @@ pub struct Facts {
     pub cycles_per_tick: u32,
     /// Why the board started.
     pub reset: ResetCause,
+    /// How often it has started in a row without having been asked to ([`crate::restarts`]).
+    pub restarts: u32,
+    /// Called when that count begins anew.
+    pub forget_restarts: fn(),
     /// Analogue supply at boot, mV, where the board can measure it.
     pub supply_mv: Option<u16>,
     /// Whether the supply is within tolerance.

@@ -24,6 +24,8 @@ pub mod peripherals;
 pub mod queues;
 pub mod ramp;
 pub mod rate;
+pub mod reading;
+pub mod restarts;
 pub mod run;
 pub mod startup;
 /// The parameter table of the image, made by `piezo emit --face rust`.

@@ -5,13 +5,14 @@ use crate::link::{Device, Link};
 use crate::panel::{Front, Panel};
 use crate::peripherals::Peripherals;
 use crate::queues::Queues;
+use crate::restarts::SOON;
 use crate::startup::Startup;
 use crate::table::TABLE;
 use crate::telemetry::Telemetry;
 use crate::tick::Tick;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::select::{Either, select};
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Instant, Timer};
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use parameter_store::{ParameterStore, StoreError};
@@ -50,7 +51,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
 ) -> Result<(), StoreError> {
     let Peripherals { facts, last_words, mut feed_watchdog, .. } = board;
     let mut store = ParameterStore::new(board.flash, board.pages)?;
-    let Chosen { table, source, fallback } = boot::choose(&mut store, TABLE, &facts.interface).await;
+    let Chosen { table, source, fallback } = boot::choose(&mut store, TABLE, &facts).await;
     log_start(&source);
     let (tick_queues, link_queues) = resources.queues.split();
     let startup = Startup::new(table.as_ref(), &facts, fallback);
@@ -70,12 +71,17 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
     (board.start)(tick);
     let watchdog = async {
         let mut seen = 0;
+        let (started, mut young) = (Instant::now(), true);
         let mut faults = Faults::empty();
         loop {
             let ticks = telemetry.ticks.load(Relaxed);
             if ticks != seen {
                 seen = ticks;
                 feed_watchdog();
+            }
+            if young && started.elapsed() > SOON {
+                young = false;
+                (facts.forget_restarts)();
             }
             if telemetry.faults() != faults {
                 faults = telemetry.faults();

@@ -6,8 +6,10 @@ use common::{FACTS, PERIOD, compiled, driving, other, record, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use estimator_core::{Admitted, Table};
+use firmware::Facts;
 use firmware::boot::{self, Chosen};
 use firmware::link::Device;
+use firmware::restarts::TOO_MANY;
 use firmware::table::TABLE;
 use parameter_store::{ParameterStore, RamFlash};
 use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
@@ -261,8 +263,7 @@ fn the_dac_is_not_rewired_by_a_table_alone() {
 
 #[test]
 fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_why() {
-    let choose =
-        |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, &FACTS.interface));
+    let choose = |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, &FACTS));
     let mut store = flash(vec![0xFF; 4096]);
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);
     assert_eq!((table, source), (Some(compiled()), TableSource::Compiled { reason: text("no table is stored") }));
@@ -273,6 +274,11 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
     }
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);
     assert_eq!((table, source, fallback), (Some(other()), TableSource::Stored, false));
+
+    let failing = Facts { restarts: TOO_MANY, ..FACTS };
+    let Chosen { table, source, fallback } = block_on(boot::choose(&mut store, TABLE, &failing));
+    let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
+    assert!(fallback && table == Some(compiled()) && reason.contains("failed 3 times"), "{reason}");
 
     block_on(store.store(b"PZTB\x63\x00\x00\x00and more")).unwrap();
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);

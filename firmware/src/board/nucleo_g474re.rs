@@ -22,7 +22,7 @@ mod clocks;
 use core::cell::Cell;
 use core::panic::PanicInfo;
 use core::ptr::addr_of;
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use cortex_m::peripheral::{DWT, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -48,7 +48,8 @@ use estimator_core::table::Board;
 use estimator_core::{AdcCode, DacCode};
 use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
-use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words};
+use firmware::reading::Watched;
+use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
 use protocol::{BAUD, ResetCause};
 use static_cell::ConstStaticCell;
 
@@ -114,6 +115,8 @@ impl Front for OnBoard {
 static TELEMETRY: Telemetry = Telemetry::new();
 /// On its way there.
 static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
+/// Whether the parameter store is being read.
+static READING_STORE: AtomicBool = AtomicBool::new(false);
 /// Flash words that could not be corrected.
 static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
 /// Errors of the serial line.
@@ -130,6 +133,8 @@ unsafe extern "C" {
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
     let reset = reset_cause();
+    // SAFETY: once, before the tick and every task.
+    let restarts = unsafe { restarts::count(reset) };
     // With its reset values, half a second: a crystal that does not start must not be waited for for ever.
     pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::START));
     let p = clocks::start();
@@ -173,6 +178,9 @@ async fn main(_spawner: Spawner) {
         interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
+        restarts,
+        // SAFETY: called by the main loop.
+        forget_restarts: || unsafe { restarts::forget() },
         supply_mv: Some(supply_mv),
         supply_good: supply_mv.abs_diff(SUPPLY_MV) <= SUPPLY_TOLERANCE_MV,
         flash_errors: || FLASH_ERRORS.load(Relaxed),
@@ -184,7 +192,7 @@ async fn main(_spawner: Spawner) {
         last_words: unsafe { last_words::take() },
         receiver,
         transmitter,
-        flash: Flash::new(p.FLASH, Irqs),
+        flash: Watched::new(Flash::new(p.FLASH, Irqs), &READING_STORE),
         pages,
         front,
         feed_watchdog: || watchdog.pet(),
@@ -215,7 +223,11 @@ async fn main(_spawner: Spawner) {
     };
     static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
     match firmware::run(board, RESOURCES.take(), &TELEMETRY).await {
-        Ok(()) => SCB::sys_reset(),
+        Ok(()) => {
+            // SAFETY: this is the main loop, after its end.
+            unsafe { restarts::asked() };
+            SCB::sys_reset()
+        }
         Err(error) => panic!("{error}"),
     }
 }
@@ -326,11 +338,12 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
 }
 
 /// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
-/// which the parameter store's checksums refuse.
+/// which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names bank 2, where the
+/// store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic would then come back at every start.
 #[exception]
 unsafe fn NonMaskableInt() {
     let state = pac::FLASH.eccr().read();
-    if !(state.eccd() && state.bk_ecc()) {
+    if !(state.eccd() && (state.bk_ecc() || READING_STORE.load(Relaxed))) {
         panic!("non-maskable interrupt, flash ECC state {:#010x}", state.0);
     }
     pac::FLASH.eccr().modify(|w| w.set_eccd(true));

@@ -16,6 +16,8 @@ pub const FACTS: Facts = Facts {
     interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
     cycles_per_tick: PERIOD,
     reset: ResetCause::WATCHDOG,
+    restarts: 0,
+    forget_restarts: || {},
     supply_mv: Some(3301),
     supply_good: true,
     flash_errors: || 3,

@@ -55,7 +55,7 @@ const FAULTS: [(Faults, &str); 9] = [
     (Faults::NO_TABLE, "there is no table that it can run, so nothing is estimated"),
     (
         Faults::TABLE_FALLBACK,
-        "the stored table cannot be used, so the one of the firmware image is, which may be another actuator's: the output stays safe",
+        "the stored table cannot be used or was not read, so the one of the firmware image is, which may be another actuator's: the output stays safe",
     ),
     (Faults::SUPPLY, "the analogue supply, the converters' reference, was out of tolerance at the start"),
     (Faults::ADC_SATURATED, "the ADC stands at an end of its range, or comes too near it too often"),

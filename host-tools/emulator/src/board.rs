@@ -76,6 +76,8 @@ fn facts(reset: ResetCause) -> Facts {
         interface: INTERFACE,
         cycles_per_tick: CYCLES_HZ / TICK_HZ,
         reset,
+        restarts: 0,
+        forget_restarts: || {},
         supply_mv: None,
         supply_good: true,
         flash_errors: || 0,

@@ -190,6 +190,12 @@ impl Board {
         bench.cut = Some((bench.record.flash.len() + nth, tear));
     }
 
+    /// From now on FLASH_ECCR says that there is a flash error, and neither where nor in which bank, as an erratum may have it.
+    pub fn corrupt_eccr(&mut self) {
+        let machine = self.machine_mut();
+        (machine.bench.corrupt, machine.flash.corrupt) = (true, true);
+    }
+
     /// Bank 2 of the flash.
     #[must_use]
     pub fn contents(&self) -> &Contents {

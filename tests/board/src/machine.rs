@@ -30,6 +30,8 @@ pub struct Bench {
     /// What drives the inputs from outside.
     pub levels: Levels,
     pub record: Record,
+    /// What a flash error leaves in ECCR is corrupt.
+    pub corrupt: bool,
     /// Power goes during the operation that makes the record of them this long.
     pub cut: Option<(usize, Tear)>,
 }
@@ -97,6 +99,7 @@ impl Machine {
             plain: HashMap::new(),
             cycles: 0,
         };
+        machine.flash.corrupt = machine.bench.corrupt;
         machine.listen();
         machine
     }

@@ -22,7 +22,7 @@ use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::AdcCode;
 use estimator_core::table::Board;
 use firmware::rate::{TICK_HZ, TICK_US};
-use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words};
+use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
 use parameter_store::RamFlash;
 use protocol::ResetCause;
 use registers::{CORE_HZ, Interrupt as interrupt};
@@ -55,6 +55,10 @@ async fn main(_spawner: Spawner) {
         interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
+        // SAFETY: once, before the tick and every task.
+        restarts: unsafe { restarts::count(reset) },
+        // SAFETY: called by the main loop.
+        forget_restarts: || unsafe { restarts::forget() },
         supply_mv: None,
         supply_good: true,
         flash_errors: || 0,
@@ -77,7 +81,11 @@ async fn main(_spawner: Spawner) {
     };
     static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
     match firmware::run(board, RESOURCES.take(), &TELEMETRY).await {
-        Ok(()) => SCB::sys_reset(),
+        Ok(()) => {
+            // SAFETY: this is the main loop, after its end.
+            unsafe { restarts::asked() };
+            SCB::sys_reset()
+        }
         Err(error) => panic!("{error}"),
     }
 }

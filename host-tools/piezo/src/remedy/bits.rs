@@ -29,7 +29,10 @@ fn of<T: PartialEq + Copy>(remedies: &[(T, &'static str)], bit: T) -> &'static s
 
 const FAULTS: [(Faults, &str); 9] = [
     (Faults::NO_TABLE, "give it one: piezo push"),
-    (Faults::TABLE_FALLBACK, "piezo info says why; store it again: piezo push"),
+    (
+        Faults::TABLE_FALLBACK,
+        "piezo info says why; store it again: piezo push. After failures in a row, piezo reset reads the store again",
+    ),
     (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, mend the supply, then piezo reset"),
     (
         Faults::ADC_SATURATED,

@@ -1,9 +1,9 @@
 //! When the firmware itself fails: watchdog, hard fault, panic. The output is safe, the device starts again and tells why.
 
-use crate::common::Bench;
+use crate::common::{Bench, reseeded, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Board, CORE_HZ, Reset, Stop, exception};
-use protocol::{Health, Request, ResetCause};
+use protocol::{Faults, Health, Request, ResetCause, TableSource};
 
 /// TIM6_CR1, whose bit 0 lets it count.
 const TIM6_CR1: u32 = 0x4000_1000;
@@ -152,5 +152,63 @@ fn last_words_survive_the_watchdog_and_the_pin_but_not_the_loss_of_power() -> Re
         bench.reboot(cause)?;
         assert_eq!(bench.health()?.last_words.is_some(), survives, "{cause:?}");
     }
+    Ok(())
+}
+
+/// The device fails; it has started again when this returns.
+fn fail(bench: &mut Bench) -> Result<()> {
+    bench.board.jump(NOWHERE);
+    assert_eq!(bench.board.run(1e-2)?, Stop::Reset(Reset::Software));
+    bench.reboot(Reset::Software)
+}
+
+/// A device with a stored table, which it uses.
+fn stored() -> Result<Bench> {
+    let mut bench = Bench::started()?;
+    let table = reseeded(&bench.table()?, 2);
+    bench.push(&table)?;
+    bench.restart()?;
+    assert_eq!(bench.identity()?.source, TableSource::Stored);
+    Ok(bench)
+}
+
+#[test]
+fn three_failures_in_a_row_leave_the_store_alone_until_it_is_asked_to_start() -> Result<()> {
+    let mut bench = stored()?;
+    for _ in 0..2 {
+        fail(&mut bench)?;
+        assert_eq!(bench.identity()?.source, TableSource::Stored);
+    }
+    // The third, by the watchdog.
+    bench.board.poke(TIM6_CR1, 0)?;
+    assert_eq!(bench.board.run(1.0)?, Stop::Reset(Reset::Watchdog));
+    let clock = bench.board.clock();
+    bench.reboot(Reset::Watchdog)?;
+    bench.run(0.1)?;
+    let TableSource::Compiled { reason } = bench.identity()?.source else { panic!("the store was read") };
+    assert!(reason.contains("failed 3 times in a row"), "{reason}");
+    let safe = bench.table()?.dac.code(0.0f32).0;
+    assert_eq!(bench.health()?.faults, Faults::TABLE_FALLBACK | Faults::SAFE_OUTPUT);
+    // The pin of VALID is switched on, and has no other edge.
+    assert_eq!((bench.board.output(), valid_since(&bench.board, clock)), (Some(safe), 1));
+    bench.restart()?;
+    assert_eq!(bench.identity()?.source, TableSource::Stored);
+    Ok(())
+}
+
+#[test]
+fn failures_far_apart_and_other_starts_are_not_counted() -> Result<()> {
+    let mut bench = stored()?;
+    for _ in 0..4 {
+        fail(&mut bench)?;
+        fail(&mut bench)?;
+        bench.board.reboot(Reset::Pin)?;
+        bench.start()?;
+    }
+    fail(&mut bench)?;
+    fail(&mut bench)?;
+    bench.run(10.1)?;
+    fail(&mut bench)?;
+    assert_eq!(bench.identity()?.source, TableSource::Stored);
     Ok(())
 }
