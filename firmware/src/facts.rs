@@ -20,8 +20,10 @@ pub struct Facts {
     pub forget_restarts: fn(),
     /// Analogue supply at boot, mV, where the board can measure it.
     pub supply_mv: Option<u16>,
-    /// Whether the supply is within tolerance.
-    pub supply_good: bool,
+    /// Measures it, mV, while the ticks go on: gives what the call before has begun, and begins anew.
+    pub measure_supply: fn() -> Option<u16>,
+    /// Whether so many mV are within tolerance.
+    pub supply_good: fn(u16) -> bool,
     /// Uncorrectable flash words met so far.
     pub flash_errors: fn() -> u32,
     /// Errors of the serial line so far that its driver does not report by itself.

@@ -68,7 +68,10 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
         read_errors: 0,
     };
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
+    telemetry.set_supply(facts.supply_mv, facts.supply_good);
     (board.start)(tick);
+    // Begins the first measurement; what it gives is from before.
+    (facts.measure_supply)();
     let watchdog = async {
         let mut seen = 0;
         let (started, mut young) = (Instant::now(), true);
@@ -83,11 +86,12 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
                 young = false;
                 (facts.forget_restarts)();
             }
+            Timer::after(WATCHDOG).await;
+            telemetry.set_supply((facts.measure_supply)(), facts.supply_good);
             if telemetry.faults() != faults {
                 faults = telemetry.faults();
                 log_faults(faults);
             }
-            Timer::after(WATCHDOG).await;
         }
     };
     match select(link.serve(), watchdog).await {

@@ -31,7 +31,6 @@ impl Startup {
         });
         let stride = table.and_then(Drive::stride).unwrap_or(Stride::JUMP);
         let mut faults = Faults::empty();
-        faults.set(Faults::SUPPLY, !facts.supply_good);
         faults.set(Faults::TABLE_FALLBACK, fallback);
         faults.set(Faults::NO_TABLE, estimator.is_none());
         Self { estimator, drive: table.and_then(Drive::new), safe, stride, faults }

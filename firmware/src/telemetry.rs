@@ -1,5 +1,5 @@
-//! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`], and nothing
-//! interrupts it, so plain loads and stores are enough.
+//! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`] and
+//! [`Telemetry::set_supply`], and nothing interrupts it, so plain loads and stores are enough.
 
 use crate::ramp::{Ramp, Stride};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
@@ -46,6 +46,9 @@ pub struct Telemetry {
     pub may_be_told: AtomicBool,
     /// Whether a reference is followed that is to be held for ever.
     pub holding: AtomicBool,
+    /// The analogue supply, mV; 0 where it is not known. Written by the main loop, as is whether it is out of tolerance.
+    supply_mv: AtomicU16,
+    supply_bad: AtomicBool,
     /// Bits of the bias, µm.
     bias: AtomicU32,
     /// Ticks since the bias was told, and one more; 0 where it was not since the estimate began.
@@ -84,6 +87,8 @@ impl Telemetry {
             epoch: AtomicU8::new(0),
             may_be_told: AtomicBool::new(false),
             holding: AtomicBool::new(false),
+            supply_mv: AtomicU16::new(0),
+            supply_bad: AtomicBool::new(false),
             bias: AtomicU32::new(0),
             told: AtomicU32::new(0),
             faults: AtomicU16::new(0),
@@ -125,6 +130,23 @@ impl Telemetry {
     /// Ticks from the code that the DAC was given last to the safe one.
     pub fn ticks_to_safe(&self) -> u32 {
         self.ramp(DacCode(self.dac.load(Relaxed))).ticks()
+    }
+
+    /// The analogue supply when it was measured last, mV; `None` where it cannot be.
+    pub fn supply_mv(&self) -> Option<u16> {
+        Some(self.supply_mv.load(Relaxed)).filter(|mv| *mv > 0)
+    }
+
+    /// Takes what the supply was found to be (mV), and whether that is within tolerance. Nothing is known to be wrong with one
+    /// that cannot be measured.
+    pub fn set_supply(&self, mv: Option<u16>, good: fn(u16) -> bool) {
+        self.supply_mv.store(mv.unwrap_or(0), Relaxed);
+        self.supply_bad.store(mv.is_some_and(|mv| !good(mv)), Relaxed);
+    }
+
+    #[inline]
+    pub(crate) fn supply_bad(&self) -> bool {
+        self.supply_bad.load(Relaxed)
     }
 
     /// What is wrong now.

@@ -68,6 +68,7 @@ impl<'q> Tick<'q> {
         };
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
+        faults.set(Faults::SUPPLY, self.telemetry.supply_bad());
         let (dac, faults) = match code {
             Some(code) => self.estimate(code, missed, faults),
             None => (self.safe_output(), faults | Faults::SAFE_OUTPUT),
@@ -113,7 +114,8 @@ impl<'q> Tick<'q> {
         }
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
         let astray = self.mode == Mode::Follow && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(code));
-        match self.watch.update(code, status, missed.is_some(), astray) {
+        let supply = faults & Faults::SUPPLY;
+        match self.watch.update(code, status, missed.is_some(), astray, supply) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
             FaultState::Recovered => {
                 // What it has made of the bad codes is forgotten.

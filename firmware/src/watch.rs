@@ -65,14 +65,14 @@ impl Watch {
         }
     }
 
-    /// Takes one tick's code, status, whether it was late, and whether the amplifier is not where the drive commands it, and
-    /// says which faults last after it.
+    /// Takes one tick's code, status, whether it was late, whether the amplifier is not where the drive commands it, and the
+    /// faults that others have found, and says which faults last after it.
     #[inline]
-    pub fn update(&mut self, code: AdcCode, status: Status, missed: bool, astray: bool) -> FaultState {
+    pub fn update(&mut self, code: AdcCode, status: Status, missed: bool, astray: bool, others: Faults) -> FaultState {
         let beyond = status.contains(Status::VOLTAGE_OUT_OF_RANGE);
         self.same = if self.last == Some(code) { self.same.saturating_add(1) } else { 0 };
         self.last = Some(code);
-        let mut now = Faults::empty();
+        let mut now = others;
         now.set(Faults::ADC_SATURATED, score(&mut self.saturated, !self.good_codes.contains(&code.0), SATURATED));
         now.set(Faults::OUT_OF_CALIBRATION, score(&mut self.out_of_range, beyond, OUT_OF_RANGE));
         now.set(Faults::ADC_STUCK, self.same >= STUCK);
@@ -117,7 +117,9 @@ mod tests {
     /// Ticks until a fault shows, and from its last cause until it has passed.
     fn life(tick: impl Fn(u32) -> (AdcCode, Status, bool, bool)) -> (u32, Faults, u32) {
         let mut watch = Watch::new(FULL);
-        let update = |watch: &mut Watch, (code, status, missed, astray)| watch.update(code, status, missed, astray);
+        let update = |watch: &mut Watch, (code, status, missed, astray)| {
+            watch.update(code, status, missed, astray, Faults::empty())
+        };
         let (after, faults) = (1..100_000)
             .find_map(|k| match update(&mut watch, tick(k)) {
                 FaultState::Faulty(faults) => Some((k, faults)),
@@ -157,7 +159,7 @@ mod tests {
         let tick = clipped(2);
         assert!((0..100_000).all(|k| {
             let (code, status, missed, astray) = tick(k);
-            watch.update(code, status, missed, astray) == FaultState::Healthy
+            watch.update(code, status, missed, astray, Faults::empty()) == FaultState::Healthy
         }));
     }
 }

@@ -38,6 +38,7 @@ impl Drop for Bench {
 impl Bench {
     fn new(table: Option<Admitted>) -> Self {
         let (mut tick, rest) = tick(table.as_ref(), Faults::empty());
+        rest.telemetry.set_supply(FACTS.supply_mv, FACTS.supply_good);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         std::thread::spawn(move || {

@@ -14,7 +14,7 @@ bitflags::bitflags! {
         const OUT_OF_CALIBRATION = 1 << 2;
         /// A tick came late or not at all, or was not done in time for its output.
         const MISSED_DEADLINE = 1 << 3;
-        /// The analogue supply, which is the converters' reference, was out of tolerance at boot.
+        /// The analogue supply, which is the converters' reference, is or has been out of tolerance.
         const SUPPLY = 1 << 4;
         /// There is no admissible table, so nothing is estimated.
         const NO_TABLE = 1 << 5;

@@ -121,7 +121,7 @@ impl<F: NorFlash> Device<'_, F> {
             flash_errors: (self.facts.flash_errors)(),
             bias_um: telemetry.bias_um(),
             bias_age_ticks: telemetry.bias_age_ticks(),
-            supply_mv: self.facts.supply_mv,
+            supply_mv: telemetry.supply_mv(),
         }
     }
 

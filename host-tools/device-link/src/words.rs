@@ -57,7 +57,7 @@ const FAULTS: [(Faults, &str); 9] = [
         Faults::TABLE_FALLBACK,
         "the stored table cannot be used or was not read, so the one of the firmware image is, which may be another actuator's: the output stays safe",
     ),
-    (Faults::SUPPLY, "the analogue supply, the converters' reference, was out of tolerance at the start"),
+    (Faults::SUPPLY, "the analogue supply, the converters' reference, is or was out of tolerance"),
     (Faults::ADC_SATURATED, "the ADC stands at an end of its range, or comes too near it too often"),
     (Faults::ADC_STUCK, "the ADC gives one and the same code"),
     (Faults::OUT_OF_CALIBRATION, "the voltage is beyond what the table was identified on"),

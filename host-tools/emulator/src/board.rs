@@ -79,7 +79,8 @@ fn facts(reset: ResetCause) -> Facts {
         restarts: 0,
         forget_restarts: || {},
         supply_mv: None,
-        supply_good: true,
+        measure_supply: || None,
+        supply_good: |_| true,
         flash_errors: || 0,
         line_errors: || 0,
     }

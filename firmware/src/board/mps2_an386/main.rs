@@ -60,7 +60,8 @@ async fn main(_spawner: Spawner) {
         // SAFETY: called by the main loop.
         forget_restarts: || unsafe { restarts::forget() },
         supply_mv: None,
-        supply_good: true,
+        measure_supply: || None,
+        supply_good: |_| true,
         flash_errors: || 0,
         line_errors: || 0,
     };

@@ -33,7 +33,7 @@ const FAULTS: [(Faults, &str); 9] = [
         Faults::TABLE_FALLBACK,
         "piezo info says why; store it again: piezo push. After failures in a row, piezo reset reads the store again",
     ),
-    (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, mend the supply, then piezo reset"),
+    (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, and mend the supply"),
     (
         Faults::ADC_SATURATED,
         "check the plug, the divider and its offset: is the input open, or the voltage beyond them?",
