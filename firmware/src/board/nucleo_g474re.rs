@@ -18,14 +18,16 @@
 
 #[path = "nucleo_g474re/clocks.rs"]
 mod clocks;
+#[path = "nucleo_g474re/failure.rs"]
+mod failure;
+#[path = "nucleo_g474re/supply.rs"]
+mod supply;
 
 use core::cell::Cell;
-use core::panic::PanicInfo;
 use core::ptr::addr_of;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use cortex_m::peripheral::{DWT, SCB};
-use cortex_m_rt::{ExceptionFrame, exception};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_stm32::adc::{Adc, AdcChannel as _, AdcConfig, Exten, InjectedAdc, SampleTime};
@@ -44,8 +46,8 @@ use embassy_stm32::usart::{self, BufferedInterruptHandler, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, bind_interrupts, dma, flash, interrupt};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
+use estimator_core::AdcCode;
 use estimator_core::table::Board;
-use estimator_core::{AdcCode, DacCode};
 use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::reading::Watched;
@@ -82,9 +84,6 @@ const SIXTEENFOLD: u8 = 3;
 /// Longest that the tick or the main loop may stand still, µs; a start that must repair the parameter pages (two erases of
 /// up to 25 ms) fits.
 const WATCHDOG_US: u32 = 200_000;
-/// The supply that converters, divider and calibration are made for, mV, and how far off it may be: 5 %.
-const SUPPLY_MV: u16 = 3300;
-const SUPPLY_TOLERANCE_MV: u16 = 165;
 
 /// What the converter's interrupt owns.
 struct Armed {
@@ -115,10 +114,6 @@ impl Front for OnBoard {
 static TELEMETRY: Telemetry = Telemetry::new();
 /// On its way there.
 static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
-/// Whether the parameter store is being read.
-static READING_STORE: AtomicBool = AtomicBool::new(false);
-/// Flash words that could not be corrected.
-static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
 /// Errors of the serial line.
 static LINE_ERRORS: AtomicU32 = AtomicU32::new(0);
 
@@ -127,7 +122,6 @@ unsafe extern "C" {
     static __flash_start: u8;
     static __parameters_start: u8;
     static __parameters_end: u8;
-    static __vrefint_calibration: u16;
 }
 
 #[embassy_executor::main]
@@ -160,7 +154,7 @@ async fn main(_spawner: Spawner) {
 
     let oversampling = AdcConfig { oversampling_ratio: Some(SIXTEENFOLD), ..AdcConfig::default() };
     let mut adc = Adc::new(p.ADC1, oversampling);
-    let supply_mv = supply_mv(&mut adc);
+    let supply_mv = supply::at_start(&mut adc);
     // The driver oversamples regular conversions only.
     pac::ADC1.cfgr2().modify(|w| w.set_jovse(true));
     let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
@@ -182,9 +176,9 @@ async fn main(_spawner: Spawner) {
         // SAFETY: called by the main loop.
         forget_restarts: || unsafe { restarts::forget() },
         supply_mv: Some(supply_mv),
-        measure_supply,
-        supply_good: |mv| mv.abs_diff(SUPPLY_MV) <= SUPPLY_TOLERANCE_MV,
-        flash_errors: || FLASH_ERRORS.load(Relaxed),
+        measure_supply: || Some(supply::measure()),
+        supply_good: supply::good,
+        flash_errors: failure::flash_errors,
         line_errors: || LINE_ERRORS.load(Relaxed),
     };
     let board = Peripherals {
@@ -193,7 +187,7 @@ async fn main(_spawner: Spawner) {
         last_words: unsafe { last_words::take() },
         receiver,
         transmitter,
-        flash: Watched::new(Flash::new(p.FLASH, Irqs), &READING_STORE),
+        flash: Watched::new(Flash::new(p.FLASH, Irqs), &failure::READING_STORE),
         pages,
         front,
         feed_watchdog: || watchdog.pet(),
@@ -267,32 +261,6 @@ fn trigger(tim6: Peri<'static, TIM6>) -> Timer<'static, TIM6> {
     timer
 }
 
-/// Analogue supply by the internal reference, mV (RM0440, "Internal voltage reference").
-fn supply_mv(adc: &mut Adc<'static, ADC1>) -> u16 {
-    let mut reference = adc.enable_vrefint();
-    // Its buffer needs 12 µs.
-    cortex_m::asm::delay(CORE_HZ / 50_000);
-    in_mv(adc.blocking_read(&mut reference, SampleTime::CYCLES247_5))
-}
-
-/// The same while the injected conversions go on, which come first: of the conversion that the call before has begun. The
-/// reference is still the one regular channel.
-fn measure_supply() -> Option<u16> {
-    let code = pac::ADC1.dr().read().rdata();
-    pac::ADC1.cr().modify(|w| w.set_adstart(true));
-    Some(in_mv(code))
-}
-
-/// The supply at which the internal reference gives this code, mV.
-fn in_mv(code: u16) -> u16 {
-    /// Supply at which the factory calibrated, mV.
-    const CALIBRATED_MV: u32 = 3000;
-    // SAFETY: the factory's calibration word, in read-only memory.
-    let calibration = unsafe { addr_of!(__vrefint_calibration).read_volatile() };
-    let mv = CALIBRATED_MV * u32::from(calibration) / u32::from(code.max(1));
-    mv.min(u16::MAX.into()) as u16
-}
-
 /// Why the chip started; clears the flags for the next time.
 fn reset_cause() -> ResetCause {
     let flags = pac::RCC.csr().read();
@@ -305,65 +273,4 @@ fn reset_cause() -> ResetCause {
         (flags.oblrstf() || flags.wwdgrstf() || flags.lpwrrstf(), ResetCause::OTHER),
     ];
     causes.into_iter().filter(|(set, _)| *set).map(|(_, cause)| cause).collect()
-}
-
-/// The DAC to its safe value: where it drives the amplifier, no faster than the drive may, and at once elsewhere. The tick
-/// must not come any more. Before the DAC runs this does nothing: the registers have no clock, and read as 0.
-fn output_safe() {
-    let shown = pac::DAC1.dor(0).read().dor();
-    if !pac::DAC1.cr().read().en(0) {
-        return;
-    }
-    let put_out = |code| {
-        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
-        pac::DAC1.cr().modify(|w| w.set_ten(0, false));
-        // Once more: only what is written while no trigger is waited for is sure to go out.
-        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
-    };
-    if TELEMETRY.drives() {
-        put_out(shown);
-    }
-    for DacCode(code) in TELEMETRY.ramp(DacCode(shown)) {
-        if TELEMETRY.drives() {
-            cortex_m::asm::delay(CORE_HZ / TICK_HZ);
-            pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::RESET));
-        }
-        put_out(code);
-    }
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo<'_>) -> ! {
-    cortex_m::interrupt::disable();
-    output_safe();
-    // SAFETY: nothing else runs any more.
-    unsafe { last_words::keep_panic(info) };
-    SCB::sys_reset()
-}
-
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    cortex_m::interrupt::disable();
-    output_safe();
-    // SAFETY: nothing else runs any more.
-    unsafe { last_words::keep_hard_fault(frame) };
-    SCB::sys_reset()
-}
-
-/// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
-/// which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names bank 2, where the
-/// store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic would then come back at every start.
-#[exception]
-unsafe fn NonMaskableInt() {
-    let state = pac::FLASH.eccr().read();
-    if !(state.eccd() && (state.bk_ecc() || READING_STORE.load(Relaxed))) {
-        panic!("non-maskable interrupt, flash ECC state {:#010x}", state.0);
-    }
-    pac::FLASH.eccr().modify(|w| w.set_eccd(true));
-    FLASH_ERRORS.store(FLASH_ERRORS.load(Relaxed).saturating_add(1), Relaxed);
-}
-
-#[exception]
-unsafe fn DefaultHandler(interrupt: i16) {
-    panic!("interrupt {interrupt} has no handler");
 }

@@ -132,7 +132,7 @@ fn a_hard_fault_leaves_its_place_and_status() -> Result<()> {
 fn a_panic_leaves_its_message() -> Result<()> {
     leaves_its_last_words(
         |bench| bench.board.poke(ICSR, NMIPENDSET),
-        &["panic", "non-maskable interrupt, flash ECC state 0x00000000", "nucleo_g474re.rs"],
+        &["panic", "non-maskable interrupt, flash ECC state 0x00000000", "failure.rs"],
     )?;
     leaves_its_last_words(
         |bench| {
