@@ -2,7 +2,7 @@
 //! again and again leaves the store alone.
 
 use crate::facts::Facts;
-use crate::restarts::TOO_MANY;
+use crate::restarts::Restarts;
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::table::Board;
 use estimator_core::{Admitted, Table};
@@ -22,8 +22,9 @@ pub struct Chosen {
 /// Looks for a table, best first.
 pub async fn choose<F: NorFlash>(store: &mut ParameterStore<F>, compiled: Table, facts: &Facts) -> Chosen {
     let (board, restarts) = (&facts.interface, facts.restarts);
-    let (reason, fallback) = if restarts >= TOO_MANY {
-        (text(format_args!("it failed {restarts} times in a row, so that the store is not read before a reset")), true)
+    let (reason, fallback) = if restarts.too_many() {
+        let Restarts { count, .. } = restarts;
+        (text(format_args!("it failed {count} times in a row, so that the store is not read before a reset")), true)
     } else {
         match store.load().await {
             Ok(Some(record)) => match parse(record, board) {

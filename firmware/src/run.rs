@@ -55,6 +55,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
     log_start(&source);
     let (tick_queues, link_queues) = resources.queues.split();
     let startup = Startup::new(table.as_ref(), &facts, fallback);
+    (facts.keep_safe)(startup.safe);
     let tick = Tick::new(startup, &facts, tick_queues, telemetry);
     let device = Device {
         facts,

@@ -9,7 +9,7 @@ use estimator_core::{Admitted, Table};
 use firmware::Facts;
 use firmware::boot::{self, Chosen};
 use firmware::link::Device;
-use firmware::restarts::TOO_MANY;
+use firmware::restarts::{Restarts, TOO_MANY};
 use firmware::table::TABLE;
 use parameter_store::{ParameterStore, RamFlash};
 use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
@@ -276,7 +276,7 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);
     assert_eq!((table, source, fallback), (Some(other()), TableSource::Stored, false));
 
-    let failing = Facts { restarts: TOO_MANY, ..FACTS };
+    let failing = Facts { restarts: Restarts { count: TOO_MANY, safe: None }, ..FACTS };
     let Chosen { table, source, fallback } = block_on(boot::choose(&mut store, TABLE, &failing));
     let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
     assert!(fallback && table == Some(compiled()) && reason.contains("failed 3 times"), "{reason}");

@@ -175,6 +175,8 @@ async fn main(_spawner: Spawner) {
         restarts,
         // SAFETY: called by the main loop.
         forget_restarts: || unsafe { restarts::forget() },
+        // SAFETY: as above.
+        keep_safe: |code| unsafe { restarts::keep_safe(code) },
         supply_mv: Some(supply_mv),
         measure_supply: || Some(supply::measure()),
         supply_good: supply::good,

@@ -10,6 +10,7 @@ use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::table::Board as Interface;
 use firmware::rate::{TICK_HZ, TICK_US};
+use firmware::restarts::Restarts;
 use firmware::{Facts, Peripherals, Resources, Telemetry, Tick};
 use parameter_store::StoreError;
 use protocol::ResetCause;
@@ -76,8 +77,9 @@ fn facts(reset: ResetCause) -> Facts {
         interface: INTERFACE,
         cycles_per_tick: CYCLES_HZ / TICK_HZ,
         reset,
-        restarts: 0,
+        restarts: Restarts::default(),
         forget_restarts: || {},
+        keep_safe: |_| {},
         supply_mv: None,
         measure_supply: || None,
         supply_good: |_| true,

@@ -1,7 +1,8 @@
 //! Arm's AN386 (Cortex-M4F, 25 MHz) for the MPS2 board, as QEMU emulates it: all of the firmware but the STM32.
 //!
 //! The tick is CMSDK timer 0 at 2 kHz. There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, or,
-//! with a table that drives, what the "DAC" puts out, which is a word in memory. The link is UART 0. The flash is memory that a reset keeps and a power-on does not.
+//! with a table that drives, what the "DAC" puts out, which is a word in memory. The link is UART 0. The flash is memory that
+//! a reset keeps and a power-on does not.
 #![no_std]
 #![no_main]
 
@@ -59,6 +60,8 @@ async fn main(_spawner: Spawner) {
         restarts: unsafe { restarts::count(reset) },
         // SAFETY: called by the main loop.
         forget_restarts: || unsafe { restarts::forget() },
+        // SAFETY: as above.
+        keep_safe: |code| unsafe { restarts::keep_safe(code) },
         supply_mv: None,
         measure_supply: || None,
         supply_good: |_| true,
