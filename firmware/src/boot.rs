@@ -1,5 +1,8 @@
-//! Which table the estimator runs: the newest stored one, else the compiled one, else none; and why.
+//! Which table the estimator runs: the newest stored one, else the compiled one, else none; and why. A device that has failed
+//! again and again leaves the store alone.
 
+use crate::facts::Facts;
+use crate::restarts::Restarts;
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::table::Board;
 use estimator_core::{Admitted, Table};
@@ -12,19 +15,25 @@ pub struct Chosen {
     pub table: Option<Admitted>,
     /// Where it comes from, and why.
     pub source: TableSource,
-    /// Something was stored that could not be used.
+    /// Something was stored that could not be used, or nobody has looked.
     pub fallback: bool,
 }
 
 /// Looks for a table, best first.
-pub async fn choose<F: NorFlash>(store: &mut ParameterStore<F>, compiled: Table, board: &Board) -> Chosen {
-    let (reason, fallback) = match store.load().await {
-        Ok(Some(record)) => match parse(record, board) {
-            Ok(table) => return Chosen { table: Some(table), source: TableSource::Stored, fallback: false },
-            Err(reason) => (text(format_args!("the stored table is refused: {reason}")), true),
-        },
-        Ok(None) => (text("no table is stored"), false),
-        Err(error) => (text(error), true),
+pub async fn choose<F: NorFlash>(store: &mut ParameterStore<F>, compiled: Table, facts: &Facts) -> Chosen {
+    let (board, restarts) = (&facts.interface, facts.restarts);
+    let (reason, fallback) = if restarts.too_many() {
+        let Restarts { count, .. } = restarts;
+        (text(format_args!("it failed {count} times in a row, so that the store is not read before a reset")), true)
+    } else {
+        match store.load().await {
+            Ok(Some(record)) => match parse(record, board) {
+                Ok(table) => return Chosen { table: Some(table), source: TableSource::Stored, fallback: false },
+                Err(reason) => (text(format_args!("the stored table is refused: {reason}")), true),
+            },
+            Ok(None) => (text("no table is stored"), false),
+            Err(error) => (text(error), true),
+        }
     };
     match compiled.admit().map_err(text).and_then(|table| fits(table, board)) {
         Ok(table) => Chosen { table: Some(table), source: TableSource::Compiled { reason }, fallback },

@@ -2,7 +2,7 @@
 //!
 //! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
 //! wrong, or nobody speaks any more, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a
-//! reset or a panic.
+//! reset that nobody asked the firmware for.
 //!
 //! ```text
 //! Waiting ── go ─► Ready ── first reference ─► Following ── timeout ─► Stopped
@@ -12,8 +12,10 @@
 //!
 //! A restart leads from every state to `Waiting`.
 
+use crate::answer::Answer;
+use crate::ramp::Stride;
 use crate::rate::TICK_HZ;
-use estimator_core::{Admitted, DacCode, DriveCalibration, Inverse, Status};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, Inverse, Status};
 
 /// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be held: 1 s.
 pub const REFERENCE_TIMEOUT_TICKS: u32 = TICK_HZ;
@@ -37,6 +39,7 @@ pub struct Drive {
     calibration: DriveCalibration,
     full_scale: u16,
     state: State,
+    answer: Answer,
 }
 
 impl Drive {
@@ -45,12 +48,19 @@ impl Drive {
         let calibration = table.drive?;
         // Cannot fail: the table was admitted with it.
         let inverse = table.inverse(&calibration.limits).ok()?;
-        Some(Self { inverse, calibration, full_scale: table.dac.full_scale, state: State::Waiting })
+        let answer = Answer::new(table.adc, &calibration.limits);
+        Some(Self { inverse, calibration, full_scale: table.dac.full_scale, state: State::Waiting, answer })
     }
 
     /// The code of the rest voltage.
     pub fn rest(table: &Admitted) -> Option<DacCode> {
         table.drive.map(|drive| drive.code(drive.limits.rest_v, table.dac.full_scale))
+    }
+
+    /// The slew rate of a table that has a drive.
+    pub fn stride(table: &Admitted) -> Option<Stride> {
+        let DriveCalibration { gain_codes_per_v, limits, .. } = table.drive?;
+        Some(Stride::of(gain_codes_per_v.abs() * limits.slew_v_per_s / TICK_HZ as f32))
     }
 
     /// Follows nothing and waits for [`go`](Self::go), even after a [`stop`](Self::stop). The voltage stays where it is until
@@ -83,6 +93,11 @@ impl Drive {
         matches!(self.state, State::Following { .. })
     }
 
+    /// Whether a reference is followed that is to be held for ever.
+    pub fn holding(&self) -> bool {
+        matches!(self.state, State::Following { hold: true, .. })
+    }
+
     /// One tick: the code for the reference that has come (µm), else for the last one, else on the way to rest; and whether
     /// the reference is out of reach.
     pub fn follow(&mut self, next: Option<f32>) -> (DacCode, Status) {
@@ -102,13 +117,21 @@ impl Drive {
         };
         let State::Following { reference, .. } = self.state else { return (self.release(), Status::empty()) };
         let commanded = tick_inverse(&mut self.inverse, reference);
+        self.answer.commanded(commanded.voltage);
         let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
         (self.calibration.code(commanded.voltage, self.full_scale), status)
     }
 
+    /// Whether the amplifier is not where it was commanded to.
+    pub fn astray(&self, code: AdcCode) -> bool {
+        self.answer.astray(code)
+    }
+
     /// One tick towards the rest voltage.
     pub fn release(&mut self) -> DacCode {
-        self.calibration.code(self.inverse.release().voltage, self.full_scale)
+        let commanded = self.inverse.release();
+        self.answer.commanded(commanded.voltage);
+        self.calibration.code(commanded.voltage, self.full_scale)
     }
 }
 

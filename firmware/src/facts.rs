@@ -1,5 +1,7 @@
 //! What a board says of itself.
 
+use crate::restarts::Restarts;
+use estimator_core::DacCode;
 use estimator_core::table::Board;
 use protocol::ResetCause;
 
@@ -14,10 +16,18 @@ pub struct Facts {
     pub cycles_per_tick: u32,
     /// Why the board started.
     pub reset: ResetCause,
+    /// What is known of the starts before ([`crate::restarts`]).
+    pub restarts: Restarts,
+    /// Called when their count begins anew.
+    pub forget_restarts: fn(),
+    /// Keeps the DAC's safe code for the starts after.
+    pub keep_safe: fn(DacCode),
     /// Analogue supply at boot, mV, where the board can measure it.
     pub supply_mv: Option<u16>,
-    /// Whether the supply is within tolerance.
-    pub supply_good: bool,
+    /// Measures it, mV, while the ticks go on: gives what the call before has begun, and begins anew.
+    pub measure_supply: fn() -> Option<u16>,
+    /// Whether so many mV are within tolerance.
+    pub supply_good: fn(u16) -> bool,
     /// Uncorrectable flash words met so far.
     pub flash_errors: fn() -> u32,
     /// Errors of the serial line so far that its driver does not report by itself.

@@ -13,14 +13,19 @@
 //! single-producer single-consumer queues and atomics: it takes no lock and waits for nobody.
 #![cfg_attr(not(test), no_std)]
 
+pub mod answer;
 pub mod boot;
 pub mod drive;
 pub mod facts;
 pub mod last_words;
 pub mod link;
+pub mod panel;
 pub mod peripherals;
 pub mod queues;
+pub mod ramp;
 pub mod rate;
+pub mod reading;
+pub mod restarts;
 pub mod run;
 pub mod startup;
 /// The parameter table of the image, made by `piezo emit --face rust`.

@@ -5,7 +5,7 @@ use core::ops::Range;
 use protocol::Text;
 
 /// A board's peripherals, ready to be used; the tick is not running yet.
-pub struct Peripherals<R, W, F, D, S> {
+pub struct Peripherals<R, W, F, P, D, S> {
     /// What the board says of itself.
     pub facts: Facts,
     /// What the last run said before it ended in a panic or a fault.
@@ -18,6 +18,8 @@ pub struct Peripherals<R, W, F, D, S> {
     pub flash: F,
     /// Where in the flash they are, bytes from its start.
     pub pages: Range<u32>,
+    /// The button and the lamp, if there are any.
+    pub front: P,
     /// Called to keep the watchdog from resetting the board for another period.
     pub feed_watchdog: D,
     /// Called once with the tick to start the sampling timer; from then on the board calls

@@ -2,15 +2,17 @@
 
 use crate::boot::{self, Chosen};
 use crate::link::{Device, Link};
+use crate::panel::{Front, Panel};
 use crate::peripherals::Peripherals;
 use crate::queues::Queues;
+use crate::restarts::SOON;
 use crate::startup::Startup;
 use crate::table::TABLE;
 use crate::telemetry::Telemetry;
 use crate::tick::Tick;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::select::{Either, select};
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Instant, Timer};
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use parameter_store::{ParameterStore, StoreError};
@@ -42,17 +44,18 @@ impl Default for Resources {
 ///
 /// # Errors
 /// The parameter pages do not fit the flash: a mistake in the board or its memory map.
-pub async fn run<'r, R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<'r>)>(
-    board: Peripherals<R, W, F, D, S>,
+pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: FnOnce(Tick<'r>)>(
+    board: Peripherals<R, W, F, P, D, S>,
     resources: &'r mut Resources,
     telemetry: &'r Telemetry,
 ) -> Result<(), StoreError> {
     let Peripherals { facts, last_words, mut feed_watchdog, .. } = board;
     let mut store = ParameterStore::new(board.flash, board.pages)?;
-    let Chosen { table, source, fallback } = boot::choose(&mut store, TABLE, &facts.interface).await;
+    let Chosen { table, source, fallback } = boot::choose(&mut store, TABLE, &facts).await;
     log_start(&source);
     let (tick_queues, link_queues) = resources.queues.split();
     let startup = Startup::new(table.as_ref(), &facts, fallback);
+    (facts.keep_safe)(startup.safe);
     let tick = Tick::new(startup, &facts, tick_queues, telemetry);
     let device = Device {
         facts,
@@ -65,10 +68,14 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<
         frames_refused: 0,
         read_errors: 0,
     };
-    let link = Link::new(device, board.receiver, board.transmitter);
+    let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
+    telemetry.set_supply(facts.supply_mv, facts.supply_good);
     (board.start)(tick);
+    // Begins the first measurement; what it gives is from before.
+    (facts.measure_supply)();
     let watchdog = async {
         let mut seen = 0;
+        let (started, mut young) = (Instant::now(), true);
         let mut faults = Faults::empty();
         loop {
             let ticks = telemetry.ticks.load(Relaxed);
@@ -76,11 +83,16 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, D: FnMut(), S: FnOnce(Tick<
                 seen = ticks;
                 feed_watchdog();
             }
+            if young && started.elapsed() > SOON {
+                young = false;
+                (facts.forget_restarts)();
+            }
+            Timer::after(WATCHDOG).await;
+            telemetry.set_supply((facts.measure_supply)(), facts.supply_good);
             if telemetry.faults() != faults {
                 faults = telemetry.faults();
                 log_faults(faults);
             }
-            Timer::after(WATCHDOG).await;
         }
     };
     match select(link.serve(), watchdog).await {
@@ -102,7 +114,7 @@ fn log_start(source: &TableSource) {
 
 #[cfg(feature = "on-target")]
 fn log_faults(faults: Faults) {
-    defmt::warn!("faults {=u8:#010b}", faults.bits());
+    defmt::warn!("faults {=u16:#011b}", faults.bits());
 }
 
 /// The host's tests have no log.

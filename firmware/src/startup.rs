@@ -2,6 +2,7 @@
 
 use crate::drive::Drive;
 use crate::facts::Facts;
+use crate::ramp::Stride;
 use estimator_core::{Admitted, DacCode, Estimator};
 use protocol::Faults;
 
@@ -13,6 +14,8 @@ pub struct Startup {
     pub drive: Option<Drive>,
     /// The DAC's safe code.
     pub safe: DacCode,
+    /// How fast the DAC's code may go there.
+    pub stride: Stride,
     /// Faults known since boot, which last until the next reset.
     pub faults: Faults,
 }
@@ -22,14 +25,16 @@ impl Startup {
     pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
         let estimator = table.map(Estimator::new);
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
-        // without a table nobody knows which code that is, and it is half scale.
+        // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts
+        // before know better.
         let safe = table.map_or(DacCode(facts.interface.dac_full_scale / 2), |table| {
             Drive::rest(table).unwrap_or_else(|| table.dac.code(0.0f32))
         });
+        let safe = facts.restarts.safe.filter(|_| facts.restarts.too_many()).unwrap_or(safe);
+        let stride = table.and_then(Drive::stride).unwrap_or(Stride::JUMP);
         let mut faults = Faults::empty();
-        faults.set(Faults::SUPPLY, !facts.supply_good);
         faults.set(Faults::TABLE_FALLBACK, fallback);
         faults.set(Faults::NO_TABLE, estimator.is_none());
-        Self { estimator, drive: table.and_then(Drive::new), safe, faults }
+        Self { estimator, drive: table.and_then(Drive::new), safe, stride, faults }
     }
 }

@@ -1,8 +1,9 @@
-//! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`], and nothing
-//! interrupts it, so plain loads and stores are enough.
+//! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`] and
+//! [`Telemetry::set_supply`], and nothing interrupts it, so plain loads and stores are enough.
 
+use crate::ramp::{Ramp, Stride};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
-use estimator_core::Status;
+use estimator_core::{DacCode, Status};
 use protocol::{Faults, Mode};
 
 /// Counters and latches of the tick.
@@ -32,20 +33,28 @@ pub struct Telemetry {
     pub dropped: AtomicU32,
     /// The last tick was not done in time for its output.
     pub overdue: AtomicBool,
-    /// The DAC's safe code.
-    pub safe: AtomicU16,
+    /// The code that the DAC was given last.
+    dac: AtomicU16,
+    /// Its safe one, and how fast it may go there.
+    safe: AtomicU16,
+    stride: AtomicU32,
     /// Whether samples are wanted; written by the link.
     pub streaming: AtomicBool,
     /// How often the mode has been set; even the same again counts.
     pub epoch: AtomicU8,
     /// Whether the estimator may be told a displacement.
     pub may_be_told: AtomicBool,
+    /// Whether a reference is followed that is to be held for ever.
+    pub holding: AtomicBool,
+    /// The analogue supply, mV; 0 where it is not known. Written by the main loop, as is whether it is out of tolerance.
+    supply_mv: AtomicU16,
+    supply_bad: AtomicBool,
     /// Bits of the bias, µm.
     bias: AtomicU32,
     /// Ticks since the bias was told, and one more; 0 where it was not since the estimate began.
     told: AtomicU32,
-    faults: AtomicU8,
-    faults_seen: AtomicU8,
+    faults: AtomicU16,
+    faults_seen: AtomicU16,
     mode: AtomicU8,
 }
 
@@ -71,29 +80,73 @@ impl Telemetry {
             starved: AtomicU32::new(0),
             dropped: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
+            dac: AtomicU16::new(0),
             safe: AtomicU16::new(0),
+            stride: AtomicU32::new(Stride::JUMP.0),
             streaming: AtomicBool::new(false),
             epoch: AtomicU8::new(0),
             may_be_told: AtomicBool::new(false),
+            holding: AtomicBool::new(false),
+            supply_mv: AtomicU16::new(0),
+            supply_bad: AtomicBool::new(false),
             bias: AtomicU32::new(0),
             told: AtomicU32::new(0),
-            faults: AtomicU8::new(0),
-            faults_seen: AtomicU8::new(0),
+            faults: AtomicU16::new(0),
+            faults_seen: AtomicU16::new(0),
             mode: AtomicU8::new(0),
         }
     }
 
     /// How long a tick took, entry to exit, and how long it might have, cycles. The board's interrupt handler says so when
-    /// it is done.
+    /// it is done, and learns whether it was in time.
     #[inline]
-    pub fn took(&self, cycles: u32, allowed: u32) {
-        if cycles > allowed {
+    pub fn took(&self, cycles: u32, allowed: u32) -> bool {
+        let in_time = cycles <= allowed;
+        if !in_time {
             self.overdue.store(true, Relaxed);
         }
         self.cycles_last.store(cycles, Relaxed);
         if cycles > self.cycles_max.load(Relaxed) {
             self.cycles_max.store(cycles, Relaxed);
         }
+        in_time
+    }
+
+    /// The DAC's safe code.
+    pub fn safe(&self) -> DacCode {
+        DacCode(self.safe.load(Relaxed))
+    }
+
+    /// The way from a code of the DAC to the safe one.
+    pub fn ramp(&self, from: DacCode) -> Ramp {
+        Ramp::new(from, self.safe(), Stride(self.stride.load(Relaxed)))
+    }
+
+    /// Whether the DAC drives something, so that its code may not jump.
+    pub fn drives(&self) -> bool {
+        Stride(self.stride.load(Relaxed)) != Stride::JUMP
+    }
+
+    /// Ticks from the code that the DAC was given last to the safe one.
+    pub fn ticks_to_safe(&self) -> u32 {
+        self.ramp(DacCode(self.dac.load(Relaxed))).ticks()
+    }
+
+    /// The analogue supply when it was measured last, mV; `None` where it cannot be.
+    pub fn supply_mv(&self) -> Option<u16> {
+        Some(self.supply_mv.load(Relaxed)).filter(|mv| *mv > 0)
+    }
+
+    /// Takes what the supply was found to be (mV), and whether that is within tolerance. Nothing is known to be wrong with one
+    /// that cannot be measured.
+    pub fn set_supply(&self, mv: Option<u16>, good: fn(u16) -> bool) {
+        self.supply_mv.store(mv.unwrap_or(0), Relaxed);
+        self.supply_bad.store(mv.is_some_and(|mv| !good(mv)), Relaxed);
+    }
+
+    #[inline]
+    pub(crate) fn supply_bad(&self) -> bool {
+        self.supply_bad.load(Relaxed)
     }
 
     /// What is wrong now.
@@ -137,6 +190,17 @@ impl Telemetry {
         ];
         counters.iter().for_each(|counter| counter.store(0, Relaxed));
         self.faults_seen.store(0, Relaxed);
+    }
+
+    pub(crate) fn set_safe(&self, safe: DacCode, stride: Stride) {
+        self.dac.store(safe.0, Relaxed);
+        self.safe.store(safe.0, Relaxed);
+        self.stride.store(stride.0, Relaxed);
+    }
+
+    #[inline]
+    pub(crate) fn set_dac(&self, code: DacCode) {
+        self.dac.store(code.0, Relaxed);
     }
 
     pub(crate) fn set_mode(&self, mode: Mode) {

@@ -32,6 +32,7 @@ pub struct Tick<'q> {
     number: u32,
     /// Cycle counter at the last tick.
     last: Option<u32>,
+    valid: bool,
 }
 
 /// What the DAC is given.
@@ -46,10 +47,10 @@ struct Output {
 impl<'q> Tick<'q> {
     /// A tick of a board; its safe code and its faults since boot can be read in `telemetry` from now on.
     pub fn new(startup: Startup, facts: &Facts, queues: TickQueues<'q>, telemetry: &'q Telemetry) -> Self {
-        telemetry.safe.store(startup.safe.0, Relaxed);
+        telemetry.set_safe(startup.safe, startup.stride);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
-        Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last }
+        Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last, valid: false }
     }
 
     /// One tick: the code just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
@@ -67,12 +68,21 @@ impl<'q> Tick<'q> {
         };
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
+        faults.set(Faults::SUPPLY, self.telemetry.supply_bad());
         let (dac, faults) = match code {
             Some(code) => self.estimate(code, missed, faults),
             None => (self.safe_output(), faults | Faults::SAFE_OUTPUT),
         };
         self.telemetry.set_faults(faults);
+        self.telemetry.set_dac(dac);
+        self.valid = faults.is_empty();
         dac
+    }
+
+    /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick. Where it
+    /// is, the board shows so by an edge of a pin, which dies with the tick.
+    pub fn valid(&self) -> bool {
+        self.valid
     }
 
     fn estimate(&mut self, code: AdcCode, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
@@ -103,7 +113,9 @@ impl<'q> Tick<'q> {
             return (faults, false);
         }
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
-        match self.watch.update(code, status, missed.is_some()) {
+        let astray = self.mode == Mode::Follow && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(code));
+        let supply = faults & Faults::SUPPLY;
+        match self.watch.update(code, status, missed.is_some(), astray, supply) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
             FaultState::Recovered => {
                 // What it has made of the bad codes is forgotten.
@@ -127,6 +139,7 @@ impl<'q> Tick<'q> {
                     add(&self.telemetry.starved, 1);
                 }
                 let (code, status) = drive.follow(next);
+                self.telemetry.holding.store(drive.holding(), Relaxed);
                 Output { code, safe: !drive.following(), status }
             }
             Some(drive) => Output { code: drive.release(), safe: true, status },
@@ -190,6 +203,7 @@ impl<'q> Tick<'q> {
                 if let Some(drive) = &mut self.startup.drive {
                     drive.restart();
                 }
+                self.telemetry.holding.store(false, Relaxed);
                 self.telemetry.set_mode(mode);
             }
             Command::Go { hold } => {

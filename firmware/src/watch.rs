@@ -15,6 +15,8 @@ pub const SATURATED: u32 = TICK_HZ / 100;
 pub const STUCK: u32 = 10 * TICK_HZ;
 /// Odd ticks in a row, beyond the table's voltage range, that are a fault: 1 s.
 pub const OUT_OF_RANGE: u32 = TICK_HZ;
+/// Odd ticks in a row, with the amplifier not where the drive commands it, that are a fault: 100 ms.
+pub const ASTRAY: u32 = TICK_HZ / 10;
 /// Late or missed ticks in a row that are a fault of the output too: 10 ms. One alone costs the estimate one step.
 pub const MISSED: u32 = TICK_HZ / 100;
 /// How long a fault outlasts its cause: 1 s.
@@ -34,6 +36,7 @@ pub struct Watch {
     saturated: u32,
     out_of_range: u32,
     missed: u32,
+    astray: u32,
     found: Faults,
     hold: u32,
 }
@@ -56,22 +59,25 @@ impl Watch {
             saturated: 0,
             out_of_range: 0,
             missed: 0,
+            astray: 0,
             found: Faults::empty(),
             hold: 0,
         }
     }
 
-    /// Takes one tick's code, status, and whether it was late, and says which faults last after it.
+    /// Takes one tick's code, status, whether it was late, whether the amplifier is not where the drive commands it, and the
+    /// faults that others have found, and says which faults last after it.
     #[inline]
-    pub fn update(&mut self, code: AdcCode, status: Status, missed: bool) -> FaultState {
+    pub fn update(&mut self, code: AdcCode, status: Status, missed: bool, astray: bool, others: Faults) -> FaultState {
         let beyond = status.contains(Status::VOLTAGE_OUT_OF_RANGE);
         self.same = if self.last == Some(code) { self.same.saturating_add(1) } else { 0 };
         self.last = Some(code);
-        let mut now = Faults::empty();
+        let mut now = others;
         now.set(Faults::ADC_SATURATED, score(&mut self.saturated, !self.good_codes.contains(&code.0), SATURATED));
         now.set(Faults::OUT_OF_CALIBRATION, score(&mut self.out_of_range, beyond, OUT_OF_RANGE));
         now.set(Faults::ADC_STUCK, self.same >= STUCK);
         now.set(Faults::MISSED_DEADLINE, score(&mut self.missed, missed, MISSED));
+        now.set(Faults::AMPLIFIER, score(&mut self.astray, astray, ASTRAY));
         if !now.is_empty() {
             self.found |= now;
             self.hold = HOLD;
@@ -109,18 +115,21 @@ mod tests {
     }
 
     /// Ticks until a fault shows, and from its last cause until it has passed.
-    fn life(tick: impl Fn(u32) -> (AdcCode, Status, bool)) -> (u32, Faults, u32) {
+    fn life(tick: impl Fn(u32) -> (AdcCode, Status, bool, bool)) -> (u32, Faults, u32) {
         let mut watch = Watch::new(FULL);
-        let update = |watch: &mut Watch, (code, status, missed)| watch.update(code, status, missed);
+        let update = |watch: &mut Watch, (code, status, missed, astray)| {
+            watch.update(code, status, missed, astray, Faults::empty())
+        };
         let (after, faults) = (1..100_000)
             .find_map(|k| match update(&mut watch, tick(k)) {
                 FaultState::Faulty(faults) => Some((k, faults)),
                 _ => None,
             })
             .expect("a fault");
-        let passed =
-            (1..).find(|&k| update(&mut watch, (moving(k), GOOD, false)) == FaultState::Recovered).expect("its end");
-        assert_eq!(update(&mut watch, (moving(passed + 1), GOOD, false)), FaultState::Healthy);
+        let passed = (1..)
+            .find(|&k| update(&mut watch, (moving(k), GOOD, false, false)) == FaultState::Recovered)
+            .expect("its end");
+        assert_eq!(update(&mut watch, (moving(passed + 1), GOOD, false, false)), FaultState::Healthy);
         (after, faults, passed)
     }
 
@@ -128,27 +137,29 @@ mod tests {
     fn lasting_oddities_become_faults_and_pass_a_second_after_their_end() {
         let beyond = Status::VOLTAGE_OUT_OF_RANGE;
         for end in [0, FULL / MARGIN, FULL - FULL / MARGIN, FULL] {
-            let at_the_end = |k| (AdcCode(end.saturating_add((k % 2) as u16).min(end)), GOOD, false);
+            let at_the_end = |k| (AdcCode(end.saturating_add((k % 2) as u16).min(end)), GOOD, false, false);
             assert_eq!(life(at_the_end), (SATURATED, Faults::ADC_SATURATED, HOLD), "{end}");
         }
-        assert_eq!(life(|k| (moving(k), beyond, false)), (OUT_OF_RANGE, Faults::OUT_OF_CALIBRATION, HOLD));
-        assert_eq!(life(|k| (moving(k), GOOD, true)), (MISSED, Faults::MISSED_DEADLINE, HOLD));
-        let stuck = life(|_| (AdcCode(7_000), GOOD, false));
+        assert_eq!(life(|k| (moving(k), beyond, false, false)), (OUT_OF_RANGE, Faults::OUT_OF_CALIBRATION, HOLD));
+        assert_eq!(life(|k| (moving(k), GOOD, true, false)), (MISSED, Faults::MISSED_DEADLINE, HOLD));
+        assert_eq!(life(|k| (moving(k), GOOD, false, true)), (ASTRAY, Faults::AMPLIFIER, HOLD));
+        let stuck = life(|_| (AdcCode(7_000), GOOD, false, false));
         assert_eq!(stuck, (STUCK + 1, Faults::ADC_STUCK, HOLD), "the first code is no repetition");
     }
 
     #[test]
     fn what_is_clipped_a_third_of_the_time_is_found_and_a_tenth_is_not() {
         // A sine of 100 Hz: twenty ticks.
-        let clipped =
-            |part: u32| move |k: u32| (AdcCode(if k % 20 < part { FULL } else { 30_000 + k as u16 % 2 }), GOOD, false);
+        let clipped = |part: u32| {
+            move |k: u32| (AdcCode(if k % 20 < part { FULL } else { 30_000 + k as u16 % 2 }), GOOD, false, false)
+        };
         let (after, faults, _) = life(clipped(7));
         assert!(faults == Faults::ADC_SATURATED && after < 4_000, "{after}");
         let mut watch = Watch::new(FULL);
         let tick = clipped(2);
         assert!((0..100_000).all(|k| {
-            let (code, status, missed) = tick(k);
-            watch.update(code, status, missed) == FaultState::Healthy
+            let (code, status, missed, astray) = tick(k);
+            watch.update(code, status, missed, astray, Faults::empty()) == FaultState::Healthy
         }));
     }
 }

@@ -6,8 +6,10 @@ use common::{FACTS, PERIOD, compiled, driving, other, record, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use estimator_core::{Admitted, Table};
+use firmware::Facts;
 use firmware::boot::{self, Chosen};
 use firmware::link::Device;
+use firmware::restarts::{Restarts, TOO_MANY};
 use firmware::table::TABLE;
 use parameter_store::{ParameterStore, RamFlash};
 use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
@@ -36,6 +38,7 @@ impl Drop for Bench {
 impl Bench {
     fn new(table: Option<Admitted>) -> Self {
         let (mut tick, rest) = tick(table.as_ref(), Faults::empty());
+        rest.telemetry.set_supply(FACTS.supply_mv, FACTS.supply_good);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         std::thread::spawn(move || {
@@ -142,6 +145,7 @@ fn it_says_who_and_how_it_is() {
     let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
     assert_eq!((health.frames_refused, health.line_errors, health.last_words), (0, 0, None));
     assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done, "which takes a tick");
+    assert_eq!(bench.ask(Request::Reset), Reply::Resetting { in_ms: 0 }, "it drives nothing");
     let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
     assert!(health.ticks > 0);
     let mut empty = Bench::new(None);
@@ -260,8 +264,7 @@ fn the_dac_is_not_rewired_by_a_table_alone() {
 
 #[test]
 fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_why() {
-    let choose =
-        |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, &FACTS.interface));
+    let choose = |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, &FACTS));
     let mut store = flash(vec![0xFF; 4096]);
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);
     assert_eq!((table, source), (Some(compiled()), TableSource::Compiled { reason: text("no table is stored") }));
@@ -272,6 +275,11 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
     }
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);
     assert_eq!((table, source, fallback), (Some(other()), TableSource::Stored, false));
+
+    let failing = Facts { restarts: Restarts { count: TOO_MANY, safe: None }, ..FACTS };
+    let Chosen { table, source, fallback } = block_on(boot::choose(&mut store, TABLE, &failing));
+    let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
+    assert!(fallback && table == Some(compiled()) && reason.contains("failed 3 times"), "{reason}");
 
     block_on(store.store(b"PZTB\x63\x00\x00\x00and more")).unwrap();
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);

@@ -11,18 +11,19 @@ use firmware::queues::Command;
 use firmware::watch::SATURATED;
 use protocol::{Faults, Mode};
 
-/// A driving tick and its ADC, which moves with whatever: the inverse does not look at it.
+/// A driving tick and its ADC, which reads the amplifier.
 struct Bench {
     tick: Tick<'static>,
     link: LinkEnd,
     k: u32,
+    dac: DacCode,
 }
 
 impl Bench {
     fn new() -> Self {
         let (tick, link) = tick(Some(&driving()), Faults::empty());
         link.telemetry.streaming.store(true, Relaxed);
-        Self { tick, link, k: 0 }
+        Self { tick, link, k: 0, dac: REST }
     }
 
     fn set(&mut self, mode: Mode) {
@@ -36,6 +37,7 @@ impl Bench {
     fn step_with(&mut self, code: AdcCode) -> (DacCode, Status, Faults) {
         self.k += 1;
         let dac = self.tick.sample(code, self.k * PERIOD);
+        self.dac = dac;
         let sample = std::iter::from_fn(|| self.link.queues.samples.dequeue()).last().map(|numbered| numbered.sample);
         if let Some(sample) = sample {
             assert_eq!(DacCode(sample.dac), dac, "the sample says what the DAC was given");
@@ -45,7 +47,14 @@ impl Bench {
     }
 
     fn step(&mut self) -> (DacCode, Status, Faults) {
-        self.step_with(triangle(self.k))
+        self.step_with(self.amplifier())
+    }
+
+    /// What an amplifier does that is told to go where the DAC stands, with a converter's noise.
+    fn amplifier(&self) -> AdcCode {
+        let table = driving();
+        let AdcCode(code) = table.adc.code(table.drive.unwrap().voltage::<f32>(self.dac));
+        AdcCode(code + (self.k % 2) as u16)
     }
 }
 
@@ -111,7 +120,7 @@ fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
     let mut last = REST.0;
     let mut follow = |bench: &mut Bench, code: Option<AdcCode>| {
         let _ = bench.link.queues.references.enqueue(30.0);
-        let code = code.unwrap_or(triangle(bench.k));
+        let code = code.unwrap_or(bench.amplifier());
         let (dac, _, faults) = bench.step_with(code);
         assert!(dac.0.abs_diff(last) <= stride, "{last} → {}", dac.0);
         last = dac.0;
@@ -156,4 +165,41 @@ fn where_nobody_speaks_any_more_it_goes_back_to_rest_unless_it_is_to_hold() {
 fn with_a_table_that_is_not_the_stored_one_the_output_stays_safe() {
     let (mut tick, _) = tick(Some(&compiled()), Faults::TABLE_FALLBACK);
     assert!((0..3_000).all(|k| tick.sample(triangle(k), k * PERIOD) == SAFE));
+}
+
+#[test]
+fn an_amplifier_that_does_not_go_along_is_a_fault_and_one_that_does_is_none() {
+    // A monitor's open wire, a tripped amplifier, a span that is a quarter off, and a sound one.
+    type Amplifier = fn(f32) -> f32;
+    let plants: [(&str, Amplifier, bool); 4] = [
+        ("open wire", |_| 1.0, true),
+        ("tripped", |_| 0.0, true),
+        ("wrong span", |volts| 1.25 * volts, true),
+        ("sound", |volts| 1.01 * volts, false),
+    ];
+    for (name, plant, wrong) in plants {
+        let mut bench = Bench::new();
+        bench.set(Mode::Follow);
+        bench.step();
+        bench.go(true);
+        bench.link.queues.references.enqueue(25.0).unwrap();
+        let table = driving();
+        let mut last = REST.0;
+        let mut faults = Faults::empty();
+        for _ in 0..1_000 {
+            let volts = plant(table.drive.unwrap().voltage(bench.dac));
+            let code = table.adc.code(volts).0 + (bench.k % 2) as u16;
+            let (dac, _, found) = bench.step_with(AdcCode(code));
+            assert!(dac.0.abs_diff(last) <= 21, "{name}: {last} → {}", dac.0);
+            (last, faults) = (dac.0, faults | found);
+        }
+        assert_eq!(faults.contains(Faults::AMPLIFIER), wrong, "{name}: {faults:?}");
+        assert_eq!(last == REST.0, wrong, "{name}: {last}");
+    }
+}
+
+#[test]
+fn the_amplifier_is_not_looked_at_where_nothing_is_driven() {
+    let mut bench = Bench::new();
+    assert!((0..500).all(|k| bench.step_with(triangle(k)).2 == Faults::SAFE_OUTPUT));
 }

@@ -116,9 +116,28 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
 }
 
 #[test]
-fn without_a_table_or_with_a_bad_supply_the_dac_is_safe_for_good() {
+fn a_supply_out_of_tolerance_is_a_fault_until_a_second_after() {
+    let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
+    let mut k = 0;
+    let mut safe_ticks = |mv, ticks| {
+        link.telemetry.set_supply(mv, |mv| mv > 3135);
+        (0..ticks)
+            .filter(|_| {
+                k += 1;
+                tick.sample(triangle(k), k * PERIOD) == SAFE
+            })
+            .count()
+    };
+    assert_eq!(safe_ticks(Some(3300), 500), 0);
+    assert_eq!(safe_ticks(Some(3100), 500), 500, "at once");
+    assert_eq!(safe_ticks(Some(3300), 4_000), HOLD as usize);
+    assert_eq!(safe_ticks(None, 500), 0, "what cannot be measured is not known to be wrong");
+}
+
+#[test]
+fn without_a_table_or_with_another_than_the_stored_one_the_dac_is_safe_for_good() {
     for (table, standing, fault) in
-        [(None, Faults::empty(), Faults::NO_TABLE), (Some(compiled()), Faults::SUPPLY, Faults::SUPPLY)]
+        [(None, Faults::empty(), Faults::NO_TABLE), (Some(compiled()), Faults::TABLE_FALLBACK, Faults::TABLE_FALLBACK)]
     {
         let (mut tick, link) = tick(table.as_ref(), standing);
         for k in 0..100 {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 bitflags::bitflags! {
     /// What is wrong on the device now. While [`Faults::SAFE_OUTPUT`] is among them, the DAC stands at its safe value.
     #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
-    pub struct Faults: u8 {
+    pub struct Faults: u16 {
         /// The ADC has stood at an end of its range: a broken divider, a wrong offset, or an open input.
         const ADC_SATURATED = 1 << 0;
         /// The ADC has given one and the same code: a converter or an input that has stopped.
@@ -14,7 +14,7 @@ bitflags::bitflags! {
         const OUT_OF_CALIBRATION = 1 << 2;
         /// A tick came late or not at all, or was not done in time for its output.
         const MISSED_DEADLINE = 1 << 3;
-        /// The analogue supply, which is the converters' reference, was out of tolerance at boot.
+        /// The analogue supply, which is the converters' reference, is or has been out of tolerance.
         const SUPPLY = 1 << 4;
         /// There is no admissible table, so nothing is estimated.
         const NO_TABLE = 1 << 5;
@@ -22,6 +22,9 @@ bitflags::bitflags! {
         const TABLE_FALLBACK = 1 << 6;
         /// The DAC stands at its safe value, or is on its way there: by a fault, or because nothing is put out in this mode.
         const SAFE_OUTPUT = 1 << 7;
+        /// While driving, the voltage has not been what was commanded: a wire is open, the amplifier has tripped, or a span is
+        /// wrong.
+        const AMPLIFIER = 1 << 8;
     }
 }
 
@@ -32,6 +35,7 @@ impl Faults {
         .union(Self::ADC_STUCK)
         .union(Self::OUT_OF_CALIBRATION)
         .union(Self::SUPPLY)
+        .union(Self::AMPLIFIER)
         .union(Self::NO_TABLE)
         .union(Self::TABLE_FALLBACK);
 }

@@ -67,7 +67,7 @@ pub struct Health {
     pub bias_um: f32,
     /// Ticks since the bias was told, at most [`Self::OLDEST_BIAS_TICKS`]; `None` where it was not since the estimate began.
     pub bias_age_ticks: Option<u32>,
-    /// Analogue supply at boot, mV; `None` where the board cannot tell.
+    /// Analogue supply when it was measured last, mV; `None` where the board cannot tell.
     pub supply_mv: Option<u16>,
 }
 

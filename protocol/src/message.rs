@@ -80,7 +80,7 @@ pub enum Request {
         /// Hold the last one for ever. Otherwise the voltage goes back to rest when none has come for a second.
         hold: bool,
     },
-    /// Start again. → [`Reply::Done`], then the reset.
+    /// Go to the safe output, then start again. → [`Reply::Resetting`], then the reset.
     Reset,
 }
 
@@ -121,6 +121,11 @@ pub enum Reply {
         taken: u16,
         /// Ticks since the mode was set that found no reference after the first, and held the last one.
         starved: u32,
+    },
+    /// To [`Request::Reset`]: it will start again.
+    Resetting {
+        /// How long the way to the safe output takes at the drive's slew rate, ms.
+        in_ms: u32,
     },
     /// What was asked is not done, and why.
     Refused(Refusal),

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the tick does.
+/// What the tick does. A mode other than [`Mode::Estimate`] lasts while sound frames come: five seconds after the last one the
+/// device estimates again, but for a [`Mode::Follow`] that holds a reference which is to be held for ever.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Mode {
     /// Estimates from the ADC; the DAC follows.

@@ -97,6 +97,7 @@ fn answers() -> Vec<ToHost> {
         Reply::Done,
         Reply::Fed(64),
         Reply::Referred { taken: 64, starved: u32::MAX },
+        Reply::Resetting { in_ms: u32::MAX },
         Reply::Refused(Refusal::Table(text("µ".repeat(200)))),
         Reply::Refused(Refusal::BeyondSpan { span_um: f32::MAX }),
     ];
@@ -120,14 +121,14 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f03ac020a030102f0ff0333b66c4200");
+    assert_eq!(hex(frame(&message)), "0f04ac020a030102f0ff034aadb0a000");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "1e0301ffffffff0f01ffff03ffff7fff01ffff7f7fffff037fff8221b0c500"
+        "1f0401ffffffff0f01ffff03ffff7fff01ffff7f7fffff037fff033c97bb9000"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (3, 2967872935));
+    assert_eq!((VERSION, crc), (4, 2883582082));
 }
 
 #[test]

@@ -5,6 +5,8 @@
 //! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, sixteenfold oversampling: codes up to 65,520 |
 //! | estimate | PA4 (A2), DAC1 channel 1, 12 bits |
 //! | high while the tick runs, for an oscilloscope | PA8 (D7) |
+//! | VALID: an edge at every good tick, for an interlock | PB10 (D6) |
+//! | lamp, button: [`firmware::panel`] | PA5 (LD2), PC13 (B1) |
 //! | link | LPUART1 on PA2, PA3: the ST-Link's virtual COM port |
 //! | trigger of both converters | TIM6, 2 kHz |
 //! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
@@ -14,19 +16,24 @@
 #![no_std]
 #![no_main]
 
+#[path = "nucleo_g474re/clocks.rs"]
+mod clocks;
+#[path = "nucleo_g474re/failure.rs"]
+mod failure;
+#[path = "nucleo_g474re/supply.rs"]
+mod supply;
+
 use core::cell::Cell;
-use core::panic::PanicInfo;
 use core::ptr::addr_of;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use cortex_m::peripheral::{DWT, SCB};
-use cortex_m_rt::{ExceptionFrame, exception};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_stm32::adc::{Adc, AdcChannel as _, AdcConfig, Exten, InjectedAdc, SampleTime};
 use embassy_stm32::dac::{Ch1, DacChannel, Mode, Value};
 use embassy_stm32::flash::Flash;
-use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::typelevel::{Handler, LPUART1 as LPUART1Interrupt};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::mode::Async;
@@ -37,12 +44,14 @@ use embassy_stm32::timer::low_level::{RoundTo, Timer};
 use embassy_stm32::triggers::TIM6_TRGO;
 use embassy_stm32::usart::{self, BufferedInterruptHandler, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_stm32::{Config, Peri, bind_interrupts, dma, flash, interrupt, rcc};
+use embassy_stm32::{Peri, bind_interrupts, dma, flash, interrupt};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::AdcCode;
 use estimator_core::table::Board;
+use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
-use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words};
+use firmware::reading::Watched;
+use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
 use protocol::{BAUD, ResetCause};
 use static_cell::ConstStaticCell;
 
@@ -75,9 +84,6 @@ const SIXTEENFOLD: u8 = 3;
 /// Longest that the tick or the main loop may stand still, µs; a start that must repair the parameter pages (two erases of
 /// up to 25 ms) fits.
 const WATCHDOG_US: u32 = 200_000;
-/// The supply that converters, divider and calibration are made for, mV, and how far off it may be: 5 %.
-const SUPPLY_MV: u16 = 3300;
-const SUPPLY_TOLERANCE_MV: u16 = 165;
 
 /// What the converter's interrupt owns.
 struct Armed {
@@ -85,14 +91,29 @@ struct Armed {
     adc: InjectedAdc<'static, ADC1, 1>,
     dac: DacChannel<'static, Async>,
     marker: Output<'static>,
+    valid: Output<'static>,
+}
+
+/// The board's own button and lamp.
+struct OnBoard {
+    button: Input<'static>,
+    lamp: Output<'static>,
+}
+
+impl Front for OnBoard {
+    fn level(&mut self) -> bool {
+        self.button.is_high()
+    }
+
+    fn light(&mut self, on: bool) {
+        self.lamp.set_level(on.into());
+    }
 }
 
 /// What the tick leaves for others to read.
 static TELEMETRY: Telemetry = Telemetry::new();
 /// On its way there.
 static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
-/// Flash words that could not be corrected.
-static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
 /// Errors of the serial line.
 static LINE_ERRORS: AtomicU32 = AtomicU32::new(0);
 
@@ -101,15 +122,16 @@ unsafe extern "C" {
     static __flash_start: u8;
     static __parameters_start: u8;
     static __parameters_end: u8;
-    static __vrefint_calibration: u16;
 }
 
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
     let reset = reset_cause();
+    // SAFETY: once, before the tick and every task.
+    let restarts = unsafe { restarts::count(reset) };
     // With its reset values, half a second: a crystal that does not start must not be waited for for ever.
     pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::START));
-    let p = embassy_stm32::init(clocks());
+    let p = clocks::start();
     // Otherwise a page is 4 KiB, both parameter pages are one, and an erase stops the code.
     assert!(pac::FLASH.optr().read().dbank(), "the flash is not in dual-bank mode: set the option bit DBANK");
     // Cannot fail: this is the only call.
@@ -132,7 +154,7 @@ async fn main(_spawner: Spawner) {
 
     let oversampling = AdcConfig { oversampling_ratio: Some(SIXTEENFOLD), ..AdcConfig::default() };
     let mut adc = Adc::new(p.ADC1, oversampling);
-    let supply_mv = supply_mv(&mut adc);
+    let supply_mv = supply::at_start(&mut adc);
     // The driver oversamples regular conversions only.
     pac::ADC1.cfgr2().modify(|w| w.set_jovse(true));
     let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
@@ -142,14 +164,23 @@ async fn main(_spawner: Spawner) {
     let pages = addr_of!(__parameters_start) as u32 - flash_start..addr_of!(__parameters_end) as u32 - flash_start;
     let (tim6, dac1, dma, pa0) = (p.TIM6, p.DAC1, p.DMA1_CH2, p.PA0);
     let marker = Output::new(p.PA8, Level::Low, Speed::High);
+    let valid = Output::new(p.PB10, Level::Low, Speed::Low);
+    // The board has the button's resistor.
+    let front = OnBoard { button: Input::new(p.PC13, Pull::None), lamp: Output::new(p.PA5, Level::Low, Speed::Low) };
     let facts = Facts {
         name: "nucleo-g474re",
         interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
+        restarts,
+        // SAFETY: called by the main loop.
+        forget_restarts: || unsafe { restarts::forget() },
+        // SAFETY: as above.
+        keep_safe: |code| unsafe { restarts::keep_safe(code) },
         supply_mv: Some(supply_mv),
-        supply_good: supply_mv.abs_diff(SUPPLY_MV) <= SUPPLY_TOLERANCE_MV,
-        flash_errors: || FLASH_ERRORS.load(Relaxed),
+        measure_supply: || Some(supply::measure()),
+        supply_good: supply::good,
+        flash_errors: failure::flash_errors,
         line_errors: || LINE_ERRORS.load(Relaxed),
     };
     let board = Peripherals {
@@ -158,8 +189,9 @@ async fn main(_spawner: Spawner) {
         last_words: unsafe { last_words::take() },
         receiver,
         transmitter,
-        flash: Flash::new(p.FLASH, Irqs),
+        flash: Watched::new(Flash::new(p.FLASH, Irqs), &failure::READING_STORE),
         pages,
+        front,
         feed_watchdog: || watchdog.pet(),
         start: |tick: Tick<'static>| {
             // Before the converters listen: loading the prescaler is a trigger too.
@@ -167,14 +199,18 @@ async fn main(_spawner: Spawner) {
             // The pin, analogue since reset, stays high-impedance until the output register holds the safe code: the driver
             // switches a channel on before it can be given a code, so this one starts without the pin.
             let mut dac = DacChannel::new_triggered_internal::<_, Ch1, _>(dac1, dma, TIM6_TRGO, Irqs);
-            dac.set(Value::Bit12Right(TELEMETRY.safe.load(Relaxed)));
+            let safe = || Value::Bit12Right(TELEMETRY.safe().0);
+            dac.set(safe());
             dac.set_mode(Mode::NormalExternalBuffered);
+            clocks::tell_dac();
             dac.enable();
+            // Once more, for a DAC that loads its output register when a code is written and at no other time.
+            dac.set(safe());
             // The constructor chooses the trigger and leaves it off.
             dac.set_triggering(true);
             let channel = (pa0.degrade_adc(), SampleTime::CYCLES47_5);
             let adc = adc.setup_injected_conversions([channel], TIM6_TRGO, Exten::RISING_EDGE, true);
-            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, dac, marker })));
+            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, dac, marker, valid })));
             // SAFETY: the handler below is ready, and no critical section masks by priority.
             unsafe { interrupt::ADC1_2.enable() };
             timer.start();
@@ -184,7 +220,11 @@ async fn main(_spawner: Spawner) {
     };
     static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
     match firmware::run(board, RESOURCES.take(), &TELEMETRY).await {
-        Ok(()) => SCB::sys_reset(),
+        Ok(()) => {
+            // SAFETY: this is the main loop, after its end.
+            unsafe { restarts::asked() };
+            SCB::sys_reset()
+        }
         Err(error) => panic!("{error}"),
     }
 }
@@ -194,7 +234,7 @@ async fn main(_spawner: Spawner) {
 fn ADC1_2() {
     static mut OWNED: Option<Armed> = None;
     let started = DWT::cycle_count();
-    let Some(Armed { tick, adc, dac, marker }) = OWNED.as_mut() else {
+    let Some(Armed { tick, adc, dac, marker, valid }) = OWNED.as_mut() else {
         // The first time: the request stays, so the handler is entered again at once.
         *OWNED = ARMED.lock(Cell::take);
         return;
@@ -202,29 +242,11 @@ fn ADC1_2() {
     marker.set_high();
     let [code] = adc.read_injected_samples();
     dac.set(Value::Bit12Right(tick.sample(AdcCode(code), started).0));
-    TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION);
+    let in_time = TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION);
+    if in_time && tick.valid() {
+        valid.toggle();
+    }
     marker.set_low();
-}
-
-/// 170 MHz: 24 MHz / 6 · 85 / 2.
-fn clocks() -> Config {
-    use rcc::{Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux::Adcsel};
-    let mut config = Config::default();
-    config.rcc.hse = Some(Hse { freq: Hertz(24_000_000), mode: HseMode::Oscillator });
-    config.rcc.pll = Some(Pll {
-        source: PllSource::HSE,
-        prediv: PllPreDiv::DIV6,
-        mul: PllMul::MUL85,
-        divp: None,
-        divq: None,
-        divr: Some(PllRDiv::DIV2),
-    });
-    config.rcc.sys = Sysclk::PLL1_R;
-    config.rcc.boost = true;
-    config.rcc.mux.adc12sel = Adcsel::SYS;
-    // The cycle counter must go on while the core sleeps, or lost ticks would not be seen.
-    config.enable_debug_during_sleep = true;
-    config
 }
 
 /// TIM6, not started, with its trigger output at exactly 2 kHz.
@@ -241,20 +263,6 @@ fn trigger(tim6: Peri<'static, TIM6>) -> Timer<'static, TIM6> {
     timer
 }
 
-/// Analogue supply by the internal reference, mV (RM0440, "Internal voltage reference").
-fn supply_mv(adc: &mut Adc<'static, ADC1>) -> u16 {
-    /// Supply at which the factory calibrated, mV.
-    const CALIBRATED_MV: u32 = 3000;
-    let mut reference = adc.enable_vrefint();
-    // Its buffer needs 12 µs.
-    cortex_m::asm::delay(CORE_HZ / 50_000);
-    let code = adc.blocking_read(&mut reference, SampleTime::CYCLES247_5);
-    // SAFETY: the factory's calibration word, in read-only memory.
-    let calibration = unsafe { addr_of!(__vrefint_calibration).read_volatile() };
-    let mv = CALIBRATED_MV * u32::from(calibration) / u32::from(code.max(1));
-    mv.min(u16::MAX.into()) as u16
-}
-
 /// Why the chip started; clears the flags for the next time.
 fn reset_cause() -> ResetCause {
     let flags = pac::RCC.csr().read();
@@ -267,46 +275,4 @@ fn reset_cause() -> ResetCause {
         (flags.oblrstf() || flags.wwdgrstf() || flags.lpwrrstf(), ResetCause::OTHER),
     ];
     causes.into_iter().filter(|(set, _)| *set).map(|(_, cause)| cause).collect()
-}
-
-/// The DAC to its safe value, at once. Before the DAC runs this does nothing: the registers have no clock.
-fn output_safe() {
-    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(TELEMETRY.safe.load(Relaxed)));
-    // The code goes out as soon as no trigger is waited for.
-    pac::DAC1.cr().modify(|w| w.set_ten(0, false));
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo<'_>) -> ! {
-    cortex_m::interrupt::disable();
-    output_safe();
-    // SAFETY: nothing else runs any more.
-    unsafe { last_words::keep_panic(info) };
-    SCB::sys_reset()
-}
-
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    cortex_m::interrupt::disable();
-    output_safe();
-    // SAFETY: nothing else runs any more.
-    unsafe { last_words::keep_hard_fault(frame) };
-    SCB::sys_reset()
-}
-
-/// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
-/// which the parameter store's checksums refuse.
-#[exception]
-unsafe fn NonMaskableInt() {
-    let state = pac::FLASH.eccr().read();
-    if !(state.eccd() && state.bk_ecc()) {
-        panic!("non-maskable interrupt, flash ECC state {:#010x}", state.0);
-    }
-    pac::FLASH.eccr().modify(|w| w.set_eccd(true));
-    FLASH_ERRORS.store(FLASH_ERRORS.load(Relaxed).saturating_add(1), Relaxed);
-}
-
-#[exception]
-unsafe fn DefaultHandler(interrupt: i16) {
-    panic!("interrupt {interrupt} has no handler");
 }

@@ -3,6 +3,7 @@
 use crate::boot;
 use crate::facts::Facts;
 use crate::queues::{Command, LinkQueues};
+use crate::rate::TICK_HZ;
 use crate::table::TABLE;
 use crate::telemetry::Telemetry;
 use core::sync::atomic::Ordering::Relaxed;
@@ -64,9 +65,20 @@ impl<F: NorFlash> Device<'_, F> {
                 self.forget();
                 Ok(())
             }
-            Request::Reset => Ok(()),
+            Request::Reset => return Reply::Resetting { in_ms: self.telemetry.ticks_to_safe() / (TICK_HZ / 1_000) },
         };
         done.map_or_else(Reply::Refused, |()| Reply::Done)
+    }
+
+    /// Brings the output to its safe code, at the drive's slew rate where there is one, however long that takes. Where the
+    /// tick does not come any more, the watchdog ends this.
+    pub async fn rest(&mut self) {
+        while self.set_mode(Mode::Pause).await.is_err() {
+            Timer::after(POLL).await;
+        }
+        while self.telemetry.ticks_to_safe() > 0 {
+            Timer::after(POLL).await;
+        }
     }
 
     fn identity(&self) -> Identity {
@@ -109,7 +121,7 @@ impl<F: NorFlash> Device<'_, F> {
             flash_errors: (self.facts.flash_errors)(),
             bias_um: telemetry.bias_um(),
             bias_age_ticks: telemetry.bias_age_ticks(),
-            supply_mv: self.facts.supply_mv,
+            supply_mv: telemetry.supply_mv(),
         }
     }
 
@@ -162,6 +174,11 @@ impl<F: NorFlash> Device<'_, F> {
         self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)
     }
 
+    /// Calls the displacement of now 0.
+    pub fn zero(&mut self) -> Result<(), Refusal> {
+        self.tell(0.0, Command::SetZero { at_um: 0.0 })
+    }
+
     fn estimating(&self) -> bool {
         matches!(self.telemetry.mode(), Mode::Estimate | Mode::Follow) && self.table.is_some()
     }
@@ -173,7 +190,13 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.streaming.store(on, Relaxed);
     }
 
-    async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
+    /// Whether the mode is one that lasts only while the host that has set it speaks.
+    pub fn lent(&self) -> bool {
+        self.telemetry.mode() != Mode::Estimate && !self.telemetry.holding.load(Relaxed)
+    }
+
+    /// Changes what the tick does, which takes a tick.
+    pub async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
         if mode == Mode::Follow && self.table.is_none_or(|table| table.drive.is_none()) {
             return Err(Refusal::NoDrive);
         }

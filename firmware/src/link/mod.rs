@@ -7,35 +7,50 @@ mod device;
 
 pub use device::Device;
 
+use crate::panel::{Front, Panel};
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::select::{Either, select};
 use embassy_futures::yield_now;
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Instant, Timer};
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use protocol::frame::MAX_FRAME;
 use protocol::sample::MAX_BATCH;
-use protocol::{Deframer, FrameError, Refusal, Reply, Request, Samples, ToDevice, ToHost, encode};
+use protocol::{Deframer, FrameError, Mode, Refusal, Reply, Request, Samples, ToDevice, ToHost, encode};
 
 /// Longest wait before samples are sent: eight of them.
 const PACE: Duration = Duration::from_millis(4);
+/// How long a mode that the host has set lasts without a word from it; [`Mode::Estimate`] lasts for ever, and so does
+/// [`Mode::Follow`] while it holds a reference that is to be held for ever.
+pub const LEASE: Duration = Duration::from_secs(5);
 /// What a reply needs at most to leave the serial line's own buffers.
 const DRAIN: Duration = Duration::from_millis(10);
 
 /// The link over a serial line.
-pub struct Link<'q, R, W, F: NorFlash> {
+pub struct Link<'q, R, W, F: NorFlash, P> {
     device: Device<'q, F>,
     receiver: R,
     transmitter: W,
+    panel: Panel<P>,
     deframer: Deframer,
+    /// When the last sound frame came.
+    heard: Instant,
     frame: [u8; MAX_FRAME],
 }
 
-impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
-    /// A link for a device.
-    pub fn new(device: Device<'q, F>, receiver: R, transmitter: W) -> Self {
-        Self { device, receiver, transmitter, deframer: Deframer::new(), frame: [0; MAX_FRAME] }
+impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
+    /// A link for a device, which has its panel's button obeyed, too.
+    pub fn new(device: Device<'q, F>, receiver: R, transmitter: W, panel: Panel<P>) -> Self {
+        Self {
+            device,
+            receiver,
+            transmitter,
+            panel,
+            deframer: Deframer::new(),
+            heard: Instant::now(),
+            frame: [0; MAX_FRAME],
+        }
     }
 
     /// Serves it until it is asked to restart the device.
@@ -52,6 +67,8 @@ impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
                 Either::Second(()) => {}
             }
             self.carry().await;
+            self.attend();
+            self.expire().await;
             // A sender that never pauses must not keep the watchdog's keeper waiting.
             yield_now().await;
         }
@@ -70,10 +87,13 @@ impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
                     }
                 }
                 Some(Ok(ToDevice { sequence, request })) => {
+                    self.heard = Instant::now();
                     let reset = request == Request::Reset;
                     let reply = self.device.answer(request).await;
                     self.send(&ToHost::Reply { to: sequence, reply }).await;
                     if reset {
+                        self.device.rest().await;
+                        // The code is the pin's a tick later, which is sooner than this.
                         Timer::after(DRAIN).await;
                         return ControlFlow::Break(());
                     }
@@ -81,6 +101,22 @@ impl<'q, R: Read, W: Write, F: NorFlash> Link<'q, R, W, F> {
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Obeys the button and has the lamp say how the device is.
+    fn attend(&mut self) {
+        let now_ms = Instant::now().as_millis();
+        if self.panel.pressed(now_ms) && self.device.zero().is_ok() {
+            self.panel.obeyed(now_ms);
+        }
+        self.panel.show(now_ms, self.device.telemetry.faults());
+    }
+
+    /// Ends the mode of a host that has vanished.
+    async fn expire(&mut self) {
+        if self.device.lent() && self.heard.elapsed() > LEASE && self.device.set_mode(Mode::Estimate).await.is_ok() {
+            self.heard = Instant::now();
+        }
     }
 
     async fn carry(&mut self) {

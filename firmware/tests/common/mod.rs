@@ -5,6 +5,7 @@ use estimator_core::table::Board;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, Table};
 use firmware::drive::Drive;
 use firmware::queues::{LinkQueues, Queues};
+use firmware::restarts::Restarts;
 use firmware::startup::Startup;
 use firmware::{Facts, Telemetry, Tick};
 use protocol::{Faults, ResetCause};
@@ -16,8 +17,12 @@ pub const FACTS: Facts = Facts {
     interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
     cycles_per_tick: PERIOD,
     reset: ResetCause::WATCHDOG,
+    restarts: Restarts { count: 0, safe: None },
+    forget_restarts: || {},
+    keep_safe: |_| {},
     supply_mv: Some(3301),
-    supply_good: true,
+    measure_supply: || Some(3301),
+    supply_good: |mv| mv > 3135,
     flash_errors: || 3,
     line_errors: || 0,
 };

@@ -169,8 +169,8 @@ impl Client {
 
     /// Restarts the device and waits until it is back.
     pub fn restart(&mut self) -> Result<Identity, LinkError> {
-        self.done(Request::Reset)?;
-        let deadline = Instant::now() + RESTART;
+        let Reply::Resetting { in_ms } = self.request(Request::Reset)? else { return Err(self.confused()) };
+        let deadline = Instant::now() + RESTART + Duration::from_millis(in_ms.into());
         std::thread::sleep(LEAVES);
         self.forget_stale()?;
         loop {

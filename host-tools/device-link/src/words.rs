@@ -51,16 +51,20 @@ pub fn mode(mode: Mode) -> &'static str {
     }
 }
 
-const FAULTS: [(Faults, &str); 8] = [
+const FAULTS: [(Faults, &str); 9] = [
     (Faults::NO_TABLE, "there is no table that it can run, so nothing is estimated"),
     (
         Faults::TABLE_FALLBACK,
-        "the stored table cannot be used, so the one of the firmware image is, which may be another actuator's: the output stays safe",
+        "the stored table cannot be used or was not read, so the one of the firmware image is, which may be another actuator's: the output stays safe",
     ),
-    (Faults::SUPPLY, "the analogue supply, the converters' reference, was out of tolerance at the start"),
+    (Faults::SUPPLY, "the analogue supply, the converters' reference, is or was out of tolerance"),
     (Faults::ADC_SATURATED, "the ADC stands at an end of its range, or comes too near it too often"),
     (Faults::ADC_STUCK, "the ADC gives one and the same code"),
     (Faults::OUT_OF_CALIBRATION, "the voltage is beyond what the table was identified on"),
+    (
+        Faults::AMPLIFIER,
+        "the voltage at the ADC was not what the drive commanded, to within 5 % of its range, for 100 ms",
+    ),
     (Faults::MISSED_DEADLINE, "a tick came late or not at all, or was not done in time for its output"),
     (Faults::SAFE_OUTPUT, "the DAC stands at its safe value"),
 ];

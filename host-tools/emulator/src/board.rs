@@ -8,14 +8,13 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
-use estimator_core::DacCode;
 use estimator_core::table::Board as Interface;
 use firmware::rate::{TICK_HZ, TICK_US};
+use firmware::restarts::Restarts;
 use firmware::{Facts, Peripherals, Resources, Telemetry, Tick};
 use parameter_store::StoreError;
 use protocol::ResetCause;
 use std::ops::Range;
-use std::sync::atomic::Ordering::Relaxed;
 
 /// Counts of the emulated cycle counter in a second; a count is a nanosecond.
 const CYCLES_HZ: u32 = 1_000_000_000;
@@ -58,6 +57,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
                 transmitter: Transmitter(self.line),
                 flash: &mut self.flash,
                 pages: self.pages.clone(),
+                front: (),
                 feed_watchdog: || {},
                 start: |tick| started.signal(tick),
             };
@@ -77,8 +77,12 @@ fn facts(reset: ResetCause) -> Facts {
         interface: INTERFACE,
         cycles_per_tick: CYCLES_HZ / TICK_HZ,
         reset,
+        restarts: Restarts::default(),
+        forget_restarts: || {},
+        keep_safe: |_| {},
         supply_mv: None,
-        supply_good: true,
+        measure_supply: || None,
+        supply_good: |_| true,
         flash_errors: || 0,
         line_errors: || 0,
     }
@@ -96,7 +100,7 @@ async fn ticks(
     let rate = speed * f64::from(TICK_HZ);
     let mut cycles = 0u32;
     // The DAC puts a code out from the tick after the one that computed it; the plant answers it from the tick after that.
-    let mut computed = DacCode(telemetry.safe.load(Relaxed));
+    let mut computed = telemetry.safe();
     let mut put_out = computed;
     let (mut looked, mut due) = (Instant::now(), 0.0);
     loop {

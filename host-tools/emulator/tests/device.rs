@@ -80,7 +80,7 @@ fn a_stored_table_is_used_after_the_restart_and_every_device_has_its_own() {
     assert_eq!(host.ask(Request::SetMode(Mode::Pause)), Reply::Done);
     let push = Request::Push { record: record(), while_estimating: false, rewired: false };
     assert_eq!(host.ask(push), Reply::Done);
-    assert_eq!(host.ask(Request::Reset), Reply::Done);
+    assert_eq!(host.ask(Request::Reset), Reply::Resetting { in_ms: 0 });
     assert_eq!(host.source(), TableSource::Stored);
     assert!(matches!(neighbour.source(), TableSource::Compiled { .. }), "the other device's flash is its own");
 }

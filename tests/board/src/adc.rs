@@ -58,16 +58,17 @@ const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
 
 /// What the pin and the reference give.
 pub struct Inputs {
-    /// The code JDR1 shows at the n-th injected conversion, counted from 0.
-    pub codes: Box<dyn FnMut(u64) -> u16>,
+    /// The code JDR1 shows at the n-th injected conversion, counted from 0, of what the DAC's pin shows then.
+    pub codes: Box<dyn FnMut(u64, Option<u16>) -> u16>,
     pub converted: u64,
+    pub pin: Option<u16>,
     /// The code of the internal reference.
     pub reference: u16,
 }
 
 impl Default for Inputs {
     fn default() -> Self {
-        Self { codes: Box::new(|_| 0), converted: 0, reference: 1505 }
+        Self { codes: Box::new(|_, _| 0), converted: 0, pin: None, reference: 1505 }
     }
 }
 
@@ -147,7 +148,7 @@ impl Adc {
         }
         if let Some((trigger, end)) = self.converting.filter(|&(_, end)| end == at) {
             self.converting = None;
-            let code = (inputs.codes)(inputs.converted);
+            let code = (inputs.codes)(inputs.converted, inputs.pin);
             inputs.converted += 1;
             self.injected_data = self.fitting(code, JOVSE)?;
             record.conversions.push(Conversion { trigger, end, code, late: self.isr & JEOS != 0 });

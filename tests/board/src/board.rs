@@ -8,6 +8,7 @@ use crate::{
     CORE_HZ, Garbage, Image, Record,
     contents::{Contents, Tear},
     cpu::{self, Chip, Core},
+    gpio::Pin,
     machine::Machine,
     memory::{RAM, RAM_SIZE},
     rcc::Reset,
@@ -144,7 +145,12 @@ impl Board {
     }
 
     /// From now on, the n-th injected conversion, counted from 0, shows `codes(n)` in JDR1.
-    pub fn feed(&mut self, codes: impl FnMut(u64) -> u16 + 'static) {
+    pub fn feed(&mut self, mut codes: impl FnMut(u64) -> u16 + 'static) {
+        self.connect(move |n, _| codes(n));
+    }
+
+    /// As [`Board::feed`], of what the DAC's pin shows when the conversion ends; nothing where it is not driven.
+    pub fn connect(&mut self, codes: impl FnMut(u64, Option<u16>) -> u16 + 'static) {
         let inputs = &mut self.machine_mut().bench.inputs;
         inputs.codes = Box::new(codes);
         inputs.converted = 0;
@@ -161,6 +167,17 @@ impl Board {
         self.machine().adc.injected_oversampling()
     }
 
+    /// Drives a pin from outside; nobody does before.
+    pub fn drive(&mut self, pin: Pin, high: bool) {
+        self.machine_mut().bench.levels.insert(pin, high);
+    }
+
+    /// What a pin is set to by MODER: 0 input, 1 output, 2 alternate function, 3 analogue.
+    #[must_use]
+    pub fn mode(&self, pin: Pin) -> u32 {
+        self.machine().gpio[pin.port as usize].mode(pin.number)
+    }
+
     /// The code at the pin of DAC1's channel 1, if it is driven.
     #[must_use]
     pub fn output(&self) -> Option<u16> {
@@ -171,6 +188,12 @@ impl Board {
     pub fn cut_power(&mut self, nth: usize, tear: Tear) {
         let bench = &mut self.machine_mut().bench;
         bench.cut = Some((bench.record.flash.len() + nth, tear));
+    }
+
+    /// From now on FLASH_ECCR says that there is a flash error, and neither where nor in which bank, as an erratum may have it.
+    pub fn corrupt_eccr(&mut self) {
+        let machine = self.machine_mut();
+        (machine.bench.corrupt, machine.flash.corrupt) = (true, true);
     }
 
     /// Bank 2 of the flash.

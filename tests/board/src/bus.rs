@@ -5,6 +5,7 @@ use anyhow::{Result, bail};
 use crate::{
     NEVER,
     board::Stop,
+    clock::{FLASH_ACR, PWR_CR5},
     machine::Machine,
     nvic::Written,
     rcc::Reset,
@@ -17,6 +18,7 @@ const TIM6: u32 = 0x4000_1000;
 const IWDG: u32 = 0x4000_3000;
 const LPUART1: u32 = 0x4000_8000;
 const RCC: u32 = 0x4002_1000;
+const GPIO: [u32; 3] = [0x4800_0000, 0x4800_0400, 0x4800_0800];
 const FLASH: u32 = 0x4002_2000;
 const ADC: u32 = 0x5000_0000;
 const DAC: u32 = 0x5000_0800;
@@ -69,11 +71,15 @@ impl Machine {
             return Ok(Some(0));
         }
         let offset = address & 0x3FF;
+        if let Some(port) = port(address) {
+            return Ok(self.gpio[port].read(offset, &self.bench.levels));
+        }
         Ok(match address & !0x3FF {
             TIM5 => self.tim5.read(offset, self.clock),
             TIM6 => self.tim6.read(offset, self.clock),
             LPUART1 => self.uart.read(offset),
             RCC => self.rcc.read(offset),
+            FLASH if offset == 0 => self.clocks.read(address),
             FLASH => {
                 let value = self.flash.read(offset);
                 if self.flash.due() != NEVER {
@@ -84,6 +90,7 @@ impl Machine {
             }
             ADC => self.adc.read(offset),
             DAC => self.dac.read(offset),
+            _ if address == PWR_CR5 => self.clocks.read(address),
             _ if address == DWT_CYCCNT => {
                 Some(if self.cycle_counter_runs() { self.clock.wrapping_sub(self.cycles) as u32 } else { 0 })
             }
@@ -125,6 +132,9 @@ impl Machine {
             });
         }
         let (now, offset) = (self.clock, address & 0x3FF);
+        if let Some(port) = port(address).filter(|_| size == 4) {
+            return Ok(self.gpio[port].write(offset, value, now, &mut self.bench.record.edges));
+        }
         Ok(match address & !0x3FF {
             page if size != 4 && MODELLED.contains(&page) && !SHORT.contains(&address) => {
                 bail!("{size} bytes are written to register {address:#x}; only whole words are modelled");
@@ -147,7 +157,16 @@ impl Machine {
                 self.rcc.check_uart()?;
                 self.uart.write(offset, value, now)?
             }
-            RCC => self.rcc.write(offset, value),
+            RCC => {
+                let known = self.rcc.write(offset, value);
+                self.clocks_change(now)?;
+                known
+            }
+            _ if [PWR_CR5, FLASH_ACR].contains(&address) => {
+                self.clocks.write(address, value);
+                self.clocks_change(now)?;
+                true
+            }
             FLASH if self.flash.read(offset).is_some() => {
                 self.stall();
                 let started = self.flash.write(offset, value, self.clock)?;
@@ -155,13 +174,23 @@ impl Machine {
                 true
             }
             ADC => self.adc.write(offset, value, now, &self.rcc)?,
-            DAC => self.dac.write(offset, value, now, &mut self.bench.record.outputs),
+            DAC => self.dac.write(offset, value, now, &mut self.bench.record.outputs)?,
             _ if address == DWT_CYCCNT => {
                 self.cycles = now.wrapping_sub(value.into());
                 true
             }
             _ => false,
         })
+    }
+
+    /// The registers that make the clocks have been written.
+    fn clocks_change(&mut self, now: u64) -> Result<()> {
+        self.clocks.hold(self.rcc.holds_power(), self.rcc.holds_flash());
+        self.clocks.check(self.rcc.speeds()?, now)?;
+        let clocks = self.rcc.timer_clocks()?;
+        self.tim5.clock_by(clocks, now);
+        self.tim6.clock_by(clocks, now);
+        Ok(())
     }
 
     /// A load from bank 2.
@@ -194,4 +223,9 @@ impl Machine {
             self.end = Some(Ok(Stop::PowerCut));
         }
     }
+}
+
+/// The index of the port that has a register at this address.
+fn port(address: u32) -> Option<usize> {
+    GPIO.iter().position(|&base| base == address & !0x3FF)
 }

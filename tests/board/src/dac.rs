@@ -1,13 +1,18 @@
-//! DAC1, channel 1 (RM0440): holding register, output register, and what loads the one into the other: TIM6's trigger or,
-//! untriggered, a write. The pin is driven while the channel is on and its mode connects it.
+//! DAC1, channel 1 (RM0440): holding register, output register, and what loads the one into the other: TIM6's trigger or, while
+//! the channel is on and untriggered, a write of the holding register. No other write does: the manual's words ("data written
+//! into DHR is transferred") leave open whether what was written before a change of TEN or EN counts, so here it does not;
+//! a channel that is switched off forgets its output. The pin is driven while the channel is on and its mode connects it.
 //!
-//! Loading takes no clock, and the output amplifier is awake at once (7.5 µs on silicon). Other triggers load nothing. Waves,
+//! Loading takes no clock, and the output amplifier wakes soon (up to 7.5 µs on silicon). Other triggers load nothing. Waves,
 //! DMA, channel 2 and the other holding registers are plain memory.
 
-use crate::{field, record::Latch};
+use anyhow::{Result, ensure};
+
+use crate::{field, microseconds, record::Latch};
 
 const CR: u32 = 0x00;
 const DHR12R1: u32 = 0x08;
+const DOR1: u32 = 0x2C;
 const MCR: u32 = 0x3C;
 
 const EN: u32 = 1 << 0;
@@ -17,20 +22,35 @@ const TIM6_TRGO: u32 = 7;
 /// MODE1, its lower two bits: the one mode without the pin.
 const INTERNAL: u32 = 3;
 
+/// MCR's HFSEL, two bits: what it must say where the core's bus, which is the DAC's, is faster than 160 MHz.
+const HFSEL: u32 = 14;
+const FASTEST: u32 = 2;
+/// How soon the pin shows the output of a channel that has been switched on, core clocks: what is loaded before, it never shows.
+const WAKE: u64 = microseconds(1);
+
 #[derive(Default)]
 pub struct Dac {
     control: u32,
     mode: u32,
     holding: u16,
     output: u16,
+    /// The clock at which the output amplifier wakes, before it has.
+    wakes: Option<u64>,
 }
 
 impl Dac {
     /// TIM6's trigger.
     pub fn trigger(&mut self, at: u64, outputs: &mut Vec<Latch>) {
+        self.wake(at, outputs);
         if self.control & (EN | TEN) == EN | TEN && field(self.control, 2, 4) == TIM6_TRGO {
             self.output = self.holding;
             outputs.push(Latch { clock: at, code: self.output });
+        }
+    }
+
+    fn wake(&mut self, now: u64, outputs: &mut Vec<Latch>) {
+        if let Some(clock) = self.wakes.take_if(|at| *at <= now) {
+            outputs.extend(self.output().map(|code| Latch { clock, code }));
         }
     }
 
@@ -42,28 +62,44 @@ impl Dac {
     pub fn read(&self, offset: u32) -> Option<u32> {
         Some(match offset {
             CR => self.control,
+            DOR1 => self.output.into(),
             MCR => self.mode,
             _ => return None,
         })
     }
 
-    pub fn write(&mut self, offset: u32, value: u32, now: u64, outputs: &mut Vec<Latch>) -> bool {
+    pub fn write(&mut self, offset: u32, value: u32, now: u64, outputs: &mut Vec<Latch>) -> Result<bool> {
+        self.wake(now, outputs);
         let before = self.output();
         match offset {
-            CR => self.control = value,
-            DHR12R1 => self.holding = (value & 0xFFF) as u16,
+            CR => {
+                match (self.control & EN, value & EN) {
+                    (0, EN) => self.wakes = Some(now + WAKE),
+                    (EN, 0) => (self.output, self.wakes) = (0, None),
+                    _ => {}
+                }
+                self.control = value;
+            }
+            DHR12R1 => {
+                self.holding = (value & 0xFFF) as u16;
+                if self.control & (EN | TEN) == EN {
+                    self.output = self.holding;
+                }
+            }
             // Writable while the channel is off.
             MCR if self.control & EN == 0 => self.mode = value,
             MCR => {}
-            _ => return false,
+            _ => return Ok(false),
         }
-        if self.control & (EN | TEN) == EN {
-            self.output = self.holding;
-        }
-        if let Some(code) = self.output().filter(|&code| before != Some(code)) {
+        ensure!(
+            self.output().is_none() || field(self.mode, HFSEL, 2) == FASTEST,
+            "the DAC drives its pin, and its MCR ({:#x}) does not say how fast its clock is",
+            self.mode
+        );
+        if let Some(code) = self.output().filter(|&code| before != Some(code) && self.wakes.is_none()) {
             outputs.push(Latch { clock: now, code });
         }
-        true
+        Ok(true)
     }
 }
 
@@ -71,32 +107,70 @@ impl Dac {
 mod tests {
     use super::*;
 
+    const FAST: u32 = FASTEST << HFSEL;
+
+    fn fast() -> Dac {
+        Dac { mode: FAST, ..Dac::default() }
+    }
+
+    /// What the pin shows of these writes and triggers, each an amplifier's wake-up after the one before.
+    fn shown(dac: &mut Dac, steps: &[Option<(u32, u32)>]) -> Vec<(u64, u16)> {
+        let mut outputs = Vec::new();
+        for (step, write) in (0..).zip(steps) {
+            match *write {
+                Some((offset, value)) => assert!(dac.write(offset, value, step * WAKE, &mut outputs).unwrap()),
+                None => dac.trigger(step * WAKE, &mut outputs),
+            }
+        }
+        outputs.into_iter().map(|Latch { clock, code }| (clock / WAKE, code)).collect()
+    }
+
     #[test]
-    fn triggered_it_waits_untriggered_it_does_not() {
-        let (mut dac, mut outputs) = (Dac::default(), Vec::new());
-        dac.write(DHR12R1, 100, 0, &mut outputs);
-        dac.write(CR, EN | TEN | TIM6_TRGO << 2, 1, &mut outputs);
-        dac.write(DHR12R1, 200, 2, &mut outputs);
-        dac.trigger(3, &mut outputs);
-        dac.write(DHR12R1, 300, 4, &mut outputs);
-        dac.write(CR, EN, 5, &mut outputs);
-        dac.trigger(6, &mut outputs);
-        dac.write(CR, EN | TEN, 7, &mut outputs);
-        dac.write(DHR12R1, 400, 8, &mut outputs);
-        dac.trigger(9, &mut outputs);
-        let expected = [(1, 0), (3, 200), (5, 300)].map(|(clock, code)| Latch { clock, code });
-        assert_eq!(outputs, expected, "the last trigger is another's");
-        dac.write(CR, 0, 11, &mut outputs);
+    fn triggered_it_waits_untriggered_it_takes_what_is_written_and_nothing_else() {
+        let mut dac = fast();
+        let steps = [
+            Some((DHR12R1, 100)),
+            Some((CR, EN | TEN | TIM6_TRGO << 2)),
+            Some((DHR12R1, 200)),
+            None,
+            Some((DHR12R1, 300)),
+            Some((CR, EN)),
+            Some((DHR12R1, 300)),
+            None,
+            Some((CR, EN | TEN)),
+            Some((DHR12R1, 400)),
+            None,
+        ];
+        let expected = [(2, 0), (3, 200), (6, 300)];
+        assert_eq!(shown(&mut dac, &steps), expected, "no write of CR loads, and the last trigger is another's");
+        assert_eq!(dac.read(DOR1), Some(300));
+        dac.write(CR, 0, 0, &mut Vec::new()).unwrap();
         assert_eq!(dac.output(), None);
     }
 
     #[test]
-    fn the_pin_shows_nothing_before_it_is_connected() {
-        let (mut dac, mut outputs) = (Dac::default(), Vec::new());
-        let writes = [(MCR, INTERNAL), (CR, EN), (DHR12R1, 100), (MCR, 0), (CR, 0), (MCR, 0), (CR, EN)];
-        for (clock, (offset, value)) in (0..).zip(writes) {
-            dac.write(offset, value, clock, &mut outputs);
+    fn the_pin_shows_nothing_before_it_is_connected_and_forgets_when_switched_off() {
+        let writes =
+            [(MCR, INTERNAL), (CR, EN), (DHR12R1, 100), (MCR, FAST), (CR, 0), (MCR, FAST), (CR, EN), (MCR, FAST)];
+        let outputs = shown(&mut Dac::default(), &writes.map(Some));
+        assert_eq!(outputs, [(7, 0)], "the mode cannot change while the channel is on");
+    }
+
+    #[test]
+    fn what_is_loaded_before_the_amplifier_wakes_is_all_that_shows() {
+        let (mut dac, mut outputs) = (fast(), Vec::new());
+        for (clock, (offset, value)) in (0..).zip([(CR, EN), (DHR12R1, 100), (CR, EN | TEN | TIM6_TRGO << 2)]) {
+            dac.write(offset, value, clock, &mut outputs).unwrap();
         }
-        assert_eq!(outputs, [Latch { clock: 6, code: 100 }], "the mode cannot change while the channel is on");
+        dac.trigger(2 * WAKE, &mut outputs);
+        assert_eq!(outputs, [WAKE, 2 * WAKE].map(|clock| Latch { clock, code: 100 }));
+    }
+
+    #[test]
+    fn its_clock_must_be_told_before_the_pin_is_driven() {
+        for (mode, fine) in [(0, false), (1 << HFSEL, false), (INTERNAL, true), (FAST, true)] {
+            let mut dac = Dac { mode, ..Dac::default() };
+            assert_eq!(dac.write(CR, EN, 0, &mut Vec::new()).is_ok(), fine, "{mode:#x}");
+        }
     }
 }

@@ -56,12 +56,14 @@ pub struct Flash {
     key: u32,
     /// Offset and value of a double word's first half.
     half: Option<(u32, u32)>,
+    /// ECCR tells neither bank nor address of an error.
+    pub corrupt: bool,
     running: Option<(Operation, u64)>,
 }
 
 impl Flash {
     pub fn new(contents: Contents) -> Self {
-        Self { contents, status: 0, control: 0xC000_0000, ecc: 0, key: 0, half: None, running: None }
+        Self { contents, status: 0, control: 0xC000_0000, ecc: 0, key: 0, half: None, corrupt: false, running: None }
     }
 
     /// The clock at which the operation that runs ends.
@@ -146,7 +148,7 @@ impl Flash {
         let index = offset / 8;
         let (word, sound) = self.contents.word(index);
         if !sound && self.ecc & ECCD == 0 {
-            self.ecc = ECCD | BANK_2 | (8 * index);
+            self.ecc = ECCD | if self.corrupt { 0 } else { BANK_2 | (8 * index) };
         }
         (word >> (8 * (offset % 8)) & (u64::MAX >> (64 - 8 * size))) as u32
     }

@@ -15,11 +15,13 @@
 mod adc;
 mod board;
 mod bus;
+mod clock;
 mod contents;
 mod cpu;
 mod dac;
 mod exceptions;
 mod flash;
+mod gpio;
 mod image;
 mod machine;
 mod memory;
@@ -34,10 +36,11 @@ mod watchdog;
 
 pub use board::{Board, Stop};
 pub use contents::{Contents, Tear};
+pub use gpio::{Pin, Port};
 pub use image::Image;
 pub use nvic::exception;
 pub use rcc::Reset;
-pub use record::{Conversion, Fault, FlashKind, FlashOperation, Latch, Record, Service};
+pub use record::{Conversion, Edge, Fault, FlashKind, FlashOperation, Latch, Record, Service};
 
 /// Core clocks a second; the image's clock tree must make just these.
 pub const CORE_HZ: u32 = 170_000_000;

@@ -8,27 +8,30 @@ use crate::{
     NEVER,
     adc::{Adc, Inputs},
     board::Stop,
+    clock::Clock,
     contents::{Contents, Tear},
     dac::Dac,
     exception,
     flash::Flash,
+    gpio::{Gpio, Levels, Port},
     nvic::Nvic,
-    rcc::{Rcc, Reset},
+    rcc::{RESET, Rcc, Reset},
     record::Record,
     timer::Timer,
     uart::{Uart, Wire},
     watchdog::Watchdog,
 };
 
-/// Reset values among the registers without a rule that firmware depends on: FLASH_ACR, PWR_CR5, GPIOA_MODER.
-const PLAIN: [(u32, u32); 3] = [(0x4002_2000, 0x0004_0600), (0x4000_7080, 0x100), (0x4800_0000, 0xABFF_FFFF)];
-
 /// What is around the chip and stays when it is reset.
 #[derive(Default)]
 pub struct Bench {
     pub inputs: Inputs,
     pub wire: Wire,
+    /// What drives the inputs from outside.
+    pub levels: Levels,
     pub record: Record,
+    /// What a flash error leaves in ECCR is corrupt.
+    pub corrupt: bool,
     /// Power goes during the operation that makes the record of them this long.
     pub cut: Option<(usize, Tear)>,
 }
@@ -58,9 +61,11 @@ pub struct Machine {
     pub bench: Bench,
     pub nvic: Nvic,
     pub(crate) rcc: Rcc,
+    pub(crate) clocks: Clock,
     pub flash: Flash,
     pub adc: Adc,
     pub dac: Dac,
+    pub(crate) gpio: [Gpio; 3],
     pub(crate) tim5: Timer,
     pub(crate) tim6: Timer,
     pub(crate) uart: Uart,
@@ -82,16 +87,19 @@ impl Machine {
             bench,
             nvic: Nvic::new(),
             rcc,
+            clocks: Clock::new(RESET),
             flash: Flash::new(contents),
             adc: Adc::new(),
             dac: Dac::default(),
+            gpio: Port::ALL.map(Gpio::new),
             tim5: Timer::new(u32::MAX, 4),
             tim6: Timer::new(0xFFFF, 0),
             uart: Uart::new(),
             watchdog: Watchdog::new(),
-            plain: PLAIN.into(),
+            plain: HashMap::new(),
             cycles: 0,
         };
+        machine.flash.corrupt = machine.bench.corrupt;
         machine.listen();
         machine
     }
@@ -142,6 +150,7 @@ impl Machine {
             self.tim5.advance(at);
         }
         if self.adc.due() == at {
+            self.bench.inputs.pin = self.dac.output();
             self.adc.advance(at, &mut self.bench.inputs, &mut self.bench.record)?;
         }
         if self.tim6.due == at && self.tim6.advance(at) {

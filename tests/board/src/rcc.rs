@@ -1,18 +1,22 @@
 //! RCC, reset and clock control (RM0440): ready bits, reset flags, and the frequencies that the registers ask for.
 //!
 //! Oscillators are ready at once. HSE has the NUCLEO's 24 MHz. Time runs at 170 MHz from the start, also while the firmware
-//! still runs on HSI16. A reset of a single peripheral does nothing. A peripheral without its clock is dead.
+//! still runs on HSI16. A reset of a single peripheral does nothing but with PWR and the flash's interface. A peripheral without its clock is dead.
 
 use anyhow::{Result, bail, ensure};
 
-use crate::{CORE_HZ, field};
+use crate::{CORE_HZ, clock::Speeds, field};
 
 const HSI_HZ: u32 = 16_000_000;
 const HSE_HZ: u32 = 24_000_000;
+/// The clocks after a reset.
+pub const RESET: Speeds = Speeds { system: HSI_HZ, core: HSI_HZ };
 
 const CR: usize = 0x00;
 const CFGR: usize = 0x08;
 const PLLCFGR: usize = 0x0C;
+const AHB1RSTR: usize = 0x28;
+const APB1RSTR1: usize = 0x38;
 const AHB1ENR: usize = 0x48;
 const AHB2ENR: usize = 0x4C;
 const APB1ENR1: usize = 0x58;
@@ -119,8 +123,8 @@ impl Rcc {
         Ok((vco / p, vco / (2 * (field(value, 25, 2) + 1))))
     }
 
-    /// That the core and the timers on APB1 run at [`CORE_HZ`], which every other model takes for granted.
-    pub fn check_core(&self) -> Result<()> {
+    /// The frequencies of the system clock and of the core.
+    pub fn speeds(&self) -> Result<Speeds> {
         let value = self.get(CFGR);
         let system = match value & 3 {
             1 => HSI_HZ,
@@ -128,11 +132,39 @@ impl Rcc {
             3 => self.pll()?.1,
             _ => bail!("no system clock is chosen"),
         };
-        ensure!(
-            system == CORE_HZ && field(value, 4, 4) < 8 && field(value, 8, 3) < 4,
-            "the clock tree makes {system} Hz (CFGR = {value:#x}); the models need a core and an APB1 of {CORE_HZ} Hz"
-        );
+        // There is no 32.
+        let shift = match field(value, 4, 4) {
+            0..8 => 0,
+            divided @ 8..12 => divided - 7,
+            divided => divided - 6,
+        };
+        Ok(Speeds { system, core: system >> shift })
+    }
+
+    /// Whether PWR is held in reset.
+    pub fn holds_power(&self) -> bool {
+        self.get(APB1RSTR1) & 1 << 28 != 0
+    }
+
+    /// Whether the flash's interface is.
+    pub fn holds_flash(&self) -> bool {
+        self.get(AHB1RSTR) & 1 << 8 != 0
+    }
+
+    /// That the core runs at [`CORE_HZ`], which every other model takes for granted.
+    pub fn check_core(&self) -> Result<()> {
+        let Speeds { core, .. } = self.speeds()?;
+        let value = self.get(CFGR);
+        ensure!(core == CORE_HZ, "the core runs at {core} Hz (CFGR = {value:#x}); the models need {CORE_HZ} Hz");
         Ok(())
+    }
+
+    /// How many clocks of [`CORE_HZ`] the timers on APB1 count once in: they run at twice the bus's clock, where that is divided.
+    pub fn timer_clocks(&self) -> Result<u64> {
+        let divided = self.get(CFGR) >> 8 & 7;
+        let timer_hz = self.speeds()?.core >> divided.saturating_sub(4);
+        // No whole number where the core is still slow, and no timer runs.
+        Ok((CORE_HZ / timer_hz).into())
     }
 
     /// The clock of ADC1 before its own prescaler.
@@ -144,9 +176,10 @@ impl Rcc {
         }
     }
 
-    /// That LPUART1 runs on PCLK1 or the system clock, which are one here.
+    /// That LPUART1 runs on the system clock of [`CORE_HZ`].
     pub fn check_uart(&self) -> Result<()> {
-        ensure!(field(self.get(CCIPR), 10, 2) < 2, "LPUART1 on HSI16 or LSE is not modelled");
+        ensure!(field(self.get(CCIPR), 10, 2) == 1, "LPUART1 on PCLK1, HSI16 or LSE is not modelled");
+        ensure!(self.speeds()?.system == CORE_HZ, "LPUART1 is set up before the system clock is");
         Ok(())
     }
 
@@ -159,6 +192,8 @@ impl Rcc {
             0x4000_8000 => (APB1ENR2, 0),
             0x4002_2000 => (AHB1ENR, 8),
             0x4800_0000 => (AHB2ENR, 0),
+            0x4800_0400 => (AHB2ENR, 1),
+            0x4800_0800 => (AHB2ENR, 2),
             0x5000_0000 => (AHB2ENR, 13),
             0x5000_0800 => (AHB2ENR, 16),
             _ => return true,
@@ -196,7 +231,12 @@ mod tests {
         assert!(rcc.adc_hz().is_err());
         rcc.write(CCIPR as u32, 1 << 28);
         assert_eq!(rcc.adc_hz().unwrap(), 68_000_000);
-        rcc.write(CFGR as u32, 3 | 4 << 8);
-        assert!(rcc.check_core().is_err(), "APB1 at half the clock");
+        assert_eq!(rcc.timer_clocks().unwrap(), 1);
+        // The core at half, APB1 at half of that; then the core at all and APB1 at a quarter.
+        for (dividers, core) in [(8 << 4 | 4 << 8, 85_000_000), (5 << 8, CORE_HZ)] {
+            rcc.write(CFGR as u32, 3 | dividers);
+            assert_eq!(rcc.speeds().unwrap(), Speeds { system: CORE_HZ, core });
+            assert_eq!((rcc.timer_clocks().unwrap(), rcc.check_core().is_ok()), (2, core == CORE_HZ));
+        }
     }
 }

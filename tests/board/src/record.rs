@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::gpio::Pin;
+
 /// Everything recorded since power-on.
 #[derive(Default)]
 pub struct Record {
@@ -12,6 +14,8 @@ pub struct Record {
     pub conversions: Vec<Conversion>,
     /// Triggers that came while an injected conversion was going on; ADC1 ignores them.
     pub lost_triggers: u32,
+    /// By pin, every change of the level that the firmware drives it to.
+    pub edges: BTreeMap<Pin, Vec<Edge>>,
     /// By exception number, every time a handler was entered.
     pub services: BTreeMap<u8, Vec<Service>>,
     /// Erases and programs begun, the one that power was cut in included.
@@ -33,6 +37,15 @@ pub struct Latch {
     pub clock: u64,
     /// The 12-bit code.
     pub code: u16,
+}
+
+/// A change of a pin's level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// When.
+    pub clock: u64,
+    /// The level from then on.
+    pub high: bool,
 }
 
 /// An injected conversion.

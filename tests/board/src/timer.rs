@@ -1,5 +1,5 @@
 //! TIM5 and TIM6: up-counters with prescaler, reload, four compares and the update trigger (RM0440, general-purpose and
-//! basic timers), clocked by the core clock.
+//! basic timers), clocked by the core clock or a divided one.
 //!
 //! One-pulse, centred and downward counting, disabled updates, DMA requests and dithering are refused. The compare flags
 //! do not depend on the channels' modes, and a compare value equal to the count when it is written matches a turn later.
@@ -40,6 +40,8 @@ pub struct Timer {
     /// The count at a clock since which nothing but counting happened.
     base: (u32, u64),
     widest: u32,
+    /// Core clocks in a clock of the timer.
+    clocks: u64,
     /// The clock of the next event.
     pub due: u64,
 }
@@ -57,8 +59,23 @@ impl Timer {
             used: (0, widest),
             base: (0, 0),
             widest,
+            clocks: 1,
             due: NEVER,
         }
+    }
+
+    /// From now on the timer's clock comes once in so many core clocks; its prescaler begins anew.
+    pub fn clock_by(&mut self, clocks: u64, now: u64) {
+        if clocks != self.clocks {
+            self.base = (self.count(now), now);
+            self.clocks = clocks;
+            self.schedule(now);
+        }
+    }
+
+    /// Core clocks from count to count.
+    fn stride(&self) -> u64 {
+        (u64::from(self.used.0) + 1) * self.clocks
     }
 
     pub fn running(&self) -> bool {
@@ -75,26 +92,26 @@ impl Timer {
             return count;
         }
         // Every turn begins with an event that resets the base, so the count stays within 32 bits.
-        (u64::from(count) + (now - since) / (u64::from(self.used.0) + 1)) as u32
+        (u64::from(count) + (now - since) / self.stride()) as u32
     }
 
     fn schedule(&mut self, now: u64) {
         self.due = NEVER;
         if self.running() {
             let (base, since) = self.base;
-            let (prescaler, reload) = self.used;
+            let (_, reload) = self.used;
             let count = self.count(now);
             let turn = u64::from(reload) + 1;
             let next =
                 self.compare.iter().filter(|&&c| count < c && c <= reload).map(|&c| c.into()).fold(turn, u64::min);
-            self.due = since + (next - u64::from(base)) * (u64::from(prescaler) + 1);
+            self.due = since + (next - u64::from(base)) * self.stride();
         }
     }
 
     /// The event due at `at`; true if it is an update that goes out as a trigger.
     pub fn advance(&mut self, at: u64) -> bool {
         let (base, since) = self.base;
-        let count = u64::from(base) + (at - since) / (u64::from(self.used.0) + 1);
+        let count = u64::from(base) + (at - since) / self.stride();
         let update = count > u64::from(self.used.1);
         let count = if update {
             self.load(at);
@@ -201,6 +218,17 @@ mod tests {
             timer.write(SR, !UPDATE, tick * 85_000).unwrap();
             assert!(!timer.interrupt());
         }
+    }
+
+    #[test]
+    fn at_half_the_clock_it_takes_twice_as_long() {
+        let mut timer = Timer::new(0xFFFF, 0);
+        timer.clock_by(2, 0);
+        timer.write(ARR, 99, 0).unwrap();
+        timer.write(CR1, CEN, 0).unwrap();
+        assert_eq!((timer.due, timer.read(CNT, 100)), (200, Some(50)));
+        timer.clock_by(1, 100);
+        assert_eq!((timer.due, timer.read(CNT, 149)), (150, Some(99)));
     }
 
     #[test]

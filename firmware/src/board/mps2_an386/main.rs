@@ -1,7 +1,8 @@
 //! Arm's AN386 (Cortex-M4F, 25 MHz) for the MPS2 board, as QEMU emulates it: all of the firmware but the STM32.
 //!
-//! The tick is CMSDK timer 0 at 2 kHz. There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, and
-//! the "DAC" is a word in memory. The link is UART 0. The flash is memory that a reset keeps and a power-on does not.
+//! The tick is CMSDK timer 0 at 2 kHz. There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, or,
+//! with a table that drives, what the "DAC" puts out, which is a word in memory. The link is UART 0. The flash is memory that
+//! a reset keeps and a power-on does not.
 #![no_std]
 #![no_main]
 
@@ -22,7 +23,7 @@ use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::AdcCode;
 use estimator_core::table::Board;
 use firmware::rate::{TICK_HZ, TICK_US};
-use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words};
+use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
 use parameter_store::RamFlash;
 use protocol::ResetCause;
 use registers::{CORE_HZ, Interrupt as interrupt};
@@ -55,8 +56,15 @@ async fn main(_spawner: Spawner) {
         interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
+        // SAFETY: once, before the tick and every task.
+        restarts: unsafe { restarts::count(reset) },
+        // SAFETY: called by the main loop.
+        forget_restarts: || unsafe { restarts::forget() },
+        // SAFETY: as above.
+        keep_safe: |code| unsafe { restarts::keep_safe(code) },
         supply_mv: None,
-        supply_good: true,
+        measure_supply: || None,
+        supply_good: |_| true,
         flash_errors: || 0,
         line_errors: || 0,
     };
@@ -68,6 +76,7 @@ async fn main(_spawner: Spawner) {
         transmitter: uart::Transmitter,
         flash: RamFlash::new(flash),
         pages,
+        front: (),
         feed_watchdog: || {},
         start: |tick: Tick<'static>| {
             ARMED.lock(|armed| armed.set(Some(tick)));
@@ -76,7 +85,11 @@ async fn main(_spawner: Spawner) {
     };
     static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
     match firmware::run(board, RESOURCES.take(), &TELEMETRY).await {
-        Ok(()) => SCB::sys_reset(),
+        Ok(()) => {
+            // SAFETY: this is the main loop, after its end.
+            unsafe { restarts::asked() };
+            SCB::sys_reset()
+        }
         Err(error) => panic!("{error}"),
     }
 }
@@ -91,7 +104,8 @@ fn Timer0() {
         *TICK = ARMED.lock(Cell::take);
         return;
     };
-    DAC.store(tick.sample(triangle(), started).0, Relaxed);
+    let code = if TELEMETRY.drives() { looped_back() } else { triangle() };
+    DAC.store(tick.sample(code, started).0, Relaxed);
     TELEMETRY.took(registers::cycles().wrapping_sub(started), CORE_HZ / TICK_HZ);
 }
 
@@ -106,6 +120,15 @@ fn triangle() -> AdcCode {
     let phase = PHASE.load(Relaxed);
     PHASE.store((phase + 1) % TICK_HZ, Relaxed);
     AdcCode((3_000 + 59 * phase.min(TICK_HZ - phase)) as u16)
+}
+
+/// The DAC's code on the ADC's scale, as a wire from one to the other gives it, with a converter's noise.
+fn looped_back() -> AdcCode {
+    static NOISE: AtomicU16 = AtomicU16::new(0);
+    let noise = 1 - NOISE.load(Relaxed);
+    NOISE.store(noise, Relaxed);
+    // Codes are no larger than 4,095 each, so this fits.
+    AdcCode((INTERFACE.adc_full_scale / INTERFACE.dac_full_scale * DAC.load(Relaxed)).saturating_add(noise))
 }
 
 /// The parameter pages, erased if this is the first start since power-on, and why the board started.

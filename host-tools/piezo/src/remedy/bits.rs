@@ -27,10 +27,13 @@ fn of<T: PartialEq + Copy>(remedies: &[(T, &'static str)], bit: T) -> &'static s
     remedies.iter().find(|(other, _)| *other == bit).map_or("report it", |(_, remedy)| remedy)
 }
 
-const FAULTS: [(Faults, &str); 8] = [
+const FAULTS: [(Faults, &str); 9] = [
     (Faults::NO_TABLE, "give it one: piezo push"),
-    (Faults::TABLE_FALLBACK, "piezo info says why; store it again: piezo push"),
-    (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, mend the supply, then piezo reset"),
+    (
+        Faults::TABLE_FALLBACK,
+        "piezo info says why; store it again: piezo push. After failures in a row, piezo reset reads the store again",
+    ),
+    (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, and mend the supply"),
     (
         Faults::ADC_SATURATED,
         "check the plug, the divider and its offset: is the input open, or the voltage beyond them?",
@@ -42,6 +45,10 @@ const FAULTS: [(Faults, &str); 8] = [
     (
         Faults::OUT_OF_CALIBRATION,
         "compare the voltage of piezo monitor with a multimeter: if they differ, piezo emit --adc-span; if they agree, identify on logs that reach as far",
+    ),
+    (
+        Faults::AMPLIFIER,
+        "is the amplifier on, has it tripped, are the wires to A0 and A2 sound, and as slow as --drive-slew says? If so, a span is wrong: piezo emit --adc-span, --drive-span",
     ),
     (
         Faults::MISSED_DEADLINE,

@@ -85,7 +85,7 @@ fn lines(found: &Found) -> Vec<String> {
         health.samples_dropped, health.frames_refused, health.line_errors, health.flash_errors
     ));
     if let Some(millivolt) = health.supply_mv {
-        lines.push(format!("Supply   {:.3} V at the start", f64::from(millivolt) * 1e-3));
+        lines.push(format!("Supply   {:.3} V", f64::from(millivolt) * 1e-3));
     }
     let drives = matches!(table, Some((Ok(table), _)) if table.drive.is_some());
     // One that drives the amplifier is at rest whenever nothing is followed: that is no fault.

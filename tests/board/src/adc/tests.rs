@@ -26,7 +26,7 @@ fn armed(cfgr2: u32) -> (Adc, Rcc) {
 }
 
 fn inputs(code: u16) -> Inputs {
-    Inputs { codes: Box::new(move |_| code), converted: 0, reference: 1500 }
+    Inputs { codes: Box::new(move |_, _| code), converted: 0, pin: None, reference: 1500 }
 }
 
 #[test]

@@ -4,7 +4,8 @@ use anyhow::Result;
 use unicorn_engine::RegisterARM as Register;
 
 use super::{
-    AIRCR_IGNORED, BX_LR, COUNTING_HANDLER, FLASH, HANDLER, ISER0, ISPR0, MAIN, SEEN, STACK, STAY, board, ticking, word,
+    AIRCR_IGNORED, BX_LR, COUNTING_HANDLER, FLASH, HANDLER, ISER0, ISPR0, MAIN, SEEN, SPEED_UP, STACK, STAY, board,
+    ticking, word,
 };
 use crate::{Board, Stop, exception::TIM6};
 
@@ -86,7 +87,7 @@ fn a_sleep_goes_on_over_the_end_of_a_run() -> Result<()> {
         board.run(1e-5)?;
     }
     assert!(board.clock() - board.skipped() < 60);
-    assert_eq!((board.clock(), board.record().services.len()), (17_000, 0));
+    assert_eq!((board.clock(), board.record().services.len()), (SPEED_UP + 17_000, 0));
     Ok(())
 }
 
@@ -106,7 +107,7 @@ fn masked_interrupts_wait_and_then_follow_each_other_without_unstacking() -> Res
     let (early, late) = (record.services[&first][0], record.services[&second][0]);
     // Twelve clocks of entry, one instruction, six clocks from one to the next.
     assert_eq!(late.entry - early.entry, 13);
-    assert_eq!(board.skipped(), 12 + 6 + 10);
+    assert_eq!(board.skipped(), SPEED_UP + 12 + 6 + 10);
     assert_eq!((early.instructions, late.instructions), (Some(1), Some(1)));
     Ok(())
 }

@@ -32,16 +32,26 @@ const BX_LR: [u16; 1] = [0x4770];
 const STAY: u16 = 0xE7FE;
 
 const AIRCR_IGNORED: (u32, u32) = (0xE000_ED0C, 0);
-const TIM6_CLOCK: (u32, u32) = (0x4002_1058, 1 << 4);
-/// HSE / 6 × 85 / 2 = 170 MHz.
-const PLL: [(u32, u32); 2] = [(0x4002_100C, 3 | 5 << 4 | 85 << 8 | 1 << 24), (0x4002_1008, 3)];
+const TIM6_CLOCK: (u32, u32) = (0x4002_1058, 1 << 28 | 1 << 4);
+/// To 170 MHz: PWR's clock, range 1 boost, four wait states, HSE / 6 × 85 / 2, the core at half of it, and a microsecond later
+/// at all of it.
+const HALF_SPEED: [(u32, u32); 5] = [
+    (0x4002_1058, 1 << 28),
+    (0x4000_7080, 0),
+    (0x4002_2000, 4),
+    (0x4002_100C, 3 | 5 << 4 | 85 << 8 | 1 << 24),
+    (0x4002_1008, 3 | 8 << 4),
+];
+const FULL_SPEED: (u32, u32) = (0x4002_1008, 3);
+/// Clocks before a program starts.
+const SPEED_UP: u64 = 170;
 const KEYS: [(u32, u32); 2] = [(0x4002_2008, 0x4567_0123), (0x4002_2008, 0xCDEF_89AB)];
 const FLASH_CR: u32 = 0x4002_2014;
 const ISER0: u32 = 0xE000_E100;
 const ISPR0: u32 = 0xE000_E200;
 const PAGE_127: u32 = Contents::START + 127 * 2048;
 
-/// A board that stores the table's values at its addresses and then runs `main`; `handler` serves `exception`.
+/// A board at 170 MHz that stores the table's values at its addresses and then runs `main`; `handler` serves `exception`.
 fn board(table: &[(u32, u32)], main: &[u16], exception: u8, handler: &[u16]) -> Board {
     let halves = |words: &[u32]| words.iter().flat_map(|word| [*word as u16, (word >> 16) as u16]).collect::<Vec<_>>();
     let table: Vec<u32> = table.iter().chain(&[(0, (FLASH + MAIN) | 1)]).flat_map(|&(a, v)| [a, v]).collect();
@@ -53,7 +63,13 @@ fn board(table: &[(u32, u32)], main: &[u16], exception: u8, handler: &[u16]) -> 
         (MAIN as usize, main),
         (TABLE as usize, &halves(&table)),
     ]);
-    Board::power_on(&image).unwrap()
+    let mut board = Board::power_on(&image).unwrap();
+    let machine = board.machine_mut();
+    HALF_SPEED.iter().for_each(|&(address, value)| machine.write(address, 4, value));
+    machine.clock += SPEED_UP;
+    machine.skipped += SPEED_UP;
+    machine.write(FULL_SPEED.0, 4, FULL_SPEED.1);
+    board
 }
 
 fn word(board: &Board, address: u32) -> u32 {
@@ -62,7 +78,6 @@ fn word(board: &Board, address: u32) -> u32 {
 
 /// TIM6's interrupt every `period` clocks.
 fn ticking(period: u32) -> Vec<(u32, u32)> {
-    let mut table = PLL.to_vec();
-    table.extend([TIM6_CLOCK, (0x4000_102C, period - 1), (0x4000_100C, 1), (ISER0 + 4, 1 << 22), (0x4000_1000, 1)]);
-    table
+    let table = [TIM6_CLOCK, (0x4000_102C, period - 1), (0x4000_100C, 1), (ISER0 + 4, 1 << 22), (0x4000_1000, 1)];
+    table.to_vec()
 }

@@ -1,8 +1,9 @@
 //! What the ADC may bring: the DAC goes to its safe code when the codes cannot be believed, and follows them again when they
 //! have been good for a second.
 
-use crate::common::{Bench, triangle};
+use crate::common::{Bench, VALID, triangle};
 use anyhow::Result;
+use board_emulator_test::Record;
 use protocol::Faults;
 
 /// Feeds `codes` to a running device for `ticks` ticks. For each, whether the DAC stood at its safe code a trigger later.
@@ -12,6 +13,7 @@ fn safe_after(bench: &mut Bench, ticks: usize, codes: impl FnMut(u64) -> u16 + '
     bench.board.feed(codes);
     bench.board.run_until(20.0, |board| board.record().conversions.len() > first + ticks)?;
     let record = bench.board.record();
+    valid_dies_with_the_output(record, first, safe);
     // The conversion of `first` began before, but shows the first code fed.
     let shown = |trigger| {
         let latch = record.outputs.partition_point(|latch| latch.clock < trigger);
@@ -19,6 +21,15 @@ fn safe_after(bench: &mut Bench, ticks: usize, codes: impl FnMut(u64) -> u16 + '
     };
     let triggers = record.conversions[first + 1..].iter().map(|conversion| conversion.trigger);
     Ok(triggers.map(shown).take(ticks).collect())
+}
+
+/// From the conversion `first` on, the ticks whose code goes out as the estimate have an edge of VALID, the others none.
+fn valid_dies_with_the_output(record: &Record, first: usize, safe: u16) {
+    for pair in record.conversions[first..].windows(2) {
+        let edges = record.edges[&VALID].iter().filter(|edge| (pair[0].end..pair[1].end).contains(&edge.clock)).count();
+        let latch = record.outputs.partition_point(|latch| latch.clock < pair[1].trigger);
+        assert_eq!(edges, usize::from(record.outputs[latch].code != safe), "{pair:?}");
+    }
 }
 
 /// From the first to the last, and their number.

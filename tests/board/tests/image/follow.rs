@@ -69,6 +69,7 @@ fn wanted(tick: usize) -> f32 {
 }
 
 fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
+    bench.connect(table, |volts| volts);
     bench.push(table)?;
     bench.restart()?;
     ensure!(bench.table()? == *table, "{name}: the stored table is used");

@@ -1,9 +1,10 @@
 //! When the firmware itself fails: watchdog, hard fault, panic. The output is safe, the device starts again and tells why.
 
-use crate::common::Bench;
+use crate::common::{Bench, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Board, CORE_HZ, Reset, Stop, exception};
-use protocol::{Health, Request, ResetCause};
+use estimator_core::{DacCalibration, Table};
+use protocol::{Faults, Health, Request, ResetCause, TableSource};
 
 /// TIM6_CR1, whose bit 0 lets it count.
 const TIM6_CR1: u32 = 0x4000_1000;
@@ -34,6 +35,7 @@ fn running() -> Result<(Bench, u16)> {
 fn resets(bench: &mut Bench, cause: Reset, ms: f64) -> Result<Health> {
     let clock = bench.board.clock();
     assert_eq!(bench.board.run(1.0)?, Stop::Reset(cause));
+    assert!(bench.board.output().is_some(), "the pin is driven until the reset");
     let took = (bench.board.clock() - clock) as f64 * 1e3 / f64::from(CORE_HZ);
     assert!(took <= ms, "the reset comes after {took:.1} ms");
     println!("{cause:?} reset after {took:.3} ms");
@@ -131,7 +133,7 @@ fn a_hard_fault_leaves_its_place_and_status() -> Result<()> {
 fn a_panic_leaves_its_message() -> Result<()> {
     leaves_its_last_words(
         |bench| bench.board.poke(ICSR, NMIPENDSET),
-        &["panic", "non-maskable interrupt, flash ECC state 0x00000000", "nucleo_g474re.rs"],
+        &["panic", "non-maskable interrupt, flash ECC state 0x00000000", "failure.rs"],
     )?;
     leaves_its_last_words(
         |bench| {
@@ -151,5 +153,67 @@ fn last_words_survive_the_watchdog_and_the_pin_but_not_the_loss_of_power() -> Re
         bench.reboot(cause)?;
         assert_eq!(bench.health()?.last_words.is_some(), survives, "{cause:?}");
     }
+    Ok(())
+}
+
+/// The device fails; it has started again when this returns.
+fn fail(bench: &mut Bench) -> Result<()> {
+    bench.board.jump(NOWHERE);
+    assert_eq!(bench.board.run(1e-2)?, Stop::Reset(Reset::Software));
+    bench.reboot(Reset::Software)
+}
+
+/// A device with a stored table, which it uses.
+fn stored() -> Result<Bench> {
+    let mut bench = Bench::started()?;
+    let compiled = *bench.table()?;
+    // Another safe code than the compiled one's.
+    let dac = DacCalibration { offset_code: compiled.dac.offset_code + 300.0, ..compiled.dac };
+    bench.push(&Table { dac, ..compiled }.admit()?)?;
+    bench.restart()?;
+    assert_eq!(bench.identity()?.source, TableSource::Stored);
+    Ok(bench)
+}
+
+#[test]
+fn three_failures_in_a_row_leave_the_store_alone_until_it_is_asked_to_start() -> Result<()> {
+    let mut bench = stored()?;
+    let safe = bench.table()?.dac.code(0.0f32).0;
+    for _ in 0..2 {
+        fail(&mut bench)?;
+        assert_eq!(bench.identity()?.source, TableSource::Stored);
+    }
+    // The third, by the watchdog.
+    bench.board.poke(TIM6_CR1, 0)?;
+    assert_eq!(bench.board.run(1.0)?, Stop::Reset(Reset::Watchdog));
+    let clock = bench.board.clock();
+    bench.reboot(Reset::Watchdog)?;
+    bench.run(0.1)?;
+    let TableSource::Compiled { reason } = bench.identity()?.source else { panic!("the store was read") };
+    assert!(reason.contains("failed 3 times in a row"), "{reason}");
+    assert_ne!(bench.table()?.dac.code(0.0f32).0, safe);
+    assert_eq!(bench.health()?.faults, Faults::TABLE_FALLBACK | Faults::SAFE_OUTPUT);
+    // What is connected to the output is what it was: so is the safe code.
+    // The pin of VALID is switched on, and has no other edge.
+    assert_eq!((bench.board.output(), valid_since(&bench.board, clock)), (Some(safe), 1));
+    bench.restart()?;
+    assert_eq!(bench.identity()?.source, TableSource::Stored);
+    Ok(())
+}
+
+#[test]
+fn failures_far_apart_and_other_starts_are_not_counted() -> Result<()> {
+    let mut bench = stored()?;
+    for _ in 0..4 {
+        fail(&mut bench)?;
+        fail(&mut bench)?;
+        bench.board.reboot(Reset::Pin)?;
+        bench.start()?;
+    }
+    fail(&mut bench)?;
+    fail(&mut bench)?;
+    bench.run(10.1)?;
+    fail(&mut bench)?;
+    assert_eq!(bench.identity()?.source, TableSource::Stored);
     Ok(())
 }

@@ -50,7 +50,7 @@ fn a_corrupt_record_changes_nothing() -> Result<()> {
 
 #[test]
 fn a_record_that_has_decayed_in_the_flash_gives_way_to_the_one_before() -> Result<()> {
-    for torn in [false, true] {
+    for (torn, corrupt) in [(false, false), (true, false), (true, true)] {
         let mut bench = Bench::started()?;
         let compiled = bench.table()?;
         bench.push(&reseeded(&compiled, 2))?;
@@ -67,6 +67,9 @@ fn a_record_that_has_decayed_in_the_flash_gives_way_to_the_one_before() -> Resul
         contents.set(address, &[byte ^ 4]);
         if torn {
             contents.tear(address);
+        }
+        if corrupt {
+            bench.board.corrupt_eccr();
         }
         bench.restart()?;
         assert_eq!(bench.health()?.flash_errors > 0, torn);

@@ -25,7 +25,8 @@ fn a_trajectory_is_followed_at_the_device_s_pace() {
     let complaint = board.refuses("follow", &["wanted.csv"]);
     assert!(complaint.contains("--drive-span"), "{complaint}");
 
-    let drive = ["--drive-span", "0:4", "--drive-slew", "100", "--drive-rest", "0.5"];
+    // As the ADC's, which the emulated board wires the DAC to.
+    let drive = ["--drive-span", "-0.378:3.978", "--drive-slew", "100", "--drive-rest", "0.5"];
     let table = board.table("driving", &drive);
     let push = [table.to_str().unwrap(), "--pause", "--reset"];
     let complaint = board.refuses("push", &push);
@@ -36,7 +37,7 @@ fn a_trajectory_is_followed_at_the_device_s_pace() {
     assert_eq!((&report["ticks"], &report["stopped"]), (&Value::from(4001), &Value::Array(Vec::new())), "{report:#}");
     let log = fs::read_to_string(board.folder.path().join("followed.csv")).unwrap();
     assert_eq!(log.lines().count(), 4001);
-    // The planned voltages are those that the device put out, to half a code of 4 V/4095.
+    // The planned voltages are those that the device put out, to half a code of 4.4 V/4095.
     let plan = ["feedforward", "wanted.csv", "--out", "planned.csv"];
     board.reads("feedforward", &[table.to_str().unwrap(), plan[1], plan[2], plan[3], "--json"]);
     let column = |name: &str, index: usize| -> Vec<f64> {

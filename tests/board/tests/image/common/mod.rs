@@ -3,14 +3,16 @@
 pub mod noise;
 
 use anyhow::{Result, bail, ensure};
-use board_emulator_test::{Board, CORE_HZ, Image, Reset, Stop};
+use board_emulator_test::{Board, CORE_HZ, Edge, Image, Pin, Port, Reset, Stop};
 use estimator_core::record::MAX_LENGTH;
-use estimator_core::{Admitted, Table};
+use estimator_core::{AdcCode, Admitted, DacCode, Table};
 use protocol::frame::MAX_FRAME;
 use protocol::{Deframer, Health, Identity, Record, Reply, Request, Samples, ToDevice, ToHost, encode};
 
 /// Clocks from trigger to trigger.
 pub const PERIOD: u64 = CORE_HZ as u64 / 2000;
+/// The pin that has an edge at every good tick.
+pub const VALID: Pin = Pin { port: Port::B, number: 10 };
 /// How long the device may take to start and to reply, s. The longest reply waits for some thirty flash operations.
 const PATIENCE: f64 = 0.5;
 
@@ -47,6 +49,17 @@ impl Bench {
         self.deframer = Deframer::new();
         self.board.take_received();
         self.start()
+    }
+
+    /// Connects an amplifier between DAC and ADC, which makes of the voltage that a table's drive commands the one that its ADC
+    /// reads.
+    pub fn connect(&mut self, table: &Admitted, amplifier: impl Fn(f32) -> f32 + 'static) {
+        let (adc, drive) = (table.adc, table.drive.expect("the table drives"));
+        let rest = drive.code(drive.limits.rest_v, table.dac.full_scale);
+        self.board.connect(move |n, pin| {
+            let AdcCode(code) = adc.code(amplifier(drive.voltage(pin.map_or(rest, DacCode))));
+            code.saturating_add((n % 2) as u16).min(adc.full_scale)
+        });
     }
 
     /// Runs for `seconds`; nothing may end the run before.
@@ -136,13 +149,31 @@ impl Bench {
         self.does(push(table))
     }
 
+    /// Asks for a reset; the time that the device says it needs before, ms.
+    pub fn reset(&mut self) -> Result<u32> {
+        match self.ask(Request::Reset)? {
+            Reply::Resetting { in_ms } => Ok(in_ms),
+            other => bail!("{other:?}"),
+        }
+    }
+
     /// A reset that the device is asked for.
     pub fn restart(&mut self) -> Result<()> {
-        self.does(Request::Reset)?;
+        self.reset()?;
         let stop = self.board.run(PATIENCE)?;
         ensure!(stop == Stop::Reset(Reset::Software), "{stop:?}");
         self.reboot(Reset::Software)
     }
+}
+
+/// The edges of VALID.
+pub fn valid(board: &Board) -> &[Edge] {
+    board.record().edges.get(&VALID).map_or(&[], Vec::as_slice)
+}
+
+/// How many of them have come since.
+pub fn valid_since(board: &Board, clock: u64) -> usize {
+    valid(board).iter().filter(|edge| edge.clock >= clock).count()
 }
 
 /// A request's frame.

@@ -1,0 +1,84 @@
+//! What is left to do when the firmware fails, and what becomes of a flash word that cannot be read.
+
+use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use embassy_stm32::pac;
+use estimator_core::DacCode;
+use firmware::last_words;
+use firmware::rate::TICK_HZ;
+
+use super::{CORE_HZ, TELEMETRY};
+
+/// Whether the parameter store is being read.
+pub static READING_STORE: AtomicBool = AtomicBool::new(false);
+/// Flash words that could not be corrected.
+static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
+
+/// How many flash words could not be corrected so far.
+pub fn flash_errors() -> u32 {
+    FLASH_ERRORS.load(Relaxed)
+}
+
+/// The DAC to its safe value: where it drives the amplifier, no faster than the drive may, and at once elsewhere. The tick
+/// must not come any more. Before the DAC runs this does nothing: the registers have no clock, and read as 0.
+fn output_safe() {
+    let shown = pac::DAC1.dor(0).read().dor();
+    if !pac::DAC1.cr().read().en(0) {
+        return;
+    }
+    let put_out = |code| {
+        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
+        pac::DAC1.cr().modify(|w| w.set_ten(0, false));
+        // Once more: only what is written while no trigger is waited for is sure to go out.
+        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
+    };
+    if TELEMETRY.drives() {
+        put_out(shown);
+    }
+    for DacCode(code) in TELEMETRY.ramp(DacCode(shown)) {
+        if TELEMETRY.drives() {
+            cortex_m::asm::delay(CORE_HZ / TICK_HZ);
+            pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::RESET));
+        }
+        put_out(code);
+    }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    output_safe();
+    // SAFETY: nothing else runs any more.
+    unsafe { last_words::keep_panic(info) };
+    SCB::sys_reset()
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    cortex_m::interrupt::disable();
+    output_safe();
+    // SAFETY: nothing else runs any more.
+    unsafe { last_words::keep_hard_fault(frame) };
+    SCB::sys_reset()
+}
+
+/// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
+/// which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names bank 2, where the
+/// store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic would then come back at every start.
+#[exception]
+unsafe fn NonMaskableInt() {
+    let state = pac::FLASH.eccr().read();
+    if !(state.eccd() && (state.bk_ecc() || READING_STORE.load(Relaxed))) {
+        panic!("non-maskable interrupt, flash ECC state {:#010x}", state.0);
+    }
+    pac::FLASH.eccr().modify(|w| w.set_eccd(true));
+    FLASH_ERRORS.store(FLASH_ERRORS.load(Relaxed).saturating_add(1), Relaxed);
+}
+
+#[exception]
+unsafe fn DefaultHandler(interrupt: i16) {
+    panic!("interrupt {interrupt} has no handler");
+}

@@ -1,0 +1,145 @@
+//! A button and a lamp on the board itself: the button calls the displacement of now 0, the lamp says how the device is.
+//!
+//! | lamp | |
+//! |---|---|
+//! | on | the output is the estimate, or follows a reference, and nothing is wrong |
+//! | blinks once a second | nothing is wrong, but the output is the safe one: paused, fed by the host, or a drive at rest |
+//! | blinks five times a second | a fault |
+//! | dark for half a second | the button has been obeyed; where it may not be, nothing happens |
+
+use protocol::Faults;
+
+/// How long the button must show the same for it to count, ms.
+const BOUNCES_MS: u64 = 30;
+/// How long the lamp stays dark to say that the button was obeyed, ms.
+const DARK_MS: u64 = 500;
+
+/// A board's button and lamp. Where there are none, `()` stands for them.
+pub trait Front {
+    /// The level of the button's pin; whichever it is at the start is that of the released button.
+    fn level(&mut self) -> bool;
+    /// Switches the lamp.
+    fn light(&mut self, on: bool);
+}
+
+impl Front for () {
+    fn level(&mut self) -> bool {
+        false
+    }
+
+    fn light(&mut self, _: bool) {}
+}
+
+/// The button's bounces and the lamp's rhythm.
+pub struct Panel<P> {
+    front: P,
+    released: bool,
+    pressed: bool,
+    /// Since when (ms) the button shows something else than it counts for.
+    other_since: Option<u64>,
+    dark_until: u64,
+}
+
+impl<P: Front> Panel<P> {
+    /// A panel whose button is released.
+    pub fn new(mut front: P) -> Self {
+        let released = front.level();
+        Self { front, released, pressed: false, other_since: None, dark_until: 0 }
+    }
+
+    /// To be called every few milliseconds: whether the button has been pressed since the last time.
+    pub fn pressed(&mut self, now_ms: u64) -> bool {
+        let shows_pressed = self.front.level() != self.released;
+        if shows_pressed == self.pressed {
+            self.other_since = None;
+            return false;
+        }
+        if now_ms.saturating_sub(*self.other_since.get_or_insert(now_ms)) < BOUNCES_MS {
+            return false;
+        }
+        self.pressed = shows_pressed;
+        shows_pressed
+    }
+
+    /// Says that the button was obeyed.
+    pub fn obeyed(&mut self, now_ms: u64) {
+        self.dark_until = now_ms + DARK_MS;
+    }
+
+    /// To be called every few milliseconds with what is wrong: the lamp says so.
+    pub fn show(&mut self, now_ms: u64, faults: Faults) {
+        let on = if now_ms < self.dark_until {
+            false
+        } else if !faults.difference(Faults::SAFE_OUTPUT).is_empty() {
+            now_ms % 200 < 100
+        } else {
+            faults.is_empty() || now_ms % 1000 < 500
+        };
+        self.front.light(on);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default)]
+    struct Parts {
+        level: bool,
+        lit: bool,
+    }
+
+    impl Front for &mut Parts {
+        fn level(&mut self) -> bool {
+            self.level
+        }
+
+        fn light(&mut self, on: bool) {
+            self.lit = on;
+        }
+    }
+
+    #[test]
+    fn a_press_counts_once_whichever_level_it_is_and_bounces_do_not() {
+        for released in [false, true] {
+            let mut parts = Parts { level: released, ..Parts::default() };
+            let mut panel = Panel::new(&mut parts);
+            let mut presses = Vec::new();
+            for now in (0..1000).step_by(4) {
+                // A spike, a press that bounces at both ends, another spike.
+                let down = (20..36).contains(&now)
+                    || (100..400).contains(&now) && !(104..108).contains(&now)
+                    || (412..420).contains(&now)
+                    || (800..824).contains(&now);
+                panel.front.level = released ^ down;
+                if panel.pressed(now) {
+                    presses.push(now);
+                }
+            }
+            assert_eq!(presses, [140], "{released}");
+        }
+    }
+
+    #[test]
+    fn the_lamp_tells_good_resting_and_faulty_apart() {
+        let mut parts = Parts::default();
+        let mut panel = Panel::new(&mut parts);
+        let mut changes = |faults, from: u64| {
+            let shown: Vec<bool> = (from..from + 1000)
+                .map(|now| {
+                    panel.show(now, faults);
+                    panel.front.lit
+                })
+                .collect();
+            (shown[0], shown.windows(2).filter(|pair| pair[0] != pair[1]).count())
+        };
+        assert_eq!(changes(Faults::empty(), 0), (true, 0));
+        assert_eq!(changes(Faults::SAFE_OUTPUT, 0), (true, 1));
+        assert_eq!(changes(Faults::SAFE_OUTPUT | Faults::ADC_STUCK, 0), (true, 9));
+        panel.obeyed(3000);
+        for (now, lit) in [(3000, false), (3499, false), (3500, true)] {
+            panel.show(now, Faults::empty());
+            assert_eq!(panel.front.lit, lit, "{now}");
+        }
+    }
+}
