@@ -1,6 +1,6 @@
 //! What a log may be like: a sensor with any offset, late, falling or of something else, a glitch, a voltage that rests.
 
-use super::{MEASURED, json, number, piezo, refused, root};
+use super::{MEASURED, json, number, piezo, refused, root, text};
 use recordings::log::{Displacement, Log, ReadOptions, read, write_csv};
 use recordings::rig::{EXCITATIONS, Rig};
 use serde_json::Value;
@@ -80,12 +80,51 @@ fn one_glitch_of_the_voltage_is_no_second_amplitude_or_frequency() {
 }
 
 #[test]
-fn a_displacement_that_falls_while_the_voltage_rises_is_said_and_a_negative_scale_mends_it() {
-    let falling = [displaced(&measured(), |_, y| -y)];
-    let as_recorded = identify(&falling, &[&SHORTEST, &["--model", "voigt"]]);
-    assert!(doubts(&as_recorded).contains(&"falls-with-voltage"), "{:?}", doubts(&as_recorded));
-    let turned = identify(&falling, &[&SHORTEST, &["--model", "voigt", "--displacement-scale", "-1"]]);
-    assert!(!doubts(&turned).contains(&"falls-with-voltage"), "{:?}", doubts(&turned));
+fn a_displacement_that_falls_while_the_voltage_rises_is_refused_and_a_negative_scale_mends_it() {
+    let falling = displaced(&measured(), |_, y| -y);
+    let folder = tempfile::tempdir().unwrap();
+    let (log, out) = (write(folder.path(), &falling), folder.path().join("out"));
+    refused(&["identify", text(&log), "--out", text(&out)], &[&falling.name, "falls", "--displacement-scale -1"]);
+    assert!(!out.exists(), "nothing may be written");
+    identify(&[falling], &[&SHORTEST, &["--model", "voigt", "--displacement-scale", "-1"]]);
+}
+
+/// What was seen of such logs before: no word, an error ten times as large, or a percentage that looks ten times as good.
+#[test]
+fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_it() {
+    let fit = |log: &Log, repair: &[&str]| {
+        let result = identify(std::slice::from_ref(log), &[&SHORT, &["--model", "voigt"], repair]);
+        let stroke = number(&result, "/candidates/0/held_out/stroke_um");
+        let flaws: Vec<String> = result["doubts"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|doubt| doubt["doubt"] == "flawed")
+            .map(|doubt| {
+                assert_eq!(doubt["left_out"], !repair.is_empty());
+                doubt["worst"]["kind"].as_str().unwrap().to_owned()
+            })
+            .collect();
+        (number(&result, "/candidates/0/held_out/mae_um"), stroke, flaws)
+    };
+    let clean = measured();
+    let (mae, stroke, flaws) = fit(&clean, &[]);
+    assert_eq!(flaws, Vec::<String>::new(), "the measured log is sound");
+    let spike = displaced(&clean, |row, y| if row == 2_000 { 9_000.0 } else { y });
+    let spikes = displaced(&clean, |row, y| if row % 400 == 17 { 900.0 } else { y });
+    let frozen = displaced(&clean, |row, y| if (3_000..3_600).contains(&row) { -80.0 } else { y });
+    let (low, high) = clean.displacement.iter().flatten().fold((0.0, -1e9), |(l, h), &y| (y.min(l), y.max(h)));
+    let beyond = displaced(&clean, |_, y| y.min(low + 0.8 * (high - low)));
+    let most = clean.voltage.iter().copied().fold(0.0, f64::max);
+    let cut = Log { voltage: clean.voltage.iter().map(|v| v.min(0.6 * most)).collect(), ..clean.clone() };
+    for (log, kind) in [(spike, "spike"), (spikes, "spike"), (frozen, "frozen"), (beyond, "frozen"), (cut, "clipped")] {
+        let (spoilt, _, flaws) = fit(&log, &[]);
+        assert_eq!(flaws, [kind]);
+        let (repaired, theirs, flaws) = fit(&log, &["--repair"]);
+        assert_eq!(flaws, [kind]);
+        assert!((theirs / stroke - 1.0).abs() < 0.25, "{kind}: {theirs} of {stroke} µm");
+        assert!(repaired < 2.0 * mae, "{kind}: {repaired} instead of {mae} µm (unrepaired {spoilt})");
+    }
 }
 
 #[test]

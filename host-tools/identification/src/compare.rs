@@ -170,7 +170,7 @@ pub fn run(
     say: Say,
     progress: Progress<'_>,
 ) -> Result<Matrix, CompareError> {
-    let Prepared { problem, context, logs, estimates, delay_at_bound } = job.prepare(progress)?;
+    let Prepared { problem, context, logs, of_logs, delay_at_bound } = job.prepare(progress)?;
     if problem.validation().next().is_none() {
         return Err(CompareError::NothingHeldOut);
     }
@@ -212,7 +212,7 @@ pub fn run(
     });
     let rows = rows.collect();
     let straight_line = StraightLine::fit(problem.training()).and_then(|line| straight_line(line, &problem));
-    let doubts = estimates.into_iter().chain(delay_at_bound).collect();
+    let doubts = of_logs.into_iter().chain(delay_at_bound).collect();
     Ok(Matrix { rows, straight_line, recipe: context.recipe, logs, doubts })
 }
 

@@ -5,8 +5,8 @@
 //! s   = √(Σ (d_i − d̄)² / (n (n − 1)))                        standard error of the mean difference
 //! ```
 //!
-//! The simplest model with d̄ ≤ s is chosen, where it has at most half the numbers of the best (Hastie, Tibshirani and Friedman, *The Elements of Statistical Learning*,
-//! 7.10, with the standard error of the difference: parts are harder or easier for all models alike). A few numbers fewer
+//! The simplest model with d̄ ≤ s is chosen, where it has at most half the numbers of the best (Hastie, Tibshirani and
+//! Friedman, *The Elements of Statistical Learning*, 7.10, with the standard error of the difference: parts are harder or easier for all models alike). A few numbers fewer
 //! are no reason: on one of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there.
 
 use crate::character::Character;
@@ -69,13 +69,9 @@ impl CrossValidation {
     /// could be the best, or data too short to be divided.
     pub fn of(identification: &Identification<'_>, fits: &[Fit], mut progress: impl FnMut()) -> Option<Self> {
         let problem = identification.problem;
-        let amplitudes = !Character::of(problem.training(), problem.deadband).single_amplitude();
-        let least = fits.iter().map(|fit| fit.cost).fold(f64::INFINITY, f64::min);
-        let tried: Vec<&Fit> = fits
-            .iter()
-            .filter(|fit| fit.cost.is_finite() && fit.cost <= HOPELESS * least)
-            .filter(|fit| amplitudes || !FREE.contains(&fit.model))
-            .collect();
+        let mut tried = eligible(problem, fits);
+        let least = tried.iter().map(|fit| fit.cost).fold(f64::INFINITY, f64::min);
+        tried.retain(|fit| fit.cost <= HOPELESS * least);
         let (left_out, parts) = parts(problem);
         if tried.len() < 2 || parts.len() < 2 {
             return None;
@@ -100,7 +96,7 @@ impl CrossValidation {
             .collect();
         scores.sort_by(|a, b| a.error_um.total_cmp(&b.error_um));
         let chosen = simplest(&scores)?;
-        Some(Self { left_out, scores, chosen, amplitudes })
+        Some(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
     }
 
     /// The chosen model's score.
@@ -109,8 +105,18 @@ impl CrossValidation {
     }
 }
 
-/// Index of the best, which is the first, or of the model with the fewest numbers among those of at most half its numbers that
-/// it does not better by more than a standard error of the difference; `None` of none.
+/// The fits that may be chosen: admissible, and of a model that the logs' amplitudes can determine.
+pub fn eligible<'f>(problem: &Problem, fits: &'f [Fit]) -> Vec<&'f Fit> {
+    let amplitudes = several_amplitudes(problem);
+    fits.iter().filter(|fit| fit.cost.is_finite() && (amplitudes || !FREE.contains(&fit.model))).collect()
+}
+
+fn several_amplitudes(problem: &Problem) -> bool {
+    !Character::of(problem.training(), problem.deadband).single_amplitude()
+}
+
+/// Index of the best, which is the first, or of the model with the fewest numbers among those of at most half its numbers
+/// that it does not better by more than a standard error of the difference; `None` of none.
 fn simplest(scores: &[Score]) -> Option<usize> {
     let best = scores.first()?;
     let simpler = scores.iter().enumerate().filter(|(_, score)| {
@@ -182,6 +188,31 @@ mod tests {
 
     fn score(model: Model, parameters: usize, parts_um: &[f64]) -> Score {
         Score { model, parameters, error_um: mean(parts_um), parts_um: parts_um.to_vec() }
+    }
+
+    #[test]
+    fn on_one_amplitude_models_of_free_weights_neither_win_nor_set_the_measure() {
+        let one = session(EXCITATIONS[1]);
+        let fit = |model, cost| Fit {
+            model,
+            parameters: None,
+            genes: Vec::new(),
+            solved: 0,
+            cost,
+            minimised: Feedback::Simulation.into(),
+            evaluations: 1,
+            convergence: Vec::new(),
+            space: None,
+        };
+        let fits = [fit(Model::Narx, 0.001), fit(Model::BoucWen, 0.1), fit(Model::Duhem, f64::INFINITY)];
+        let models = |sessions: Vec<Session>| {
+            let problem = Problem::new(sessions, Vec::new(), Conditions::default());
+            eligible(&problem, &fits).iter().map(|fit| fit.model).collect::<Vec<_>>()
+        };
+        assert_eq!(models(vec![one.clone()]), [Model::BoucWen]);
+        let mut small = one.clone();
+        small.voltage.iter_mut().for_each(|voltage| *voltage *= 0.3);
+        assert_eq!(models(vec![one, small]), [Model::Narx, Model::BoucWen]);
     }
 
     fn session(excitation: Excitation) -> Session {

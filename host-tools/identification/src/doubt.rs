@@ -1,5 +1,6 @@
 //! Reasons not to trust an identification. Each doubt holds what was seen.
 
+use crate::flaw::Flaw;
 use estimator_core::DuhemCondition;
 use serde::Serialize;
 
@@ -24,8 +25,17 @@ pub enum Doubt {
         /// Simulation MAE in training, % of the stroke.
         percent: f64,
     },
-    /// The displacement falls while the voltage rises.
-    FallsWithVoltage,
+    /// A log holds what is no measurement.
+    Flawed {
+        /// Name of the log.
+        log: String,
+        /// The gravest of a kind.
+        worst: Flaw,
+        /// How many there are of that kind.
+        count: usize,
+        /// They were left out of what is fitted to and judged by.
+        left_out: bool,
+    },
     /// The error on what was held out is far from the training error.
     HeldOutFar {
         /// Simulation MAE in training, µm.

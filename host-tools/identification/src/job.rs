@@ -8,6 +8,7 @@ use crate::cost::Cost;
 use crate::delay::{Delay, DelaySearch};
 use crate::doubt::Doubt;
 use crate::fit::{Identification, Progress};
+use crate::flaw::{Flaw, flaws, leave_out, sound};
 use crate::log_use::{LogUse, Role};
 use crate::model_choice::{Choice, ModelChoice, Reason, with_contained};
 use crate::problem::{Conditions, Problem};
@@ -17,7 +18,9 @@ use crate::suspicion::doubts;
 use estimator_core::{Digest, Model};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
+use recordings::session::Session;
 use sha2::{Digest as _, Sha256};
+use std::mem::discriminant;
 use std::path::PathBuf;
 
 /// What to identify from what.
@@ -52,8 +55,8 @@ pub struct Prepared {
     pub context: TableContext,
     /// What each log was used for.
     pub logs: Vec<LogUse>,
-    /// A doubt for each log that is no sensor's.
-    pub estimates: Vec<Doubt>,
+    /// Doubts of the logs: those that are no sensor's, and what in the others is no measurement.
+    pub of_logs: Vec<Doubt>,
     /// A doubt of the delay that was found.
     pub delay_at_bound: Option<Doubt>,
 }
@@ -113,6 +116,12 @@ pub enum JobError {
         /// The part is held out, not fitted to.
         held_out: bool,
     },
+    /// The displacement falls while the voltage rises.
+    #[error("{log}: the displacement falls while the voltage rises")]
+    FallsWithVoltage {
+        /// Name of the log.
+        log: String,
+    },
     /// The model that counts has no admissible candidate.
     #[error("model {model}")]
     Failed {
@@ -155,7 +164,8 @@ impl Job {
     /// A log cannot be used.
     pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared, JobError> {
         let Parts { training, held_out, rests } = self.parts()?;
-        let mut recipe = self.prepare.resolve(&training);
+        let sound = |log: &Log| if self.conditions.repair { sound(log, &flaws(log)) } else { log.clone() };
+        let mut recipe = self.prepare.resolve(&training.iter().map(sound).collect::<Vec<_>>());
         let estimated = match self.prepare.delay {
             AutoOr::Given(_) => None,
             AutoOr::Auto => Some(self.delay_search().estimate(&training, &recipe, progress)?),
@@ -165,11 +175,19 @@ impl Job {
         }
         let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
-        let sessions = |logs: &[Log]| logs.iter().map(|log| prepared(&recipe, log)).collect::<Result<Vec<_>, _>>();
+        let session = |log: &Log| -> Result<Session, PrepareError> {
+            let mut session = prepared(&recipe, log)?;
+            if self.conditions.repair {
+                leave_out(&mut session, &flaws(log));
+            }
+            Ok(session)
+        };
+        let sessions = |logs: &[Log]| logs.iter().map(session).collect::<Result<Vec<_>, _>>();
         let learnt_from = sessions(&training)?;
+        self.rises(&learnt_from)?;
         let mut validation = sessions(&held_out)?;
         for (log, rest) in &rests {
-            let mut session = prepared(&recipe, log)?;
+            let mut session = session(log)?;
             let learnt = rest.start_s - session.start_s;
             session.lead_in = session.instants.partition_point(|&instant| f64::from(instant) * session.tick_s < learnt);
             validation.push(session);
@@ -184,7 +202,7 @@ impl Job {
                 seed: self.search.seed,
             },
             logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
-            estimates: self.estimates(),
+            of_logs: [self.estimates(), self.flawed()].concat(),
             delay_at_bound: estimated.filter(|delay| delay.at_bound).map(|_| Doubt::DelayAtBound { delay_ms }),
         })
     }
@@ -194,7 +212,7 @@ impl Job {
     /// # Errors
     /// A log cannot be used, or the model that counts has no admissible candidate.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
-        let Prepared { problem, context, logs, estimates, delay_at_bound } = self.prepare(progress)?;
+        let Prepared { problem, context, logs, of_logs, delay_at_bound } = self.prepare(progress)?;
         let identification = Identification { problem: &problem, cost: self.cost, options: &self.search, budget: None };
         let Choice { fits, model, reason } = identification.choose(self.model, progress);
         let model = model.ok_or(JobError::NothingFound)?;
@@ -211,7 +229,7 @@ impl Job {
             let why = failed.into_iter().find(|(failed, _)| *failed == model);
             return Err(why.map_or(JobError::NothingFound, |(model, source)| JobError::Failed { model, source }));
         };
-        let mut doubts = [estimates, doubts(&candidates[chosen], &character, self.cost)].concat();
+        let mut doubts = [of_logs, doubts(&candidates[chosen], &character, self.cost)].concat();
         doubts.extend(delay_at_bound);
         if !self.calibration.stated() {
             doubts.push(Doubt::CalibrationAssumed);
@@ -224,6 +242,27 @@ impl Job {
     fn estimates(&self) -> Vec<Doubt> {
         let logs = self.training.iter().chain(&self.held_out).filter(|log| log.displacement_estimated);
         logs.map(|log| Doubt::EstimatedDisplacement { log: log.name.clone() }).collect()
+    }
+
+    /// A doubt for each kind of flaw of each log.
+    fn flawed(&self) -> Vec<Doubt> {
+        let mut doubts = Vec::new();
+        for log in self.training.iter().chain(&self.held_out) {
+            let flaws = flaws(&self.prepare.cut(log));
+            for kind in flaws.chunk_by(|a, b| discriminant(a) == discriminant(b)) {
+                let graver = |a: &&Flaw, b: &&Flaw| a.size().total_cmp(&b.size());
+                let Some(&worst) = kind.iter().max_by(graver) else { continue };
+                let left_out = self.conditions.repair;
+                doubts.push(Doubt::Flawed { log: log.name.clone(), worst, count: kind.len(), left_out });
+            }
+        }
+        doubts
+    }
+
+    /// Refuses logs whose displacement falls while the voltage rises.
+    fn rises(&self, training: &[Session]) -> Result<(), JobError> {
+        let falls = training.iter().find(|session| correlation(session) < FALLS);
+        falls.map_or(Ok(()), |session| Err(JobError::FallsWithVoltage { log: session.name.clone() }))
     }
 
     fn delay_search(&self) -> DelaySearch {
@@ -261,6 +300,22 @@ struct Parts {
     held_out: Vec<Log>,
     /// Training logs as a whole, and what is held out of each: the estimator runs on into that, as a device does.
     rests: Vec<(Log, Log)>,
+}
+
+/// A displacement whose correlation with the voltage is below this falls with it.
+const FALLS: f64 = -0.5;
+
+/// Correlation of voltage and displacement at the measured instants; 0 where one of them rests.
+fn correlation(session: &Session) -> f64 {
+    let pairs = session.instants.iter().zip(&session.displacement);
+    let pairs = pairs.map(|(&instant, &displacement)| (session.voltage[instant as usize], displacement));
+    let count = session.instants.len().max(1) as f64;
+    let (v, y) = pairs.clone().fold((0.0, 0.0), |(v, y), pair| (v + pair.0 / count, y + pair.1 / count));
+    let [vv, vy, yy] = pairs.fold([0.0; 3], |[vv, vy, yy], pair| {
+        let (dv, dy) = (pair.0 - v, pair.1 - y);
+        [vv + dv * dv, vy + dv * dy, yy + dy * dy]
+    });
+    if vv * yy > 0.0 { vy / (vv * yy).sqrt() } else { 0.0 }
 }
 
 /// Callbacks of brief searches of all models and a long one, roughly, for a progress bar.

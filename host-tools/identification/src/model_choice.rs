@@ -1,6 +1,6 @@
 //! Which models are identified when one, or none, is asked for, and which of them is chosen.
 
-use crate::cross_validation::CrossValidation;
+use crate::cross_validation::{CrossValidation, eligible};
 use crate::fit::{Fit, Identification, Progress};
 use crate::search::Start;
 use estimator_core::Model;
@@ -55,7 +55,7 @@ impl Identification<'_> {
             return Choice { fits, model: Some(model), reason: Reason::AskedFor };
         }
         let mut fits = self.brief(progress);
-        let least = fits.iter().filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let least = eligible(self.problem, &fits).into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         let Some(least) = least.map(|fit| (fit.model, fit.cost)) else {
             return Choice { fits, model: None, reason: Reason::LeastInTraining };
         };

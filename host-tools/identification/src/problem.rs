@@ -18,12 +18,14 @@ pub struct Conditions {
     pub deadband: Option<f64>,
     /// How wide the displacement limits may be, as a multiple of the training stroke.
     pub limit: f64,
+    /// What a log's [flaws](crate::Flaw) hold is left out of what is fitted to and judged by.
+    pub repair: bool,
 }
 
 impl Default for Conditions {
-    /// The thesis's scheme, limits of twice the stroke.
+    /// The thesis's scheme, limits of twice the stroke, logs as they are.
     fn default() -> Self {
-        Self { scheme: Scheme::ForwardEuler, deadband: None, limit: 2.0 }
+        Self { scheme: Scheme::ForwardEuler, deadband: None, limit: 2.0, repair: false }
     }
 }
 
@@ -78,7 +80,12 @@ impl Problem {
     /// The same conditions with other sessions, at the same tick.
     #[must_use]
     pub fn of(&self, training: Vec<Session>, validation: Vec<Session>) -> Self {
-        let conditions = Conditions { scheme: self.scheme, deadband: Some(self.deadband), limit: self.limit };
+        let conditions = Conditions {
+            scheme: self.scheme,
+            deadband: Some(self.deadband),
+            limit: self.limit,
+            ..Conditions::default()
+        };
         Self::new(training, validation, conditions)
     }
 

@@ -46,9 +46,6 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost) -> Vec<D
     if let Some(training) = training.filter(|training| training.mae_percent > POOR) {
         doubts.push(Doubt::PoorFit { percent: training.mae_percent });
     }
-    if candidate.training.iter().map(|comparison| covariance(&comparison.trace)).sum::<f64>() < 0.0 {
-        doubts.push(Doubt::FallsWithVoltage);
-    }
     match (training, held_out) {
         (Some(training), Some(held_out)) => {
             if held_out.mae_um > FAR * training.mae_um {
@@ -114,13 +111,6 @@ fn spans(candidate: &Candidate) -> Vec<Doubt> {
     let dac = inside(|trace| &trace.estimated, um(0), um(table.dac.full_scale));
     let found = [(adc, Converter::Adc), (dac, Converter::Dac)];
     found.into_iter().filter(|(inside, _)| !inside).map(|(_, converter)| Doubt::ConverterSpan { converter }).collect()
-}
-
-/// Covariance of voltage and displacement.
-fn covariance(trace: &Trace) -> f64 {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let (v, y) = (mean(&trace.voltage), mean(&trace.measured));
-    trace.voltage.iter().zip(&trace.measured).map(|(a, b)| (a - v) * (b - y)).sum()
 }
 
 /// How long the first tenth of a trace has errors beyond [`TRANSIENT`] times the largest of the rest, s.

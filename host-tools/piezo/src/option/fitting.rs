@@ -42,6 +42,10 @@ pub struct Fitting {
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
     #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
     pub limit: f64,
+    /// Leave out what is no measurement: where the displacement leaps away and back or stands still while the voltage moves,
+    /// and where the voltage is cut off. The voltage there is run through all the same.
+    #[arg(long)]
+    pub repair: bool,
     /// Print the result as JSON.
     #[arg(long)]
     pub json: bool,
@@ -65,7 +69,12 @@ impl Fitting {
             hold_out,
             prepare: (&self.prepare).into(),
             model: ModelChoice::Auto,
-            conditions: Conditions { scheme: self.scheme, deadband: self.deadband, limit: self.limit },
+            conditions: Conditions {
+                scheme: self.scheme,
+                deadband: self.deadband,
+                limit: self.limit,
+                repair: self.repair,
+            },
             calibration: CalibrationOptions::default(),
             cost: Cost::from(self.cost).resolved()?,
             search,

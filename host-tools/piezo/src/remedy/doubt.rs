@@ -1,7 +1,7 @@
 //! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
 use estimator_core::DuhemCondition;
-use identification::{Converter, Doubt, FEW_REVERSALS};
+use identification::{Converter, Doubt, FEW_REVERSALS, Flaw, Stretch};
 use serde_json::{Value, json};
 
 /// A doubt as the user reads it.
@@ -20,11 +20,7 @@ pub fn doubt(doubt: &Doubt) -> String {
             "in training the error is {percent:.1} % of the stroke: the model does not describe these logs; are the \
              columns, units and zeros right, and is the sensor's delay within reason (--delay)?"
         ),
-        Doubt::FallsWithVoltage => {
-            "the displacement falls while the voltage rises: is the sensor mounted the other way (--displacement-scale \
-             -1), or the voltage inverted (--voltage-scale -1)?"
-                .to_owned()
-        }
+        Doubt::Flawed { log, worst, count, left_out } => flawed(log, worst, *count, *left_out),
         Doubt::HeldOutFar { training_um, held_out_um } => format!(
             "on the held-out data the error is {held_out_um:.3} µm, in training {training_um:.3} µm: the model has \
              learnt this recording rather than the actuator, or the two were recorded under other conditions"
@@ -124,9 +120,37 @@ fn named(converter: Converter) -> &'static str {
     }
 }
 
+/// What in a log is no measurement, what it does, and what helps.
+fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
+    let Stretch { from_s, to_s } = worst.at();
+    let times = if count == 1 { String::new() } else { format!(" {count} times, the gravest") };
+    let what = match worst {
+        Flaw::Spike { leap_um, .. } => {
+            format!("the displacement leaps away and back{times} by {leap_um:.3} µm at {from_s:.4} s")
+        }
+        Flaw::Frozen { voltage_v, .. } => format!(
+            "the displacement stands still{times} from {from_s:.4} to {to_s:.4} s while the voltage moves by {voltage_v:.2} V \
+             (a sensor beyond its range, off, or read too slowly)"
+        ),
+        Flaw::Clipped { voltage_v, .. } => format!(
+            "the voltage stands at {voltage_v:.4} V{times} from {from_s:.4} to {to_s:.4} s while the displacement goes and comes \
+             back (an input beyond its range)"
+        ),
+    };
+    if left_out {
+        format!("in {log} {what}: what was measured there was left out (--repair); record it again without")
+    } else {
+        format!(
+            "in {log} {what}, and it was learnt and judged as if it were so: record it again, or leave it out with --repair"
+        )
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const FLAW: Flaw = Flaw::Spike { at: Stretch { from_s: 1.0, to_s: 1.0 }, leap_um: 9.0 };
 
     #[test]
     fn every_doubt_says_what_helps() {
@@ -134,7 +158,7 @@ mod tests {
             Doubt::EstimatedDisplacement { log: "c".into() },
             Doubt::AtBound { gene: "p", value: 2.5 },
             Doubt::PoorFit { percent: 40.0 },
-            Doubt::FallsWithVoltage,
+            Doubt::Flawed { log: "e".into(), worst: FLAW, count: 3, left_out: false },
             Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
             Doubt::NothingHeldOut,
             Doubt::Diverges { fed_um: 0.01, simulation_um: 3.0 },

@@ -76,6 +76,10 @@ fn job(error: &JobError) -> String {
             "{error}: choose another part with --hold-out, --skip-start and --skip-end, or hold out another log with \
              --validate-on"
         ),
+        JobError::FallsWithVoltage { .. } => format!(
+            "{error}: if the sensor is mounted the other way add --displacement-scale -1, if the voltage is inverted \
+             --voltage-scale -1; else are the columns the right ones?"
+        ),
         _ => error.to_string(),
     }
 }

@@ -181,7 +181,7 @@ fn facts(bench: &Bench) -> Vec<(String, String)> {
         ),
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
     ];
-    let doubts = bench.prepared.estimates.iter().chain(&bench.prepared.delay_at_bound);
+    let doubts = bench.prepared.of_logs.iter().chain(&bench.prepared.delay_at_bound);
     let doubts = doubts.map(|doubt| ("Doubt".to_owned(), remedy::doubt(doubt)));
     facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(doubts).collect()
 }
