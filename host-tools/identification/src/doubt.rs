@@ -1,7 +1,7 @@
 //! Reasons not to trust an identification. Each doubt holds what was seen.
 
-use crate::flaw::Flaw;
 use estimator_core::DuhemCondition;
+use log_survey::Flaw;
 use serde::Serialize;
 
 /// A reason not to trust a result.

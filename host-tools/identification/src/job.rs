@@ -6,9 +6,9 @@ use crate::candidate::{Candidate, CandidateError, TableContext};
 use crate::character::Character;
 use crate::cost::Cost;
 use crate::delay::{Delay, DelaySearch};
+use crate::division::Parts;
 use crate::doubt::Doubt;
 use crate::fit::{Identification, Progress};
-use crate::flaw::{Flaw, flaws, leave_out, sound};
 use crate::log_use::{LogUse, Role};
 use crate::model_choice::{Choice, ModelChoice, Reason, with_contained};
 use crate::problem::{Conditions, Problem};
@@ -16,6 +16,7 @@ use crate::search::SearchOptions;
 use crate::start::prepared;
 use crate::suspicion::doubts;
 use estimator_core::{Digest, Model};
+use log_survey::{Flaw, correlation, flaws, leave_out, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -184,7 +185,9 @@ impl Job {
         };
         let sessions = |logs: &[Log]| logs.iter().map(session).collect::<Result<Vec<_>, _>>();
         let learnt_from = sessions(&training)?;
-        self.rises(&learnt_from)?;
+        if let Some(falling) = learnt_from.iter().find(|session| correlation(session) < FALLS) {
+            return Err(JobError::FallsWithVoltage { log: falling.name.clone() });
+        }
         let mut validation = sessions(&held_out)?;
         for (log, rest) in &rests {
             let mut session = session(log)?;
@@ -259,102 +262,16 @@ impl Job {
         doubts
     }
 
-    /// Refuses logs whose displacement falls while the voltage rises.
-    fn rises(&self, training: &[Session]) -> Result<(), JobError> {
-        let falls = training.iter().find(|session| correlation(session) < FALLS);
-        falls.map_or(Ok(()), |session| Err(JobError::FallsWithVoltage { log: session.name.clone() }))
-    }
-
     fn delay_search(&self) -> DelaySearch {
         DelaySearch::new(&self.prepare, self.conditions, self.cost, &self.search)
     }
-
-    /// The logs cut and divided into what is fitted to and what is held out.
-    fn parts(&self) -> Result<Parts, JobError> {
-        for log in &self.held_out {
-            if let Some(twin) = self.training.iter().find(|other| other.sha256 == log.sha256) {
-                return Err(JobError::SameLog { held_out: log.path.clone(), training: twin.path.clone() });
-            }
-        }
-        let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();
-        let held_out = cut(&self.held_out);
-        let (mut training, mut rests) = (Vec::new(), Vec::new());
-        held_out.iter().try_for_each(|log| moves(log, log))?;
-        for log in cut(&self.training) {
-            let (first, rest) = log.split(self.hold_out);
-            moves(&first, &log)?;
-            training.push(first);
-            if !rest.voltage.is_empty() {
-                moves(&rest, &log)?;
-                rests.push((log, rest));
-            }
-        }
-        Ok(Parts { training, held_out, rests })
-    }
-}
-
-/// The logs of a job, cut.
-struct Parts {
-    training: Vec<Log>,
-    /// Held out as a whole.
-    held_out: Vec<Log>,
-    /// Training logs as a whole, and what is held out of each: the estimator runs on into that, as a device does.
-    rests: Vec<(Log, Log)>,
 }
 
 /// A displacement whose correlation with the voltage is below this falls with it.
 const FALLS: f64 = -0.5;
 
-/// Correlation of voltage and displacement at the measured instants; 0 where one of them rests.
-fn correlation(session: &Session) -> f64 {
-    let pairs = session.instants.iter().zip(&session.displacement);
-    let pairs = pairs.map(|(&instant, &displacement)| (session.voltage[instant as usize], displacement));
-    let count = session.instants.len().max(1) as f64;
-    let (v, y) = pairs.clone().fold((0.0, 0.0), |(v, y), pair| (v + pair.0 / count, y + pair.1 / count));
-    let [vv, vy, yy] = pairs.fold([0.0; 3], |[vv, vy, yy], pair| {
-        let (dv, dy) = (pair.0 - v, pair.1 - y);
-        [vv + dv * dv, vy + dv * dy, yy + dy * dy]
-    });
-    if vv * yy > 0.0 { vy / (vv * yy).sqrt() } else { 0.0 }
-}
-
 /// Callbacks of brief searches of all models and a long one, roughly, for a progress bar.
 const OF_ALL: u64 = 1_200;
-
-/// Refuses a part of a log in which the actuator rests.
-fn moves(part: &Log, whole: &Log) -> Result<(), JobError> {
-    let displacement = |log: &Log| span(log.displacement.as_deref().unwrap_or_default());
-    let signals = [
-        ("voltage", span(&part.voltage), span(&whole.voltage)),
-        ("displacement", displacement(part), displacement(whole)),
-    ];
-    for (signal, here, everywhere) in signals {
-        if !part.voltage.is_empty() && here <= RESTS * everywhere {
-            return Err(JobError::Rests {
-                log: whole.path.clone(),
-                signal,
-                from_s: part.start_s,
-                to_s: part.start_s + part.duration(),
-                held_out: part.start_s > whole.start_s,
-            });
-        }
-    }
-    Ok(())
-}
-
-/// A part whose signal spans less than this fraction of the whole log's rests.
-const RESTS: f64 = 0.05;
-
-/// Between the first and the last hundredth of the sorted values: a single spike is no movement.
-fn span(samples: &[f64]) -> f64 {
-    let mut sorted = samples.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let rare = sorted.len() / 100;
-    match (sorted.get(rare), sorted.iter().rev().nth(rare)) {
-        (Some(low), Some(high)) => high - low,
-        _ => 0.0,
-    }
-}
 
 /// Start of a SHA-256 over the logs' digests and the part of each that was used.
 fn digest(logs: &[Log]) -> Digest {

@@ -18,7 +18,7 @@ pub struct Conditions {
     pub deadband: Option<f64>,
     /// How wide the displacement limits may be, as a multiple of the training stroke.
     pub limit: f64,
-    /// What a log's [flaws](crate::Flaw) hold is left out of what is fitted to and judged by.
+    /// What a log's [flaws](log_survey::Flaw) hold is left out of what is fitted to and judged by.
     pub repair: bool,
 }
 

@@ -6,7 +6,9 @@
 
 mod blocks;
 mod clock;
+mod flaw;
 mod noise;
+mod signal;
 mod stillness;
 mod swings;
 
@@ -15,6 +17,8 @@ use serde::Serialize;
 
 pub use blocks::Block;
 pub use clock::{Clock, RateSource};
+pub use flaw::{Flaw, Stretch, flaws, leave_out, sound};
+pub use signal::{correlation, range};
 pub use stillness::Stillness;
 pub use swings::{Cell, Swings};
 

@@ -11,4 +11,3 @@ mod preisach;
 mod reversals;
 mod search;
 mod space;
-mod span;

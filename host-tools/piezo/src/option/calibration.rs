@@ -1,6 +1,7 @@
 //! The converters of the target.
 
 use super::drive::DriveArgs;
+use super::number::span;
 use clap::Args;
 use identification::calibration::CalibrationOptions;
 use identification::span::Span;
@@ -11,13 +12,13 @@ use identification::span::Span;
 pub struct CalibrationArgs {
     /// Amplifier voltage at ADC code 0 and at full scale, V; the first larger than the second where the divider inverts.
     /// Without it a range a little wider than the logs' is assumed.
-    #[arg(long, allow_hyphen_values = true, value_name = "V:V")]
+    #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub adc_span: Option<Span>,
     /// Largest ADC code (with oversampling); 4095 where nothing else is known.
     #[arg(long, value_parser = clap::value_parser!(u16).range(3..))]
     pub adc_full_scale: Option<u16>,
     /// Displacement at DAC code 0 and at full scale, µm relative to the model's zero. Without it the displacement limits.
-    #[arg(long, allow_hyphen_values = true, value_name = "µm:µm")]
+    #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "µm:µm")]
     pub dac_span: Option<Span>,
     /// Largest DAC code; 4095 where nothing else is known.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]

@@ -1,5 +1,6 @@
 //! The DAC as the amplifier's input.
 
+use super::number::span;
 use clap::Args;
 use identification::drive::DriveOptions;
 use identification::span::Span;
@@ -10,13 +11,13 @@ use identification::span::Span;
 pub struct DriveArgs {
     /// Amplifier voltage at DAC code 0 and at full scale, V; the first larger than the second where the amplifier inverts.
     /// The DAC then drives the amplifier (piezo follow), and never shows a displacement.
-    #[arg(long, allow_hyphen_values = true, value_name = "V:V", requires = "drive_slew")]
+    #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V", requires = "drive_slew")]
     pub drive_span: Option<Span>,
     /// Fastest change of that voltage, V/s.
     #[arg(long, value_name = "V/s", requires = "drive_span", allow_hyphen_values = true)]
     pub drive_slew: Option<f64>,
     /// Voltages that it may be driven to, V. Without it, all that the DAC can and the model was identified on.
-    #[arg(long, allow_hyphen_values = true, value_name = "V:V", requires = "drive_span")]
+    #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V", requires = "drive_span")]
     pub drive_range: Option<Span>,
     /// Voltage when nothing is wanted or something is wrong, V. Without it 0, or the voltage nearest to it.
     #[arg(long, allow_hyphen_values = true, value_name = "V", requires = "drive_span")]

@@ -32,7 +32,7 @@ pub use cost::CostArgs;
 pub use fitting::Fitting;
 pub use logs::LogOptions;
 pub use model::{model_choice, models};
-pub use number::{finite, limit, not_negative};
+pub use number::{finite, limit, not_negative, span};
 pub use prepare::{DECIMATIONS, PrepareArgs};
 pub use rig::RigArgs;
 pub use scope::{ScopeArgs, TOLD};

@@ -1,5 +1,6 @@
 //! Numbers of options, refused where they make no sense.
 
+use identification::span::Span;
 use recordings::prepare::AutoOr;
 
 /// A finite number.
@@ -10,6 +11,15 @@ pub fn finite(text: &str) -> Result<f64, String> {
 /// A finite number that is 0 or positive.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x < 0.0 { Err("must not be negative".to_owned()) } else { Ok(x) })
+}
+
+/// What a converter's ends stand for, or a range: `-22:22`.
+pub fn span(text: &str) -> Result<Span, String> {
+    let wrong = |_| "expected what code 0 and full scale stand for, as -22:22".to_owned();
+    let (zero, full) = text.split_once(':').ok_or(()).map_err(wrong)?;
+    let number = |text: &str| finite(text).map_err(|_| ()).map_err(wrong);
+    let span = Span { zero: number(zero)?, full: number(full)? };
+    if span.zero == span.full { Err("the two ends must differ".to_owned()) } else { Ok(span) }
 }
 
 /// A finite number, or `auto`.
@@ -64,5 +74,13 @@ mod tests {
     #[test]
     fn a_fraction_lies_between_0_and_1() {
         assert!(["1.01", "-0.1", "nan"].iter().all(|text| fraction(text).is_err()) && fraction("0.5").is_ok());
+    }
+
+    #[test]
+    fn a_span_has_two_ends_that_differ() {
+        for text in ["", "1", "1:1", "1:x", "nan:1", "1:inf"] {
+            assert!(span(text).is_err(), "{text}");
+        }
+        assert_eq!(span("-22:22"), Ok(Span { zero: -22.0, full: 22.0 }));
     }
 }

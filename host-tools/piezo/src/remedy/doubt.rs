@@ -1,7 +1,8 @@
 //! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
 use estimator_core::DuhemCondition;
-use identification::{Converter, Doubt, FEW_REVERSALS, Flaw, Stretch};
+use identification::{Converter, Doubt, FEW_REVERSALS};
+use log_survey::{Flaw, Stretch};
 use serde_json::{Value, json};
 
 /// A doubt as the user reads it.

@@ -2,7 +2,7 @@
 
 use super::print::out;
 use crate::option::LogOptions;
-use crate::option::not_negative;
+use crate::option::{not_negative, span};
 use crate::output;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
@@ -28,7 +28,7 @@ pub struct Feedforward {
     pub out: PathBuf,
     /// Voltages that the amplifier may be driven to, V. Without it the table's drive's, else all that the model was
     /// identified on.
-    #[arg(long, allow_hyphen_values = true, value_name = "V:V")]
+    #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub range: Option<Span>,
     /// Fastest change of the voltage, V/s. Without it the table's drive's.
     #[arg(long, value_name = "V/s", value_parser = not_negative, allow_negative_numbers = true)]

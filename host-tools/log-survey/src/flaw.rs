@@ -1,6 +1,7 @@
 //! What in a log is no measurement of a displacement, found before anything is learnt from it: one such stretch can be the
 //! largest error of a whole log, and the search would follow it.
 
+use crate::signal::range;
 use recordings::log::Log;
 use recordings::session::Session;
 use serde::Serialize;
@@ -59,8 +60,6 @@ const ROWS: usize = 8;
 const MOVES: f64 = 0.05;
 /// A sensor whose steps are this part of the stroke stands still between them.
 const COARSE: f64 = 0.02;
-/// One row in so many is left out of a range, at either end.
-const RARE: usize = 100;
 /// More than this part of a log is no flaw of it: it is left as it is.
 const MOST: f64 = 0.5;
 
@@ -197,17 +196,6 @@ fn resolution(values: &[f64]) -> f64 {
     steps.fold(f64::INFINITY, f64::min)
 }
 
-/// Range of all but the rarest values.
-fn range(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let rare = sorted.len() / RARE;
-    match (sorted.get(rare), sorted.iter().rev().nth(rare)) {
-        (Some(low), Some(high)) => high - low,
-        _ => 0.0,
-    }
-}
-
 fn extent(values: &[f64]) -> f64 {
     let (low, high) = ends(values);
     high - low
@@ -293,7 +281,7 @@ mod tests {
         let flaws = flaws(&spiky);
         assert_eq!(sound(&spiky, &flaws).voltage.len(), spiky.voltage.len() - 1);
         let recipe = recordings::prepare::PrepareOptions::default().resolve(std::slice::from_ref(&spiky));
-        let whole = crate::prepared(&recipe, &spiky).unwrap();
+        let whole = recipe.session(&spiky).unwrap();
         let mut session = Session { lead_in: 100, ..whole.clone() };
         let left_out = leave_out(&mut session, &flaws);
         assert!((1..=3).contains(&left_out), "{left_out}");

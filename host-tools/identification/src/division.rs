@@ -1,0 +1,64 @@
+//! What of a job's logs is fitted to and what is held out.
+
+use crate::job::{Job, JobError};
+use log_survey::range;
+use recordings::log::Log;
+
+/// The logs of a job, cut.
+pub(crate) struct Parts {
+    /// The training logs, or what of them is fitted to.
+    pub training: Vec<Log>,
+    /// Held out as a whole.
+    pub held_out: Vec<Log>,
+    /// Training logs as a whole, and what is held out of each: the estimator runs on into that, as a device does.
+    pub rests: Vec<(Log, Log)>,
+}
+
+impl Job {
+    /// The logs cut and divided into what is fitted to and what is held out.
+    pub(crate) fn parts(&self) -> Result<Parts, JobError> {
+        for log in &self.held_out {
+            if let Some(twin) = self.training.iter().find(|other| other.sha256 == log.sha256) {
+                return Err(JobError::SameLog { held_out: log.path.clone(), training: twin.path.clone() });
+            }
+        }
+        let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();
+        let held_out = cut(&self.held_out);
+        let (mut training, mut rests) = (Vec::new(), Vec::new());
+        held_out.iter().try_for_each(|log| moves(log, log))?;
+        for log in cut(&self.training) {
+            let (first, rest) = log.split(self.hold_out);
+            moves(&first, &log)?;
+            training.push(first);
+            if !rest.voltage.is_empty() {
+                moves(&rest, &log)?;
+                rests.push((log, rest));
+            }
+        }
+        Ok(Parts { training, held_out, rests })
+    }
+}
+
+/// Refuses a part of a log in which the actuator rests.
+fn moves(part: &Log, whole: &Log) -> Result<(), JobError> {
+    let displacement = |log: &Log| range(log.displacement.as_deref().unwrap_or_default());
+    let signals = [
+        ("voltage", range(&part.voltage), range(&whole.voltage)),
+        ("displacement", displacement(part), displacement(whole)),
+    ];
+    for (signal, here, everywhere) in signals {
+        if !part.voltage.is_empty() && here <= RESTS * everywhere {
+            return Err(JobError::Rests {
+                log: whole.path.clone(),
+                signal,
+                from_s: part.start_s,
+                to_s: part.start_s + part.duration(),
+                held_out: part.start_s > whole.start_s,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A part whose signal spans less than this fraction of the whole log's rests.
+const RESTS: f64 = 0.05;
