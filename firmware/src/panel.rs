@@ -16,14 +16,14 @@ const DARK_MS: u64 = 500;
 
 /// A board's button and lamp. Where there are none, `()` stands for them.
 pub trait Front {
-    /// The level of the button's pin; whichever it is at the start is that of the released button.
-    fn level(&mut self) -> bool;
+    /// Whether the button is held down.
+    fn held(&mut self) -> bool;
     /// Switches the lamp.
     fn light(&mut self, on: bool);
 }
 
 impl Front for () {
-    fn level(&mut self) -> bool {
+    fn held(&mut self) -> bool {
         false
     }
 
@@ -33,7 +33,6 @@ impl Front for () {
 /// The button's bounces and the lamp's rhythm.
 pub struct Panel<P> {
     front: P,
-    released: bool,
     pressed: bool,
     /// Since when (ms) the button shows something else than it counts for.
     other_since: Option<u64>,
@@ -41,15 +40,15 @@ pub struct Panel<P> {
 }
 
 impl<P: Front> Panel<P> {
-    /// A panel whose button is released.
+    /// A panel. A button that is held down from the start on has not been pressed.
     pub fn new(mut front: P) -> Self {
-        let released = front.level();
-        Self { front, released, pressed: false, other_since: None, dark_until: 0 }
+        let pressed = front.held();
+        Self { front, pressed, other_since: None, dark_until: 0 }
     }
 
     /// To be called every few milliseconds: whether the button has been pressed since the last time.
     pub fn pressed(&mut self, now_ms: u64) -> bool {
-        let shows_pressed = self.front.level() != self.released;
+        let shows_pressed = self.front.held();
         if shows_pressed == self.pressed {
             self.other_since = None;
             return false;
@@ -85,13 +84,13 @@ mod tests {
 
     #[derive(Default)]
     struct Parts {
-        level: bool,
+        held: bool,
         lit: bool,
     }
 
     impl Front for &mut Parts {
-        fn level(&mut self) -> bool {
-            self.level
+        fn held(&mut self) -> bool {
+            self.held
         }
 
         fn light(&mut self, on: bool) {
@@ -99,25 +98,33 @@ mod tests {
         }
     }
 
+    /// When the button counts as pressed that is held down at these times, ms.
+    fn presses(held: impl Fn(u64) -> bool) -> Vec<u64> {
+        let mut parts = Parts { held: held(0), ..Parts::default() };
+        let mut panel = Panel::new(&mut parts);
+        let mut pressed = |now| {
+            panel.front.held = held(now);
+            panel.pressed(now)
+        };
+        (0..1000).step_by(4).filter(|&now| pressed(now)).collect()
+    }
+
     #[test]
-    fn a_press_counts_once_whichever_level_it_is_and_bounces_do_not() {
-        for released in [false, true] {
-            let mut parts = Parts { level: released, ..Parts::default() };
-            let mut panel = Panel::new(&mut parts);
-            let mut presses = Vec::new();
-            for now in (0..1000).step_by(4) {
-                // A spike, a press that bounces at both ends, another spike.
-                let down = (20..36).contains(&now)
-                    || (100..400).contains(&now) && !(104..108).contains(&now)
-                    || (412..420).contains(&now)
-                    || (800..824).contains(&now);
-                panel.front.level = released ^ down;
-                if panel.pressed(now) {
-                    presses.push(now);
-                }
-            }
-            assert_eq!(presses, [140], "{released}");
-        }
+    fn a_press_counts_once_and_bounces_do_not() {
+        // A spike, a press that bounces at both ends, another spike.
+        let held = |now| {
+            (20..36).contains(&now)
+                || (100..400).contains(&now) && !(104..108).contains(&now)
+                || (412..420).contains(&now)
+                || (800..824).contains(&now)
+        };
+        assert_eq!(presses(held), [140]);
+    }
+
+    #[test]
+    fn a_button_held_from_the_start_on_counts_only_when_it_is_pressed_again() {
+        assert_eq!(presses(|now| now < 200), []);
+        assert_eq!(presses(|now| now < 200 || (500..600).contains(&now)), [532]);
     }
 
     #[test]

@@ -21,20 +21,25 @@ pub struct Startup {
 }
 
 impl Startup {
-    /// The start with a table, or without one. `fallback` says that the stored table could not be used.
+    /// The start with a table, or without one. `fallback` says that the stored table could not be used. After failures in a
+    /// row nothing is driven, whatever the table says, and the output stays at the safe code of the starts before.
     pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
         let estimator = table.map(Estimator::new);
+        let degraded = facts.restarts.too_many();
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
         // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts
         // before know better.
         let safe = table.map_or(DacCode(facts.interface.dac_full_scale / 2), |table| {
             Drive::rest(table).unwrap_or_else(|| table.dac.code(0.0f32))
         });
-        let safe = facts.restarts.safe.filter(|_| facts.restarts.too_many()).unwrap_or(safe);
-        let stride = table.and_then(Drive::stride).unwrap_or(Stride::JUMP);
+        let safe = facts.restarts.safe.filter(|_| degraded).unwrap_or(safe);
+        // Then the table is not the one that the output is wired for: a drive would rest at its own code, not at the safe
+        // one, and move there.
+        let driving = table.filter(|_| !degraded);
+        let stride = driving.and_then(Drive::stride).unwrap_or(Stride::JUMP);
         let mut faults = Faults::empty();
         faults.set(Faults::TABLE_FALLBACK, fallback);
         faults.set(Faults::NO_TABLE, estimator.is_none());
-        Self { estimator, drive: table.and_then(Drive::new), safe, stride, faults }
+        Self { estimator, drive: driving.and_then(Drive::new), safe, stride, faults }
     }
 }

@@ -49,6 +49,8 @@ pub struct Telemetry {
     /// The analogue supply, mV; 0 where it is not known. Written by the main loop, as is whether it is out of tolerance.
     supply_mv: AtomicU16,
     supply_bad: AtomicBool,
+    /// Whether the last measurement was within tolerance; none was yet at the start.
+    supply_was_good: AtomicBool,
     /// Bits of the bias, µm.
     bias: AtomicU32,
     /// Ticks since the bias was told, and one more; 0 where it was not since the estimate began.
@@ -89,6 +91,7 @@ impl Telemetry {
             holding: AtomicBool::new(false),
             supply_mv: AtomicU16::new(0),
             supply_bad: AtomicBool::new(false),
+            supply_was_good: AtomicBool::new(false),
             bias: AtomicU32::new(0),
             told: AtomicU32::new(0),
             faults: AtomicU16::new(0),
@@ -138,10 +141,14 @@ impl Telemetry {
     }
 
     /// Takes what the supply was found to be (mV), and whether that is within tolerance. Nothing is known to be wrong with one
-    /// that cannot be measured.
+    /// that cannot be measured. A measurement that is out of tolerance alone, after a good one, may be a disturbance: the next
+    /// one decides. The first of all is believed.
     pub fn set_supply(&self, mv: Option<u16>, good: fn(u16) -> bool) {
         self.supply_mv.store(mv.unwrap_or(0), Relaxed);
-        self.supply_bad.store(mv.is_some_and(|mv| !good(mv)), Relaxed);
+        let is_good = mv.is_none_or(good);
+        let was_good = self.supply_was_good.load(Relaxed);
+        self.supply_bad.store(!is_good && !was_good, Relaxed);
+        self.supply_was_good.store(is_good, Relaxed);
     }
 
     #[inline]

@@ -2,15 +2,20 @@
 
 mod common;
 
-use common::{FACTS, PERIOD, compiled, driving, other, record, tick, triangle};
+use common::{FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, other, record, started, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
-use estimator_core::{Admitted, Table};
-use firmware::Facts;
+use embassy_futures::select::{Either, select};
+use embassy_time::{Duration, Timer};
+use estimator_core::{Admitted, DacCode, Table};
 use firmware::boot::{self, Chosen};
+use firmware::drive::Drive;
 use firmware::link::Device;
+use firmware::queues::Command;
 use firmware::restarts::{Restarts, TOO_MANY};
+use firmware::startup::Startup;
 use firmware::table::TABLE;
+use firmware::{Facts, Tick};
 use parameter_store::{ParameterStore, RamFlash};
 use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
 use std::sync::Arc;
@@ -37,7 +42,11 @@ impl Drop for Bench {
 
 impl Bench {
     fn new(table: Option<Admitted>) -> Self {
-        let (mut tick, rest) = tick(table.as_ref(), Faults::empty());
+        Self::of(table, tick(table.as_ref(), Faults::empty()))
+    }
+
+    /// A device that has this tick.
+    fn of(table: Option<Admitted>, (mut tick, rest): (Tick<'static>, LinkEnd)) -> Self {
         rest.telemetry.set_supply(FACTS.supply_mv, FACTS.supply_good);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
@@ -292,4 +301,48 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
         fallback && table.is_none() && stored.contains("format version 99") && compiled.contains("deadband_v"),
         "{compiled}"
     );
+}
+
+/// Asks for a reset and brings the output to rest, which must end within ten seconds.
+fn resets(bench: &mut Bench) {
+    assert!(matches!(bench.ask(Request::Reset), Reply::Resetting { .. }));
+    let rested = block_on(select(bench.device.rest(), Timer::after(Duration::from_secs(10))));
+    assert!(matches!(rested, Either::First(())), "the reset never comes");
+}
+
+#[test]
+fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_that_is_asked_for_ends() {
+    let kept = DacCode(1234);
+    assert_ne!(Drive::rest(&driving()), Some(kept));
+    let facts = Facts { restarts: Restarts { count: TOO_MANY, safe: Some(kept) }, ..FACTS };
+    let start = || started(Startup::new(Some(&driving()), &facts, true));
+
+    let (mut tick, mut link) = start();
+    for (k, mode) in [Mode::Estimate, Mode::Follow, Mode::Pause, Mode::Pil].into_iter().enumerate() {
+        link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+        link.queues.commands.enqueue(Command::Go { hold: true }).unwrap();
+        link.queues.references.enqueue(20.0).unwrap();
+        link.queues.fed.enqueue(triangle(700)).unwrap();
+        for k in (0..3_000).map(|tick| 3_000 * k as u32 + tick) {
+            assert_eq!(tick.sample(triangle(k), k * PERIOD), kept, "{mode:?}, tick {k}");
+        }
+    }
+    assert_eq!((link.telemetry.safe(), link.telemetry.drives()), (kept, false));
+
+    let mut bench = Bench::of(Some(driving()), start());
+    std::thread::sleep(TICKS);
+    assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::Faulty));
+    assert_eq!(bench.ask(Request::Reset), Reply::Resetting { in_ms: 0 });
+    resets(&mut bench);
+}
+
+#[test]
+fn a_reset_ends_even_where_the_output_never_comes_to_its_safe_code() {
+    // The drive's rest is another code.
+    let startup = Startup { safe: SAFE, ..Startup::new(Some(&driving()), &FACTS, false) };
+    let mut bench = Bench::of(Some(driving()), started(startup));
+    std::thread::sleep(TICKS);
+    assert!(bench.device.telemetry.ticks_to_safe() > 0);
+    resets(&mut bench);
+    assert!(bench.device.telemetry.ticks_to_safe() > 0);
 }

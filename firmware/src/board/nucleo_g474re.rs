@@ -101,7 +101,9 @@ struct OnBoard {
 }
 
 impl Front for OnBoard {
-    fn level(&mut self) -> bool {
+    /// Held, the button connects the pin to 3.3 V, else a resistor pulls it down: so says the schematic of this board (MB1367),
+    /// and ST's own driver of it waits for a rising edge. Other Nucleo boards have it the other way round.
+    fn held(&mut self) -> bool {
         self.button.is_high()
     }
 

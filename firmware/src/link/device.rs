@@ -7,7 +7,7 @@ use crate::rate::TICK_HZ;
 use crate::table::TABLE;
 use crate::telemetry::Telemetry;
 use core::sync::atomic::Ordering::Relaxed;
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::record::{MAX_LENGTH, VERSION, checksum};
 use estimator_core::table::Board;
@@ -20,6 +20,8 @@ use protocol::{
 /// How long a change of mode may take; it happens at the next tick.
 const OBEYED: Duration = Duration::from_millis(20);
 const POLL: Duration = Duration::from_micros(250);
+/// How long a reset tries to pause the tick first. Where ticks come at all, the first try succeeds.
+const PAUSED: Duration = Duration::from_secs(1);
 
 /// All that requests are about.
 pub struct Device<'q, F: NorFlash> {
@@ -70,13 +72,18 @@ impl<F: NorFlash> Device<'_, F> {
         done.map_or_else(Reply::Refused, |()| Reply::Done)
     }
 
-    /// Brings the output to its safe code, at the drive's slew rate where there is one, however long that takes. Where the
-    /// tick does not come any more, the watchdog ends this.
+    /// Brings the output to its safe code, at the drive's slew rate where there is one, however long that takes. It ends
+    /// whatever the output does: a device that waited here for ever could not even be reset. Where the tick does not come
+    /// any more, the watchdog ends this sooner.
     pub async fn rest(&mut self) {
-        while self.set_mode(Mode::Pause).await.is_err() {
+        let asked = Instant::now();
+        while self.set_mode(Mode::Pause).await.is_err() && asked.elapsed() < PAUSED {
             Timer::after(POLL).await;
         }
-        while self.telemetry.ticks_to_safe() > 0 {
+        let passed = || self.telemetry.ticks.load(Relaxed);
+        // Twice as long as the way takes: the drive goes it in steps that are rounded otherwise.
+        let (start, enough) = (passed(), self.telemetry.ticks_to_safe().saturating_mul(2));
+        while self.telemetry.ticks_to_safe() > 0 && passed().wrapping_sub(start) < enough {
             Timer::after(POLL).await;
         }
     }

@@ -60,11 +60,15 @@ pub struct LinkEnd {
 
 /// A tick with further faults since boot; `None` has no table.
 pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, LinkEnd) {
-    let (tick_queues, queues) = Box::leak(Box::new(Queues::new())).split();
-    let telemetry: &'static Telemetry = Box::leak(Box::new(Telemetry::new()));
     let start = Startup::new(table, &FACTS, false);
     let safe = table.and_then(Drive::rest).unwrap_or(SAFE);
-    let startup = Startup { safe, faults: start.faults | faults, ..start };
+    started(Startup { safe, faults: start.faults | faults, ..start })
+}
+
+/// A tick that starts so.
+pub fn started(startup: Startup) -> (Tick<'static>, LinkEnd) {
+    let (tick_queues, queues) = Box::leak(Box::new(Queues::new())).split();
+    let telemetry: &'static Telemetry = Box::leak(Box::new(Telemetry::new()));
     (Tick::new(startup, &FACTS, tick_queues, telemetry), LinkEnd { queues, telemetry })
 }
 

@@ -125,14 +125,23 @@ fn a_supply_out_of_tolerance_at_the_start_makes_the_output_safe_from_there_on() 
 }
 
 #[test]
-fn a_supply_that_sags_is_a_fault_within_50_ms_and_until_a_second_after() -> Result<()> {
+fn a_supply_that_sags_is_a_fault_within_70_ms_and_until_a_second_after() -> Result<()> {
     let mut bench = Bench::started()?;
     let safe = bench.table()?.dac.code(0.0f32).0;
     bench.run(0.1)?;
     let about = |mv: u16| move |found: u16| found.abs_diff(mv) <= 3;
     assert!(bench.health()?.supply_mv.is_some_and(about(3300)));
+    // A measurement that is wrong alone is none.
+    let clock = bench.board.clock();
     bench.board.set_reference(reference(3000));
-    bench.run(0.05)?;
+    bench.run(0.02)?;
+    bench.board.set_reference(reference(3300));
+    bench.run(0.1)?;
+    assert!(valid_since(&bench.board, clock) > 230);
+    assert_eq!(bench.health()?.faults_seen, Faults::empty());
+    // Begun, read and confirmed, each after 20 ms at most.
+    bench.board.set_reference(reference(3000));
+    bench.run(0.07)?;
     let clock = bench.board.clock();
     bench.run(0.2)?;
     let health = bench.health()?;
