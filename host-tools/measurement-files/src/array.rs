@@ -80,7 +80,7 @@ pub(crate) fn of_columns<'a>(columns: Vec<Column>, named: bool, sample_time: Opt
 
 /// A column of numbers.
 pub(crate) fn column(name: String, values: Vec<f64>) -> Column {
-    Column { name, numeric: true, stamps: false, values }
+    Column { name, numeric: true, stamps: false, text: None, values }
 }
 
 /// The signals of that length whose signals hold most numbers; a signal alone comes last, however long.

@@ -77,7 +77,13 @@ const RATES: [&str; 19] = [
 /// separator, as in `10,000 Hz`, states none.
 pub(crate) fn find(entries: &[Entry]) -> Option<SampleTime> {
     let unclear: Vec<usize> = entries.iter().filter(|entry| is_unclear(entry)).map(|entry| entry.line).collect();
-    entries.iter().filter(|entry| !unclear.contains(&entry.line)).find_map(|entry| {
+    // Cells cut `12,5` at its decimal comma; the whole line has it.
+    let cut = |entry: &Entry| {
+        let number = |entry: &Entry| numeric(entry.values.first().map_or("", |value| value)).0.to_owned() + ",";
+        let same = entries.iter().filter(|other| (other.line, &other.key) == (entry.line, &entry.key));
+        same.map(number).any(|other| other != number(entry) && other.starts_with(&number(entry)))
+    };
+    entries.iter().filter(|entry| !unclear.contains(&entry.line) && !cut(entry)).find_map(|entry| {
         let value = entry.values.first()?;
         let unit = entry.unit.as_deref().or_else(|| entry.values.get(1).map(String::as_str));
         let seconds = seconds(&entry.key, value, unit)?;

@@ -96,6 +96,7 @@ fn columns(lines: &[String], layout: &Layout, header: Option<Header>) -> Vec<Col
         name,
         numeric: kind.is_numeric(),
         stamps: *kind == Kind::Stamp,
+        text: None,
         values: Vec::new(),
     };
     let mut columns: Vec<Column> = layout.kinds.iter().zip(names).map(column).collect();
@@ -107,6 +108,9 @@ fn columns(lines: &[String], layout: &Layout, header: Option<Header>) -> Vec<Col
         for ((column, clock), field) in columns.iter_mut().zip(&mut clocks).zip(&fields) {
             let value = if column.stamps { clock.seconds(field) } else { layout.dialect.number(field) };
             column.values.extend(value.filter(|_| column.numeric));
+            if !column.numeric && column.text.is_none() && layout.dialect.kind(field) == Kind::Text {
+                column.text = Some(field.to_string());
+            }
         }
     }
     columns
