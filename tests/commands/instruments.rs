@@ -116,3 +116,36 @@ fn look_draws_what_it_says() {
     assert_eq!(super::number(&survey, "/0/survey/clock/hz"), 200.0);
     assert!(super::number(&survey, "/0/survey/swings/reversals") > 70.0);
 }
+
+#[test]
+fn look_hides_no_refusal_and_its_remedy_reads_the_refused_log_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = |name: &str, header: &str, row: &dyn Fn(f64) -> String| {
+        let path = folder.path().join(name);
+        let rows: String = (0..40).map(|k| row(f64::from(k)) + "\n").collect();
+        fs::write(&path, header.to_owned() + &rows).unwrap();
+        super::text(&path).to_owned()
+    };
+    let row = |k: f64| format!("{},{},{}", k / 100.0, k % 7.0, k % 5.0);
+    let named = log("named.csv", "time_s,displacement_um,voltage_V\n", &row);
+    let plain = log("plain.csv", "", &row);
+    let output = piezo().args(["look", &named, &plain]).output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    let line = told.lines().last().unwrap();
+    assert!(line.contains("plain.csv") && !line.contains("named.csv"), "{told}");
+    let swapped = "time=1:s,voltage=2:V,displacement=3:um";
+    super::refused(
+        &["look", &named, "--columns", swapped],
+        &["named.csv:1:", "displacement_um", "um is no unit of it"],
+    );
+    let grouped = |k: f64| format!("{};{};\"1,{}.5\"", k / 100.0, k % 7.0, 100.0 + k);
+    let grouped = log("grouped.csv", "time_s;voltage_V;displacement (nm)\n", &grouped);
+    super::refused(&["look", &grouped], &["displacement (nm)", "1,100.5", "separators between the thousands"]);
+    let target = log("target.csv", "time_s,voltage_V,target position (um)\n", &row);
+    let seen = piezo().args(["look", &target]).assert().success().get_output().stdout.clone();
+    let seen = String::from_utf8(seen).unwrap();
+    assert!(
+        seen.contains("no column says that it holds the displacement") && seen.contains("target position"),
+        "{seen}"
+    );
+}

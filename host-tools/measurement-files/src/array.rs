@@ -1,6 +1,6 @@
 //! Arrays of a binary file, put side by side as the columns of a table.
 //!
-//! One array of three rows or columns is the table. Else the table is made of all signals of one length, those that hold
+//! One array of three rows or columns is the table, unless other signals are longer. Else the table is made of all signals of one length, those that hold
 //! most numbers; a number alone may be the sample time.
 
 use crate::fault::{Fault, Format, Place, PlacedFault};
@@ -51,14 +51,18 @@ impl Array {
 
 /// The table that the arrays of a file make.
 pub(crate) fn table<'a>(format: Format, arrays: &[Array]) -> Result<Table<'a>, PlacedFault> {
-    let three: Vec<&Array> = arrays.iter().filter(|array| array.channels() == 3).collect();
+    let longest = longest(arrays);
+    let length = longest.first().map_or(0, |array| array.samples());
+    // A matrix beside the signals, of gains or colours, is shorter than they.
+    let is_log = |array: &&Array| array.channels() == 3 && array.samples() >= length;
+    let three: Vec<&Array> = arrays.iter().filter(is_log).collect();
     let (chosen, named) = match three[..] {
         [first, _, ..] => {
             let variables = listed(three.iter().map(|array| array.description.as_str()));
             return Err(Fault::SeveralArrays { variables, first: first.name.clone() }.into());
         }
         [only] => (vec![only], false),
-        [] => (longest(arrays), true),
+        [] => (longest, true),
     };
     if chosen.is_empty() {
         let variables = listed(arrays.iter().map(|array| array.description.as_str()));
@@ -76,7 +80,7 @@ pub(crate) fn of_columns<'a>(columns: Vec<Column>, named: bool, sample_time: Opt
 
 /// A column of numbers.
 pub(crate) fn column(name: String, values: Vec<f64>) -> Column {
-    Column { name, numeric: true, stamps: false, values }
+    Column { name, numeric: true, stamps: false, text: None, values }
 }
 
 /// The signals of that length whose signals hold most numbers; a signal alone comes last, however long.
@@ -125,6 +129,20 @@ mod tests {
         let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
         assert_eq!(names, ["u", "y"]);
         assert_eq!(table.sample_time.unwrap().seconds, 0.005);
+    }
+
+    #[test]
+    fn a_matrix_beside_longer_signals_is_not_the_log() {
+        for side in [3, 64] {
+            let matrix = Array { columns: 3, values: Some(vec![0.0; 3 * side]), ..vector("K", side) };
+            let signals = [matrix.clone(), vector("t", 1200), vector("voltage", 1200), vector("displacement", 1200)];
+            let found = table(Format::Matlab, &signals).unwrap();
+            let names: Vec<&str> = found.columns.iter().map(|column| column.name.as_str()).collect();
+            assert_eq!((&*names, found.named), (&["t", "voltage", "displacement"][..], true), "{side}");
+            let log = Array { columns: 3, values: Some(vec![0.0; 3600]), ..vector("log", 1200) };
+            let found = table(Format::Matlab, &[matrix, log]).unwrap();
+            assert_eq!((found.columns[0].values.len(), found.named), (1200, false), "{side}");
+        }
     }
 
     #[test]

@@ -73,9 +73,17 @@ const RATES: [&str; 19] = [
     "サンプリング周波数",
 ];
 
-/// The first sample time among the entries; the first line of the text is line 1.
+/// The first sample time among the entries; the first line of the text is line 1. A line whose number may have a thousands
+/// separator, as in `10,000 Hz`, states none.
 pub(crate) fn find(entries: &[Entry]) -> Option<SampleTime> {
-    entries.iter().find_map(|entry| {
+    let unclear: Vec<usize> = entries.iter().filter(|entry| is_unclear(entry)).map(|entry| entry.line).collect();
+    // Cells cut `12,5` at its decimal comma; the whole line has it.
+    let cut = |entry: &Entry| {
+        let number = |entry: &Entry| numeric(entry.values.first().map_or("", |value| value)).0.to_owned() + ",";
+        let same = entries.iter().filter(|other| (other.line, &other.key) == (entry.line, &entry.key));
+        same.map(number).any(|other| other != number(entry) && other.starts_with(&number(entry)))
+    };
+    entries.iter().filter(|entry| !unclear.contains(&entry.line) && !cut(entry)).find_map(|entry| {
         let value = entry.values.first()?;
         let unit = entry.unit.as_deref().or_else(|| entry.values.get(1).map(String::as_str));
         let seconds = seconds(&entry.key, value, unit)?;
@@ -101,8 +109,36 @@ pub(crate) fn seconds(key: &str, value: &str, unit: Option<&str>) -> Option<f64>
     (seconds.is_finite() && seconds > 0.0).then_some(seconds)
 }
 
+/// Whether an entry states a sample time or rate by a number that may be one or a thousand times as much.
+fn is_unclear(entry: &Entry) -> bool {
+    let has_key = PERIODS.contains(&&*entry.key) || RATES.contains(&&*entry.key);
+    let first = entry.values.first().map_or("", |value| numeric(value).0);
+    // Where a comma separates the cells, it parts the number, too.
+    let parted = entry.values.get(1).is_some_and(|next| {
+        let rest = numeric(next).0;
+        rest != first && !first.contains(',') && may_be_thousands(&format!("{first},{rest}"))
+    });
+    has_key && (parted || may_be_thousands(first))
+}
+
+/// Whether commas, each with exactly three digits behind it, may separate thousands: not in `0,005`.
+fn may_be_thousands(number: &str) -> bool {
+    let digits = |text: &str| text.bytes().all(|b| b.is_ascii_digit());
+    let Some((whole, rest)) = number.trim_start_matches(['+', '-']).split_once(',') else { return false };
+    rest.split(',').all(|group| group.len() == 3 && digits(group))
+        && digits(whole)
+        && !whole.is_empty()
+        && !whole.starts_with('0')
+}
+
 /// A number and what stands behind it.
 fn number(text: &str) -> Option<(f64, &str)> {
+    let (number, behind) = numeric(text);
+    Some((number.replace(',', ".").parse().ok()?, behind))
+}
+
+/// The text of a number and what stands behind it.
+fn numeric(text: &str) -> (&str, &str) {
     let text = text.trim().trim_matches('"');
     let is_part = |(at, c): &(usize, char)| {
         let exponent = |c: char| c.eq_ignore_ascii_case(&'e');
@@ -113,8 +149,7 @@ fn number(text: &str) -> Option<(f64, &str)> {
         }
     };
     let end = text.char_indices().find(|part| !is_part(part)).map_or(text.len(), |(at, _)| at);
-    let number = text[..end].trim_end_matches(',').replace(',', ".").parse().ok()?;
-    Some((number, text[end..].trim()))
+    (text[..end].trim_end_matches(','), text[end..].trim())
 }
 
 /// Hz of one of the units of a rate, 1 where none is stated.
@@ -161,6 +196,23 @@ mod tests {
             let found = find(&entries(&lines)).unwrap_or_else(|| panic!("{text}"));
             assert!((found.seconds - 0.005).abs() < 1e-15, "{text}: {}", found.seconds);
             assert_eq!(found.place, Place::Line(1));
+        }
+    }
+
+    #[test]
+    fn a_comma_before_three_digits_is_not_guessed_at() {
+        for text in [
+            "# Sampling rate: 10,000 Hz",
+            "\"Sample Rate\",\"1,000\"",
+            "Sample Rate,1,000",
+            "Sample Rate;1,000;Hz",
+            "fs = 2,500",
+            "Sampling rate: 1,000,000 Hz",
+        ] {
+            assert_eq!(find(&entries(&[text.to_owned()])), None, "{text}");
+        }
+        for (text, seconds) in [("Abtastrate: 0,125 Hz", 8.0), ("Abtastrate: 12,50 Hz", 0.08), ("fs,200,200", 0.005)] {
+            assert_eq!(find(&entries(&[text.to_owned()])).map(|found| found.seconds), Some(seconds), "{text}");
         }
     }
 

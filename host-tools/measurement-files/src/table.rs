@@ -33,6 +33,8 @@ pub struct Column {
     pub numeric: bool,
     /// Whether the column holds time stamps, which are read as seconds since the first.
     pub stamps: bool,
+    /// The first text of a column that holds text.
+    pub text: Option<String>,
     /// The values of the rows that were looked at to find the table; of a binary file all.
     pub values: Vec<f64>,
 }

@@ -18,9 +18,11 @@ use crate::table::{Body, Column, Table};
 /// How much text is looked at to find the table, bytes.
 const HEAD: usize = 1 << 18;
 /// How much is looked at where the table has not begun yet, bytes.
-const LONGEST_PREAMBLE: usize = 1 << 26;
+const LONGEST_PREAMBLE: usize = 1 << 22;
 /// Rows that are a table without doubt.
 const CERTAIN: usize = 16;
+/// Most lines of words behind a table that are no rows gone bad.
+const LONGEST_FOOTER: usize = 3;
 
 /// The rows of a text table that have not been read.
 pub(crate) struct TextRows<'a> {
@@ -94,6 +96,7 @@ fn columns(lines: &[String], layout: &Layout, header: Option<Header>) -> Vec<Col
         name,
         numeric: kind.is_numeric(),
         stamps: *kind == Kind::Stamp,
+        text: None,
         values: Vec::new(),
     };
     let mut columns: Vec<Column> = layout.kinds.iter().zip(names).map(column).collect();
@@ -105,6 +108,9 @@ fn columns(lines: &[String], layout: &Layout, header: Option<Header>) -> Vec<Col
         for ((column, clock), field) in columns.iter_mut().zip(&mut clocks).zip(&fields) {
             let value = if column.stamps { clock.seconds(field) } else { layout.dialect.number(field) };
             column.values.extend(value.filter(|_| column.numeric));
+            if !column.numeric && column.text.is_none() && layout.dialect.kind(field) == Kind::Text {
+                column.text = Some(field.to_string());
+            }
         }
     }
     columns
@@ -194,23 +200,61 @@ impl TextRows<'_> {
         Ok(())
     }
 
-    /// The end of the table at a line that is no row: the end of the file if no row follows, and the line is none cut short.
+    /// The end of the table at a line that is no row: the end of the file if only a footer follows, a few lines of words,
+    /// none of them a row cut short or as wide as one.
     fn end(mut self, line: &str, fault: Fault) -> Result<(), PlacedFault> {
         let place = Place::Line(self.line);
-        let is_row = |rows: &Self, line: &str| {
-            let mut fields = Vec::new();
-            rows.layout.dialect.split(line, &mut fields);
-            fields.iter().any(|field| rows.layout.dialect.kind(field).is_numeric())
-        };
-        if is_row(&self, line) {
-            return Err(fault.at(place));
-        }
-        let mut next = String::new();
-        while self.next_into(&mut next)? {
-            if is_row(&self, &next) {
+        let (mut next, mut words) = (line.to_owned(), 0);
+        loop {
+            words += usize::from(!next.trim().is_empty() && !is_comment(&next));
+            if words > LONGEST_FOOTER || self.is_row(&next) {
                 return Err(fault.at(place));
             }
+            if !self.next_into(&mut next)? {
+                return Ok(());
+            }
         }
-        Ok(())
+    }
+
+    /// Whether a line has a number, or words in the place of each.
+    fn is_row(&self, line: &str) -> bool {
+        let mut fields = Vec::new();
+        self.layout.dialect.split(line, &mut fields);
+        let as_wide = fields.len() == self.layout.kinds.len() && !is_comment(line) && !line.trim().is_empty();
+        as_wide || fields.iter().any(|field| self.layout.dialect.kind(field).is_numeric())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How many rows a text has, or where and why it is refused.
+    fn rows(text: &str) -> Result<usize, (Place, Fault)> {
+        let mut rows = 0;
+        let read = open(Box::new(text.as_bytes())).and_then(|table| table.rows(&[1, 2], &mut |_| rows += 1));
+        read.map(|()| rows).map_err(|PlacedFault(place, fault)| (place, fault))
+    }
+
+    #[test]
+    fn a_table_that_turns_to_text_is_refused_and_a_footer_is_none_of_it() {
+        let good = "t_s,u_V,y_um\n".to_owned() + &"0.5,1.5,2.5\n".repeat(700);
+        for (bad, value) in [("OVERLOAD,OVERLOAD,OVERLOAD\n", "OVERLOAD"), ("--,--,--\n", "--"), (",,\n", "")] {
+            for count in [1, 500] {
+                let (place, fault) = rows(&(good.clone() + &bad.repeat(count))).unwrap_err();
+                assert_eq!(place, Place::Line(702));
+                match fault {
+                    Fault::NotANumber { column: 0, value: found } => assert_eq!(found, value),
+                    Fault::MissingField { column: 0 } => assert_eq!(value, ""),
+                    fault => panic!("{fault:?}"),
+                }
+            }
+        }
+        let (place, _) = rows(&(good.clone() + &"disconnected\n".repeat(4))).unwrap_err();
+        assert_eq!(place, Place::Line(702));
+        let many = "\n".repeat(9) + &"# as commanded, by hand\n".repeat(9);
+        for footer in ["", "\n\n\n\n\n\n", "stopped\n", "stopped\nby,hand\n\nof operator\n", &many] {
+            assert_eq!(rows(&(good.clone() + footer)).unwrap(), 700, "{footer:?}");
+        }
     }
 }

@@ -1,14 +1,15 @@
 //! What is wrong with a log or with how it is prepared.
 
-use super::paste::with;
+use super::paste;
 use recordings::log::{Fault, LogError, Quantity, Unit};
 use recordings::prepare::PrepareError;
 use std::error::Error;
+use std::path::Path;
 
 /// The error with its remedy, if it is one of these.
 pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
     if let Some(LogError { path, place, fault: found }) = error.downcast_ref() {
-        return Some(format!("{}{place}: {}", path.display(), fault(found)));
+        return Some(format!("{}{place}: {}", path.display(), fault(found, path)));
     }
     error.downcast_ref().map(prepare)
 }
@@ -17,7 +18,12 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
 const RATE: (&str, &str) = ("--fs", "<HZ>");
 const SENSOR: (&str, &str) = ("--sensor", "<N>um/V");
 
-fn fault(fault: &Fault) -> String {
+fn fault(fault: &Fault, path: &Path) -> String {
+    let with = |options: &[(&str, &str)]| paste::with(path, options);
+    let line = |example: &str, rate_needed: bool| match rate_needed {
+        true => with(&[("--columns", example), RATE]),
+        false => with(&[("--columns", example)]),
+    };
     let columns = |example: &str| with(&[("--columns", example)]);
     match fault {
         Fault::SampleRate(rate) => {
@@ -39,7 +45,8 @@ fn fault(fault: &Fault) -> String {
                 format!("\nor, if that column is the sensor's output in volts, with its scale for <N>{sensor}")
             });
             let line = line(example, *rate_needed);
-            format!("{fault}: name it; if these are meant{line}{}", in_volts.unwrap_or_default())
+            let open = if example.contains('<') { ", with its number and its unit in the brackets' place" } else { "" };
+            format!("{fault}: name it; if these are meant{open}{line}{}", in_volts.unwrap_or_default())
         }
         Fault::Ambiguous { example, .. } => {
             let scale =
@@ -69,10 +76,10 @@ fn fault(fault: &Fault) -> String {
         Fault::ImplausiblePeriod { example, .. } => {
             format!("{fault}: if it is another, state it, as in{}", columns(example))
         }
-        Fault::RateDisagrees { stated, found, unit, example } => format!(
+        Fault::RateDisagrees { stated, found, unit, .. } => format!(
             "--fs {stated} disagrees with the time column ({found} Hz, taken to be in {unit}): leave --fs out, or state the \
-             column's unit, as in{}",
-            columns(example)
+             column's unit in --columns as well{}",
+            with(&[("--fs", "")])
         ),
         Fault::Constant { example, .. } => {
             format!("{fault}: choose another column than in{}\nor record a moving actuator", columns(example))
@@ -87,12 +94,6 @@ fn fault(fault: &Fault) -> String {
         }
         fault => fault.to_string(),
     }
-}
-
-/// The command with columns, and with a place for the sample rate where that is not known.
-fn line(example: &str, rate_needed: bool) -> String {
-    let columns = ("--columns", example);
-    if rate_needed { with(&[columns, RATE]) } else { with(&[columns]) }
 }
 
 /// A log that cannot be brought to the tick.

@@ -1,11 +1,26 @@
 //! The command that was typed, with other options: a line to be pasted.
 
 use std::ffi::OsString;
+use std::path::Path;
 
-/// The command on a line of its own, with these options in place of those of the same name.
-pub fn with(options: &[(&str, &str)]) -> String {
+/// The command on a line of its own, with these options in place of those of the same name; one with an empty value is left
+/// out. Of several logs that are looked at only `refused` is left: what is said of it need not hold for the others.
+pub fn with(refused: &Path, options: &[(&str, &str)]) -> String {
     let typed: Vec<String> = std::env::args_os().skip(1).map(|argument| lossless(&argument)).collect();
-    format!("\n    {}", command(&typed, options))
+    format!("\n    {}", command(&alone(typed, refused), options))
+}
+
+/// The arguments of `look` without the logs other than `refused`; those of any other verb.
+fn alone(typed: Vec<String>, refused: &Path) -> Vec<String> {
+    if typed.first().is_none_or(|verb| verb != "look") {
+        return typed;
+    }
+    let takes_value = |word: &String| word.starts_with("--") && !word.contains('=') && word != "--json" && word != "--";
+    let is_other = |at: usize| {
+        let path = Path::new(&typed[at]);
+        at > 0 && !takes_value(&typed[at - 1]) && path != refused && path.is_file()
+    };
+    (0..typed.len()).filter(|&at| !is_other(at)).map(|at| typed[at].clone()).collect()
 }
 
 /// An argument as text; what is no text is shown as well as it can be.
@@ -15,7 +30,10 @@ fn lossless(argument: &OsString) -> String {
 
 fn command(typed: &[String], options: &[(&str, &str)]) -> String {
     let mut words = vec!["piezo".to_owned()];
-    let mut arguments = typed.iter().peekable();
+    // What stands behind `--` is no option.
+    let end = typed.iter().position(|argument| argument == "--").unwrap_or(typed.len());
+    let (before, behind) = typed.split_at(end);
+    let mut arguments = before.iter();
     while let Some(argument) = arguments.next() {
         let replaced = options.iter().find_map(|(name, _)| argument.strip_prefix(name));
         match replaced {
@@ -24,7 +42,9 @@ fn command(typed: &[String], options: &[(&str, &str)]) -> String {
             _ => words.push(quoted(argument)),
         }
     }
-    words.extend(options.iter().flat_map(|(name, value)| [(*name).to_owned(), quoted(value)]));
+    let given = options.iter().filter(|(_, value)| !value.is_empty());
+    words.extend(given.flat_map(|(name, value)| [(*name).to_owned(), quoted(value)]));
+    words.extend(behind.iter().map(|argument| quoted(argument)));
     words.join(" ")
 }
 
@@ -53,5 +73,23 @@ mod tests {
             );
         }
         assert_eq!(quoted("it's"), r"'it'\''s'");
+        let behind = typed(&["look", "--fs", "9", "--", "-97.csv", "--fs"]);
+        let columns = ("--columns", "voltage=2:V");
+        assert_eq!(command(&behind, &[columns, ("--fs", "")]), "piezo look --columns voltage=2:V -- -97.csv --fs");
+    }
+
+    #[test]
+    fn a_remedy_is_for_the_refused_log_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let [first, second, out] = ["a.csv", "b.csv", "out.html"].map(|name| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "").unwrap();
+            path.to_str().unwrap().to_owned()
+        });
+        let typed = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        let look = typed(&["look", "--json", &first, &second, "--out", &out]);
+        assert_eq!(alone(look, Path::new(&second)), ["look", "--json", &*second, "--out", &*out]);
+        let identify = typed(&["identify", &first, &second]);
+        assert_eq!(alone(identify.clone(), Path::new(&second)), identify, "fewer logs would be another identification");
     }
 }

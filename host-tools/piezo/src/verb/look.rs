@@ -3,6 +3,7 @@
 use super::print::out;
 use crate::option::LogOptions;
 use crate::output;
+use crate::remedy::sentence;
 use anyhow::{Result, ensure};
 use clap::Args;
 use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey, survey};
@@ -45,14 +46,15 @@ pub fn run(arguments: &Look) -> Result<bool> {
     }
     let (mut pictures, mut surveys) = (Vec::new(), Vec::new());
     for path in &arguments.logs {
-        let found = survey(opened(path, arguments)?)?;
+        let (reading, refusal) = opened(path, arguments)?;
+        let found = survey(reading)?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         pictures.push(report::survey(&found, &name));
         if arguments.json {
             surveys.push(serde_json::json!({ "log": path, "survey": found }));
         } else {
             out(&path.display().to_string());
-            print(&found);
+            print(&found, refusal.as_deref());
         }
     }
     if arguments.json {
@@ -73,18 +75,20 @@ pub fn run(arguments: &Look) -> Result<bool> {
     Ok(true)
 }
 
-/// The log, with a displacement if it has one that can be read.
-fn opened(path: &Path, arguments: &Look) -> Result<Reading<'static>> {
+/// The log, with a displacement if it has one that can be read; else with the sentence that says why not.
+fn opened(path: &Path, arguments: &Look) -> Result<(Reading<'static>, Option<String>)> {
     let options = arguments.files.options();
     match open(path, &options) {
-        Err(LogError { fault: Fault::NoColumn { quantity: Quantity::Displacement, .. }, .. }) => {
-            Ok(open(path, &ReadOptions { displacement_required: false, ..options })?)
+        Err(error @ LogError { fault: Fault::NoColumn { quantity: Quantity::Displacement, .. }, .. }) => {
+            let without = open(path, &ReadOptions { displacement_required: false, ..options })?;
+            Ok((without, Some(sentence(&error))))
         }
-        opened => Ok(opened?),
+        opened => Ok((opened?, None)),
     }
 }
 
-fn print(survey: &Survey) {
+/// Prints what was understood, and why there is no displacement.
+fn print(survey: &Survey, refusal: Option<&str>) {
     let line = |name: &str, words: &str| out(&format!("  {name:<13} {words}"));
     for ColumnRead { quantity, number, name, unit } in &survey.columns {
         let name = if name.is_empty() { String::new() } else { format!(" {name:?}") };
@@ -99,7 +103,7 @@ fn print(survey: &Survey) {
                 ranges(&line, name, (unit, small), series);
                 rests(&line, unit, series, survey);
             }
-            None => line(name, "no column holds it"),
+            None => line(name, refusal.unwrap_or("no column holds it")),
         }
     }
     if let Some(frozen) = survey.frozen {
@@ -130,6 +134,7 @@ fn rate(survey: &Survey) -> String {
     };
     let gaps = match long_steps {
         0 => String::new(),
+        1 => "; 1 gap, where identify will refuse it".to_owned(),
         gaps => format!("; {gaps} gaps, where identify will refuse it"),
     };
     if survey.rows < 2 {

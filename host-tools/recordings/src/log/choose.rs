@@ -54,12 +54,21 @@ impl Chooser<'_> {
                 (quantity == Quantity::Displacement).then_some(column.sensor.or(self.options.sensor)).flatten();
             let channel = match (column.unit, scaled) {
                 (None, Some(sensor)) => self.sensor_channel(index, sensor)?,
-                (Some(unit), _) => Channel::new(index, unit),
+                (Some(unit), _) => self.restated(index, unit)?,
                 (None, None) => Channel::new(index, self.unit(index, quantity)?.unwrap_or(quantity.base())),
             };
             channels = channels.with(quantity, channel);
         }
         Ok(channels)
+    }
+
+    /// A column in the unit that the user states, which measures what the column's own unit does.
+    fn restated(&self, index: usize, unit: Unit) -> Result<Channel, Fault> {
+        let channel = Channel::new(index, unit);
+        match self.unit(index, unit.quantity()) {
+            Err(fault @ Fault::WrongDimension { .. }) => Err(fault),
+            _ => Ok(channel),
+        }
     }
 
     /// The unit that a column states, if it states one.
@@ -137,7 +146,10 @@ impl Chooser<'_> {
     /// The only column that can be a quantity by its unit.
     fn by_unit(&self, quantity: Quantity, channels: &Channels) -> Result<Option<Channel>, Fault> {
         let with_unit = |of: Quantity| {
-            let fits = move |&at: &usize| self.labels[at].unit_of(of).is_some() && self.labels[at].quantity().is_none();
+            let fits = move |&at: &usize| {
+                let label = &self.labels[at];
+                label.unit_of(of).is_some() && label.quantity().is_none() && !label.says_other()
+            };
             self.free(channels).filter(fits).collect::<Vec<usize>>()
         };
         let mut found = with_unit(quantity);
@@ -198,17 +210,24 @@ impl Chooser<'_> {
     /// Refuses a choice of columns without voltage, without a displacement that is required, and without a time.
     fn check_complete(&self, channels: &Channels) -> Result<(), Fault> {
         let options = self.options;
+        if let Some(fault) = self.text_column(channels) {
+            return Err(fault);
+        }
         let required =
             [(Quantity::Voltage, options.voltage_required), (Quantity::Displacement, options.displacement_required)];
         let missing = |&(quantity, required): &(Quantity, bool)| required && channels.get(quantity).is_none();
         if let Some((quantity, _)) = required.into_iter().find(missing) {
             let guess = self.guess();
+            let open = match guess.get(quantity) {
+                Some(_) => String::new(),
+                None => format!(",{quantity}=<COLUMN>:<UNIT>"),
+            };
             let with_sensor = guess.displacement.filter(|displacement| self.may_be_volts(displacement.index));
             return Err(Fault::NoColumn {
                 quantity,
                 columns: self.listed(),
                 rate_needed: self.rate_needed(guess.time.is_some()),
-                example: guess.to_string(),
+                example: format!("{guess}{open}").trim_start_matches(',').to_owned(),
                 with_sensor: with_sensor.map(|_| guess::with_sensor(&guess, self.options.sensor)),
             });
         }
@@ -216,6 +235,31 @@ impl Chooser<'_> {
             return Err(Fault::NoTime { columns: self.listed() });
         }
         Ok(())
+    }
+
+    /// What is wrong with a column that is named as a quantity for which no other was chosen, and that holds text.
+    fn text_column(&self, channels: &Channels) -> Option<Fault> {
+        let missing = |quantity: &Quantity| {
+            let wanted = match quantity {
+                Quantity::Time => self.rate_needed(false),
+                Quantity::Voltage => self.options.voltage_required,
+                Quantity::Displacement => self.options.displacement_required,
+            };
+            wanted && channels.get(*quantity).is_none()
+        };
+        QUANTITIES.into_iter().filter(missing).find_map(|quantity| {
+            let claims = |(at, column): &(usize, &Column)| {
+                !column.numeric && column.text.is_some() && self.labels[*at].quantity() == Some(quantity)
+            };
+            let (at, column) =
+                self.table.columns.iter().enumerate().find(|column| self.table.named && claims(column))?;
+            let value = column.text.as_deref().unwrap_or_default();
+            let remedy = match thousands(value) {
+                true => "remove the separators between the thousands, or export with one decimal mark and no other",
+                false => "correct the values, or choose another column",
+            };
+            Some(Fault::TextColumn { quantity, column: excerpt(&self.labels[at].text), value: excerpt(value), remedy })
+        })
     }
 
     fn rate_needed(&self, has_time: bool) -> bool {
@@ -275,6 +319,15 @@ pub(super) fn listed(columns: &[Column]) -> String {
         shown.push("…".to_owned());
     }
     shown.join("; ")
+}
+
+/// Whether a text is a number but for the marks that group its digits: `1,234.5`, `1.234,5`, `47.523`, `12 345`.
+fn thousands(text: &str) -> bool {
+    let digits = text.trim().trim_start_matches(['+', '-']);
+    let mark = |c: char| ".,' \u{a0}\u{202f}".contains(c);
+    digits.starts_with(|c: char| c.is_ascii_digit())
+        && digits.contains(mark)
+        && digits.chars().all(|c| c.is_ascii_digit() || mark(c))
 }
 
 fn wider(range: Option<(f64, f64)>, value: f64) -> Option<(f64, f64)> {

@@ -84,6 +84,9 @@ impl fmt::Display for Position {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ColumnsError {
+    /// What a user is asked to fill in.
+    #[error("{0:?} is a place to fill in: write the column's number and its unit there, without angle brackets")]
+    Placeholder(String),
     /// A part without `=` or without a column.
     #[error("{0:?} is not QUANTITY=COLUMN, as in time=1,voltage=2:mV,displacement=5:um")]
     Form(String),
@@ -144,6 +147,11 @@ impl FromStr for Columns {
 
 fn parse_part(part: &str) -> Result<(Quantity, Column), ColumnsError> {
     let form = || ColumnsError::Form(part.to_owned());
+    // A sensor's scale says its own.
+    let is_place = |text: &str| text.trim().starts_with('<') && text.trim().ends_with('>');
+    if part.split_once('=').is_some_and(|(_, column)| column.split(':').any(is_place)) {
+        return Err(ColumnsError::Placeholder(part.to_owned()));
+    }
     let (quantity, column) = part.split_once('=').ok_or_else(form)?;
     let quantity = match quantity.trim().to_lowercase().as_str() {
         "time" | "t" => Quantity::Time,
@@ -212,6 +220,9 @@ mod tests {
         assert!(matches!(refused("force=1"), E::Quantity(_)));
         assert!(matches!(refused("voltage=1:furlong"), E::Unit(_)));
         assert!(matches!(refused("voltage=1:um"), E::Dimension { .. }));
+        for place in ["voltage=<COLUMN>:<UNIT>", "time=1:<UNIT>", "displacement=<COLUMN>"] {
+            assert!(matches!(refused(place), E::Placeholder(_)), "{place}");
+        }
         assert!(matches!(refused("voltage=0"), E::Zero));
         assert!(matches!(refused("voltage=1,v=2"), E::Twice(_)));
         assert!(matches!(refused("voltage=1,time=1"), E::Shared(_)));

@@ -162,6 +162,18 @@ pub enum Fault {
         /// [`Columns`](super::Columns) as they may be meant.
         example: String,
     },
+    /// A column with the name of a quantity holds text.
+    #[error("column {column:?} is named as the {quantity} and holds text ({value:?}): {remedy}")]
+    TextColumn {
+        /// What the name says.
+        quantity: Quantity,
+        /// The header name.
+        column: String,
+        /// Its first text.
+        value: String,
+        /// What to do about it.
+        remedy: &'static str,
+    },
     /// A stated column is not there.
     #[error("column {wanted} was asked for and the columns are {columns}: choose among these")]
     NoSuchColumn {

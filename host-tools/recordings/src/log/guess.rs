@@ -19,12 +19,13 @@ pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool) 
     for quantity in QUANTITIES {
         let free = || all.iter().copied().filter(|at| !channels.has(*at));
         let named = free().find(|&at| labels[at].quantity() == Some(quantity));
+        let free = || free().filter(|&at| !labels[at].says_other());
         let in_unit = || free().find(|&at| labels[at].unit_of(quantity).is_some());
         let by_numbers = || match quantity {
             Quantity::Time => free().find(|&at| columns[at].stamps || (seek_clock && is_clock(&columns[at].values))),
             _ => free().find(|&at| !is_clock(&columns[at].values) && is_free_of(labels, at, quantity)),
         };
-        let in_order = || (quantity != Quantity::Time).then(|| free().next()).flatten();
+        let in_order = || free().find(|&at| quantity != Quantity::Time && is_free_of(labels, at, quantity));
         if let Some(index) = named.or_else(in_unit).or_else(by_numbers).or_else(in_order) {
             let unit = labels[index].unit_of(quantity).unwrap_or(quantity.base());
             channels = channels.with(quantity, Channel::new(index, unit));

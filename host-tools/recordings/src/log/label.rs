@@ -65,6 +65,11 @@ impl Label {
         self.name.split(' ').next() == Some("estimated")
     }
 
+    /// Whether the name says that the column is beside the matter: an error, a target, a supply.
+    pub fn says_other(&self) -> bool {
+        vocabulary::is_other(&self.name)
+    }
+
     /// Whether the name is a displacement sensor's.
     pub fn is_sensor(&self) -> bool {
         vocabulary::is_sensor(&self.name)

@@ -142,6 +142,61 @@ const SENSOR: &[&str] = &[
     "변위센서",
 ];
 
+/// Words of what has the unit of a voltage or a displacement and is none of the actuator's, at the beginning of a word.
+const OTHER: &[&str] = &[
+    "error",
+    "erreur",
+    "errore",
+    "fehler",
+    "abweichung",
+    "regelabweichung",
+    "deviation",
+    "residual",
+    "target",
+    "ziel",
+    "setpoint",
+    "soll",
+    "sollwert",
+    "command",
+    "cmd",
+    "demand",
+    "desired",
+    "nominal",
+    "consigne",
+    "consigna",
+    "objetivo",
+    "riferimento",
+    "référence",
+    "reference",
+    "referenz",
+    "referencia",
+    "supply",
+    "versorgung",
+    "alimentation",
+    "battery",
+    "batterie",
+    "wavelength",
+    "wellenlänge",
+    "longueur",
+    "误差",
+    "偏差",
+    "目标",
+    "设定",
+    "指令",
+    "波长",
+    "誤差",
+    "目標",
+    "波長",
+];
+
+/// Whether a name says that its column is none of the actuator's: `position error`, `Sollposition`, `set point`.
+pub(super) fn is_other(name: &str) -> bool {
+    let begins = |word: &str| OTHER.iter().any(|other| word.starts_with(other));
+    let alone = |word: &str| matches!(word, "set" | "ref" | "sp" | "vcc" | "vdd" | "err");
+    let within = OTHER.iter().any(|other| !other.is_ascii() && name.contains(other));
+    within || name.split(' ').any(|word| begins(word) || alone(word))
+}
+
 /// What a name, in small letters with single spaces between its words, says that its column holds.
 pub(super) fn quantity(name: &str) -> Option<Quantity> {
     let all = [(Quantity::Time, TIME), (Quantity::Voltage, VOLTAGE), (Quantity::Displacement, DISPLACEMENT)];

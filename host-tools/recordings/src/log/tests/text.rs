@@ -120,3 +120,57 @@ fn header_faults_stand_at_the_header() {
     let stated = options("time=time:ms,voltage=u,displacement=Y", None);
     assert_eq!(parsed(&text, &stated).unwrap().sample_period, 1e-6);
 }
+
+#[test]
+fn a_stated_unit_does_not_overrule_what_the_column_measures() {
+    let text = csv("time_s,displacement_um,voltage_V\n", 0.001, ",");
+    for stated in ["time=1:s,voltage=2:V,displacement=3:um", "voltage=2:mV", "displacement=voltage_V:um"] {
+        let (place, fault) = refused(&text, &options(stated, None));
+        assert_eq!(place, Place::Line(1), "{stated}");
+        assert!(matches!(fault, Fault::WrongDimension { .. }), "{stated}: {fault}");
+    }
+    assert!(parsed(&text, &options("voltage=3:mV,displacement=2:nm", None)).is_ok());
+}
+
+#[test]
+fn a_named_column_of_text_is_refused_with_its_text() {
+    for (text, value, separators) in [
+        (rows(0.001, |t, v, y| format!("{t};50,{v};{y}")), "50,0", true),
+        (rows(0.001, |t, _, y| format!("{t};off;{y}")), "off", false),
+        (rows(0.001, |t, _, y| format!("{t};1,234.5;{y}")), "1,234.5", true),
+        (rows(0.001, |t, _, y| format!("{t};47!523;{y}")).replace('.', ",").replace('!', "."), "47.523", true),
+    ] {
+        let text = format!("time_s;voltage_mV;displacement_um\n{text}");
+        let (place, fault) = refused(&text, &options("", None));
+        let Fault::TextColumn { quantity, value: found, remedy, .. } = &fault else { panic!("{value}: {fault}") };
+        assert_eq!((*quantity, found.as_str(), place), (Quantity::Voltage, value, Place::Line(1)));
+        assert_eq!(remedy.contains("thousands"), separators, "{value}");
+    }
+}
+
+#[test]
+fn errors_targets_and_supplies_are_not_taken_by_their_units() {
+    for name in [
+        "position error (um)",
+        "Sollposition [\u{b5}m]",
+        "target position (um)",
+        "laser wavelength (nm)",
+        "set point (um)",
+    ] {
+        let text = csv(&format!("t (s),drive voltage (V),{name}\n"), 0.001, ",");
+        let (_, fault) = refused(&text, &options("", None));
+        let Fault::NoColumn { quantity: Quantity::Displacement, columns, example, .. } = &fault else {
+            panic!("{name}: {fault}")
+        };
+        assert!(columns.contains(name) && example.ends_with("displacement=<COLUMN>:<UNIT>"), "{columns} {example}");
+        assert!(parsed(&text, &options("displacement=3", None)).is_ok(), "{name}");
+    }
+    for name in ["Supply (V)", "voltage setpoint (V)"] {
+        let text = csv(&format!("t (s),{name},position (um)\n"), 0.001, ",");
+        let (_, fault) = refused(&text, &options("", None));
+        assert!(matches!(fault, Fault::NoColumn { quantity: Quantity::Voltage, .. }), "{name}: {fault}");
+    }
+    let both = rows(0.001, |t, v, y| format!("{t},{v},{},{y}", 9.0 * y));
+    let log = parsed(&format!("t (s),U (V),target (um),CH2 (um)\n{both}"), &options("", None)).unwrap();
+    assert!((log.displacement.unwrap()[3] - 4.0 * 0.7_f64.sin()).abs() < 1e-12);
+}
