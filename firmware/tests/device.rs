@@ -7,7 +7,8 @@ use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Timer};
-use estimator_core::{Admitted, DacCode, Table};
+use estimator_core::interval::{PLAYS, SPANS, TRIANGLE};
+use estimator_core::{Admitted, DacCode, IntervalParameters, Table};
 use firmware::boot::{self, Chosen};
 use firmware::drive::Drive;
 use firmware::link::Device;
@@ -165,14 +166,33 @@ fn it_says_who_and_how_it_is() {
 /// Longer than a tick, after which a command is obeyed.
 const TICKS: std::time::Duration = std::time::Duration::from_millis(20);
 
+/// The compiled table with an interval that is told an hour after the start at the earliest.
+fn late() -> Admitted {
+    let mut spread_um = [0.0; TRIANGLE];
+    (0..PLAYS).for_each(|row| spread_um[row * (row + 3) / 2] = 0.2);
+    let interval = IntervalParameters {
+        memory_um: [0.0; SPANS],
+        misfit_um: 0.1,
+        rate_ticks: 1.0,
+        spread_um,
+        familiar_at_um: [0.0; PLAYS],
+        familiar_um: 0.1,
+        drift_um: 0.05,
+        earliest_s: 3_600.0,
+    };
+    Table { interval: Some(interval), ..*compiled() }.admit().expect("every part of the interval has a size")
+}
+
 #[test]
 fn the_bias_is_told_only_where_something_is_estimated_and_in_reason() {
     let span_um = compiled().displacement_limits_um.span();
     type Tell = fn(f32) -> Request;
     let ways: [Tell; 2] = [|at_um| Request::SetZero { at_um }, |by_um| Request::ShiftBias { by_um }];
     for tell in ways {
+        let mut early = Bench::new(Some(late()));
+        std::thread::sleep(TICKS);
+        assert_eq!(early.ask(tell(0.0)), Reply::Refused(Refusal::TooSoon), "it has not run for an hour");
         let mut bench = Bench::new(Some(compiled()));
-        assert_eq!(bench.ask(tell(0.0)), Reply::Refused(Refusal::TooSoon), "there was no tick");
         std::thread::sleep(TICKS);
         assert_eq!(bench.ask(tell(-span_um)), Reply::Done);
         for odd in [f32::NAN, f32::NEG_INFINITY, 1.01 * span_um] {
