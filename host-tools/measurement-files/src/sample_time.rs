@@ -6,26 +6,22 @@ use crate::table::SampleTime;
 use crate::unit::{Quantity, Unit};
 
 /// What instruments call the time from sample to sample.
-const PERIODS: [&str; 41] = [
+const PERIODS: [&str; 37] = [
     "sample time",
     "sampletime",
-    "samplingtime",
     "tinterval",
     "hresolution",
     "sample interval",
     "sample period",
-    "sampling time",
     "sampling interval",
     "sampling period",
     "time step",
     "timestep",
     "time interval",
     "time increment",
-    "time resolution",
     "delta x",
     "delta t",
     "dt",
-    "ts",
     "tinc",
     "xinc",
     "xincr",
@@ -73,8 +69,11 @@ const RATES: [&str; 19] = [
     "サンプリング周波数",
 ];
 
-/// The first sample time among the entries; the first line of the text is line 1. A line whose number may have a thousands
-/// separator, as in `10,000 Hz`, states none.
+/// What two sample times of one file may differ by, and be one.
+const ALIKE: f64 = 1e-3;
+
+/// The sample time among the entries, by the first that states one; the first line of the text is line 1. None where two
+/// contradict each other. A line whose number may have a thousands separator, as in `10,000 Hz`, states none.
 pub(crate) fn find(entries: &[Entry]) -> Option<SampleTime> {
     let unclear: Vec<usize> = entries.iter().filter(|entry| is_unclear(entry)).map(|entry| entry.line).collect();
     // Cells cut `12,5` at its decimal comma; the whole line has it.
@@ -83,12 +82,16 @@ pub(crate) fn find(entries: &[Entry]) -> Option<SampleTime> {
         let same = entries.iter().filter(|other| (other.line, &other.key) == (entry.line, &entry.key));
         same.map(number).any(|other| other != number(entry) && other.starts_with(&number(entry)))
     };
-    entries.iter().filter(|entry| !unclear.contains(&entry.line) && !cut(entry)).find_map(|entry| {
+    let stated = entries.iter().filter(|entry| !unclear.contains(&entry.line) && !cut(entry)).filter_map(|entry| {
         let value = entry.values.first()?;
         let unit = entry.unit.as_deref().or_else(|| entry.values.get(1).map(String::as_str));
         let seconds = seconds(&entry.key, value, unit)?;
         Some(SampleTime { seconds, place: Place::Line(entry.line + 1), name: entry.written.clone() })
-    })
+    });
+    let stated: Vec<SampleTime> = stated.collect();
+    let first = stated.first()?;
+    let alike = |other: &SampleTime| (other.seconds / first.seconds - 1.0).abs() < ALIKE;
+    stated.iter().all(alike).then(|| first.clone())
 }
 
 /// The sample time that `key` states by `value`, s: a number with a unit behind it, else in `unit`, else in s or Hz.
@@ -154,6 +157,9 @@ fn numeric(text: &str) -> (&str, &str) {
 
 /// Hz of one of the units of a rate, 1 where none is stated.
 fn hertz(unit: &str) -> Option<f64> {
+    if unit.trim() == "mHz" {
+        return Some(1e-3);
+    }
     match unit.to_lowercase().replace(' ', "").as_str() {
         "hz" | "s/s" | "sa/s" | "sps" | "1/s" | "samples/s" | "samples/sec" | "samples/second" => Some(1.0),
         "khz" | "ks/s" | "ksps" | "ksa/s" => Some(1e3),
@@ -223,11 +229,16 @@ mod tests {
             "Sample Interval,",
             "Sample rate: fast",
             "SAMPLE_TIME = 0",
-            "Sampling time: 5 min",
+            "Sampling time: 60 s",
+            "Time resolution: 1e-6 s",
+            "Sample Interval,0.005\nSample Rate,1000",
             "Sample rate = -1",
             "ts",
         ] {
-            assert_eq!(find(&entries(&[text.to_owned()])), None, "{text}");
+            let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+            assert_eq!(find(&entries(&lines)), None, "{text}");
         }
+        assert_eq!(hertz("mHz"), Some(1e-3));
+        assert_eq!(hertz("MHz"), Some(1e6));
     }
 }
