@@ -208,7 +208,7 @@ fn ends(values: &[f64]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use recordings::plant::{CATALOGUE, Plant, Waveform};
+    use plants::{CATALOGUE, Plant, Waveform};
     use recordings::rig::{EXCITATIONS, Rig};
 
     fn log() -> Log {

@@ -30,12 +30,12 @@ pub use instruments::Instruments;
 pub use relays::Density;
 pub use waveform::Waveform;
 
-use crate::log::Log;
 use creep::Creep;
 use drive::Drive;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use recordings::log::Log;
 
 /// Internal step, s.
 pub const STEP_S: f64 = 1e-4;

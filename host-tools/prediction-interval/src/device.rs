@@ -2,9 +2,9 @@
 
 use estimator_core::Range;
 use identification::Problem;
+use plants::{Density, Kind, Plant, STEP_S};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use recordings::plant::{Density, Kind, Plant, STEP_S};
 use recordings::session::Session;
 
 /// Relays of random density, which no model of the catalogue is made of, and for every fourth device another class.

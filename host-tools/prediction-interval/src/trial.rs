@@ -5,10 +5,10 @@ use estimator_core::interval::{Interval, IntervalState};
 use estimator_core::{Admitted, Estimator, IntervalParameters, Range};
 use identification::Problem;
 use identification::reversals::reversals;
+use plants::{STEP_S, Waveform};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use recordings::plant::{STEP_S, Waveform};
 
 /// Parts of a recording after which the displacement is told.
 const TOLD: [f64; 4] = [0.0, 0.25, 0.5, 0.75];

@@ -5,8 +5,8 @@ use identification::calibration::CalibrationOptions;
 use identification::cost::{Cost, Feedback};
 use identification::validate::{Coverage, Scope, compare_within};
 use identification::{Candidate, Conditions, Job, ModelChoice, Prepared, SearchOptions, identify, prepared};
+use plants::{Density, Kind, Plant, Waveform};
 use prediction_interval::{Calibration, calibrate};
-use recordings::plant::{Density, Kind, Plant, Waveform};
 use recordings::prepare::{AutoOr, PrepareOptions};
 
 /// Few, so that the test takes seconds.

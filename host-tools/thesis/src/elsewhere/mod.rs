@@ -26,7 +26,7 @@ pub const QUICK_SEEDS: u32 = 1;
 
 /// Steps of the progress bar for each seed.
 pub fn generations(_search: &SearchOptions) -> u64 {
-    let subjects = recordings::plant::CATALOGUE.len() + 2;
+    let subjects = plants::CATALOGUE.len() + 2;
     (subjects * Model::ALL.len()) as u64
 }
 

@@ -19,7 +19,7 @@ pub fn floor_um(readings: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use recordings::plant::{CATALOGUE, Plant, Waveform};
+    use plants::{CATALOGUE, Plant, Waveform};
 
     #[test]
     fn the_floor_is_the_noise_that_was_added_under_a_full_stroke() {
