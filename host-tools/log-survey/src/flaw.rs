@@ -10,7 +10,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Flaw {
-    /// The displacement leaps away and back within [`SPIKE_ROWS`] rows, by this many µm.
+    /// The displacement leaps away and back within three rows, by this many µm.
     Spike {
         /// Where.
         #[serde(flatten)]
@@ -47,7 +47,7 @@ pub struct Stretch {
 }
 
 /// Most rows of a spike.
-pub const SPIKE_ROWS: usize = 3;
+const SPIKE_ROWS: usize = 3;
 /// A spike leaps by this many times the steps that all but one in 20 are within,
 const STEPS: f64 = 6.0;
 /// and by this part of the stroke,
@@ -183,11 +183,14 @@ fn runs(values: &[f64]) -> impl Iterator<Item = (usize, usize)> {
     })
 }
 
-/// Whether the values leave their first and last by more than so much, to the same side.
+/// Whether the values leave their first and last by more than so much, to the same side, and are there halfway: what rings
+/// after a step is not.
 fn goes_and_comes_back(values: &[f64], by: f64) -> bool {
     let (Some(&first), Some(&last)) = (values.first(), values.last()) else { return false };
-    let (low, high) = ends(values);
-    first.min(last) - low > by || high - first.max(last) > by
+    let mut middle = values[values.len() / 3..values.len() - values.len() / 3].to_vec();
+    let half = middle.len() / 2;
+    let middle = *middle.select_nth_unstable_by(half, f64::total_cmp).1;
+    middle - first.max(last) > by || first.min(last) - middle > by
 }
 
 /// Least step that is none.
@@ -273,6 +276,16 @@ mod tests {
         let cut = changed(|_, v, y| (v.min(12.0), y));
         let found = flaws(&cut);
         assert!(!found.is_empty() && found.iter().all(|flaw| matches!(flaw, Flaw::Clipped { voltage_v: 12.0, .. })));
+    }
+
+    #[test]
+    fn a_hold_after_which_the_actuator_rings_is_none() {
+        let rings = |row: usize| 40.0 - 40.0 * libm::exp(-(row as f64) / 60.0) * libm::cos(row as f64 * 0.3);
+        let rows = 0..4000;
+        let voltage = rows.clone().map(|row| if row % 1000 < 500 { 100.0 } else { 0.0 }).collect();
+        let step = |row: usize| if row % 1000 < 500 { rings(row % 1000) } else { 40.0 - rings(row % 1000 - 500) };
+        let ringing = Log { voltage, displacement: Some(rows.map(step).collect()), ..log() };
+        assert_eq!(flaws(&ringing), []);
     }
 
     #[test]
