@@ -32,7 +32,7 @@ const FREE: [Model; 2] = [Model::Preisach, Model::Narx];
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LeftOut {
-    /// Whole logs.
+    /// Whole logs, one or several at a time.
     Logs,
     /// A stretch of time of each log.
     Blocks,
@@ -41,7 +41,7 @@ pub enum LeftOut {
 /// How a model did on what it was not fitted to.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Score {
-    /// Which model.
+    /// The model that was tried.
     pub model: Model,
     /// Numbers that were identified.
     pub parameters: usize,

@@ -12,7 +12,7 @@ use serde::Serialize;
 pub enum Flaw {
     /// The displacement leaps away and back within three rows, by this many µm.
     Spike {
-        /// Where.
+        /// The rows that it takes.
         #[serde(flatten)]
         at: Stretch,
         /// How far, µm.
@@ -20,7 +20,7 @@ pub enum Flaw {
     },
     /// The displacement is one number while the voltage moves: a sensor that was off, beyond its range, or read too slowly.
     Frozen {
-        /// Where.
+        /// The rows that it takes.
         #[serde(flatten)]
         at: Stretch,
         /// How far the voltage moves, V.
@@ -29,7 +29,7 @@ pub enum Flaw {
     /// The voltage is one number, its largest or smallest, while the displacement goes and comes back: what was recorded of it
     /// is cut off.
     Clipped {
-        /// Where.
+        /// The rows that it takes.
         #[serde(flatten)]
         at: Stretch,
         /// The voltage there, V.

@@ -66,9 +66,9 @@ pub struct ColumnRead {
 /// One series of a log.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Series {
-    /// Smallest value.
+    /// The smallest value that was recorded.
     pub low: f64,
-    /// Largest value.
+    /// The largest value that was recorded.
     pub high: f64,
     /// Scatter from row to row that no slow course explains, one standard deviation.
     pub noise: f64,

@@ -27,7 +27,7 @@ pub struct Mark {
     pub event: Event,
 }
 
-/// What happens.
+/// What happens between two ticks.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Event {
     /// The displacement was measured, µm; whether its error counts.
