@@ -179,7 +179,7 @@ impl Job {
         let session = |log: &Log| -> Result<Session, PrepareError> {
             let mut session = prepared(&recipe, log)?;
             if self.conditions.repair {
-                leave_out(&mut session, &flaws(log));
+                leave_out(&mut session, &flaws(log), f64::from(recipe.delay_ticks) * recipe.tick_s());
             }
             Ok(session)
         };

@@ -109,11 +109,12 @@ pub fn flaws(log: &Log) -> Vec<Flaw> {
     found
 }
 
-/// Leaves what was measured in the flaws of its log out of a session; the voltage stays. Returns how many instants it were: none
-/// where it would be most of them.
-pub fn leave_out(session: &mut Session, flaws: &[Flaw]) -> usize {
+/// Leaves what was measured in the flaws of its log out of a session whose sensor is late by `delay_s`; the voltage stays.
+/// Returns how many instants it were: none where it would be most of them.
+pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> usize {
     let flawed = |instant: u32| {
-        let time = session.start_s + f64::from(instant) * session.tick_s;
+        // A session has what was seen at the tick at which it happened.
+        let time = session.start_s + f64::from(instant) * session.tick_s + delay_s;
         // What was resampled between a good row and a flawed one is neither.
         let near = |at: Stretch| time > at.from_s - session.tick_s && time < at.to_s + session.tick_s;
         instant > 0 && flaws.iter().any(|flaw| near(flaw.at()))
@@ -296,7 +297,7 @@ mod tests {
         let recipe = recordings::prepare::PrepareOptions::default().resolve(std::slice::from_ref(&spiky));
         let whole = recipe.session(&spiky).unwrap();
         let mut session = Session { lead_in: 100, ..whole.clone() };
-        let left_out = leave_out(&mut session, &flaws);
+        let left_out = leave_out(&mut session, &flaws, 0.0);
         assert!((1..=3).contains(&left_out), "{left_out}");
         assert_eq!(session.instants.len() + left_out, whole.instants.len());
         assert_eq!((session.instants.len(), &session.voltage), (session.displacement.len(), &whole.voltage));
@@ -304,6 +305,11 @@ mod tests {
         assert!(largest(&whole) - largest(&session) > 10.0);
         // Of a log that is nothing but flaws nothing is left out.
         let all = [Flaw::Frozen { at: Stretch { from_s: 0.0, to_s: 1e3 }, voltage_v: 1.0 }];
-        assert_eq!(leave_out(&mut session.clone(), &all), 0);
+        assert_eq!(leave_out(&mut session.clone(), &all, 0.0), 0);
+        // A late sensor shows the spike later than the tick that it stands at.
+        let late = recordings::prepare::Recipe { delay_ticks: 20, ..recipe };
+        let mut session = late.session(&spiky).unwrap();
+        assert!(leave_out(&mut session, &flaws, 20.0 * late.tick_s()) > 0);
+        assert!(largest(&whole) - largest(&session) > 10.0);
     }
 }
