@@ -18,11 +18,11 @@ const OUTPUT: u32 = 1;
 /// A port with a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Port {
-    /// GPIOA.
+    /// The port of pins PA0 to PA15.
     A,
-    /// GPIOB.
+    /// The port of pins PB0 to PB15.
     B,
-    /// GPIOC.
+    /// The port of pins PC0 to PC15.
     C,
 }
 
@@ -30,10 +30,10 @@ impl Port {
     pub(crate) const ALL: [Self; 3] = [Self::A, Self::B, Self::C];
 }
 
-/// A pin.
+/// A pin of one of the modelled ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Pin {
-    /// Its port.
+    /// The port that it belongs to.
     pub port: Port,
     /// Its number, 0 to 15.
     pub number: u8,

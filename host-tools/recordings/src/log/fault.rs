@@ -89,7 +89,7 @@ pub enum Fault {
     NoSensitivity {
         /// The header name.
         column: String,
-        /// Its unit.
+        /// The unit that stands with it.
         unit: Unit,
     },
     /// A sensor's scale for a column that is a displacement already.
@@ -97,7 +97,7 @@ pub enum Fault {
     SensitivityOfLength {
         /// The header name.
         column: String,
-        /// Its unit.
+        /// The unit that stands with it.
         unit: Unit,
     },
     /// The file states a sample time outside its columns that no log has.
