@@ -114,6 +114,11 @@ impl<T: Real> RampLag<T> {
         Self(self.0.map(|(relaxation, _)| (relaxation, T::zero())))
     }
 
+    /// k and β of the equation above, for whoever advances many elements of one time constant; 1 and 0 without a lag.
+    pub fn coefficients(&self) -> (T, T) {
+        self.0.as_ref().map_or((T::one(), T::zero()), |&(Relaxation { fraction }, beta)| (fraction, beta))
+    }
+
     /// One tick: takes the input, returns what has come through. Without a lag that is the input itself.
     #[inline]
     pub fn step(&self, state: &mut RampLagged<T>, input: T) -> T {

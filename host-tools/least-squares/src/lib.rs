@@ -11,6 +11,8 @@
 
 mod solve;
 
+use pulp::{Arch, NullaryFnOnce};
+
 /// Rows that are added together.
 const TOGETHER: usize = 4;
 
@@ -67,17 +69,23 @@ impl Normal {
     /// When they are not as many rows of the columns as there are targets.
     pub fn add_all(&mut self, rows: &[f64], targets: &[f64], weight: f64) {
         assert_eq!(rows.len(), targets.len() * self.columns, "rows and targets");
+        // Wider instructions where the machine has them; each sum is made of the same additions.
+        Arch::new().dispatch(Rows { normal: self, rows, targets, weight });
+    }
+
+    #[inline(always)]
+    fn add_rows(&mut self, rows: &[f64], targets: &[f64], weight: f64) {
         let mut rows = rows.chunks_exact(self.columns.max(1));
         let (together, rest) = targets.as_chunks::<TOGETHER>();
         for targets in together {
             self.add_together(&targets.map(|_| rows.next().unwrap_or_default()), targets, weight);
         }
         for (row, &target) in rows.zip(rest) {
-            self.add(row, target, weight);
+            self.add_together(&[row], &[target], weight);
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn add_together<const N: usize>(&mut self, rows: &[&[f64]; N], targets: &[f64; N], weight: f64) {
         assert!(rows.iter().all(|row| row.len() == self.columns), "columns of a row");
         for i in 0..self.columns {
@@ -104,12 +112,20 @@ impl Normal {
         }
     }
 
-    /// Adds the rows of another problem with as many columns; `weight`, at least 0, multiplies their squared errors. The
-    /// ridge is this one's.
-    pub fn merge(&mut self, other: &Self, weight: f64) {
-        debug_assert_eq!(self.columns, other.columns);
-        self.gram.iter_mut().zip(&other.gram).for_each(|(sum, entry)| *sum += weight * entry);
-        self.moment.iter_mut().zip(&other.moment).for_each(|(sum, entry)| *sum += weight * entry);
+    /// Adds the rows of another problem, whose column j is this one's `columns[j]`, ascending; `weight`, at least 0, multiplies
+    /// their squared errors. The ridge is this one's.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such column.
+    pub fn merge(&mut self, other: &Self, columns: &[usize], weight: f64) {
+        assert_eq!(other.columns, columns.len(), "columns of the other problem");
+        for (i, &row) in columns.iter().enumerate() {
+            for (j, &column) in columns.iter().enumerate().skip(i) {
+                self.gram[row * self.columns + column] += weight * other.entry(i, j);
+            }
+            self.moment[row] += weight * other.moment[i];
+        }
         self.square += weight * other.square;
     }
 
@@ -135,5 +151,22 @@ impl Normal {
 
     fn entry(&self, i: usize, j: usize) -> f64 {
         self.gram[i.min(j) * self.columns + i.max(j)]
+    }
+}
+
+/// Rows on their way into normal equations.
+struct Rows<'a> {
+    normal: &'a mut Normal,
+    rows: &'a [f64],
+    targets: &'a [f64],
+    weight: f64,
+}
+
+impl NullaryFnOnce for Rows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.normal.add_rows(self.rows, self.targets, self.weight);
     }
 }

@@ -198,3 +198,21 @@ fn rows_added_together_give_the_bits_of_rows_added_one_by_one() {
         assert_eq!(together, one_by_one, "{count} rows");
     }
 }
+
+/// Two problems that share their first column, in powers of two, so that sums have one value in any order.
+#[test]
+fn merged_problems_are_the_problem_of_all_their_rows() {
+    let mut merged = Normal::new(3);
+    let mut whole = Normal::new(3);
+    for (columns, weight) in [([0, 1], 2.0), ([0, 2], 0.5)] {
+        let mut part = Normal::new(2);
+        for (row, target) in [([1.0, 2.0], 4.0), ([0.5, -1.0], 1.0), ([8.0, 0.25], -2.0)] {
+            part.add(&row, target, 1.0);
+            let mut wide = [0.0; 3];
+            columns.iter().zip(row).for_each(|(&column, value)| wide[column] = value);
+            whole.add(&wide, target, weight);
+        }
+        merged.merge(&part, &columns, weight);
+    }
+    assert_eq!(merged, whole);
+}

@@ -4,9 +4,10 @@
 //! columns (the test `what_is_found_is_what_the_model_runs` holds that). Voltage and sensor are taken at the same instant:
 //! what the model predicts ahead of the voltage is not the fit's concern, and would bend the hysteresis.
 
-use super::basis::{Basis, FUNCTIONS};
+use super::basis::{Basis, FUNCTIONS, Values};
 use estimator_core::model::{RampLag, RampLagged, play};
 use estimator_core::{Range, Resonance, ResonanceState};
+use pulp::{Arch, NullaryFnOnce};
 use recordings::session::Session;
 
 /// Columns: those of the reversible part, then those of the hysteretic part with its creep.
@@ -38,7 +39,8 @@ pub struct Stages<'a> {
 struct Dynamics {
     ticks: u32,
     lag: RampLag<f64>,
-    creep: Vec<(RampLag<f64>, f64)>,
+    /// k and β ([`RampLag`]) and gain of each creep element.
+    creep: Vec<(f64, f64, f64)>,
     /// V; infinite without a limit.
     most: f64,
     resonance: Option<Resonance<f64>>,
@@ -49,7 +51,10 @@ struct Memory {
     input: RampLagged<f64>,
     /// Half-width, weight and memory of each play.
     plays: Vec<(f64, f64, f64)>,
-    creep: Vec<[RampLagged<f64>; FUNCTIONS]>,
+    /// What drove the creep a step ago.
+    driven: Values,
+    /// Output of each creep element.
+    creep: Vec<Values>,
     swings: Option<[ResonanceState<f64>; COLUMNS]>,
 }
 
@@ -57,7 +62,13 @@ impl Stages<'_> {
     /// Hands over each measured instant's index, its columns (µm for coefficients of 1) and the input behind lag and delay
     /// (V), from the session's first sample on. It steps from instant to instant, between which the voltage of a log slower
     /// than the tick runs straight, as every stage takes it to.
-    pub fn walk(&self, session: &Session, mut each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
+    pub fn walk(&self, session: &Session, each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
+        // Wider instructions where the machine has them; each column's are the same.
+        Arch::new().dispatch(Walk { stages: self, session, each });
+    }
+
+    #[inline(always)]
+    fn walk_each(&self, session: &Session, mut each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
         let Some(&first) = session.voltage.first() else { return };
         let rest = session.rested_v.unwrap_or(first);
         let mut memory = self.rest(rest);
@@ -94,7 +105,7 @@ impl Stages<'_> {
         Dynamics {
             ticks,
             lag: RampLag::build(self.lag_s, period),
-            creep: self.creep.iter().map(|&(time, gain)| (RampLag::build(time, period), gain)).collect(),
+            creep: self.creep.iter().map(|&(time, gain)| element(time, gain, period)).collect(),
             most: if self.slew_v_per_s > 0.0 { self.slew_v_per_s * period } else { f64::INFINITY },
             resonance: self.resonance.map(|(hertz, damping)| Resonance::build(hertz, damping, period)),
         }
@@ -102,17 +113,16 @@ impl Stages<'_> {
 
     fn rest(&self, voltage: f64) -> Memory {
         let plays: Vec<_> = self.plays.iter().map(|&(r, weight)| (r, weight, self.rested(voltage, r))).collect();
-        let creep = self.hysteretic(&plays).map(RampLagged::at);
-        Memory { input: RampLagged::at(voltage), plays, creep: vec![creep; self.creep.len()], swings: None }
+        let driven = self.hysteretic(&plays);
+        Memory { input: RampLagged::at(voltage), plays, driven, creep: vec![driven; self.creep.len()], swings: None }
     }
 
-    fn hysteretic(&self, plays: &[(f64, f64, f64)]) -> [f64; FUNCTIONS] {
-        let mut sum = [0.0; FUNCTIONS];
-        plays.iter().for_each(|&(_, weight, memory)| self.basis.add(memory, weight, &mut sum));
-        sum
+    #[inline(always)]
+    fn hysteretic(&self, plays: &[(f64, f64, f64)]) -> Values {
+        self.basis.sum(plays.iter().map(|&(_, weight, memory)| (memory, weight)))
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, memory: &mut Memory, dynamics: &Dynamics, target: f64) -> [f64; COLUMNS] {
         let before = memory.input.value();
         let mut u = dynamics.lag.step(&mut memory.input, target);
@@ -125,13 +135,15 @@ impl Stages<'_> {
         }
         let driving = self.hysteretic(&memory.plays);
         let mut crept = driving;
-        for ((lag, gain), elements) in dynamics.creep.iter().zip(&mut memory.creep) {
-            for j in 0..FUNCTIONS {
-                crept[j] += gain * lag.step(&mut elements[j], driving[j]);
-            }
+        for (&(part, beta, gain), crept_to) in dynamics.creep.iter().zip(&mut memory.creep) {
+            *crept_to = std::array::from_fn(|j| {
+                let target = driving[j] + beta * (driving[j] - memory.driven[j]);
+                crept_to[j] + (target - crept_to[j]) * part
+            });
+            crept = std::array::from_fn(|j| crept[j] + gain * crept_to[j]);
         }
-        let mut reversible = [0.0; FUNCTIONS];
-        self.basis.add(u, 1.0, &mut reversible);
+        memory.driven = driving;
+        let reversible = self.basis.sum(std::iter::once((u, 1.0)));
         let mut columns = std::array::from_fn(|j| if j < FUNCTIONS { reversible[j] } else { crept[j - FUNCTIONS] });
         if let Some(resonance) = &dynamics.resonance {
             let swings = memory.swings.get_or_insert_with(|| columns.map(ResonanceState::rest));
@@ -147,4 +159,27 @@ impl Stages<'_> {
         let middle = play(self.span.middle(), voltage, half_width);
         voltage + self.rest_memory * (middle - voltage)
     }
+}
+
+/// A walk that is about to begin.
+struct Walk<'a, E> {
+    stages: &'a Stages<'a>,
+    session: &'a Session,
+    each: E,
+}
+
+impl<E: FnMut(usize, &[f64; COLUMNS], f64)> NullaryFnOnce for Walk<'_, E> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.stages.walk_each(self.session, self.each);
+    }
+}
+
+/// k, β and gain of a creep element of this time constant (s) for steps of so many s. A sum that carries its lost part is not
+/// needed in `f64`.
+fn element(time: f64, gain: f64, period: f64) -> (f64, f64, f64) {
+    let (part, beta) = RampLag::build(time, period).coefficients();
+    (part, beta, gain)
 }

@@ -44,18 +44,15 @@ pub fn solve(sessions: &[&Session], stages: &Stages<'_>, floor: f64) -> Option<S
     for (number, session) in sessions.iter().enumerate() {
         let settled = settled(session);
         let stride = session.instants.len().div_ceil(ROWS);
-        let mut start = Block::new(columns, START);
-        let mut rest = Block::new(columns, 1.0);
-        let mut row = vec![0.0; columns];
-        row[COLUMNS + number] = 1.0;
+        let mut start = Block::new(number, START);
+        let mut rest = Block::new(number, 1.0);
         stages.walk(session, |index, values, input| {
             if index % stride == 0 || (index < settled && settled < ROWS) {
-                row[..COLUMNS].copy_from_slice(values);
                 let target = session.displacement[index] - floor * (input - stages.span.min);
-                (if index < settled { &mut start } else { &mut rest }).add(&row, target);
+                (if index < settled { &mut start } else { &mut rest }).add(values, target);
             }
         });
-        blocks.extend([start, rest].into_iter().filter(|block| block.rows > 0.0));
+        blocks.extend([start, rest].into_iter().filter_map(Block::finish));
     }
     let signs = [vec![Sign::NonNegative; COLUMNS], vec![Sign::Free; sessions.len()]].concat();
     let mut weights: Vec<f64> = blocks.iter().map(|block| block.share).collect();
@@ -63,9 +60,11 @@ pub fn solve(sessions: &[&Session], stages: &Stages<'_>, floor: f64) -> Option<S
     let mut errors = Vec::new();
     for _ in 0..TURNS {
         let mut normal = Normal::new(columns).ridge(RIDGE);
-        blocks.iter().zip(&weights).for_each(|(block, weight)| normal.merge(&block.normal, weight / block.rows));
+        for (block, weight) in blocks.iter().zip(&weights) {
+            normal.merge(&block.normal, &block.columns, weight / block.rows);
+        }
         found = normal.solve(&signs)?;
-        errors = blocks.iter().map(|block| block.normal.residual_sum(&found) / block.rows).collect();
+        errors = blocks.iter().map(|block| block.mean_square_error(&found)).collect();
         let quietest = errors.iter().copied().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
         weights = blocks.iter().zip(&errors).map(|(block, error)| block.share / (error + QUIET * quietest)).collect();
     }
@@ -77,20 +76,54 @@ pub fn solve(sessions: &[&Session], stages: &Stages<'_>, floor: f64) -> Option<S
     total.is_finite().then_some(Solution { reversible: found, envelope, offset, total })
 }
 
-/// A part of a session.
+/// Rows that are added to the normal equations at once.
+const TOGETHER: usize = 64;
+
+/// A part of a session: normal equations of the columns and of the session's constant.
 struct Block {
     normal: Normal,
+    /// Where each of its columns stands among those of all sessions.
+    columns: [usize; COLUMNS + 1],
+    /// Rows that wait to be added, and their targets.
+    waiting: (Vec<f64>, Vec<f64>),
     rows: f64,
     share: f64,
 }
 
 impl Block {
-    fn new(columns: usize, share: f64) -> Self {
-        Self { normal: Normal::new(columns), rows: 0.0, share }
+    /// Of the session with this number.
+    fn new(session: usize, share: f64) -> Self {
+        let columns = std::array::from_fn(|j| if j < COLUMNS { j } else { COLUMNS + session });
+        Self { normal: Normal::new(columns.len()), columns, waiting: Default::default(), rows: 0.0, share }
     }
 
-    fn add(&mut self, row: &[f64], target: f64) {
-        self.normal.add(row, target, 1.0);
+    fn add(&mut self, values: &[f64; COLUMNS], target: f64) {
+        let (rows, targets) = &mut self.waiting;
+        rows.extend_from_slice(values);
+        rows.push(1.0);
+        targets.push(target);
         self.rows += 1.0;
+        if targets.len() == TOGETHER {
+            self.flush();
+        }
+    }
+
+    fn flush(&mut self) {
+        let (rows, targets) = &mut self.waiting;
+        self.normal.add_all(rows, targets, 1.0);
+        rows.clear();
+        targets.clear();
+    }
+
+    /// With all its rows; `None` without any.
+    fn finish(mut self) -> Option<Self> {
+        self.flush();
+        (self.rows > 0.0).then_some(self)
+    }
+
+    /// Of these coefficients of all sessions' columns.
+    fn mean_square_error(&self, found: &[f64]) -> f64 {
+        let own = self.columns.map(|column| found.get(column).copied().unwrap_or(0.0));
+        self.normal.residual_sum(&own) / self.rows
     }
 }

@@ -9,6 +9,7 @@ use super::timeline::{Event, Timeline};
 use crate::cost::Cost;
 use crate::problem::Problem;
 use estimator_core::{Discretisation, Extremum, Running, Voigt, VoigtParameters, VoigtTerms};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Candidates that run side by side.
@@ -80,7 +81,8 @@ impl<'a> Kernel<'a> {
         let intervals: Vec<Interval> = of.windows(2).map(interval).collect();
         let mut sums = [0.0; LANES];
         for timeline in &self.timelines {
-            let errors = self.errors(models, &intervals, timeline);
+            // Wider instructions where the machine has them; each lane's are the same.
+            let errors = Arch::new().dispatch(Run { kernel: self, models, intervals: &intervals, timeline });
             sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error);
         }
         let sessions = self.timelines.len().max(1) as f64;
@@ -88,6 +90,7 @@ impl<'a> Kernel<'a> {
     }
 
     /// Mean sizes of the errors over a session.
+    #[inline(always)]
     fn errors(&self, models: &[Voigt<f64>; LANES], intervals: &[Interval], timeline: &Timeline) -> Lanes {
         let weight = self.cost.weight();
         let mut displacement = [timeline.start; LANES];
@@ -117,6 +120,23 @@ impl<'a> Kernel<'a> {
             }
         }
         sums.map(|sum| sum / timeline.judged as f64)
+    }
+}
+
+/// Lanes on their way through a session.
+struct Run<'a> {
+    kernel: &'a Kernel<'a>,
+    models: &'a [Voigt<f64>; LANES],
+    intervals: &'a [Interval],
+    timeline: &'a Timeline,
+}
+
+impl NullaryFnOnce for Run<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn call(self) -> Lanes {
+        self.kernel.errors(self.models, self.intervals, self.timeline)
     }
 }
 
