@@ -1,5 +1,8 @@
 //! `piezo`: parses arguments, runs a verb, turns what comes of it into an exit code.
 
+#[cfg(test)]
+#[path = "../../../tests/documents/commands.rs"]
+mod documents;
 mod option;
 mod output;
 mod remedy;
