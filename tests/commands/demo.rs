@@ -6,7 +6,7 @@ use identification::table_file::TableFile;
 use serde_json::Value;
 use std::fs;
 
-/// The README's figures are printed by the same command with an interval from more devices.
+/// The documents' figures are printed by the same command with an interval from more devices.
 #[test]
 fn identifies_the_measured_log_and_says_how_good_it_is() {
     let out = tempfile::tempdir().unwrap();

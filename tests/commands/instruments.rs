@@ -1,5 +1,5 @@
 //! Files as instruments and programs write them: each is read as it is, or with what the tool itself prints, and equals the
-//! truth to its own resolution. The table of `docs/FILES.md` says what is typed.
+//! truth to its own resolution. The table of `book/src/files.md` says what is typed.
 
 use super::{data, piezo, root};
 use recordings::log::{Log, ReadOptions, read};
@@ -76,8 +76,8 @@ fn every_file_is_the_same_recording() {
         let shown = if typed.is_empty() { "nothing".to_owned() } else { format!("`{}`", typed.join(" ")) };
         table += &format!("| `{name}` | {shown} |\n");
     }
-    let document = fs::read_to_string(root().join("docs/FILES.md")).unwrap();
-    assert!(document.contains(&table), "docs/FILES.md must have this table:\n{table}");
+    let document = fs::read_to_string(root().join("book/src/files.md")).unwrap();
+    assert!(document.contains(&table), "book/src/files.md must have this table:\n{table}");
 }
 
 fn near(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {

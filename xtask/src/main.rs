@@ -4,6 +4,7 @@
 //! firmware without a board; `size` says what it takes of the chip; `figures` writes the documents' figures.
 
 mod artifact;
+mod book;
 mod check;
 mod embedded;
 mod emulate;

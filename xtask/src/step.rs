@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 use xshell::{Cmd, Shell, cmd};
 
 use crate::{
-    artifact,
+    artifact, book,
     embedded::{self, Board, TARGET},
     figures,
     image::Image,
@@ -27,13 +27,19 @@ pub struct Step {
 }
 
 /// Every check, the quick ones first.
-pub const STEPS: [Step; 10] = [
+pub const STEPS: [Step; 11] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], run: fmt },
     Step {
         name: "rules",
         about: "libraries name no flags, the identification needs no terminal, no host crate is too long",
         tools: &[],
         run: rules::check,
+    },
+    Step {
+        name: "book",
+        about: "every chapter, link, path, test and chore that a document names is there",
+        tools: &[],
+        run: book::check,
     },
     Step { name: "clippy", about: "no lint fires", tools: &[], run: clippy },
     Step { name: "doc", about: "the documentation builds without a warning", tools: &[], run: doc },

@@ -28,7 +28,7 @@
 //!    test prints the line). A model without an inverse is left out as `Narx` is, there and in `tests/inverse.rs`.
 //! 5. Its identified table, `tests/data/table/models/toy.toml` (the README there says how), which the tests in QEMU and
 //!    `cargo xtask size --models` run; the instructions of its tick in `xtask/src/figures/ceiling.rs` (`cargo xtask figures`
-//!    says how many). `cargo xtask figures models tracking` writes its rows in README.md; the column of words is yours.
+//!    says how many). `cargo xtask figures models tracking` writes its rows in the book; the column of words is yours.
 //! 6. The record's format: bump `VERSION` in `estimator-core/src/record.rs` unless it was bumped since the last release, since
 //!    older firmware cannot read the model. With it change the version and the CRC of `record_is_pinned` in
 //!    `estimator-core/tests/table.rs`, the two `table.bin` in `tests/data/table` (`cargo run --release -- emit FOLDER/table.toml

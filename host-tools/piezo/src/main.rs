@@ -1,5 +1,8 @@
 //! `piezo`: parses arguments, runs a verb, turns what comes of it into an exit code.
 
+#[cfg(test)]
+#[path = "../../../tests/documents/commands.rs"]
+mod documents;
 mod option;
 mod output;
 mod remedy;
@@ -33,7 +36,11 @@ enum Verb {
   piezo look recording.csv --out recording.svg")]
     Look(look::Look),
     /// Recorded logs → parameter table (table.toml, table.rs, table.bin) and report.html.
-    #[command(after_help = "Example: piezo identify tests/data/picma-p885-1hz.csv --out out/demo")]
+    #[command(after_help = "Examples:
+  piezo identify tests/data/picma-p885-1hz.csv --out out/demo
+  piezo identify tests/data/picma-p885-1hz.csv --model enhanced --out out/enhanced
+  piezo identify tests/data/picma-p885-1hz.csv --out out/two-days \\
+      --validate-on tests/data/picma-p885-session2.csv --adc-span -22:22 --dac-span -8:52")]
     Identify(Box<identify::Identify>),
     /// Models × logs → what each model's estimate is off on data that none has seen, and what it costs.
     #[command(

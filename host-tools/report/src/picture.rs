@@ -1,18 +1,20 @@
-//! One log as a picture of its own, for a README: loop on the left, the last periods and their error on the right.
+//! One log as a picture of its own, for a README: loop on the left, the last periods and their error on the right, where there
+//! is an interval in its band.
 
 use super::error::ReportError;
 use super::svg::{Drawing, Frame};
 use super::traces::{ERROR, Lines};
 use super::{loops, rows, thin};
-use identification::validate::Comparison;
+use identification::validate::{Comparison, Estimates};
 
 const LIMIT: usize = 1500;
 
-/// A standalone SVG, 900 units wide on white: the estimate against the sensor.
+/// A standalone SVG, 900 units wide on white: the estimate against the sensor, and on an axis of its own the error: since
+/// the zero and within ± where `zeroed` says when that was (s) and how the same log's estimates went on, else as it is.
 ///
 /// # Errors
 /// [`ReportError::Nothing`] where the log has no measured instant after its first.
-pub fn picture(comparison: &Comparison, title: &str) -> Result<String, ReportError> {
+pub fn picture(comparison: &Comparison, title: &str, zeroed: Option<&(f64, Estimates)>) -> Result<String, ReportError> {
     let trace = &comparison.trace;
     if trace.time_s.is_empty() {
         return Err(ReportError::Nothing { log: comparison.name.clone() });
@@ -23,10 +25,17 @@ pub fn picture(comparison: &Comparison, title: &str) -> Result<String, ReportErr
     drawing.text((14.0, 53.0), "start", &errors);
 
     loops::draw_in(&mut drawing, Frame { left: 58.0, top: 92.0, width: 352.0, height: 290.0 }, trace, LIMIT);
-    let shown = Lines::of(trace).cut(&thin::last_periods(&trace.voltage));
+    let lines = Lines::of(trace);
+    let (lines, error) = match zeroed {
+        Some((at, zeroed)) => {
+            (lines.since_zero(zeroed), format!("estimate − sensor since a zero at {at:.1} s, and its ±, µm"))
+        }
+        None => (lines, ERROR.to_owned()),
+    };
+    let shown = lines.cut(&thin::last_periods(&trace.voltage));
     let frame = |top, height| Frame { left: 486.0, top, width: 400.0, height };
-    let upper = shown.displacement(&mut drawing, frame(92.0, 170.0), LIMIT);
+    let upper = shown.displacement(&mut drawing, frame(92.0, 120.0), LIMIT);
     drawing.legend(&upper, &[("sensor", "sensor"), ("estimate", "estimate")]);
-    shown.error(&mut drawing, frame(300.0, 82.0), LIMIT, ERROR, None);
+    shown.error(&mut drawing, frame(250.0, 132.0), LIMIT, &error, None);
     Ok(drawing.standalone(&format!("{title}: {errors}")))
 }

@@ -98,6 +98,14 @@ impl Drawing {
         }
     }
 
+    /// An area between two lines over the same stretch.
+    pub fn band(&mut self, panel: &Panel, class: &str, upper: &[Point], lower: &[Point]) {
+        let around =
+            upper.iter().chain(lower.iter().rev()).filter(|(x, y)| panel.x.contains(*x) && panel.y.contains(*y));
+        let text: Vec<String> = around.map(|&point| panel.at(point)).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        self.body += &format!(r#"<polygon class="{class}" points="{}"/>"#, text.join(" "));
+    }
+
     /// A circle around a point.
     pub fn circle(&mut self, panel: &Panel, class: &str, point: Point) {
         if panel.x.contains(point.0) && panel.y.contains(point.1) {

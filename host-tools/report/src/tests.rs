@@ -4,7 +4,7 @@ use super::*;
 use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Status};
 use estimator_core::{Admitted, Digest, Parameters, Provenance, Table, VoigtParameters};
 use identification::cost::Feedback;
-use identification::validate::{Cold, Comparison, Figures, ToldFigures, Trace};
+use identification::validate::{Cold, Comparison, Estimates, Figures, Instant, ToldFigures, Trace};
 use identification::{Baseline, Candidate, Conditions, Fit, Problem, SearchOptions, identify};
 use recordings::session::Session;
 
@@ -162,7 +162,7 @@ fn names_are_escaped() {
     assert!(
         !page.contains("<img") && !page.contains("<b>.csv") && page.contains("&#60;img src=x onerror=&#34;a&#34;&#62;")
     );
-    let svg = picture(&chosen.training[0], name).unwrap();
+    let svg = picture(&chosen.training[0], name, None).unwrap();
     check(&svg);
     assert!(!svg.contains("<img") && !svg.contains('\u{0}'));
     assert_eq!(svg.matches("http").count(), 1);
@@ -176,7 +176,7 @@ fn many_long_logs_stay_below_a_megabyte() {
     let page = html(&candidate(Model::Voigt, logs(30), logs(12)), &[]);
     assert!(page.len() < 1_000_000, "{}", page.len());
     assert_eq!(page.matches("<figure>").count(), 24 + 8 + 3 + 2);
-    let svg = picture(&logs(1)[0], "long").unwrap();
+    let svg = picture(&logs(1)[0], "long", None).unwrap();
     assert!(svg.len() < 200_000, "{}", svg.len());
 }
 
@@ -203,7 +203,7 @@ fn values_that_are_not_finite_or_do_not_vary_can_be_drawn() {
             chosen.fit.convergence[1].training = f64::INFINITY;
             chosen.fit.convergence[1].validation = Some(f64::NAN);
             html(&chosen, &[]);
-            check(&picture(&chosen.training[0], "a").unwrap());
+            check(&picture(&chosen.training[0], "a", None).unwrap());
         }
     }
 }
@@ -211,7 +211,35 @@ fn values_that_are_not_finite_or_do_not_vary_can_be_drawn() {
 #[test]
 fn a_log_without_samples_is_named() {
     let empty = log("empty", 0, |_| 0.1);
-    assert!(picture(&empty, "a").unwrap_err().to_string().contains("log 'empty'"));
+    assert!(picture(&empty, "a", None).unwrap_err().to_string().contains("log 'empty'"));
     let page = html(&candidate(Model::Voigt, vec![empty], Vec::new()), &[]);
     assert!(page.contains("Not drawn: empty."));
+}
+
+/// What a zero leaves of the error lies in its band; what came before the zero is not drawn, nor is a band where there is none.
+#[test]
+fn the_error_since_a_zero_stands_in_its_band() {
+    let beside = log("a", 2000, |_| 0.1);
+    let instants = |half_width: Option<f64>| {
+        let rows = beside.trace.time_s.iter().zip(&beside.trace.measured);
+        let rows = rows.map(|(&time_s, &displacement)| Instant {
+            time_s,
+            voltage: 0.0,
+            displacement,
+            estimate: displacement + 0.01,
+            half_width,
+            status: Status::empty(),
+            scored: time_s > 0.9,
+        });
+        (0.9, Estimates { log: "a".to_owned(), instants: rows.collect() })
+    };
+    let drawn = |half_width| picture(&beside, "a", Some(&instants(half_width))).unwrap();
+    let (with, without) = (drawn(Some(0.2)), drawn(None));
+    check(&with);
+    assert!(with.contains("since a zero at 0.9 s") && with.contains(r#"<polygon class="band""#), "{with}");
+    assert!(!without.contains("<polygon"), "{without}");
+    let points = |svg: &str| {
+        svg.split(r#"class="error" points=""#).nth(1).unwrap().split('"').next().unwrap().matches(',').count()
+    };
+    assert_eq!(points(&with), 200);
 }

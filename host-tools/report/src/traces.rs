@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::svg::{Drawing, Frame, Panel};
 use super::thin::{Point, last_periods, thin};
-use identification::validate::Trace;
+use identification::validate::{Estimates, Instant, Trace};
 use std::ops::RangeInclusive;
 
 /// Lines over time.
@@ -11,6 +11,8 @@ pub struct Lines {
     measured: Vec<Point>,
     estimated: Vec<Point>,
     error: Vec<Point>,
+    /// Half-width of the interval, where it is drawn round the error.
+    half_width: Vec<Point>,
 }
 
 impl Lines {
@@ -18,13 +20,34 @@ impl Lines {
     pub fn of(trace: &Trace) -> Self {
         let over_time = |values: &[f64]| trace.time_s.iter().copied().zip(values.iter().copied()).collect();
         let error: Vec<f64> = trace.estimated.iter().zip(&trace.measured).map(|(e, m)| e - m).collect();
-        Self { measured: over_time(&trace.measured), estimated: over_time(&trace.estimated), error: over_time(&error) }
+        Self {
+            measured: over_time(&trace.measured),
+            estimated: over_time(&trace.estimated),
+            error: over_time(&error),
+            half_width: Vec::new(),
+        }
+    }
+
+    /// The same with the error and the half-width since a zero, as `zeroed` has them of the same log: what it does not score is
+    /// not drawn.
+    pub fn since_zero(self, zeroed: &Estimates) -> Self {
+        // A trace may begin later in the log.
+        let rows = zeroed.instants.iter().skip(zeroed.instants.len().saturating_sub(self.error.len()));
+        let scored = |value: Option<f64>, scored: bool| value.filter(|_| scored).unwrap_or(f64::NAN);
+        let error = |row: &Instant| (row.time_s, scored(Some(row.estimate - row.displacement), row.scored));
+        let half_width = |row: &Instant| (row.time_s, scored(row.half_width, row.scored));
+        Self { error: rows.clone().map(error).collect(), half_width: rows.map(half_width).collect(), ..self }
     }
 
     /// Some of their points.
     pub fn cut(&self, points: &RangeInclusive<usize>) -> Self {
         let cut = |line: &[Point]| line.get(points.clone()).unwrap_or_default().to_vec();
-        Self { measured: cut(&self.measured), estimated: cut(&self.estimated), error: cut(&self.error) }
+        Self {
+            measured: cut(&self.measured),
+            estimated: cut(&self.estimated),
+            error: cut(&self.error),
+            half_width: cut(&self.half_width),
+        }
     }
 
     /// First and last instant, s.
@@ -42,12 +65,17 @@ impl Lines {
         panel
     }
 
-    /// Draws the error, and marks a part of the time.
+    /// Draws the error, in the band of its interval where there is one, and marks a part of the time.
     pub fn error(&self, drawing: &mut Drawing, frame: Frame, limit: usize, title: &str, mark: Option<(f64, f64)>) {
-        let errors = self.error.iter().map(|point| point.1).chain([0.0]);
+        let side = |sign: f64| thin(self.half_width.iter().map(|&(time, half)| (time, sign * half)), limit);
+        let (upper, lower) = (side(1.0), side(-1.0));
+        let errors = self.error.iter().chain(&upper).chain(&lower).map(|point| point.1).chain([0.0]);
         let panel = drawing.panel(frame, self.time(), Axis::linear(errors, 2), ("time, s", title));
         if let Some((from, to)) = mark {
             drawing.window(&panel, from, to);
+        }
+        if !upper.is_empty() {
+            drawing.band(&panel, "band", &upper, &lower);
         }
         drawing.line(&panel, "error", &thin(self.error.iter().copied(), limit));
         drawing.zero(&panel);

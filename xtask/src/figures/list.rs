@@ -24,13 +24,14 @@ pub struct Figure {
 }
 
 /// Every figure.
-pub const FIGURES: [Figure; 15] = [
+pub const FIGURES: [Figure; 16] = [
     Figure {
         name: "picture",
-        file: Some("docs/estimate.svg"),
+        file: Some("book/src/estimate.svg"),
         make: |printed| Ok(Content::File(bytes(&printed.identified()?.join("estimate.svg"))?)),
     },
     stated("held-out", |printed| held_out(&*printed.by(Identify)?)),
+    stated("held-out-in-short", |printed| held_out_in_short(&*printed.by(Identify)?)),
     stated("settled-after-s", |printed| value(printed, Validate, "/logs/0/cold/settled_after_s", 2)),
     stated("settled-mae-um", |printed| value(printed, Validate, "/logs/0/cold/settled/mae_um", 3)),
     stated("told-mae-um", |printed| value(printed, Validate, "/all/sil/mae_um", 3)),
@@ -67,6 +68,26 @@ fn held_out(printed: &Value) -> Result<Content> {
     };
     let columns = ["MAE µm", "MAX µm", "RMSE µm", "MAE, % of stroke", "MAE µm without constant offset"];
     table(1, &columns, array(printed, "/candidates")?.iter().map(row))
+}
+
+/// The same of the models that a reader compares first: what is there without one, the thesis's two ends, and the choice.
+fn held_out_in_short(printed: &Value) -> Result<Content> {
+    let row = |name: String, figures: &Value| -> Result<Vec<String>> {
+        let figure = |name: &str| number(figures, name);
+        let percent = 100.0 * figure("/mae_um")? / figure("/stroke_um")?;
+        Ok(vec![name, fixed(figure("/mae_um")?, 3), fixed(figure("/max_um")?, 3), fixed(percent, 2)])
+    };
+    let candidates = array(printed, "/candidates")?;
+    let shown = [Model::Voigt, Model::Enhanced];
+    let shown = candidates.iter().filter(|candidate| {
+        candidate["model"] == printed["model"] || model(&candidate["model"]).is_ok_and(|model| shown.contains(&model))
+    });
+    let straight = row("straight line".to_owned(), &printed["straight_line"]["held_out"]);
+    let models = shown.map(|candidate| {
+        let chosen = if candidate["model"] == printed["model"] { " (chosen)" } else { "" };
+        row(format!("{}{chosen}", model(&candidate["model"])?), &candidate["held_out"])
+    });
+    table(1, &["MAE µm", "MAX µm", "MAE, % of stroke"], [straight].into_iter().chain(models))
 }
 
 /// How the interval does after a zero, on the recording's own held-out half and on another day.

@@ -17,6 +17,9 @@ const SCHEMES: [Choice<Scheme>; 2] = [
     (Scheme::ZeroOrderHold, "zero-order-hold", "Exact for a voltage that stays for the tick; stable for any rate"),
 ];
 
+/// Where the help lists what few need: behind the rest of its heading.
+const BEHIND: usize = 100;
+
 /// Logs to fit to, and how.
 #[derive(Args, Debug)]
 pub struct Fitting {
@@ -27,28 +30,28 @@ pub struct Fitting {
     #[arg(long, num_args = 1.., value_name = "LOG")]
     pub validate_on: Vec<PathBuf>,
     /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
-    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
+    #[arg(long, display_order = BEHIND, value_name = "FRACTION", allow_negative_numbers = true)]
     pub hold_out: Option<f64>,
-    /// What is minimised.
-    #[command(flatten)]
-    pub cost: CostArgs,
-    /// Discretisation of the Voigt family.
-    #[arg(long, value_parser = choice(SCHEMES), default_value = "forward-euler")]
-    pub scheme: Scheme,
-    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
-    /// voltage span where it is not given.
-    #[arg(long, value_name = "V", allow_negative_numbers = true)]
-    pub deadband: Option<f64>,
-    /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
-    #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
-    pub limit: f64,
     /// Leave out what is no measurement: where the displacement leaps away and back or stands still while the voltage moves,
     /// and where the voltage is cut off. The voltage there is run through all the same.
     #[arg(long)]
     pub repair: bool,
     /// Print the result as JSON.
-    #[arg(long)]
+    #[arg(long, display_order = BEHIND)]
     pub json: bool,
+    /// What is minimised.
+    #[command(flatten)]
+    pub cost: CostArgs,
+    /// Discretisation of the Voigt family.
+    #[arg(long, hide_short_help = true, value_parser = choice(SCHEMES), default_value = "forward-euler")]
+    pub scheme: Scheme,
+    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
+    /// voltage span where it is not given.
+    #[arg(long, hide_short_help = true, value_name = "V", allow_negative_numbers = true)]
+    pub deadband: Option<f64>,
+    /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
+    #[arg(long, hide_short_help = true, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
+    pub limit: f64,
     /// Reading of the logs.
     #[command(flatten)]
     pub files: LogOptions,

@@ -10,25 +10,25 @@ use recordings::prepare::{AutoOr, Decimation, PrepareOptions};
 #[command(next_help_heading = "Preparation of the logs (recorded in the table)")]
 pub struct PrepareArgs {
     /// Tick, µs; 500 is the thesis's 2 kHz.
-    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
+    #[arg(long, hide_short_help = true, default_value_t = 500, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     pub tick_us: u32,
     /// Factor on the recorded voltage, e.g. the amplifier's gain where its input was recorded.
-    #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    #[arg(long, help_heading = None::<&str>, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
     pub voltage_scale: f64,
     /// Factor on the recorded displacement.
     #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
     pub displacement_scale: f64,
     /// Voltage (V, scaled) that the model calls 0, or `auto`: 0 where the logs reach it, else the middle of their swing.
-    #[arg(long, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "V|auto")]
+    #[arg(long, hide_short_help = true, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "V|auto")]
     pub voltage_zero: AutoOr,
     /// Displacement (µm, scaled) that the model calls 0, or `auto`: where the sensor stands when the voltage is at its zero.
-    #[arg(long, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "µm|auto")]
+    #[arg(long, hide_short_help = true, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "µm|auto")]
     pub displacement_zero: AutoOr,
     /// How much later the sensor shows a displacement than it happens, ms, or `auto`: by cross-validation.
     #[arg(long, default_value = "0", value_parser = delay, allow_negative_numbers = true, value_name = "MS|auto")]
     pub delay: AutoOr,
     /// Largest delay that `--delay auto` tries, ms, in ten steps: what the sensor can have.
-    #[arg(long, default_value_t = 5.0, value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, default_value_t = 5.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub max_delay: f64,
     /// Cut off the start of each log, s (a start-up transient).
     #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]

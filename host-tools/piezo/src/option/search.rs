@@ -17,51 +17,52 @@ const OTHERS: &str = "Search of the other models";
 #[command(next_help_heading = "Genetic algorithm, which searches the Voigt family")]
 pub struct SearchArgs {
     /// What is searched, and where.
-    #[arg(long, value_parser = choice(RANGES), default_value = "data")]
+    #[arg(long, hide_short_help = true, value_parser = choice(RANGES), default_value = "data")]
     pub ranges: Ranges,
     /// Bits a gene.
-    #[arg(long, default_value_t = DEFAULT.bits, value_parser = clap::value_parser!(u32).range(2..=30))]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.bits, value_parser = clap::value_parser!(u32).range(2..=30))]
     pub bits: u32,
     /// Chromosomes (even).
-    #[arg(long, default_value_t = DEFAULT.population, value_parser = even)]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.population, value_parser = even)]
     pub population: usize,
     /// Generations a round.
-    #[arg(long, default_value_t = DEFAULT.generations, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.generations, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub generations: u32,
     /// Rounds.
-    #[arg(long, default_value_t = DEFAULT.rounds, value_parser = clap::value_parser!(u32).range(1..=50))]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.rounds, value_parser = clap::value_parser!(u32).range(1..=50))]
     pub rounds: u32,
     /// Width of a round's ranges as a fraction of the round's before, around the best so far.
-    #[arg(long, default_value_t = DEFAULT.shrink, value_parser = fraction)]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.shrink, value_parser = fraction)]
     pub shrink: f64,
     /// Stop a round after so many generations without improvement; 0: never.
-    #[arg(long, default_value_t = DEFAULT.patience)]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.patience)]
     pub patience: u32,
     /// Bits flipped in a generation, as a fraction of all.
-    #[arg(long, default_value_t = DEFAULT.mutation, value_parser = fraction)]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.mutation, value_parser = fraction)]
     pub mutation: f64,
     /// Choice of parents.
-    #[arg(long, value_parser = choice(SELECTIONS), default_value = "tournament")]
+    #[arg(long, hide_short_help = true, value_parser = choice(SELECTIONS), default_value = "tournament")]
     pub selection: Selection,
     /// What becomes of the best chromosome.
-    #[arg(long, value_parser = choice(ELITISMS), default_value = "reinsert")]
+    #[arg(long, hide_short_help = true, value_parser = choice(ELITISMS), default_value = "reinsert")]
     pub elitism: Elitism,
     /// First population.
-    #[arg(long, value_parser = choice(STARTS), default_value = "family")]
+    #[arg(long, hide_short_help = true, value_parser = choice(STARTS), default_value = "family")]
     pub start: Start,
     /// Method for the models beyond the Voigt family, of which only a few numbers are searched.
-    #[arg(long, help_heading = OTHERS, value_parser = choice(OPTIMISERS), default_value = "cma-es")]
+    #[arg(long, hide_short_help = true, help_heading = OTHERS, value_parser = choice(OPTIMISERS), default_value = "cma-es")]
     pub optimiser: Optimiser,
     /// Candidates that the method may try for each number that is searched.
     #[arg(
         long,
+        hide_short_help = true,
         help_heading = OTHERS,
         default_value_t = DEFAULT.evaluations,
         value_parser = clap::value_parser!(u32).range(1..=1_000_000)
     )]
     pub evaluations: u32,
     /// Seed; the same seed gives the same table on any number of threads.
-    #[arg(long, help_heading = "Any search", default_value_t = DEFAULT.seed)]
+    #[arg(long, hide_short_help = true, help_heading = "Any search", default_value_t = DEFAULT.seed)]
     pub seed: u32,
 }
 

@@ -7,6 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use identification::cost::Cost;
 use identification::table_file::TableFile;
+use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
 use identification::{
     Candidate, CrossValidation, Job, ModelChoice, Outcome, Reason, Role, SearchOptions, StraightLine,
 };
@@ -28,15 +29,21 @@ pub struct Identify {
     /// What is fitted to what.
     #[command(flatten)]
     pub fitting: Fitting,
+    /// The converters.
+    #[command(flatten)]
+    pub calibration: CalibrationArgs,
     /// Devices to simulate for the interval beside the estimate; 0 for a table without one.
-    #[arg(long, default_value_t = prediction_interval::DEVICES, value_name = "N")]
+    #[arg(
+        long,
+        hide_short_help = true,
+        help_heading = "The interval beside the estimate",
+        default_value_t = prediction_interval::DEVICES,
+        value_name = "N"
+    )]
     pub devices: u32,
     /// The search.
     #[command(flatten)]
     pub search: SearchArgs,
-    /// The converters.
-    #[command(flatten)]
-    pub calibration: CalibrationArgs,
 }
 
 /// Runs the verb.
@@ -121,11 +128,24 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
         facts: &facts(arguments, cost, outcome),
     })?;
     let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
-    let picture = report::picture(shown, &format!("{}: {}", shown.name, candidate.table.model()))?;
+    let title = format!("{}: {}", shown.name, candidate.table.model());
+    let picture = report::picture(shown, &title, zeroed(outcome, shown).as_ref())?;
     // Everything is made before anything is written.
     file.write_faces(&arguments.out)?;
     output::write(&arguments.out.join("report.html"), html)?;
     Ok(output::write(&arguments.out.join("estimate.svg"), picture)?)
+}
+
+/// When the first log that was held out, else fitted to, may be zeroed first (s), and its estimates with their interval since
+/// then; `None` where the table has no interval, or the log ends before.
+fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<(f64, Estimates)> {
+    let (table, problem) = (&outcome.candidate().table, &outcome.problem);
+    let session = problem.validation().next().or(problem.training().next())?;
+    let at = shown.trace.time_s.first()?.max(table.interval?.earliest_s.into()) + 2.0 * ZERO_WINDOW_S;
+    // µm relative to the model's zero, as the comparison has them.
+    let recipe = Recipe { displacement_scale: 1.0, displacement_zero_um: 0.0, ..outcome.context.recipe.clone() };
+    let scope = Scope { zero_at_s: Some(at), ..Scope::ALL };
+    Some((at, estimates(table, session, &recipe, &scope, Told::FirstReading).ok()?))
 }
 
 /// How good it is, in plain words.
