@@ -93,7 +93,7 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
     for (limit, fault, code) in cases {
         let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
         let mut now = 0;
-        let mut step = |code| {
+        let mut step = |code: AdcCode| {
             now += PERIOD;
             tick.sample(code.into(), now)
         };
