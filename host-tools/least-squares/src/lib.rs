@@ -15,6 +15,8 @@ use pulp::{Arch, NullaryFnOnce};
 
 /// Rows that are added together.
 const TOGETHER: usize = 4;
+/// Sums that are made side by side: a vector of the wider instructions.
+const LANES: usize = 4;
 
 /// What a coefficient may be.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -96,12 +98,17 @@ impl Normal {
             }
             let upper = &mut self.gram[i * self.columns + i..(i + 1) * self.columns];
             let others = rows.map(|row| &row[i..][..upper.len()]);
-            for (j, sum) in upper.iter_mut().enumerate() {
-                let mut total = *sum;
+            let (sums, last_sums) = upper.as_chunks_mut::<LANES>();
+            for (k, sums) in sums.iter_mut().enumerate() {
                 for (weighted, other) in weighted.iter().zip(others) {
-                    total += weighted * other[j];
+                    let other = &other[k * LANES..][..LANES];
+                    *sums = std::array::from_fn(|lane| sums[lane] + weighted * other[lane]);
                 }
-                *sum = total;
+            }
+            for (sum, j) in last_sums.iter_mut().zip(sums.len() * LANES..) {
+                for (weighted, other) in weighted.iter().zip(others) {
+                    *sum += weighted * other[j];
+                }
             }
             for (weighted, target) in weighted.iter().zip(targets) {
                 self.moment[i] += weighted * target;

@@ -60,19 +60,19 @@ impl Basis {
     /// voltage, however many functions there are.
     #[inline(always)]
     pub fn sum(&self, weighed: impl Iterator<Item = (f64, f64)>) -> Values {
-        let mut moments = [[0.0; 3]; KNOTS - 1];
+        // A fourth sum of nothing makes each interval's a vector.
+        let mut moments = [[0.0; 4]; KNOTS - 1];
         for (voltage, weight) in weighed {
             let at = (voltage - self.first) * self.knots_per_volt;
             let inside = at.clamp(0.0, (KNOTS - 1) as f64);
             let interval = (inside as usize).min(KNOTS - 2);
             let (part, beyond) = (inside - interval as f64, at - inside);
-            let [one, first, second] = &mut moments[interval];
-            *one += weight;
-            *first += weight * (part + beyond);
-            *second += weight * part * (0.5 * part + beyond);
+            let powers = [1.0, part + beyond, part * (0.5 * part + beyond), 0.0];
+            let sums = &mut moments[interval];
+            *sums = std::array::from_fn(|power| sums[power] + weight * powers[power]);
         }
         let mut sum = [0.0; FUNCTIONS];
-        for (Interval { value, slope, rise }, [one, first, second]) in self.intervals.iter().zip(moments) {
+        for (Interval { value, slope, rise }, [one, first, second, _]) in self.intervals.iter().zip(moments) {
             if one != 0.0 {
                 sum = std::array::from_fn(|j| sum[j] + (one * value[j] + first * slope[j] + second * rise[j]));
             }
