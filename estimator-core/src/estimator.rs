@@ -33,7 +33,7 @@ bitflags::bitflags! {
         /// The voltage has not turned yet at both ends of a swing of half the table's voltage range: the estimate still depends
         /// on where it was assumed to start.
         const NOT_SETTLED = 1 << 4;
-        /// The wanted displacement cannot be had at this tick: the voltage or its slew rate is at a limit.
+        /// The wanted displacement, or voltage, cannot be had at this tick: the voltage or its slew rate is at a limit.
         const OUT_OF_REACH = 1 << 5;
         /// The voltage has gone as it never went in the training: what the estimate says here was not learnt.
         const UNTRAINED = 1 << 6;

@@ -174,10 +174,22 @@ impl<T: Real> Inverse<T> {
         distance
     }
 
+    /// One tick that takes the wanted voltage itself (V, the amplifier's), for whoever asks for no displacement: as near to it as
+    /// the limits allow. It is reached where they allow all of it. A voltage that is not finite changes nothing.
+    pub fn steer(&mut self, voltage: T) -> Commanded<T> {
+        let wanted = if voltage.is_finite() { voltage - self.voltage_zero } else { self.voltage };
+        let commanded = self.towards(wanted);
+        Commanded { reached: voltage.is_finite() && self.voltage == wanted, ..commanded }
+    }
+
     /// One tick towards the rest voltage, as fast as the limits allow.
     pub fn release(&mut self) -> Commanded<T> {
+        self.towards(self.rest)
+    }
+
+    fn towards(&mut self, voltage: T) -> Commanded<T> {
         let near = Range { min: self.voltage - self.stride, max: self.voltage + self.stride };
-        self.go(near.clamp(self.rest))
+        self.go(near.clamp(voltage))
     }
 
     /// The change (V) that the slew rate allows in a tick, up to an end of the range.

@@ -1,11 +1,12 @@
-//! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse.
+//! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse; or wanted voltages, for a
+//! measurement. One and the same inverse goes along with both, so that its voltage is always the one that is put out.
 //!
 //! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
 //! wrong, or nobody speaks any more, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a
 //! reset that nobody asked the firmware for.
 //!
 //! ```text
-//! Waiting ── go ─► Ready ── first reference ─► Following ── timeout ─► Stopped
+//! Waiting ── go ─► Ready ── first reference ─► Driven ──── timeout ─► Stopped
 //!    │               └───────── fault ─────────────┴────── fault ─────► │
 //!    └─ fault ─────────────────────────────────────────────────────────►┘
 //! ```
@@ -15,7 +16,7 @@
 use crate::answer::Answer;
 use crate::ramp::Stride;
 use crate::rate::TICK_HZ;
-use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, Inverse, Status};
+use estimator_core::{AdcCode, Admitted, Commanded, DacCode, DriveCalibration, Inverse, Status};
 
 /// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be held: 1 s.
 pub const REFERENCE_TIMEOUT_TICKS: u32 = TICK_HZ;
@@ -27,8 +28,8 @@ enum State {
     Waiting,
     /// At rest until the first reference comes.
     Ready { hold: bool },
-    /// Follows the last reference (µm) that has come.
-    Following { reference: f32, hold: bool, ticks_without: u32 },
+    /// Driven by the last reference that has come, µm or V.
+    Driven { reference: f32, hold: bool, ticks_without: u32 },
     /// On its way to rest or there. References that come are taken, if `takes`, and not followed.
     Stopped { takes: bool },
 }
@@ -73,7 +74,7 @@ impl Drive {
     pub fn go(&mut self, hold: bool) {
         self.state = match self.state {
             State::Waiting | State::Ready { .. } => State::Ready { hold },
-            State::Following { reference, ticks_without, .. } => State::Following { reference, hold, ticks_without },
+            State::Driven { reference, ticks_without, .. } => State::Driven { reference, hold, ticks_without },
             State::Stopped { .. } => State::Stopped { takes: true },
         };
     }
@@ -88,35 +89,55 @@ impl Drive {
         !matches!(self.state, State::Waiting | State::Stopped { takes: false })
     }
 
-    /// Whether a reference is followed.
+    /// Whether a reference is followed, of either kind.
     pub fn following(&self) -> bool {
-        matches!(self.state, State::Following { .. })
+        matches!(self.state, State::Driven { .. })
     }
 
     /// Whether a reference is followed that is to be held for ever.
     pub fn holding(&self) -> bool {
-        matches!(self.state, State::Following { hold: true, .. })
+        matches!(self.state, State::Driven { hold: true, .. })
     }
 
-    /// One tick: the code for the reference that has come (µm), else for the last one, else on the way to rest; and whether
-    /// the reference is out of reach.
+    /// One tick: the code for the displacement that has come (µm), else for the last one, else on the way to rest; and whether
+    /// it is out of reach.
     pub fn follow(&mut self, next: Option<f32>) -> (DacCode, Status) {
+        let Some(reference) = self.reference(next) else { return (self.release(), Status::empty()) };
+        let commanded = tick_inverse(&mut self.inverse, reference);
+        self.command(commanded)
+    }
+
+    /// As [`follow`](Self::follow), of the amplifier's voltage (V), which is out of reach where the range or the slew rate is in
+    /// its way.
+    pub fn excite(&mut self, next: Option<f32>) -> (DacCode, Status) {
+        let Some(voltage) = self.reference(next) else { return (self.release(), Status::empty()) };
+        let commanded = self.inverse.steer(voltage);
+        self.command(commanded)
+    }
+
+    /// The reference of this tick, if one is followed.
+    fn reference(&mut self, next: Option<f32>) -> Option<f32> {
         self.state = match (self.state, next) {
-            (State::Ready { hold } | State::Following { hold, .. }, Some(reference)) => {
-                State::Following { reference, hold, ticks_without: 0 }
+            (State::Ready { hold } | State::Driven { hold, .. }, Some(reference)) => {
+                State::Driven { reference, hold, ticks_without: 0 }
             }
-            (State::Following { reference, hold, ticks_without }, None) => {
+            (State::Driven { reference, hold, ticks_without }, None) => {
                 let ticks_without = ticks_without.saturating_add(1);
                 if ticks_without >= REFERENCE_TIMEOUT_TICKS && !hold {
                     State::Stopped { takes: true }
                 } else {
-                    State::Following { reference, hold, ticks_without }
+                    State::Driven { reference, hold, ticks_without }
                 }
             }
             (state, _) => state,
         };
-        let State::Following { reference, .. } = self.state else { return (self.release(), Status::empty()) };
-        let commanded = tick_inverse(&mut self.inverse, reference);
+        match self.state {
+            State::Driven { reference, .. } => Some(reference),
+            _ => None,
+        }
+    }
+
+    fn command(&mut self, commanded: Commanded<f32>) -> (DacCode, Status) {
         self.answer.commanded(commanded.voltage);
         let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
         (self.calibration.code(commanded.voltage, self.full_scale), status)
@@ -130,14 +151,13 @@ impl Drive {
     /// One tick towards the rest voltage.
     pub fn release(&mut self) -> DacCode {
         let commanded = self.inverse.release();
-        self.answer.commanded(commanded.voltage);
-        self.calibration.code(commanded.voltage, self.full_scale)
+        self.command(commanded).0
     }
 }
 
 /// The inverse's tick as a function of its own, so that its instructions can be counted in an image.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn tick_inverse(inverse: &mut Inverse<f32>, reference: f32) -> estimator_core::Commanded<f32> {
+fn tick_inverse(inverse: &mut Inverse<f32>, reference: f32) -> Commanded<f32> {
     inverse.tick(reference)
 }

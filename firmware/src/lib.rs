@@ -15,6 +15,7 @@
 
 pub mod answer;
 pub mod boot;
+pub mod conversion;
 pub mod drive;
 pub mod facts;
 pub mod last_words;
@@ -35,6 +36,7 @@ pub mod telemetry;
 pub mod tick;
 pub mod watch;
 
+pub use conversion::Conversion;
 pub use facts::Facts;
 pub use peripherals::Peripherals;
 pub use run::{Resources, run};

@@ -50,7 +50,7 @@ pub struct TickQueues<'q> {
     pub commands: Consumer<'q, Command>,
     /// From the link, in [`Mode::Pil`]; one a tick is taken.
     pub fed: Consumer<'q, AdcCode>,
-    /// From the link, in [`Mode::Follow`], µm; one a tick is taken.
+    /// From the link, µm in [`Mode::Follow`], V in [`Mode::Excite`]; one a tick is taken.
     pub references: Consumer<'q, f32>,
     /// To the link, while it streams.
     pub samples: Producer<'q, Numbered>,
@@ -62,7 +62,7 @@ pub struct LinkQueues<'q> {
     pub commands: Producer<'q, Command>,
     /// To the tick, in [`Mode::Pil`].
     pub fed: Producer<'q, AdcCode>,
-    /// To the tick, in [`Mode::Follow`], µm.
+    /// To the tick, µm in [`Mode::Follow`], V in [`Mode::Excite`].
     pub references: Producer<'q, f32>,
     /// From the tick, while it streams.
     pub samples: Consumer<'q, Numbered>,

@@ -25,7 +25,7 @@ pub struct Telemetry {
     pub clamped: AtomicU32,
     /// Ticks with the DAC at an end of its range.
     pub dac_saturated: AtomicU32,
-    /// Ticks with the wanted displacement out of reach.
+    /// Ticks with the wanted displacement, or voltage, out of reach.
     pub out_of_reach: AtomicU32,
     /// Ticks, since the mode was set, that found no reference after the first.
     pub starved: AtomicU32,

@@ -8,6 +8,7 @@
 //! no `f64`. Where the DAC drives the amplifier ([`Drive`]), the same holds of its voltage: the reference of tick k moves
 //! it at tick k + 1, and the displacement a tick after that.
 
+use crate::conversion::Conversion;
 use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
@@ -53,24 +54,24 @@ impl<'q> Tick<'q> {
         Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last, valid: false }
     }
 
-    /// One tick: the code just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
-    pub fn sample(&mut self, code: AdcCode, now: u32) -> DacCode {
+    /// One tick: the codes just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
+    pub fn sample(&mut self, conversion: Conversion, now: u32) -> DacCode {
         add(&self.telemetry.ticks, 1);
         self.telemetry.age_bias();
         let missed = self.missed(now);
         if let Some(command) = self.queues.commands.dequeue() {
             self.obey(command);
         }
-        let code = match self.mode {
-            Mode::Estimate | Mode::Follow => Some(code),
-            Mode::Pil => self.queues.fed.dequeue(),
+        let conversion = match self.mode {
+            Mode::Estimate | Mode::Follow | Mode::Excite => Some(conversion),
+            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from),
             Mode::Pause => None,
         };
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
         faults.set(Faults::SUPPLY, self.telemetry.supply_bad());
-        let (dac, faults) = match code {
-            Some(code) => self.estimate(code, missed, faults),
+        let (dac, faults) = match conversion {
+            Some(conversion) => self.estimate(conversion, missed, faults),
             None => (self.safe_output(), faults | Faults::SAFE_OUTPUT),
         };
         self.telemetry.set_faults(faults);
@@ -85,14 +86,15 @@ impl<'q> Tick<'q> {
         self.valid
     }
 
-    fn estimate(&mut self, code: AdcCode, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
+    fn estimate(&mut self, conversion: Conversion, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
+        let Conversion { monitor, sensor } = conversion;
         let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
-            Some(estimator) => tick_sample(estimator, code),
+            Some(estimator) => tick_sample(estimator, monitor),
             None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
         };
         let may_be_told = self.startup.estimator.as_ref().is_some_and(Estimator::may_be_told);
         self.telemetry.may_be_told.store(may_be_told, Relaxed);
-        let (mut faults, sound) = self.supervise(code, status, missed, faults);
+        let (mut faults, sound) = self.supervise(monitor, status, missed, faults);
         let output = self.output(dac, sound);
         status |= output.status;
         if self.startup.drive.is_some() {
@@ -101,7 +103,15 @@ impl<'q> Tick<'q> {
         }
         self.telemetry.count(status);
         faults.set(Faults::SAFE_OUTPUT, output.safe);
-        self.stream(Sample { code: code.0, displacement, half_width, dac: output.code.0, status, faults });
+        self.stream(Sample {
+            code: monitor.0,
+            sensor: sensor.map(|AdcCode(code)| code),
+            displacement,
+            half_width,
+            dac: output.code.0,
+            status,
+            faults,
+        });
         self.number = self.number.wrapping_add(1);
         (output.code, faults)
     }
@@ -113,7 +123,7 @@ impl<'q> Tick<'q> {
             return (faults, false);
         }
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
-        let astray = self.mode == Mode::Follow && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(code));
+        let astray = self.mode.drives() && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(code));
         let supply = faults & Faults::SUPPLY;
         match self.watch.update(code, status, missed.is_some(), astray, supply) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
@@ -130,7 +140,7 @@ impl<'q> Tick<'q> {
     fn output(&mut self, estimated: DacCode, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
-            Some(drive) if self.mode == Mode::Follow => {
+            Some(drive) if self.mode.drives() => {
                 if !sound {
                     drive.stop();
                 }
@@ -138,7 +148,7 @@ impl<'q> Tick<'q> {
                 if next.is_none() && drive.following() {
                     add(&self.telemetry.starved, 1);
                 }
-                let (code, status) = drive.follow(next);
+                let (code, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
                 self.telemetry.holding.store(drive.holding(), Relaxed);
                 Output { code, safe: !drive.following(), status }
             }

@@ -56,7 +56,7 @@ impl Bench {
                 if stopped.load(Relaxed) {
                     return;
                 }
-                tick.sample(triangle(k), k.wrapping_mul(PERIOD));
+                tick.sample(triangle(k).into(), k.wrapping_mul(PERIOD));
                 std::thread::sleep(std::time::Duration::from_micros(50));
             }
         });
@@ -201,6 +201,10 @@ fn the_bias_is_told_only_where_something_is_estimated_and_in_reason() {
         assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
         assert_eq!(bench.ask(tell(0.0)), Reply::Refused(Refusal::NotEstimating));
         assert_eq!(Bench::new(None).ask(tell(0.0)), Reply::Refused(Refusal::NotEstimating));
+        let mut excited = Bench::new(Some(driving()));
+        assert_eq!(excited.ask(Request::SetMode(Mode::Excite)), Reply::Done);
+        std::thread::sleep(TICKS);
+        assert_eq!(excited.ask(tell(1.0)), Reply::Done, "the sensor beside it says where it is");
     }
 }
 
@@ -248,14 +252,18 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
     let refer =
         |wanted: f32| Request::Refer { references: [wanted; 64].iter().copied().collect(), go: false, hold: false };
     let mut plain = Bench::new(Some(compiled()));
-    assert_eq!(plain.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::NoDrive));
     let mut bench = Bench::new(Some(driving()));
     assert_eq!(bench.ask(refer(10.0)), Reply::Refused(Refusal::NotFollowing));
-    assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Done);
-    for odd in [f32::NAN, f32::INFINITY] {
-        assert_eq!(bench.ask(refer(odd)), Reply::Refused(Refusal::NotFinite));
+    for mode in [Mode::Excite, Mode::Follow] {
+        assert_eq!(plain.ask(Request::SetMode(mode)), Reply::Refused(Refusal::NoDrive));
+        assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Done);
+        for odd in [f32::NAN, f32::INFINITY] {
+            assert_eq!(bench.ask(refer(odd)), Reply::Refused(Refusal::NotFinite));
+        }
+        assert_eq!(bench.ask(push(&driving(), false)), Reply::Refused(Refusal::Estimating), "flash may cost ticks");
+        assert!(bench.device.lent(), "{mode:?} ends with the host that has set it");
+        assert!(matches!(bench.ask(refer(2.0)), Reply::Referred { taken: 64, .. }), "{mode:?}");
     }
-    assert_eq!(bench.ask(push(&driving(), false)), Reply::Refused(Refusal::Estimating), "flash may cost ticks");
     assert_eq!(
         bench.ask(Request::SetZero { at_um: 0.0 }),
         Reply::Refused(Refusal::NotEstimating),
@@ -338,20 +346,22 @@ fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_t
     let start = || started(Startup::new(Some(&driving()), &facts, true));
 
     let (mut tick, mut link) = start();
-    for (k, mode) in [Mode::Estimate, Mode::Follow, Mode::Pause, Mode::Pil].into_iter().enumerate() {
+    for (k, mode) in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Pause, Mode::Pil].into_iter().enumerate() {
         link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
         link.queues.commands.enqueue(Command::Go { hold: true }).unwrap();
         link.queues.references.enqueue(20.0).unwrap();
         link.queues.fed.enqueue(triangle(700)).unwrap();
         for k in (0..3_000).map(|tick| 3_000 * k as u32 + tick) {
-            assert_eq!(tick.sample(triangle(k), k * PERIOD), kept, "{mode:?}, tick {k}");
+            assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), kept, "{mode:?}, tick {k}");
         }
     }
     assert_eq!((link.telemetry.safe(), link.telemetry.drives()), (kept, false));
 
     let mut bench = Bench::of(Some(driving()), start());
     std::thread::sleep(TICKS);
-    assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::Faulty));
+    for mode in [Mode::Follow, Mode::Excite] {
+        assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Refused(Refusal::Faulty));
+    }
     assert_eq!(bench.ask(Request::Reset), Reply::Resetting { in_ms: 0 });
     resets(&mut bench);
 }

@@ -2,69 +2,18 @@
 
 mod common;
 
-use common::{LinkEnd, PERIOD, SAFE, compiled, driving, tick, triangle};
+use common::driven::{Bench, REST, STRIDE};
+use common::{PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::{AdcCode, DacCode, Status};
-use firmware::Tick;
+use estimator_core::{AdcCode, Status};
 use firmware::drive::REFERENCE_TIMEOUT_TICKS;
-use firmware::queues::Command;
 use firmware::watch::SATURATED;
 use protocol::{Faults, Mode};
-
-/// A driving tick and its ADC, which reads the amplifier.
-struct Bench {
-    tick: Tick<'static>,
-    link: LinkEnd,
-    k: u32,
-    dac: DacCode,
-}
-
-impl Bench {
-    fn new() -> Self {
-        let (tick, link) = tick(Some(&driving()), Faults::empty());
-        link.telemetry.streaming.store(true, Relaxed);
-        Self { tick, link, k: 0, dac: REST }
-    }
-
-    fn set(&mut self, mode: Mode) {
-        self.link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
-    }
-
-    fn go(&mut self, hold: bool) {
-        self.link.queues.commands.enqueue(Command::Go { hold }).unwrap();
-    }
-
-    fn step_with(&mut self, code: AdcCode) -> (DacCode, Status, Faults) {
-        self.k += 1;
-        let dac = self.tick.sample(code, self.k * PERIOD);
-        self.dac = dac;
-        let sample = std::iter::from_fn(|| self.link.queues.samples.dequeue()).last().map(|numbered| numbered.sample);
-        if let Some(sample) = sample {
-            assert_eq!(DacCode(sample.dac), dac, "the sample says what the DAC was given");
-        }
-        let (status, faults) = sample.map_or((Status::empty(), Faults::all()), |s| (s.status, s.faults));
-        (dac, status, faults)
-    }
-
-    fn step(&mut self) -> (DacCode, Status, Faults) {
-        self.step_with(self.amplifier())
-    }
-
-    /// What an amplifier does that is told to go where the DAC stands, with a converter's noise.
-    fn amplifier(&self) -> AdcCode {
-        let table = driving();
-        let AdcCode(code) = table.adc.code(table.drive.unwrap().voltage::<f32>(self.dac));
-        AdcCode(code + (self.k % 2) as u16)
-    }
-}
-
-/// Half a volt on the drive's scale.
-const REST: DacCode = DacCode(512);
 
 #[test]
 fn without_references_it_rests_whatever_is_estimated() {
     let mut bench = Bench::new();
-    for mode in [Mode::Estimate, Mode::Follow, Mode::Pause, Mode::Pil] {
+    for mode in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Pause, Mode::Pil] {
         bench.set(mode);
         for _ in 0..500 {
             let (dac, _, faults) = bench.step();
@@ -72,7 +21,7 @@ fn without_references_it_rests_whatever_is_estimated() {
         }
     }
     let (mut plain, _) = tick(Some(&compiled()), Faults::empty());
-    assert_ne!(plain.sample(triangle(900), 0), SAFE, "without a drive the DAC shows the displacement");
+    assert_ne!(plain.sample(triangle(900).into(), 0), SAFE, "without a drive the DAC shows the displacement");
 }
 
 #[test]
@@ -115,14 +64,12 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
 fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
     let mut bench = Bench::new();
     bench.set(Mode::Follow);
-    // 40 V/s is 20 mV or 20.5 codes a tick.
-    let stride = 21;
     let mut last = REST.0;
     let mut follow = |bench: &mut Bench, code: Option<AdcCode>| {
         let _ = bench.link.queues.references.enqueue(30.0);
         let code = code.unwrap_or(bench.amplifier());
         let (dac, _, faults) = bench.step_with(code);
-        assert!(dac.0.abs_diff(last) <= stride, "{last} → {}", dac.0);
+        assert!(dac.0.abs_diff(last) <= STRIDE, "{last} → {}", dac.0);
         last = dac.0;
         (dac, faults)
     };
@@ -164,7 +111,7 @@ fn where_nobody_speaks_any_more_it_goes_back_to_rest_unless_it_is_to_hold() {
 #[test]
 fn with_a_table_that_is_not_the_stored_one_the_output_stays_safe() {
     let (mut tick, _) = tick(Some(&compiled()), Faults::TABLE_FALLBACK);
-    assert!((0..3_000).all(|k| tick.sample(triangle(k), k * PERIOD) == SAFE));
+    assert!((0..3_000).all(|k| tick.sample(triangle(k).into(), k * PERIOD) == SAFE));
 }
 
 #[test]
@@ -190,7 +137,7 @@ fn an_amplifier_that_does_not_go_along_is_a_fault_and_one_that_does_is_none() {
             let volts = plant(table.drive.unwrap().voltage(bench.dac));
             let code = table.adc.code(volts).0 + (bench.k % 2) as u16;
             let (dac, _, found) = bench.step_with(AdcCode(code));
-            assert!(dac.0.abs_diff(last) <= 21, "{name}: {last} → {}", dac.0);
+            assert!(dac.0.abs_diff(last) <= STRIDE, "{name}: {last} → {}", dac.0);
             (last, faults) = (dac.0, faults | found);
         }
         assert_eq!(faults.contains(Faults::AMPLIFIER), wrong, "{name}: {faults:?}");

@@ -16,7 +16,7 @@ fn it_is_the_core_s_estimator_and_its_samples_are_numbered() {
     link.telemetry.streaming.store(true, Relaxed);
     for k in 0..5_000 {
         let expected = reference.tick(triangle(k));
-        assert_eq!(tick.sample(triangle(k), k * PERIOD), expected.dac);
+        assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), expected.dac);
         let found = link.queues.samples.dequeue().expect("a sample a tick");
         assert_eq!((found.tick, found.sample.code), (k, triangle(k).0));
         assert_eq!(found.sample.displacement.to_bits(), expected.displacement.to_bits());
@@ -30,16 +30,16 @@ fn it_is_the_core_s_estimator_and_its_samples_are_numbered() {
 fn nobody_reading_costs_samples_never_ticks() {
     let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     for k in 0..10 {
-        tick.sample(triangle(k), k * PERIOD);
+        tick.sample(triangle(k).into(), k * PERIOD);
     }
     assert!(link.queues.samples.dequeue().is_none(), "nobody asked for samples");
     link.telemetry.streaming.store(true, Relaxed);
     for k in 10..1_010 {
-        tick.sample(triangle(k), k * PERIOD);
+        tick.sample(triangle(k).into(), k * PERIOD);
     }
     let kept = std::iter::from_fn(|| link.queues.samples.dequeue()).count() as u32;
     assert_eq!(kept + link.telemetry.dropped.load(Relaxed), 1_000);
-    tick.sample(triangle(0), 1_010 * PERIOD);
+    tick.sample(triangle(0).into(), 1_010 * PERIOD);
     assert_eq!(link.queues.samples.dequeue().map(|next| next.tick), Some(1_010), "the gap shows in the numbers");
 }
 
@@ -58,7 +58,7 @@ fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
         (PERIOD, 3, false, 7),
     ] {
         now = now.wrapping_add(elapsed);
-        tick.sample(moving(number), now);
+        tick.sample(moving(number).into(), now);
         assert_eq!(link.telemetry.missed.load(Relaxed), missed);
         let found = link.queues.samples.dequeue().unwrap();
         assert_eq!(found.sample.faults, if fault { Faults::MISSED_DEADLINE } else { Faults::empty() });
@@ -68,10 +68,10 @@ fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
     link.telemetry.forget();
     assert_eq!((link.telemetry.missed.load(Relaxed), link.telemetry.faults_seen()), (0, Faults::empty()));
     link.telemetry.took(50, 60);
-    tick.sample(moving(1), now.wrapping_add(PERIOD));
+    tick.sample(moving(1).into(), now.wrapping_add(PERIOD));
     assert_eq!(link.telemetry.missed.load(Relaxed), 0);
     link.telemetry.took(61, 60);
-    tick.sample(moving(2), now.wrapping_add(2 * PERIOD));
+    tick.sample(moving(2).into(), now.wrapping_add(2 * PERIOD));
     assert_eq!(link.telemetry.missed.load(Relaxed), 1, "a tick that was not done in time");
 }
 
@@ -95,7 +95,7 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
         let mut now = 0;
         let mut step = |code| {
             now += PERIOD;
-            tick.sample(code, now)
+            tick.sample(code.into(), now)
         };
         step(moving(1));
         for k in 0..limit - 1 {
@@ -124,7 +124,7 @@ fn a_supply_out_of_tolerance_is_a_fault_until_a_second_after() {
         (0..ticks)
             .filter(|_| {
                 k += 1;
-                tick.sample(triangle(k), k * PERIOD) == SAFE
+                tick.sample(triangle(k).into(), k * PERIOD) == SAFE
             })
             .count()
     };
@@ -141,7 +141,7 @@ fn a_supply_out_of_tolerance_is_a_fault_until_a_second_after() {
 fn a_supply_out_of_tolerance_at_the_start_is_believed_at_once() {
     let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
     link.telemetry.set_supply(Some(3100), |mv| mv > 3135);
-    assert!((0..100).all(|k| tick.sample(triangle(k), k * PERIOD) == SAFE));
+    assert!((0..100).all(|k| tick.sample(triangle(k).into(), k * PERIOD) == SAFE));
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn without_a_table_or_with_another_than_the_stored_one_the_dac_is_safe_for_good(
     {
         let (mut tick, link) = tick(table.as_ref(), standing);
         for k in 0..100 {
-            assert_eq!(tick.sample(triangle(k), k * PERIOD), SAFE);
+            assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), SAFE);
             assert_eq!(link.telemetry.faults(), fault | Faults::SAFE_OUTPUT);
         }
     }
@@ -161,10 +161,10 @@ fn without_a_table_or_with_another_than_the_stored_one_the_dac_is_safe_for_good(
 fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
     let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     for k in 0..100 {
-        tick.sample(triangle(k), k * PERIOD);
+        tick.sample(triangle(k).into(), k * PERIOD);
     }
     link.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
-    tick.sample(triangle(100), 100 * PERIOD);
+    tick.sample(triangle(100).into(), 100 * PERIOD);
     assert_eq!((link.telemetry.mode(), link.telemetry.epoch.load(Relaxed)), (Mode::Pil, 1));
     link.telemetry.streaming.store(true, Relaxed);
     let mut reference = Estimator::<f32>::new(&compiled());
@@ -172,7 +172,7 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
         if k % 3 != 0 {
             link.queues.fed.enqueue(triangle(7 * k)).unwrap();
         }
-        assert_eq!(tick.sample(AdcCode(0), (101 + k) * PERIOD), SAFE);
+        assert_eq!(tick.sample(AdcCode(0).into(), (101 + k) * PERIOD), SAFE);
         match link.queues.samples.dequeue() {
             None => assert_eq!(k % 3, 0),
             Some(found) => {
@@ -185,7 +185,7 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
     }
     for (mode, estimates) in [(Mode::Pause, false), (Mode::Estimate, true)] {
         link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
-        let dac = tick.sample(triangle(500), 401 * PERIOD);
+        let dac = tick.sample(triangle(500).into(), 401 * PERIOD);
         assert_eq!((dac != SAFE, link.queues.samples.dequeue().is_some()), (estimates, estimates), "{mode:?}");
     }
 }
@@ -195,14 +195,14 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
 fn fed_codes_are_no_sign_of_the_adc_s_health() {
     let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     link.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
-    tick.sample(triangle(0), 0);
+    tick.sample(triangle(0).into(), 0);
     link.telemetry.streaming.store(true, Relaxed);
     let mut reference = Estimator::<f32>::new(&compiled());
     let lasts = |code: u16, ticks: u32| (0..ticks).map(move |_| AdcCode(code));
     let log = lasts(30_000, 2 * STUCK).chain(lasts(65_520, 2 * OUT_OF_RANGE)).chain((0..3 * HOLD).map(moving));
     for (code, k) in log.zip(1..) {
         link.queues.fed.enqueue(code).unwrap();
-        assert_eq!(tick.sample(AdcCode(0), PERIOD.wrapping_mul(k)), SAFE);
+        assert_eq!(tick.sample(AdcCode(0).into(), PERIOD.wrapping_mul(k)), SAFE);
         let found = link.queues.samples.dequeue().expect("a sample a tick").sample;
         let expected = reference.tick(code);
         assert_eq!(
@@ -218,26 +218,26 @@ fn fed_codes_are_no_sign_of_the_adc_s_health() {
 fn the_bias_is_told_at_the_next_tick_and_ages_until_the_estimate_begins_anew() {
     let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
     for k in 0..500 {
-        tick.sample(triangle(k), k * PERIOD);
+        tick.sample(triangle(k).into(), k * PERIOD);
     }
     assert_eq!((link.telemetry.bias_um(), link.telemetry.bias_age_ticks()), (0.0, None));
     link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).unwrap();
     link.telemetry.streaming.store(true, Relaxed);
-    tick.sample(triangle(500), 500 * PERIOD);
+    tick.sample(triangle(500).into(), 500 * PERIOD);
     assert!((link.queues.samples.dequeue().unwrap().sample.displacement - 3.0).abs() < 0.1);
     assert_eq!(link.telemetry.bias_age_ticks(), Some(0));
     let zeroed = link.telemetry.bias_um();
     for k in 501..511 {
-        tick.sample(triangle(k), k * PERIOD);
+        tick.sample(triangle(k).into(), k * PERIOD);
     }
     assert_eq!(link.telemetry.bias_age_ticks(), Some(10));
     link.telemetry.forget();
     assert_eq!(link.telemetry.bias_um(), zeroed, "the bias is no count");
     link.queues.commands.enqueue(Command::ShiftBias { by_um: -0.5 }).unwrap();
-    tick.sample(triangle(511), 511 * PERIOD);
+    tick.sample(triangle(511).into(), 511 * PERIOD);
     assert!((link.telemetry.bias_um() - (zeroed - 0.5)).abs() < 1e-5);
     assert_eq!(link.telemetry.bias_age_ticks(), Some(0));
     link.queues.commands.enqueue(Command::SetMode(Mode::Estimate)).unwrap();
-    tick.sample(triangle(512), 512 * PERIOD);
+    tick.sample(triangle(512).into(), 512 * PERIOD);
     assert_eq!((link.telemetry.bias_um(), link.telemetry.bias_age_ticks()), (0.0, None));
 }

@@ -53,7 +53,7 @@ pub struct Health {
     pub clamped: u32,
     /// Ticks with the DAC at an end of its range.
     pub dac_saturated: u32,
-    /// Ticks with the wanted displacement out of reach.
+    /// Ticks with the wanted displacement, or voltage, out of reach.
     pub out_of_reach: u32,
     /// Samples that the link could not carry away.
     pub samples_dropped: u32,

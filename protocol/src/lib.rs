@@ -31,5 +31,5 @@ pub use refusal::Refusal;
 pub use sample::{Sample, Samples};
 pub use text::{Text, text};
 
-/// The serial line's rate, bit/s, 8 data bits, no parity, one stop bit. The full stream takes about a quarter of it.
+/// The serial line's rate, bit/s, 8 data bits, no parity, one stop bit. The full stream takes less than half of it.
 pub const BAUD: u32 = 921_600;

@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 pub type Record = Vec<u8, MAX_LENGTH>;
 /// ADC codes to be fed to the tick.
 pub type Codes = Vec<u16, 64>;
-/// Wanted displacements, µm relative to the model's zero.
+/// What is wanted, one a tick: displacements in [`Mode::Follow`], µm relative to the model's zero; the amplifier's voltages in
+/// [`Mode::Excite`], V.
 pub type References = Vec<f32, 64>;
 
 /// Host to device.
@@ -55,13 +56,13 @@ pub enum Request {
     },
     /// Stream samples, or stop. → [`Reply::Done`]
     Stream(bool),
-    /// Tell the bias by a displacement that is known now, in [`Mode::Estimate`]; until the estimate starts anew.
-    /// → [`Reply::Done`]
+    /// Tell the bias by a displacement that is known now, in [`Mode::Estimate`] and [`Mode::Excite`]; until the estimate
+    /// starts anew. → [`Reply::Done`]
     SetZero {
         /// What the displacement of now is called, µm; no larger than the span of the table's displacement limits.
         at_um: f32,
     },
-    /// Shift the bias, in [`Mode::Estimate`]; until the estimate starts anew. → [`Reply::Done`]
+    /// Shift the bias, in [`Mode::Estimate`] and [`Mode::Excite`]; until the estimate starts anew. → [`Reply::Done`]
     ShiftBias {
         /// What is added to the displacement from now on, µm; no larger than the span of the table's displacement limits.
         by_um: f32,
@@ -71,7 +72,7 @@ pub enum Request {
     SetMode(Mode),
     /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]
     Feed(Codes),
-    /// Wanted displacements for the next ticks, in [`Mode::Follow`]. → [`Reply::Referred`]
+    /// Wanted displacements for the next ticks, in [`Mode::Follow`], or voltages, in [`Mode::Excite`]. → [`Reply::Referred`]
     Refer {
         /// One a tick.
         references: References,

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 /// What the tick does. A mode other than [`Mode::Estimate`] lasts while sound frames come: five seconds after the last one the
-/// device estimates again, but for a [`Mode::Follow`] that holds a reference which is to be held for ever.
+/// device estimates again, but for a mode that holds a
+/// reference which is to be held for ever.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Mode {
     /// Estimates from the ADC; the DAC follows.
@@ -17,12 +18,23 @@ pub enum Mode {
     /// last one where there is none; at rest before the first. A fault, or a second without references, sends it back to rest,
     /// and there it stays until the mode is set again.
     Follow,
+    /// As [`Mode::Follow`], but the references are voltages of the amplifier: the DAC drives it to what they say, within the
+    /// drive's range and slew rate, and the sensor's channel is read beside the estimate. So an actuator is measured that no
+    /// table knows yet.
+    Excite,
 }
 
 impl Mode {
+    /// Whether the DAC drives the amplifier by references in this mode.
+    pub const fn drives(self) -> bool {
+        matches!(self, Self::Follow | Self::Excite)
+    }
+
     /// The mode whose number (`mode as u8`) this is; `None` where it is none's.
     pub fn from_number(number: u8) -> Option<Self> {
-        [Self::Estimate, Self::Pil, Self::Pause, Self::Follow].into_iter().find(|&mode| mode as u8 == number)
+        [Self::Estimate, Self::Pil, Self::Pause, Self::Follow, Self::Excite]
+            .into_iter()
+            .find(|&mode| mode as u8 == number)
     }
 }
 
@@ -33,7 +45,7 @@ mod tests {
     #[test]
     fn a_mode_is_found_by_its_number_and_nothing_else_is_one() {
         let modes: Vec<Mode> = (0..=u8::MAX).filter_map(Mode::from_number).collect();
-        assert_eq!(modes, [Mode::Estimate, Mode::Pil, Mode::Pause, Mode::Follow]);
+        assert_eq!(modes, [Mode::Estimate, Mode::Pil, Mode::Pause, Mode::Follow, Mode::Excite]);
         assert!(modes.iter().all(|&mode| Mode::from_number(mode as u8) == Some(mode)));
     }
 }

@@ -42,8 +42,8 @@ pub enum Refusal {
     /// The DAC drives the amplifier by one of the tables only: the one in use, or the one that would be used.
     #[error("the new table changes what the DAC output is connected to (amplifier or display)")]
     Rewired,
-    /// References came, but the mode is not [`Mode::Follow`](crate::Mode::Follow).
-    #[error("it takes references in the mode that follows them only")]
+    /// References came, but the mode is none that drives ([`Mode::drives`](crate::Mode::drives)).
+    #[error("it takes references in the modes that drive by them only")]
     NotFollowing,
     /// A reference is not a finite number.
     #[error("a reference is not a finite number")]

@@ -13,6 +13,9 @@ pub const MAX_BATCH: usize = 32;
 pub struct Sample {
     /// What the converter read ([`estimator_core::AdcCode`]); the table's calibration makes volts of it.
     pub code: u16,
+    /// What the converter read at the displacement sensor, on the same scale; `None` where the board has no such channel, and
+    /// where the code was fed ([`crate::Mode::Pil`]).
+    pub sensor: Option<u16>,
     /// Displacement at the next tick, µm relative to the zero; 0 where nothing was estimated.
     pub displacement: f32,
     /// Half the width of its 95 % interval ([`estimator_core::interval`]), µm; `None` where there is none.

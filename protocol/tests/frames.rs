@@ -33,7 +33,7 @@ fn requests() -> Vec<Request> {
         Request::Stream(true),
         Request::SetZero { at_um: f32::MIN },
         Request::ShiftBias { by_um: f32::MAX },
-        Request::SetMode(Mode::Pil),
+        Request::SetMode(Mode::Excite),
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
         Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true, hold: true },
         Request::Reset,
@@ -43,6 +43,7 @@ fn requests() -> Vec<Request> {
 fn samples(count: usize) -> Samples {
     let sample = Sample {
         code: u16::MAX,
+        sensor: Some(u16::MAX),
         displacement: f32::MIN,
         half_width: Some(f32::MAX),
         dac: u16::MAX,
@@ -55,7 +56,7 @@ fn samples(count: usize) -> Samples {
 /// What the device sends, at its longest.
 fn answers() -> Vec<ToHost> {
     let health = Health {
-        mode: Mode::Pause,
+        mode: Mode::Excite,
         ticks: u32::MAX,
         faults: Faults::all(),
         faults_seen: Faults::all(),
@@ -121,10 +122,10 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f04ac020a030102f0ff034aadb0a000");
+    assert_eq!(hex(frame(&message)), "0f05ac020a030102f0ff0374c6724f00");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "1f0401ffffffff0f01ffff03ffff7fff01ffff7f7fffff037fff033c97bb9000"
+        "230501ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff03da0c73b800"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);

@@ -171,6 +171,39 @@ fn what_cannot_be_reached_is_said_and_released_again() {
 }
 
 #[test]
+fn a_wanted_voltage_is_had_within_the_limits_and_the_model_goes_along() {
+    for model in invertible() {
+        let (table, limits) = (monotone(model), limits(model));
+        let Range { min, max } = limits.range_v;
+        let stride = limits.slew_v_per_s * 5e-4;
+        let (mut inverse, mut judge) = (table.inverse::<f64>(&limits).unwrap(), Estimator::<f64>::new(&table));
+        judge.tick_volts(limits.rest_v.into());
+        let mut last = f64::from(limits.rest_v);
+        for (wanted, had) in [(2.0 * max - min, max), (min - 1.0, min), ((min + max) / 2.0, (min + max) / 2.0)] {
+            let (wanted, had) = (f64::from(wanted), f64::from(had));
+            let mut commanded = inverse.steer(wanted);
+            assert!(!commanded.reached, "{model}: further than a tick's slew");
+            for _ in 0..((max - min) / stride) as u32 + 2 {
+                let step = commanded.voltage - last;
+                assert!(step.abs() <= f64::from(stride) * 1.0001, "{model}: {last} → {}", commanded.voltage);
+                let there = judge.tick_volts(commanded.voltage).displacement;
+                assert!((there - commanded.displacement).abs() < 1e-9, "{model}: the inverse's model is the table's");
+                last = commanded.voltage;
+                commanded = inverse.steer(wanted);
+            }
+            judge.tick_volts(commanded.voltage);
+            last = commanded.voltage;
+            assert!((last - had).abs() < 1e-9, "{model}: {wanted} gives {last}");
+            assert_eq!(commanded.reached, wanted == had, "{model}");
+        }
+        for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let commanded = inverse.steer(odd);
+            assert_eq!((commanded.voltage, commanded.reached), (last, false), "{model}");
+        }
+    }
+}
+
+#[test]
 fn models_and_limits_without_an_inverse_are_refused() {
     let refused = |table: &Admitted, limits: &DriveLimits| table.inverse::<f32>(limits).unwrap_err();
     let narx = table_of(Model::Narx).admit().unwrap();
@@ -216,14 +249,14 @@ proptest! {
 
     /// Whatever is asked: the voltage stays within its range and its slew rate.
     #[test]
-    fn limits_hold(model in prop::sample::select(invertible()), asked in prop::collection::vec((-90f32..90.0, 1u8..40), 1..12)) {
+    fn limits_hold(model in prop::sample::select(invertible()), asked in prop::collection::vec((-90f32..90.0, 1u8..40, any::<bool>()), 1..12)) {
         let (table, limits) = (monotone(model), limits(model));
         let mut inverse = table.inverse::<f32>(&limits).unwrap();
         let stride = limits.slew_v_per_s * 5e-4 + 1e-4;
         let mut last = limits.rest_v;
-        for (reference, ticks) in asked {
+        for (reference, ticks, volts) in asked {
             for _ in 0..ticks {
-                let voltage = inverse.tick(reference).voltage;
+                let voltage = if volts { inverse.steer(reference) } else { inverse.tick(reference) }.voltage;
                 prop_assert!(limits.range_v.contains(voltage) && (voltage - last).abs() <= stride, "{last} → {voltage}");
                 last = voltage;
             }

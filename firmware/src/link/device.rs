@@ -170,7 +170,8 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Hands on a command that tells the bias by a displacement, µm.
     fn tell(&mut self, displacement: f32, command: Command) -> Result<(), Refusal> {
-        let table = self.table.as_ref().filter(|_| matches!(self.telemetry.mode(), Mode::Estimate | Mode::Pil));
+        let table =
+            self.table.as_ref().filter(|_| matches!(self.telemetry.mode(), Mode::Estimate | Mode::Excite | Mode::Pil));
         let span_um = table.ok_or(Refusal::NotEstimating)?.displacement_limits_um.span();
         if !(Range { min: -span_um, max: span_um }).contains(displacement) {
             return Err(Refusal::BeyondSpan { span_um });
@@ -187,7 +188,7 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn estimating(&self) -> bool {
-        matches!(self.telemetry.mode(), Mode::Estimate | Mode::Follow) && self.table.is_some()
+        matches!(self.telemetry.mode(), Mode::Estimate | Mode::Follow | Mode::Excite) && self.table.is_some()
     }
 
     /// Streaming starts with samples of now and ends with the change of mode.
@@ -204,10 +205,10 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Changes what the tick does, which takes a tick.
     pub async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
-        if mode == Mode::Follow && self.table.is_none_or(|table| table.drive.is_none()) {
+        if mode.drives() && self.table.is_none_or(|table| table.drive.is_none()) {
             return Err(Refusal::NoDrive);
         }
-        if mode == Mode::Follow && self.telemetry.faults().intersects(Faults::UNSAFE) {
+        if mode.drives() && self.telemetry.faults().intersects(Faults::UNSAFE) {
             return Err(Refusal::Faulty);
         }
         let epoch = self.telemetry.epoch.load(Relaxed);
@@ -232,7 +233,7 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn refer(&mut self, references: &References, go: bool, hold: bool) -> Reply {
-        if self.telemetry.mode() != Mode::Follow {
+        if !self.telemetry.mode().drives() {
             return Reply::Refused(Refusal::NotFollowing);
         }
         if !references.iter().all(|reference| reference.is_finite()) {

@@ -1,6 +1,8 @@
 //! A tick and its other half, on the host.
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub mod driven;
+
 use estimator_core::table::Board;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, Table};
 use firmware::drive::Drive;

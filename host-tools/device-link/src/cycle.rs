@@ -267,7 +267,7 @@ mod tests {
         let mut noise = 0;
         let rest = move |_| {
             noise = 1 - noise;
-            AdcCode(30_000 + 20 * noise)
+            AdcCode(30_000 + 20 * noise).into()
         };
         let error = found(rest, sound).unwrap_err();
         assert!(matches!(error, CycleError::NoCycle { span_v, .. } if span_v > 0.0), "{error}");

@@ -197,8 +197,8 @@ mod tests {
         let rest = DRIVE.code(LIMITS.rest_v, TABLE.dac.full_scale);
         let breaks = move |dac| {
             moved += u32::from(moved > 0 || dac != rest);
-            let code = amplifier.sample(dac);
-            if moved < 280 { code } else { AdcCode(TABLE.adc.full_scale) }
+            let conversion = amplifier.sample(dac);
+            if moved < 280 { conversion } else { AdcCode(TABLE.adc.full_scale).into() }
         };
         let starves = messages(|message| match message {
             ToHost::Reply { to, reply: Reply::Referred { taken, .. } } => {
@@ -232,6 +232,7 @@ mod tests {
     fn what_is_odd_before_the_first_reference_ends_nothing_but_an_unsafe_fault_does() {
         let sample = |faults| Sample {
             code: 1,
+            sensor: None,
             displacement: 0.0,
             half_width: None,
             dac: 0,

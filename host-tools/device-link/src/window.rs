@@ -138,6 +138,7 @@ mod tests {
     fn frame(first: u32, displacements: &[f32]) -> Samples {
         let sample = |&displacement| Sample {
             code: 100,
+            sensor: None,
             displacement,
             half_width: None,
             dac: 7,

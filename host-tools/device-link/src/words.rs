@@ -48,6 +48,7 @@ pub fn mode(mode: Mode) -> &'static str {
         Mode::Pil => "waits for fed samples (processor in the loop) and estimates nothing else",
         Mode::Pause => "is paused and estimates nothing",
         Mode::Follow => "drives the amplifier to where it is told, and estimates from its ADC",
+        Mode::Excite => "drives the amplifier to the voltages that it is told, and estimates from its ADC",
     }
 }
 
@@ -83,7 +84,7 @@ const STATUS: [(Status, &str); 7] = [
     ),
     (
         Status::OUT_OF_REACH,
-        "the wanted displacement was out of reach: the voltage or its slew rate stood at the drive's limit",
+        "the wanted displacement, or voltage, was out of reach: the voltage or its slew rate stood at the drive's limit",
     ),
     (
         Status::UNTRAINED,

@@ -109,10 +109,10 @@ async fn ticks(
         looked = now;
         let mut left = MOST_TICKS;
         while due >= 1.0 && left >= 1.0 {
-            let code = plant.sample(put_out);
+            let conversion = plant.sample(put_out);
             put_out = computed;
             let begun = std::time::Instant::now();
-            computed = tick.sample(code, cycles);
+            computed = tick.sample(conversion, cycles);
             // A tick takes no second.
             telemetry.took(begun.elapsed().as_nanos() as u32, u32::MAX);
             cycles = cycles.wrapping_add(CYCLES_HZ / TICK_HZ);

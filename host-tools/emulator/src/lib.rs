@@ -1,7 +1,7 @@
 //! The firmware on the host, behind a TCP socket: a device without a board.
 //!
 //! ```text
-//! Plant ── ADC code ─► Tick ── DAC code ─► Plant        at the emulated rate
+//! Plant ── codes ─► Tick ── DAC code ─► Plant        at the emulated rate
 //! host ◄─► socket ◄─► Link ◄─► ParameterStore ◄─► flash
 //! ```
 //!
@@ -29,6 +29,7 @@ mod serial_line;
 
 pub use emulator::{EmulatedDevice, Emulator, EmulatorError};
 pub use faulty_line::{Direction, Fault, FaultyLine};
+pub use firmware::Conversion;
 /// The table of the firmware image, by which the device estimates where none is stored.
 pub use firmware::table::TABLE;
 pub use plant::{Plant, amplifier, triangle};

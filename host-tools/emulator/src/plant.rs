@@ -1,16 +1,17 @@
 //! What the converters of an emulated device are connected to.
 
 use estimator_core::{AdcCalibration, AdcCode, DacCode, DriveCalibration};
+use firmware::Conversion;
 use firmware::rate::TICK_HZ;
 
 /// What is behind the converters: an amplifier with a load, a recorded log, a signal generator.
 pub trait Plant: Send + 'static {
-    /// What the ADC reads at a tick, where the DAC has put `dac` out since the tick before.
-    fn sample(&mut self, dac: DacCode) -> AdcCode;
+    /// What the converters read at a tick, where the DAC has put `dac` out since the tick before.
+    fn sample(&mut self, dac: DacCode) -> Conversion;
 }
 
-impl<P: FnMut(DacCode) -> AdcCode + Send + 'static> Plant for P {
-    fn sample(&mut self, dac: DacCode) -> AdcCode {
+impl<P: FnMut(DacCode) -> Conversion + Send + 'static> Plant for P {
+    fn sample(&mut self, dac: DacCode) -> Conversion {
         self(dac)
     }
 }
@@ -23,7 +24,7 @@ pub fn triangle() -> impl Plant {
         let height = phase.min(TICK_HZ - phase);
         phase = (phase + 1) % TICK_HZ;
         // At most 62,000.
-        AdcCode((3_000 + 59 * height) as u16)
+        AdcCode((3_000 + 59 * height) as u16).into()
     }
 }
 
@@ -34,6 +35,6 @@ pub fn amplifier(drive: DriveCalibration, adc: AdcCalibration) -> impl Plant {
     move |dac| {
         noise = 1 - noise;
         let AdcCode(code) = adc.code(drive.voltage::<f32>(dac));
-        AdcCode(code.saturating_add(noise).min(adc.full_scale))
+        AdcCode(code.saturating_add(noise).min(adc.full_scale)).into()
     }
 }

@@ -1,10 +1,10 @@
-//! ADC1 (RM0440): injected conversions started by TIM6's trigger, with hardware oversampling, and regular ones of the
-//! internal reference started by software.
+//! ADC1 (RM0440): injected sequences of one or two channels started by TIM6's trigger, with hardware oversampling, and regular
+//! conversions of the internal reference started by software.
 //!
-//! A conversion takes (sampling time + 12.5) ADC clocks times the oversampling ratio. The code that JDR1 or DR shows comes
-//! from outside as it is; its range is checked against the oversampling that the registers ask for. Calibration and
-//! switching on take no time. Injected and regular conversions do not delay each other. Refused: sequences of several
-//! channels, other resolutions and alignments, the JSQR queue, DMA, continuous and externally started regular conversion.
+//! A conversion takes (sampling time + 12.5) ADC clocks times the oversampling ratio; that of a sequence's second rank begins
+//! where the first one's ends. Each raises JEOC, the last JEOS as well. The code that JDR1, JDR2 or DR shows comes from outside as it is; its range is checked against the oversampling that the registers ask for. Calibration and
+//! switching on take no time. Injected and regular conversions do not delay each other. Refused: longer sequences,
+//! channels that nothing is connected to, other resolutions and alignments, the JSQR queue, DMA, continuous and externally started regular conversion.
 
 use anyhow::{Result, bail, ensure};
 
@@ -21,6 +21,7 @@ const SQR1: u32 = 0x30;
 const DR: u32 = 0x40;
 const JSQR: u32 = 0x4C;
 const JDR1: u32 = 0x80;
+const JDR2: u32 = 0x84;
 const CCR: u32 = 0x308;
 
 const ADRDY: u32 = 1 << 0;
@@ -47,8 +48,9 @@ const VREFEN: u32 = 1 << 22;
 
 /// TIM6's TRGO among the injected triggers, rising edge: JEXTSEL 14, JEXTEN 1.
 const TIM6_TRGO: u32 = 14 | 1 << 5;
-/// ADC1's channels: that of the amplifier's voltage, and of the internal reference.
+/// ADC1's channels: those of the amplifier's voltage, of the sensor, and of the internal reference.
 const AMPLIFIER: u32 = 1;
+const SENSOR: u32 = 2;
 const VREFINT: u32 = 18;
 const FASTEST_HZ: u32 = 60_000_000;
 /// PRESC's dividers.
@@ -56,10 +58,13 @@ const DIVIDERS: [u32; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
 /// SMPx's sampling times in half ADC clocks.
 const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
 
-/// What the pin and the reference give.
+/// What the pins and the reference give.
 pub struct Inputs {
-    /// The code JDR1 shows at the n-th injected conversion, counted from 0, of what the DAC's pin shows then.
+    /// The code of the amplifier's voltage in the n-th injected sequence, counted from 0, of what the DAC's pin shows then.
     pub codes: Box<dyn FnMut(u64, Option<u16>) -> u16>,
+    /// The sensor's code in the n-th injected sequence.
+    pub sensor: Box<dyn FnMut(u64) -> u16>,
+    /// Sequences so far.
     pub converted: u64,
     pub pin: Option<u16>,
     /// The code of the internal reference.
@@ -68,8 +73,17 @@ pub struct Inputs {
 
 impl Default for Inputs {
     fn default() -> Self {
-        Self { codes: Box::new(|_, _| 0), converted: 0, pin: None, reference: 1505 }
+        Self { codes: Box::new(|_, _| 0), sensor: Box::new(|_| 0), converted: 0, pin: None, reference: 1505 }
     }
+}
+
+/// The injected conversion going on.
+#[derive(Clone, Copy)]
+struct Converting {
+    trigger: u64,
+    end: u64,
+    /// Its place in the sequence, from 0.
+    rank: usize,
 }
 
 #[derive(Default)]
@@ -83,10 +97,9 @@ pub struct Adc {
     sequence: u32,
     injected: u32,
     data: u32,
-    injected_data: u32,
+    injected_data: [u32; 2],
     common: u32,
-    /// Trigger and end of the injected conversion going on.
-    converting: Option<(u64, u64)>,
+    converting: Option<Converting>,
     /// End of the regular conversion going on.
     measuring: Option<u64>,
 }
@@ -97,7 +110,7 @@ impl Adc {
     }
 
     pub fn due(&self) -> u64 {
-        self.converting.map_or(NEVER, |(_, end)| end).min(self.measuring.unwrap_or(NEVER))
+        self.converting.map_or(NEVER, |converting| converting.end).min(self.measuring.unwrap_or(NEVER))
     }
 
     pub fn interrupt(&self) -> bool {
@@ -130,31 +143,56 @@ impl Adc {
             record.lost_triggers += 1;
             return Ok(());
         }
-        let channel = field(self.injected, 9, 5);
-        ensure!(channel == AMPLIFIER, "channel {channel} is converted; channel {AMPLIFIER} is connected");
         ensure!(self.cfgr & !OVRMOD == JQDIS, "CFGR = {:#x}: a mode that is not modelled", self.cfgr);
+        self.begin(at, at, 0, rcc)
+    }
+
+    /// The channel of a rank, from 0, of the injected sequence.
+    fn channel(&self, rank: usize) -> u32 {
+        field(self.injected, 9 + 6 * rank as u32, 5)
+    }
+
+    /// Begins the conversion of a rank of the sequence that was triggered at `trigger`.
+    fn begin(&mut self, trigger: u64, at: u64, rank: usize, rcc: &Rcc) -> Result<()> {
+        let channel = self.channel(rank);
+        ensure!(
+            [AMPLIFIER, SENSOR].contains(&channel),
+            "channel {channel} is converted; channels {AMPLIFIER} and {SENSOR} are connected"
+        );
         let (ratio, _) = self.oversampling(JOVSE);
-        self.converting = Some((at, at + self.duration(channel, ratio, rcc)?));
+        self.converting = Some(Converting { trigger, end: at + self.duration(channel, ratio, rcc)?, rank });
         Ok(())
     }
 
     /// The conversion that ends at `at`.
-    pub fn advance(&mut self, at: u64, inputs: &mut Inputs, record: &mut Record) -> Result<()> {
+    pub fn advance(&mut self, at: u64, inputs: &mut Inputs, rcc: &Rcc, record: &mut Record) -> Result<()> {
         if self.measuring == Some(at) {
             self.measuring = None;
             self.data = self.fitting(inputs.reference, ROVSE)?;
             self.isr |= EOC | EOS;
             self.cr &= !ADSTART;
         }
-        if let Some((trigger, end)) = self.converting.filter(|&(_, end)| end == at) {
+        if let Some(Converting { trigger, end, rank }) = self.converting.filter(|converting| converting.end == at) {
             self.converting = None;
-            let code = (inputs.codes)(inputs.converted, inputs.pin);
+            let code = match self.channel(rank) {
+                SENSOR => (inputs.sensor)(inputs.converted),
+                _ => (inputs.codes)(inputs.converted, inputs.pin),
+            };
+            self.injected_data[rank] = self.fitting(code, JOVSE)?;
+            self.isr |= JEOC;
+            if rank < self.last_rank() {
+                return self.begin(trigger, end, rank + 1, rcc);
+            }
             inputs.converted += 1;
-            self.injected_data = self.fitting(code, JOVSE)?;
-            record.conversions.push(Conversion { trigger, end, code, late: self.isr & JEOS != 0 });
-            self.isr |= JEOC | JEOS;
+            record.conversions.push(Conversion { trigger, end, late: self.isr & JEOS != 0 });
+            self.isr |= JEOS;
         }
         Ok(())
+    }
+
+    /// JL: the last rank of the injected sequence, from 0.
+    fn last_rank(&self) -> usize {
+        field(self.injected, 0, 2) as usize
     }
 
     /// The code, if the oversampling that is set can give it.
@@ -189,9 +227,9 @@ impl Adc {
                 self.isr &= !EOC;
                 self.data
             }
-            JDR1 => {
+            JDR1 | JDR2 => {
                 self.isr &= !JEOC;
-                self.injected_data
+                self.injected_data[(offset - JDR1) as usize / 4]
             }
             _ => return None,
         })
@@ -209,11 +247,11 @@ impl Adc {
             SMPR1 | SMPR2 => self.sampling[(offset - SMPR1) as usize / 4] = value,
             SQR1 => self.sequence = value,
             JSQR => {
-                ensure!(value & 3 == 0, "JSQR = {value:#x}: only a single injected channel is modelled");
+                ensure!(value & 3 <= 1, "JSQR = {value:#x}: no more than two injected channels are modelled");
                 self.injected = value;
             }
             CCR => self.common = value,
-            DR | JDR1 => {}
+            DR | JDR1 | JDR2 => {}
             _ => return Ok(false),
         }
         Ok(true)

@@ -144,7 +144,7 @@ impl Board {
         self.machine().bench.wire.received.len()
     }
 
-    /// From now on, the n-th injected conversion, counted from 0, shows `codes(n)` in JDR1.
+    /// From now on, the n-th injected sequence, counted from 0, reads `codes(n)` at the amplifier's channel.
     pub fn feed(&mut self, mut codes: impl FnMut(u64) -> u16 + 'static) {
         self.connect(move |n, _| codes(n));
     }
@@ -154,6 +154,12 @@ impl Board {
         let inputs = &mut self.machine_mut().bench.inputs;
         inputs.codes = Box::new(codes);
         inputs.converted = 0;
+    }
+
+    /// From now on, the n-th injected sequence, counted from the last [`Board::feed`] or [`Board::connect`], reads `codes(n)` at
+    /// the sensor's channel; before, it reads 0.
+    pub fn feed_sensor(&mut self, codes: impl FnMut(u64) -> u16 + 'static) {
+        self.machine_mut().bench.inputs.sensor = Box::new(codes);
     }
 
     /// Sets ADC1's code of the internal reference: 1655 × 3.0 V / supply.

@@ -151,7 +151,7 @@ impl Machine {
         }
         if self.adc.due() == at {
             self.bench.inputs.pin = self.dac.output();
-            self.adc.advance(at, &mut self.bench.inputs, &mut self.bench.record)?;
+            self.adc.advance(at, &mut self.bench.inputs, &self.rcc, &mut self.bench.record)?;
         }
         if self.tim6.due == at && self.tim6.advance(at) {
             self.trigger(at)?;

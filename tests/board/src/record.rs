@@ -10,7 +10,7 @@ pub struct Record {
     /// Every code that came to the DAC's pin: with each trigger, new or not, and with writes and switching on where it
     /// changed what the pin shows.
     pub outputs: Vec<Latch>,
-    /// The injected conversions of ADC1, one a trigger.
+    /// The injected sequences of ADC1, one a trigger.
     pub conversions: Vec<Conversion>,
     /// Triggers that came while an injected conversion was going on; ADC1 ignores them.
     pub lost_triggers: u32,
@@ -48,16 +48,14 @@ pub struct Edge {
     pub high: bool,
 }
 
-/// An injected conversion.
+/// An injected sequence of conversions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Conversion {
     /// The trigger's clock.
     pub trigger: u64,
-    /// The clock at which JDR1 holds the code.
+    /// The clock at which the last code is there.
     pub end: u64,
-    /// The code in JDR1.
-    pub code: u16,
-    /// Whether the end of the conversion before was still flagged: the firmware had not come to it.
+    /// Whether the end of the sequence before was still flagged: the firmware had not come to it.
     pub late: bool,
 }
 

@@ -105,7 +105,7 @@ fn Timer0() {
         return;
     };
     let code = if TELEMETRY.drives() { looped_back() } else { triangle() };
-    DAC.store(tick.sample(code, started).0, Relaxed);
+    DAC.store(tick.sample(code.into(), started).0, Relaxed);
     TELEMETRY.took(registers::cycles().wrapping_sub(started), CORE_HZ / TICK_HZ);
 }
 

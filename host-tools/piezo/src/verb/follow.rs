@@ -277,8 +277,8 @@ mod tests {
         let rest = DRIVE.code(LIMITS.rest_v, TABLE.dac.full_scale);
         let breaks = move |dac| {
             moved += u32::from(moved > 0 || dac != rest);
-            let code = amplifier.sample(dac);
-            if moved < 80 { code } else { AdcCode(TABLE.adc.full_scale) }
+            let conversion = amplifier.sample(dac);
+            if moved < 80 { conversion } else { AdcCode(TABLE.adc.full_scale).into() }
         };
         let (done, log) = followed_about(20.0, false, breaks);
         assert!(!done.unwrap());

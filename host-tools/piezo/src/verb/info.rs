@@ -9,7 +9,7 @@ use clap::Args;
 use device_link::table;
 use device_link::words;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Status, Table, TableError};
-use protocol::{Faults, Health, Identity, Mode, VERSION};
+use protocol::{Faults, Health, Identity, VERSION};
 use serde_json::{Value, json};
 
 /// Arguments of `piezo info`.
@@ -89,7 +89,7 @@ fn lines(found: &Found) -> Vec<String> {
     }
     let drives = matches!(table, Some((Ok(table), _)) if table.drive.is_some());
     // One that drives the amplifier is at rest whenever nothing is followed: that is no fault.
-    let rests = drives && health.faults == Faults::SAFE_OUTPUT && health.mode != Mode::Follow;
+    let rests = drives && health.faults == Faults::SAFE_OUTPUT && !health.mode.drives();
     let faults = if rests { Faults::empty() } else { health.faults };
     lines.push(if faults.is_empty() { "Faults   none".to_owned() } else { "Faults".to_owned() });
     lines.extend(remedy::faults(faults).map(|meaning| bullet("now", meaning)));

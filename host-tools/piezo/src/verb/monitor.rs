@@ -263,7 +263,7 @@ mod tests {
         let mut tick = 0;
         let saw = move |_: DacCode| {
             tick = (tick + 1) % 1000;
-            AdcCode(24_000 + 16 * tick)
+            AdcCode(24_000 + 16 * tick).into()
         };
         let device = Emulator::new().plant(saw).speed(8.0).start().unwrap();
         let faulty = FaultyLine::to(device.address(), lose_samples_at(100)).unwrap();

@@ -47,7 +47,7 @@ fn pins_clocks_and_converters_are_set_up() -> Result<()> {
     let bench = Bench::started()?;
     let board = &bench.board;
     let mode = |number| board.mode(Pin { port: Port::A, number });
-    assert_eq!([0, 4].map(mode), [3, 3], "converters' pins are analogue");
+    assert_eq!([0, 1, 4].map(mode), [3, 3, 3], "converters' pins are analogue");
     assert_eq!([2, 3].map(mode), [2, 2], "the link's pins are the UART's");
     assert_eq!(board.mode(VALID), 1, "VALID is an output");
     assert_eq!(board.plain(AFRL) >> 8 & 0xFF, 0xCC, "LPUART1 is alternate function 12");

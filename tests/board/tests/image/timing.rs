@@ -7,8 +7,8 @@ use anyhow::Result;
 use board_emulator_test::{Conversion, FlashKind, exception};
 use protocol::{BAUD, Request};
 
-/// Sixteen conversions of 60 ADC clocks, at a quarter of the core's clock.
-const CONVERSION: u64 = 16 * 60 * 4;
+/// Of two channels sixteen conversions of 60 ADC clocks each, at a quarter of the core's clock.
+const CONVERSION: u64 = 2 * 16 * 60 * 4;
 
 /// What delays the interrupt at most beyond the conversion, clocks: the longest critical section. Some 3 µs.
 const BOUND: u64 = 500;

@@ -1,0 +1,19 @@
+//! What a board's converter gives at a tick.
+
+use estimator_core::AdcCode;
+
+/// The codes of one tick, all read after the same trigger.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Conversion {
+    /// The amplifier's monitor, from which the displacement is estimated.
+    pub monitor: AdcCode,
+    /// A displacement sensor beside it, which is streamed and decides nothing; `None` where the board has no such channel.
+    pub sensor: Option<AdcCode>,
+}
+
+/// Of a board, or a feed, without a sensor.
+impl From<AdcCode> for Conversion {
+    fn from(monitor: AdcCode) -> Self {
+        Self { monitor, sensor: None }
+    }
+}
