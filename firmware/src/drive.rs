@@ -6,7 +6,7 @@
 //! reset that nobody asked the firmware for.
 //!
 //! ```text
-//! Waiting ── go ─► Ready ── first reference ─► Driven ──── timeout ─► Stopped
+//! Waiting ── go ─► Ready ── first reference ─► Following ── timeout ─► Stopped
 //!    │               └───────── fault ─────────────┴────── fault ─────► │
 //!    └─ fault ─────────────────────────────────────────────────────────►┘
 //! ```
@@ -28,8 +28,8 @@ enum State {
     Waiting,
     /// At rest until the first reference comes.
     Ready { hold: bool },
-    /// Driven by the last reference that has come, µm or V.
-    Driven { reference: f32, hold: bool, ticks_without: u32 },
+    /// Follows the last reference that has come, µm or V.
+    Following { reference: f32, hold: bool, ticks_without: u32 },
     /// On its way to rest or there. References that come are taken, if `takes`, and not followed.
     Stopped { takes: bool },
 }
@@ -74,7 +74,7 @@ impl Drive {
     pub fn go(&mut self, hold: bool) {
         self.state = match self.state {
             State::Waiting | State::Ready { .. } => State::Ready { hold },
-            State::Driven { reference, ticks_without, .. } => State::Driven { reference, hold, ticks_without },
+            State::Following { reference, ticks_without, .. } => State::Following { reference, hold, ticks_without },
             State::Stopped { .. } => State::Stopped { takes: true },
         };
     }
@@ -91,12 +91,12 @@ impl Drive {
 
     /// Whether a reference is followed, of either kind.
     pub fn following(&self) -> bool {
-        matches!(self.state, State::Driven { .. })
+        matches!(self.state, State::Following { .. })
     }
 
     /// Whether a reference is followed that is to be held for ever.
     pub fn holding(&self) -> bool {
-        matches!(self.state, State::Driven { hold: true, .. })
+        matches!(self.state, State::Following { hold: true, .. })
     }
 
     /// One tick: the code for the displacement that has come (µm), else for the last one, else on the way to rest; and whether
@@ -118,21 +118,21 @@ impl Drive {
     /// The reference of this tick, if one is followed.
     fn reference(&mut self, next: Option<f32>) -> Option<f32> {
         self.state = match (self.state, next) {
-            (State::Ready { hold } | State::Driven { hold, .. }, Some(reference)) => {
-                State::Driven { reference, hold, ticks_without: 0 }
+            (State::Ready { hold } | State::Following { hold, .. }, Some(reference)) => {
+                State::Following { reference, hold, ticks_without: 0 }
             }
-            (State::Driven { reference, hold, ticks_without }, None) => {
+            (State::Following { reference, hold, ticks_without }, None) => {
                 let ticks_without = ticks_without.saturating_add(1);
                 if ticks_without >= REFERENCE_TIMEOUT_TICKS && !hold {
                     State::Stopped { takes: true }
                 } else {
-                    State::Driven { reference, hold, ticks_without }
+                    State::Following { reference, hold, ticks_without }
                 }
             }
             (state, _) => state,
         };
         match self.state {
-            State::Driven { reference, .. } => Some(reference),
+            State::Following { reference, .. } => Some(reference),
             _ => None,
         }
     }

@@ -5,6 +5,7 @@ mod common;
 use common::{PERIOD, SAFE, compiled, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimator, Status};
+use firmware::Conversion;
 use firmware::queues::Command;
 use firmware::watch::{HOLD, OUT_OF_RANGE, SATURATED, STUCK};
 use protocol::{Faults, Mode};
@@ -93,7 +94,7 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
     for (limit, fault, code) in cases {
         let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
         let mut now = 0;
-        let mut step = |code| {
+        let mut step = |code: AdcCode| {
             now += PERIOD;
             tick.sample(code.into(), now)
         };
@@ -172,12 +173,14 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
         if k % 3 != 0 {
             link.queues.fed.enqueue(triangle(7 * k)).unwrap();
         }
-        assert_eq!(tick.sample(AdcCode(0).into(), (101 + k) * PERIOD), SAFE);
+        let unread = Conversion { monitor: AdcCode(0), sensor: Some(AdcCode(9)) };
+        assert_eq!(tick.sample(unread, (101 + k) * PERIOD), SAFE);
         match link.queues.samples.dequeue() {
             None => assert_eq!(k % 3, 0),
             Some(found) => {
                 let expected = reference.tick(triangle(7 * k));
                 assert_eq!(found.sample.displacement.to_bits(), expected.displacement.to_bits());
+                assert_eq!((found.sample.code, found.sample.sensor), (triangle(7 * k).0, None), "what was fed");
                 assert_eq!(found.sample.status & Status::ADC_SATURATED, Status::empty());
                 assert_eq!(found.tick, k - k / 3 - 1, "numbered from 0 since the mode was set");
             }

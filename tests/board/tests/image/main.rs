@@ -2,6 +2,7 @@
 
 mod boot;
 mod common;
+mod excite;
 mod faults;
 mod flood;
 mod follow;
@@ -10,6 +11,7 @@ mod log;
 mod power_cut;
 mod ramps;
 mod resets;
+mod sensor;
 mod store;
 mod timing;
 mod valid;

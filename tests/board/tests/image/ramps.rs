@@ -18,16 +18,19 @@ const NOWHERE: u32 = 0x6000_0000;
 const ICSR: u32 = 0xE000_ED04;
 const NMIPENDSET: u32 = 1 << 31;
 
+/// The modes that drive, and a reference far from rest: µm, V.
+const WAYS: [(Mode, f32); 2] = [(Mode::Follow, 30.0), (Mode::Excite, 3.0)];
+
 /// A device whose amplifier has been driven far from rest, which the ADC reads, and the first latch on the way.
-fn driven() -> Result<(Bench, usize)> {
+fn driven((mode, reference): (Mode, f32)) -> Result<(Bench, usize)> {
     let mut bench = Bench::started()?;
     let table = Table { drive: Some(DRIVE), ..*bench.table()? }.admit()?;
     bench.connect(&table, |volts| volts);
     bench.push(&table)?;
     bench.restart()?;
-    bench.does(Request::SetMode(Mode::Follow))?;
+    bench.does(Request::SetMode(mode))?;
     let start = bench.board.record().outputs.len();
-    let references = [30.0; 64].iter().copied().collect();
+    let references = [reference; 64].iter().copied().collect();
     let reply = bench.ask(Request::Refer { references, go: true, hold: true })?;
     ensure!(reply == Reply::Referred { taken: 64, starved: 0 }, "{reply:?}");
     bench.run(0.1)?;
@@ -50,18 +53,20 @@ fn went_to_rest(name: &str, bench: &Bench, start: usize) {
 
 #[test]
 fn every_change_of_mode() -> Result<()> {
-    for mode in [Mode::Estimate, Mode::Pause, Mode::Pil, Mode::Follow] {
-        let (mut bench, start) = driven()?;
-        bench.does(Request::SetMode(mode))?;
-        bench.run(0.1)?;
-        went_to_rest(&format!("{mode:?}"), &bench, start);
+    for way in WAYS {
+        for mode in [Mode::Estimate, Mode::Pause, Mode::Pil, Mode::Follow, Mode::Excite] {
+            let (mut bench, start) = driven(way)?;
+            bench.does(Request::SetMode(mode))?;
+            bench.run(0.1)?;
+            went_to_rest(&format!("{way:?} to {mode:?}"), &bench, start);
+        }
     }
     Ok(())
 }
 
 #[test]
 fn a_reset_that_is_asked_for() -> Result<()> {
-    let (mut bench, start) = driven()?;
+    let (mut bench, start) = driven(WAYS[0])?;
     let ticks = bench.board.output().map_or(0.0, |code| f32::from(code - REST) / 20.48);
     let in_ms = bench.reset()?;
     assert!((in_ms as f32 - ticks / 2.0).abs() < 3.0, "{in_ms} ms for {ticks} ticks");
@@ -85,7 +90,7 @@ fn a_panic_and_a_hard_fault() -> Result<()> {
         }),
     ];
     for (name, fail) in failures {
-        let (mut bench, start) = driven()?;
+        let (mut bench, start) = driven(WAYS[1])?;
         fail(&mut bench)?;
         // Longer than the watchdog's period, were the rest ten times as far.
         assert_eq!(bench.board.run(0.5)?, Stop::Reset(Reset::Software), "{name}");
@@ -104,8 +109,9 @@ fn an_amplifier_that_does_not_go_along() -> Result<()> {
         ("a tripped amplifier", |_| 0.0),
         ("a span a quarter too wide", |volts| 1.25 * volts),
     ];
-    for (name, plant) in plants {
-        let (mut bench, start) = driven()?;
+    for (way, (name, plant)) in WAYS.into_iter().flat_map(|way| plants.map(|plant| (way, plant))) {
+        let name = format!("{name}, {way:?}");
+        let (mut bench, start) = driven(way)?;
         let table = bench.table()?;
         // The command moves as the model creeps; it must stand for the fault to come at its earliest.
         bench.run(0.4)?;
@@ -115,7 +121,7 @@ fn an_amplifier_that_does_not_go_along() -> Result<()> {
         bench.run(0.09)?;
         assert!(bench.board.output() > Some(REST + 1000), "{name}: not at once");
         bench.run(0.21)?;
-        went_to_rest(name, &bench, start);
+        went_to_rest(&name, &bench, start);
         let health = bench.health()?;
         assert!(health.faults.contains(Faults::AMPLIFIER | Faults::SAFE_OUTPUT), "{name}: {health:?}");
         assert!(valid_since(&bench.board, clock + 240 * PERIOD) == 0, "{name}: VALID is silent");

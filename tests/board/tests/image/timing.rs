@@ -2,13 +2,10 @@
 //! noisy line keep the rest of the firmware busy.
 
 use crate::common::noise::Noise;
-use crate::common::{Bench, PERIOD, push, reseeded};
+use crate::common::{Bench, CONVERSION, PERIOD, push, reseeded};
 use anyhow::Result;
 use board_emulator_test::{Conversion, FlashKind, exception};
 use protocol::{BAUD, Request};
-
-/// Of two channels sixteen conversions of 60 ADC clocks each, at a quarter of the core's clock.
-const CONVERSION: u64 = 2 * 16 * 60 * 4;
 
 /// What delays the interrupt at most beyond the conversion, clocks: the longest critical section. Some 3 µs.
 const BOUND: u64 = 500;

@@ -1,7 +1,7 @@
 //! VALID, the lamp and the button: VALID has an edge at every good tick and none within a tick of anything else. What the ADC
 //! may bring is in `faults`.
 
-use crate::common::{Bench, PERIOD, valid, valid_since};
+use crate::common::{Bench, CONVERSION, PERIOD, valid, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Pin, Port, Reset, Stop, exception};
 use protocol::{Mode, Reply, Request};
@@ -9,7 +9,7 @@ use protocol::{Mode, Reply, Request};
 const LAMP: Pin = Pin { port: Port::A, number: 5 };
 const BUTTON: Pin = Pin { port: Port::C, number: 13 };
 /// Clocks from a trigger within which its tick's edge has come: the conversion, and a generous tick.
-const SOON: u64 = 16 * 60 * 4 + 2000;
+const SOON: u64 = CONVERSION + 2000;
 /// TIM6_CR1, whose bit 0 lets it count; NVIC_ISER0 and NVIC_ICER0, a bit an interrupt to be enabled or not.
 const TIM6_CR1: u32 = 0x4000_1000;
 const NVIC_ISER0: u32 = 0xE000_E100;
