@@ -6,8 +6,8 @@ use super::request::LONGEST_S;
 use super::{ExcitationError, Request, Segment, Swing};
 use std::f64::consts::PI;
 
-/// Rest before and after what happens in a segment, as a part of the whole time, and at most so many s.
-const REST: f64 = 0.01;
+/// Each rest in a segment, as a part of its time, and at most so many s.
+const REST: f64 = 0.08;
 const REST_S: f64 = 2.0;
 /// Amplitudes at each frequency, of the range.
 const AMPLITUDES: [f64; 3] = [1.0, 0.5, 0.2];
@@ -43,10 +43,12 @@ impl Drive {
             let drive = Self::of(&Request { duration_s, ..*request });
             (drive.duration_s() <= OVERTIME * duration_s).then_some(drive)
         };
-        if let Some(drive) = fits(request.duration_s) {
-            return Ok(Self { request: *request, ..drive });
+        let mut least_s = request.duration_s.max(request.least_s());
+        if request.duration_s == least_s
+            && let Some(drive) = fits(least_s)
+        {
+            return Ok(drive);
         }
-        let mut least_s = request.duration_s;
         while least_s <= LONGEST_S {
             least_s *= OVERTIME;
             if fits(least_s).is_some() {
@@ -62,12 +64,17 @@ impl Drive {
     /// As of [`design`](Self::design).
     pub fn random(request: &Request) -> Result<Segment, ExcitationError> {
         request.check()?;
-        let random = Segment { volts: random(request, request.duration_s), ..HELD_OUT };
+        let random = random(request, request.duration_s);
         let seconds = random.volts.len() as f64 * request.tick_s;
         if seconds > OVERTIME * request.duration_s {
             return Err(ExcitationError::TooShort { duration_s: request.duration_s, least_s: 2.0 * seconds });
         }
         Ok(random)
+    }
+
+    /// What it was designed for.
+    pub fn request(&self) -> &Request {
+        &self.request
     }
 
     /// How long it takes, s.
@@ -109,6 +116,13 @@ impl Drive {
         reduced.iter().map(sentence).collect()
     }
 
+    /// The whole as a file for any generator: `time_s,voltage_V`.
+    pub fn to_csv(&self) -> String {
+        let volts = self.segments.iter().flat_map(|segment| &segment.volts);
+        let row = |(tick, volts): (usize, &f32)| format!("{:.6},{volts:.5}\n", tick as f64 * self.request.tick_s);
+        std::iter::once("time_s,voltage_V\n".to_owned()).chain(volts.enumerate().map(row)).collect()
+    }
+
     fn of(request: &Request) -> Self {
         let whole = request.duration_s;
         let mut swings = Vec::new();
@@ -123,38 +137,39 @@ impl Drive {
             segments.push(segment(name, "three amplitudes at one frequency", volts));
         }
         segments.push(segment("staircase", "steps that are held: creep", staircase(request, 0.14 * whole)));
-        segments.push(Segment { volts: random(request, 0.2 * whole), ..HELD_OUT });
+        segments.push(random(request, 0.2 * whole));
         Self { segments, swings, request: *request }
     }
 }
 
-const HELD_OUT: Segment =
-    Segment { name: "proof", what: "a random voltage, held out", held_out: true, volts: Vec::new() };
+/// Voltages, and how many ticks of them lead in.
+type Gone = (Vec<f32>, usize);
 
-fn segment(name: &'static str, what: &'static str, volts: Vec<f32>) -> Segment {
-    Segment { name, what, held_out: false, volts }
+fn segment(name: &'static str, what: &'static str, (volts, lead_in): Gone) -> Segment {
+    Segment { name, what, held_out: false, lead_in, volts }
 }
 
 /// From rest: rests, wipes out what was, rests; then `inner` with the time that is left, and back to rest.
-fn within(request: &Request, seconds: f64, inner: impl FnOnce(&mut Path<'_>, f64)) -> Vec<f32> {
+fn within(request: &Request, seconds: f64, inner: impl FnOnce(&mut Path<'_>, f64)) -> Gone {
     let mut path = Path::new(request);
-    let rest = (REST * seconds / 0.1).min(REST_S);
+    let rest = (REST * seconds).min(REST_S);
     path.hold(rest);
     for turn in [request.max_v, request.min_v, request.rest_v] {
         path.swing_to(turn, 0.0);
     }
     path.hold(rest);
+    let lead_in = path.ticks_gone();
     let left = (seconds - path.seconds() - rest).max(0.0);
     inner(&mut path, left);
     path.swing_to(request.rest_v, 0.0);
     path.hold(rest);
-    path.into_volts()
+    (path.into_volts(), lead_in)
 }
 
 /// Two loops over the whole range; nothing wipes out the virgin state before.
-fn major(request: &Request, seconds: f64) -> Vec<f32> {
+fn major(request: &Request, seconds: f64) -> Gone {
     let mut path = Path::new(request);
-    let rest = (REST * request.duration_s).min(REST_S);
+    let rest = (REST * seconds).min(REST_S);
     path.hold(rest);
     let way = (seconds - 2.0 * rest) / 5.0;
     for turn in [request.max_v, request.min_v, request.max_v, request.min_v] {
@@ -162,10 +177,10 @@ fn major(request: &Request, seconds: f64) -> Vec<f32> {
     }
     path.swing_to(request.rest_v, 0.0);
     path.hold(rest);
-    path.into_volts()
+    (path.into_volts(), 0)
 }
 
-fn shrinking(request: &Request, seconds: f64) -> Vec<f32> {
+fn shrinking(request: &Request, seconds: f64) -> Gone {
     within(request, seconds, |path, left| {
         let middle = 0.5 * (request.min_v + request.max_v);
         for step in (1..=LOOPS).rev() {
@@ -176,7 +191,7 @@ fn shrinking(request: &Request, seconds: f64) -> Vec<f32> {
     })
 }
 
-fn reversals(request: &Request, seconds: f64) -> Vec<f32> {
+fn reversals(request: &Request, seconds: f64) -> Gone {
     within(request, seconds, |path, left| {
         path.swing_to(request.max_v, 0.0);
         // Each curve gets time by its way, so that all are gone at one rate.
@@ -189,7 +204,7 @@ fn reversals(request: &Request, seconds: f64) -> Vec<f32> {
     })
 }
 
-fn frequency(request: &Request, index: usize, seconds: f64, swings: &mut Vec<Swing>) -> Vec<f32> {
+fn frequency(request: &Request, index: usize, seconds: f64, swings: &mut Vec<Swing>) -> Gone {
     let hertz = FREQUENCIES[index] * request.up_to_hz;
     let sine = index < 2;
     // The fastest change of a swing by 1 V.
@@ -208,7 +223,7 @@ fn frequency(request: &Request, index: usize, seconds: f64, swings: &mut Vec<Swi
     })
 }
 
-fn staircase(request: &Request, seconds: f64) -> Vec<f32> {
+fn staircase(request: &Request, seconds: f64) -> Gone {
     within(request, seconds, |path, left| {
         let step = left / f64::from(2 * STEPS);
         for at in (1..=STEPS).chain((0..STEPS).rev()) {
@@ -219,7 +234,8 @@ fn staircase(request: &Request, seconds: f64) -> Vec<f32> {
     })
 }
 
-fn random(request: &Request, seconds: f64) -> Vec<f32> {
+fn random(request: &Request, seconds: f64) -> Segment {
     let random = Random::new(request);
-    within(request, seconds, |path, left| path.follow(left, |t| random.at(t)))
+    let gone = within(request, seconds, |path, left| path.follow(left, |t| random.at(t)));
+    Segment { held_out: true, ..segment("proof", "a random voltage, held out", gone) }
 }

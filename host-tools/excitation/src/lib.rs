@@ -33,6 +33,8 @@ pub struct Segment {
     pub what: &'static str,
     /// It is not to be learnt from, but to prove with.
     pub held_out: bool,
+    /// Ticks from its beginning until the swing that wipes out what was before is over, and it has rested; 0 where there is none.
+    pub lead_in: usize,
     /// Amplifier voltages, V, one a tick.
     pub volts: Vec<f32>,
 }

@@ -74,6 +74,11 @@ impl<'r> Path<'r> {
         self.volts.iter().map(|&volts| (volts as f32).clamp(min, max)).collect()
     }
 
+    /// How many samples there are.
+    pub fn ticks_gone(&self) -> usize {
+        self.volts.len()
+    }
+
     /// How long it has been, s.
     pub fn seconds(&self) -> f64 {
         self.volts.len() as f64 * self.request.tick_s

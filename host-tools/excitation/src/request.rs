@@ -21,8 +21,10 @@ pub struct Request {
     pub seed: u64,
 }
 
-/// Longest drive, s: two hours.
-pub const LONGEST_S: f64 = 7200.0;
+/// Longest drive, s: an hour.
+pub const LONGEST_S: f64 = 3600.0;
+/// No drive goes fewer times over the whole range than this.
+const FEWEST_WAYS: f64 = 20.0;
 /// Fewest ticks in a period of the highest frequency.
 const TICKS_A_PERIOD: f64 = 10.0;
 
@@ -95,12 +97,8 @@ impl Request {
         if !(min_v..=max_v).contains(&rest_v) {
             return Err(ExcitationError::Rest { rest_v, min_v, max_v });
         }
-        let numbers = [
-            ("slew limit", slew_v_per_s),
-            ("highest frequency", up_to_hz),
-            ("duration", duration_s),
-            ("tick", tick_s),
-        ];
+        let numbers =
+            [("slew limit", slew_v_per_s), ("highest frequency", up_to_hz), ("duration", duration_s), ("tick", tick_s)];
         if let Some((what, value)) = numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
             return Err(ExcitationError::NotPositive { what, value });
         }
@@ -108,10 +106,16 @@ impl Request {
         if up_to_hz > most_hz {
             return Err(ExcitationError::TooFast { up_to_hz, tick_s, most_hz });
         }
+        let duration_s = duration_s.max(self.least_s());
         if duration_s > LONGEST_S {
             return Err(ExcitationError::TooLong { duration_s });
         }
         Ok(())
+    }
+
+    /// A time in which no drive can be gone through, s.
+    pub(crate) fn least_s(&self) -> f64 {
+        FEWEST_WAYS * self.span_v() / self.slew_v_per_s
     }
 
     /// From the lowest to the highest voltage, V.

@@ -32,12 +32,14 @@ fn keeps_to_its_limits(request: &Request, segments: &[Segment]) {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
     #[test]
     fn no_sample_is_beyond_the_range_or_the_slew_limit(
         min_v in -200.0f64..100.0,
         span in 0.5f64..300.0,
         rest in 0.0f64..=1.0,
-        slew_spans in 0.2f64..200.0,
+        slew_spans in 1.0f64..200.0,
         up_to_hz in 0.2f64..200.0,
         duration_s in 5.0f64..60.0,
         seed: u64,
@@ -66,6 +68,8 @@ fn it_reaches_both_ends_and_uses_the_time() {
     for segment in &drive.segments {
         let reached = segment.volts.iter().fold((f32::MAX, f32::MIN), |(low, high), &v| (low.min(v), high.max(v)));
         assert_eq!(reached, (0.0, 100.0), "{}", segment.name);
+        let rests = segment.lead_in == 0 || segment.volts[segment.lead_in - 1] == 0.0;
+        assert!(rests && (segment.lead_in == 0) == (segment.name == "first-branch"), "{}", segment.name);
     }
     let held_out: Vec<&str> = drive.segments.iter().filter(|of| of.held_out).map(|of| of.name).collect();
     assert_eq!(held_out, ["proof"]);
