@@ -120,7 +120,7 @@ fn drive(
     progress: &mut dyn FnMut(usize),
 ) -> Result<Measured, BenchError> {
     let (wiring, interrupt) = (proof.wiring, proof.interrupt);
-    let mut watch = Watch::new(wiring);
+    let mut watch = Watch::new(wiring, table.drive.map_or(0.0, |drive| drive.limits.range_v.span().into()));
     let mut complaint = None;
     let volts = |sample: &Sample| wiring.adc().voltage::<f64>(AdcCode(sample.code));
     let mut before: Vec<f64> = Vec::with_capacity(lead_in.len());

@@ -25,10 +25,13 @@ fn former() -> estimator_core::Admitted {
 }
 
 fn device(sensor_um: Option<(f64, f64)>) -> EmulatedDevice {
-    let wiring = wiring();
-    let bench = Bench { sensor_um, ..emulated(&wiring, Kind::BoucWen, 1) };
+    let bench = Bench { sensor_um, ..emulated(&wiring(), Kind::BoucWen, 1) };
+    connected_to(bench.connected())
+}
+
+fn connected_to(plant: impl emulator::Plant) -> EmulatedDevice {
     let flash = RamFlash::new(pages::with(&to_record(&former()), 4096).unwrap());
-    Emulator::new().flash(flash).plant(bench.connected()).speed(8.0).start().unwrap()
+    Emulator::new().flash(flash).plant(plant).speed(8.0).start().unwrap()
 }
 
 fn drive() -> Drive {
@@ -36,9 +39,8 @@ fn drive() -> Drive {
     Drive::design(&request).unwrap()
 }
 
-/// Trains on a device whose sensor has this span; interrupts after so many ticks.
-fn trained(sensor_um: Option<(f64, f64)>, folder: &Path, until: usize) -> (Trained, Client) {
-    let device = Box::leak(Box::new(device(sensor_um)));
+/// Trains on a device; interrupts after so many ticks.
+fn trained(device: &EmulatedDevice, folder: &Path, until: usize) -> (Trained, Client) {
     let (mut client, _) = Client::connect(&device.address().into()).unwrap();
     let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
     let training = Training { wiring: &wiring, drive: &drive, folder, interrupt: &interrupt };
@@ -63,7 +65,8 @@ fn is_home(client: &mut Client, folder: &Path) {
 #[test]
 fn a_session_leaves_its_logs_and_the_device_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
-    let (trained, mut client) = trained(Some((-5.0, 25.0)), folder.path(), usize::MAX);
+    let device = device(FACTS.sensor_span);
+    let (trained, mut client) = trained(&device, folder.path(), usize::MAX);
     assert!(trained.complete(), "{trained:?}");
     let planned: Vec<u64> = drive().segments.iter().map(|segment| segment.volts.len() as u64).collect();
     let recorded: Vec<u64> = trained.logs.iter().map(|log| log.rows).collect();
@@ -87,7 +90,8 @@ fn a_session_leaves_its_logs_and_the_device_as_it_was() {
 #[test]
 fn an_interrupted_session_keeps_what_it_has_and_brings_the_device_home() {
     let folder = tempfile::tempdir().unwrap();
-    let (trained, mut client) = trained(Some((-5.0, 25.0)), folder.path(), 6_000);
+    let device = device(FACTS.sensor_span);
+    let (trained, mut client) = trained(&device, folder.path(), 6_000);
     assert!(matches!(trained.ended, Some(Ended::Play(_))) && trained.home.is_ok(), "{trained:?}");
     assert!(trained.logs.iter().map(|log| log.rows).sum::<u64>() >= 6_000);
     assert!(trained.logs.last().is_some_and(|log| !log.complete));
@@ -98,11 +102,28 @@ fn an_interrupted_session_keeps_what_it_has_and_brings_the_device_home() {
 fn a_sensor_that_saturates_or_is_not_there_ends_it_with_a_ramp() {
     for (sensor, expected) in [(Some((-1.0, 6.0)), "end of its range"), (None, "no second channel")] {
         let folder = tempfile::tempdir().unwrap();
-        let (trained, mut client) = trained(sensor, folder.path(), usize::MAX);
+        let device = device(sensor);
+        let (trained, mut client) = trained(&device, folder.path(), usize::MAX);
         let Some(Ended::Complaint(complaint)) = &trained.ended else { panic!("{trained:?}") };
         assert!(complaint.to_string().contains(expected), "{complaint}");
         is_home(&mut client, folder.path());
     }
+}
+
+#[test]
+fn an_amplifier_that_does_nothing_ends_it() {
+    let (rest, mut noise) = (wiring().adc().code(0.0f64), 0);
+    let dead = move |_| {
+        noise = 1 - noise;
+        emulator::Conversion { monitor: AdcCode(rest.0 + noise), sensor: Some(AdcCode(11_000 + noise)) }
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let device = connected_to(dead);
+    let (trained, mut client) = trained(&device, folder.path(), usize::MAX);
+    let Some(Ended::Fault(faults)) = trained.ended else { panic!("{trained:?}") };
+    assert!(faults.contains(protocol::Faults::AMPLIFIER), "{faults:?}");
+    assert!(trained.logs.len() == 1 && !trained.logs[0].complete && trained.home.is_ok(), "{trained:?}");
+    is_home(&mut client, folder.path());
 }
 
 #[test]

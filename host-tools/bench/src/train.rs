@@ -93,7 +93,13 @@ pub fn train(
     let Training { wiring, drive, folder, .. } = *training;
     file::folder(folder)?;
     let loan = Loan::take(client, wiring, folder)?;
-    let mut recorder = Recorder { training, watch: Watch::new(wiring), logs: Vec::new(), starved: 0, done: 0 };
+    let mut recorder = Recorder {
+        training,
+        watch: Watch::new(wiring, drive.request().span_v()),
+        logs: Vec::new(),
+        starved: 0,
+        done: 0,
+    };
     let ended = drive.segments.iter().enumerate().find_map(|at| recorder.record(client, at, progress).err());
     let Recorder { logs, starved, .. } = recorder;
     let home = loan::rest(client, wiring).and_then(|()| loan.give_back(client));

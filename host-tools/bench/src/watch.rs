@@ -6,7 +6,7 @@ use protocol::Sample;
 
 /// Saturated ticks in a row that end a session.
 const SATURATED: u32 = 200;
-/// The voltage has gone over this part of the drive's range before the sensor must have moved.
+/// The voltage has gone over this part of what is to be driven before the sensor must have moved.
 const OF_RANGE: f64 = 0.5;
 /// What it must have moved by then, of its span.
 const OF_SPAN: f64 = 0.002;
@@ -38,16 +38,18 @@ pub enum Complaint {
 /// What has been seen so far.
 pub struct Watch<'w> {
     wiring: &'w Wiring,
+    /// From the lowest to the highest voltage that is to be driven, V.
+    span_v: f64,
     saturated: u32,
     volts: (f64, f64),
     um: (f64, f64),
 }
 
 impl<'w> Watch<'w> {
-    /// Of a session that begins.
-    pub fn new(wiring: &'w Wiring) -> Self {
+    /// Of a session that begins and is to go over so many V.
+    pub fn new(wiring: &'w Wiring, span_v: f64) -> Self {
         let nothing = (f64::INFINITY, f64::NEG_INFINITY);
-        Self { wiring, saturated: 0, volts: nothing, um: nothing }
+        Self { wiring, span_v, saturated: 0, volts: nothing, um: nothing }
     }
 
     /// What is wrong with a sample at a voltage (V), if something is.
@@ -61,9 +63,8 @@ impl<'w> Watch<'w> {
         let wider = |(low, high): (f64, f64), x: f64| (low.min(x), high.max(x));
         (self.volts, self.um) = (wider(self.volts, volts), wider(self.um, um));
         let (over_v, moved_um) = (self.volts.1 - self.volts.0, self.um.1 - self.um.0);
-        let range = self.wiring.drive().limits.range_v;
         let still = moved_um < OF_SPAN * (sensor.full_um - sensor.zero_um).abs();
-        (still && over_v > OF_RANGE * f64::from(range.span())).then_some(Complaint::Still { moved_um, over_v })
+        (still && over_v > OF_RANGE * self.span_v).then_some(Complaint::Still { moved_um, over_v })
     }
 }
 
@@ -75,7 +76,7 @@ mod tests {
     /// What is complained of while the voltage rises by 0.1 V a tick and the sensor's code goes by so many a tick.
     fn complaint(code: impl Fn(u32) -> Option<u16>) -> Option<(u32, Complaint)> {
         let wiring = Wiring::new(&FACTS, 500).unwrap();
-        let mut watch = Watch::new(&wiring);
+        let mut watch = Watch::new(&wiring, 80.0);
         (0..1000).find_map(|tick| {
             let sample = Sample {
                 code: 1,
@@ -95,7 +96,7 @@ mod tests {
         assert_eq!(complaint(|tick| Some(11_000 + 30 * tick as u16)), None);
         assert_eq!(complaint(|_| None), Some((0, Complaint::NoSensor)));
         let still = complaint(|tick| Some(11_000 + (tick % 3) as u16));
-        assert!(matches!(still, Some((501, Complaint::Still { .. }))), "{still:?}");
+        assert!(matches!(still, Some((401, Complaint::Still { .. }))), "{still:?}");
         let saturated = complaint(|tick| Some((60_000 + 60 * tick).min(65_520) as u16));
         assert!(matches!(saturated, Some((291, Complaint::Saturated { um, .. })) if um == 25.0), "{saturated:?}");
     }

@@ -119,7 +119,7 @@ impl Request {
     }
 
     /// From the lowest to the highest voltage, V.
-    pub(crate) fn span_v(&self) -> f64 {
+    pub fn span_v(&self) -> f64 {
         self.max_v - self.min_v
     }
 }
