@@ -148,3 +148,16 @@ fn what_is_installed_is_the_host_s_to_the_last_bit() {
     assert!(installed.bit_exact() && installed.comparison.ticks == codes.len(), "{installed:?}");
     assert_eq!(in_use(&mut client).unwrap().unwrap(), to_record(wiring.line()));
 }
+
+#[test]
+fn a_board_whose_dac_shows_the_displacement_gets_the_line_when_it_is_rewired_and_not_before() {
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let wiring = wiring();
+    let codes = rehearsal(wiring.line()).unwrap();
+    let mut installed =
+        |rewired| install(&mut client, wiring.line(), rewired, &codes, &Interrupt::default(), &mut |_| {});
+    let refused = installed(false).unwrap_err().to_string();
+    assert!(refused.contains("changes what the DAC output is connected to"), "{refused}");
+    assert!(installed(true).unwrap().bit_exact());
+}
