@@ -1,7 +1,10 @@
 //! The verbs that talk to a device, where there is none, or none that answers; and what they would do to a board.
 
 use super::{MEASURED, data, json, number, piezo, refused, text};
-use emulator::Emulator;
+use emulator::faults::messages;
+use emulator::{Emulator, FaultyLine};
+use estimator_core::record::VERSION;
+use protocol::{Identity, Reply, ToHost};
 use std::fs;
 use std::net::TcpListener;
 use std::path::Path;
@@ -178,4 +181,31 @@ fn zero_calls_the_displacement_of_now_or_the_mean_over_a_cycle_what_is_known() {
     zero(&["--seconds", "5"], &["--over-cycle"]);
     let short = ["--over-cycle", "--seconds", "0.2"];
     zero(&short, &["nothing was changed on the device", "no full cycle within 0.2 s", "--at"]);
+}
+
+/// What `push` says of a table where the device says to be another.
+fn pushed(table: &str, other: impl Fn(Identity) -> Identity + Send + 'static) -> String {
+    let device = Emulator::new().start().unwrap();
+    let told = messages(move |message| match message {
+        ToHost::Reply { to, reply: Reply::Identity(of) } => {
+            Some(ToHost::Reply { to, reply: Reply::Identity(other(of)) })
+        }
+        message => Some(message),
+    });
+    let line = FaultyLine::to(device.address(), told).unwrap();
+    refused(&["push", table, "--port", &format!("tcp:{}", line.address())], &[])
+}
+
+#[test]
+fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = for_the_board(folder.path());
+    let converters = pushed(&table, |of| Identity { adc_full_scale: 4095, dac_full_scale: 1023, ..of });
+    let command = format!("piezo emit {table} --adc-full-scale 4095 --dac-full-scale 1023");
+    assert!(converters.contains(&command), "{converters}");
+    assert!(pushed(&table, |of| Identity { tick_us: 100, ..of }).contains("--tick-us 100"));
+    let newer = pushed(&table, |of| Identity { record_version: of.record_version + 1, ..of });
+    assert!(newer.contains(&format!("writes format {VERSION}")), "{newer}");
+    let estimating = pushed(&table, |of| of);
+    assert!(estimating.contains("--pause") && estimating.contains("--while-estimating"), "{estimating}");
 }

@@ -1,18 +1,25 @@
 //! Whole commands, as a user types them, on the measured log and on the synthetic rig.
 
+mod bench;
+mod columns;
 mod compare;
 mod demo;
 mod device;
 mod faces;
 mod feedforward;
+mod follow;
+mod info;
 mod instruments;
 mod logs;
 mod mistakes;
 mod options;
+mod pil;
+mod record;
 mod recorded;
 mod reproduce;
 mod rig;
 mod validate;
+mod zero;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -28,6 +28,11 @@ impl Interrupt {
         Ok(interrupt)
     }
 
+    /// Wishes so without a signal.
+    pub fn want(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
     /// Whether a signal has come.
     pub fn wanted(&self) -> bool {
         self.0.load(Ordering::Relaxed)

@@ -228,7 +228,11 @@ pub fn compare(table: &Admitted, codes: &[AdcCode], samples: &[Sample]) -> Compa
         if tick == told_at {
             estimator.set_zero(TOLD_UM);
         }
-        let estimate = estimator.tick(code);
+        let mut estimate = estimator.tick(code);
+        if table.drive.is_some() {
+            // The device's DAC shows no displacement then.
+            estimate.status.remove(Status::DAC_SATURATED);
+        }
         let gave = |displacement_um: f32, half_width_um, status| TickResult {
             displacement_um,
             bits: displacement_um.to_bits(),

@@ -95,7 +95,9 @@ pub enum PortError {
         there: Vec<String>,
     },
     /// No program listens there.
-    #[error("tcp:{socket}: nothing listens there; start the emulated board with `cargo xtask emulate`")]
+    #[error(
+        "tcp:{socket}: nothing listens there; start an emulated board with `piezo emulate`, or in QEMU with `cargo xtask emulate`"
+    )]
     Nobody {
         /// The socket, as HOST:PORT.
         socket: String,

@@ -1,10 +1,12 @@
-//! Streamed samples as a log: `time_s,voltage_V,estimated_displacement_um`, a row a tick, written as they come.
+//! Streamed samples as a log: `time_s,voltage_V,estimated_displacement_um`, a row a tick, written as they come; with a sensor
+//! on the board's second channel `time_s,voltage_V,displacement_um,estimate_um`.
 //!
-//! The voltage is the code through the calibration of the device's table. The displacement is the device's own estimate,
-//! and the column says so. Time counts ticks; where samples were lost it leaps.
+//! The voltage is the code through the calibration of the device's table, the sensor's displacement that of the same tick. The
+//! estimate is the device's own, and the column says so. Time counts ticks; where samples were lost it leaps.
 
 use super::client::Client;
 use super::error::LinkError;
+use super::sensor::Sensor;
 use super::window::{Continuity, Numbers};
 use estimator_core::{AdcCalibration, AdcCode, Status};
 use protocol::{Faults, Samples};
@@ -13,6 +15,8 @@ use std::time::Duration;
 
 /// Names of the columns; [`recordings::log::read`] knows them.
 pub const HEADER: &str = "time_s,voltage_V,estimated_displacement_um";
+/// The same with a sensor, whose displacement is then the log's.
+pub const HEADER_WITH_SENSOR: &str = "time_s,voltage_V,displacement_um,estimate_um";
 
 /// A stream that gives nothing for so long has ended.
 const SILENCE: Duration = Duration::from_secs(2);
@@ -24,6 +28,8 @@ const LOOK: Duration = Duration::from_millis(100);
 pub struct Wish {
     /// Codes to volts.
     pub calibration: AdcCalibration,
+    /// The sensor, where one is to be recorded.
+    pub sensor: Option<Sensor>,
     /// Tick, µs.
     pub tick_us: u32,
     /// Ticks; without it until the user has enough.
@@ -63,6 +69,8 @@ pub enum End {
     },
     /// The device counts from 0 again: somebody restarted it.
     Restarted,
+    /// The board has no channel of a sensor, which is to be recorded.
+    NoSensor,
     /// No samples came any more.
     Silence,
     /// The link failed.
@@ -82,7 +90,7 @@ pub fn record(
     let mut recording = Recording::default();
     let mut numbers = Numbers::default();
     let mut silence = Duration::ZERO;
-    writeln!(log, "{HEADER}")?;
+    writeln!(log, "{}", if wish.sensor.is_some() { HEADER_WITH_SENSOR } else { HEADER })?;
     let end = loop {
         if wish.ticks.is_some_and(|ticks| recording.ticks >= ticks) || enough(&recording) {
             break End::Complete;
@@ -107,6 +115,9 @@ pub fn record(
             Continuity::Gap(ticks) => break End::Gap { ticks },
             Continuity::Restarted => break End::Restarted,
         }
+        if wish.sensor.is_some() && samples.samples.iter().any(|sample| sample.sensor.is_none()) {
+            break End::NoSensor;
+        }
         write(&samples, wish, &mut recording, log)?;
     };
     log.flush()?;
@@ -129,7 +140,14 @@ fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut im
             }
             continue;
         };
-        writeln!(log, "{time},{voltage},{displacement}")?;
+        match wish.sensor {
+            None => writeln!(log, "{time},{voltage},{displacement}")?,
+            Some(sensor) => {
+                // Every sample has one: it was looked at before.
+                let measured = sensor.um(sample).unwrap_or(f64::NAN);
+                writeln!(log, "{time},{voltage},{measured:.5},{displacement}")?;
+            }
+        }
         recording.rows += 1;
         recording.ticks += 1;
         recording.late += u64::from(sample.faults.contains(Faults::MISSED_DEADLINE));
@@ -152,7 +170,7 @@ mod tests {
         let (mut client, identity) = Client::connect(&line.address().into()).unwrap();
         let calibration = TABLE.adc;
         client.stream(true).unwrap();
-        let wish = Wish { calibration, tick_us: identity.tick_us, ticks: Some(ticks), allow_gaps };
+        let wish = Wish { calibration, sensor: None, tick_us: identity.tick_us, ticks: Some(ticks), allow_gaps };
         let mut log = Vec::new();
         let (recording, end) = record(&mut client, &wish, &mut log, |_| false).unwrap();
         (String::from_utf8(log).unwrap(), recording, end)
@@ -169,6 +187,17 @@ mod tests {
         let log = read(&path, &ReadOptions::default()).unwrap();
         assert_eq!((log.voltage.len(), log.sample_period), (1000, 0.0005));
         assert!(log.displacement.is_some() && log.displacement_estimated);
+    }
+
+    #[test]
+    fn a_sensor_that_is_not_there_is_not_recorded() {
+        let device = Emulator::new().speed(8.0).start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        client.stream(true).unwrap();
+        let sensor = Some(Sensor { zero_um: 0.0, full_um: 30.0, full_scale: TABLE.adc.full_scale });
+        let wish = Wish { calibration: TABLE.adc, sensor, tick_us: 500, ticks: Some(100), allow_gaps: false };
+        let (recording, end) = record(&mut client, &wish, &mut Vec::new(), |_| false).unwrap();
+        assert!(matches!(end, End::NoSensor) && recording.rows == 0, "{end:?}");
     }
 
     #[test]

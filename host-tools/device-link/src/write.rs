@@ -70,3 +70,107 @@ fn estimating(client: &mut Client) -> Result<bool, LinkError> {
     }
     Ok(table::in_use(client)?.is_some())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::to_record;
+    use crate::{Client, table};
+    use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+    use emulator::faults::lose_replies;
+    use emulator::{Emulator, FaultyLine, TABLE};
+    use parameter_store::RamFlash;
+    use protocol::{Mode, TableSource};
+
+    const CAREFUL: Writing =
+        Writing { while_estimating: false, pause: false, reset: false, dry_run: false, rewired: false };
+
+    fn erased() -> RamFlash<Vec<u8>> {
+        RamFlash::new(vec![0xFF; 4096])
+    }
+
+    /// Pushes the device's own table; returns what the device then does, and where its table comes from after a restart.
+    fn push(
+        options: Writing,
+        flash: impl NorFlash + Send + 'static,
+    ) -> (Result<Option<Identity>, WriteError>, TableSource, Mode) {
+        let device = Emulator::new().flash(flash).speed(8.0).start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        let record = to_record(&TABLE.admit().unwrap());
+        let done = options.write(&mut client, |client, consent| client.push(record, consent));
+        let mode = client.health().unwrap().mode;
+        (done, client.restart().unwrap().source, mode)
+    }
+
+    /// Flash that can be read and no longer written.
+    struct Worn(RamFlash<Vec<u8>>);
+
+    impl ErrorType for Worn {
+        type Error = NorFlashErrorKind;
+    }
+
+    impl ReadNorFlash for Worn {
+        const READ_SIZE: usize = RamFlash::<Vec<u8>>::READ_SIZE;
+
+        async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+            self.0.read(offset, bytes).await.map_err(|_| NorFlashErrorKind::Other)
+        }
+
+        fn capacity(&self) -> usize {
+            self.0.capacity()
+        }
+    }
+
+    impl NorFlash for Worn {
+        const WRITE_SIZE: usize = RamFlash::<Vec<u8>>::WRITE_SIZE;
+        const ERASE_SIZE: usize = RamFlash::<Vec<u8>>::ERASE_SIZE;
+
+        async fn erase(&mut self, _: u32, _: u32) -> Result<(), NorFlashErrorKind> {
+            Err(NorFlashErrorKind::Other)
+        }
+
+        async fn write(&mut self, _: u32, _: &[u8]) -> Result<(), NorFlashErrorKind> {
+            Err(NorFlashErrorKind::Other)
+        }
+    }
+
+    #[test]
+    fn a_device_that_estimates_is_left_alone_unless_asked() {
+        let (done, source, mode) = push(CAREFUL, erased());
+        assert!(matches!(done.unwrap_err(), WriteError::Estimating));
+        assert!(source != TableSource::Stored && mode == Mode::Estimate);
+        let asked = [
+            Writing { pause: true, ..CAREFUL },
+            Writing { while_estimating: true, ..CAREFUL },
+            Writing { reset: true, ..CAREFUL },
+        ];
+        for options in asked {
+            let (done, source, mode) = push(options, erased());
+            assert_eq!(done.unwrap().is_some(), options.reset);
+            assert!(source == TableSource::Stored && mode == Mode::Estimate, "{options:?}: {source:?} {mode:?}");
+        }
+    }
+
+    #[test]
+    fn a_dry_run_writes_nothing() {
+        let (done, source, _) = push(Writing { dry_run: true, reset: true, ..CAREFUL }, erased());
+        assert!(done.unwrap().is_none() && source != TableSource::Stored);
+    }
+
+    #[test]
+    fn a_push_that_fails_lets_the_device_go_on() {
+        let (done, source, mode) = push(Writing { pause: true, reset: true, ..CAREFUL }, Worn(erased()));
+        let complaint = done.unwrap_err().to_string();
+        assert!(complaint.contains("flash reports an error"), "{complaint}");
+        assert!(source != TableSource::Stored && mode == Mode::Estimate);
+    }
+
+    #[test]
+    fn a_device_that_does_not_answer_is_not_said_to_lack_a_table() {
+        let device = Emulator::new().start().unwrap();
+        let line = FaultyLine::to(device.address(), lose_replies(2..5)).unwrap();
+        let (mut client, _) = Client::connect(&line.address().into()).unwrap();
+        let complaint = table::running(&mut client).unwrap_err().to_string();
+        assert!(complaint.contains("no answer") && !complaint.contains("no table"), "{complaint}");
+    }
+}

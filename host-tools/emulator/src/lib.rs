@@ -20,6 +20,7 @@
 //!
 //! A [`FaultyLine`] stands between a host and a device and loses, damages or changes what goes over it.
 
+mod bench;
 mod board;
 mod emulator;
 pub mod faults;
@@ -27,6 +28,7 @@ mod faulty_line;
 mod plant;
 mod serial_line;
 
+pub use bench::Bench;
 pub use emulator::{EmulatedDevice, Emulator, EmulatorError};
 pub use faulty_line::{Direction, Fault, FaultyLine};
 pub use firmware::Conversion;

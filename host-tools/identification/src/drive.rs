@@ -13,6 +13,8 @@ pub struct DriveOptions {
     pub drive_slew: Option<f64>,
     /// Voltages that it may be driven to, V. Without it, all that the DAC can and the model was identified on.
     pub drive_range: Option<Span>,
+    /// Voltages that the amplifier stands, V; the range is no wider where none is said.
+    pub drive_within: Option<Span>,
     /// Voltage when nothing is wanted or something is wrong, V. Without it 0, or the voltage nearest to it.
     pub drive_rest: Option<f64>,
 }
@@ -46,11 +48,12 @@ impl DriveOptions {
         let (Some(span), Some(slew)) = (self.drive_span, self.drive_slew) else { return };
         let gain = f64::from(table.dac.full_scale) / (span.full - span.zero);
         let (dac, model) = (ordered(span), identified_on(table));
-        let both = Range { min: dac.min.max(model.min), max: dac.max.min(model.max) };
+        let both = |a: Range, b: Range| Range { min: a.min.max(b.min), max: a.max.min(b.max) };
+        let most = self.drive_within.map_or(dac, |within| both(dac, ordered(within)));
         table.drive = Some(DriveCalibration {
             gain_codes_per_v: gain as f32,
             offset_code: (-span.zero * gain) as f32,
-            limits: limits(self.drive_range.map_or(both, ordered), self.drive_rest, slew),
+            limits: limits(self.drive_range.map_or(both(most, model), ordered), self.drive_rest, slew),
         });
     }
 }

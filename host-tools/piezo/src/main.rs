@@ -11,8 +11,8 @@ mod verb;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
-    compare, emit, erase, feedforward, flash, follow, identify, info, look, monitor, pil, pull, push, record,
-    reproduce, reset, simulate, validate, zero,
+    compare, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn, look, monitor, pil,
+    prove, pull, push, record, reproduce, reset, simulate, train, validate, zero,
 };
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
@@ -24,9 +24,9 @@ struct Cli {
     verb: Verb,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate` or `feedforward` was exceeded or a trajectory not met, a bit of `pil` \
-                          differs, or `record` ended before its time, or `follow` was stopped by a fault or waited for the host; 2 the arguments, a file or the device are wrong: no file is left \
-                          half-written.";
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate`, `feedforward` or `prove` was exceeded or a trajectory not met, \
+                          a bit of `pil` or `install` differs, `record` or `train` ended before its time, or `follow` was stopped by a \
+                          fault or waited for the host; 2 the arguments, a file or the device are wrong: no file is left half-written.";
 
 #[derive(Subcommand)]
 enum Verb {
@@ -64,6 +64,27 @@ enum Verb {
         after_help = "Examples: piezo reproduce --json; piezo reproduce all --out out/thesis; piezo reproduce loops features --logs a.csv b.csv --validate-on c.csv"
     )]
     Reproduce(Box<reproduce::Reproduce>),
+    /// The firmware on this machine, with an emulated amplifier, actuator and sensor: a board to try everything on.
+    #[command(after_help = "Example: piezo emulate --device bouc-wen --seed 3")]
+    Emulate(emulate::Emulate),
+    /// A board beside a sensor → designed voltages out, logs to identify a table from in.
+    #[command(
+        after_help = "Example: piezo train --port tcp:127.0.0.1:4740 --board board.toml --range 0:100 --up-to 20 --minutes 2 --out p885"
+    )]
+    Train(train::Train),
+    /// A table → the device, with the board's calibration, in use, and compared with the host bit for bit.
+    #[command(after_help = "Examples:
+  piezo install p885/model --board board.toml --port tcp:127.0.0.1:4740
+  piezo install --line --board board.toml --rewired --port /dev/ttyACM0")]
+    Install(install::Install),
+    /// A random drive → the board's own estimate beside the sensor: pass or fail.
+    #[command(after_help = "Example: piezo prove --board board.toml --port tcp:127.0.0.1:4740 --out p885/proof")]
+    Prove(prove::Prove),
+    /// train, identify, install and prove, one after the other.
+    #[command(
+        after_help = "Example: piezo learn --port tcp:127.0.0.1:4740 --board board.toml --range 0:100 --out p885"
+    )]
+    Learn(learn::Learn),
     /// Who the device is, which table it runs, how it is, and what to do about it.
     #[command(after_help = "Example: piezo info --port /dev/ttyACM0")]
     Info(info::Info),
@@ -106,29 +127,40 @@ enum Verb {
     Flash(flash::Flash),
 }
 
+impl Cli {
+    /// Runs the verb; whether it succeeded.
+    fn run(self) -> anyhow::Result<bool> {
+        match self.verb {
+            Verb::Look(arguments) => look::run(&arguments),
+            Verb::Identify(arguments) => identify::run(&arguments),
+            Verb::Compare(arguments) => compare::run(&arguments),
+            Verb::Validate(arguments) => validate::run(&arguments),
+            Verb::Simulate(arguments) => simulate::run(&arguments),
+            Verb::Emit(arguments) => emit::run(&arguments),
+            Verb::Feedforward(arguments) => feedforward::run(&arguments),
+            Verb::Reproduce(arguments) => reproduce::run(&arguments),
+            Verb::Emulate(arguments) => emulate::run(&arguments),
+            Verb::Train(arguments) => train::run(&arguments),
+            Verb::Install(arguments) => install::run(&arguments),
+            Verb::Prove(arguments) => prove::run(&arguments),
+            Verb::Learn(arguments) => learn::run(&arguments),
+            Verb::Info(arguments) => info::run(&arguments),
+            Verb::Push(arguments) => push::run(&arguments),
+            Verb::Pull(arguments) => pull::run(&arguments),
+            Verb::Erase(arguments) => erase::run(&arguments),
+            Verb::Monitor(arguments) => monitor::run(&arguments),
+            Verb::Record(arguments) => record::run(&arguments),
+            Verb::Pil(arguments) => pil::run(&arguments),
+            Verb::Follow(arguments) => follow::run(&arguments),
+            Verb::Zero(arguments) => zero::run(&arguments),
+            Verb::Reset(arguments) => reset::run(&arguments),
+            Verb::Flash(arguments) => flash::run(&arguments),
+        }
+    }
+}
+
 fn main() -> ExitCode {
-    let result = match Cli::parse().verb {
-        Verb::Look(arguments) => look::run(&arguments),
-        Verb::Identify(arguments) => identify::run(&arguments),
-        Verb::Compare(arguments) => compare::run(&arguments),
-        Verb::Validate(arguments) => validate::run(&arguments),
-        Verb::Simulate(arguments) => simulate::run(&arguments),
-        Verb::Emit(arguments) => emit::run(&arguments),
-        Verb::Feedforward(arguments) => feedforward::run(&arguments),
-        Verb::Reproduce(arguments) => reproduce::run(&arguments),
-        Verb::Info(arguments) => info::run(&arguments),
-        Verb::Push(arguments) => push::run(&arguments),
-        Verb::Pull(arguments) => pull::run(&arguments),
-        Verb::Erase(arguments) => erase::run(&arguments),
-        Verb::Monitor(arguments) => monitor::run(&arguments),
-        Verb::Record(arguments) => record::run(&arguments),
-        Verb::Pil(arguments) => pil::run(&arguments),
-        Verb::Follow(arguments) => follow::run(&arguments),
-        Verb::Zero(arguments) => zero::run(&arguments),
-        Verb::Reset(arguments) => reset::run(&arguments),
-        Verb::Flash(arguments) => flash::run(&arguments),
-    };
-    match result {
+    match Cli::parse().run() {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {

@@ -24,6 +24,11 @@ impl Drive {
         self.voltage = self.keep * self.voltage + (1.0 - self.keep) * self.slewed;
         self.voltage
     }
+
+    /// The voltage at the ceramic after the last step, V.
+    pub fn voltage(&self) -> f64 {
+        self.voltage
+    }
 }
 
 /// A resonance of the mechanics.

@@ -43,7 +43,7 @@ pub const STEP_S: f64 = 1e-4;
 const EVERY: usize = 5;
 
 /// A hysteresis operator from normalised voltage (1 at full voltage) to normalised strain, virgin and at rest at 0.
-trait Hysteresis {
+trait Hysteresis: Send {
     /// The strain after a step of so many s to a voltage.
     fn step(&mut self, u: f64, seconds: f64) -> f64;
 }
@@ -120,21 +120,22 @@ impl Plant {
 
     /// True positions (µm) at each step of a command (V), from rest at 0 V.
     pub fn respond(&self, command: &[f64]) -> Vec<f64> {
-        let scale = self.scale();
-        let mut drive = Drive::new(self.slew_v_per_s, self.lag_s);
-        let mut hysteresis = self.kind.hysteresis(self.device);
-        let mut creep = Creep::new(self.creep);
-        let mut mechanics = self.resonance.map(drive::Mechanics::new);
-        let coercive = self.change.coercive;
-        let step = |(index, &volts): (usize, &f64)| {
-            // Wider thresholds at the same slopes.
-            let u = drive.step(volts) / self.full_v / coercive;
-            let strain = creep.step(coercive * hysteresis.step(u, STEP_S));
-            let position = scale * strain;
-            let position = mechanics.as_mut().map_or(position, |mechanics| mechanics.step(position));
-            self.change.of(position, index as f64 * STEP_S)
-        };
-        command.iter().enumerate().map(step).collect()
+        let mut running = self.running();
+        command.iter().map(|&volts| running.step(volts)).collect()
+    }
+
+    /// The device at rest at 0 V, to be stepped.
+    pub fn running(&self) -> Running {
+        Running {
+            full_v: self.full_v,
+            scale: self.scale(),
+            drive: Drive::new(self.slew_v_per_s, self.lag_s),
+            hysteresis: self.kind.hysteresis(self.device),
+            creep: Creep::new(self.creep),
+            mechanics: self.resonance.map(drive::Mechanics::new),
+            change: self.change,
+            steps: 0,
+        }
     }
 
     /// Strain to µm: a slow cycle to the full voltage has the stroke.
@@ -150,6 +151,38 @@ impl Plant {
             }
         }
         self.stroke_um / (reached.1 - reached.0)
+    }
+}
+
+/// A [`Plant`] while it runs: one step of [`STEP_S`] after the other.
+pub struct Running {
+    full_v: f64,
+    scale: f64,
+    drive: Drive,
+    hysteresis: Box<dyn Hysteresis>,
+    creep: Creep,
+    mechanics: Option<drive::Mechanics>,
+    change: Change,
+    steps: u64,
+}
+
+impl Running {
+    /// The true position (µm) after a step to a commanded voltage (V).
+    pub fn step(&mut self, command: f64) -> f64 {
+        let coercive = self.change.coercive;
+        // Wider thresholds at the same slopes.
+        let u = self.drive.step(command) / self.full_v / coercive;
+        let strain = self.creep.step(coercive * self.hysteresis.step(u, STEP_S));
+        let position = self.scale * strain;
+        let position = self.mechanics.as_mut().map_or(position, |mechanics| mechanics.step(position));
+        let seconds = self.steps as f64 * STEP_S;
+        self.steps += 1;
+        self.change.of(position, seconds)
+    }
+
+    /// The voltage at the ceramic (V), behind the amplifier's slew limit and lag.
+    pub fn voltage(&self) -> f64 {
+        self.drive.voltage()
     }
 }
 

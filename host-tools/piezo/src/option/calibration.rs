@@ -2,14 +2,21 @@
 
 use super::drive::DriveArgs;
 use super::number::span;
+use anyhow::Result;
+use bench::BoardFacts;
 use clap::Args;
 use identification::calibration::CalibrationOptions;
 use identification::span::Span;
+use std::path::PathBuf;
 
 /// Calibration of the converters.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Calibration of the target's converters")]
 pub struct CalibrationArgs {
+    /// What the board's converters and wires stand for: a board.toml. The options below win over what it says; with --dac-span
+    /// its drive is not meant.
+    #[arg(long, value_name = "FILE")]
+    pub board: Option<PathBuf>,
     /// Amplifier voltage at ADC code 0 and at full scale, V; the first larger than the second where the divider inverts.
     /// Without it a range a little wider than the logs' is assumed.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
@@ -28,9 +35,14 @@ pub struct CalibrationArgs {
     pub drive: DriveArgs,
 }
 
-impl From<&CalibrationArgs> for CalibrationOptions {
-    fn from(arguments: &CalibrationArgs) -> Self {
-        let &CalibrationArgs { adc_span, adc_full_scale, dac_span, dac_full_scale, ref drive } = arguments;
-        Self { adc_span, adc_full_scale, dac_span, dac_full_scale, drive: drive.into() }
+impl CalibrationArgs {
+    /// What is stated, here or in the board's file.
+    pub fn options(&self) -> Result<CalibrationOptions> {
+        let &Self { ref board, adc_span, adc_full_scale, dac_span, dac_full_scale, ref drive } = self;
+        let stated = CalibrationOptions { adc_span, adc_full_scale, dac_span, dac_full_scale, drive: drive.into() };
+        match board {
+            Some(board) => Ok(BoardFacts::read(board)?.calibration(&stated)),
+            None => Ok(stated),
+        }
     }
 }

@@ -24,6 +24,9 @@ pub struct DriveArgs {
     pub drive_rest: Option<f64>,
 }
 
-options!(DriveArgs => DriveOptions {
-    drive_span, drive_slew, drive_range, drive_rest,
-});
+impl From<&DriveArgs> for DriveOptions {
+    fn from(arguments: &DriveArgs) -> Self {
+        let &DriveArgs { drive_span, drive_slew, drive_range, drive_rest } = arguments;
+        Self { drive_span, drive_slew, drive_range, drive_within: None, drive_rest }
+    }
+}

@@ -12,10 +12,12 @@ macro_rules! options {
     };
 }
 
+mod board;
 mod calibration;
 mod choice;
 mod cost;
 mod drive;
+mod excitation;
 mod fitting;
 pub mod link;
 mod logs;
@@ -26,13 +28,15 @@ mod rig;
 mod scope;
 mod search;
 
+pub use board::BoardOption;
 pub use calibration::CalibrationArgs;
 pub use choice::choice;
 pub use cost::CostArgs;
+pub use excitation::ExcitationArgs;
 pub use fitting::Fitting;
 pub use logs::LogOptions;
 pub use model::{model_choice, models};
-pub use number::{finite, limit, not_negative, span};
+pub use number::{finite, limit, not_negative, positive, span};
 pub use prepare::{DECIMATIONS, PrepareArgs};
 pub use rig::RigArgs;
 pub use scope::{ScopeArgs, TOLD};

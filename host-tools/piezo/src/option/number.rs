@@ -13,6 +13,11 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x < 0.0 { Err("must not be negative".to_owned()) } else { Ok(x) })
 }
 
+/// A finite number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err("must be above 0".to_owned()) })
+}
+
 /// What a converter's ends stand for, or a range: `-22:22`.
 pub fn span(text: &str) -> Result<Span, String> {
     let wrong = |_| "expected what code 0 and full scale stand for, as -22:22".to_owned();

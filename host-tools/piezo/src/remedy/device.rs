@@ -3,8 +3,8 @@
 use super::bits::{Meaning, faults, status};
 use device_link::LinkError;
 use device_link::cycle::CycleError;
-use device_link::follow::FollowError;
 use device_link::pil::FeedError;
+use device_link::play::PlayError;
 use device_link::probe::ProbeError;
 use device_link::table::RunningTableError;
 use device_link::write::WriteError;
@@ -18,7 +18,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
     error
         .downcast_ref()
         .map(link)
-        .or_else(|| error.downcast_ref().map(follow))
+        .or_else(|| error.downcast_ref().map(play))
         .or_else(|| error.downcast_ref().map(cycle))
         .or_else(|| error.downcast_ref().map(feed))
         .or_else(|| error.downcast_ref().map(running))
@@ -77,10 +77,10 @@ fn link(error: &LinkError) -> String {
     }
 }
 
-fn follow(error: &FollowError) -> String {
+fn play(error: &PlayError) -> String {
     match error {
-        FollowError::Link(error) => link(error),
-        FollowError::Silent => format!("{error}: look at it with `piezo info`"),
+        PlayError::Link(error) => link(error),
+        PlayError::Silent => format!("{error}: look at it with `piezo info`"),
         _ => error.to_string(),
     }
 }

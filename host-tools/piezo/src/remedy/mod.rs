@@ -1,6 +1,7 @@
 //! What the libraries find wrong, with the option or the verb that helps. The libraries know neither: they say what is so,
 //! by type, and here it becomes the sentence that the user reads.
 
+mod bench;
 mod bits;
 mod device;
 mod doubt;
@@ -8,6 +9,7 @@ mod identification;
 mod log;
 mod paste;
 
+pub use bench::{complaint, stopped};
 pub use bits::{Meaning, faults, status};
 pub use device::{board, refusal};
 pub use doubt::{doubt, doubt_json};
@@ -23,6 +25,9 @@ pub fn sentence(error: &(dyn Error + 'static)) -> String {
 
 /// One error of a chain.
 fn told(error: &(dyn Error + 'static)) -> String {
-    let found = log::told(error).or_else(|| identification::told(error)).or_else(|| device::told(error));
+    let found = log::told(error)
+        .or_else(|| identification::told(error))
+        .or_else(|| device::told(error))
+        .or_else(|| bench::told(error));
     found.unwrap_or_else(|| error.to_string())
 }

@@ -7,7 +7,7 @@ use crate::{output, remedy};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use identification::Doubt;
-use identification::calibration::{CalibrationOptions, converter_mismatches};
+use identification::calibration::converter_mismatches;
 use identification::table_file::{TableFile, record, rust_source};
 use serde_json::json;
 use std::path::PathBuf;
@@ -45,7 +45,7 @@ pub struct Emit {
 /// Runs the verb.
 pub fn run(arguments: &Emit) -> Result<bool> {
     let (mut file, _) = TableFile::load(&arguments.table)?;
-    let calibration = CalibrationOptions::from(&arguments.calibration);
+    let calibration = arguments.calibration.options()?;
     calibration.apply(&mut file.table);
     if calibration.stated() {
         let assumed = remedy::doubt(&Doubt::CalibrationAssumed);

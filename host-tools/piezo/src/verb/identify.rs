@@ -52,7 +52,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     ensure!(!arguments.out.exists() || arguments.out.is_dir(), "{out_folder}: is a file, --out names a folder");
     let job = Job {
         model: arguments.model,
-        calibration: (&arguments.calibration).into(),
+        calibration: arguments.calibration.options()?,
         ..arguments.fitting.job((&arguments.search).into())?
     };
     let bar = progress(job.generations());

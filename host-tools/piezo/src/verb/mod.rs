@@ -3,21 +3,26 @@
 
 pub mod compare;
 pub mod emit;
+pub mod emulate;
 pub mod erase;
 pub mod feedforward;
 pub mod flash;
 pub mod follow;
 pub mod identify;
 pub mod info;
+pub mod install;
+pub mod learn;
 pub mod look;
 pub mod monitor;
 pub mod pil;
+pub mod prove;
 pub mod pull;
 pub mod push;
 pub mod record;
 pub mod reproduce;
 pub mod reset;
 pub mod simulate;
+pub mod train;
 pub mod validate;
 pub mod zero;
 

@@ -170,35 +170,3 @@ fn to_json(logs: &[Log], comparisons: &[Comparison], health: &Health) -> Result<
         "missed": health.missed,
     }))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use device_link::Client;
-    use emulator::faults::{lose_samples_at, wrong_bit_at};
-    use emulator::{Emulator, Fault, FaultyLine};
-
-    #[test]
-    fn whatever_happens_the_device_estimates_again() {
-        let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/picma-p885-1hz.csv");
-        let ends: [(&str, Box<dyn Fault>, Option<bool>); 3] = [
-            ("nothing", Box::new(|_, _: &mut Vec<u8>| {}), Some(true)),
-            ("a wrong bit", Box::new(wrong_bit_at(100)), Some(false)),
-            ("lost samples", Box::new(lose_samples_at(100)), None),
-        ];
-        for (what, fault, expected) in ends {
-            let device = Emulator::new().speed(8.0).start().unwrap();
-            let line = FaultyLine::to(device.address(), fault).unwrap();
-            let arguments = Pil {
-                files: vec![log.clone()],
-                limit: Some(1000),
-                json: true,
-                port: PortOption { port: line.address().into() },
-                logs: LogOptions { columns: None, sensor: None, fs: None },
-            };
-            assert_eq!(run(&arguments).ok(), expected, "{what}");
-            let (mut client, _) = Client::connect(&device.address().into()).unwrap();
-            assert_eq!(client.health().unwrap().mode, Mode::Estimate, "{what}");
-        }
-    }
-}

@@ -6,10 +6,12 @@ use crate::option::link::PortOption;
 use crate::option::not_negative;
 use crate::{output, remedy};
 use anyhow::{Context, Result, bail, ensure};
+use bench::BoardFacts;
 use clap::Args;
 use device_link::LinkError;
 use device_link::interrupt::Interrupt;
 use device_link::recording::{End, Recording, Wish, record};
+use device_link::sensor::Sensor;
 use device_link::table;
 use indicatif::ProgressBar;
 use serde_json::json;
@@ -34,6 +36,9 @@ pub struct Record {
     /// Print what was recorded as JSON.
     #[arg(long)]
     pub json: bool,
+    /// What the board's wires stand for: a board.toml. Where it says a sensor_span, the sensor is recorded, too.
+    #[arg(long, value_name = "FILE")]
+    pub board: Option<PathBuf>,
     /// The device.
     #[command(flatten)]
     pub port: PortOption,
@@ -51,7 +56,10 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let tick_us = identity.tick_us;
     let ticks = arguments.samples.or(arguments.seconds.map(|s| (s * 1e6 / f64::from(tick_us)).round() as u64));
     ensure!(ticks != Some(0), "--seconds is less than one tick of {tick_us} µs");
-    let wish = Wish { calibration: table::running(&mut client)?.adc, tick_us, ticks, allow_gaps: arguments.allow_gaps };
+    let span = arguments.board.as_deref().map(BoardFacts::read).transpose()?.and_then(|facts| facts.sensor_span);
+    let sensor = span.map(|(zero_um, full_um)| Sensor { zero_um, full_um, full_scale: identity.adc_full_scale });
+    let calibration = table::running(&mut client)?.adc;
+    let wish = Wish { calibration, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };
     client.stream(true)?;
     let bar = ticks.map_or_else(ProgressBar::new_spinner, super::print::progress);
     let recorded = record(&mut client, &wish, &mut BufWriter::new(&file), |recording| {
@@ -71,7 +79,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
         file.as_file().sync_all().with_context(cannot_write)?;
         file.persist(&arguments.out).map_err(|error| error.error).with_context(cannot_write)?;
     }
-    tell(arguments, &recording, &end, tick_us)?;
+    tell(arguments, &recording, &end, (tick_us, wish.sensor.is_some()))?;
     let complete = conclude(arguments, &recording, end)?;
     if complete {
         stopped?;
@@ -83,7 +91,7 @@ fn seconds(recording: &Recording, tick_us: u32) -> f64 {
     recording.ticks as f64 * f64::from(tick_us) * 1e-6
 }
 
-fn tell(arguments: &Record, recording: &Recording, end: &End, tick_us: u32) -> Result<()> {
+fn tell(arguments: &Record, recording: &Recording, end: &End, (tick_us, sensor): (u32, bool)) -> Result<()> {
     if arguments.json {
         let summary = json!({
             "out": (recording.rows > 0).then_some(&arguments.out),
@@ -102,11 +110,12 @@ fn tell(arguments: &Record, recording: &Recording, end: &End, tick_us: u32) -> R
         return Ok(());
     }
     out(&format!(
-        "{}  {} samples, {:.3} s at {} Hz; the displacement is the device's estimate, no sensor's",
+        "{}  {} samples, {:.3} s at {} Hz; the displacement is the {}",
         arguments.out.display(),
         recording.rows,
         seconds(recording, tick_us),
-        1_000_000 / tick_us.max(1)
+        1_000_000 / tick_us.max(1),
+        if sensor { "sensor's" } else { "device's estimate, no sensor's" }
     ));
     if recording.lost > 0 {
         out(&format!("{} samples are missing: time leaps there, and no verb reads this log", recording.lost));
@@ -133,6 +142,7 @@ fn conclude(arguments: &Record, recording: &Recording, end: End) -> Result<bool>
              no verb reads a log with gaps"
         ),
         End::Restarted => format!("the device was restarted, or its mode set: {before}"),
+        End::NoSensor => bail!("the device reads no sensor: leave --board out to record its estimate alone"),
         End::Silence => format!("the device sends no samples any more: {before}. Look at it with `piezo info`"),
         End::Link(error) => return Err(lost(error, &before)),
     };
@@ -142,60 +152,4 @@ fn conclude(arguments: &Record, recording: &Recording, end: End) -> Result<bool>
 
 fn lost(error: LinkError, before: &str) -> anyhow::Error {
     anyhow::Error::from(error).context(before.to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use emulator::faults::{lose_replies, lose_samples_at, silent_from};
-    use emulator::{Emulator, Fault, FaultyLine};
-    use recordings::log::{ReadOptions, read};
-
-    /// Records a second in a folder; whether that was all, and what is in the folder.
-    fn recorded(fault: impl Fault, folder: &tempfile::TempDir) -> (Result<bool>, Vec<PathBuf>) {
-        let device = Emulator::new().speed(8.0).start().unwrap();
-        let line = FaultyLine::to(device.address(), fault).unwrap();
-        let arguments = Record {
-            out: folder.path().join("log.csv"),
-            seconds: Some(1.0),
-            samples: None,
-            allow_gaps: false,
-            json: true,
-            port: PortOption { port: line.address().into() },
-        };
-        let done = run(&arguments);
-        let files = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
-        (done, files)
-    }
-
-    #[test]
-    fn what_was_recorded_before_a_gap_is_a_log() {
-        let folder = tempfile::tempdir().unwrap();
-        let (done, files) = recorded(lose_samples_at(600), &folder);
-        assert!(!done.unwrap());
-        assert_eq!(files, [folder.path().join("log.csv")]);
-        let log = read(&files[0], &ReadOptions::default()).unwrap();
-        assert!((500..=600).contains(&log.voltage.len()), "{}", log.voltage.len());
-    }
-
-    #[test]
-    fn what_was_recorded_before_a_device_died_is_a_log() {
-        let folder = tempfile::tempdir().unwrap();
-        // Five requests start a recording; none is answered from then on.
-        let (mut unanswered, mut silent) = (lose_replies(5..100), silent_from(100));
-        let dies = move |direction, frame: &mut Vec<u8>| {
-            unanswered(direction, frame);
-            silent(direction, frame);
-        };
-        let (done, files) = recorded(dies, &folder);
-        assert!(!done.unwrap());
-        assert_eq!(read(&files[0], &ReadOptions::default()).unwrap().voltage.len(), 99);
-    }
-
-    #[test]
-    fn a_recording_of_nothing_leaves_nothing() {
-        let folder = tempfile::tempdir().unwrap();
-        let (done, files) = recorded(silent_from(0), &folder);
-        assert!(!done.unwrap() && files.is_empty(), "{files:?}");
-    }
 }

@@ -1,4 +1,5 @@
-//! A wanted trajectory to a device whose DAC drives the amplifier, at the device's own pace, and its estimates back.
+//! What a device whose DAC drives the amplifier is to go through, at its own pace, and its samples back: wanted displacements
+//! ([`Mode::Follow`]), or voltages ([`Mode::Excite`]).
 
 use super::client::Client;
 use super::error::LinkError;
@@ -14,20 +15,37 @@ const SILENCE: Duration = Duration::from_secs(5);
 /// How long to wait for samples before something else is looked at: half a frame of references.
 const LOOK: Duration = Duration::from_millis(16);
 
+/// What is to be gone through.
+#[derive(Clone, Copy, Debug)]
+pub struct Play<'r> {
+    /// One that drives; it says what the references are.
+    pub mode: Mode,
+    /// Go on from a play before that held its last reference. Else the mode is set, and it starts from rest.
+    pub goes_on: bool,
+    /// µm in [`Mode::Follow`], V in [`Mode::Excite`], one a tick.
+    pub references: &'r [f32],
+    /// The last reference is held for ever; without it, as each one before the last, for a second.
+    pub hold: bool,
+    /// Samples that are wanted, from the first reference on, and one more for each tick that finds no reference.
+    pub ticks: usize,
+}
+
 /// What came of it.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct Followed {
-    /// A sample a tick, from the tick that took the first reference on.
-    pub samples: Vec<Sample>,
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Played {
+    /// Samples taken.
+    pub ticks: usize,
     /// Ticks that found no reference and held the last one.
     pub starved: u32,
     /// What sent the drive back to rest before the end; empty where nothing did.
     pub stopped: Faults,
+    /// Whoever took the samples had enough before the end.
+    pub enough: bool,
 }
 
-/// Why a trajectory was not followed to its end.
+/// Why it was not gone through to its end.
 #[derive(Debug, thiserror::Error)]
-pub enum FollowError {
+pub enum PlayError {
     /// The link fails, or the device refuses.
     #[error(transparent)]
     Link(#[from] LinkError),
@@ -60,78 +78,87 @@ pub enum FollowError {
     Silent,
 }
 
-/// Sends references and collects `ticks` samples from the first one on, or as many as come before a fault. The device is left
-/// in [`Mode::Follow`], at the last reference, which it holds for ever with `hold` and for a second without.
+/// Sends references and hands each sample to `take`, from the first one on, one a tick, until all are there, a fault stops the
+/// drive, or `take` answers `false`. The device is left in the mode, at the last reference.
 ///
 /// # Errors
 /// The link fails or loses samples, the device stops, refuses, or the user does not want to wait.
-pub fn follow(
+pub fn play(
     client: &mut Client,
-    references: &[f32],
-    hold: bool,
-    ticks: usize,
+    play: &Play<'_>,
     interrupt: &Interrupt,
-    progress: &mut dyn FnMut(usize),
-) -> Result<Followed, FollowError> {
-    client.set_mode(Mode::Follow)?;
+    take: &mut dyn FnMut(&Sample) -> bool,
+) -> Result<Played, PlayError> {
+    let &Play { mode, goes_on, references, hold, ticks: wanted } = play;
+    if !goes_on {
+        client.set_mode(mode)?;
+    }
     client.stream(true)?;
-    let mut followed = Followed::default();
+    let mut played = Played::default();
     let mut numbers = Numbers::default();
-    let (mut sent, mut going, mut news) = (0, false, Instant::now());
-    while followed.samples.len() < ticks && followed.stopped.is_empty() {
-        let done = followed.samples.len();
+    let (mut sent, mut going, mut news) = (0, goes_on, Instant::now());
+    // Ticks that had found none before: those between this play and the one that it goes on from.
+    let mut starved_before = if goes_on { None } else { Some(0) };
+    let mut ticks = wanted;
+    while played.ticks < ticks && played.stopped.is_empty() && !played.enough {
+        let done = played.ticks;
         if interrupt.wanted() {
-            return Err(FollowError::Interrupted { done, ticks });
+            return Err(PlayError::Interrupted { done, ticks });
         }
         let next = &references[sent..references.len().min(sent + CHUNK)];
         let mut full = next.is_empty();
         // It goes once its queue is full, or holds all.
         if !full || !going {
             let chunk: References = next.iter().copied().collect();
-            going |= sent + next.len() == references.len();
-            let (taken, starved) = match client.refer(chunk, going, hold) {
-                Err(LinkError::Unknown { .. }) => return Err(FollowError::ReplyLost { done, ticks }),
+            // Nothing but the end is held: a host that dies on the way is waited for for a second.
+            let last = sent + next.len() == references.len();
+            going |= last;
+            let (taken, starved) = match client.refer(chunk, going, hold && last) {
+                Err(LinkError::Unknown { .. }) => return Err(PlayError::ReplyLost { done, ticks }),
                 answer => answer?,
             };
             full = taken < next.len();
             going |= full;
             sent += taken.min(next.len());
-            followed.starved = starved;
+            played.starved = starved.saturating_sub(*starved_before.get_or_insert(starved));
+            ticks = wanted + played.starved as usize;
         }
         // What has come is taken in any case; a full queue leaves the time to wait for more.
         let mut patience = if full { LOOK } else { Duration::ZERO };
         while let Some(batch) = client.samples(patience)? {
             match numbers.take(&batch) {
                 Continuity::Contiguous => {}
-                Continuity::Gap(lost) => return Err(FollowError::SamplesLost(lost)),
-                Continuity::Restarted => return Err(FollowError::Restarted),
+                Continuity::Gap(lost) => return Err(PlayError::SamplesLost(lost)),
+                Continuity::Restarted => return Err(PlayError::Restarted),
             }
-            take(&mut followed, &batch.samples, ticks);
-            progress(followed.samples.len());
+            played.take(&batch.samples, ticks, take);
             news = Instant::now();
             patience = Duration::ZERO;
         }
         if news.elapsed() >= SILENCE {
-            return Err(FollowError::Silent);
+            return Err(PlayError::Silent);
         }
     }
-    Ok(followed)
+    Ok(played)
 }
 
-fn take(followed: &mut Followed, samples: &[Sample], ticks: usize) {
-    for sample in samples {
-        let resting = sample.faults.contains(Faults::SAFE_OUTPUT);
-        let waiting = followed.samples.is_empty() && !sample.faults.intersects(Faults::UNSAFE);
-        if resting && !waiting {
-            followed.stopped = sample.faults;
-            return;
-        }
-        if resting {
-            // Before the first reference.
-            continue;
-        }
-        if followed.samples.len() < ticks {
-            followed.samples.push(*sample);
+impl Played {
+    fn take(&mut self, samples: &[Sample], ticks: usize, take: &mut dyn FnMut(&Sample) -> bool) {
+        for sample in samples {
+            let resting = sample.faults.contains(Faults::SAFE_OUTPUT);
+            let waiting = self.ticks == 0 && !sample.faults.intersects(Faults::UNSAFE);
+            if resting && !waiting {
+                self.stopped = sample.faults;
+                return;
+            }
+            if resting {
+                // Before the first reference.
+                continue;
+            }
+            if self.ticks < ticks && !self.enough {
+                self.ticks += 1;
+                self.enough = !take(sample);
+            }
         }
     }
 }
@@ -164,16 +191,33 @@ mod tests {
     fn sound(_: Direction, _: &mut Vec<u8>) {}
 
     /// Follows the wave; the device's queue of references lasts for half a second.
-    fn run(plant: impl Plant, fault: impl Fault) -> Result<Followed, FollowError> {
+    fn run(plant: impl Plant, fault: impl Fault) -> Result<Followed, PlayError> {
         run_at(0.25, plant, fault)
     }
 
-    fn run_at(speed: f64, plant: impl Plant, fault: impl Fault) -> Result<Followed, FollowError> {
+    fn run_at(speed: f64, plant: impl Plant, fault: impl Fault) -> Result<Followed, PlayError> {
         let flash = RamFlash::new(pages::with(&to_record(&driving()), 4096).unwrap());
         let device = Emulator::new().flash(flash).plant(plant).speed(speed).start().unwrap();
         let line = FaultyLine::to(device.address(), fault).unwrap();
         let (mut client, _) = Client::connect(&line.address().into()).unwrap();
-        follow(&mut client, &wave(), true, 1000, &Interrupt::default(), &mut |_| {})
+        let wave = wave();
+        followed(&mut client, &Play { mode: Mode::Follow, goes_on: false, references: &wave, hold: true, ticks: 1000 })
+    }
+
+    /// A play and its samples.
+    struct Followed {
+        samples: Vec<Sample>,
+        starved: u32,
+        stopped: Faults,
+    }
+
+    fn followed(client: &mut Client, of: &Play<'_>) -> Result<Followed, PlayError> {
+        let mut samples = Vec::new();
+        let Played { starved, stopped, .. } = play(client, of, &Interrupt::default(), &mut |sample| {
+            samples.push(*sample);
+            true
+        })?;
+        Ok(Followed { samples, starved, stopped })
     }
 
     #[test]
@@ -225,7 +269,7 @@ mod tests {
         };
         let followed = run_at(2.0, amplifier(DRIVE, TABLE.adc), hesitates).unwrap();
         assert!(followed.starved > 0);
-        assert_eq!((followed.samples.len(), followed.stopped), (1000, Faults::empty()));
+        assert_eq!((followed.samples.len(), followed.stopped), (1000 + followed.starved as usize, Faults::empty()));
     }
 
     #[test]
@@ -240,9 +284,9 @@ mod tests {
             faults,
         };
         let after = |faults: &[Faults]| {
-            let mut followed = Followed::default();
-            take(&mut followed, &faults.iter().map(|&faults| sample(faults)).collect::<Vec<_>>(), 10);
-            (followed.samples.len(), followed.stopped)
+            let mut played = Played::default();
+            played.take(&faults.iter().map(|&faults| sample(faults)).collect::<Vec<_>>(), 10, &mut |_| true);
+            (played.ticks, played.stopped)
         };
         let safe = Faults::SAFE_OUTPUT;
         let none = Faults::empty();
@@ -255,10 +299,46 @@ mod tests {
     fn a_device_without_a_drive_and_lost_samples_are_errors() {
         let device = Emulator::new().start().unwrap();
         let (mut client, _) = Client::connect(&device.address().into()).unwrap();
-        let refused = follow(&mut client, &[1.0], true, 1, &Interrupt::default(), &mut |_| {}).unwrap_err();
-        let FollowError::Link(LinkError::Refused { refusal, .. }) = refused else { panic!("{refused}") };
+        let one = Play { mode: Mode::Follow, goes_on: false, references: &[1.0], hold: true, ticks: 1 };
+        let Err(refused) = followed(&mut client, &one) else { panic!("it followed") };
+        let PlayError::Link(LinkError::Refused { refusal, .. }) = refused else { panic!("{refused}") };
         assert_eq!(*refusal, Refusal::NoDrive);
-        let lost = run(amplifier(DRIVE, TABLE.adc), lose_samples_at(500)).unwrap_err().to_string();
+        let lost = run(amplifier(DRIVE, TABLE.adc), lose_samples_at(500)).err().unwrap().to_string();
         assert!(lost.contains("samples were lost"), "{lost}");
+    }
+
+    #[test]
+    fn voltages_go_out_as_they_are_and_a_second_play_goes_on_where_the_first_held() {
+        let flash = RamFlash::new(pages::with(&to_record(&driving()), 4096).unwrap());
+        let device = Emulator::new().flash(flash).plant(amplifier(DRIVE, TABLE.adc)).start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        let (up, down): (Vec<f32>, Vec<f32>) =
+            ((0..100).map(|k| 0.5 + 0.01 * k as f32).collect(), (0..100).map(|k| 1.49 - 0.01 * k as f32).collect());
+        let excite = |references, goes_on| Play { mode: Mode::Excite, goes_on, references, hold: true, ticks: 100 };
+        let first = followed(&mut client, &excite(&up, false)).unwrap();
+        let driven = |sample: &Sample| DRIVE.voltage::<f32>(DacCode(sample.dac));
+        for (tick, (sample, wanted)) in first.samples.iter().zip(&up).enumerate() {
+            assert!((driven(sample) - wanted).abs() < 2e-3, "tick {tick}");
+        }
+        let second = followed(&mut client, &excite(&down, true)).unwrap();
+        assert!(second.stopped.is_empty() && second.samples.len() == 100);
+        let start = second.samples.iter().map(driven).find(|volts| *volts < 1.48).unwrap();
+        assert!(start > 1.46, "it went on from where it stood, not from rest: {start} V");
+    }
+
+    #[test]
+    fn whoever_takes_the_samples_may_have_enough() {
+        let flash = RamFlash::new(pages::with(&to_record(&driving()), 4096).unwrap());
+        let device = Emulator::new().flash(flash).plant(amplifier(DRIVE, TABLE.adc)).start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        let wave = wave();
+        let of = Play { mode: Mode::Follow, goes_on: false, references: &wave, hold: false, ticks: 1000 };
+        let mut left = 50;
+        let played = play(&mut client, &of, &Interrupt::default(), &mut |_| {
+            left -= 1;
+            left > 0
+        })
+        .unwrap();
+        assert_eq!((played.ticks, played.enough), (50, true));
     }
 }

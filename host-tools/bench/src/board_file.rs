@@ -1,0 +1,226 @@
+//! `board.toml`: what a board's converters and its wires stand for, one file for every verb.
+//!
+//! ```toml
+//! adc_span = [-35.0, 135.0]     # V at the amplifier at ADC code 0 and at full scale
+//! adc_full_scale = 65520        # largest ADC code, oversampling included
+//! dac_full_scale = 4095         # largest DAC code
+//! drive_span = [-30.0, 130.0]   # V at the amplifier at DAC code 0 and at full scale
+//! drive_range = [0.0, 100.0]    # V that it may be driven to
+//! drive_rest = 0.0              # V when nothing is wanted
+//! drive_slew = 500.0            # V/s, fastest change
+//! sensor_span = [-5.0, 25.0]    # µm at the sensor's code 0 and at full scale
+//! ```
+//!
+//! What a file does not say is not known; nothing is assumed.
+
+use identification::calibration::CalibrationOptions;
+use identification::drive::DriveOptions;
+use identification::span::Span;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// What the file says.
+#[derive(Clone, Copy, PartialEq, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoardFacts {
+    /// Amplifier voltage at ADC code 0 and at full scale, V.
+    pub adc_span: Option<(f64, f64)>,
+    /// Largest ADC code, oversampling included.
+    pub adc_full_scale: Option<u16>,
+    /// Largest DAC code.
+    pub dac_full_scale: Option<u16>,
+    /// Amplifier voltage at DAC code 0 and at full scale, V.
+    pub drive_span: Option<(f64, f64)>,
+    /// Voltages that the amplifier may be driven to, V.
+    pub drive_range: Option<(f64, f64)>,
+    /// Voltage when nothing is wanted, V.
+    pub drive_rest: Option<f64>,
+    /// Fastest change, V/s.
+    pub drive_slew: Option<f64>,
+    /// Displacement at the sensor's code 0 and at full scale, µm.
+    pub sensor_span: Option<(f64, f64)>,
+}
+
+/// Why a file says nothing of a board.
+#[derive(Debug, thiserror::Error)]
+pub enum BoardFileError {
+    /// It cannot be read.
+    #[error("{}: cannot be read ({error})", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        error: std::io::Error,
+    },
+    /// It says something else.
+    #[error("{}: is no board.toml: {}", path.display(), error.to_string().trim_end())]
+    Wrong {
+        /// The file.
+        path: PathBuf,
+        /// Where, and what is wrong there.
+        error: Box<toml::de::Error>,
+    },
+    /// A value cannot be.
+    #[error("{}: {field} = {value}: {rule}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// What it is the value of.
+        field: &'static str,
+        /// As it stands there.
+        value: String,
+        /// What it would have to be.
+        rule: &'static str,
+    },
+}
+
+impl BoardFacts {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read, says something else, or what cannot be.
+    pub fn read(path: &Path) -> Result<Self, BoardFileError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| BoardFileError::Unreadable { path: path.to_owned(), error })?;
+        let facts: Self = toml::from_str(&text)
+            .map_err(|error| BoardFileError::Wrong { path: path.to_owned(), error: Box::new(error) })?;
+        facts.check().map_err(|(field, value, rule)| BoardFileError::Value {
+            path: path.to_owned(),
+            field,
+            value,
+            rule,
+        })?;
+        Ok(facts)
+    }
+
+    /// The file's text, every value with what it is.
+    pub fn to_toml(&self) -> String {
+        let pair = |(zero, full): (f64, f64)| format!("[{zero:?}, {full:?}]");
+        let lines = [
+            ("adc_span", self.adc_span.map(pair), "V at the amplifier at ADC code 0 and at full scale"),
+            ("adc_full_scale", self.adc_full_scale.map(|n| n.to_string()), "largest ADC code, oversampling included"),
+            ("dac_full_scale", self.dac_full_scale.map(|n| n.to_string()), "largest DAC code"),
+            ("drive_span", self.drive_span.map(pair), "V at the amplifier at DAC code 0 and at full scale"),
+            ("drive_range", self.drive_range.map(pair), "V that it may be driven to"),
+            ("drive_rest", self.drive_rest.map(|v| format!("{v:?}")), "V when nothing is wanted"),
+            ("drive_slew", self.drive_slew.map(|v| format!("{v:?}")), "V/s, fastest change"),
+            ("sensor_span", self.sensor_span.map(pair), "µm at the sensor's code 0 and at full scale"),
+        ];
+        let said = lines.into_iter().filter_map(|(name, value, what)| Some((format!("{name} = {}", value?), what)));
+        said.map(|(line, what)| format!("{line:<31}# {what}\n")).collect()
+    }
+
+    /// What a table's converters are by this, where `stated` says nothing else.
+    pub fn calibration(&self, stated: &CalibrationOptions) -> CalibrationOptions {
+        let span = |pair: Option<(f64, f64)>| pair.map(|(zero, full)| Span { zero, full });
+        // A table without a drive shows the displacement: then the file's drive is not meant.
+        let shows = stated.dac_span.is_some();
+        let drive = if shows { Self::default() } else { *self };
+        CalibrationOptions {
+            adc_span: stated.adc_span.or(span(self.adc_span)),
+            adc_full_scale: stated.adc_full_scale.or(self.adc_full_scale),
+            dac_span: stated.dac_span,
+            dac_full_scale: stated.dac_full_scale.or(self.dac_full_scale),
+            drive: DriveOptions {
+                drive_span: stated.drive.drive_span.or(span(drive.drive_span)),
+                drive_slew: stated.drive.drive_slew.or(drive.drive_slew),
+                drive_range: stated.drive.drive_range,
+                drive_within: span(drive.drive_range),
+                drive_rest: stated.drive.drive_rest.or(drive.drive_rest),
+            },
+        }
+    }
+
+    /// The first value that cannot be: its name, itself, and what it would have to be.
+    fn check(&self) -> Result<(), (&'static str, String, &'static str)> {
+        let spans = [
+            ("adc_span", self.adc_span),
+            ("drive_span", self.drive_span),
+            ("drive_range", self.drive_range),
+            ("sensor_span", self.sensor_span),
+        ];
+        for (field, span) in spans {
+            if let Some((zero, full)) = span
+                && !(zero.is_finite() && full.is_finite() && zero != full)
+            {
+                return Err((field, format!("[{zero}, {full}]"), "the two ends must be numbers that differ"));
+            }
+        }
+        let holds = |outer: (f64, f64), inner: (f64, f64)| {
+            let (low, high) = (outer.0.min(outer.1), outer.0.max(outer.1));
+            [inner.0, inner.1].iter().all(|volts| (low..=high).contains(volts))
+        };
+        if let Some(range) = self.drive_range {
+            let said = format!("[{}, {}]", range.0, range.1);
+            if self.drive_span.is_some_and(|span| !holds(span, range)) {
+                return Err(("drive_range", said, "must lie within drive_span, which is all that the DAC can put out"));
+            }
+            if self.adc_span.is_some_and(|span| !holds(span, range)) {
+                return Err(("drive_range", said, "must lie within adc_span, which is all that the ADC sees"));
+            }
+            if let Some(rest) = self.drive_rest.filter(|rest| !holds(range, (*rest, *rest))) {
+                return Err(("drive_rest", rest.to_string(), "must lie within drive_range"));
+            }
+        }
+        if let Some(slew) = self.drive_slew.filter(|slew| !(slew.is_finite() && *slew > 0.0)) {
+            return Err(("drive_slew", slew.to_string(), "must be a positive number, V/s"));
+        }
+        if let Some(rest) = self.drive_rest.filter(|rest| !rest.is_finite()) {
+            return Err(("drive_rest", rest.to_string(), "must be a finite number, V"));
+        }
+        if let Some(scale) = self.adc_full_scale.filter(|scale| *scale < 3) {
+            return Err(("adc_full_scale", scale.to_string(), "must be at least 3"));
+        }
+        match self.dac_full_scale {
+            Some(0) => Err(("dac_full_scale", "0".to_owned(), "must be at least 1")),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::FACTS;
+
+    fn read(text: &str) -> Result<BoardFacts, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("board.toml");
+        std::fs::write(&path, text).unwrap();
+        BoardFacts::read(&path).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_what_is_left_out_is_not_known() {
+        assert_eq!(read(&FACTS.to_toml()), Ok(FACTS));
+        assert_eq!(read(""), Ok(BoardFacts::default()));
+    }
+
+    #[test]
+    fn what_cannot_be_is_named_with_its_place_or_value() {
+        let says = |text: &str, parts: &[&str]| {
+            let said = read(text).unwrap_err();
+            assert!(parts.iter().all(|part| said.contains(part)) && said.contains("board.toml"), "{said}");
+        };
+        says("adc_spam = [0, 1]", &["line 1", "adc_spam", "adc_span"]);
+        says("drive_rest = 1\ndrive_slew = 'fast'", &["line 2", "drive_slew = 'fast'"]);
+        says("adc_span = [1.0, 1.0]", &["adc_span = [1, 1]", "differ"]);
+        says("sensor_span = [nan, 1.0]", &["sensor_span"]);
+        says("drive_slew = -5", &["drive_slew = -5", "positive"]);
+        says("drive_range = [0, 200]\ndrive_span = [-30, 130]", &["drive_range = [0, 200]", "within drive_span"]);
+        says("drive_range = [0, 90]\nadc_span = [0, 80]", &["drive_range = [0, 90]", "within adc_span"]);
+        says("drive_range = [10, 90]\ndrive_rest = 0", &["drive_rest = 0", "within drive_range"]);
+        says("dac_full_scale = 0", &["dac_full_scale = 0"]);
+        says("adc_full_scale = 70000", &["line 1", "70000"]);
+    }
+
+    #[test]
+    fn what_is_stated_wins_over_the_file() {
+        let stated = CalibrationOptions { adc_span: Some(Span { zero: 1.0, full: 2.0 }), ..Default::default() };
+        let both = FACTS.calibration(&stated);
+        assert_eq!(both.adc_span, Some(Span { zero: 1.0, full: 2.0 }));
+        assert_eq!(both.drive.drive_slew, FACTS.drive_slew);
+        let shows = CalibrationOptions { dac_span: Some(Span { zero: 0.0, full: 2.0 }), ..Default::default() };
+        assert_eq!(FACTS.calibration(&shows).drive.drive_span, None);
+    }
+}

@@ -1,0 +1,44 @@
+//! A wiring with an emulated amplifier, actuator and sensor behind it.
+
+use crate::board_file::BoardFacts;
+use crate::wiring::Wiring;
+use emulator::Bench;
+use plants::{Kind, Plant};
+
+/// A PICMA stack on an amplifier of −30 … 130 V, its monitor on a 16-bit scale, and a capacitive sensor of 30 µm.
+pub const EMULATED: BoardFacts = BoardFacts {
+    adc_span: Some((-35.0, 135.0)),
+    adc_full_scale: Some(65_520),
+    dac_full_scale: Some(4095),
+    drive_span: Some((-30.0, 130.0)),
+    drive_range: Some((0.0, 100.0)),
+    drive_rest: Some(0.0),
+    drive_slew: Some(500.0),
+    sensor_span: Some((-5.0, 25.0)),
+};
+
+/// Noise of the monitor and of the sensor, rms, each of its span: that of a 12-bit converter, oversampled sixteen times, is a sixth of
+/// its own step.
+const MONITOR_NOISE: f64 = 4e-5;
+const SENSOR_NOISE: f64 = 2e-4;
+/// The actuator's stroke, and its rest above the sensor's lower end, of the sensor's span.
+const STROKE: f64 = 0.5;
+const REST: f64 = 1.0 / 6.0;
+
+/// The bench: which kind of actuator, and which of that kind, its noise included.
+pub fn emulated(wiring: &Wiring, kind: Kind, number: u64) -> Bench {
+    let span_um = wiring.sensor.full_um - wiring.sensor.zero_um;
+    // Where the sensor's lower end is at full scale, it rests as far above that.
+    let zero = if span_um > 0.0 { REST } else { 1.0 - REST };
+    let adc = wiring.adc();
+    Bench {
+        actuator: Plant::drawn(kind, number),
+        stroke_um: STROKE * span_um.abs(),
+        monitor: adc,
+        drive: wiring.drive(),
+        sensor_um: Some((-zero * span_um, (1.0 - zero) * span_um)),
+        monitor_noise_v: MONITOR_NOISE * f64::from(adc.gain_v_per_code) * f64::from(adc.full_scale),
+        sensor_noise_nm: 1e3 * SENSOR_NOISE * span_um.abs(),
+        seed: number,
+    }
+}

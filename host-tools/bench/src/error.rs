@@ -1,0 +1,117 @@
+//! Why a session on the bench cannot begin, or cannot end as it should.
+
+use crate::board_file::BoardFileError;
+use crate::wiring::WiringError;
+use device_link::LinkError;
+use device_link::board::OtherFormat;
+use device_link::pil::FeedError;
+use device_link::play::PlayError;
+use device_link::table::RunningTableError;
+use device_link::write::WriteError;
+use estimator_core::table::Misfit;
+use excitation::ExcitationError;
+use identification::table_file::TableFileError;
+use protocol::Faults;
+use recordings::file::FileError;
+use std::error::Error;
+use std::path::PathBuf;
+
+/// Why a session on the bench cannot begin, or cannot end as it should.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// The link fails, or the device refuses.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The device's flash cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The device could not be driven to the end.
+    #[error(transparent)]
+    Play(#[from] PlayError),
+    /// Codes could not be fed to the device.
+    #[error(transparent)]
+    Feed(#[from] FeedError),
+    /// The device's table cannot be read.
+    #[error(transparent)]
+    Running(#[from] RunningTableError),
+    /// The device reads tables of another format.
+    #[error(transparent)]
+    Format(#[from] OtherFormat),
+    /// A table's file cannot be used.
+    #[error(transparent)]
+    Table(#[from] TableFileError),
+    /// A board's file cannot be used.
+    #[error(transparent)]
+    Board(#[from] BoardFileError),
+    /// What is known of the board does not suffice.
+    #[error(transparent)]
+    Wiring(#[from] WiringError),
+    /// What is known of the board is another board's.
+    #[error("what is said of the board is not this device's: a table by it is {0}")]
+    Misfit(#[from] Misfit),
+    /// There is no such drive.
+    #[error(transparent)]
+    Excitation(#[from] ExcitationError),
+    /// The DAC shows the displacement, or there is no table: nobody knows that it is plugged into the amplifier.
+    #[error("the device has no table by which its DAC drives the amplifier")]
+    NotDriving,
+    /// The table in use was made for other converters.
+    #[error("the table in use has another {what} than is said of the board")]
+    OtherConverters {
+        /// What differs.
+        what: &'static str,
+    },
+    /// The board gives no code of a sensor.
+    #[error("the device reads no sensor: its samples have no second channel")]
+    NoSensor,
+    /// A fault sent the drive to rest.
+    #[error("a fault sent the drive back to rest after {ticks} ticks")]
+    Stopped {
+        /// Ticks that had been done.
+        ticks: usize,
+        /// What was wrong.
+        faults: Faults,
+    },
+    /// After its restart the device runs another table than was written.
+    #[error("after its restart the device does not run the table that was written")]
+    NotTaken,
+    /// The voltage does not come back to its rest.
+    #[error("the voltage is at {volts:.2} V and does not come to its rest at {rest_v} V")]
+    NotAtRest {
+        /// Where it stood last, V; NaN where nothing came.
+        volts: f32,
+        /// Where it belongs, V.
+        rest_v: f32,
+    },
+    /// A file or folder cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A log cannot be written.
+    #[error("{}: cannot be written", path.display())]
+    Log {
+        /// The log.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// Next to nothing was measured.
+    #[error("next to nothing was measured: {0} ticks")]
+    Nothing(usize),
+}
+
+impl BenchError {
+    /// The error of another part that this is, where it is one.
+    pub fn of_another(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Link(error) => Some(error),
+            Self::Write(error) => Some(error),
+            Self::Play(error) => Some(error),
+            Self::Feed(error) => Some(error),
+            Self::Running(error) => Some(error),
+            Self::Table(error) => Some(error),
+            Self::Wiring(error) => Some(error),
+            Self::Excitation(error) => Some(error),
+            _ => None,
+        }
+    }
+}

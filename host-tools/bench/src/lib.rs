@@ -1,0 +1,35 @@
+//! A board beside a displacement sensor.
+//!
+//! ```text
+//! board.toml ─► BoardFacts ─► Wiring ─► a straight line's table, with which a board can be driven that knows no model yet
+//!                                └──► train   segments of voltages out, logs in; the table of before is in use again
+//!                                     install a table, in use on the board, and bit for bit the host's
+//!                                     prove   a random drive: the board's own estimate beside the sensor
+//! ```
+//!
+//! However a session ends, the voltage goes to rest at the drive's slew rate, never with a jump.
+
+mod board_file;
+mod emulated;
+mod error;
+pub mod followed;
+mod install;
+mod loan;
+mod log;
+mod prove;
+mod train;
+mod watch;
+mod wiring;
+
+#[cfg(test)]
+mod tests;
+
+pub use board_file::{BoardFacts, BoardFileError};
+pub use emulated::{EMULATED, emulated};
+pub use error::BenchError;
+pub use install::{Installed, for_board, install, rehearsal};
+pub use loan::FORMER;
+pub use prove::{Proof, Proven, prove};
+pub use train::{Ended, Trained, Training, Written, train};
+pub use watch::Complaint;
+pub use wiring::{Wiring, WiringError};

@@ -1,0 +1,163 @@
+//! Sessions on an emulated board.
+
+use super::*;
+use device_link::Client;
+use device_link::interrupt::Interrupt;
+use device_link::pages;
+use device_link::table::{in_use, to_record};
+use emulator::{Bench, EmulatedDevice, Emulator};
+use estimator_core::{AdcCode, Table};
+use excitation::{Drive, Request};
+use parameter_store::RamFlash;
+use plants::Kind;
+use std::path::Path;
+
+pub use crate::EMULATED as FACTS;
+
+fn wiring() -> Wiring {
+    Wiring::new(&FACTS, 500).unwrap()
+}
+
+/// A table by which the device drives, other than the straight line's.
+fn former() -> estimator_core::Admitted {
+    let line = *wiring().line();
+    Table { provenance: estimator_core::Provenance { seed: 7, ..line.provenance }, ..*line }.admit().unwrap()
+}
+
+fn device(sensor_um: Option<(f64, f64)>) -> EmulatedDevice {
+    let bench = Bench { sensor_um, ..emulated(&wiring(), Kind::BoucWen, 1) };
+    connected_to(bench.connected())
+}
+
+fn connected_to(plant: impl emulator::Plant) -> EmulatedDevice {
+    let flash = RamFlash::new(pages::with(&to_record(&former()), 4096).unwrap());
+    Emulator::new().flash(flash).plant(plant).speed(8.0).start().unwrap()
+}
+
+fn drive() -> Drive {
+    let request = Request { slew_v_per_s: 500.0, ..wiring().request(None, 20.0, 40.0, 1).unwrap() };
+    Drive::design(&request).unwrap()
+}
+
+/// Trains on a device; interrupts after so many ticks.
+fn trained(device: &EmulatedDevice, folder: &Path, until: usize) -> (Trained, Client) {
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
+    let training = Training { wiring: &wiring, drive: &drive, folder, interrupt: &interrupt };
+    let trained = train(&mut client, &training, &mut |_, ticks| {
+        if ticks == until {
+            interrupt.want();
+        }
+    });
+    (trained.unwrap(), client)
+}
+
+/// Asserts that the voltage is at rest and the table of before in use.
+fn is_home(client: &mut Client, folder: &Path) {
+    assert_eq!(in_use(client).unwrap().unwrap(), to_record(&former()));
+    client.stream(true).unwrap();
+    let batch = client.samples(std::time::Duration::from_secs(2)).unwrap().unwrap();
+    let volts: f32 = wiring().adc().voltage(AdcCode(batch.samples[0].code));
+    assert!(volts.abs() < 0.2, "{volts} V");
+    assert!(!folder.join(FORMER).exists());
+}
+
+#[test]
+fn a_session_leaves_its_logs_and_the_device_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = device(FACTS.sensor_span);
+    let (trained, mut client) = trained(&device, folder.path(), usize::MAX);
+    assert!(trained.complete(), "{trained:?}");
+    let planned: Vec<u64> = drive().segments.iter().map(|segment| segment.volts.len() as u64).collect();
+    let recorded: Vec<u64> = trained.logs.iter().map(|log| log.rows).collect();
+    assert!(recorded.iter().zip(&planned).all(|(recorded, planned)| recorded >= planned), "{recorded:?} {planned:?}");
+    assert_eq!(recorded.iter().sum::<u64>(), planned.iter().sum::<u64>() + u64::from(trained.starved));
+    for written in &trained.logs {
+        let log = recordings::log::read(&written.log, &Default::default()).unwrap();
+        let displacement = log.displacement.unwrap();
+        let extent = |of: &[f64]| of.iter().fold((f64::MAX, f64::MIN), |(low, high), &x| (low.min(x), high.max(x)));
+        let ((low, high), (near, far)) = (extent(&log.voltage), extent(&displacement));
+        assert!(
+            low < 1.0 && high > 99.0 && near > -1.0 && near < 3.0 && far > 13.0,
+            "{written:?}: {low} {high} {near} {far}"
+        );
+    }
+    is_home(&mut client, folder.path());
+    let session = std::fs::read_to_string(folder.path().join("session.toml")).unwrap();
+    assert!(session.contains("complete = true") && session.contains("sensor_span"), "{session}");
+}
+
+#[test]
+fn an_interrupted_session_keeps_what_it_has_and_brings_the_device_home() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = device(FACTS.sensor_span);
+    let (trained, mut client) = trained(&device, folder.path(), 6_000);
+    assert!(matches!(trained.ended, Some(Ended::Play(_))) && trained.home.is_ok(), "{trained:?}");
+    assert!(trained.logs.iter().map(|log| log.rows).sum::<u64>() >= 6_000);
+    assert!(trained.logs.last().is_some_and(|log| !log.complete));
+    is_home(&mut client, folder.path());
+}
+
+#[test]
+fn a_sensor_that_saturates_or_is_not_there_ends_it_with_a_ramp() {
+    for (sensor, expected) in [(Some((-1.0, 6.0)), "end of its range"), (None, "no second channel")] {
+        let folder = tempfile::tempdir().unwrap();
+        let device = device(sensor);
+        let (trained, mut client) = trained(&device, folder.path(), usize::MAX);
+        let Some(Ended::Complaint(complaint)) = &trained.ended else { panic!("{trained:?}") };
+        assert!(complaint.to_string().contains(expected), "{complaint}");
+        is_home(&mut client, folder.path());
+    }
+}
+
+#[test]
+fn an_amplifier_that_does_nothing_ends_it() {
+    let (rest, mut noise) = (wiring().adc().code(0.0f64), 0);
+    let dead = move |_| {
+        noise = 1 - noise;
+        emulator::Conversion { monitor: AdcCode(rest.0 + noise), sensor: Some(AdcCode(11_000 + noise)) }
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let device = connected_to(dead);
+    let (trained, mut client) = trained(&device, folder.path(), usize::MAX);
+    let Some(Ended::Fault(faults)) = trained.ended else { panic!("{trained:?}") };
+    assert!(faults.contains(protocol::Faults::AMPLIFIER), "{faults:?}");
+    assert!(trained.logs.len() == 1 && !trained.logs[0].complete && trained.home.is_ok(), "{trained:?}");
+    is_home(&mut client, folder.path());
+}
+
+#[test]
+fn a_device_whose_dac_shows_the_displacement_is_not_driven() {
+    let device = Emulator::new().start().unwrap();
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
+    let training = Training { wiring: &wiring, drive: &drive, folder: folder.path(), interrupt: &interrupt };
+    let refused = train(&mut client, &training, &mut |_, _| {}).unwrap_err();
+    assert!(matches!(refused, BenchError::NotDriving), "{refused}");
+    assert_eq!(in_use(&mut client).unwrap().unwrap(), to_record(&emulator::TABLE.admit().unwrap()));
+}
+
+#[test]
+fn what_is_installed_is_the_host_s_to_the_last_bit() {
+    let device = device(Some((-5.0, 25.0)));
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let wiring = wiring();
+    let codes = rehearsal(wiring.line()).unwrap();
+    let installed = install(&mut client, wiring.line(), false, &codes, &Interrupt::default(), &mut |_| {}).unwrap();
+    assert!(installed.bit_exact() && installed.comparison.ticks == codes.len(), "{installed:?}");
+    assert_eq!(in_use(&mut client).unwrap().unwrap(), to_record(wiring.line()));
+}
+
+#[test]
+fn a_board_whose_dac_shows_the_displacement_gets_the_line_when_it_is_rewired_and_not_before() {
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let wiring = wiring();
+    let codes = rehearsal(wiring.line()).unwrap();
+    let mut installed =
+        |rewired| install(&mut client, wiring.line(), rewired, &codes, &Interrupt::default(), &mut |_| {});
+    let refused = installed(false).unwrap_err().to_string();
+    assert!(refused.contains("changes what the DAC output is connected to"), "{refused}");
+    assert!(installed(true).unwrap().bit_exact());
+}

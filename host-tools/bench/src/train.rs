@@ -1,0 +1,194 @@
+//! A training session: a designed drive out, the voltage and the sensor in, a log a segment.
+
+use crate::error::BenchError;
+use crate::loan::{self, FORMER, Loan};
+use crate::log::LogFile;
+use crate::watch::{Complaint, Watch};
+use crate::wiring::Wiring;
+use device_link::Client;
+use device_link::interrupt::Interrupt;
+use device_link::play::{Play, PlayError, play};
+use estimator_core::AdcCode;
+use excitation::{Drive, Segment};
+use protocol::{Faults, Mode};
+use recordings::file;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Columns of a training log.
+const HEADING: &str = "time_s,voltage_V,displacement_um";
+/// What was done, beside the logs.
+const SESSION: &str = "session.toml";
+
+/// What is to be done.
+pub struct Training<'a> {
+    /// The board.
+    pub wiring: &'a Wiring,
+    /// The voltages.
+    pub drive: &'a Drive,
+    /// Where logs, the table of before and what was done are kept.
+    pub folder: &'a Path,
+    /// The wish to end.
+    pub interrupt: &'a Interrupt,
+}
+
+/// A log that was written.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Written {
+    /// The file.
+    pub log: PathBuf,
+    /// What for.
+    pub what: &'static str,
+    /// Its rows.
+    pub rows: u64,
+    /// All of the segment is there.
+    pub complete: bool,
+    /// To prove with, not to be learnt from.
+    pub held_out: bool,
+}
+
+/// Why a session ended before its time.
+#[derive(Debug)]
+pub enum Ended {
+    /// A fault sent the drive back to rest.
+    Fault(Faults),
+    /// There was nothing to be recorded.
+    Complaint(Complaint),
+    /// A log cannot be written.
+    Log(BenchError),
+    /// The link failed, or the user has had enough.
+    Play(PlayError),
+}
+
+/// What came of a session.
+#[derive(Debug)]
+pub struct Trained {
+    /// The logs.
+    pub logs: Vec<Written>,
+    /// Ticks that waited for the host and held the voltage: they stand in the logs as they were.
+    pub starved: u32,
+    /// What ended it before its time.
+    pub ended: Option<Ended>,
+    /// Whether the voltage is at rest and the table of before in use again; else what hinders.
+    pub home: Result<(), BenchError>,
+}
+
+impl Trained {
+    /// Whether all was recorded, and the device is as it was before.
+    pub fn complete(&self) -> bool {
+        self.ended.is_none() && self.home.is_ok()
+    }
+}
+
+/// Plays a drive and records it. Whatever happens, the voltage goes to rest, and the table of before is in use again where the
+/// link allows; [`FORMER`] keeps it. `progress` is told the segment and the ticks of all that are done.
+///
+/// # Errors
+/// Nothing was driven: the board is another one, its DAC is not known to drive, or the folder cannot be written.
+pub fn train(
+    client: &mut Client,
+    training: &Training<'_>,
+    progress: &mut dyn FnMut(&Segment, usize),
+) -> Result<Trained, BenchError> {
+    let Training { wiring, drive, folder, .. } = *training;
+    file::folder(folder)?;
+    let loan = Loan::take(client, wiring, folder)?;
+    let mut recorder = Recorder {
+        training,
+        watch: Watch::new(wiring, drive.request().span_v()),
+        logs: Vec::new(),
+        starved: 0,
+        done: 0,
+    };
+    let ended = drive.segments.iter().enumerate().find_map(|at| recorder.record(client, at, progress).err());
+    let Recorder { logs, starved, .. } = recorder;
+    let home = loan::rest(client, wiring).and_then(|()| loan.give_back(client));
+    let trained = Trained { logs, starved, ended, home };
+    file::write(&folder.join(SESSION), session(training, &trained))?;
+    if trained.home.is_ok() {
+        // It is in use again: nobody needs the file, and there may be none.
+        let _ = std::fs::remove_file(folder.join(FORMER));
+    }
+    Ok(trained)
+}
+
+/// Plays segments and writes their logs.
+struct Recorder<'a> {
+    training: &'a Training<'a>,
+    watch: Watch<'a>,
+    logs: Vec<Written>,
+    starved: u32,
+    /// Ticks of the segments before.
+    done: usize,
+}
+
+impl Recorder<'_> {
+    /// Plays a segment, from rest to rest, and writes its log: a row a tick, those that waited for the host among them.
+    fn record(
+        &mut self,
+        client: &mut Client,
+        (index, segment): (usize, &Segment),
+        progress: &mut dyn FnMut(&Segment, usize),
+    ) -> Result<(), Ended> {
+        let Training { wiring, folder, interrupt, .. } = *self.training;
+        let name = match segment.held_out {
+            true => format!("{}.csv", segment.name),
+            false => format!("{:02}-{}.csv", index + 1, segment.name),
+        };
+        let tick_s = wiring.line().sample_period();
+        let mut log = LogFile::create(&folder.join(name), HEADING, tick_s).map_err(Ended::Log)?;
+        let (references, ticks) = (&segment.volts[..], segment.volts.len());
+        // It ends at rest, where it is held until the next one goes on.
+        let what = Play { mode: Mode::Excite, goes_on: index > 0, references, hold: true, ticks };
+        let (mut ended, mut rows) = (None, 0);
+        let watch = &mut self.watch;
+        let done = self.done;
+        let played = play(client, &what, interrupt, &mut |sample| {
+            let volts: f64 = wiring.adc().voltage(AdcCode(sample.code));
+            let um = wiring.sensor.um(sample).unwrap_or(f64::NAN);
+            ended = match watch.complaint(sample, volts) {
+                Some(complaint) => Some(Ended::Complaint(complaint)),
+                None => log.row(&[volts, um]).err().map(Ended::Log),
+            };
+            rows += 1;
+            progress(segment, done + rows);
+            ended.is_none()
+        });
+        let fault = played.as_ref().ok().map(|played| played.stopped).filter(|stopped| !stopped.is_empty());
+        self.starved += played.as_ref().map_or(0, |played| played.starved);
+        self.done += ticks;
+        let ended = ended.or(fault.map(Ended::Fault)).or(played.err().map(Ended::Play));
+        let (log, rows) = log.end().map_err(Ended::Log)?;
+        let (what, held_out) = (segment.what, segment.held_out);
+        self.logs.push(Written { log, what, rows, complete: ended.is_none(), held_out });
+        ended.map_or(Ok(()), Err)
+    }
+}
+
+/// What was done, as it is kept beside the logs.
+#[derive(Serialize)]
+struct Session<'a> {
+    tool: String,
+    complete: bool,
+    seed: u64,
+    covers: Vec<String>,
+    forbidden: Vec<String>,
+    waited_ticks: u32,
+    board: &'a crate::BoardFacts,
+    logs: &'a [Written],
+}
+
+fn session(training: &Training<'_>, trained: &Trained) -> String {
+    let session = Session {
+        tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
+        complete: trained.ended.is_none(),
+        seed: training.drive.request().seed,
+        covers: training.drive.covers(),
+        forbidden: training.drive.forbidden(),
+        waited_ticks: trained.starved,
+        board: &training.wiring.facts,
+        logs: &trained.logs,
+    };
+    // Cannot fail: strings and numbers, the tables last.
+    toml::to_string(&session).expect("a session's description is plain")
+}

@@ -1,0 +1,31 @@
+//! The voltages of a session on the bench.
+
+use super::number::{positive, span};
+use anyhow::Result;
+use bench::Wiring;
+use clap::Args;
+use excitation::Drive;
+use identification::span::Span;
+
+/// What a drive is designed for.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "The voltages")]
+pub struct ExcitationArgs {
+    /// Lowest and highest voltage, V; without it all that board.toml allows.
+    #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
+    pub range: Option<Span>,
+    /// Highest frequency, Hz.
+    #[arg(long, default_value_t = 20.0, value_parser = positive, value_name = "HZ")]
+    pub up_to: f64,
+    /// Draws the random part.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl ExcitationArgs {
+    /// The drive on a board, of so many s.
+    pub fn drive(&self, wiring: &Wiring, seconds: f64) -> Result<Drive> {
+        let range = self.range.map(|span| (span.zero, span.full));
+        Ok(Drive::design(&wiring.request(range, self.up_to, seconds, self.seed)?)?)
+    }
+}

@@ -1,0 +1,81 @@
+//! What goes wrong in a session on the bench.
+
+use super::bits::faults;
+use bench::{BenchError, Complaint, WiringError};
+use excitation::ExcitationError;
+use protocol::Faults;
+use std::error::Error;
+
+/// The error with its remedy, if it is one of these.
+pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
+    error
+        .downcast_ref()
+        .map(session)
+        .or_else(|| error.downcast_ref().map(wiring))
+        .or_else(|| error.downcast_ref().map(excitation))
+}
+
+/// What sent a drive to rest, each fault with its remedy.
+pub fn stopped(bits: Faults) -> String {
+    let said: Vec<String> =
+        faults(bits & !Faults::SAFE_OUTPUT).map(|of| format!("{}: {}", of.what, of.remedy)).collect();
+    format!("a fault sent the voltage back to rest: {}", said.join("; "))
+}
+
+/// What is wrong with a sensor, with its remedy.
+pub fn complaint(complaint: &Complaint) -> String {
+    let remedy = match complaint {
+        Complaint::NoSensor => "is this the firmware of a board with a sensor's channel? `piezo info` says which it is",
+        Complaint::Saturated { .. } => {
+            "move the sensor's zero, choose a smaller --range, or correct sensor_span in board.toml"
+        }
+        Complaint::Still { .. } => {
+            "is the sensor connected to the board's second channel, and the actuator to the amplifier?"
+        }
+    };
+    format!("{complaint}: {remedy}")
+}
+
+fn session(error: &BenchError) -> String {
+    match error {
+        BenchError::NotDriving => format!(
+            "{error}: unplug the amplifier from the DAC, then `piezo install --line --rewired` with this --board and --port, and \
+             plug it in again"
+        ),
+        BenchError::OtherConverters { .. } => format!("{error}: `piezo install` it with this --board"),
+        BenchError::Misfit(_) => format!("{error}: correct adc_full_scale and dac_full_scale in board.toml"),
+        BenchError::NoSensor => complaint(&Complaint::NoSensor),
+        BenchError::Stopped { ticks, faults } => format!("after {ticks} ticks {}", stopped(*faults)),
+        BenchError::NotTaken => format!("{error}: try again"),
+        BenchError::NotAtRest { .. } => {
+            format!("{error}: is the amplifier connected and switched on? `piezo info` says how the device is")
+        }
+        BenchError::Nothing(_) => format!("{error}: choose a longer --seconds"),
+        _ => error.of_another().map_or_else(|| error.to_string(), super::told),
+    }
+}
+
+fn wiring(error: &WiringError) -> String {
+    match error {
+        WiringError::Missing { field, .. } => format!("{error}: measure it, and add a line {field} = …"),
+        WiringError::BeyondRange { allowed, .. } => format!("{error}: --range {}:{} at most", allowed.min, allowed.max),
+        WiringError::Refused(_) => error.to_string(),
+    }
+}
+
+fn excitation(error: &ExcitationError) -> String {
+    match error {
+        ExcitationError::TooShort { least_s, .. } => {
+            format!(
+                "{error}: choose a longer time ({:.1} minutes), or a smaller --range",
+                (least_s / 6.0).ceil() / 10.0
+            )
+        }
+        ExcitationError::TooFast { most_hz, .. } => format!("{error}: --up-to {most_hz}"),
+        ExcitationError::TooLong { .. } => {
+            format!("{error}: choose a smaller --range, or a drive_slew that is what the amplifier stands")
+        }
+        ExcitationError::Rest { .. } => format!("{error}: let --range hold drive_rest of board.toml"),
+        _ => error.to_string(),
+    }
+}

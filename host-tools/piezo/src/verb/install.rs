@@ -1,0 +1,89 @@
+//! `piezo install`: a table with the board's calibration into the device, in use, and compared with the host bit for bit.
+
+use super::device::{self, note_damage};
+use super::print::{out, progress};
+use crate::option::BoardOption;
+use crate::option::link::PortOption;
+use crate::remedy;
+use anyhow::Result;
+use bench::{for_board, install, rehearsal};
+use clap::Args;
+use device_link::board;
+use device_link::interrupt::Interrupt;
+use device_link::table::to_record;
+use identification::calibration::converter_mismatches;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `piezo install`.
+#[derive(Args, Debug)]
+pub struct Install {
+    /// The table: table.toml, or the folder that `piezo identify` wrote.
+    #[arg(required_unless_present = "line")]
+    pub table: Option<PathBuf>,
+    /// Install no actuator's table but a straight line, by which a board can be driven that knows no model yet (piezo train).
+    #[arg(long, conflicts_with = "table")]
+    pub line: bool,
+    /// The DAC is unplugged, or plugged where it belongs by the new table: by the one it drives the amplifier, by the other it
+    /// shows the displacement.
+    #[arg(long)]
+    pub rewired: bool,
+    /// Print what was done as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The board.
+    #[command(flatten)]
+    pub board: BoardOption,
+    /// The device.
+    #[command(flatten)]
+    pub port: PortOption,
+}
+
+/// Runs the verb; `false` when host and device differ in any bit.
+pub fn run(arguments: &Install) -> Result<bool> {
+    let interrupt = Interrupt::watch()?;
+    let stated = arguments.table.as_deref().map(|path| for_board(path, &arguments.board.board)).transpose()?;
+    let (mut client, identity) = arguments.port.connect()?;
+    let (name, table, doubts) = match stated {
+        Some(stated) => stated,
+        None => ("a straight line".into(), *arguments.board.wiring(identity.tick_us)?.line(), Vec::new()),
+    };
+    device::fits(&board::of(&identity)?, &table, &name)?;
+    converter_mismatches(&table)
+        .iter()
+        .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
+    let codes = rehearsal(&table)?;
+    let bar = progress(codes.len() as u64);
+    let installed = install(&mut client, &table, arguments.rewired, &codes, &interrupt, &mut |ticks| {
+        bar.set_position(ticks as u64);
+    });
+    bar.finish_and_clear();
+    note_damage(&client);
+    let installed = installed?;
+    let (checksum, compared) = (device::checksum(&to_record(&table)), &installed.comparison);
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&json!({
+            "table": name, "checksum": checksum, "bit_exact": installed.bit_exact(), "compared": compared, "doubts": doubts,
+        }))?);
+        return Ok(installed.bit_exact());
+    }
+    out(&format!(
+        "{} ({}, checksum {checksum}) is stored, and {} runs it",
+        name.display(),
+        table.model(),
+        identity.board
+    ));
+    doubts.iter().for_each(|doubt| out(&format!("- careful: {doubt}")));
+    out(&match installed.bit_exact() {
+        true => {
+            format!("bit-exact: over {} ticks of a random voltage the device's every bit is the host's", compared.ticks)
+        }
+        false => format!(
+            "FAILED: {} of {} ticks differ, by at most {:e} µm: are the firmware and this program built from the same sources?",
+            compared.ticks - compared.identical,
+            compared.ticks,
+            compared.max_difference_um
+        ),
+    });
+    Ok(installed.bit_exact())
+}

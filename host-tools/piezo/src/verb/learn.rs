@@ -1,0 +1,90 @@
+//! `piezo learn`: from a board and a sensor to a proven table, by the verbs that each do a part: train, identify, install, prove.
+
+use super::print::out;
+use crate::Cli;
+use crate::option::link::PortOption;
+use crate::option::{BoardOption, ExcitationArgs, positive};
+use anyhow::{Context, Result};
+use clap::{Args, Parser};
+use std::path::PathBuf;
+
+/// Arguments of `piezo learn`.
+#[derive(Args, Debug)]
+pub struct Learn {
+    /// Folder for everything.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Length of the training, minutes.
+    #[arg(long, default_value_t = 2.0, value_parser = positive)]
+    pub minutes: f64,
+    /// Length of the proof, s.
+    #[arg(long, default_value_t = 30.0, value_parser = positive)]
+    pub proof_seconds: f64,
+    /// What `piezo identify` is told besides, such as `-- --model generalised-prandtl-ishlinskii`.
+    #[arg(last = true)]
+    pub identify: Vec<String>,
+    /// The board.
+    #[command(flatten)]
+    pub board: BoardOption,
+    /// The device.
+    #[command(flatten)]
+    pub port: PortOption,
+    /// The voltages.
+    #[command(flatten)]
+    pub excitation: ExcitationArgs,
+}
+
+/// Runs the verb; `false` where a part says so, and what follows that is not begun.
+pub fn run(arguments: &Learn) -> Result<bool> {
+    let path =
+        |path: PathBuf| path.to_str().map(str::to_owned).with_context(|| format!("{}: is no UTF-8", path.display()));
+    let (out, board) = (path(arguments.out.clone())?, path(arguments.board.board.clone())?);
+    let model = path(arguments.out.join("model"))?;
+    let (port, excitation) = (arguments.port.port.to_string(), &arguments.excitation);
+    let (seed, up_to) = (excitation.seed.to_string(), excitation.up_to.to_string());
+    let mut train =
+        words(&["train", "--port", &port, "--board", &board, "--out", &out, "--up-to", &up_to, "--seed", &seed]);
+    train.extend(["--minutes".to_owned(), arguments.minutes.to_string()]);
+    if let Some(range) = excitation.range {
+        train.push(format!("--range={}:{}", range.zero, range.full));
+    }
+    if !part(train)? {
+        return Ok(false);
+    }
+    let logs = std::fs::read_dir(&arguments.out)?.collect::<std::io::Result<Vec<_>>>()?;
+    let numbered = |name: &std::ffi::OsStr| name.as_encoded_bytes().first().is_some_and(u8::is_ascii_digit);
+    let mut logs: Vec<PathBuf> = logs.iter().filter(|log| numbered(&log.file_name())).map(|log| log.path()).collect();
+    logs.sort();
+    let mut identify = words(&["identify"]);
+    identify.extend(logs.into_iter().map(path).collect::<Result<Vec<_>>>()?);
+    identify.extend(words(&[
+        "--validate-on",
+        &path(arguments.out.join("proof.csv"))?,
+        "--board",
+        &board,
+        "--out",
+        &model,
+    ]));
+    identify.extend(arguments.identify.iter().cloned());
+    let proof = path(arguments.out.join("proof"))?;
+    let seconds = arguments.proof_seconds.to_string();
+    // Another draw than the training's, which nothing has seen.
+    let other = excitation.seed.wrapping_add(1).to_string();
+    let link = ["--board", &board, "--port", &port];
+    Ok(part(identify)?
+        && part(words(&[&["install", &model], &link[..]].concat()))?
+        && part(words(
+            &[&["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other], &link[..]]
+                .concat(),
+        ))?)
+}
+
+fn words(words: &[&str]) -> Vec<String> {
+    words.iter().map(|word| (*word).to_owned()).collect()
+}
+
+/// Runs a command as if it were typed.
+fn part(words: Vec<String>) -> Result<bool> {
+    out(&format!("\n$ piezo {}", words.join(" ")));
+    Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?.run()
+}

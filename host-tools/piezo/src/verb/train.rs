@@ -1,0 +1,140 @@
+//! `piezo train`: a board beside a sensor → the logs that a table is identified from, and one to prove it with.
+
+use super::device::note_damage;
+use super::print::{out, progress};
+use crate::option::{BoardOption, ExcitationArgs};
+use crate::{output, remedy};
+use anyhow::{Context, Result};
+use bench::{Ended, Trained, Training, train};
+use clap::Args;
+use device_link::interrupt::Interrupt;
+use device_link::{Address, Client};
+use recordings::prepare::PrepareOptions;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `piezo train`.
+#[derive(Args, Debug)]
+pub struct Train {
+    /// Folder for the logs and session.toml.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Length, minutes.
+    #[arg(long, default_value_t = 2.0, value_parser = crate::option::positive)]
+    pub minutes: f64,
+    /// Say what would be driven, and drive nothing.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Write the voltages to this file, for any generator: time_s,voltage_V.
+    #[arg(long, value_name = "FILE")]
+    pub drive: Option<PathBuf>,
+    /// Print what was done as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Where the device is: a serial port (/dev/ttyACM0, COM3), or tcp:HOST:PORT of an emulated board.
+    #[arg(long, value_name = "PORT", required_unless_present = "dry_run")]
+    pub port: Option<Address>,
+    /// The board.
+    #[command(flatten)]
+    pub board: BoardOption,
+    /// The voltages.
+    #[command(flatten)]
+    pub excitation: ExcitationArgs,
+}
+
+/// Runs the verb; `false` where it ended before its time. What was recorded by then is kept.
+pub fn run(arguments: &Train) -> Result<bool> {
+    let interrupt = Interrupt::watch()?;
+    let port = arguments.port.as_ref().filter(|_| !arguments.dry_run);
+    let device = port.map(Client::connect).transpose()?;
+    let tick_us = device.as_ref().map_or(PrepareOptions::default().tick_us, |(_, identity)| identity.tick_us);
+    let wiring = arguments.board.wiring(tick_us)?;
+    let drive = arguments.excitation.drive(&wiring, 60.0 * arguments.minutes)?;
+    if let Some(file) = &arguments.drive {
+        output::write(file, drive.to_csv())?;
+    }
+    let said = [drive.covers(), drive.forbidden()].concat();
+    if !arguments.json {
+        said.iter().for_each(|line| out(&format!("- {line}")));
+    }
+    let Some((mut client, _)) = device else {
+        if arguments.json {
+            out(&serde_json::to_string_pretty(&json!({ "covers": said, "seconds": drive.duration_s() }))?);
+        }
+        return Ok(true);
+    };
+    let bar = progress((drive.duration_s() / wiring.line().sample_period::<f64>()) as u64);
+    let training = Training { wiring: &wiring, drive: &drive, folder: &arguments.out, interrupt: &interrupt };
+    let trained = train(&mut client, &training, &mut |segment, ticks| {
+        bar.set_prefix(segment.name);
+        bar.set_position(ticks as u64);
+    });
+    bar.finish_and_clear();
+    note_damage(&client);
+    let trained = trained?;
+    tell(arguments, &trained)?;
+    // It is said before what hinders the way home, which is what the user must know last.
+    let complete = trained.complete();
+    trained.home.with_context(|| stranded(arguments))?;
+    Ok(complete)
+}
+
+/// What is to be done where the table of before is not in use again.
+fn stranded(arguments: &Train) -> String {
+    let former = arguments.out.join(bench::FORMER);
+    let port = arguments.port.as_ref().map_or(String::new(), Address::to_string);
+    match former.exists() {
+        true => format!(
+            "the table of before is not in use again; {} holds it: piezo push {} --reset --port {port}",
+            former.display(),
+            former.display()
+        ),
+        false => format!("the device was not seen to come to rest: piezo info --port {port}"),
+    }
+}
+
+fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
+    if arguments.json {
+        let summary = json!({
+            "logs": trained.logs,
+            "complete": trained.complete(),
+            "waited_ticks": trained.starved,
+            "ended": trained.ended.as_ref().map(ended),
+        });
+        out(&serde_json::to_string_pretty(&summary)?);
+        return Ok(());
+    }
+    for log in &trained.logs {
+        let cut = if log.complete { "" } else { "; cut short" };
+        out(&format!("{}  {} samples, {}{cut}", log.log.display(), log.rows, log.what));
+    }
+    if trained.starved > 0 {
+        out(&format!(
+            "On {} ticks the device waited for this machine and held its voltage, as the logs show.",
+            trained.starved
+        ));
+    }
+    if trained.home.is_ok() {
+        out("The voltage is at rest, and the table of before is in use again.");
+    }
+    match &trained.ended {
+        Some(why) => out(&format!("FAILED: it ended before its time: {}", ended(why))),
+        None => out(&format!("Next:\n\n    {}", identify_by(&arguments.out, &arguments.board.board))),
+    }
+    Ok(())
+}
+
+/// The command that identifies a table from the logs in a folder.
+fn identify_by(folder: &Path, board: &Path) -> String {
+    let (folder, board) = (folder.display(), board.display());
+    format!("piezo identify {folder}/[0-9]*.csv --validate-on {folder}/proof.csv --board {board} --out {folder}/model")
+}
+
+fn ended(why: &Ended) -> String {
+    match why {
+        Ended::Fault(faults) => remedy::stopped(*faults),
+        Ended::Complaint(complaint) => remedy::complaint(complaint),
+        Ended::Log(error) => remedy::sentence(error),
+        Ended::Play(error) => remedy::sentence(error),
+    }
+}

@@ -1,0 +1,59 @@
+//! From a board and a sensor to a proven table, on an emulated board, as it is typed.
+
+use super::{json, number, piezo, text};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+/// `piezo emulate` while it runs, and where it listens.
+struct Emulated {
+    process: Child,
+    port: String,
+}
+
+impl Emulated {
+    /// Wired as the file says, which is written where there is none.
+    fn start(board: &Path) -> Self {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_piezo"))
+            .args(["emulate", "--device", "bouc-wen", "--tcp-port", "0", "--speed", "8", "--board", text(board)])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(process.stdout.take().unwrap()).lines();
+        let next = lines.map(Result::unwrap).find(|line| line.contains("piezo train")).unwrap();
+        let port = next.split(' ').find(|word| word.starts_with("tcp:")).unwrap().to_owned();
+        Self { process, port }
+    }
+}
+
+impl Drop for Emulated {
+    fn drop(&mut self) {
+        self.process.kill().unwrap();
+        self.process.wait().unwrap();
+    }
+}
+
+#[test]
+fn learn_ends_with_a_table_that_is_installed_and_proven() {
+    let folder = tempfile::tempdir().unwrap();
+    let (board, out) = (folder.path().join("board.toml"), folder.path().join("p885"));
+    let emulated = Emulated::start(&board);
+    let (board, port) = (text(&board), &*emulated.port);
+    let short = ["--minutes", "0.7", "--up-to", "20", "--proof-seconds", "12"];
+    let search = ["--", "--model", "prandtl-ishlinskii", "--evaluations", "4", "--devices", "4"];
+    let learn = [&["learn", "--port", port, "--board", board, "--out", text(&out)], &short[..], &search[..]].concat();
+    let printed = piezo().args(learn).assert().success().get_output().stdout.clone();
+    let printed = String::from_utf8(printed).unwrap();
+    for part in ["table of before is in use again", "bit-exact", "PASS: the table's ± holds the sensor"] {
+        assert!(printed.contains(part), "{part:?} is missing in\n{printed}");
+    }
+    // What it has left is in use: it proves again, on another draw, and is told from a table that is not good enough.
+    let again = ["--seconds", "8", "--up-to", "20", "--seed", "9", "--json", "--board", board, "--port", port];
+    let proof = out.join("again");
+    let prove = [&["prove", "--out", text(&proof)], &again[..]].concat();
+    let figures = json(piezo().args(&prove));
+    assert!(figures["passed"] == true && number(&figures, "/figures/mae_percent") < 3.0, "{figures}");
+    piezo().args(&prove).args(["--max-percent", "0.001"]).assert().code(1);
+    let log = recordings::log::read(&proof.join("proven.csv"), &Default::default()).unwrap();
+    assert!(log.displacement.is_some() && !log.displacement_estimated);
+}

@@ -1,0 +1,49 @@
+//! `piezo record` on a line on which things go wrong.
+
+use super::{piezo, text};
+use emulator::faults::{lose_replies, lose_samples_at, silent_from};
+use emulator::{Emulator, Fault, FaultyLine};
+use recordings::log::{ReadOptions, read};
+use std::path::PathBuf;
+
+/// Records a second in a folder; whether that was all, and what is in the folder.
+fn recorded(fault: impl Fault, folder: &tempfile::TempDir) -> (Option<i32>, Vec<PathBuf>) {
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let line = FaultyLine::to(device.address(), fault).unwrap();
+    let (log, port) = (folder.path().join("log.csv"), format!("tcp:{}", line.address()));
+    let done =
+        piezo().args(["record", "--out", text(&log), "--seconds", "1", "--json", "--port", &port]).output().unwrap();
+    let files = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+    (done.status.code(), files)
+}
+
+#[test]
+fn what_was_recorded_before_a_gap_is_a_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let (done, files) = recorded(lose_samples_at(600), &folder);
+    assert_eq!(done, Some(1));
+    assert_eq!(files, [folder.path().join("log.csv")]);
+    let log = read(&files[0], &ReadOptions::default()).unwrap();
+    assert!((500..=600).contains(&log.voltage.len()), "{}", log.voltage.len());
+}
+
+#[test]
+fn what_was_recorded_before_a_device_died_is_a_log() {
+    let folder = tempfile::tempdir().unwrap();
+    // Five requests start a recording; none is answered from then on.
+    let (mut unanswered, mut silent) = (lose_replies(5..100), silent_from(100));
+    let dies = move |direction, frame: &mut Vec<u8>| {
+        unanswered(direction, frame);
+        silent(direction, frame);
+    };
+    let (done, files) = recorded(dies, &folder);
+    assert_eq!(done, Some(1));
+    assert_eq!(read(&files[0], &ReadOptions::default()).unwrap().voltage.len(), 99);
+}
+
+#[test]
+fn a_recording_of_nothing_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (done, files) = recorded(silent_from(0), &folder);
+    assert!(done == Some(1) && files.is_empty(), "{done:?} {files:?}");
+}
