@@ -5,6 +5,7 @@
 //! what the model predicts ahead of the voltage is not the fit's concern, and would bend the hysteresis.
 
 use super::basis::{Basis, FUNCTIONS, Values};
+use super::course::Course;
 use estimator_core::model::{RampLag, RampLagged, play};
 use estimator_core::{Range, Resonance, ResonanceState};
 use pulp::{Arch, NullaryFnOnce};
@@ -35,9 +36,8 @@ pub struct Stages<'a> {
     pub resonance: Option<(f64, f64)>,
 }
 
-/// Lag, creep and slew limit for a step of so many ticks.
+/// Lag, creep and slew limit for a step of one length.
 struct Dynamics {
-    ticks: u32,
     lag: RampLag<f64>,
     /// k and β ([`RampLag`]) and gain of each creep element.
     creep: Vec<(f64, f64, f64)>,
@@ -59,33 +59,34 @@ struct Memory {
 }
 
 impl Stages<'_> {
-    /// Hands over each measured instant's index, its columns (µm for coefficients of 1) and the input behind lag and delay
-    /// (V), from the session's first sample on. It steps from instant to instant, between which the voltage of a log slower
-    /// than the tick runs straight, as every stage takes it to.
-    pub fn walk(&self, session: &Session, each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
+    /// Hands over the index of each reading on a session's course, its columns (µm for coefficients of 1) and the input behind
+    /// lag and delay (V), from the session's first sample on. Between two steps the voltage of a log slower than the tick runs
+    /// straight, as every stage takes it to.
+    pub fn walk(&self, session: &Session, course: &Course, each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
         // Wider instructions where the machine has them; each column's are the same.
-        Arch::new().dispatch(Walk { stages: self, session, each });
+        Arch::new().dispatch(Walk { stages: self, session, course, each });
     }
 
     #[inline(always)]
-    fn walk_each(&self, session: &Session, mut each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
+    fn walk_each(&self, session: &Session, course: &Course, mut each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
         let Some(&first) = session.voltage.first() else { return };
         let rest = session.rested_v.unwrap_or(first);
         let mut memory = self.rest(rest);
-        let mut dynamics = self.dynamics(1, session.tick_s);
+        let mut paces = Paces { stages: self, tick_s: session.tick_s, known: Vec::new() };
         // A jump at the first sample is one, and no ramp towards the second.
         let jump = self.delay_ticks as u32 + 2;
-        let mut columns = self.step(&mut memory, &dynamics, self.delayed(&session.voltage, 0.0, rest));
+        let late = self.delay_ticks.ceil() as u32;
+        let mut corners = course.corners.iter().map(|tick| tick + late).peekable();
+        let mut columns = self.step(&mut memory, paces.of(1), self.delayed(&session.voltage, 0.0, rest));
         let mut tick = 0;
-        for (index, &instant) in session.instants.iter().enumerate() {
+        for &index in &course.readings {
+            let instant = session.instants[index];
             while tick < instant {
-                let ticks = if tick < jump { 1 } else { instant - tick };
-                if ticks != dynamics.ticks {
-                    dynamics = self.dynamics(ticks, session.tick_s);
-                }
-                tick += ticks;
-                let target = self.delayed(&session.voltage, f64::from(tick), rest);
-                columns = self.step(&mut memory, &dynamics, target);
+                while corners.next_if(|&corner| corner <= tick).is_some() {}
+                let next = if tick < jump { tick + 1 } else { corners.peek().map_or(instant, |&at| at.min(instant)) };
+                let target = self.delayed(&session.voltage, f64::from(next), rest);
+                columns = self.step(&mut memory, paces.of(next - tick), target);
+                tick = next;
             }
             each(index, &columns, memory.input.value());
         }
@@ -100,10 +101,8 @@ impl Stages<'_> {
         lower + (at - whole) * (value(whole + 1.0) - lower)
     }
 
-    fn dynamics(&self, ticks: u32, tick_s: f64) -> Dynamics {
-        let period = f64::from(ticks) * tick_s;
+    fn dynamics(&self, period: f64) -> Dynamics {
         Dynamics {
-            ticks,
             lag: RampLag::build(self.lag_s, period),
             creep: self.creep.iter().map(|&(time, gain)| element(time, gain, period)).collect(),
             most: if self.slew_v_per_s > 0.0 { self.slew_v_per_s * period } else { f64::INFINITY },
@@ -161,10 +160,31 @@ impl Stages<'_> {
     }
 }
 
+/// Steps of the lengths that a walk has taken, few as they are.
+struct Paces<'a> {
+    stages: &'a Stages<'a>,
+    tick_s: f64,
+    /// By their number of ticks.
+    known: Vec<(u32, Dynamics)>,
+}
+
+impl Paces<'_> {
+    /// A step of so many ticks.
+    #[inline(always)]
+    fn of(&mut self, ticks: u32) -> &Dynamics {
+        let at = self.known.iter().position(|(known, _)| *known == ticks).unwrap_or_else(|| {
+            self.known.push((ticks, self.stages.dynamics(f64::from(ticks) * self.tick_s)));
+            self.known.len() - 1
+        });
+        &self.known[at].1
+    }
+}
+
 /// A walk that is about to begin.
 struct Walk<'a, E> {
     stages: &'a Stages<'a>,
     session: &'a Session,
+    course: &'a Course,
     each: E,
 }
 
@@ -173,7 +193,7 @@ impl<E: FnMut(usize, &[f64; COLUMNS], f64)> NullaryFnOnce for Walk<'_, E> {
 
     #[inline(always)]
     fn call(self) {
-        self.stages.walk_each(self.session, self.each);
+        self.stages.walk_each(self.session, self.course, self.each);
     }
 }
 

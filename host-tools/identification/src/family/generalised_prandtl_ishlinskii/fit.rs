@@ -10,7 +10,7 @@
 
 use super::basis::FUNCTIONS;
 use super::columns::{COLUMNS, Stages};
-use crate::family::projection::settled;
+use super::course::Course;
 use least_squares::{Normal, Sign};
 use recordings::session::Session;
 
@@ -20,8 +20,6 @@ const START: f64 = 0.3;
 const TURNS: usize = 3;
 /// A block is not believed to be quieter than this part of the quietest; it keeps one from deciding alone.
 const QUIET: f64 = 0.1;
-/// Most measured instants of a session that count; of more, every n-th.
-const ROWS: usize = 4_000;
 /// A ridge that is nothing but for columns that are alike.
 const RIDGE: f64 = 1e-9;
 
@@ -37,20 +35,16 @@ pub struct Solution {
     pub total: f64,
 }
 
-/// The coefficients that fit sessions best. `floor` is the least slope of the reversible part, µm/V.
-pub fn solve(sessions: &[&Session], stages: &Stages<'_>, floor: f64) -> Option<Solution> {
+/// The coefficients that fit sessions best, each on its course. `floor` is the least slope of the reversible part, µm/V.
+pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, floor: f64) -> Option<Solution> {
     let columns = COLUMNS + sessions.len();
     let mut blocks: Vec<Block> = Vec::new();
-    for (number, session) in sessions.iter().enumerate() {
-        let settled = settled(session);
-        let stride = session.instants.len().div_ceil(ROWS);
+    for (number, (session, course)) in sessions.iter().enumerate() {
         let mut start = Block::new(number, START);
         let mut rest = Block::new(number, 1.0);
-        stages.walk(session, |index, values, input| {
-            if index % stride == 0 || (index < settled && settled < ROWS) {
-                let target = session.displacement[index] - floor * (input - stages.span.min);
-                (if index < settled { &mut start } else { &mut rest }).add(values, target);
-            }
+        stages.walk(session, course, |index, values, input| {
+            let target = session.displacement[index] - floor * (input - stages.span.min);
+            (if index < course.settled { &mut start } else { &mut rest }).add(values, target);
         });
         blocks.extend([start, rest].into_iter().filter_map(Block::finish));
     }

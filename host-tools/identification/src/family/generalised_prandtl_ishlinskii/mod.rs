@@ -7,6 +7,7 @@
 
 mod basis;
 mod columns;
+mod course;
 mod fit;
 
 use super::AnyFamily;
@@ -16,9 +17,11 @@ use crate::problem::Problem;
 use crate::search::Gene;
 use basis::{Basis, FUNCTIONS};
 use columns::Stages;
+use course::Course;
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
 use fit::Solution;
 use recordings::session::Session;
+use std::sync::Arc;
 
 /// Play operators beside the reversible part.
 const PLAYS: usize = 15;
@@ -45,6 +48,8 @@ enum Extra {
 /// What is fixed before the search.
 struct Family {
     extra: Extra,
+    /// Of the training sessions, in their order.
+    courses: Arc<[Course]>,
     basis: Basis,
     span: Range<f64>,
     /// Half-widths, V, and Δr_i/R.
@@ -61,7 +66,8 @@ pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
     let fast = problem.training().any(|session| session.instants.len() == session.voltage.len())
         && !Character::of(problem.training(), problem.deadband).single_frequency();
     let extras: &[Extra] = if fast { &[Extra::Nothing, Extra::Slew, Extra::Resonance] } else { &[Extra::Nothing] };
-    extras.iter().map(|&extra| Box::new(Family::new(extra, problem)) as AnyFamily).collect()
+    let courses: Arc<[Course]> = problem.training().map(|session| Course::of(session, problem.deadband)).collect();
+    extras.iter().map(|&extra| Box::new(Family::new(extra, courses.clone(), problem)) as AnyFamily).collect()
 }
 
 /// A candidate's values by name.
@@ -91,7 +97,7 @@ impl Values {
 }
 
 impl Family {
-    fn new(extra: Extra, problem: &Problem) -> Self {
+    fn new(extra: Extra, courses: Arc<[Course]>, problem: &Problem) -> Self {
         let tick = problem.extent().tick;
         let span = problem.training_voltages();
         let steps = problem.training().flat_map(|session| session.voltage.windows(2));
@@ -101,6 +107,7 @@ impl Family {
         let before = |i: usize| if i == 0 { 0.0 } else { half_width(i - 1) };
         Self {
             extra,
+            courses,
             basis: Basis::new(span),
             span,
             plays: std::array::from_fn(|i| (radius * half_width(i), half_width(i) - before(i))),
@@ -158,9 +165,10 @@ impl Family {
         }
     }
 
-    fn solve(&self, values: &Values, sessions: &[&Session]) -> Option<Solution> {
+    fn solve(&self, values: &Values, problem: &Problem) -> Option<Solution> {
+        let sessions: Vec<(&Session, &Course)> = problem.training().zip(self.courses.iter()).collect();
         let (plays, creep) = (self.weighed(values.law), self.creep(values.creep));
-        fit::solve(sessions, &self.stages(values, &plays, &creep), self.least_slope())
+        fit::solve(&sessions, &self.stages(values, &plays, &creep), self.least_slope())
     }
 
     fn parameters(&self, values: &Values, solution: &Solution) -> Option<Parameters> {
@@ -223,8 +231,7 @@ impl super::Family for Family {
     /// Mean square errors of the sessions' blocks beside what actuators are like, whatever the cost of the search is.
     fn candidate(&self, values: &[f64], problem: &Problem, _cost: Cost) -> Option<(Parameters, f64)> {
         let values = self.values(values)?;
-        let sessions: Vec<&Session> = problem.training().collect();
-        let solution = self.solve(&values, &sessions)?;
+        let solution = self.solve(&values, problem)?;
         let found = self.parameters(&values, &solution)?;
         Some((found, libm::exp(0.5 * (solution.total + values.unlikely(self.tick)))))
     }
@@ -268,10 +275,11 @@ mod tests {
     #[test]
     fn what_is_found_is_what_the_model_runs() {
         let problem = Problem::new(vec![session(1)], vec![], Conditions::default());
-        let family = Family::new(Extra::Resonance, &problem);
+        let courses: Arc<[Course]> = Arc::new([Course::of(&problem.training().next().unwrap(), problem.deadband)]);
+        let family = Family::new(Extra::Resonance, courses.clone(), &problem);
         let values = family.values(&[3.4, 2.0, 0.5, 0.02, 0.03, 0.4, 8.0, 500.0, 0.1]).unwrap();
         let sessions: Vec<&Session> = problem.training().collect();
-        let mut solution = family.solve(&values, &sessions).unwrap();
+        let mut solution = family.solve(&values, &problem).unwrap();
         solution.reversible = vec![0.5, 0.1, 0.4, 0.0, 0.3, 0.2, 0.6, 0.1];
         solution.envelope = vec![1.0, 3.0, 0.0, 2.0, 5.0, 0.0, 1.0, 2.0];
         let found = family.parameters(&values, &solution).unwrap();
@@ -284,7 +292,7 @@ mod tests {
         let stages = family.stages(&values, &weighed, &creep);
         let coefficients = [&solution.reversible[..], &solution.envelope].concat();
         let stroke = Range::of_values(displaced.iter().copied()).span();
-        stages.walk(sessions[0], |index, columns, input| {
+        stages.walk(sessions[0], &courses[0], |index, columns, input| {
             let sum: f64 = columns.iter().zip(&coefficients).map(|(c, w)| c * w).sum();
             let expected = solution.offset + sum + family.least_slope() * (input - family.span.min);
             // The model gives the displacement of the next tick.
@@ -292,5 +300,31 @@ mod tests {
                 assert!((found - expected).abs() < 2e-3 * stroke, "reading {index}: {found} µm, not {expected} µm");
             }
         });
+    }
+    /// Readings that are passed over change the displacement by little more than a straight line in place of an arc does.
+    #[test]
+    fn a_course_of_few_readings_gives_the_columns_of_the_whole() {
+        let session = session(1);
+        let problem = Problem::new(vec![session.clone()], vec![], Conditions::default());
+        let [whole, few] = [4_000, 500].map(|most| Course::within(most, &session, problem.deadband));
+        assert!(whole.corners.is_empty(), "every reading is stepped at");
+        assert!(
+            few.readings.len() < 1_000 && few.corners.len() > 5,
+            "{} and {}",
+            few.readings.len(),
+            few.corners.len()
+        );
+        let family = Family::new(Extra::Nothing, Arc::new([]), &problem);
+        let values = family.values(&[3.4, 2.0, 0.5, 0.02, 0.03, 0.4]).unwrap();
+        let (plays, creep) = (family.weighed(values.law), family.creep(values.creep));
+        let stages = family.stages(&values, &plays, &creep);
+        let mut sums = vec![0.0; session.instants.len()];
+        stages.walk(&session, &whole, |index, columns, _| sums[index] = columns.iter().sum());
+        let stroke = Range::of_values(sums.iter().copied()).span();
+        let mut worst = 0.0;
+        stages.walk(&session, &few, |index, columns, _| {
+            worst = f64::max(worst, (columns.iter().sum::<f64>() - sums[index]).abs() / stroke);
+        });
+        assert!((1e-9..5e-3).contains(&worst), "{worst} of the stroke");
     }
 }
