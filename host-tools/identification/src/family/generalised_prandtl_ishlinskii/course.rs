@@ -4,9 +4,12 @@
 
 use crate::family::projection::settled;
 use recordings::session::Session;
+use std::ops::RangeInclusive;
 
-/// Most readings of a session that count; of more, every n-th.
-const READINGS: usize = 4_000;
+/// Most readings that count, of all sessions; of more, every n-th.
+const READINGS: usize = 10_000;
+/// Most of one session, which may have the fewest however many sessions there are.
+const OF_ONE: RangeInclusive<usize> = 1_000..=4_000;
 
 /// The way through a session.
 pub struct Course {
@@ -19,12 +22,13 @@ pub struct Course {
 }
 
 impl Course {
-    /// Of a session, with corners by a deadband (V).
-    pub fn of(session: &Session, deadband: f64) -> Self {
-        Self::within(READINGS, session, deadband)
+    /// Of each of some sessions, with corners by a deadband (V).
+    pub fn of_all<'a>(sessions: impl Iterator<Item = &'a Session> + Clone, deadband: f64) -> Vec<Self> {
+        let most = (READINGS / sessions.clone().count().max(1)).clamp(*OF_ONE.start(), *OF_ONE.end());
+        sessions.map(|session| Self::within(most, session, deadband)).collect()
     }
 
-    /// With at most so many readings, but for those of the session's start.
+    /// Of a session, with at most so many readings, but for those of its start.
     pub fn within(most: usize, session: &Session, deadband: f64) -> Self {
         let settled = settled(session);
         let stride = session.instants.len().div_ceil(most).max(1);

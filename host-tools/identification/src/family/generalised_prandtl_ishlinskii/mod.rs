@@ -66,7 +66,7 @@ pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
     let fast = problem.training().any(|session| session.instants.len() == session.voltage.len())
         && !Character::of(problem.training(), problem.deadband).single_frequency();
     let extras: &[Extra] = if fast { &[Extra::Nothing, Extra::Slew, Extra::Resonance] } else { &[Extra::Nothing] };
-    let courses: Arc<[Course]> = problem.training().map(|session| Course::of(session, problem.deadband)).collect();
+    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
     extras.iter().map(|&extra| Box::new(Family::new(extra, courses.clone(), problem)) as AnyFamily).collect()
 }
 
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn what_is_found_is_what_the_model_runs() {
         let problem = Problem::new(vec![session(1)], vec![], Conditions::default());
-        let courses: Arc<[Course]> = Arc::new([Course::of(&problem.training().next().unwrap(), problem.deadband)]);
+        let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
         let family = Family::new(Extra::Resonance, courses.clone(), &problem);
         let values = family.values(&[3.4, 2.0, 0.5, 0.02, 0.03, 0.4, 8.0, 500.0, 0.1]).unwrap();
         let sessions: Vec<&Session> = problem.training().collect();
