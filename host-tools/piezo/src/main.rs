@@ -25,7 +25,7 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate`, `feedforward` or `prove` was exceeded or a trajectory not met, \
-                          a bit of `pil` or `install` differs, `record` or `train` ended before its time, or `follow` was stopped by a \
+                          a bit of `pil` or `install` differs, `record` or `train` ended before its time, a part of `learn` failed, or `follow` was stopped by a \
                           fault or waited for the host; 2 the arguments, a file or the device are wrong: no file is left half-written.";
 
 // In the order in which a newcomer meets them: logs, a board with a sensor, a board that estimates, its tables, the thesis.
