@@ -95,9 +95,7 @@ fn judge(arguments: &Prove, proven: &Proven) -> Result<bool> {
     out(&log.display().to_string());
     out(&match passed {
         true => format!("PASS: {by}"),
-        false => {
-            format!("FAIL: {by}: train again, for longer (--minutes) and with --up-to {} at least", arguments.up_to)
-        }
+        false => format!("FAIL: {by}: train again, longer (--minutes), --up-to {} at least", arguments.up_to),
     });
     Ok(passed)
 }
