@@ -9,14 +9,6 @@ use std::path::{Path, PathBuf};
 /// How a document calls the program: installed, or by cargo.
 const CALLS: [&str; 2] = ["piezo ", "cargo run --release -- "];
 
-/// Lines of README.md whose verbs and options are still to come. One that the program takes has no business here.
-const TO_COME: [&str; 4] = [
-    "piezo train --port /dev/ttyACM0 --board board.toml --range 0:100 --up-to 20 --minutes 4 --out p885",
-    "piezo identify p885/*.csv --board board.toml --out p885/model",
-    "piezo install p885/model --board board.toml --port /dev/ttyACM0",
-    "piezo prove --board board.toml --port /dev/ttyACM0 --out p885/proof",
-];
-
 /// A text with what a backslash continues on one line.
 fn continued(text: &str) -> String {
     text.replace("\\\n", "")
@@ -93,7 +85,7 @@ fn the_program_takes_every_line_of_the_documents() {
     let mut lines = 0;
     for (path, text) in documents() {
         let (code, within) = code(&text);
-        for line in code.iter().filter(|line| called(line).is_some() && !TO_COME.contains(&line.as_str())) {
+        for line in code.iter().filter(|line| called(line).is_some()) {
             lines += 1;
             assert_eq!(refused(line), None, "{}: {line}", path.display());
         }
@@ -102,15 +94,6 @@ fn the_program_takes_every_line_of_the_documents() {
         }
     }
     assert!(lines > 20, "only {lines} lines were found");
-}
-
-#[test]
-fn the_lines_to_come_stand_in_the_readme_and_are_still_to_come() {
-    let (_, readme) = documents().into_iter().find(|(path, _)| path.ends_with("README.md")).unwrap();
-    for line in TO_COME {
-        assert!(code(&readme).0.iter().any(|code| code == line), "README.md has no line `{line}` any more");
-        assert!(refused(line).is_some(), "piezo takes `{line}` now: take it out of TO_COME");
-    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ const STARTS_ANOTHER: &str = "host-tools/device-link/src/probe.rs";
 const MOST_LINES: usize = 5500;
 /// The identification is a library for others, too: it must not bring them a command line, a serial port or a terminal.
 const IDENTIFICATION: &str = "identification";
-const NOT_OF_IDENTIFICATION: [&str; 6] = ["clap", "anyhow", "serialport", "crossterm", "askama", "indicatif"];
+const NOT_OF_IDENTIFICATION: [&str; 5] = ["clap", "anyhow", "serialport", "askama", "indicatif"];
 
 /// Checks them.
 ///

@@ -109,6 +109,7 @@ impl BenchError {
             Self::Feed(error) => Some(error),
             Self::Running(error) => Some(error),
             Self::Table(error) => Some(error),
+            Self::Board(error) => Some(error),
             Self::Wiring(error) => Some(error),
             Self::Excitation(error) => Some(error),
             _ => None,

@@ -21,7 +21,7 @@ const PAGES: usize = 4096;
 #[derive(Debug, thiserror::Error)]
 pub enum EmulatorError {
     /// There is no socket for its serial line.
-    #[error("no socket can be opened for the emulated device: {0}")]
+    #[error("no socket can be opened for the emulated device")]
     Socket(#[from] io::Error),
     /// Its flash is none that can hold the parameter pages.
     #[error("the emulated device's flash cannot hold its tables: {0}")]

@@ -25,9 +25,10 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate`, `feedforward` or `prove` was exceeded or a trajectory not met, \
-                          a bit of `pil` or `install` differs, `record` or `train` ended before its time, or `follow` was stopped by a \
+                          a bit of `pil` or `install` differs, `record` or `train` ended before its time, a part of `learn` failed, or `follow` was stopped by a \
                           fault or waited for the host; 2 the arguments, a file or the device are wrong: no file is left half-written.";
 
+// In the order in which a newcomer meets them: logs, a board with a sensor, a board that estimates, its tables, the thesis.
 #[derive(Subcommand)]
 enum Verb {
     /// Logs → what was understood of them: columns, rate, ranges, reversals, amplitudes × frequencies, noise, saturation.
@@ -42,31 +43,25 @@ enum Verb {
   piezo identify tests/data/picma-p885-1hz.csv --out out/two-days \\
       --validate-on tests/data/picma-p885-session2.csv --adc-span -22:22 --dac-span -8:52")]
     Identify(Box<identify::Identify>),
+    /// Table + logs → errors, f64 reference and f32 core side by side.
+    #[command(after_help = "Example: piezo validate out/demo/table.toml other.csv --max-percent 2")]
+    Validate(validate::Validate),
     /// Models × logs → what each model's estimate is off on data that none has seen, and what it costs.
     #[command(
         after_help = "Example: piezo compare tests/data/picma-p885-1hz.csv --models generalised-prandtl-ishlinskii,enhanced,voigt --out out/compare"
     )]
     Compare(Box<compare::Compare>),
-    /// Table + logs → errors, f64 reference and f32 core side by side.
-    #[command(after_help = "Example: piezo validate out/demo/table.toml other.csv --max-percent 2")]
-    Validate(validate::Validate),
-    /// The synthetic rig → the thesis's six logs as CSV.
-    #[command(after_help = "Example: piezo simulate --out out/rig --noise-nm 20 --adc-bits 12")]
-    Simulate(simulate::Simulate),
-    /// A table → its faces, with the calibration of your board.
-    #[command(after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --out out/board")]
-    Emit(emit::Emit),
     /// Table + wanted trajectory → the voltages that bring the actuator there, by the model's inverse.
     #[command(after_help = "Example: piezo feedforward out/demo/table.toml wanted.csv --slew 100 --out voltages.csv")]
     Feedforward(feedforward::Feedforward),
-    /// The thesis's tables and figures beside ours, on the synthetic rig or on your own logs.
-    #[command(
-        after_help = "Examples: piezo reproduce --json; piezo reproduce all --out out/thesis; piezo reproduce loops features --logs a.csv b.csv --validate-on c.csv"
-    )]
-    Reproduce(Box<reproduce::Reproduce>),
     /// The firmware on this machine, with an emulated amplifier, actuator and sensor: a board to try everything on.
     #[command(after_help = "Example: piezo emulate --device bouc-wen --seed 3")]
     Emulate(emulate::Emulate),
+    /// train, identify, install and prove, one after the other.
+    #[command(
+        after_help = "Example: piezo learn --port tcp:127.0.0.1:4740 --board board.toml --range 0:100 --out p885"
+    )]
+    Learn(learn::Learn),
     /// A board beside a sensor → designed voltages out, logs to identify a table from in.
     #[command(
         after_help = "Example: piezo train --port tcp:127.0.0.1:4740 --board board.toml --range 0:100 --up-to 20 --minutes 2 --out p885"
@@ -80,14 +75,32 @@ enum Verb {
     /// A random drive → the board's own estimate beside the sensor: pass or fail.
     #[command(after_help = "Example: piezo prove --board board.toml --port tcp:127.0.0.1:4740 --out p885/proof")]
     Prove(prove::Prove),
-    /// train, identify, install and prove, one after the other.
+    /// Firmware and table → the board, by a debug probe (through probe-rs).
     #[command(
-        after_help = "Example: piezo learn --port tcp:127.0.0.1:4740 --board board.toml --range 0:100 --out p885"
+        after_help = "Example: piezo flash --image target/thumbv7em-none-eabihf/release/nucleo-g474re --table out/board/table.toml"
     )]
-    Learn(learn::Learn),
+    Flash(flash::Flash),
     /// Who the device is, which table it runs, how it is, and what to do about it.
     #[command(after_help = "Example: piezo info --port /dev/ttyACM0")]
     Info(info::Info),
+    /// Displacement, voltage and faults, live.
+    #[command(after_help = "Example: piezo monitor --port /dev/ttyACM0")]
+    Monitor(monitor::Monitor),
+    /// Calls the displacement of now, or the mean over one cycle of the voltage, 0 or what it is known to be.
+    #[command(after_help = "Examples:
+  piezo zero --port /dev/ttyACM0
+  piezo zero --at 12.5 --port /dev/ttyACM0
+  piezo zero --over-cycle --at 12.5 --port /dev/ttyACM0")]
+    Zero(zero::Zero),
+    /// The device's voltage and estimate → a log.
+    #[command(after_help = "Example: piezo record --out log.csv --seconds 10 --port /dev/ttyACM0")]
+    Record(record::Record),
+    /// A wanted trajectory → the device, whose DAC drives the amplifier there; its estimate on the way as a log.
+    #[command(after_help = "Example: piezo follow wanted.csv --out followed.csv --port /dev/ttyACM0")]
+    Follow(follow::Follow),
+    /// A table → its faces, with the calibration of your board.
+    #[command(after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --out out/board")]
+    Emit(emit::Emit),
     /// A table → the device's parameter store.
     #[command(after_help = "Example: piezo push out/board/table.toml --reset --port /dev/ttyACM0")]
     Push(push::Push),
@@ -97,34 +110,22 @@ enum Verb {
     /// Empties the device's parameter store; the table of its firmware image is used from the next reset on.
     #[command(after_help = "Example: piezo erase --reset --port /dev/ttyACM0")]
     Erase(erase::Erase),
-    /// Displacement, voltage and faults, live.
-    #[command(after_help = "Example: piezo monitor --port /dev/ttyACM0")]
-    Monitor(monitor::Monitor),
-    /// The device's voltage and estimate → a log.
-    #[command(after_help = "Example: piezo record --out log.csv --seconds 10 --port /dev/ttyACM0")]
-    Record(record::Record),
     /// Logs through the device's tick, compared bit for bit with the host (processor in the loop).
     #[command(
         after_help = "Example: piezo pil out/board/table.toml tests/data/picma-p885-1hz.csv --port tcp:127.0.0.1:4444"
     )]
     Pil(pil::Pil),
-    /// A wanted trajectory → the device, whose DAC drives the amplifier there; its estimate on the way as a log.
-    #[command(after_help = "Example: piezo follow wanted.csv --out followed.csv --port /dev/ttyACM0")]
-    Follow(follow::Follow),
-    /// Calls the displacement of now, or the mean over one cycle of the voltage, 0 or what it is known to be.
-    #[command(after_help = "Examples:
-  piezo zero --port /dev/ttyACM0
-  piezo zero --at 12.5 --port /dev/ttyACM0
-  piezo zero --over-cycle --at 12.5 --port /dev/ttyACM0")]
-    Zero(zero::Zero),
     /// Restarts the device.
     #[command(after_help = "Example: piezo reset --port /dev/ttyACM0")]
     Reset(reset::Reset),
-    /// Firmware and table → the board, by a debug probe (through probe-rs).
+    /// The synthetic rig → the thesis's six logs as CSV.
+    #[command(after_help = "Example: piezo simulate --out out/rig --noise-nm 20 --adc-bits 12")]
+    Simulate(simulate::Simulate),
+    /// The thesis's tables and figures beside ours, on the synthetic rig or on your own logs.
     #[command(
-        after_help = "Example: piezo flash --image target/thumbv7em-none-eabihf/release/nucleo-g474re --table out/board/table.toml"
+        after_help = "Examples: piezo reproduce --json; piezo reproduce all --out out/thesis; piezo reproduce loops features --logs a.csv b.csv --validate-on c.csv"
     )]
-    Flash(flash::Flash),
+    Reproduce(Box<reproduce::Reproduce>),
 }
 
 impl Cli {
@@ -133,28 +134,28 @@ impl Cli {
         match self.verb {
             Verb::Look(arguments) => look::run(&arguments),
             Verb::Identify(arguments) => identify::run(&arguments),
-            Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Validate(arguments) => validate::run(&arguments),
-            Verb::Simulate(arguments) => simulate::run(&arguments),
-            Verb::Emit(arguments) => emit::run(&arguments),
+            Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Feedforward(arguments) => feedforward::run(&arguments),
-            Verb::Reproduce(arguments) => reproduce::run(&arguments),
             Verb::Emulate(arguments) => emulate::run(&arguments),
+            Verb::Learn(arguments) => learn::run(&arguments),
             Verb::Train(arguments) => train::run(&arguments),
             Verb::Install(arguments) => install::run(&arguments),
             Verb::Prove(arguments) => prove::run(&arguments),
-            Verb::Learn(arguments) => learn::run(&arguments),
+            Verb::Flash(arguments) => flash::run(&arguments),
             Verb::Info(arguments) => info::run(&arguments),
+            Verb::Monitor(arguments) => monitor::run(&arguments),
+            Verb::Zero(arguments) => zero::run(&arguments),
+            Verb::Record(arguments) => record::run(&arguments),
+            Verb::Follow(arguments) => follow::run(&arguments),
+            Verb::Emit(arguments) => emit::run(&arguments),
             Verb::Push(arguments) => push::run(&arguments),
             Verb::Pull(arguments) => pull::run(&arguments),
             Verb::Erase(arguments) => erase::run(&arguments),
-            Verb::Monitor(arguments) => monitor::run(&arguments),
-            Verb::Record(arguments) => record::run(&arguments),
             Verb::Pil(arguments) => pil::run(&arguments),
-            Verb::Follow(arguments) => follow::run(&arguments),
-            Verb::Zero(arguments) => zero::run(&arguments),
             Verb::Reset(arguments) => reset::run(&arguments),
-            Verb::Flash(arguments) => flash::run(&arguments),
+            Verb::Simulate(arguments) => simulate::run(&arguments),
+            Verb::Reproduce(arguments) => reproduce::run(&arguments),
         }
     }
 }

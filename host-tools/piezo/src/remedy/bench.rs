@@ -1,7 +1,8 @@
 //! What goes wrong in a session on the bench.
 
 use super::bits::faults;
-use bench::{BenchError, Complaint, WiringError};
+use bench::{BenchError, BoardFileError, Complaint, WiringError};
+use emulator::EmulatorError;
 use excitation::ExcitationError;
 use protocol::Faults;
 use std::error::Error;
@@ -12,6 +13,8 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .downcast_ref()
         .map(session)
         .or_else(|| error.downcast_ref().map(wiring))
+        .or_else(|| error.downcast_ref().map(board_file))
+        .or_else(|| error.downcast_ref().map(emulated))
         .or_else(|| error.downcast_ref().map(excitation))
 }
 
@@ -63,12 +66,31 @@ fn wiring(error: &WiringError) -> String {
     }
 }
 
+fn board_file(error: &BoardFileError) -> String {
+    match error {
+        BoardFileError::Unreadable { .. } => {
+            format!("{error}: write what you have measured of your board; `piezo emulate` writes an emulated one's")
+        }
+        _ => error.to_string(),
+    }
+}
+
+fn emulated(error: &EmulatorError) -> String {
+    match error {
+        EmulatorError::Socket(_) => {
+            format!("{error}; is another `piezo emulate` running? --tcp-port 0 takes any port that is free")
+        }
+        EmulatorError::Flash(_) => error.to_string(),
+    }
+}
+
 fn excitation(error: &ExcitationError) -> String {
     match error {
         ExcitationError::TooShort { least_s, .. } => {
             format!(
-                "{error}: choose a longer time ({:.1} minutes), or a smaller --range",
-                (least_s / 6.0).ceil() / 10.0
+                "{error}: --minutes {:.1} (of prove: --seconds {:.0}), or a smaller --range",
+                (least_s / 6.0).ceil() / 10.0,
+                least_s.ceil()
             )
         }
         ExcitationError::TooFast { most_hz, .. } => format!("{error}: --up-to {most_hz}"),

@@ -1,12 +1,12 @@
 //! The command that was typed, with other options: a line to be pasted.
 
-use std::ffi::OsString;
 use std::path::Path;
 
 /// The command on a line of its own, with these options in place of those of the same name; one with an empty value is left
 /// out. Of several logs that are looked at only `refused` is left: what is said of it need not hold for the others.
 pub fn with(refused: &Path, options: &[(&str, &str)]) -> String {
-    let typed: Vec<String> = std::env::args_os().skip(1).map(|argument| lossless(&argument)).collect();
+    // What is no text is shown as well as it can be.
+    let typed = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
     format!("\n    {}", command(&alone(typed, refused), options))
 }
 
@@ -21,11 +21,6 @@ fn alone(typed: Vec<String>, refused: &Path) -> Vec<String> {
         at > 0 && !takes_value(&typed[at - 1]) && path != refused && path.is_file()
     };
     (0..typed.len()).filter(|&at| !is_other(at)).map(|at| typed[at].clone()).collect()
-}
-
-/// An argument as text; what is no text is shown as well as it can be.
-fn lossless(argument: &OsString) -> String {
-    argument.to_string_lossy().into_owned()
 }
 
 fn command(typed: &[String], options: &[(&str, &str)]) -> String {

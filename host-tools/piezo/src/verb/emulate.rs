@@ -48,6 +48,7 @@ const KINDS: [(Kind, &str, &str); 6] = [
 const TICK_US: u32 = 500;
 /// Bytes of the parameter pages.
 const PAGES: usize = 4096;
+
 /// Runs the verb, until Ctrl-C.
 pub fn run(arguments: &Emulate) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
@@ -67,11 +68,11 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         .start()?;
     let (port, range) = (device.address(), drive.limits.range_v);
     out(&format!(
-        "An emulated board, its firmware as on a real one, {} s a second; its tables are gone when it ends. Ctrl-C ends it.\n\
+        "An emulated board, its firmware as on a real one; {} s of it pass in a second. Its tables are gone when it ends. Ctrl-C ends it.\n\
          Its DAC drives an amplifier of {} … {} V ({} V/s, rest at {} V), its ADC reads that voltage and a sensor of {} … {} µm \
-         beside an actuator: {}, number {}, {:.1} µm.\n\
+         beside an actuator with a stroke of {:.1} µm ({}; seed {}).\n\
          {board} {}.\n\
-         In another terminal:\n\n    piezo train --port tcp:{port} --board {board} --range {}:{} --up-to 20 --minutes 2 --out p885",
+         In another terminal, from board and sensor to a proven table:\n\n    piezo learn --port tcp:{port} --board {board} --out p885",
         arguments.speed,
         range.min,
         range.max,
@@ -79,12 +80,10 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         drive.limits.rest_v,
         sensor.zero_um,
         sensor.full_um,
+        bench.stroke_um,
         arguments.device.name(),
         arguments.seed,
-        bench.stroke_um,
-        if written { "says so: it was written" } else { "says so" },
-        range.min,
-        range.max
+        if written { "was written, and says how it is wired" } else { "was there, and says how it is wired" }
     ));
     while !interrupt.wanted() {
         std::thread::sleep(Duration::from_millis(50));

@@ -68,7 +68,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
         return Ok(installed.bit_exact());
     }
     out(&format!(
-        "{} ({}, checksum {checksum}) is stored, and {} runs it",
+        "{} ({}, checksum {checksum}) is stored, and in use on the board ({})",
         name.display(),
         table.model(),
         identity.board

@@ -6,6 +6,7 @@ use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, positive};
 use anyhow::{Context, Result};
 use clap::{Args, Parser};
+use device_link::interrupt::Interrupt;
 use std::path::PathBuf;
 
 /// Arguments of `piezo learn`.
@@ -36,14 +37,17 @@ pub struct Learn {
 
 /// Runs the verb; `false` where a part says so, and what follows that is not begun.
 pub fn run(arguments: &Learn) -> Result<bool> {
+    // Ctrl-C in a part that does not look for it, as identify, ends before the next one, which may move the actuator.
+    let interrupt = Interrupt::watch()?;
+    let part = |words| part(words, &interrupt);
     let path =
         |path: PathBuf| path.to_str().map(str::to_owned).with_context(|| format!("{}: is no UTF-8", path.display()));
-    let (out, board) = (path(arguments.out.clone())?, path(arguments.board.board.clone())?);
+    let (folder, board) = (path(arguments.out.clone())?, path(arguments.board.board.clone())?);
     let model = path(arguments.out.join("model"))?;
     let (port, excitation) = (arguments.port.port.to_string(), &arguments.excitation);
     let (seed, up_to) = (excitation.seed.to_string(), excitation.up_to.to_string());
     let mut train =
-        words(&["train", "--port", &port, "--board", &board, "--out", &out, "--up-to", &up_to, "--seed", &seed]);
+        words(&["train", "--port", &port, "--board", &board, "--out", &folder, "--up-to", &up_to, "--seed", &seed]);
     train.extend(["--minutes".to_owned(), arguments.minutes.to_string()]);
     if let Some(range) = excitation.range {
         train.push(format!("--range={}:{}", range.zero, range.full));
@@ -57,34 +61,37 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     logs.sort();
     let mut identify = words(&["identify"]);
     identify.extend(logs.into_iter().map(path).collect::<Result<Vec<_>>>()?);
-    identify.extend(words(&[
-        "--validate-on",
-        &path(arguments.out.join("proof.csv"))?,
-        "--board",
-        &board,
-        "--out",
-        &model,
-    ]));
+    let held_out = path(arguments.out.join("proof.csv"))?;
+    identify.extend(words(&["--validate-on", &held_out, "--board", &board, "--out", &model]));
     identify.extend(arguments.identify.iter().cloned());
     let proof = path(arguments.out.join("proof"))?;
     let seconds = arguments.proof_seconds.to_string();
     // Another draw than the training's, which nothing has seen.
     let other = excitation.seed.wrapping_add(1).to_string();
     let link = ["--board", &board, "--port", &port];
-    Ok(part(identify)?
+    let prove = ["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other];
+    let proven = part(identify)?
         && part(words(&[&["install", &model], &link[..]].concat()))?
-        && part(words(
-            &[&["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other], &link[..]]
-                .concat(),
-        ))?)
+        && part(words(&[&prove[..], &link[..]].concat()))?;
+    if proven {
+        out(&format!(
+            "\nThe board goes on without the sensor; {model}/report.html shows what it has learnt. At a known position, and live:\n\n    \
+             piezo zero --port {port}\n    piezo monitor --port {port}"
+        ));
+    }
+    Ok(proven)
 }
 
 fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
-/// Runs a command as if it were typed.
-fn part(words: Vec<String>) -> Result<bool> {
+/// Runs a command as if it were typed; `false` where it says so, or was not begun.
+fn part(words: Vec<String>, interrupt: &Interrupt) -> Result<bool> {
+    if interrupt.wanted() {
+        out(&format!("FAILED: ended by Ctrl-C; what was to come next: piezo {}", words.join(" ")));
+        return Ok(false);
+    }
     out(&format!("\n$ piezo {}", words.join(" ")));
     Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?.run()
 }

@@ -8,15 +8,14 @@ use crate::option::link::PortOption;
 use crate::option::not_negative;
 use anyhow::Result;
 use clap::Args;
-use crossterm::event::{self, Event, KeyCode, KeyModifiers};
-use crossterm::{cursor, execute, queue, style::Print, terminal};
 use device_link::interrupt::Interrupt;
 use device_link::table;
 use device_link::window::Window;
 use device_link::{Client, words};
 use estimator_core::Range;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 /// Arguments of `piezo monitor`.
@@ -141,11 +140,12 @@ fn said(window: &Window) -> Option<String> {
     (!words.is_empty()).then_some(words)
 }
 
-/// A block that refreshes itself, until `q`, Ctrl-C, or the end.
+/// A block that refreshes itself, until Ctrl-C or the end.
 fn block(client: &mut Client, mut window: Window, limits: Range, over: &impl Fn() -> bool) -> Result<()> {
-    let mut screen = Screen::enter()?;
+    let shown = ProgressBar::with_draw_target(None, ProgressDrawTarget::stdout());
+    shown.set_style(ProgressStyle::with_template("{msg}")?);
     let (mut second, mut before, mut rate) = (Instant::now(), 0, None);
-    while !over() && !Screen::quit()? {
+    while !over() {
         watch(client, &mut window, Instant::now() + REFRESH, over)?;
         let elapsed = second.elapsed();
         if elapsed >= SECOND {
@@ -156,14 +156,15 @@ fn block(client: &mut Client, mut window: Window, limits: Range, over: &impl Fn(
                 window.clear();
             }
         }
-        screen.draw(&picture(&window, limits, rate))?;
+        shown.set_message(picture(&window, limits, rate).join("\n"));
     }
+    shown.abandon();
     Ok(())
 }
 
 fn picture(window: &Window, limits: Range, rate: Option<f64>) -> Vec<String> {
     let (Some(y), Some(v), Some(code)) = (window.displacement(), window.voltage(), window.code()) else {
-        return vec!["waiting for samples …".to_owned(), "q ends".to_owned()];
+        return vec!["waiting for samples …".to_owned(), "Ctrl-C ends".to_owned()];
     };
     let rate = rate.map_or("…".to_owned(), |rate| format!("{rate:.0}"));
     vec![
@@ -172,7 +173,7 @@ fn picture(window: &Window, limits: Range, rate: Option<f64>) -> Vec<String> {
         format!("{:.1} {} {:.1} µm", limits.min, bar(y.last, limits), limits.max),
         format!("{rate} samples a second, {} lost", window.lost()),
         said(window).unwrap_or("all is well".to_owned()),
-        "q ends".to_owned(),
+        "Ctrl-C ends".to_owned(),
     ]
 }
 
@@ -182,62 +183,6 @@ fn bar(value: f32, limits: Range) -> String {
     // Of a NaN this is 0.
     let place = (part * (BAR - 1) as f32).round() as usize;
     (0..BAR).map(|k| if k == place { '█' } else { '·' }).collect()
-}
-
-/// The terminal, taken for the block; it is given back at the end of this value.
-struct Screen {
-    drawn: u16,
-}
-
-impl Screen {
-    fn enter() -> Result<Self> {
-        terminal::enable_raw_mode()?;
-        let screen = Self { drawn: 0 };
-        execute!(std::io::stdout(), cursor::Hide)?;
-        Ok(screen)
-    }
-
-    /// Whether a key that ends it was pressed.
-    fn quit() -> Result<bool> {
-        while event::poll(Duration::ZERO)? {
-            if let Event::Key(key) = event::read()? {
-                let control_c = key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL);
-                if control_c || matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) {
-                    return Ok(true);
-                }
-            }
-        }
-        Ok(false)
-    }
-
-    fn draw(&mut self, lines: &[String]) -> Result<()> {
-        // A terminal that does not know its width says 0.
-        let width = match terminal::size()?.0 {
-            0 => 80,
-            width => usize::from(width),
-        };
-        let mut stdout = std::io::stdout();
-        if self.drawn > 0 {
-            queue!(stdout, cursor::MoveToPreviousLine(self.drawn))?;
-        }
-        queue!(stdout, terminal::Clear(terminal::ClearType::FromCursorDown))?;
-        for line in lines {
-            // A line that wraps would be two.
-            let line: String = line.chars().take(width.saturating_sub(1)).collect();
-            queue!(stdout, Print(line), Print("\r\n"))?;
-        }
-        stdout.flush()?;
-        self.drawn = lines.len() as u16;
-        Ok(())
-    }
-}
-
-impl Drop for Screen {
-    fn drop(&mut self) {
-        // There is nobody left to tell.
-        let _ = execute!(std::io::stdout(), cursor::Show);
-        let _ = terminal::disable_raw_mode();
-    }
 }
 
 #[cfg(test)]

@@ -78,7 +78,9 @@ fn judge(arguments: &Prove, proven: &Proven) -> Result<bool> {
             figures.mae_percent <= most,
             format!("the mean absolute error is {:.2} % of the stroke, {most} % are allowed", figures.mae_percent),
         ),
-        None => (held >= STATED, format!("the table's ± holds the sensor {held:.1} % of the time, it says {STATED} %")),
+        None => {
+            (held >= STATED, format!("the table's ± holds the sensor {held:.1} % of the time; it promises {STATED} %"))
+        }
     };
     if arguments.json {
         let summary = json!({ "passed": passed, "figures": figures, "interval": coverage, "log": log });
@@ -91,6 +93,9 @@ fn judge(arguments: &Prove, proven: &Proven) -> Result<bool> {
         out(&format!("± {:.3} µm on average holds the sensor {held:.1} % of the time", coverage.half_width_um));
     }
     out(&log.display().to_string());
-    out(&format!("{}: {by}", if passed { "PASS" } else { "FAIL" }));
+    out(&match passed {
+        true => format!("PASS: {by}"),
+        false => format!("FAIL: {by}: train again, longer (--minutes), --up-to {} at least", arguments.up_to),
+    });
     Ok(passed)
 }

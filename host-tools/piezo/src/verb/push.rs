@@ -64,7 +64,11 @@ pub fn run(arguments: &Push) -> Result<bool> {
     } else if arguments.write.dry_run {
         out(&format!("{name} ({}, checksum {checksum}) fits {}; nothing was written", table.model(), identity.board));
     } else if restarted.is_some() {
-        out(&format!("{name} ({}, checksum {checksum}) is stored, and {} runs it", table.model(), identity.board));
+        out(&format!(
+            "{name} ({}, checksum {checksum}) is stored, and in use on the board ({})",
+            table.model(),
+            identity.board
+        ));
     } else {
         out(&format!("{name} ({}, checksum {checksum}) is stored on {}", table.model(), identity.board));
         out(&format!("It is used from the next reset on: piezo reset --port {port}"));

@@ -84,11 +84,12 @@ fn stranded(arguments: &Train) -> String {
     let former = arguments.out.join(bench::FORMER);
     let port = arguments.port.as_ref().map_or(String::new(), Address::to_string);
     match former.exists() {
-        true => format!(
-            "the table of before is not in use again; {} holds it: piezo push {} --reset --port {port}",
-            former.display(),
-            former.display()
-        ),
+        true => {
+            let former = former.display();
+            format!(
+                "the table of before is not in use again; {former} holds it: piezo push {former} --reset --port {port}"
+            )
+        }
         false => format!("the device was not seen to come to rest: piezo info --port {port}"),
     }
 }
