@@ -13,9 +13,9 @@
 //!
 //! What a file does not say is not known; nothing is assumed.
 
-use identification::calibration::CalibrationOptions;
-use identification::drive::DriveOptions;
-use identification::span::Span;
+use ::calibration::CalibrationOptions;
+use ::calibration::drive::DriveOptions;
+use ::calibration::span::Span;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

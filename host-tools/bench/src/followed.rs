@@ -3,7 +3,7 @@
 //! The reference of tick k moves the DAC at tick k + 1 and the displacement a tick after that, later by the model's delay.
 
 use estimator_core::{AdcCode, Admitted, DacCode};
-use identification::feedforward::Trajectory;
+use feedforward::Trajectory;
 use protocol::Sample;
 use std::fmt::Write as _;
 

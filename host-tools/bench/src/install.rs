@@ -3,6 +3,8 @@
 use crate::board_file::BoardFacts;
 use crate::error::BenchError;
 use crate::wiring::WiringError;
+use ::calibration::CalibrationOptions;
+use ::calibration::drive::identified_on;
 use device_link::Client;
 use device_link::board;
 use device_link::interrupt::Interrupt;
@@ -11,8 +13,6 @@ use device_link::table::{in_use, to_record};
 use device_link::write::Writing;
 use estimator_core::{AdcCode, Admitted};
 use excitation::{Drive, ExcitationError, Request};
-use identification::calibration::CalibrationOptions;
-use identification::drive::identified_on;
 use identification::table_file::{TableFile, TableFileError};
 use protocol::Mode;
 use std::path::{Path, PathBuf};

@@ -1,13 +1,13 @@
 //! A board that is wired to be driven beside a sensor: everything that a session must know of it.
 
 use crate::board_file::BoardFacts;
+use ::calibration::CalibrationOptions;
 use device_link::sensor::Sensor;
 use estimator_core::{
     AdcCalibration, Admitted, DacCalibration, Digest, DriveCalibration, List, Parameters, PrandtlIshlinskiiParameters,
     Provenance, Range, Scheme, Table, TableError,
 };
 use excitation::Request;
-use identification::calibration::CalibrationOptions;
 
 /// Everything of a board that a session must know.
 #[derive(Clone, PartialEq, Debug)]

@@ -1,9 +1,9 @@
 //! An identified model made into an admitted table, and run over every session.
 
-use crate::calibration::CalibrationOptions;
 use crate::fit::Fit;
 use crate::problem::Problem;
 use crate::validate::{Comparison, Figures, compare};
+use calibration::CalibrationOptions;
 use estimator_core::{
     Admitted, Digest, Inadmissible, IntervalParameters, Parameters, Provenance, Range, Scheme, Table, TableError,
 };

@@ -1,7 +1,6 @@
 //! The whole identification: logs in; every candidate model with its table, the one that was chosen, and the doubts out.
 
 use crate::baseline::Baseline;
-use crate::calibration::CalibrationOptions;
 use crate::candidate::{Candidate, CandidateError, TableContext};
 use crate::character::Character;
 use crate::cost::Cost;
@@ -15,6 +14,7 @@ use crate::problem::{Conditions, Problem};
 use crate::search::SearchOptions;
 use crate::start::prepared;
 use crate::suspicion::doubts;
+use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model};
 use log_survey::{Flaw, correlation, flaws, leave_out, sound};
 use recordings::log::Log;

@@ -3,7 +3,6 @@
 
 mod baseline;
 mod brief;
-pub mod calibration;
 mod candidate;
 mod character;
 pub mod compare;
@@ -12,9 +11,7 @@ mod cross_validation;
 mod delay;
 mod division;
 mod doubt;
-pub mod drive;
 pub mod family;
-pub mod feedforward;
 mod fit;
 mod job;
 mod log_use;
@@ -23,7 +20,6 @@ mod problem;
 mod rounds;
 pub mod search;
 pub mod simulation;
-pub mod span;
 mod start;
 mod structures;
 mod suspicion;

@@ -126,9 +126,9 @@ fn transient(trace: &Trace) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::CalibrationOptions;
     use crate::cost::Feedback;
     use crate::{Conditions, Job, ModelChoice, SearchOptions};
+    use calibration::CalibrationOptions;
     use estimator_core::{DuhemCondition, DuhemParameters, Model};
     use recordings::prepare::{AutoOr, PrepareOptions};
     use recordings::rig::{EXCITATIONS, Rig};

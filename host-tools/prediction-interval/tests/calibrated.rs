@@ -1,7 +1,7 @@
 //! An interval that is calibrated on simulated devices, judged on a device that is none of them.
 
+use ::calibration::CalibrationOptions;
 use estimator_core::Model;
-use identification::calibration::CalibrationOptions;
 use identification::cost::{Cost, Feedback};
 use identification::validate::{Coverage, Scope, compare_within};
 use identification::{Candidate, Conditions, Job, ModelChoice, Prepared, SearchOptions, identify, prepared};

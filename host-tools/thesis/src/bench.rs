@@ -184,7 +184,7 @@ pub fn cost_name(cost: Feedback) -> &'static str {
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use identification::calibration::CalibrationOptions;
+    use ::calibration::CalibrationOptions;
     use identification::{Conditions, ModelChoice};
 
     /// Half a second of the rig and a search of a moment.

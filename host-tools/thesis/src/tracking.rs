@@ -4,8 +4,8 @@
 use super::bench::Bench;
 use crate::error::ThesisError;
 use estimator_core::{Admitted, DriveLimits, Model, Range};
+use feedforward::{Trajectory, plan};
 use identification::cost::Feedback;
-use identification::feedforward::{Trajectory, plan};
 use identification::{Problem, Progress, SearchOptions, StraightLine};
 use recordings::rig::Rig;
 use report::{Grid, Section, shown};

@@ -1,10 +1,8 @@
 //! The library from outside, by what is public of it.
 
 mod baseline;
-mod calibration;
 mod character;
 mod cost;
-mod feedforward;
 mod fit;
 mod genetic_algorithm;
 mod preisach;

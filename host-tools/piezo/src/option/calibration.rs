@@ -2,11 +2,11 @@
 
 use super::drive::DriveArgs;
 use super::number::span;
+use ::calibration::CalibrationOptions;
+use ::calibration::span::Span;
 use anyhow::Result;
 use bench::BoardFacts;
 use clap::Args;
-use identification::calibration::CalibrationOptions;
-use identification::span::Span;
 use std::path::PathBuf;
 
 /// Calibration of the converters.

@@ -1,9 +1,9 @@
 //! The DAC as the amplifier's input.
 
 use super::number::span;
+use ::calibration::drive::DriveOptions;
+use ::calibration::span::Span;
 use clap::Args;
-use identification::drive::DriveOptions;
-use identification::span::Span;
 
 /// The DAC as the amplifier's input.
 #[derive(Args, Clone, Debug)]

@@ -1,11 +1,11 @@
 //! The voltages of a session on the bench.
 
 use super::number::{positive, span};
+use ::calibration::span::Span;
 use anyhow::Result;
 use bench::Wiring;
 use clap::Args;
 use excitation::Drive;
-use identification::span::Span;
 
 /// What a drive is designed for.
 #[derive(Args, Clone, Debug)]

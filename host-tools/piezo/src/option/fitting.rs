@@ -4,10 +4,10 @@
 use super::choice::{Choice, choice};
 use super::number::limit;
 use super::{CostArgs, LogOptions, PrepareArgs};
+use ::calibration::CalibrationOptions;
 use anyhow::{Result, ensure};
 use clap::Args;
 use estimator_core::Scheme;
-use identification::calibration::CalibrationOptions;
 use identification::cost::Cost;
 use identification::{Conditions, Job, ModelChoice, SearchOptions};
 use std::path::PathBuf;

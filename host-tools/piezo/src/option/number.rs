@@ -1,6 +1,6 @@
 //! Numbers of options, refused where they make no sense.
 
-use identification::span::Span;
+use ::calibration::span::Span;
 use recordings::prepare::AutoOr;
 
 /// A finite number.

@@ -1,7 +1,7 @@
 //! Why nothing was identified, compared, reproduced or read as a table.
 
 use super::log::prepare;
-use identification::calibration::ConverterMismatch;
+use ::calibration::ConverterMismatch;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
 use identification::table_file::TableFileError;

@@ -5,13 +5,13 @@ use super::print::{out, progress};
 use crate::option::BoardOption;
 use crate::option::link::PortOption;
 use crate::remedy;
+use ::calibration::converter_mismatches;
 use anyhow::Result;
 use bench::{for_board, install, rehearsal};
 use clap::Args;
 use device_link::board;
 use device_link::interrupt::Interrupt;
 use device_link::table::to_record;
-use identification::calibration::converter_mismatches;
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -2,7 +2,7 @@
 
 use crate::Bench;
 use crate::error::ThesisError;
-use identification::calibration::CalibrationOptions;
+use ::calibration::CalibrationOptions;
 use identification::validate::Scope;
 use identification::{Job, SearchOptions};
 use plants::{CATALOGUE, Change, Plant, Waveform};

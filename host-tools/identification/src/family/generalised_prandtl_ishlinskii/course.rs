@@ -32,7 +32,7 @@ impl Course {
     pub fn within(most: usize, session: &Session, deadband: f64) -> Self {
         let settled = settled(session);
         let stride = session.instants.len().div_ceil(most).max(1);
-        let counts = |index: &usize| index % stride == 0 || (*index < settled && settled < most);
+        let counts = |index: &usize| index.is_multiple_of(stride) || (*index < settled && settled < most);
         let corners = if stride > 1 { corners(&session.voltage, deadband) } else { Vec::new() };
         Self { readings: (0..session.instants.len()).filter(counts).collect(), corners, settled }
     }

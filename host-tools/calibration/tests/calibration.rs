@@ -1,8 +1,8 @@
 //! Converters by what is stated of them, and by what is assumed.
 
+use ::calibration::span::Span;
+use ::calibration::{CalibrationOptions, converter_mismatches};
 use estimator_core::{AdcCode, DacCode, Range};
-use identification::calibration::{CalibrationOptions, converter_mismatches};
-use identification::span::Span;
 use identification::table_file::TableFile;
 
 #[test]

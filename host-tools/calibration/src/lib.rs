@@ -1,5 +1,8 @@
 //! The calibration of a target's converters, where it is stated and where it is assumed.
 
+pub mod drive;
+pub mod span;
+
 use crate::drive::DriveOptions;
 use crate::span::Span;
 use estimator_core::{AdcCalibration, AdcCode, DacCalibration, DacCode, Range, Table};

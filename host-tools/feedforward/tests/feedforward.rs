@@ -1,7 +1,7 @@
 //! Trajectories through the inverse and back through the model.
 
 use estimator_core::{Admitted, DriveLimits, Estimator, Range};
-use identification::feedforward::{Trajectory, plan};
+use feedforward::{Trajectory, plan};
 use identification::table_file::TableFile;
 use recordings::log::Log;
 
