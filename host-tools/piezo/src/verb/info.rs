@@ -149,10 +149,13 @@ pub fn describe(table: &Admitted) -> Vec<String> {
             output(dac),
             driven(table)
         ),
-        format!(
-            "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training; {held_out}",
-            made.logs, made.seed, made.train_mae_um
-        ),
+        match bench::is_line(table) {
+            true => bench::NO_MODEL.to_owned(),
+            false => format!(
+                "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training; {held_out}",
+                made.logs, made.seed, made.train_mae_um
+            ),
+        },
         table.interval.map_or("no ± beside the estimate".to_owned(), |interval| {
             format!("± {:.3} µm beside the estimate at least, once its displacement was told", interval.misfit_um)
         }),

@@ -4,8 +4,11 @@ use super::print::out;
 use crate::Cli;
 use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, positive};
+use crate::remedy::quoted;
 use anyhow::{Context, Result};
+use bench::{Session, session};
 use clap::{Args, Parser};
+use device_link::interrupt::Interrupt;
 use std::path::PathBuf;
 
 /// Arguments of `piezo learn`.
@@ -45,38 +48,31 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     let mut train =
         words(&["train", "--port", &port, "--board", &board, "--out", &out, "--up-to", &up_to, "--seed", &seed]);
     train.extend(["--minutes".to_owned(), arguments.minutes.to_string()]);
-    if let Some(range) = excitation.range {
-        train.push(format!("--range={}:{}", range.zero, range.full));
-    }
+    // The proof stays within what was typed, too.
+    let range = excitation.range.map(|range| format!("--range={}:{}", range.zero, range.full));
+    train.extend(range.clone());
+    let interrupt = Interrupt::watch()?;
+    let part = |words: Vec<String>| if interrupt.wanted() { Ok(false) } else { part(words) };
     if !part(train)? {
         return Ok(false);
     }
-    let logs = std::fs::read_dir(&arguments.out)?.collect::<std::io::Result<Vec<_>>>()?;
-    let numbered = |name: &std::ffi::OsStr| name.as_encoded_bytes().first().is_some_and(u8::is_ascii_digit);
-    let mut logs: Vec<PathBuf> = logs.iter().filter(|log| numbered(&log.file_name())).map(|log| log.path()).collect();
-    logs.sort();
+    let Session { logs, held_out } = session(&arguments.out)?;
     let mut identify = words(&["identify"]);
     identify.extend(logs.into_iter().map(path).collect::<Result<Vec<_>>>()?);
-    identify.extend(words(&[
-        "--validate-on",
-        &path(arguments.out.join("proof.csv"))?,
-        "--board",
-        &board,
-        "--out",
-        &model,
-    ]));
+    identify.extend(words(&["--board", &board, "--out", &model]));
+    for log in held_out {
+        identify.extend(["--validate-on".to_owned(), path(log)?]);
+    }
     identify.extend(arguments.identify.iter().cloned());
     let proof = path(arguments.out.join("proof"))?;
     let seconds = arguments.proof_seconds.to_string();
     // Another draw than the training's, which nothing has seen.
     let other = excitation.seed.wrapping_add(1).to_string();
     let link = ["--board", &board, "--port", &port];
-    Ok(part(identify)?
-        && part(words(&[&["install", &model], &link[..]].concat()))?
-        && part(words(
-            &[&["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other], &link[..]]
-                .concat(),
-        ))?)
+    let prove = ["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other];
+    let mut prove = words(&[&prove, &link[..]].concat());
+    prove.extend(range);
+    Ok(part(identify)? && part(words(&[&["install", &model], &link[..]].concat()))? && part(prove)?)
 }
 
 fn words(words: &[&str]) -> Vec<String> {
@@ -85,6 +81,7 @@ fn words(words: &[&str]) -> Vec<String> {
 
 /// Runs a command as if it were typed.
 fn part(words: Vec<String>) -> Result<bool> {
-    out(&format!("\n$ piezo {}", words.join(" ")));
+    let typed: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+    out(&format!("\n$ piezo {}", typed.join(" ")));
     Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?.run()
 }

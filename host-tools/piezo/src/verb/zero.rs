@@ -53,6 +53,7 @@ pub fn run(arguments: &Zero) -> Result<bool> {
     let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, port)?;
     let table = table::running(&mut client)?;
+    bench::require_model(&table)?;
     let before = displacement(&mut client)?;
     let cycle = if arguments.over_cycle { Some(cycle(arguments, &mut client, &table, &interrupt)?) } else { None };
     let told = match cycle {
