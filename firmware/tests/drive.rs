@@ -65,11 +65,14 @@ fn what_was_held_for_long_may_be_gone_on_from() {
     let mut bench = Bench::new();
     bench.set(Mode::Follow);
     bench.go(true);
+    // As the mode is entered its queue is emptied.
+    bench.step();
     bench.link.queues.references.enqueue(20.0).unwrap();
     for _ in 0..2 * REFERENCE_TIMEOUT_TICKS {
         bench.step();
     }
     let held = bench.step().0;
+    assert_ne!(held, REST);
     // The tick between the word to go and the first reference.
     bench.go(false);
     let (dac, _, faults) = bench.step();

@@ -10,6 +10,7 @@
 //! However a session ends, the voltage goes to rest at the drive's slew rate, never with a jump.
 
 mod board_file;
+mod described;
 mod emulated;
 mod error;
 pub mod followed;
@@ -27,6 +28,7 @@ mod wiring;
 mod tests;
 
 pub use board_file::{BoardFacts, BoardFileError};
+pub use described::describe;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
 pub use install::{Installed, for_board, install, rehearsal};

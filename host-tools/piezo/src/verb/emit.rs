@@ -1,10 +1,10 @@
 //! `piezo emit`: the faces of a table, with another calibration where asked.
 
-use super::info::describe;
 use super::print::out;
 use crate::option::CalibrationArgs;
 use crate::{output, remedy};
 use anyhow::Result;
+use bench::describe;
 use clap::{Args, ValueEnum};
 use identification::Doubt;
 use identification::calibration::converter_mismatches;
