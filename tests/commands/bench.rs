@@ -39,7 +39,7 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let (board, out) = (folder.path().join("board.toml"), folder.path().join("p885"));
     let emulated = Emulated::start(&board);
     let (board, port) = (text(&board), &*emulated.port);
-    let short = ["--minutes", "0.7", "--up-to", "20", "--proof-seconds", "12"];
+    let short = ["--minutes", "0.7", "--up-to", "20", "--proof-seconds", "20"];
     let search = ["--", "--model", "prandtl-ishlinskii", "--evaluations", "4", "--devices", "4"];
     // Until it has learnt, it says so and neither zeroes nor follows.
     let info = piezo().args(["info", "--port", port]).assert().success().get_output().stdout.clone();
