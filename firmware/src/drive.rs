@@ -70,11 +70,12 @@ impl Drive {
         self.state = State::Waiting;
     }
 
-    /// Takes references from now on. After the last one it holds that for ever, or for [`REFERENCE_TIMEOUT_TICKS`].
+    /// Takes references from now on. After the last one it holds that for ever, or for [`REFERENCE_TIMEOUT_TICKS`] from then or
+    /// from now, whichever is later: a hold, however long, may be gone on from.
     pub fn go(&mut self, hold: bool) {
         self.state = match self.state {
             State::Waiting | State::Ready { .. } => State::Ready { hold },
-            State::Following { reference, ticks_without, .. } => State::Following { reference, hold, ticks_without },
+            State::Following { reference, .. } => State::Following { reference, hold, ticks_without: 0 },
             State::Stopped { .. } => State::Stopped { takes: true },
         };
     }

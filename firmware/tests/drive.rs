@@ -61,6 +61,25 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
 }
 
 #[test]
+fn what_was_held_for_long_may_be_gone_on_from() {
+    let mut bench = Bench::new();
+    bench.set(Mode::Follow);
+    bench.go(true);
+    // As the mode is entered its queue is emptied.
+    bench.step();
+    bench.link.queues.references.enqueue(20.0).unwrap();
+    for _ in 0..2 * REFERENCE_TIMEOUT_TICKS {
+        bench.step();
+    }
+    let held = bench.step().0;
+    assert_ne!(held, REST);
+    // The tick between the word to go and the first reference.
+    bench.go(false);
+    let (dac, _, faults) = bench.step();
+    assert!(dac == held && !faults.contains(Faults::SAFE_OUTPUT), "{dac:?} {held:?} {faults:?}");
+}
+
+#[test]
 fn a_fault_brings_it_to_rest_without_a_jump_and_it_stays_there() {
     let mut bench = Bench::new();
     bench.set(Mode::Follow);

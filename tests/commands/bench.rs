@@ -1,6 +1,6 @@
 //! From a board and a sensor to a proven table, on an emulated board, as it is typed.
 
-use super::{json, number, piezo, text};
+use super::{json, number, piezo, refused, text};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -39,21 +39,30 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let (board, out) = (folder.path().join("board.toml"), folder.path().join("p885"));
     let emulated = Emulated::start(&board);
     let (board, port) = (text(&board), &*emulated.port);
-    let short = ["--minutes", "0.7", "--up-to", "20", "--proof-seconds", "12"];
+    let short = ["--minutes", "0.7", "--up-to", "20", "--proof-seconds", "20"];
     let search = ["--", "--model", "prandtl-ishlinskii", "--evaluations", "4", "--devices", "4"];
+    // Until it has learnt, it says so and neither zeroes nor follows.
+    let info = piezo().args(["info", "--port", port]).assert().success().get_output().stdout.clone();
+    assert!(String::from_utf8(info).unwrap().contains("no model: a straight line for measuring"));
+    refused(&["zero", "--port", port], &["no model", "piezo train"]);
     let learn = [&["learn", "--port", port, "--board", board, "--out", text(&out)], &short[..], &search[..]].concat();
-    let printed = piezo().args(learn).assert().success().get_output().stdout.clone();
+    let printed = piezo().args(&learn).assert().success().get_output().stdout.clone();
     let printed = String::from_utf8(printed).unwrap();
-    for part in ["table of before is in use again", "bit-exact", "PASS: the table's ± holds the sensor"] {
+    for part in ["the device has, as before, no model", "bit-exact", "PASS: the table's ± holds the sensor"] {
         assert!(printed.contains(part), "{part:?} is missing in\n{printed}");
     }
+    // A second session does not mix its logs with those of the first.
+    refused(&learn, &["is there already", "choose another --out"]);
     // What it has left is in use: it proves again, on another draw, and is told from a table that is not good enough.
     let again = ["--seconds", "8", "--up-to", "20", "--seed", "9", "--json", "--board", board, "--port", port];
     let proof = out.join("again");
     let prove = [&["prove", "--out", text(&proof)], &again[..]].concat();
     let figures = json(piezo().args(&prove));
     assert!(figures["passed"] == true && number(&figures, "/figures/mae_percent") < 3.0, "{figures}");
-    piezo().args(&prove).args(["--max-percent", "0.001"]).assert().code(1);
+    refused(&prove, &["proven.csv: is there already", "choose another --out"]);
+    let other = out.join("other");
+    let fails = [&["prove", "--out", text(&other), "--max-percent", "0.001", "--range", "0:80"], &again[..]].concat();
+    piezo().args(&fails).assert().code(1);
     let log = recordings::log::read(&proof.join("proven.csv"), &Default::default()).unwrap();
     assert!(log.displacement.is_some() && !log.displacement_estimated);
 }

@@ -19,6 +19,9 @@ use ::calibration::span::Span;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
+/// This part of the ADC's range at either end is taken for saturated by the firmware's watch.
+const ADC_MARGIN: f64 = 1.0 / 128.0;
+
 /// What the file says.
 #[derive(Clone, Copy, PartialEq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -61,10 +64,12 @@ pub enum BoardFileError {
         error: Box<toml::de::Error>,
     },
     /// A value cannot be.
-    #[error("{}: {field} = {value}: {rule}", path.display())]
+    #[error("{}: {}{field} = {value}: {rule}", path.display(), line.map_or(String::new(), |line| format!("line {line}: ")))]
     Value {
         /// The file.
         path: PathBuf,
+        /// Where, where that is found.
+        line: Option<usize>,
         /// What it is the value of.
         field: &'static str,
         /// As it stands there.
@@ -86,6 +91,7 @@ impl BoardFacts {
             .map_err(|error| BoardFileError::Wrong { path: path.to_owned(), error: Box::new(error) })?;
         facts.check().map_err(|(field, value, rule)| BoardFileError::Value {
             path: path.to_owned(),
+            line: text.lines().position(|line| line.trim_start().starts_with(field)).map(|before| before + 1),
             field,
             value,
             rule,
@@ -133,6 +139,7 @@ impl BoardFacts {
 
     /// The first value that cannot be: its name, itself, and what it would have to be.
     fn check(&self) -> Result<(), (&'static str, String, &'static str)> {
+        let pair = |(zero, full): (f64, f64)| format!("[{zero}, {full}]");
         let spans = [
             ("adc_span", self.adc_span),
             ("drive_span", self.drive_span),
@@ -143,7 +150,7 @@ impl BoardFacts {
             if let Some((zero, full)) = span
                 && !(zero.is_finite() && full.is_finite() && zero != full)
             {
-                return Err((field, format!("[{zero}, {full}]"), "the two ends must be numbers that differ"));
+                return Err((field, pair((zero, full)), "the two ends must be numbers that differ"));
             }
         }
         let holds = |outer: (f64, f64), inner: (f64, f64)| {
@@ -151,12 +158,20 @@ impl BoardFacts {
             [inner.0, inner.1].iter().all(|volts| (low..=high).contains(volts))
         };
         if let Some(range) = self.drive_range {
-            let said = format!("[{}, {}]", range.0, range.1);
+            let said = pair(range);
             if self.drive_span.is_some_and(|span| !holds(span, range)) {
                 return Err(("drive_range", said, "must lie within drive_span, which is all that the DAC can put out"));
             }
-            if self.adc_span.is_some_and(|span| !holds(span, range)) {
-                return Err(("drive_range", said, "must lie within adc_span, which is all that the ADC sees"));
+            if self.adc_span.is_some_and(|(zero, full)| {
+                let margin = ADC_MARGIN * (full - zero);
+                !holds((zero + margin, full - margin), range)
+            }) {
+                return Err((
+                    "drive_range",
+                    said,
+                    "must lie within adc_span and keep 1/128 of it away from either end, where the device takes the ADC for \
+                     saturated and stops the drive",
+                ));
             }
             if let Some(rest) = self.drive_rest.filter(|rest| !holds(range, (*rest, *rest))) {
                 return Err(("drive_rest", rest.to_string(), "must lie within drive_range"));
@@ -170,6 +185,20 @@ impl BoardFacts {
         }
         if let Some(scale) = self.adc_full_scale.filter(|scale| *scale < 3) {
             return Err(("adc_full_scale", scale.to_string(), "must be at least 3"));
+        }
+        let drive = [
+            ("drive_span", self.drive_span.map(pair)),
+            ("drive_range", self.drive_range.map(pair)),
+            ("drive_slew", self.drive_slew.map(|slew| slew.to_string())),
+        ];
+        let rest = ("drive_rest", self.drive_rest.map(|rest| rest.to_string()));
+        if drive.iter().any(|(_, value)| value.is_none())
+            && let Some((field, value)) =
+                drive.into_iter().chain([rest]).find_map(|(field, value)| Some((field, value?)))
+        {
+            let rule = "drive_span, drive_range and drive_slew belong together: a DAC drives the amplifier by all of them, or by \
+                        none and shows the displacement";
+            return Err((field, value, rule));
         }
         match self.dac_full_scale {
             Some(0) => Err(("dac_full_scale", "0".to_owned(), "must be at least 1")),
@@ -210,6 +239,13 @@ mod tests {
         says("drive_range = [0, 200]\ndrive_span = [-30, 130]", &["drive_range = [0, 200]", "within drive_span"]);
         says("drive_range = [0, 90]\nadc_span = [0, 80]", &["drive_range = [0, 90]", "within adc_span"]);
         says("drive_range = [10, 90]\ndrive_rest = 0", &["drive_rest = 0", "within drive_range"]);
+        says("drive_range = [0, 79.5]\nadc_span = [-10, 80]", &["line 1", "drive_range = [0, 79.5]", "saturated"]);
+        let whole = "drive_span = [-30, 130]\ndrive_range = [0, 100]\ndrive_slew = 500\n";
+        assert!(read(whole).is_ok());
+        for line in whole.lines() {
+            says(&whole.replace(line, "# none"), &["line ", "drive_", "belong together"]);
+        }
+        says("# of the amplifier\ndrive_rest = 0", &["line 2: drive_rest = 0", "belong together"]);
         says("dac_full_scale = 0", &["dac_full_scale = 0"]);
         says("adc_full_scale = 70000", &["line 1", "70000"]);
     }

@@ -1,7 +1,9 @@
 //! Why a session on the bench cannot begin, or cannot end as it should.
 
 use crate::board_file::BoardFileError;
-use crate::wiring::WiringError;
+use crate::output::Output;
+use crate::watch::Complaint;
+use crate::wiring::{NO_MODEL, WiringError};
 use device_link::LinkError;
 use device_link::board::OtherFormat;
 use device_link::pil::FeedError;
@@ -61,9 +63,45 @@ pub enum BenchError {
         /// What differs.
         what: &'static str,
     },
-    /// The board gives no code of a sensor.
-    #[error("the device reads no sensor: its samples have no second channel")]
-    NoSensor,
+    /// By the other table the DAC puts out something else at rest.
+    #[error(
+        "the DAC's output would jump as the device restarts: by the table in use it is {in_use}; by the other, {other}"
+    )]
+    WouldJump {
+        /// By the table in use.
+        in_use: Output,
+        /// By the one that would take its place.
+        other: Output,
+    },
+    /// A session before was killed, and its folder keeps the table that was in use before it.
+    #[error("{}: holds the only copy of the table that was in use before a session which did not end", path.display())]
+    FormerKept {
+        /// The file.
+        path: PathBuf,
+    },
+    /// There is something that must not be written over.
+    #[error("{}: is there already, from a session before", path.display())]
+    Occupied {
+        /// What is there.
+        path: PathBuf,
+    },
+    /// The table in use is the straight line's, which is no model.
+    #[error("the device has {NO_MODEL}")]
+    NoModel,
+    /// Nothing says what would be good enough.
+    #[error("the table in use states no ±, so that nothing says what would be good enough")]
+    NothingStated,
+    /// There is nothing to compare with.
+    #[error("{complaint}; what was measured before is in {}", log.display())]
+    Sensor {
+        /// What is wrong with the sensor.
+        complaint: Complaint,
+        /// The log.
+        log: PathBuf,
+    },
+    /// Two things went wrong, one after the other.
+    #[error("{0}; and then: {1}")]
+    Both(Box<BenchError>, Box<BenchError>),
     /// A fault sent the drive to rest.
     #[error("a fault sent the drive back to rest after {ticks} ticks")]
     Stopped {
@@ -86,8 +124,8 @@ pub enum BenchError {
     /// A file or folder cannot be written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A log cannot be written.
-    #[error("{}: cannot be written", path.display())]
+    /// A log, or what was done, cannot be read or written.
+    #[error("{}: cannot be used", path.display())]
     Log {
         /// The log.
         path: PathBuf,

@@ -2,6 +2,7 @@
 
 use crate::board_file::BoardFacts;
 use crate::error::BenchError;
+use crate::output::Output;
 use crate::wiring::WiringError;
 use ::calibration::CalibrationOptions;
 use ::calibration::drive::identified_on;
@@ -11,7 +12,7 @@ use device_link::interrupt::Interrupt;
 use device_link::pil::{Comparison, compare, feed};
 use device_link::table::{in_use, to_record};
 use device_link::write::Writing;
-use estimator_core::{AdcCode, Admitted};
+use estimator_core::{AdcCode, Admitted, DriveLimits, Range, Table};
 use excitation::{Drive, ExcitationError, Request};
 use identification::table_file::{TableFile, TableFileError};
 use protocol::Mode;
@@ -36,7 +37,8 @@ impl Installed {
     }
 }
 
-/// A table file's table with a board's calibration: the file, which may be named by its folder, the table, and why not to trust it.
+/// A table file's table with a board's calibration: the file, which may be named by its folder, the table, and what to be careful
+/// about. Limits of its own that the table's drive has are kept where they are narrower than the board's, and its rest in any case.
 ///
 /// # Errors
 /// A file cannot be read, the board's does not say what the ADC's codes are, or the table is refused with its calibration.
@@ -49,9 +51,34 @@ pub fn for_board(table: &Path, board: &Path) -> Result<(PathBuf, Admitted, Vec<S
             WiringError::Missing { field: "adc_span", what: "the volts at ADC code 0 and at full scale" }.into()
         );
     }
+    let own = file.table.drive.map(|drive| drive.limits);
     facts.calibration(&CalibrationOptions::default()).apply(&mut file.table);
+    let kept = file.table.drive.as_mut().zip(own).and_then(|(drive, own)| keep(own, &mut drive.limits));
+    file.doubts.extend(kept);
     let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.clone(), source })?;
     Ok((path, admitted, file.doubts))
+}
+
+/// Narrows a board's limits to a table's own; says so where that changes them.
+fn keep(own: DriveLimits, limits: &mut DriveLimits) -> Option<String> {
+    let (of_board, one, other) = (*limits, own.range_v, limits.range_v);
+    *limits = DriveLimits {
+        range_v: Range { min: one.min.max(other.min), max: one.max.min(other.max) },
+        rest_v: own.rest_v,
+        slew_v_per_s: own.slew_v_per_s.min(of_board.slew_v_per_s),
+    };
+    let said = |limits: &DriveLimits| {
+        let DriveLimits { range_v: Range { min, max }, rest_v, slew_v_per_s } = limits;
+        format!("{min} … {max} V at {slew_v_per_s} V/s, at rest {rest_v} V")
+    };
+    (*limits != of_board).then(|| {
+        format!(
+            "the table drives within limits of its own, {}; with those of the board, {}, it is installed with {}",
+            said(&own),
+            said(&of_board),
+            said(limits)
+        )
+    })
 }
 
 /// Codes of a random voltage over all that a table was identified on.
@@ -77,7 +104,8 @@ pub fn rehearsal(table: &Admitted) -> Result<Vec<AdcCode>, ExcitationError> {
 /// Stores a table, restarts the device, and feeds codes through its tick. The device then estimates by this table.
 ///
 /// # Errors
-/// The table is not for this device, its flash cannot be written, or the codes cannot be fed.
+/// The table is not for this device, the voltage would jump and the board is not `rewired`, its flash cannot be written, or the
+/// codes cannot be fed.
 pub fn install(
     client: &mut Client,
     table: &Admitted,
@@ -87,6 +115,10 @@ pub fn install(
     progress: &mut dyn FnMut(usize),
 ) -> Result<Installed, BenchError> {
     table.fits(&board::of(&client.identify()?)?)?;
+    if let (false, Some(former)) = (rewired, in_use(client)?) {
+        // One that cannot be read here is of another format, which the line above has refused, or damaged.
+        Table::parse(&former).map_or(Ok(()), |former| Output::same(&former, table))?;
+    }
     let record = to_record(table);
     let writing = Writing { reset: true, rewired, ..Writing::default() };
     writing.write(client, |client, consent| client.push(record.clone(), consent))?;
@@ -99,4 +131,23 @@ pub fn install(
     let comparison = compare(table, codes, &fed?);
     restored?;
     Ok(Installed { comparison })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_keeps_limits_of_its_own_that_are_narrower_than_the_board_s_and_its_rest() {
+        let limits = |min, max, rest_v, slew_v_per_s| DriveLimits { range_v: Range { min, max }, rest_v, slew_v_per_s };
+        let kept = |own, mut board: DriveLimits| {
+            let said = keep(own, &mut board);
+            (board, said)
+        };
+        let board = limits(0.0, 100.0, 0.0, 500.0);
+        let (narrow, said) = kept(limits(-5.0, 40.0, 10.0, 50.0), board);
+        assert_eq!(narrow, limits(0.0, 40.0, 10.0, 50.0));
+        assert!(said.unwrap().contains("installed with 0 … 40 V at 50 V/s, at rest 10 V"));
+        assert_eq!(kept(limits(-5.0, 140.0, 0.0, 900.0), board), (board, None));
+    }
 }

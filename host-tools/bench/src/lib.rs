@@ -10,14 +10,17 @@
 //! However a session ends, the voltage goes to rest at the drive's slew rate, never with a jump.
 
 mod board_file;
+mod described;
 mod emulated;
 mod error;
 pub mod followed;
 mod install;
 mod loan;
 mod log;
+mod output;
 mod prove;
 mod train;
+mod verdict;
 mod watch;
 mod wiring;
 
@@ -25,11 +28,15 @@ mod wiring;
 mod tests;
 
 pub use board_file::{BoardFacts, BoardFileError};
+pub use described::describe;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
 pub use install::{Installed, for_board, install, rehearsal};
 pub use loan::FORMER;
+pub use log::{Session, session};
+pub use output::Output;
 pub use prove::{Proof, Proven, prove};
 pub use train::{Ended, Trained, Training, Written, train};
+pub use verdict::{MOST_PERCENT, STATED_PERCENT, Shares, Verdict};
 pub use watch::Complaint;
-pub use wiring::{Wiring, WiringError};
+pub use wiring::{NO_MODEL, Wiring, WiringError, is_line, require_model};

@@ -1,12 +1,14 @@
 //! The device's table while a session needs another: a straight line's, by which the board can be driven over all that its
-//! wiring allows. The table of before is kept in a file, and in use again afterwards.
+//! wiring allows. The table of before is kept in a file until it is in use again.
 
 use crate::error::BenchError;
+use crate::log::unoccupied;
+use crate::output::Output;
 use crate::wiring::Wiring;
 use device_link::table::{in_use, to_record};
 use device_link::write::Writing;
 use device_link::{Client, board};
-use estimator_core::{AdcCode, Admitted, Table};
+use estimator_core::{AdcCalibration, AdcCode, Admitted, DriveLimits, Table};
 use protocol::{Mode, Record, TableSource};
 use recordings::file;
 use std::path::Path;
@@ -15,13 +17,15 @@ use std::time::{Duration, Instant};
 /// Name of the file that keeps the table of before.
 pub const FORMER: &str = "former-table.bin";
 
-/// How near to its rest the voltage must come, of the drive's range.
-const NEAR: f32 = 0.02;
+/// How near to its rest the voltage must come, of the drive's range: as near as the firmware asks it to be where it was
+/// commanded.
+const NEAR: f32 = 0.05;
 /// How much longer than by the slew limit it may take to get there: an emulated board may be slower than its host.
 const PATIENCE: f32 = 5.0;
 const AT_LEAST: Duration = Duration::from_secs(3);
 
 /// What must be undone.
+#[derive(Debug)]
 pub enum Loan {
     /// Nothing: the straight line's table was in use before.
     Nothing,
@@ -35,70 +39,89 @@ impl Loan {
     /// Brings the straight line's table into use.
     ///
     /// # Errors
-    /// The board is another one, its DAC is not known to be plugged into the amplifier, or its flash cannot be written.
+    /// The board is another one, its DAC is not known to be plugged into the amplifier, the voltage would jump, the folder keeps
+    /// the only copy of a table that is not in use again or another session's logs, or the flash cannot be written.
     pub fn take(client: &mut Client, wiring: &Wiring, folder: &Path) -> Result<Self, BenchError> {
         let identity = client.identify()?;
         wiring.line().fits(&board::of(&identity)?)?;
         let former = in_use(client)?.ok_or(BenchError::NotDriving)?;
+        let kept = folder.join(FORMER);
+        // Where it is in use again, as it stands there, somebody has brought it back by hand.
+        if kept.exists() && std::fs::read(&kept).ok().as_deref() != Some(&former[..]) {
+            return Err(BenchError::FormerKept { path: kept });
+        }
+        unoccupied(folder)?;
         let line = to_record(wiring.line());
         if former == line {
             return Ok(Self::Nothing);
         }
-        let drives = Table::parse(&former).is_ok_and(|table: Admitted| table.drive.is_some());
-        if !drives {
+        let table: Admitted = Table::parse(&former).map_err(|_| BenchError::NotDriving)?;
+        if table.drive.is_none() {
             return Err(BenchError::NotDriving);
         }
-        file::write(&folder.join(FORMER), &former)?;
+        Output::same(&table, wiring.line())?;
+        file::write(&kept, &former)?;
         let loan = if identity.source == TableSource::Stored { Self::Stored(Box::new(former)) } else { Self::Compiled };
-        if let Err(error) = bring(client, &line) {
-            // What went wrong first is what is said; the file is there in any case.
-            let _ = loan.give_back(client);
-            return Err(error);
+        match bring(client, &line) {
+            Ok(()) => Ok(loan),
+            // Both are said: where the second fails, too, the file holds the only copy.
+            Err(error) => Err(both(Err(error), loan.give_back(client, folder)).err().unwrap_or(BenchError::NotTaken)),
         }
-        Ok(loan)
     }
 
-    /// Brings the table of before into use again.
+    /// Brings the table of before into use again; the folder then keeps it no longer.
     ///
     /// # Errors
     /// The flash cannot be written.
-    pub fn give_back(&self, client: &mut Client) -> Result<(), BenchError> {
+    pub fn give_back(&self, client: &mut Client, folder: &Path) -> Result<(), BenchError> {
         match self {
-            Self::Nothing => Ok(()),
-            Self::Stored(former) => bring(client, former),
+            Self::Nothing => return Ok(()),
+            Self::Stored(former) => bring(client, former)?,
             Self::Compiled => {
                 let writing = Writing { reset: true, ..Writing::default() };
                 writing.write(client, |client, consent| client.erase(consent))?;
-                Ok(())
             }
         }
+        // What is in use again needs no copy; one that cannot be removed does no harm.
+        let _ = std::fs::remove_file(folder.join(FORMER));
+        Ok(())
     }
 }
 
-/// Stores a table, restarts the device, and sees that it runs it. The voltage goes to rest before.
+/// What went wrong in either; both, where both did.
+pub fn both(one: Result<(), BenchError>, other: Result<(), BenchError>) -> Result<(), BenchError> {
+    match (one, other) {
+        (Err(one), Err(other)) if one.to_string() != other.to_string() => {
+            Err(BenchError::Both(Box::new(one), Box::new(other)))
+        }
+        (one, other) => one.and(other),
+    }
+}
+
+/// Stores a table, restarts the device, and sees that it runs it. The device lets its voltage go to rest before it restarts; by
+/// a table of another rest it would jump there, which [`Output::same`] refuses.
 ///
 /// # Errors
 /// The flash cannot be written, or the device does not take it.
-pub fn bring(client: &mut Client, record: &Record) -> Result<(), BenchError> {
+fn bring(client: &mut Client, record: &Record) -> Result<(), BenchError> {
     let writing = Writing { reset: true, ..Writing::default() };
     writing.write(client, |client, consent| client.push(record.clone(), consent))?;
     if in_use(client)?.as_ref() == Some(record) { Ok(()) } else { Err(BenchError::NotTaken) }
 }
 
-/// Lets go of the drive, and waits until the voltage has come to its rest.
+/// Lets go of the drive, and waits until the voltage has come to the rest of the table in use.
 ///
 /// # Errors
 /// The link fails, or it does not come to rest.
-pub fn rest(client: &mut Client, wiring: &Wiring) -> Result<(), BenchError> {
+pub fn rest(client: &mut Client, adc: AdcCalibration, limits: DriveLimits) -> Result<(), BenchError> {
     client.set_mode(Mode::Estimate)?;
     client.stream(true)?;
-    let limits = wiring.drive().limits;
     let (rest_v, near) = (limits.rest_v, NEAR * limits.range_v.span());
     let way = Duration::from_secs_f32((PATIENCE * limits.range_v.span() / limits.slew_v_per_s).min(3600.0));
     let (begun, mut volts) = (Instant::now(), f32::NAN);
     while begun.elapsed() < way.max(AT_LEAST) {
         if let Some(batch) = client.samples(Duration::from_millis(100))? {
-            volts = batch.samples.last().map_or(volts, |sample| wiring.adc().voltage(AdcCode(sample.code)));
+            volts = batch.samples.last().map_or(volts, |sample| adc.voltage(AdcCode(sample.code)));
         }
         if (volts - rest_v).abs() <= near {
             return Ok(client.stream(false)?);

@@ -7,19 +7,20 @@
 //! ```
 
 use crate::error::BenchError;
-use crate::loan;
+use crate::loan::{self, both};
 use crate::log::LogFile;
+use crate::verdict::{Instant, Shares, Verdict};
 use crate::watch::{Complaint, Watch};
-use crate::wiring::Wiring;
+use crate::wiring::{Wiring, WiringError, require_model};
 use device_link::Client;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
 use device_link::table;
-use estimator_core::{AdcCode, Admitted};
+use estimator_core::{AdcCode, Admitted, DriveLimits, Range};
 use excitation::{Drive, Request};
 use protocol::{Mode, Sample};
 use std::path::{Path, PathBuf};
-use validation::{Coverage, Figures};
+use validation::Figures;
 
 /// Columns of the log: the estimate as the board gives it, told at the zero; and its ±, where it has one.
 const HEADING: &str = "time_s,voltage_V,displacement_um,estimate_um";
@@ -35,13 +36,18 @@ const REST_S: f64 = 0.5;
 pub struct Proof<'a> {
     /// The board.
     pub wiring: &'a Wiring,
+    /// Lowest and highest voltage, V; without it all that both the table's drive and the board allow.
+    pub range: Option<(f64, f64)>,
     /// Highest frequency, Hz.
     pub up_to_hz: f64,
     /// Length, s.
     pub duration_s: f64,
     /// Draws the voltage.
     pub seed: u64,
-    /// Where the log goes.
+    /// The mean absolute error that passes, % of the stroke, where another than [`MOST_PERCENT`](crate::verdict::MOST_PERCENT)
+    /// does; it must be said where the table has no interval.
+    pub max_percent: Option<f64>,
+    /// Where the log goes; there is none yet.
     pub log: &'a Path,
     /// The wish to end.
     pub interrupt: &'a Interrupt,
@@ -52,42 +58,52 @@ pub struct Proof<'a> {
 pub struct Proven {
     /// Errors of the estimate since the zero.
     pub figures: Figures,
-    /// How the table's interval did; `None` where the table has none.
-    pub coverage: Option<Coverage>,
+    /// On how many of the ticks the estimate was what it says it is.
+    pub shares: Shares,
+    /// Whether that is good enough.
+    pub verdict: Verdict,
     /// The log.
     pub log: PathBuf,
-    /// What was complained of, and ended it before its time.
-    pub complaint: Option<Complaint>,
+    /// Whether the voltage is at rest; else what hinders.
+    pub home: Result<(), BenchError>,
 }
 
 /// Drives the device by the table in use and compares. However it ends, the voltage goes to rest.
 ///
 /// # Errors
-/// The table in use does not drive, or by other converters; there is no such drive; the device is stopped or lost.
+/// The table in use is no model, does not drive, drives by other converters, or states nothing to judge by; there is no such
+/// drive; there is a log already; the sensor is not there or saturated; the device is stopped or lost.
 pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(usize)) -> Result<Proven, BenchError> {
     let table = table::running(client)?;
-    let request = request(&table, proof)?;
+    require_model(&table)?;
+    if table.interval.is_none() && proof.max_percent.is_none() {
+        return Err(BenchError::NothingStated);
+    }
+    if proof.log.exists() {
+        return Err(BenchError::Occupied { path: proof.log.to_owned() });
+    }
+    let (request, limits) = request(&table, proof)?;
     let segment = Drive::random(&request)?;
     let earliest_s = table.interval.map_or(0.0, |interval| f64::from(interval.earliest_s));
     let (lead_in, rest) = segment.volts.split_at(segment.lead_in);
     let mut lead_in = lead_in.to_vec();
     let waits = ((earliest_s + REST_S) / request.tick_s) as usize;
     lead_in.extend(std::iter::repeat_n(request.rest_v as f32, waits));
-    let measured = drive(client, proof, &table, &lead_in, rest, progress);
-    let home = loan::rest(client, proof.wiring);
-    let measured = measured?;
-    home?;
-    let Measured { estimates, sensor, half_widths, complaint, log } = measured;
-    if estimates.len() < FEWEST {
-        return Err(BenchError::Nothing(estimates.len()));
-    }
+    let measured = drive(client, proof, (&table, request.span_v()), &lead_in, rest, progress).and_then(Measured::sound);
+    let home = loan::rest(client, table.adc, limits);
+    let Measured { instants, log, .. } = match measured {
+        Ok(measured) => measured,
+        Err(error) => return Err(both(Err(error), home).err().unwrap_or(BenchError::Nothing(0))),
+    };
+    let (estimates, sensor): (Vec<f64>, Vec<f64>) = instants.iter().map(|at| (at.estimate_um, at.sensor_um)).unzip();
     let figures = Figures::of(&estimates, &sensor);
-    let errors = estimates.iter().zip(&sensor).map(|(estimate, sensor)| estimate - sensor);
-    let beside: Vec<(f64, f64)> = errors.zip(&half_widths).filter_map(|(e, half)| Some((e, (*half)?))).collect();
-    Ok(Proven { figures, coverage: Coverage::of(&beside), log, complaint })
+    let shares = Shares::of(&instants, table.interval.is_some());
+    let verdict = Verdict::of(&figures, &shares, proof.max_percent);
+    Ok(Proven { figures, shares, verdict, log, home })
 }
 
-fn request(table: &Admitted, proof: &Proof<'_>) -> Result<Request, BenchError> {
+/// The drive, and the limits of the table's own.
+fn request(table: &Admitted, proof: &Proof<'_>) -> Result<(Request, DriveLimits), BenchError> {
     let drive = table.drive.ok_or(BenchError::NotDriving)?;
     if table.adc != proof.wiring.adc() {
         return Err(BenchError::OtherConverters { what: "calibration of the ADC" });
@@ -96,36 +112,52 @@ fn request(table: &Admitted, proof: &Proof<'_>) -> Result<Request, BenchError> {
     if (drive.gain_codes_per_v, drive.offset_code) != (of_board.gain_codes_per_v, of_board.offset_code) {
         return Err(BenchError::OtherConverters { what: "calibration of the DAC" });
     }
-    let range = drive.limits.range_v;
-    let range = (f64::from(range.min), f64::from(range.max));
-    let request = proof.wiring.request(Some(range), proof.up_to_hz, proof.duration_s, proof.seed)?;
-    Ok(Request { rest_v: drive.limits.rest_v.into(), slew_v_per_s: drive.limits.slew_v_per_s.into(), ..request })
+    let (limits, board) = (drive.limits, of_board.limits);
+    // What both allow: a proof asks no more of either.
+    let (own, wired) = (limits.range_v, board.range_v);
+    let allowed = Range { min: own.min.max(wired.min), max: own.max.min(wired.max) };
+    let (min_v, max_v) = proof.range.unwrap_or((allowed.min.into(), allowed.max.into()));
+    if !(allowed.contains(min_v as f32) && allowed.contains(max_v as f32)) {
+        return Err(WiringError::BeyondRange { min_v, max_v, allowed }.into());
+    }
+    let request = proof.wiring.request(Some((min_v, max_v)), proof.up_to_hz, proof.duration_s, proof.seed)?;
+    let slew_v_per_s = limits.slew_v_per_s.min(board.slew_v_per_s).into();
+    Ok((Request { rest_v: limits.rest_v.into(), slew_v_per_s, ..request }, limits))
 }
 
 /// What was measured since the zero, µm, at each tick.
 struct Measured {
-    estimates: Vec<f64>,
-    sensor: Vec<f64>,
-    half_widths: Vec<Option<f64>>,
+    instants: Vec<Instant>,
     complaint: Option<Complaint>,
     log: PathBuf,
+}
+
+impl Measured {
+    /// What is wrong with the sensor says why there is next to nothing, too.
+    fn sound(self) -> Result<Self, BenchError> {
+        match self.complaint {
+            Some(complaint) => Err(BenchError::Sensor { complaint, log: self.log }),
+            None if self.instants.len() < FEWEST => Err(BenchError::Nothing(self.instants.len())),
+            None => Ok(self),
+        }
+    }
 }
 
 fn drive(
     client: &mut Client,
     proof: &Proof<'_>,
-    table: &Admitted,
+    (table, span_v): (&Admitted, f64),
     lead_in: &[f32],
     random: &[f32],
     progress: &mut dyn FnMut(usize),
 ) -> Result<Measured, BenchError> {
     let (wiring, interrupt) = (proof.wiring, proof.interrupt);
-    let mut watch = Watch::new(wiring, table.drive.map_or(0.0, |drive| drive.limits.range_v.span().into()));
+    let mut watch = Watch::new(wiring, span_v);
     let mut complaint = None;
     let volts = |sample: &Sample| wiring.adc().voltage::<f64>(AdcCode(sample.code));
     let mut before: Vec<f64> = Vec::with_capacity(lead_in.len());
     let of = |references, goes_on, ticks| Play { mode: Mode::Excite, goes_on, references, hold: true, ticks };
-    let led_in = play(client, &of(lead_in, false, lead_in.len()), interrupt, &mut |sample| {
+    let led_in = play(client, &of(lead_in, None, lead_in.len()), interrupt, &mut |sample| {
         progress(before.len());
         before.push(wiring.sensor.um(sample).unwrap_or(f64::NAN));
         complaint = watch.complaint(sample, volts(sample));
@@ -134,27 +166,25 @@ fn drive(
     stopped(&led_in)?;
     let heading = HEADING.to_owned() + table.interval.map_or("", |_| HALF_WIDTH);
     let mut log = LogFile::create(proof.log, &heading, table.sample_period())?;
-    let (mut estimates, mut sensor, mut half_widths) = (Vec::new(), Vec::new(), Vec::new());
+    let mut instants: Vec<Instant> = Vec::new();
     if complaint.is_none() {
         client.set_zero(0.0)?;
         let last = &before[before.len().saturating_sub(ZERO_TICKS)..];
         let zero = last.iter().sum::<f64>() / last.len().max(1) as f64;
-        let (mut next, mut failed): (Option<(f64, Option<f64>)>, _) = (None, None);
-        let played = play(client, &of(random, true, random.len()), interrupt, &mut |sample| {
+        let (mut next, mut failed) = (None, None);
+        let played = play(client, &of(random, Some(led_in.held), random.len()), interrupt, &mut |sample| {
             complaint = watch.complaint(sample, volts(sample));
             let um = wiring.sensor.um(sample).unwrap_or(f64::NAN) - zero;
             // A sample's estimate is of the next tick.
-            let of_next = (f64::from(sample.displacement), sample.half_width.map(f64::from));
-            if let Some((estimate, half)) = next.replace(of_next) {
-                estimates.push(estimate);
-                sensor.push(um);
-                half_widths.push(half);
+            let of_next = (f64::from(sample.displacement), sample.half_width.map(f64::from), sample.status);
+            if let Some((estimate, half, status)) = next.replace(of_next) {
+                instants.push(Instant { estimate_um: estimate, sensor_um: um, half_width_um: half, status });
                 let mut row = vec![volts(sample), um, estimate];
                 // A table that has an interval has it from the zero on.
                 row.extend(table.interval.map(|_| half.unwrap_or(f64::NAN)));
                 failed = log.row(&row).err();
             }
-            progress(lead_in.len() + estimates.len());
+            progress(lead_in.len() + instants.len());
             complaint.is_none() && failed.is_none()
         })?;
         stopped(&played)?;
@@ -162,7 +192,7 @@ fn drive(
             return Err(error);
         }
     }
-    Ok(Measured { estimates, sensor, half_widths, complaint, log: log.end()?.0 })
+    Ok(Measured { instants, complaint, log: log.end()?.0 })
 }
 
 fn stopped(played: &Played) -> Result<(), BenchError> {

@@ -24,6 +24,13 @@ fn former() -> estimator_core::Admitted {
     Table { provenance: estimator_core::Provenance { seed: 7, ..line.provenance }, ..*line }.admit().unwrap()
 }
 
+/// The straight line as if it had been learnt.
+fn model() -> estimator_core::Admitted {
+    let line = *wiring().line();
+    let provenance = estimator_core::Provenance { tool_version: [0, 1, 0], ..line.provenance };
+    Table { provenance, ..*line }.admit().unwrap()
+}
+
 fn device(sensor_um: Option<(f64, f64)>) -> EmulatedDevice {
     let bench = Bench { sensor_um, ..emulated(&wiring(), Kind::BoucWen, 1) };
     connected_to(bench.connected())
@@ -85,6 +92,105 @@ fn a_session_leaves_its_logs_and_the_device_as_it_was() {
     is_home(&mut client, folder.path());
     let session = std::fs::read_to_string(folder.path().join("session.toml")).unwrap();
     assert!(session.contains("complete = true") && session.contains("sensor_span"), "{session}");
+    let Session { logs, held_out } = crate::session(folder.path()).unwrap();
+    let (proof, learnt): (Vec<_>, Vec<_>) =
+        trained.logs.iter().map(|log| log.log.clone()).partition(|log| log.ends_with("proof.csv"));
+    assert!((logs, held_out) == (learnt, proof.clone()) && proof.len() == 1);
+    // Another session does not mix with its logs.
+    let refused = again(&mut client, folder.path());
+    assert!(matches!(refused, BenchError::Occupied { .. }), "{refused}");
+    is_home(&mut client, folder.path());
+}
+
+/// What a session is refused by.
+fn again(client: &mut Client, folder: &Path) -> BenchError {
+    let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
+    let training = Training { wiring: &wiring, drive: &drive, folder, interrupt: &interrupt };
+    train(client, &training, &mut |_, _| {}).unwrap_err()
+}
+
+#[test]
+fn the_only_copy_of_a_table_is_neither_overwritten_nor_deleted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (device, wiring) = (device(FACTS.sensor_span), wiring());
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    // Killed: nobody gives it back.
+    let loan = loan::Loan::take(&mut client, &wiring, folder.path()).unwrap();
+    assert_eq!(in_use(&mut client).unwrap().unwrap(), to_record(wiring.line()));
+    let refused = again(&mut client, folder.path());
+    assert!(matches!(refused, BenchError::FormerKept { .. }), "{refused}");
+    assert_eq!(std::fs::read(folder.path().join(FORMER)).unwrap(), to_record(&former()).to_vec());
+    loan.give_back(&mut client, folder.path()).unwrap();
+    is_home(&mut client, folder.path());
+}
+
+#[test]
+fn a_table_of_another_rest_is_neither_lent_nor_installed_unless_rewired() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = device(FACTS.sensor_span);
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let wiring = Wiring::new(&BoardFacts { drive_rest: Some(50.0), ..FACTS }, 500).unwrap();
+    let (drive, interrupt) = (drive(), Interrupt::default());
+    let training = Training { wiring: &wiring, drive: &drive, folder: folder.path(), interrupt: &interrupt };
+    let refused = train(&mut client, &training, &mut |_, _| {}).unwrap_err();
+    assert!(refused.to_string().contains("0 V at rest, code 768") && refused.to_string().contains("50 V"), "{refused}");
+    let codes = rehearsal(wiring.line()).unwrap();
+    let mut installed = |rewired| install(&mut client, wiring.line(), rewired, &codes, &interrupt, &mut |_| {});
+    assert!(matches!(installed(false).unwrap_err(), BenchError::WouldJump { .. }));
+    assert!(installed(true).unwrap().bit_exact());
+}
+
+#[test]
+fn a_proof_is_refused_before_the_drive_where_it_can_say_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (device, wiring, interrupt) = (device(FACTS.sensor_span), wiring(), Interrupt::default());
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let log = folder.path().join("proven.csv");
+    let mut proof = Proof {
+        wiring: &wiring,
+        range: None,
+        up_to_hz: 20.0,
+        duration_s: 8.0,
+        seed: 2,
+        max_percent: None,
+        log: &log,
+        interrupt: &interrupt,
+    };
+    let refused = prove(&mut client, &proof, &mut |_| panic!("it was driven")).unwrap_err();
+    assert!(matches!(refused, BenchError::NoModel), "{refused}");
+    let codes = rehearsal(&model()).unwrap();
+    install(&mut client, &model(), false, &codes, &interrupt, &mut |_| {}).unwrap();
+    let refused = prove(&mut client, &proof, &mut |_| panic!("it was driven")).unwrap_err();
+    assert!(matches!(refused, BenchError::NothingStated), "{refused}");
+    (proof.max_percent, proof.range) = (Some(2.0), Some((0.0, 130.0)));
+    let refused = prove(&mut client, &proof, &mut |_| panic!("it was driven")).unwrap_err();
+    assert!(matches!(refused, BenchError::Wiring(WiringError::BeyondRange { .. })), "{refused}");
+    // A line is no model of this actuator: it says so, at rest, within the range that was asked for.
+    proof.range = Some((0.0, 50.0));
+    let proven = prove(&mut client, &proof, &mut |_| {}).unwrap();
+    assert!(
+        !proven.verdict.passed && proven.home.is_ok() && proven.verdict.to_string().starts_with("FAIL"),
+        "{proven:?}"
+    );
+    let driven = recordings::log::read(&log, &Default::default()).unwrap().voltage;
+    assert!(driven.iter().all(|volts| (-1.0..51.0).contains(volts)));
+    let refused = prove(&mut client, &proof, &mut |_| panic!("it was driven")).unwrap_err();
+    assert!(matches!(refused, BenchError::Occupied { .. }), "{refused}");
+}
+
+#[test]
+fn a_sensor_that_is_not_there_is_what_a_proof_complains_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let (device, wiring, interrupt) = (device(None), wiring(), Interrupt::default());
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let codes = rehearsal(&model()).unwrap();
+    install(&mut client, &model(), false, &codes, &interrupt, &mut |_| {}).unwrap();
+    let log = folder.path().join("proven.csv");
+    let (up_to_hz, duration_s, seed) = (20.0, 8.0, 2);
+    let (wiring, interrupt, log) = (&wiring, &interrupt, &*log);
+    let proof = Proof { wiring, range: None, up_to_hz, duration_s, seed, max_percent: Some(2.0), log, interrupt };
+    let refused = prove(&mut client, &proof, &mut |_| {}).unwrap_err();
+    assert!(matches!(refused, BenchError::Sensor { complaint: Complaint::NoSensor, .. }), "{refused}");
 }
 
 #[test]

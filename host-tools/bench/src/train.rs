@@ -1,13 +1,13 @@
 //! A training session: a designed drive out, the voltage and the sensor in, a log a segment.
 
 use crate::error::BenchError;
-use crate::loan::{self, FORMER, Loan};
-use crate::log::LogFile;
+use crate::loan::{self, Loan, both};
+use crate::log::{LogFile, SESSION};
 use crate::watch::{Complaint, Watch};
 use crate::wiring::Wiring;
 use device_link::Client;
 use device_link::interrupt::Interrupt;
-use device_link::play::{Play, PlayError, play};
+use device_link::play::{Held, Play, PlayError, play};
 use estimator_core::AdcCode;
 use excitation::{Drive, Segment};
 use protocol::{Faults, Mode};
@@ -17,8 +17,6 @@ use std::path::{Path, PathBuf};
 
 /// Columns of a training log.
 const HEADING: &str = "time_s,voltage_V,displacement_um";
-/// What was done, beside the logs.
-const SESSION: &str = "session.toml";
 
 /// What is to be done.
 pub struct Training<'a> {
@@ -69,6 +67,8 @@ pub struct Trained {
     pub starved: u32,
     /// What ended it before its time.
     pub ended: Option<Ended>,
+    /// A table of before had been taken out of use; without one, the straight line's was in use, and is.
+    pub lent: bool,
     /// Whether the voltage is at rest and the table of before in use again; else what hinders.
     pub home: Result<(), BenchError>,
 }
@@ -81,10 +81,11 @@ impl Trained {
 }
 
 /// Plays a drive and records it. Whatever happens, the voltage goes to rest, and the table of before is in use again where the
-/// link allows; [`FORMER`] keeps it. `progress` is told the segment and the ticks of all that are done.
+/// link allows; [`FORMER`](crate::FORMER) keeps it meanwhile. `progress` is told the segment and the ticks of all that are done.
 ///
 /// # Errors
-/// Nothing was driven: the board is another one, its DAC is not known to drive, or the folder cannot be written.
+/// Nothing was driven: the board is another one, its DAC is not known to drive or would jump, or the folder holds a session or
+/// cannot be written. Or what was done cannot be written beside the logs.
 pub fn train(
     client: &mut Client,
     training: &Training<'_>,
@@ -99,16 +100,15 @@ pub fn train(
         logs: Vec::new(),
         starved: 0,
         done: 0,
+        held: None,
     };
     let ended = drive.segments.iter().enumerate().find_map(|at| recorder.record(client, at, progress).err());
     let Recorder { logs, starved, .. } = recorder;
-    let home = loan::rest(client, wiring).and_then(|()| loan.give_back(client));
-    let trained = Trained { logs, starved, ended, home };
+    // A voltage that was not seen to come to rest is no reason to keep the device from its table: it rests by itself.
+    let rested = loan::rest(client, wiring.adc(), wiring.drive().limits);
+    let home = both(rested, loan.give_back(client, folder));
+    let trained = Trained { logs, starved, ended, lent: !matches!(loan, Loan::Nothing), home };
     file::write(&folder.join(SESSION), session(training, &trained))?;
-    if trained.home.is_ok() {
-        // It is in use again: nobody needs the file, and there may be none.
-        let _ = std::fs::remove_file(folder.join(FORMER));
-    }
     Ok(trained)
 }
 
@@ -120,6 +120,8 @@ struct Recorder<'a> {
     starved: u32,
     /// Ticks of the segments before.
     done: usize,
+    /// Where the segment before holds.
+    held: Option<Held>,
 }
 
 impl Recorder<'_> {
@@ -139,7 +141,7 @@ impl Recorder<'_> {
         let mut log = LogFile::create(&folder.join(name), HEADING, tick_s).map_err(Ended::Log)?;
         let (references, ticks) = (&segment.volts[..], segment.volts.len());
         // It ends at rest, where it is held until the next one goes on.
-        let what = Play { mode: Mode::Excite, goes_on: index > 0, references, hold: true, ticks };
+        let what = Play { mode: Mode::Excite, goes_on: self.held, references, hold: true, ticks };
         let (mut ended, mut rows) = (None, 0);
         let watch = &mut self.watch;
         let done = self.done;
@@ -156,6 +158,7 @@ impl Recorder<'_> {
         });
         let fault = played.as_ref().ok().map(|played| played.stopped).filter(|stopped| !stopped.is_empty());
         self.starved += played.as_ref().map_or(0, |played| played.starved);
+        self.held = played.as_ref().ok().map(|played| played.held);
         self.done += ticks;
         let ended = ended.or(fault.map(Ended::Fault)).or(played.err().map(Ended::Play));
         let (log, rows) = log.end().map_err(Ended::Log)?;
@@ -181,7 +184,7 @@ struct Session<'a> {
 fn session(training: &Training<'_>, trained: &Trained) -> String {
     let session = Session {
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
-        complete: trained.ended.is_none(),
+        complete: trained.complete(),
         seed: training.drive.request().seed,
         covers: training.drive.covers(),
         forbidden: training.drive.forbidden(),

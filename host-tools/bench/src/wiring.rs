@@ -1,6 +1,7 @@
 //! A board that is wired to be driven beside a sensor: everything that a session must know of it.
 
 use crate::board_file::BoardFacts;
+use crate::error::BenchError;
 use ::calibration::CalibrationOptions;
 use device_link::sensor::Sensor;
 use estimator_core::{
@@ -107,6 +108,23 @@ impl Wiring {
     }
 }
 
+/// What is said of a straight line in use.
+pub const NO_MODEL: &str = "no model: a straight line for measuring, its µm are volts above the rest";
+
+/// Whether a table is the straight line of [`Wiring::line`], no model: it was made from no log by no version of a tool.
+pub fn is_line(table: &Table) -> bool {
+    let Provenance { logs, tool_version, .. } = table.provenance;
+    logs == Digest::default() && tool_version == [0; 3]
+}
+
+/// Refuses the straight line where a displacement is wanted.
+///
+/// # Errors
+/// The table is the straight line's.
+pub fn require_model(table: &Table) -> Result<(), BenchError> {
+    if is_line(table) { Err(BenchError::NoModel) } else { Ok(()) }
+}
+
 fn straight_line(
     facts: &BoardFacts,
     adc: (f64, f64),
@@ -163,6 +181,7 @@ mod tests {
             let said = estimator.tick(wiring.adc().code(volts)).displacement;
             assert!((said - volts).abs() < 5e-3, "{volts} V: {said}");
         }
+        assert!(is_line(wiring.line()) && !is_line(&emulator::TABLE));
         let limits = wiring.drive().limits;
         assert_eq!((limits.range_v, limits.rest_v, limits.slew_v_per_s), (Range { min: 0.0, max: 100.0 }, 0.0, 500.0));
     }

@@ -157,9 +157,9 @@ impl Client {
         }
     }
 
-    /// Hands wanted displacements (µm) over for the next ticks. With `go` the device follows them from now on and holds the
-    /// last one, for ever with `hold` and for a second without. Returns how many there was room for, and how many ticks have
-    /// found none so far.
+    /// Hands wanted displacements (µm), or voltages (V) in [`Mode::Excite`], over for the next ticks. With `go` the device follows
+    /// them from now on and holds the last one, for ever with `hold` and for a second without. Returns how many there was room for,
+    /// and how many ticks have found none so far.
     pub fn refer(&mut self, references: References, go: bool, hold: bool) -> Result<(usize, u32), LinkError> {
         match self.request(Request::Refer { references, go, hold })? {
             Reply::Referred { taken, starved } => Ok((taken.into(), starved)),

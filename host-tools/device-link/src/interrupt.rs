@@ -2,8 +2,8 @@
 
 use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The operating system does not tell of signals.
 #[derive(Debug, thiserror::Error)]
@@ -15,17 +15,24 @@ pub struct InterruptError(#[from] std::io::Error);
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Turns the first signal (Ctrl-C, `kill`) into a wish; the second ends the program at once.
+    /// Turns the first signal (Ctrl-C, `kill`) into a wish; the second ends the program at once. There is one wish in a process,
+    /// however often it is asked for, so that what comes between two parts of a task, or in the first, is known to the second.
     ///
     /// # Errors
     /// The operating system refuses.
     pub fn watch() -> Result<Self, InterruptError> {
+        static WATCHED: Mutex<Option<Interrupt>> = Mutex::new(None);
+        // One that panicked while it held this has not changed it halfway.
+        let mut watched = WATCHED.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(interrupt) = &*watched {
+            return Ok(interrupt.clone());
+        }
         let interrupt = Self::default();
         for &signal in TERM_SIGNALS {
             flag::register_conditional_shutdown(signal, 2, interrupt.0.clone())
                 .and_then(|_| flag::register(signal, interrupt.0.clone()))?;
         }
-        Ok(interrupt)
+        Ok(watched.insert(interrupt).clone())
     }
 
     /// Wishes so without a signal.
@@ -36,5 +43,18 @@ impl Interrupt {
     /// Whether a signal has come.
     pub fn wanted(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wish_in_one_part_of_a_task_is_known_to_the_next() {
+        let (first, alone) = (Interrupt::watch().unwrap(), Interrupt::default());
+        assert!(!first.wanted());
+        signal_hook::low_level::raise(signal_hook::consts::SIGTERM).unwrap();
+        assert!(first.wanted() && Interrupt::watch().unwrap().wanted() && !alone.wanted());
     }
 }

@@ -5,7 +5,7 @@ use super::client::Client;
 use super::error::LinkError;
 use super::interrupt::Interrupt;
 use super::window::{Continuity, Numbers};
-use protocol::{Faults, Mode, References, Sample};
+use protocol::{Faults, Mode, References, Sample, Samples};
 use std::time::{Duration, Instant};
 
 /// References in one frame; [`References`] takes so many.
@@ -20,8 +20,8 @@ const LOOK: Duration = Duration::from_millis(16);
 pub struct Play<'r> {
     /// One that drives; it says what the references are.
     pub mode: Mode,
-    /// Go on from a play before that held its last reference. Else the mode is set, and it starts from rest.
-    pub goes_on: bool,
+    /// Go on from a play before that holds its last reference. Else the mode is set, and it starts from rest.
+    pub goes_on: Option<Held>,
     /// µm in [`Mode::Follow`], V in [`Mode::Excite`], one a tick.
     pub references: &'r [f32],
     /// The last reference is held for ever; without it, as each one before the last, for a second.
@@ -29,6 +29,11 @@ pub struct Play<'r> {
     /// Samples that are wanted, from the first reference on, and one more for each tick that finds no reference.
     pub ticks: usize,
 }
+
+/// Where a play holds its last reference: the number of the tick that would have taken the next one, had none been starved since
+/// the mode was entered. Each that is starved puts it off by one.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Held(u32);
 
 /// What came of it.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -41,6 +46,8 @@ pub struct Played {
     pub stopped: Faults,
     /// Whoever took the samples had enough before the end.
     pub enough: bool,
+    /// Where another play may go on.
+    pub held: Held,
 }
 
 /// Why it was not gone through to its end.
@@ -79,7 +86,8 @@ pub enum PlayError {
 }
 
 /// Sends references and hands each sample to `take`, from the first one on, one a tick, until all are there, a fault stops the
-/// drive, or `take` answers `false`. The device is left in the mode, at the last reference.
+/// drive, or `take` answers `false`. The device is left in the mode, at the last reference. Of a play that goes on, the samples of
+/// the hold before its own first reference are passed over, so that each row stands beside its reference.
 ///
 /// # Errors
 /// The link fails or loses samples, the device stops, refuses, or the user does not want to wait.
@@ -90,15 +98,17 @@ pub fn play(
     take: &mut dyn FnMut(&Sample) -> bool,
 ) -> Result<Played, PlayError> {
     let &Play { mode, goes_on, references, hold, ticks: wanted } = play;
-    if !goes_on {
+    if goes_on.is_none() {
         client.set_mode(mode)?;
     }
     client.stream(true)?;
     let mut played = Played::default();
     let mut numbers = Numbers::default();
-    let (mut sent, mut going, mut news) = (0, goes_on, Instant::now());
+    let (mut sent, mut going, mut news) = (0, goes_on.is_some(), Instant::now());
     // Ticks that had found none before: those between this play and the one that it goes on from.
-    let mut starved_before = if goes_on { None } else { Some(0) };
+    let mut starved_before = if goes_on.is_some() { None } else { Some(0) };
+    // The number of the tick that takes the first reference; of a play from rest, its sample shows it.
+    let mut first = None;
     let mut ticks = wanted;
     while played.ticks < ticks && played.stopped.is_empty() && !played.enough {
         let done = played.ticks;
@@ -120,7 +130,9 @@ pub fn play(
             full = taken < next.len();
             going |= full;
             sent += taken.min(next.len());
-            played.starved = starved.saturating_sub(*starved_before.get_or_insert(starved));
+            let before = *starved_before.get_or_insert(starved);
+            first = first.or(goes_on.map(|Held(next)| next.wrapping_add(before)));
+            played.starved = starved.saturating_sub(before);
             ticks = wanted + played.starved as usize;
         }
         // What has come is taken in any case; a full queue leaves the time to wait for more.
@@ -131,7 +143,11 @@ pub fn play(
                 Continuity::Gap(lost) => return Err(PlayError::SamplesLost(lost)),
                 Continuity::Restarted => return Err(PlayError::Restarted),
             }
-            played.take(&batch.samples, ticks, take);
+            played.take(&batch, &mut first, ticks, take);
+            if let Some(first) = first {
+                let own = first.wrapping_add(sent as u32);
+                played.held = Held(own.wrapping_sub(starved_before.unwrap_or(0)));
+            }
             news = Instant::now();
             patience = Duration::ZERO;
         }
@@ -143,16 +159,18 @@ pub fn play(
 }
 
 impl Played {
-    fn take(&mut self, samples: &[Sample], ticks: usize, take: &mut dyn FnMut(&Sample) -> bool) {
-        for sample in samples {
+    /// Takes what is from the tick `first` on; where that is not known, the drive starts from rest, and its first sample that
+    /// is not of the rest is the first.
+    fn take(&mut self, batch: &Samples, first: &mut Option<u32>, ticks: usize, take: &mut dyn FnMut(&Sample) -> bool) {
+        for (number, sample) in (0..).map(|k| batch.first.wrapping_add(k)).zip(&batch.samples) {
             let resting = sample.faults.contains(Faults::SAFE_OUTPUT);
-            let waiting = self.ticks == 0 && !sample.faults.intersects(Faults::UNSAFE);
+            let waiting = first.is_none() && !sample.faults.intersects(Faults::UNSAFE);
             if resting && !waiting {
                 self.stopped = sample.faults;
                 return;
             }
-            if resting {
-                // Before the first reference.
+            // At rest before the first reference, or still held by the play before.
+            if resting || (number.wrapping_sub(*first.get_or_insert(number)) as i32) < 0 {
                 continue;
             }
             if self.ticks < ticks && !self.enough {
@@ -201,7 +219,7 @@ mod tests {
         let line = FaultyLine::to(device.address(), fault).unwrap();
         let (mut client, _) = Client::connect(&line.address().into()).unwrap();
         let wave = wave();
-        followed(&mut client, &Play { mode: Mode::Follow, goes_on: false, references: &wave, hold: true, ticks: 1000 })
+        followed(&mut client, &Play { mode: Mode::Follow, goes_on: None, references: &wave, hold: true, ticks: 1000 })
     }
 
     /// A play and its samples.
@@ -209,15 +227,16 @@ mod tests {
         samples: Vec<Sample>,
         starved: u32,
         stopped: Faults,
+        held: Held,
     }
 
     fn followed(client: &mut Client, of: &Play<'_>) -> Result<Followed, PlayError> {
         let mut samples = Vec::new();
-        let Played { starved, stopped, .. } = play(client, of, &Interrupt::default(), &mut |sample| {
+        let Played { starved, stopped, held, .. } = play(client, of, &Interrupt::default(), &mut |sample| {
             samples.push(*sample);
             true
         })?;
-        Ok(Followed { samples, starved, stopped })
+        Ok(Followed { samples, starved, stopped, held })
     }
 
     #[test]
@@ -283,23 +302,28 @@ mod tests {
             status: Default::default(),
             faults,
         };
-        let after = |faults: &[Faults]| {
+        let from = |mut first, faults: &[Faults]| {
             let mut played = Played::default();
-            played.take(&faults.iter().map(|&faults| sample(faults)).collect::<Vec<_>>(), 10, &mut |_| true);
+            let batch = Samples { first: 7, samples: faults.iter().map(|&faults| sample(faults)).collect() };
+            played.take(&batch, &mut first, 10, &mut |_| true);
             (played.ticks, played.stopped)
         };
+        let after = |faults: &[Faults]| from(None, faults);
         let safe = Faults::SAFE_OUTPUT;
         let none = Faults::empty();
         assert_eq!(after(&[safe, safe | Faults::MISSED_DEADLINE, safe, none, none]), (2, none));
         assert_eq!(after(&[safe, safe | Faults::ADC_STUCK, none]), (0, safe | Faults::ADC_STUCK));
         assert_eq!(after(&[none, Faults::MISSED_DEADLINE, safe]), (2, safe));
+        // One that goes on from a hold does not wait at rest, and does not take what was held for its own.
+        assert_eq!(from(Some(10), &[none, safe]), (0, safe));
+        assert_eq!(from(Some(10), &[none; 5]), (2, none));
     }
 
     #[test]
     fn a_device_without_a_drive_and_lost_samples_are_errors() {
         let device = Emulator::new().start().unwrap();
         let (mut client, _) = Client::connect(&device.address().into()).unwrap();
-        let one = Play { mode: Mode::Follow, goes_on: false, references: &[1.0], hold: true, ticks: 1 };
+        let one = Play { mode: Mode::Follow, goes_on: None, references: &[1.0], hold: true, ticks: 1 };
         let Err(refused) = followed(&mut client, &one) else { panic!("it followed") };
         let PlayError::Link(LinkError::Refused { refusal, .. }) = refused else { panic!("{refused}") };
         assert_eq!(*refusal, Refusal::NoDrive);
@@ -315,15 +339,20 @@ mod tests {
         let (up, down): (Vec<f32>, Vec<f32>) =
             ((0..100).map(|k| 0.5 + 0.01 * k as f32).collect(), (0..100).map(|k| 1.49 - 0.01 * k as f32).collect());
         let excite = |references, goes_on| Play { mode: Mode::Excite, goes_on, references, hold: true, ticks: 100 };
-        let first = followed(&mut client, &excite(&up, false)).unwrap();
+        let first = followed(&mut client, &excite(&up, None)).unwrap();
         let driven = |sample: &Sample| DRIVE.voltage::<f32>(DacCode(sample.dac));
         for (tick, (sample, wanted)) in first.samples.iter().zip(&up).enumerate() {
             assert!((driven(sample) - wanted).abs() < 2e-3, "tick {tick}");
         }
-        let second = followed(&mut client, &excite(&down, true)).unwrap();
-        assert!(second.stopped.is_empty() && second.samples.len() == 100);
-        let start = second.samples.iter().map(driven).find(|volts| *volts < 1.48).unwrap();
-        assert!(start > 1.46, "it went on from where it stood, not from rest: {start} V");
+        // Longer than a reference that is not to be held is waited for.
+        std::thread::sleep(Duration::from_millis(1500));
+        let second = followed(&mut client, &excite(&down, Some(first.held))).unwrap();
+        assert!(second.stopped.is_empty());
+        assert_eq!(second.samples.len(), 100 + second.starved as usize);
+        // It goes on from where it stood, and its first row is of its first reference.
+        for (tick, (sample, wanted)) in second.samples.iter().zip(&down).take(CHUNK).enumerate() {
+            assert!((driven(sample) - wanted).abs() < 2e-3, "tick {tick}: {} V, not {wanted} V", driven(sample));
+        }
     }
 
     #[test]
@@ -332,7 +361,7 @@ mod tests {
         let device = Emulator::new().flash(flash).plant(amplifier(DRIVE, TABLE.adc)).start().unwrap();
         let (mut client, _) = Client::connect(&device.address().into()).unwrap();
         let wave = wave();
-        let of = Play { mode: Mode::Follow, goes_on: false, references: &wave, hold: false, ticks: 1000 };
+        let of = Play { mode: Mode::Follow, goes_on: None, references: &wave, hold: false, ticks: 1000 };
         let mut left = 50;
         let played = play(&mut client, &of, &Interrupt::default(), &mut |_| {
             left -= 1;

@@ -1,7 +1,7 @@
 //! What a device reports, in plain words.
 
 use estimator_core::Status;
-use protocol::{Faults, Mode, ResetCause};
+use protocol::{Faults, Health, Mode, ResetCause, TableSource};
 use serde::Serializer;
 
 /// Every fault that is set, and what is so.
@@ -50,6 +50,32 @@ pub fn mode(mode: Mode) -> &'static str {
         Mode::Follow => "drives the amplifier to where it is told, and estimates from its ADC",
         Mode::Excite => "drives the amplifier to the voltages that it is told, and estimates from its ADC",
     }
+}
+
+/// Where the table in use comes from, and why not from the store, as the end of a sentence.
+pub fn source(source: &TableSource) -> String {
+    match source {
+        TableSource::Stored => "from the parameter store".to_owned(),
+        TableSource::Compiled { reason } => format!("from the firmware image, since {reason}"),
+        TableSource::None { stored, compiled } => {
+            format!("none, since {stored}, and the firmware image's own is refused: {compiled}")
+        }
+    }
+}
+
+/// How old the bias is and what it adds to the model's displacement, as the end of a sentence that starts with the device.
+pub fn bias(health: &Health, tick_us: u32) -> String {
+    let Some(ticks) = health.bias_age_ticks else {
+        return "never zeroed since the estimate began".to_owned();
+    };
+    let seconds = f64::from(ticks) * f64::from(tick_us) * 1e-6;
+    let age = match seconds {
+        ..120.0 => format!("{seconds:.0} s"),
+        ..7200.0 => format!("{:.0} min", seconds / 60.0),
+        _ => format!("{:.1} h", seconds / 3600.0),
+    };
+    let oldest = if ticks >= Health::OLDEST_BIAS_TICKS { "at least " } else { "" };
+    format!("zeroed {oldest}{age} ago, bias {:+.3} µm", health.bias_um)
 }
 
 const FAULTS: [(Faults, &str); 9] = [

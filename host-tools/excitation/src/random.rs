@@ -1,7 +1,7 @@
 //! The part that nobody can have learnt by heart: tones of random phases that swell and fade.
 //!
 //! ```text
-//! x(t) = Σ sin(2π f_k t + φ_k)/√f_k      24 tones evenly apart in log f, from a twentieth of the highest frequency to half of it
+//! x(t) = Σ sin(2π f_k t + φ_k)/√f_k      24 tones evenly apart in log f, from a fiftieth of the highest frequency to half of it
 //! a(t) = 0.15 … 1                        two slow waves of other random phases
 //! v(t) = middle + half·a(t)·tanh-limited x(t)
 //! ```

@@ -1,11 +1,13 @@
 //! What goes wrong in a session on the bench.
 
 use super::bits::faults;
+use super::paste::{quoted, typed, with};
 use bench::{BenchError, BoardFileError, Complaint, WiringError};
 use emulator::EmulatorError;
 use excitation::ExcitationError;
 use protocol::Faults;
 use std::error::Error;
+use std::path::Path;
 
 /// The error with its remedy, if it is one of these.
 pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
@@ -20,6 +22,9 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
 
 /// What sent a drive to rest, each fault with its remedy.
 pub fn stopped(bits: Faults) -> String {
+    if bits == Faults::SAFE_OUTPUT {
+        return "this machine sent no voltages for a second, and the device went back to rest: was it suspended, or too busy?".to_owned();
+    }
     let said: Vec<String> =
         faults(bits & !Faults::SAFE_OUTPUT).map(|of| format!("{}: {}", of.what, of.remedy)).collect();
     format!("a fault sent the voltage back to rest: {}", said.join("; "))
@@ -47,7 +52,26 @@ fn session(error: &BenchError) -> String {
         ),
         BenchError::OtherConverters { .. } => format!("{error}: `piezo install` it with this --board"),
         BenchError::Misfit(_) => format!("{error}: correct adc_full_scale and dac_full_scale in board.toml"),
-        BenchError::NoSensor => complaint(&Complaint::NoSensor),
+        BenchError::Sensor { complaint: of, log } => {
+            format!("{}; what was measured before is in {}", complaint(of), log.display())
+        }
+        BenchError::WouldJump { .. } => {
+            let unplug =
+                "unplug the amplifier's input from the DAC, or switch the amplifier off, and plug it in afterwards:";
+            let (board, port) = (typed("--board"), typed("--port"));
+            match std::env::args_os().nth(1).is_some_and(|verb| verb == "install") {
+                true => format!("{error}: {unplug}{} --rewired", with(Path::new(""), &[])),
+                false => format!("{error}: {unplug}\n    piezo install --line{board} --rewired{port}"),
+            }
+        }
+        BenchError::FormerKept { path } => {
+            let (path, port) = (quoted(&path.display().to_string()), typed("--port"));
+            format!("{error}: bring it back:\n    piezo push {path} --reset{port}")
+        }
+        BenchError::Occupied { .. } => format!("{error}: choose another --out"),
+        BenchError::NoModel => format!("{error}: `piezo train`, `piezo identify` and `piezo install` make one"),
+        BenchError::NothingStated => format!("{error}: say it with --max-percent, of the stroke"),
+        BenchError::Both(one, other) => format!("{}; and then: {}", session(one), session(other)),
         BenchError::Stopped { ticks, faults } => format!("after {ticks} ticks {}", stopped(*faults)),
         BenchError::NotTaken => format!("{error}: try again"),
         BenchError::NotAtRest { .. } => {

@@ -14,6 +14,7 @@ pub use bits::{Meaning, faults, status};
 pub use device::{board, refusal};
 pub use doubt::{doubt, doubt_json};
 pub use identification::{mismatch, reason};
+pub use paste::quoted;
 
 use std::error::Error;
 

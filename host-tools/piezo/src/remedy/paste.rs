@@ -43,8 +43,21 @@ fn command(typed: &[String], options: &[(&str, &str)]) -> String {
     words.join(" ")
 }
 
+/// An option that was typed, with its value, behind a blank; nothing where it was not.
+pub fn typed(option: &str) -> String {
+    let words: Vec<String> = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    stated(&words, option).map_or(String::new(), |value| format!(" {option} {}", quoted(value)))
+}
+
+fn stated<'w>(words: &'w [String], option: &str) -> Option<&'w str> {
+    words.iter().enumerate().find_map(|(at, word)| match word.strip_prefix(option)? {
+        "" => words.get(at + 1).map(String::as_str),
+        rest => rest.strip_prefix('='),
+    })
+}
+
 /// An argument as a shell takes it.
-fn quoted(argument: &str) -> String {
+pub fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./:=,+@%µ".contains(c);
     match argument.chars().all(plain) && !argument.is_empty() {
         true => argument.to_owned(),
@@ -67,6 +80,8 @@ mod tests {
                 "piezo validate t.toml --columns voltage=2:V"
             );
         }
+        assert_eq!(stated(&typed(&["train", "--board", "b.toml"]), "--board"), Some("b.toml"));
+        assert_eq!(stated(&typed(&["train", "--boards=a", "--board=b.toml"]), "--board"), Some("b.toml"));
         assert_eq!(quoted("it's"), r"'it'\''s'");
         let behind = typed(&["look", "--fs", "9", "--", "-97.csv", "--fs"]);
         let columns = ("--columns", "voltage=2:V");

@@ -6,7 +6,7 @@ use device_link::{Address, Client};
 use estimator_core::table::Board;
 use estimator_core::{Admitted, Table, record};
 use identification::table_file::TableFile;
-use protocol::{Health, Mode, TableSource};
+use protocol::{Health, Mode};
 use std::path::Path;
 
 /// An error where the device does anything but estimate.
@@ -31,32 +31,6 @@ pub fn load(path: &Path) -> Result<Admitted> {
 /// The checksum of a record as it names a table for people.
 pub fn checksum(record: &[u8]) -> String {
     format!("{:08x}", record::checksum(record).unwrap_or(0))
-}
-
-/// Where the table in use comes from, and why not from the store, as the end of a sentence.
-pub fn source(source: &TableSource) -> String {
-    match source {
-        TableSource::Stored => "from the parameter store".to_owned(),
-        TableSource::Compiled { reason } => format!("from the firmware image, since {reason}"),
-        TableSource::None { stored, compiled } => {
-            format!("none, since {stored}, and the firmware image's own is refused: {compiled}")
-        }
-    }
-}
-
-/// How old the bias is and what it adds to the model's displacement, as the end of a sentence that starts with the device.
-pub fn bias(health: &Health, tick_us: u32) -> String {
-    let Some(ticks) = health.bias_age_ticks else {
-        return "never zeroed since the estimate began".to_owned();
-    };
-    let seconds = f64::from(ticks) * f64::from(tick_us) * 1e-6;
-    let age = match seconds {
-        ..120.0 => format!("{seconds:.0} s"),
-        ..7200.0 => format!("{:.0} min", seconds / 60.0),
-        _ => format!("{:.1} h", seconds / 3600.0),
-    };
-    let oldest = if ticks >= Health::OLDEST_BIAS_TICKS { "at least " } else { "" };
-    format!("zeroed {oldest}{age} ago, bias {:+.3} µm", health.bias_um)
 }
 
 /// Says when frames came damaged, which a sound line does not do.

@@ -1,11 +1,11 @@
 //! `piezo emit`: the faces of a table, with another calibration where asked.
 
-use super::info::describe;
 use super::print::out;
 use crate::option::CalibrationArgs;
 use crate::{output, remedy};
 use ::calibration::converter_mismatches;
 use anyhow::Result;
+use bench::describe;
 use clap::{Args, ValueEnum};
 use identification::Doubt;
 use identification::table_file::{TableFile, record, rust_source};

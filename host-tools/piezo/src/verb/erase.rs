@@ -1,10 +1,11 @@
 //! `piezo erase`: empties the device's parameter store.
 
-use super::device::{self, note_damage};
+use super::device::note_damage;
 use super::print::out;
 use crate::option::link::{PortOption, WriteOptions};
 use anyhow::{Result, ensure};
 use clap::Args;
+use device_link::words;
 use protocol::TableSource;
 use serde_json::json;
 
@@ -42,7 +43,7 @@ pub fn run(arguments: &Erase) -> Result<bool> {
     } else {
         out(&format!("the parameter store of {board} is empty"));
         out(&match &restarted {
-            Some(identity) => format!("Its table is now {}", device::source(&identity.source)),
+            Some(identity) => format!("Its table is now {}", words::source(&identity.source)),
             None => format!("The table in use stays until the next reset: piezo reset --port {}", arguments.port.port),
         });
     }

@@ -10,6 +10,7 @@ use crate::remedy;
 use ::feedforward::{Trajectory, near, plan};
 use anyhow::{Context, Result, ensure};
 use bench::followed::{Met, Row, csv, late, rows};
+use bench::require_model;
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
@@ -55,6 +56,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let file = arguments.out.as_deref().map(|path| beside(path, &arguments.trajectory)).transpose()?;
     let (mut client, _) = arguments.port.connect()?;
     let table = table::running(&mut client)?;
+    require_model(&table)?;
     let trajectory = Trajectory::of(&log, table.sample_period());
     possible(&table, &trajectory, arguments.dry_run)?;
     if arguments.dry_run {
@@ -63,7 +65,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let references: Vec<f32> = trajectory.0.iter().map(|&wanted| wanted as f32).collect();
     let ticks = references.len() + late(&table).ceil() as usize;
     let bar = progress(ticks as u64);
-    let what = Play { mode: Mode::Follow, goes_on: false, references: &references, hold: arguments.stay, ticks };
+    let what = Play { mode: Mode::Follow, goes_on: None, references: &references, hold: arguments.stay, ticks };
     let mut samples = Vec::with_capacity(ticks);
     let followed = play(&mut client, &what, &interrupt, &mut |sample| {
         samples.push(*sample);

@@ -1,14 +1,15 @@
 //! `piezo info`: who the device is, which table it runs, how it is, and what to do about it.
 
-use super::device::{self, checksum};
+use super::device::checksum;
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::remedy::{self, Meaning};
 use anyhow::Result;
+use bench::describe;
 use clap::Args;
 use device_link::table;
 use device_link::words;
-use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Status, Table, TableError};
+use estimator_core::{Admitted, Status, Table, TableError};
 use protocol::{Faults, Health, Identity, VERSION};
 use serde_json::{Value, json};
 
@@ -69,7 +70,7 @@ fn lines(found: &Found) -> Vec<String> {
         health.ticks,
         words::reset(health.reset)
     ));
-    lines.push(format!("Zero     {}", device::bias(health, identity.tick_us)));
+    lines.push(format!("Zero     {}", words::bias(health, identity.tick_us)));
     let percent = |cycles: u32| 100.0 * f64::from(cycles) / f64::from(health.cycles_period.max(1));
     lines.push(format!(
         "Tick     takes {:.1} % of its time, at most {:.1} % so far ({} of {} cycles); {} late or missed",
@@ -105,7 +106,7 @@ fn lines(found: &Found) -> Vec<String> {
 }
 
 fn table_lines(identity: &Identity, table: Option<&(Result<Admitted, TableError>, String)>) -> Vec<String> {
-    let source = device::source(&identity.source);
+    let source = words::source(&identity.source);
     match table {
         None => vec![format!("Table    {source}")],
         Some((table, checksum)) => {
@@ -119,55 +120,6 @@ fn table_lines(identity: &Identity, table: Option<&(Result<Admitted, TableError>
             lines
         }
     }
-}
-
-/// A table in a few lines.
-pub fn describe(table: &Admitted) -> Vec<String> {
-    let volts = |code| table.adc.voltage::<f32>(AdcCode(code));
-    let output = |code| match &table.drive {
-        Some(drive) => format!("{:.3} V", drive.voltage::<f32>(DacCode(code))),
-        None => format!("{:.3} µm", table.dac.displacement::<f32>(DacCode(code))),
-    };
-    let (adc, dac) = (table.adc.full_scale, table.dac.full_scale);
-    let (voltage, limits, made) = (table.voltage_range_v, table.displacement_limits_um, &table.provenance);
-    let [major, minor, patch] = made.tool_version;
-    let held_out = match (made.validation_mae_um, made.validation_max_um) {
-        (Some(mae), Some(max)) => format!("{mae:.3} µm on what was held out, at most {max:.3} µm"),
-        _ => "nothing was held out".to_owned(),
-    };
-    vec![
-        format!("{}, tick {} µs", table.model(), table.sample_period_us),
-        format!(
-            "voltages {:.3} … {:.3} V around {:.3} V, displacements {:.3} … {:.3} µm",
-            voltage.min, voltage.max, table.voltage_zero_v, limits.min, limits.max
-        ),
-        format!(
-            "ADC 0 … {adc} is {:.3} … {:.3} V, DAC 0 … {dac} is {} … {}{}",
-            volts(0),
-            volts(adc),
-            output(0),
-            output(dac),
-            driven(table)
-        ),
-        format!(
-            "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training; {held_out}",
-            made.logs, made.seed, made.train_mae_um
-        ),
-        table.interval.map_or("no ± beside the estimate".to_owned(), |interval| {
-            format!("± {:.3} µm beside the estimate at least, once its displacement was told", interval.misfit_um)
-        }),
-    ]
-}
-
-/// What the DAC drives, if anything.
-fn driven(table: &Admitted) -> String {
-    table.drive.map_or(String::new(), |drive| {
-        let DriveLimits { range_v, rest_v, slew_v_per_s } = drive.limits;
-        format!(
-            ": it drives the amplifier, to {:.3} … {:.3} V at {slew_v_per_s} V/s, rests at {rest_v} V (piezo follow)",
-            range_v.min, range_v.max
-        )
-    })
 }
 
 fn bullet(when: &str, Meaning { what, remedy }: Meaning) -> String {

@@ -7,7 +7,7 @@ use crate::option::link::PortOption;
 use crate::remedy;
 use ::calibration::converter_mismatches;
 use anyhow::Result;
-use bench::{for_board, install, rehearsal};
+use bench::{NO_MODEL, for_board, install, rehearsal};
 use clap::Args;
 use device_link::board;
 use device_link::interrupt::Interrupt;
@@ -25,7 +25,7 @@ pub struct Install {
     #[arg(long, conflicts_with = "table")]
     pub line: bool,
     /// The DAC is unplugged, or plugged where it belongs by the new table: by the one it drives the amplifier, by the other it
-    /// shows the displacement.
+    /// shows the displacement; or it drives it from another rest, to which it jumps.
     #[arg(long)]
     pub rewired: bool,
     /// Print what was done as JSON.
@@ -46,7 +46,9 @@ pub fn run(arguments: &Install) -> Result<bool> {
     let (mut client, identity) = arguments.port.connect()?;
     let (name, table, doubts) = match stated {
         Some(stated) => stated,
-        None => ("a straight line".into(), *arguments.board.wiring(identity.tick_us)?.line(), Vec::new()),
+        None => {
+            ("a straight line".into(), *arguments.board.wiring(identity.tick_us)?.line(), vec![NO_MODEL.to_owned()])
+        }
     };
     device::fits(&board::of(&identity)?, &table, &name)?;
     converter_mismatches(&table)

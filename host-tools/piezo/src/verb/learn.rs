@@ -4,7 +4,9 @@ use super::print::out;
 use crate::Cli;
 use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, positive};
+use crate::remedy::quoted;
 use anyhow::{Context, Result};
+use bench::{Session, session};
 use clap::{Args, Parser};
 use device_link::interrupt::Interrupt;
 use std::path::PathBuf;
@@ -49,20 +51,19 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     let mut train =
         words(&["train", "--port", &port, "--board", &board, "--out", &folder, "--up-to", &up_to, "--seed", &seed]);
     train.extend(["--minutes".to_owned(), arguments.minutes.to_string()]);
-    if let Some(range) = excitation.range {
-        train.push(format!("--range={}:{}", range.zero, range.full));
-    }
+    // The proof stays within what was typed, too.
+    let range = excitation.range.map(|range| format!("--range={}:{}", range.zero, range.full));
+    train.extend(range.clone());
     if !part(train)? {
         return Ok(false);
     }
-    let logs = std::fs::read_dir(&arguments.out)?.collect::<std::io::Result<Vec<_>>>()?;
-    let numbered = |name: &std::ffi::OsStr| name.as_encoded_bytes().first().is_some_and(u8::is_ascii_digit);
-    let mut logs: Vec<PathBuf> = logs.iter().filter(|log| numbered(&log.file_name())).map(|log| log.path()).collect();
-    logs.sort();
+    let Session { logs, held_out } = session(&arguments.out)?;
     let mut identify = words(&["identify"]);
     identify.extend(logs.into_iter().map(path).collect::<Result<Vec<_>>>()?);
-    let held_out = path(arguments.out.join("proof.csv"))?;
-    identify.extend(words(&["--validate-on", &held_out, "--board", &board, "--out", &model]));
+    identify.extend(words(&["--board", &board, "--out", &model]));
+    for log in held_out {
+        identify.extend(["--validate-on".to_owned(), path(log)?]);
+    }
     identify.extend(arguments.identify.iter().cloned());
     let proof = path(arguments.out.join("proof"))?;
     let seconds = arguments.proof_seconds.to_string();
@@ -70,9 +71,9 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     let other = excitation.seed.wrapping_add(1).to_string();
     let link = ["--board", &board, "--port", &port];
     let prove = ["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other];
-    let proven = part(identify)?
-        && part(words(&[&["install", &model], &link[..]].concat()))?
-        && part(words(&[&prove[..], &link[..]].concat()))?;
+    let mut prove = words(&[&prove, &link[..]].concat());
+    prove.extend(range);
+    let proven = part(identify)? && part(words(&[&["install", &model], &link[..]].concat()))? && part(prove)?;
     if proven {
         out(&format!(
             "\nThe board goes on without the sensor; {model}/report.html shows what it has learnt. At a known position, and live:\n\n    \
@@ -88,10 +89,11 @@ fn words(words: &[&str]) -> Vec<String> {
 
 /// Runs a command as if it were typed; `false` where it says so, or was not begun.
 fn part(words: Vec<String>, interrupt: &Interrupt) -> Result<bool> {
+    let typed = words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     if interrupt.wanted() {
-        out(&format!("FAILED: ended by Ctrl-C; what was to come next: piezo {}", words.join(" ")));
+        out(&format!("FAILED: ended by Ctrl-C; what was to come next: piezo {typed}"));
         return Ok(false);
     }
-    out(&format!("\n$ piezo {}", words.join(" ")));
+    out(&format!("\n$ piezo {typed}"));
     Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?.run()
 }

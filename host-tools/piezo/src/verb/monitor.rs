@@ -44,6 +44,9 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
     let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, &arguments.port.port)?;
     let table = table::running(&mut client)?;
+    if bench::is_line(&table) {
+        eprintln!("piezo: careful: {}", bench::NO_MODEL);
+    }
     let window = Window::new(table.adc, (1_000_000 / identity.tick_us.max(1)) as usize);
     client.stream(true)?;
     let end =

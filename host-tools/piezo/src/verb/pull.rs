@@ -1,11 +1,11 @@
 //! `piezo pull`: the table that the device runs, as a binary record.
 
 use super::device::{self, note_damage};
-use super::info::describe;
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::output;
 use anyhow::{Context, Result, ensure};
+use bench::describe;
 use clap::Args;
 use estimator_core::Table;
 use serde_json::json;

@@ -9,6 +9,7 @@ use anyhow::{Result, ensure};
 use clap::Args;
 use device_link::board;
 use device_link::table::to_record;
+use device_link::words;
 use protocol::TableSource;
 use serde_json::json;
 use std::path::PathBuf;
@@ -43,7 +44,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
         ensure!(
             identity.source == TableSource::Stored,
             "the device has not taken what it stored; its table is now {}",
-            device::source(&identity.source)
+            words::source(&identity.source)
         );
         ensure!(
             client.pull()? == record,

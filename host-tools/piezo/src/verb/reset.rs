@@ -5,7 +5,7 @@ use super::print::out;
 use crate::option::link::PortOption;
 use anyhow::Result;
 use clap::Args;
-use device_link::table;
+use device_link::{table, words};
 use serde_json::json;
 
 /// Arguments of `piezo reset`.
@@ -29,7 +29,7 @@ pub fn run(arguments: &Reset) -> Result<bool> {
         out(&serde_json::to_string_pretty(&summary)?);
     } else {
         let which = checksum.map_or(String::new(), |checksum| format!(" (checksum {checksum})"));
-        out(&format!("{} is back; its table{which} is {}", identity.board, device::source(&identity.source)));
+        out(&format!("{} is back; its table{which} is {}", identity.board, words::source(&identity.source)));
     }
     Ok(true)
 }

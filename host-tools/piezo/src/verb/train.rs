@@ -4,8 +4,8 @@ use super::device::note_damage;
 use super::print::{out, progress};
 use crate::option::{BoardOption, ExcitationArgs};
 use crate::{output, remedy};
-use anyhow::{Context, Result};
-use bench::{Ended, Trained, Training, train};
+use anyhow::{Context, Result, anyhow};
+use bench::{BenchError, Ended, FORMER, NO_MODEL, Trained, Training, train};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::{Address, Client};
@@ -71,7 +71,11 @@ pub fn run(arguments: &Train) -> Result<bool> {
     });
     bar.finish_and_clear();
     note_damage(&client);
-    let trained = trained?;
+    let trained = trained.map_err(|error| match error {
+        error @ BenchError::FormerKept { .. } => error.into(),
+        error if arguments.out.join(FORMER).exists() => anyhow!(error).context(stranded(arguments)),
+        error => error.into(),
+    })?;
     tell(arguments, &trained)?;
     // It is said before what hinders the way home, which is what the user must know last.
     let complete = trained.complete();
@@ -81,15 +85,14 @@ pub fn run(arguments: &Train) -> Result<bool> {
 
 /// What is to be done where the table of before is not in use again.
 fn stranded(arguments: &Train) -> String {
-    let former = arguments.out.join(bench::FORMER);
+    let former = arguments.out.join(FORMER);
     let port = arguments.port.as_ref().map_or(String::new(), Address::to_string);
     match former.exists() {
-        true => {
-            let former = former.display();
-            format!(
-                "the table of before is not in use again; {former} holds it: piezo push {former} --reset --port {port}"
-            )
-        }
+        true => format!(
+            "the table of before is not in use again; {} holds it: piezo push {} --reset --port {port}",
+            former.display(),
+            remedy::quoted(&former.display().to_string())
+        ),
         false => format!("the device was not seen to come to rest: piezo info --port {port}"),
     }
 }
@@ -116,7 +119,10 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
         ));
     }
     if trained.home.is_ok() {
-        out("The voltage is at rest, and the table of before is in use again.");
+        out(&match trained.lent {
+            true => "The voltage is at rest, and the table of before is in use again.".to_owned(),
+            false => format!("The voltage is at rest; the device has, as before, {NO_MODEL}."),
+        });
     }
     match &trained.ended {
         Some(why) => out(&format!("FAILED: it ended before its time: {}", ended(why))),
@@ -127,8 +133,10 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
 
 /// The command that identifies a table from the logs in a folder.
 fn identify_by(folder: &Path, board: &Path) -> String {
-    let (folder, board) = (folder.display(), board.display());
-    format!("piezo identify {folder}/[0-9]*.csv --validate-on {folder}/proof.csv --board {board} --out {folder}/model")
+    let [folder, board] = [folder, board].map(|path| remedy::quoted(&path.display().to_string()));
+    format!(
+        "piezo identify {folder}/[0-9][0-9]-*.csv --validate-on {folder}/proof.csv --board {board} --out {folder}/model"
+    )
 }
 
 fn ended(why: &Ended) -> String {

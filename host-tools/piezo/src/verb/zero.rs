@@ -1,6 +1,6 @@
 //! `piezo zero`: calls the displacement of now, or the mean over one cycle of the voltage, 0 or what it is known to be.
 
-use super::device::{self, note_damage, require_estimating};
+use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::{finite, not_negative};
@@ -9,7 +9,7 @@ use clap::Args;
 use device_link::cycle::{Cycle, Wish, over_cycle};
 use device_link::interrupt::Interrupt;
 use device_link::table;
-use device_link::{Client, LinkError};
+use device_link::{Client, LinkError, words};
 use estimator_core::{Admitted, Status};
 use indicatif::ProgressBar;
 use serde_json::json;
@@ -53,6 +53,7 @@ pub fn run(arguments: &Zero) -> Result<bool> {
     let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, port)?;
     let table = table::running(&mut client)?;
+    bench::require_model(&table)?;
     let before = displacement(&mut client)?;
     let cycle = if arguments.over_cycle { Some(cycle(arguments, &mut client, &table, &interrupt)?) } else { None };
     let told = match cycle {
@@ -101,7 +102,7 @@ pub fn run(arguments: &Zero) -> Result<bool> {
             number(after)
         )),
     }
-    out(&format!("The device: {}", device::bias(&health, identity.tick_us)));
+    out(&format!("The device: {}", words::bias(&health, identity.tick_us)));
     out("The bias lasts until the device is restarted or paused, runs pil, or has had a fault.");
     Ok(true)
 }

@@ -1,0 +1,71 @@
+//! A table as a person reads it: what it is for, what its converters stand for, what it drives, and how good it was.
+
+use crate::wiring::{NO_MODEL, is_line};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits};
+
+/// A table in a few lines.
+pub fn describe(table: &Admitted) -> Vec<String> {
+    let volts = |code| table.adc.voltage::<f32>(AdcCode(code));
+    let output = |code| match &table.drive {
+        Some(drive) => format!("{:.3} V", drive.voltage::<f32>(DacCode(code))),
+        None => format!("{:.3} µm", table.dac.displacement::<f32>(DacCode(code))),
+    };
+    let (adc, dac) = (table.adc.full_scale, table.dac.full_scale);
+    let (voltage, limits, made) = (table.voltage_range_v, table.displacement_limits_um, &table.provenance);
+    let [major, minor, patch] = made.tool_version;
+    let held_out = match (made.validation_mae_um, made.validation_max_um) {
+        (Some(mae), Some(max)) => format!("{mae:.3} µm on what was held out, at most {max:.3} µm"),
+        _ => "nothing was held out".to_owned(),
+    };
+    vec![
+        format!("{}, tick {} µs", table.model(), table.sample_period_us),
+        format!(
+            "voltages {:.3} … {:.3} V around {:.3} V, displacements {:.3} … {:.3} µm",
+            voltage.min, voltage.max, table.voltage_zero_v, limits.min, limits.max
+        ),
+        format!(
+            "ADC 0 … {adc} is {:.3} … {:.3} V, DAC 0 … {dac} is {} … {}{}",
+            volts(0),
+            volts(adc),
+            output(0),
+            output(dac),
+            driven(table)
+        ),
+        match is_line(table) {
+            true => NO_MODEL.to_owned(),
+            false => format!(
+                "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training; {held_out}",
+                made.logs, made.seed, made.train_mae_um
+            ),
+        },
+        table.interval.map_or("no ± beside the estimate".to_owned(), |interval| {
+            format!("± {:.3} µm beside the estimate at least, once its displacement was told", interval.misfit_um)
+        }),
+    ]
+}
+
+/// What the DAC drives, if anything.
+fn driven(table: &Admitted) -> String {
+    table.drive.map_or(String::new(), |drive| {
+        let DriveLimits { range_v, rest_v, slew_v_per_s } = drive.limits;
+        format!(
+            ": it drives the amplifier, to {:.3} … {:.3} V at {slew_v_per_s} V/s, rests at {rest_v} V",
+            range_v.min, range_v.max
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::FACTS;
+    use crate::wiring::Wiring;
+
+    #[test]
+    fn a_straight_line_is_not_described_as_a_model() {
+        let line = describe(Wiring::new(&FACTS, 500).unwrap().line()).join("\n");
+        assert!(line.contains(NO_MODEL) && !line.contains("in training"), "{line}");
+        let model = describe(&emulator::TABLE.admit().unwrap()).join("\n");
+        assert!(!model.contains(NO_MODEL) && model.contains("off on average in training"), "{model}");
+    }
+}

@@ -1,0 +1,134 @@
+//! Whether a proof passes: how far the board's estimate is off, and whether it knew so.
+//!
+//! ```text
+//! held = ticks with |e| ≤ ±, a ± that was stated, and neither the voltage nor the estimate at a limit, of all
+//! PASS = mean |e| ≤ most  and, where the table states a ±,  held ≥ 95 %
+//! ```
+//!
+//! A ± however wide holds the sensor; so the mean error must be small beside it in any case.
+
+use estimator_core::Status;
+use serde::Serialize;
+use std::fmt;
+use validation::Figures;
+
+/// How often the table's ± says that it holds the sensor, %.
+pub const STATED_PERCENT: f64 = 95.0;
+/// The mean absolute error that passes where nothing else is asked for, % of the stroke.
+pub const MOST_PERCENT: f64 = 2.0;
+
+/// A tick since the zero.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Instant {
+    /// As the board says, µm.
+    pub estimate_um: f64,
+    /// The sensor above its zero, µm.
+    pub sensor_um: f64,
+    /// The ± that the board states, µm.
+    pub half_width_um: Option<f64>,
+    /// What the board says of its estimate.
+    pub status: Status,
+}
+
+/// Parts of all ticks, %.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Shares {
+    /// The ± held the sensor; `None` where the table has none.
+    pub held_percent: Option<f64>,
+    /// Mean of the ±, µm, where there was one.
+    pub half_width_um: Option<f64>,
+    /// The voltage went as it never did in the training.
+    pub untrained_percent: f64,
+    /// The voltage was beyond what the model was identified on or at an end of the ADC's range, or the estimate was clamped.
+    pub beyond_percent: f64,
+}
+
+impl Shares {
+    /// Of all ticks, by a table that has an interval or none.
+    pub fn of(instants: &[Instant], interval: bool) -> Self {
+        let beyond = Status::CLAMPED | Status::VOLTAGE_OUT_OF_RANGE | Status::ADC_SATURATED;
+        let percent = |of: &dyn Fn(&Instant) -> bool| {
+            100.0 * instants.iter().filter(|at| of(at)).count() as f64 / instants.len().max(1) as f64
+        };
+        let held = |at: &Instant| {
+            let within = |half: f64| (at.estimate_um - at.sensor_um).abs() <= half;
+            at.half_width_um.is_some_and(within) && !at.status.intersects(beyond)
+        };
+        let stated: Vec<f64> = instants.iter().filter_map(|at| at.half_width_um).collect();
+        Self {
+            held_percent: interval.then(|| percent(&held)),
+            half_width_um: (!stated.is_empty()).then(|| stated.iter().sum::<f64>() / stated.len() as f64),
+            untrained_percent: percent(&|at| at.status.contains(Status::UNTRAINED)),
+            beyond_percent: percent(&|at| at.status.intersects(beyond)),
+        }
+    }
+}
+
+/// Whether it passes, and by what.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Verdict {
+    /// It is good enough.
+    pub passed: bool,
+    held_percent: Option<f64>,
+    mae_percent: f64,
+    most_percent: f64,
+}
+
+impl Verdict {
+    /// Of figures and shares, where the mean absolute error may be `most_percent` of the stroke, else [`MOST_PERCENT`].
+    pub fn of(figures: &Figures, shares: &Shares, most_percent: Option<f64>) -> Self {
+        let (mae_percent, held_percent) = (figures.mae_percent, shares.held_percent);
+        let most_percent = most_percent.unwrap_or(MOST_PERCENT);
+        let held = held_percent.is_none_or(|held| held >= STATED_PERCENT);
+        Self { passed: held && mae_percent <= most_percent, held_percent, mae_percent, most_percent }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { passed, held_percent, mae_percent, most_percent } = self;
+        write!(f, "{}: ", if *passed { "PASS" } else { "FAIL" })?;
+        if let Some(held) = held_percent {
+            write!(f, "the table's ± holds the sensor {held:.1} % of the time, it says {STATED_PERCENT} %; ")?;
+        }
+        write!(f, "the mean absolute error is {mae_percent:.2} % of the stroke, {most_percent} % are allowed")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hundred ticks over 10 µm, off by so much (µm), with this ±, and what the board says of the first ten.
+    fn verdict(off_um: f64, half_width_um: impl Fn(usize) -> Option<f64>, odd: Status, most: Option<f64>) -> Verdict {
+        let instants: Vec<Instant> = (0..100)
+            .map(|k| Instant {
+                estimate_um: 0.1 * k as f64 + off_um,
+                sensor_um: 0.1 * k as f64,
+                half_width_um: half_width_um(k),
+                status: if k < 10 { odd } else { Status::empty() },
+            })
+            .collect();
+        let (estimates, sensor): (Vec<f64>, Vec<f64>) =
+            instants.iter().map(|at| (at.estimate_um, at.sensor_um)).unzip();
+        let shares = Shares::of(&instants, instants.iter().any(|at| at.half_width_um.is_some()));
+        Verdict::of(&Figures::of(&estimates, &sensor), &shares, most)
+    }
+
+    #[test]
+    fn it_passes_where_the_error_is_small_and_the_interval_holds_and_only_there() {
+        let (sound, wide) = (Status::empty(), |_| Some(5.0));
+        assert!(verdict(0.1, |_| Some(0.2), sound, None).passed);
+        assert!(!verdict(0.1, |_| Some(0.05), sound, None).passed, "outside the ±");
+        let said = verdict(1.0, wide, sound, None);
+        assert!(!said.passed, "a ± that holds anything");
+        assert!(said.to_string().starts_with("FAIL: the table's ± holds the sensor 100.0 %"), "{said}");
+        assert!(verdict(1.0, wide, sound, Some(15.0)).passed);
+        assert!(!verdict(0.1, |k| (k >= 10).then_some(5.0), sound, None).passed, "a tenth of the ticks state no ±");
+        for odd in [Status::CLAMPED, Status::VOLTAGE_OUT_OF_RANGE] {
+            assert!(!verdict(0.1, wide, odd, None).passed, "{odd:?}");
+        }
+        assert!(verdict(0.1, wide, Status::UNTRAINED, None).passed);
+        assert!(verdict(0.1, |_| None, sound, Some(2.0)).passed && !verdict(0.1, |_| None, sound, Some(0.5)).passed);
+    }
+}
