@@ -20,7 +20,8 @@ impl Emulated {
             .spawn()
             .unwrap();
         let lines = BufReader::new(process.stdout.take().unwrap()).lines();
-        let next = lines.map(Result::unwrap).find(|line| line.contains("piezo train")).unwrap();
+        // The command that is to be typed next, with which it stops printing.
+        let next = lines.map(Result::unwrap).find(|line| line.contains("--port tcp:")).unwrap();
         let port = next.split(' ').find(|word| word.starts_with("tcp:")).unwrap().to_owned();
         Self { process, port }
     }
