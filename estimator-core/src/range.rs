@@ -45,6 +45,12 @@ impl<T: Real> Range<T> {
         self.include(other.min).include(other.max)
     }
 
+    /// What lies in both; inside out where nothing does.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        Self { min: self.min.max(other.min), max: self.max.min(other.max) }
+    }
+
     /// The value in the middle.
     pub fn middle(self) -> T {
         self.min + self.span() * T::of(0.5)

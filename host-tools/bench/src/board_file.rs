@@ -50,7 +50,7 @@ pub enum BoardFileError {
     /// It cannot be read.
     #[error("{}: cannot be read ({error})", path.display())]
     Unreadable {
-        /// The file.
+        /// The board.toml that was named.
         path: PathBuf,
         /// What the operating system says.
         error: std::io::Error,
@@ -58,7 +58,7 @@ pub enum BoardFileError {
     /// It says something else.
     #[error("{}: is no board.toml: {}", path.display(), error.to_string().trim_end())]
     Wrong {
-        /// The file.
+        /// The board.toml that was named.
         path: PathBuf,
         /// Where, and what is wrong there.
         error: Box<toml::de::Error>,
@@ -66,7 +66,7 @@ pub enum BoardFileError {
     /// A value cannot be.
     #[error("{}: {}{field} = {value}: {rule}", path.display(), line.map_or(String::new(), |line| format!("line {line}: ")))]
     Value {
-        /// The file.
+        /// The board.toml that was named.
         path: PathBuf,
         /// Where, where that is found.
         line: Option<usize>,

@@ -60,7 +60,7 @@ pub enum BenchError {
     /// The table in use was made for other converters.
     #[error("the table in use has another {what} than is said of the board")]
     OtherConverters {
-        /// What differs.
+        /// Which calibration of the two differs.
         what: &'static str,
     },
     /// By the other table the DAC puts out something else at rest.
@@ -76,7 +76,7 @@ pub enum BenchError {
     /// A session before was killed, and its folder keeps the table that was in use before it.
     #[error("{}: holds the only copy of the table that was in use before a session which did not end", path.display())]
     FormerKept {
-        /// The file.
+        /// The file that keeps it.
         path: PathBuf,
     },
     /// There is something that must not be written over.
@@ -96,7 +96,7 @@ pub enum BenchError {
     Sensor {
         /// What is wrong with the sensor.
         complaint: Complaint,
-        /// The log.
+        /// Where it was written.
         log: PathBuf,
     },
     /// Two things went wrong, one after the other.
@@ -127,7 +127,7 @@ pub enum BenchError {
     /// A log, or what was done, cannot be read or written.
     #[error("{}: cannot be used", path.display())]
     Log {
-        /// The log.
+        /// The log, or what was to be read or written in its place.
         path: PathBuf,
         /// What the operating system says.
         source: std::io::Error,

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 /// An estimate this near to what was wanted has met it, as a fraction of the table's span of displacements.
 const MET: f64 = 1e-2;
 
-/// An instant.
+/// An instant at which something was wanted, and what was estimated then.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Row {
     /// Since the first reference, s.

@@ -2,6 +2,7 @@
 
 use crate::board_file::BoardFacts;
 use crate::error::BenchError;
+use crate::loan::bring;
 use crate::output::Output;
 use crate::wiring::WiringError;
 use ::calibration::CalibrationOptions;
@@ -11,7 +12,6 @@ use device_link::board;
 use device_link::interrupt::Interrupt;
 use device_link::pil::{Comparison, compare, feed};
 use device_link::table::{in_use, to_record};
-use device_link::write::Writing;
 use estimator_core::{AdcCode, Admitted, DriveLimits, Range, Table};
 use excitation::{Drive, ExcitationError, Request};
 use identification::table_file::{TableFile, TableFileError};
@@ -22,20 +22,6 @@ use std::path::{Path, PathBuf};
 const REHEARSAL_S: f64 = 5.0;
 const REHEARSAL_HZ: f64 = 20.0;
 const REHEARSAL_WAYS: f64 = 20.0;
-
-/// What came of it.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Installed {
-    /// Ticks compared, and how many of them are the host's to the last bit.
-    pub comparison: Comparison,
-}
-
-impl Installed {
-    /// Every bit is the host's.
-    pub fn bit_exact(&self) -> bool {
-        self.comparison.identical == self.comparison.ticks
-    }
-}
 
 /// A table file's table with a board's calibration: the file, which may be named by its folder, the table, and what to be careful
 /// about. Limits of its own that the table's drive has are kept where they are narrower than the board's, and its rest in any case.
@@ -61,9 +47,9 @@ pub fn for_board(table: &Path, board: &Path) -> Result<(PathBuf, Admitted, Vec<S
 
 /// Narrows a board's limits to a table's own; says so where that changes them.
 fn keep(own: DriveLimits, limits: &mut DriveLimits) -> Option<String> {
-    let (of_board, one, other) = (*limits, own.range_v, limits.range_v);
+    let of_board = *limits;
     *limits = DriveLimits {
-        range_v: Range { min: one.min.max(other.min), max: one.max.min(other.max) },
+        range_v: own.range_v.intersection(of_board.range_v),
         rest_v: own.rest_v,
         slew_v_per_s: own.slew_v_per_s.min(of_board.slew_v_per_s),
     };
@@ -101,7 +87,8 @@ pub fn rehearsal(table: &Admitted) -> Result<Vec<AdcCode>, ExcitationError> {
     Ok(Drive::random(&request)?.volts.iter().map(|&volts| table.adc.code(volts)).collect())
 }
 
-/// Stores a table, restarts the device, and feeds codes through its tick. The device then estimates by this table.
+/// Stores a table, restarts the device, and feeds codes through its tick: how many of the ticks are the host's to the last bit.
+/// The device then estimates by this table.
 ///
 /// # Errors
 /// The table is not for this device, the voltage would jump and the board is not `rewired`, its flash cannot be written, or the
@@ -113,24 +100,19 @@ pub fn install(
     codes: &[AdcCode],
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
-) -> Result<Installed, BenchError> {
+) -> Result<Comparison, BenchError> {
     table.fits(&board::of(&client.identify()?)?)?;
     if let (false, Some(former)) = (rewired, in_use(client)?) {
         // One that cannot be read here is of another format, which the line above has refused, or damaged.
         Table::parse(&former).map_or(Ok(()), |former| Output::same(&former, table))?;
     }
-    let record = to_record(table);
-    let writing = Writing { reset: true, rewired, ..Writing::default() };
-    writing.write(client, |client, consent| client.push(record.clone(), consent))?;
-    if in_use(client)?.as_ref() != Some(&record) {
-        return Err(BenchError::NotTaken);
-    }
+    bring(client, &to_record(table), rewired)?;
     let fed = feed(client, table, codes, interrupt, progress);
     // Whatever happened, the device estimates again.
     let restored = client.set_mode(Mode::Estimate);
     let comparison = compare(table, codes, &fed?);
     restored?;
-    Ok(Installed { comparison })
+    Ok(comparison)
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ pub use board_file::{BoardFacts, BoardFileError};
 pub use described::describe;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
-pub use install::{Installed, for_board, install, rehearsal};
+pub use install::{for_board, install, rehearsal};
 pub use loan::FORMER;
 pub use log::{Session, session};
 pub use output::Output;

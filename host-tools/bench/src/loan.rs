@@ -62,10 +62,10 @@ impl Loan {
         Output::same(&table, wiring.line())?;
         file::write(&kept, &former)?;
         let loan = if identity.source == TableSource::Stored { Self::Stored(Box::new(former)) } else { Self::Compiled };
-        match bring(client, &line) {
+        match bring(client, &line, false) {
             Ok(()) => Ok(loan),
             // Both are said: where the second fails, too, the file holds the only copy.
-            Err(error) => Err(both(Err(error), loan.give_back(client, folder)).err().unwrap_or(BenchError::NotTaken)),
+            Err(error) => Err(beside(error, loan.give_back(client, folder))),
         }
     }
 
@@ -76,7 +76,7 @@ impl Loan {
     pub fn give_back(&self, client: &mut Client, folder: &Path) -> Result<(), BenchError> {
         match self {
             Self::Nothing => return Ok(()),
-            Self::Stored(former) => bring(client, former)?,
+            Self::Stored(former) => bring(client, former, false)?,
             Self::Compiled => {
                 let writing = Writing { reset: true, ..Writing::default() };
                 writing.write(client, |client, consent| client.erase(consent))?;
@@ -88,23 +88,22 @@ impl Loan {
     }
 }
 
-/// What went wrong in either; both, where both did.
-pub fn both(one: Result<(), BenchError>, other: Result<(), BenchError>) -> Result<(), BenchError> {
-    match (one, other) {
-        (Err(one), Err(other)) if one.to_string() != other.to_string() => {
-            Err(BenchError::Both(Box::new(one), Box::new(other)))
-        }
-        (one, other) => one.and(other),
+/// An error, and what went wrong after it where that is something else.
+pub fn beside(error: BenchError, after: Result<(), BenchError>) -> BenchError {
+    match after {
+        Err(other) if other.to_string() != error.to_string() => BenchError::Both(Box::new(error), Box::new(other)),
+        _ => error,
     }
 }
 
 /// Stores a table, restarts the device, and sees that it runs it. The device lets its voltage go to rest before it restarts; by
-/// a table of another rest it would jump there, which [`Output::same`] refuses.
+/// a table of another rest it would jump there, which [`Output::same`] refuses; `rewired` says that the DAC is unplugged, or plugged
+/// where it belongs by this table.
 ///
 /// # Errors
 /// The flash cannot be written, or the device does not take it.
-fn bring(client: &mut Client, record: &Record) -> Result<(), BenchError> {
-    let writing = Writing { reset: true, ..Writing::default() };
+pub fn bring(client: &mut Client, record: &Record, rewired: bool) -> Result<(), BenchError> {
+    let writing = Writing { reset: true, rewired, ..Writing::default() };
     writing.write(client, |client, consent| client.push(record.clone(), consent))?;
     if in_use(client)?.as_ref() == Some(record) { Ok(()) } else { Err(BenchError::NotTaken) }
 }

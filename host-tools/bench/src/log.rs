@@ -86,14 +86,13 @@ impl LogFile {
 
     /// Adds a row: the columns behind the time.
     pub fn row(&mut self, columns: &[f64]) -> Result<(), BenchError> {
-        let row = || -> std::io::Result<()> {
+        let mut row = || -> std::io::Result<()> {
             // Whole ticks of some µs: six places hold them.
             write!(self.file, "{:.6}", self.rows as f64 * self.tick_s)?;
             columns.iter().try_for_each(|number| write!(self.file, ",{number:.5}"))?;
             writeln!(self.file)?;
             if self.rows.is_multiple_of(ROWS) { self.file.flush() } else { Ok(()) }
         };
-        let mut row = row;
         row().map_err(|source| BenchError::Log { path: self.path.clone(), source })?;
         self.rows += 1;
         Ok(())

@@ -12,7 +12,7 @@ use std::fmt;
 pub struct Output {
     /// Voltage at rest, V.
     pub rest_v: f32,
-    /// Its code.
+    /// The DAC's code of that voltage.
     pub rest: DacCode,
     /// Volts at code 0 and at the largest code.
     pub span_v: (f32, f32),

@@ -7,7 +7,7 @@
 //! ```
 
 use crate::error::BenchError;
-use crate::loan::{self, both};
+use crate::loan::{self, beside};
 use crate::log::LogFile;
 use crate::verdict::{Instant, Shares, Verdict};
 use crate::watch::{Complaint, Watch};
@@ -16,7 +16,7 @@ use device_link::Client;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
 use device_link::table;
-use estimator_core::{AdcCode, Admitted, DriveLimits, Range};
+use estimator_core::{AdcCode, Admitted, DriveLimits};
 use excitation::{Drive, Request};
 use protocol::{Mode, Sample};
 use std::path::{Path, PathBuf};
@@ -34,13 +34,13 @@ const REST_S: f64 = 0.5;
 
 /// What is to be proven, and with what.
 pub struct Proof<'a> {
-    /// The board.
+    /// What the board's converters and wires stand for.
     pub wiring: &'a Wiring,
     /// Lowest and highest voltage, V; without it all that both the table's drive and the board allow.
     pub range: Option<(f64, f64)>,
     /// Highest frequency, Hz.
     pub up_to_hz: f64,
-    /// Length, s.
+    /// Length of the random voltage with its way there and back, s.
     pub duration_s: f64,
     /// Draws the voltage.
     pub seed: u64,
@@ -62,7 +62,7 @@ pub struct Proven {
     pub shares: Shares,
     /// Whether that is good enough.
     pub verdict: Verdict,
-    /// The log.
+    /// Where voltage, sensor and estimate since the zero are written.
     pub log: PathBuf,
     /// Whether the voltage is at rest; else what hinders.
     pub home: Result<(), BenchError>,
@@ -93,7 +93,7 @@ pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(us
     let home = loan::rest(client, table.adc, limits);
     let Measured { instants, log, .. } = match measured {
         Ok(measured) => measured,
-        Err(error) => return Err(both(Err(error), home).err().unwrap_or(BenchError::Nothing(0))),
+        Err(error) => return Err(beside(error, home)),
     };
     let (estimates, sensor): (Vec<f64>, Vec<f64>) = instants.iter().map(|at| (at.estimate_um, at.sensor_um)).unzip();
     let figures = Figures::of(&estimates, &sensor);
@@ -114,8 +114,7 @@ fn request(table: &Admitted, proof: &Proof<'_>) -> Result<(Request, DriveLimits)
     }
     let (limits, board) = (drive.limits, of_board.limits);
     // What both allow: a proof asks no more of either.
-    let (own, wired) = (limits.range_v, board.range_v);
-    let allowed = Range { min: own.min.max(wired.min), max: own.max.min(wired.max) };
+    let allowed = limits.range_v.intersection(board.range_v);
     let (min_v, max_v) = proof.range.unwrap_or((allowed.min.into(), allowed.max.into()));
     if !(allowed.contains(min_v as f32) && allowed.contains(max_v as f32)) {
         return Err(WiringError::BeyondRange { min_v, max_v, allowed }.into());

@@ -251,7 +251,7 @@ fn what_is_installed_is_the_host_s_to_the_last_bit() {
     let wiring = wiring();
     let codes = rehearsal(wiring.line()).unwrap();
     let installed = install(&mut client, wiring.line(), false, &codes, &Interrupt::default(), &mut |_| {}).unwrap();
-    assert!(installed.bit_exact() && installed.comparison.ticks == codes.len(), "{installed:?}");
+    assert!(installed.bit_exact() && installed.ticks == codes.len(), "{installed:?}");
     assert_eq!(in_use(&mut client).unwrap().unwrap(), to_record(wiring.line()));
 }
 

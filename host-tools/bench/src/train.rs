@@ -1,7 +1,7 @@
 //! A training session: a designed drive out, the voltage and the sensor in, a log a segment.
 
 use crate::error::BenchError;
-use crate::loan::{self, Loan, both};
+use crate::loan::{self, Loan, beside};
 use crate::log::{LogFile, SESSION};
 use crate::watch::{Complaint, Watch};
 use crate::wiring::Wiring;
@@ -20,9 +20,9 @@ const HEADING: &str = "time_s,voltage_V,displacement_um";
 
 /// What is to be done.
 pub struct Training<'a> {
-    /// The board.
+    /// What the board's converters and wires stand for.
     pub wiring: &'a Wiring,
-    /// The voltages.
+    /// The voltages, a segment a log.
     pub drive: &'a Drive,
     /// Where logs, the table of before and what was done are kept.
     pub folder: &'a Path,
@@ -33,11 +33,11 @@ pub struct Training<'a> {
 /// A log that was written.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Written {
-    /// The file.
+    /// Where it stands.
     pub log: PathBuf,
-    /// What for.
+    /// What of the actuator it shows, for people.
     pub what: &'static str,
-    /// Its rows.
+    /// Its rows, one a tick.
     pub rows: u64,
     /// All of the segment is there.
     pub complete: bool,
@@ -61,7 +61,7 @@ pub enum Ended {
 /// What came of a session.
 #[derive(Debug)]
 pub struct Trained {
-    /// The logs.
+    /// The logs that were begun, in the order of the drive.
     pub logs: Vec<Written>,
     /// Ticks that waited for the host and held the voltage: they stand in the logs as they were.
     pub starved: u32,
@@ -106,7 +106,11 @@ pub fn train(
     let Recorder { logs, starved, .. } = recorder;
     // A voltage that was not seen to come to rest is no reason to keep the device from its table: it rests by itself.
     let rested = loan::rest(client, wiring.adc(), wiring.drive().limits);
-    let home = both(rested, loan.give_back(client, folder));
+    let given_back = loan.give_back(client, folder);
+    let home = match rested {
+        Ok(()) => given_back,
+        Err(error) => Err(beside(error, given_back)),
+    };
     let trained = Trained { logs, starved, ended, lent: !matches!(loan, Loan::Nothing), home };
     file::write(&folder.join(SESSION), session(training, &trained))?;
     Ok(trained)

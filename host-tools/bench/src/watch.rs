@@ -4,7 +4,7 @@
 use crate::wiring::Wiring;
 use protocol::Sample;
 
-/// Saturated ticks in a row that end a session.
+/// Saturated ticks, less those that are not, that end a session.
 const SATURATED: u32 = 200;
 /// The voltage has gone over this part of what is to be driven before the sensor must have moved.
 const OF_RANGE: f64 = 0.5;
@@ -56,7 +56,7 @@ impl<'w> Watch<'w> {
     pub fn complaint(&mut self, sample: &Sample, volts: f64) -> Option<Complaint> {
         let sensor = &self.wiring.sensor;
         let Some(um) = sensor.um(sample) else { return Some(Complaint::NoSensor) };
-        self.saturated = if sensor.saturated(sample) { self.saturated + 1 } else { 0 };
+        self.saturated = if sensor.saturated(sample) { self.saturated + 1 } else { self.saturated.saturating_sub(1) };
         if self.saturated >= SATURATED {
             return Some(Complaint::Saturated { um, volts });
         }
@@ -98,6 +98,6 @@ mod tests {
         let still = complaint(|tick| Some(11_000 + (tick % 3) as u16));
         assert!(matches!(still, Some((401, Complaint::Still { .. }))), "{still:?}");
         let saturated = complaint(|tick| Some((60_000 + 60 * tick).min(65_520) as u16));
-        assert!(matches!(saturated, Some((291, Complaint::Saturated { um, .. })) if um == 25.0), "{saturated:?}");
+        assert!(matches!(saturated, Some((283, Complaint::Saturated { um, .. })) if um == 25.0), "{saturated:?}");
     }
 }

@@ -40,7 +40,7 @@ pub enum WiringError {
     BeyondRange {
         /// Lowest voltage that was asked for, V.
         min_v: f64,
-        /// Highest, V.
+        /// Highest voltage that was asked for, V.
         max_v: f64,
         /// What the file allows, V.
         allowed: Range,

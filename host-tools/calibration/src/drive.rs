@@ -48,12 +48,11 @@ impl DriveOptions {
         let (Some(span), Some(slew)) = (self.drive_span, self.drive_slew) else { return };
         let gain = f64::from(table.dac.full_scale) / (span.full - span.zero);
         let (dac, model) = (ordered(span), identified_on(table));
-        let both = |a: Range, b: Range| Range { min: a.min.max(b.min), max: a.max.min(b.max) };
-        let most = self.drive_within.map_or(dac, |within| both(dac, ordered(within)));
+        let most = self.drive_within.map_or(dac, |within| dac.intersection(ordered(within)));
         table.drive = Some(DriveCalibration {
             gain_codes_per_v: gain as f32,
             offset_code: (-span.zero * gain) as f32,
-            limits: limits(self.drive_range.map_or(both(most, model), ordered), self.drive_rest, slew),
+            limits: limits(self.drive_range.map_or(most.intersection(model), ordered), self.drive_rest, slew),
         });
     }
 }

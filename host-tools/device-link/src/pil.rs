@@ -71,6 +71,13 @@ pub struct Comparison {
     pub status: Status,
 }
 
+impl Comparison {
+    /// Whether every bit of every tick is the host's.
+    pub fn bit_exact(&self) -> bool {
+        self.identical == self.ticks
+    }
+}
+
 /// Why codes were not fed to their end.
 #[derive(Debug, thiserror::Error)]
 pub enum FeedError {

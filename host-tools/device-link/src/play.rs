@@ -38,7 +38,7 @@ pub struct Held(u32);
 /// What came of it.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Played {
-    /// Samples taken.
+    /// Samples that were handed over.
     pub ticks: usize,
     /// Ticks that found no reference and held the last one.
     pub starved: u32,

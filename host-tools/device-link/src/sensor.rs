@@ -20,9 +20,11 @@ impl Sensor {
         Some(self.zero_um + (self.full_um - self.zero_um) * code / f64::from(self.full_scale))
     }
 
-    /// Whether a sample's code stands at an end of the channel: the displacement was at least that far.
+    /// Whether a sample's code stands at an end of the channel, where the displacement may have been any farther: within a 128th
+    /// of it, as the firmware judges the monitor's.
     pub fn saturated(&self, sample: &Sample) -> bool {
-        sample.sensor.is_some_and(|code| code == 0 || code >= self.full_scale)
+        let margin = self.full_scale / 128;
+        sample.sensor.is_some_and(|code| code <= margin || code >= self.full_scale - margin)
     }
 }
 
@@ -44,7 +46,8 @@ mod tests {
         };
         assert_eq!(sensor.um(&of(Some(32_760))), Some(10.0));
         assert_eq!(sensor.um(&of(None)), None);
-        let saturated = [None, Some(0), Some(1), Some(65_519), Some(65_520)].map(|code| sensor.saturated(&of(code)));
+        let saturated =
+            [None, Some(511), Some(512), Some(65_008), Some(65_009)].map(|code| sensor.saturated(&of(code)));
         assert_eq!(saturated, [false, true, false, false, true]);
     }
 }

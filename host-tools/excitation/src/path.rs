@@ -14,7 +14,7 @@ pub struct Path<'r> {
 }
 
 impl<'r> Path<'r> {
-    /// At rest.
+    /// A path that begins at the request's rest.
     pub fn new(request: &'r Request) -> Self {
         Self { request, volts: Vec::new(), at: request.rest_v }
     }

@@ -52,7 +52,7 @@ pub enum ExcitationError {
     /// A number that must be positive is not.
     #[error("the {what} must be a positive number, not {value}")]
     NotPositive {
-        /// Which.
+        /// Which number it is.
         what: &'static str,
         /// What it is.
         value: f64,

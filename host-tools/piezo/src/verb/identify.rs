@@ -29,7 +29,7 @@ pub struct Identify {
     /// What is fitted to what.
     #[command(flatten)]
     pub fitting: Fitting,
-    /// The converters.
+    /// What the target's converters stand for.
     #[command(flatten)]
     pub calibration: CalibrationArgs,
     /// Devices to simulate for the interval beside the estimate; 0 for a table without one.

@@ -31,10 +31,10 @@ pub struct Install {
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The board.
+    /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
 }
@@ -56,18 +56,17 @@ pub fn run(arguments: &Install) -> Result<bool> {
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
     let codes = rehearsal(&table)?;
     let bar = progress(codes.len() as u64);
-    let installed = install(&mut client, &table, arguments.rewired, &codes, &interrupt, &mut |ticks| {
+    let compared = install(&mut client, &table, arguments.rewired, &codes, &interrupt, &mut |ticks| {
         bar.set_position(ticks as u64);
     });
     bar.finish_and_clear();
     note_damage(&client);
-    let installed = installed?;
-    let (checksum, compared) = (device::checksum(&to_record(&table)), &installed.comparison);
+    let (checksum, compared) = (device::checksum(&to_record(&table)), compared?);
     if arguments.json {
         out(&serde_json::to_string_pretty(&json!({
-            "table": name, "checksum": checksum, "bit_exact": installed.bit_exact(), "compared": compared, "doubts": doubts,
+            "table": name, "checksum": checksum, "bit_exact": compared.bit_exact(), "compared": compared, "doubts": doubts,
         }))?);
-        return Ok(installed.bit_exact());
+        return Ok(compared.bit_exact());
     }
     out(&format!(
         "{} ({}, checksum {checksum}) is stored, and in use on the board ({})",
@@ -76,7 +75,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
         identity.board
     ));
     doubts.iter().for_each(|doubt| out(&format!("- careful: {doubt}")));
-    out(&match installed.bit_exact() {
+    out(&match compared.bit_exact() {
         true => {
             format!("bit-exact: over {} ticks of a random voltage the device's every bit is the host's", compared.ticks)
         }
@@ -87,5 +86,5 @@ pub fn run(arguments: &Install) -> Result<bool> {
             compared.max_difference_um
         ),
     });
-    Ok(installed.bit_exact())
+    Ok(compared.bit_exact())
 }

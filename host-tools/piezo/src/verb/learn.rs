@@ -26,13 +26,13 @@ pub struct Learn {
     /// What `piezo identify` is told besides, such as `-- --model generalised-prandtl-ishlinskii`.
     #[arg(last = true)]
     pub identify: Vec<String>,
-    /// The board.
+    /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
-    /// The voltages.
+    /// What the voltages are to be like.
     #[command(flatten)]
     pub excitation: ExcitationArgs,
 }

@@ -78,7 +78,7 @@ pub fn run(arguments: &Pil) -> Result<bool> {
     let health = client.health()?;
     note_damage(&client);
 
-    let identical = comparisons.iter().all(|comparison| comparison.identical == comparison.ticks);
+    let identical = comparisons.iter().all(Comparison::bit_exact);
     if arguments.json {
         out(&serde_json::to_string_pretty(&to_json(&logs, &comparisons, &health)?)?);
     } else {

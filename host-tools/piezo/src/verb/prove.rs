@@ -19,7 +19,7 @@ pub struct Prove {
     /// Folder for the log, proven.csv.
     #[arg(long)]
     pub out: PathBuf,
-    /// Length, s.
+    /// Length of the random voltage, s.
     #[arg(long, default_value_t = 30.0, value_parser = positive)]
     pub seconds: f64,
     /// Highest frequency, Hz.
@@ -38,10 +38,10 @@ pub struct Prove {
     /// Print the figures as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The board.
+    /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
 }

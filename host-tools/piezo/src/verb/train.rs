@@ -19,7 +19,7 @@ pub struct Train {
     /// Folder for the logs and session.toml.
     #[arg(long)]
     pub out: PathBuf,
-    /// Length, minutes.
+    /// Length of the whole session, minutes.
     #[arg(long, default_value_t = 2.0, value_parser = crate::option::positive)]
     pub minutes: f64,
     /// Say what would be driven, and drive nothing.
@@ -34,10 +34,10 @@ pub struct Train {
     /// Where the device is: a serial port (/dev/ttyACM0, COM3), or tcp:HOST:PORT of an emulated board.
     #[arg(long, value_name = "PORT", required_unless_present = "dry_run")]
     pub port: Option<Address>,
-    /// The board.
+    /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
-    /// The voltages.
+    /// What the voltages are to be like.
     #[command(flatten)]
     pub excitation: ExcitationArgs,
 }
