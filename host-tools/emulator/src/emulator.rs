@@ -14,8 +14,8 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
-/// Bytes of the two parameter pages.
-const PAGES: usize = 4096;
+/// Bytes of the two parameter pages of a device that is given no other flash.
+pub const PAGES: usize = 4096;
 
 /// Why a device could not be emulated.
 #[derive(Debug, thiserror::Error)]

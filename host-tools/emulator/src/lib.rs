@@ -29,9 +29,11 @@ mod plant;
 mod serial_line;
 
 pub use bench::Bench;
-pub use emulator::{EmulatedDevice, Emulator, EmulatorError};
+pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES};
 pub use faulty_line::{Direction, Fault, FaultyLine};
 pub use firmware::Conversion;
+/// From one tick of the device to the next, µs.
+pub use firmware::rate::TICK_US;
 /// The table of the firmware image, by which the device estimates where none is stored.
 pub use firmware::table::TABLE;
 pub use plant::{Plant, amplifier, triangle};

@@ -9,7 +9,7 @@ use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::pages;
 use device_link::table::to_record;
-use emulator::Emulator;
+use emulator::{Emulator, PAGES, TICK_US};
 use parameter_store::RamFlash;
 use plants::{Density, Kind};
 use std::path::PathBuf;
@@ -43,11 +43,6 @@ const KINDS: [(Kind, &str, &str); 6] = [
     (Kind::BoucWen, "bouc-wen", "Bouc and Wen's equation, exponent 1"),
     (Kind::BoucWenSharp, "bouc-wen-sharp", "Bouc and Wen's equation, exponent 2"),
 ];
-
-/// Tick of the emulated board, µs.
-const TICK_US: u32 = 500;
-/// Bytes of the parameter pages.
-const PAGES: usize = 4096;
 
 /// Runs the verb, until Ctrl-C.
 pub fn run(arguments: &Emulate) -> Result<bool> {
