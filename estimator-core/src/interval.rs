@@ -1,7 +1,8 @@
 //! How far the estimate may be off: a 95 % prediction interval of the displacement, relative to where it was last told.
 //!
 //! ```text
-//! w = |m(S) − m(S₀)| + √( misfit² + (rate·r)² + |Lᵀ(p − p₀)|² + (drift·A)² )       half-width, µm
+//! w = |m(S) − m(S₀)| + √( misfit² + (rate·r)² + d² + (gain·(y − y₀))² + (drift·A)² )       half-width, µm
+//! d = min( |Lᵀ(p − p₀)|, n(p) + n(p₀) ),   n(p) = min_k |Lᵀp − c_k|
 //! ```
 //!
 //! | | |
@@ -9,7 +10,9 @@
 //! | S, S₀ | span of the voltage since the start, now and when the displacement was told, V |
 //! | m(S) | half of what two starts can still differ by after that span: memory of the start, which a swing wipes out |
 //! | r | fastest change of the estimate in a tick, forgotten in 5 ms, µm: what lag and ringing make of a small delay |
-//! | p, p₀ | six plays of the voltage: where they stand as they never stood in the training, nothing was learnt |
+//! | p, p₀ | six plays of the voltage, now and when the displacement was told |
+//! | c_k | prototypes (centres of a k-means) of where those of the training stood: n is how far plays stand from all that was learnt, and d the way from p₀ to p of which every part that the training has been at costs nothing |
+//! | y, y₀ | the estimate, now and when the displacement was told: sensitivity differs from day to day |
 //! | A | decades of time since the start that have gone by since the displacement was told: creep and drift |
 //!
 //! The numbers come from simulated devices that were driven by the training's own voltages and learnt as the actuator was
@@ -28,6 +31,8 @@ pub const PLAYS: usize = 6;
 pub const HALF_WIDTHS: [f32; PLAYS] = [0.04, 0.075, 0.14, 0.26, 0.48, 0.9];
 /// Spans at which the memory of the start is given: eighths of the table's voltage range, from 0 to all of it.
 pub const SPANS: usize = 9;
+/// Prototypes of where the training's plays stood.
+pub const PROTOTYPES: usize = 24;
 /// Numbers of a lower triangle of that many rows.
 pub const TRIANGLE: usize = PLAYS * (PLAYS + 1) / 2;
 
@@ -51,10 +56,14 @@ pub struct IntervalParameters {
     pub rate_ticks: f32,
     /// L, µm for plays in half voltage ranges, row by row of its lower triangle.
     pub spread_um: [f32; TRIANGLE],
-    /// Lᵀp, µm, in the middle of where the training has been.
-    pub familiar_at_um: [f32; PLAYS],
-    /// How far from there the training has been, µm; beyond, [`Status::UNTRAINED`](crate::Status::UNTRAINED) is raised.
-    pub familiar_um: f32,
+    /// c_k: Lᵀp of the training, in units of `prototype_um`.
+    pub prototypes: [[i8; PLAYS]; PROTOTYPES],
+    /// The unit of the prototypes, µm.
+    pub prototype_um: f32,
+    /// n beyond which [`Status::UNTRAINED`](crate::Status::UNTRAINED) is raised, µm.
+    pub untrained_um: f32,
+    /// Half-width for each µm that the estimate has gone since the displacement was told.
+    pub gain: f32,
     /// Half-width for each decade of time since the start, µm.
     pub drift_um: f32,
     /// Least time from the start to where a displacement may be told, s: earlier, an actuator that moves is still on its way.
@@ -74,8 +83,9 @@ impl IntervalParameters {
             ("interval.misfit_um must be positive", positive(&[self.misfit_um]) && self.misfit_um > 0.0),
             ("interval.rate_ticks must be 0 or positive", positive(&[self.rate_ticks])),
             ("interval.spread_um must be finite", finite(&self.spread_um)),
-            ("interval.familiar_at_um must be finite", finite(&self.familiar_at_um)),
-            ("interval.familiar_um must be 0 or positive", positive(&[self.familiar_um])),
+            ("interval.prototype_um must be 0 or positive", positive(&[self.prototype_um])),
+            ("interval.untrained_um must be 0 or positive", positive(&[self.untrained_um])),
+            ("interval.gain must be 0 or positive", positive(&[self.gain])),
             ("interval.drift_um must be 0 or positive", positive(&[self.drift_um])),
             ("interval.earliest_s must be 0 or positive", positive(&[self.earliest_s])),
         ])
@@ -93,8 +103,9 @@ pub struct Interval<T> {
     misfit: T,
     rate: T,
     spread: [T; TRIANGLE],
-    familiar_at: Place<T>,
-    familiar: T,
+    prototypes: [Place<T>; PROTOTYPES],
+    untrained: T,
+    gain: T,
     drift: T,
     /// What a tick leaves of the fastest change.
     keep: T,
@@ -114,6 +125,8 @@ pub struct IntervalState<T> {
     /// Ticks since the beginning at which the age is stepped on.
     next: T,
     place: Place<T>,
+    /// n of that place, µm.
+    off: T,
     told: Option<Told<T>>,
 }
 
@@ -122,6 +135,8 @@ pub struct IntervalState<T> {
 struct Told<T> {
     memory: T,
     place: Place<T>,
+    off: T,
+    displacement: T,
     decades: T,
 }
 
@@ -134,8 +149,10 @@ pub struct Parts<T> {
     pub misfit: T,
     /// Fastest change of the estimate in the last 5 ms.
     pub rate: T,
-    /// Plays that stand elsewhere than when the displacement was told.
+    /// Plays that stand elsewhere than when the displacement was told, and as they never stood in the training.
     pub moved: T,
+    /// Displacement since it was told.
+    pub gain: T,
     /// Time since the displacement was told.
     pub drift: T,
 }
@@ -145,7 +162,8 @@ impl<T: Real> Parts<T> {
     #[inline]
     pub fn half(&self) -> T {
         let square = |part: T| part * part;
-        self.memory + (square(self.misfit) + square(self.rate) + square(self.moved) + square(self.drift)).sqrt()
+        let always = square(self.misfit) + square(self.rate);
+        self.memory + (always + square(self.moved) + square(self.gain) + square(self.drift)).sqrt()
     }
 }
 
@@ -168,8 +186,9 @@ impl<T: Real> Interval<T> {
             misfit: T::of(p.misfit_um),
             rate: T::of(p.rate_ticks),
             spread: p.spread_um.map(T::of),
-            familiar_at: p.familiar_at_um.map(T::of),
-            familiar: T::of(p.familiar_um),
+            prototypes: p.prototypes.map(|place| place.map(|at| T::of(p.prototype_um * f32::from(at)))),
+            untrained: T::of(p.untrained_um),
+            gain: T::of(p.gain),
             drift: T::of(p.drift_um),
             keep: (-sample_period / T::of(FORGOTTEN_S)).exp(),
             before: T::of(BEGINNING_S) / sample_period,
@@ -180,6 +199,7 @@ impl<T: Real> Interval<T> {
     /// The start, at a voltage (V), where the estimate is this displacement (µm).
     pub fn begin(&self, voltage: T, displacement: T) -> IntervalState<T> {
         let plays = HALF_WIDTHS.map(|part| play(self.voltages.middle(), voltage, self.half_width(part)));
+        let place = self.place(&plays);
         IntervalState {
             plays,
             swept: Range::point(voltage),
@@ -187,7 +207,8 @@ impl<T: Real> Interval<T> {
             fastest: T::zero(),
             ticks: 0,
             next: self.before * T::of(STEP),
-            place: self.place(&plays),
+            off: self.off(&place),
+            place,
             told: None,
         }
     }
@@ -205,10 +226,8 @@ impl<T: Real> Interval<T> {
         state.fastest = if change > before { change } else { before };
         self.age(state);
         state.place = self.place(&state.plays);
-        Width {
-            half: self.parts(state).map(|parts| parts.half()),
-            untrained: distance(&state.place, &self.familiar_at) > self.familiar * self.familiar,
-        }
+        state.off = self.off(&state.place);
+        Width { half: self.parts(state).map(|parts| parts.half()), untrained: state.off > self.untrained }
     }
 
     /// The displacement is told: from now on the interval is relative to this tick. Returns whether it is late enough for
@@ -229,7 +248,8 @@ impl<T: Real> Interval<T> {
     /// As [`tell`](Self::tell), of an actuator that is known to rest, however early.
     pub fn tell_at_rest(&self, state: &mut IntervalState<T>) {
         let memory = self.remembered(state.swept.span());
-        state.told = Some(Told { memory, place: state.place, decades: T::zero() });
+        let IntervalState { place, off, displacement, .. } = *state;
+        state.told = Some(Told { memory, place, off, displacement, decades: T::zero() });
     }
 
     /// What the half-width of the last tick is made of; `None` where no displacement was told.
@@ -239,7 +259,8 @@ impl<T: Real> Interval<T> {
             memory: (self.remembered(state.swept.span()) - told.memory).abs(),
             misfit: self.misfit,
             rate: self.rate * state.fastest,
-            moved: distance(&state.place, &told.place).sqrt(),
+            moved: least(square_distance(&state.place, &told.place).sqrt(), state.off + told.off),
+            gain: self.gain * (state.displacement - told.displacement).abs(),
             drift: self.drift * told.decades,
         })
     }
@@ -256,6 +277,14 @@ impl<T: Real> Interval<T> {
 
     fn half_width(&self, part: f32) -> T {
         T::of(0.5 * part) * self.voltages.span()
+    }
+
+    /// n of a place, µm.
+    #[inline]
+    fn off(&self, place: &Place<T>) -> T {
+        let [first, rest @ ..] = &self.prototypes;
+        let nearest = square_distance(place, first);
+        rest.iter().fold(nearest, |nearest, prototype| least(nearest, square_distance(place, prototype))).sqrt()
     }
 
     /// m of a span, straight between the spans at which it is given.
@@ -287,8 +316,13 @@ impl<T: Real> Interval<T> {
     }
 }
 
+#[inline]
+fn least<T: Real>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
 /// Square of the distance of two places, µm².
 #[inline]
-fn distance<T: Real>(a: &Place<T>, b: &Place<T>) -> T {
+fn square_distance<T: Real>(a: &Place<T>, b: &Place<T>) -> T {
     a.iter().zip(b).fold(T::zero(), |sum, (a, b)| sum + (*a - *b) * (*a - *b))
 }

@@ -15,9 +15,9 @@ use crate::sealed::{self, CHECKSUM, Unsealed};
 use crate::table::{Admitted, Table, TableError};
 
 /// Format version that this software writes and reads.
-pub const VERSION: u16 = 6;
+pub const VERSION: u16 = 7;
 /// No record is longer than this, bytes.
-pub const MAX_LENGTH: usize = 584;
+pub const MAX_LENGTH: usize = 716;
 
 const MAGIC: [u8; 4] = *b"PZTB";
 const HEADER: usize = 8;

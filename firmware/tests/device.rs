@@ -7,7 +7,7 @@ use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Timer};
-use estimator_core::interval::{PLAYS, SPANS, TRIANGLE};
+use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{Admitted, DacCode, IntervalParameters, Table};
 use firmware::boot::{self, Chosen};
 use firmware::drive::Drive;
@@ -175,8 +175,10 @@ fn late() -> Admitted {
         misfit_um: 0.1,
         rate_ticks: 1.0,
         spread_um,
-        familiar_at_um: [0.0; PLAYS],
-        familiar_um: 0.1,
+        prototypes: [[0; PLAYS]; PROTOTYPES],
+        prototype_um: 0.01,
+        untrained_um: 0.1,
+        gain: 0.02,
         drift_um: 0.05,
         earliest_s: 3_600.0,
     };

@@ -2,7 +2,7 @@
 
 use crate::common::interval as parameters;
 use crate::common::models::table_of;
-use estimator_core::interval::{Interval, SPANS, TRIANGLE};
+use estimator_core::interval::{Interval, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{Admitted, Estimator, IntervalParameters, Model, Range, Status, Table, TableError};
 
 fn table(interval: IntervalParameters) -> Table {
@@ -89,6 +89,50 @@ fn plays_elsewhere_fast_change_and_time_widen_it() {
     assert!((of.parts(&state).unwrap().rate - 0.5 * libm::exp(-1.0)).abs() < 1e-6, "5 ms later");
 }
 
+/// A way through places where the training has been costs only what lies beside them.
+#[test]
+fn prototypes_are_places_that_cost_nothing() {
+    let mut prototypes = [[0; PLAYS]; PROTOTYPES];
+    // Where the plays stand at 10 V, in hundredths of a µm.
+    prototypes[7] = [19, 18, 17, 15, 10, 2];
+    let of = interval(IntervalParameters { prototypes, memory_um: [0.0; SPANS], ..parameters() });
+    let mut state = of.begin(0.0, 0.0);
+    of.tell_at_rest(&mut state);
+    assert!(!of.step(&mut state, 10.0, 0.0).untrained);
+    let there = of.parts(&state).unwrap().moved;
+    let off = [
+        0.2 * 0.96 - 0.19,
+        0.2 * 0.925 - 0.18,
+        0.2 * 0.86 - 0.17,
+        0.2 * 0.74 - 0.15,
+        0.2 * 0.52 - 0.1,
+        0.2 * 0.1 - 0.02,
+    ];
+    let expected = off.iter().map(|off: &f64| off * off).sum::<f64>().sqrt();
+    assert!((there - expected).abs() < 1e-6, "{there}, {expected}");
+    // Told there, the way back costs the same.
+    of.tell_at_rest(&mut state);
+    for _ in 0..2 {
+        of.step(&mut state, -10.0, 0.0);
+        of.step(&mut state, 10.0, 0.0);
+    }
+    let back = of.parts(&state).unwrap().moved;
+    assert!(back < 1e-6, "{back}: it is where it was told");
+}
+
+#[test]
+fn displacement_gone_since_it_was_told_widens_it() {
+    let of = interval(IntervalParameters { gain: 0.02, ..parameters() });
+    let mut state = of.begin(0.0, 3.0);
+    of.step(&mut state, 0.0, 3.0);
+    of.tell_at_rest(&mut state);
+    for (estimate, gone) in [(3.0, 0.0), (8.0, 5.0), (1.0, 2.0)] {
+        of.step(&mut state, 0.0, estimate);
+        let parts = of.parts(&state).unwrap();
+        assert!((parts.gain - 0.02 * gone).abs() < 1e-7, "{parts:?}");
+    }
+}
+
 /// From 1 s to 100 s after the start the drift is two decades, to the clock's steps of 1.6 %.
 #[test]
 fn age_counts_decades_since_it_was_told() {
@@ -139,6 +183,8 @@ fn numbers_that_are_none_are_refused() {
     refused(|p| p.misfit_um = f32::NAN);
     refused(|p| p.memory_um[8] = -1.0);
     refused(|p| p.spread_um[3] = f32::INFINITY);
-    refused(|p| p.familiar_um = -0.1);
+    refused(|p| p.prototype_um = f32::NAN);
+    refused(|p| p.untrained_um = -0.1);
+    refused(|p| p.gain = -0.1);
     refused(|p| p.earliest_s = f32::NAN);
 }

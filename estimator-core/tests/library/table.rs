@@ -21,7 +21,7 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0600",
+            "0700",
             "7100", // magic, version, length
             "f403",
             "00",
@@ -58,7 +58,7 @@ fn record_is_pinned() {
             "0000803e",
             "01b81e853e",
             "00",       // provenance
-            "6c7aa442", // CRC-32
+            "408874ec", // CRC-32
         ),
         "the format changed: bump record::VERSION and say so in CHANGELOG.md"
     );

@@ -7,12 +7,13 @@
 
 mod device;
 mod gains;
+mod prototypes;
 mod spread;
 mod start_memory;
 mod trial;
 
 use device::Device;
-use estimator_core::interval::{PLAYS, SPANS, TRIANGLE};
+use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{IntervalParameters, Parameters};
 use gains::gains;
 use identification::{Candidate, CandidateError, Identification, Problem, SearchOptions, TableContext};
@@ -20,7 +21,7 @@ use rayon::prelude::*;
 use recordings::session::Session;
 use spread::learnt;
 use start_memory::start_memory;
-use trial::recordings;
+use trial::{PARTS, recordings};
 
 /// Devices that are simulated where nobody says how many.
 pub const DEVICES: u32 = 12;
@@ -114,8 +115,10 @@ fn unscaled(problem: &Problem, candidate: &Candidate) -> IntervalParameters {
         misfit_um: stroke as f32,
         rate_ticks: 1.0,
         spread_um: [0.0; TRIANGLE],
-        familiar_at_um: [0.0; PLAYS],
-        familiar_um: 0.0,
+        prototypes: [[0; PLAYS]; PROTOTYPES],
+        prototype_um: 0.0,
+        untrained_um: 0.0,
+        gain: 1.0,
         drift_um: stroke as f32,
         earliest_s: (LAGS * late_s(&table.parameters, table.sample_period())) as f32,
     };
@@ -133,14 +136,19 @@ fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
     }
 }
 
-fn scaled(unscaled: IntervalParameters, [misfit, rate, moved, drift]: [f64; 4], own_um: f64) -> IntervalParameters {
+fn scaled(
+    unscaled: IntervalParameters,
+    [misfit, rate, moved, gain, drift]: [f64; PARTS],
+    own_um: f64,
+) -> IntervalParameters {
     let times = |number: f32, gain: f64| (f64::from(number) * gain) as f32;
     IntervalParameters {
         misfit_um: (misfit * f64::from(unscaled.misfit_um)).hypot(own_um) as f32,
         rate_ticks: times(unscaled.rate_ticks, rate),
         spread_um: unscaled.spread_um.map(|number| times(number, moved)),
-        familiar_at_um: unscaled.familiar_at_um.map(|number| times(number, moved)),
-        familiar_um: times(unscaled.familiar_um, moved),
+        prototype_um: times(unscaled.prototype_um, moved),
+        untrained_um: times(unscaled.untrained_um, moved),
+        gain: times(unscaled.gain, gain),
         drift_um: times(unscaled.drift_um, drift),
         ..unscaled
     }

@@ -30,6 +30,9 @@ const GAIN: f64 = 0.01;
 /// A reversal is a retreat by so much of the voltage's span.
 const LARGE: f64 = 0.25;
 
+/// Parts of a half-width whose gains are found.
+pub const PARTS: usize = 5;
+
 /// An error, and what the interval has there: µm, of an interval whose gains are 1.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sample {
@@ -37,8 +40,8 @@ pub struct Sample {
     pub error: f64,
     /// Memory of the start.
     pub memory: f64,
-    /// Misfit, rate, plays that moved, drift.
-    pub parts: [f64; 4],
+    /// Misfit, rate, plays that moved, displacement gone, drift.
+    pub parts: [f64; PARTS],
 }
 
 /// The samples that follow one telling of one recording.
@@ -140,7 +143,7 @@ fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], trut
                 && let Some(parts) = interval.parts(state)
             {
                 let error = (off - *at).abs();
-                let of = [parts.misfit, parts.rate, parts.moved, parts.drift];
+                let of = [parts.misfit, parts.rate, parts.moved, parts.gain, parts.drift];
                 recording.push(Sample { error, memory: parts.memory, parts: of });
             }
         }

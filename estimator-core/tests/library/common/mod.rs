@@ -2,7 +2,7 @@
 
 pub mod models;
 
-use estimator_core::interval::{PLAYS, TRIANGLE};
+use estimator_core::interval::{PLAYS, PROTOTYPES, TRIANGLE};
 use estimator_core::*;
 use proptest::prelude::*;
 
@@ -52,8 +52,10 @@ pub fn interval() -> IntervalParameters {
         misfit_um: 0.1,
         rate_ticks: 1.0,
         spread_um,
-        familiar_at_um: [0.0; PLAYS],
-        familiar_um: 0.1,
+        prototypes: [[0; PLAYS]; PROTOTYPES],
+        prototype_um: 0.01,
+        untrained_um: 0.1,
+        gain: 0.02,
         drift_um: 0.05,
         earliest_s: 0.01,
     }
