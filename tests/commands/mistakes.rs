@@ -89,3 +89,20 @@ fn options_out_of_range_say_so() {
     refused(&["simulate", "--duration", "1e9", "--out", out], &["--duration"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+/// The superuser's rename would put a file in the place of a device.
+#[cfg(unix)]
+#[test]
+fn a_device_or_a_locked_file_is_not_written_over() {
+    use std::os::unix::fs::{FileTypeExt, PermissionsExt};
+    let table = "tests/data/table/table.toml";
+    refused(&["validate", table, MEASURED, "--out", "/dev/full"], &["/dev/full", "no regular file"]);
+    assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
+    let folder = tempfile::tempdir().unwrap();
+    let locked = folder.path().join("locked.csv");
+    fs::write(&locked, "kept").unwrap();
+    fs::set_permissions(&locked, fs::Permissions::from_mode(0o444)).unwrap();
+    refused(&["validate", table, MEASURED, "--out", text(&locked)], &["locked.csv", "read-only"]);
+    assert_eq!(fs::read_to_string(&locked).unwrap(), "kept");
+    refused(&["identify", MEASURED, "--out", "/dev/null/out"], &["/dev/null/out"]);
+}

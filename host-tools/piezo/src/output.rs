@@ -1,7 +1,7 @@
 //! Where a verb's results go: never over what it reads, and to standard output for as long as somebody reads there.
 
-use anyhow::{Context, Result, bail};
-pub use recordings::file::{beside, folder, write};
+use anyhow::{Context, Result, bail, ensure};
+pub use recordings::file::{Replacement, folder, write};
 use std::io::Write;
 use std::path::Path;
 
@@ -15,6 +15,12 @@ pub fn not_over(path: &Path, inputs: &[&Path]) -> Result<()> {
         }
         None => Ok(()),
     }
+}
+
+/// Refuses a folder for results that is a file, or that cannot be written: before a search of minutes, not after it.
+pub fn to_folder(path: &Path) -> Result<()> {
+    ensure!(!path.exists() || path.is_dir(), "{}: is a file, --out names a folder", path.display());
+    Ok(recordings::file::writable(path)?)
 }
 
 /// Writes bytes to standard output, all of them unless its reader has gone.

@@ -1,6 +1,7 @@
 //! Writing results: beside the target first, then renamed, so that nothing is ever half-written.
 
-use std::io::Write;
+use std::fs::Permissions;
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -13,7 +14,7 @@ pub enum FileError {
         /// The file that was to be written.
         path: PathBuf,
         /// What the operating system says.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// The folder cannot be created.
     #[error("{}: cannot create the folder", path.display())]
@@ -21,8 +22,62 @@ pub enum FileError {
         /// The folder that was to be created.
         path: PathBuf,
         /// What the operating system says.
-        source: std::io::Error,
+        source: io::Error,
     },
+}
+
+/// A file that is written beside its target and then takes the target's place. Dropped before that, it leaves nothing.
+pub struct Replacement {
+    file: NamedTempFile,
+    target: PathBuf,
+}
+
+impl Replacement {
+    /// The replacement of `path`, whose links are followed, with the permissions of what is there, or else of an ordinary
+    /// new file.
+    ///
+    /// # Errors
+    /// What is there is a device, a pipe, a folder, a link to nothing, or read-only; whatever the operating system says.
+    pub fn of(path: &Path) -> io::Result<Self> {
+        let refused = |kind, why| Err(io::Error::new(kind, why));
+        let (target, there) = match path.canonicalize() {
+            Ok(target) => {
+                let there = target.metadata()?;
+                if !there.is_file() {
+                    return refused(ErrorKind::InvalidInput, "it is no regular file, and would be lost: name another");
+                }
+                if there.permissions().readonly() {
+                    return refused(ErrorKind::PermissionDenied, "it is read-only: make it writable, or name another");
+                }
+                (target, Some(there.permissions()))
+            }
+            Err(_) if path.is_symlink() => {
+                return refused(ErrorKind::NotFound, "it is a link to nothing: remove it, or name another");
+            }
+            Err(_) => (path.to_owned(), None),
+        };
+        Ok(Self { file: temporary(folder_of(&target), there)?, target })
+    }
+
+    /// Puts what was written into the target's place.
+    ///
+    /// # Errors
+    /// Whatever the operating system says; the target is as it was.
+    pub fn commit(self) -> io::Result<()> {
+        self.file.as_file().sync_all()?;
+        self.file.persist(self.target).map_err(|error| error.error)?;
+        Ok(())
+    }
+}
+
+impl Write for Replacement {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 /// Writes a file whole or not at all.
@@ -30,27 +85,53 @@ pub enum FileError {
 /// # Errors
 /// [`FileError::Write`], and the file is as it was.
 pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
-    let attempt = || -> std::io::Result<()> {
-        let mut file = beside(path)?;
-        file.write_all(contents.as_ref())?;
-        file.as_file().sync_all()?;
-        file.persist(path).map_err(|error| error.error)?;
-        Ok(())
-    };
-    attempt().map_err(|source| FileError::Write { path: path.to_owned(), source })
+    write_all([(path.to_owned(), contents)])
 }
 
-/// A temporary file in the folder of `path`, with the permissions of an ordinary new file, to be renamed to `path`.
+/// Writes files that belong together: each whole before the first takes its place, so that what fails while they are
+/// written leaves all as they were.
 ///
 /// # Errors
-/// Whatever the operating system says.
-pub fn beside(path: &Path) -> std::io::Result<NamedTempFile> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+/// [`FileError::Write`], of the file that cannot be written.
+pub fn write_all(files: impl IntoIterator<Item = (PathBuf, impl AsRef<[u8]>)>) -> Result<(), FileError> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| FileError::Write { path, source }
+    };
+    let mut written = Vec::new();
+    for (path, contents) in files {
+        let attempt = || -> io::Result<Replacement> {
+            let mut file = Replacement::of(&path)?;
+            file.write_all(contents.as_ref())?;
+            file.file.as_file().sync_all()?;
+            Ok(file)
+        };
+        let file = attempt().map_err(failed(&path))?;
+        written.push((path, file));
+    }
+    written.into_iter().try_for_each(|(path, file)| file.commit().map_err(failed(&path)))
+}
+
+/// Whether something can be written into a folder that may not exist yet; to be asked before a search of minutes.
+///
+/// # Errors
+/// [`FileError::Folder`], and nothing was created.
+pub fn writable(folder: &Path) -> Result<(), FileError> {
+    let there = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
+    temporary(there, None).map(drop).map_err(|source| FileError::Folder { path: folder.to_owned(), source })
+}
+
+/// A temporary file in a folder.
+fn temporary(folder: &Path, permissions: Option<Permissions>) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".piezo-");
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.permissions(permissions.unwrap_or_else(|| std::os::unix::fs::PermissionsExt::from_mode(0o666)));
     builder.tempfile_in(folder)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Creates a folder and those above it.
@@ -59,4 +140,78 @@ pub fn beside(path: &Path) -> std::io::Result<NamedTempFile> {
 /// [`FileError::Folder`].
 pub fn folder(path: &Path) -> Result<(), FileError> {
     std::fs::create_dir_all(path).map_err(|source| FileError::Folder { path: path.to_owned(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn files_that_belong_together_are_written_all_or_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("a"), "old").unwrap();
+        fs::create_dir(at("b")).unwrap();
+        let FileError::Write { path, .. } = write_all([(at("a"), "new"), (at("b"), "new")]).unwrap_err() else {
+            panic!()
+        };
+        assert_eq!(path, at("b"));
+        assert_eq!(fs::read_to_string(at("a")).unwrap(), "old");
+        assert_eq!(names(folder.path()), ["a", "b"]);
+        write_all([(at("a"), "new"), (at("c"), "new")]).unwrap();
+        assert_eq!(fs::read_to_string(at("a")).unwrap(), "new");
+        assert_eq!(names(folder.path()), ["a", "b", "c"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_permissions_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("real"), "old").unwrap();
+        fs::set_permissions(at("real"), Permissions::from_mode(0o640)).unwrap();
+        symlink(at("real"), at("link")).unwrap();
+        write(&at("link"), "new").unwrap();
+        assert!(at("link").is_symlink());
+        assert_eq!(fs::read_to_string(at("real")).unwrap(), "new");
+        assert_eq!(fs::metadata(at("real")).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+
+    /// Even where the operating system would allow it, as to the superuser.
+    #[cfg(unix)]
+    #[test]
+    fn what_would_be_lost_is_refused_and_stays() {
+        use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("locked"), "old").unwrap();
+        fs::set_permissions(at("locked"), Permissions::from_mode(0o444)).unwrap();
+        symlink(at("nowhere"), at("dangling")).unwrap();
+        symlink("/dev/null", at("device")).unwrap();
+        for name in ["locked", "dangling", "device"] {
+            assert!(matches!(write(&at(name), "new"), Err(FileError::Write { .. })), "{name}");
+        }
+        assert_eq!(fs::read_to_string(at("locked")).unwrap(), "old");
+        assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        assert_eq!(names(folder.path()), ["dangling", "device", "locked"]);
+    }
+
+    #[test]
+    fn a_folder_is_tried_before_it_is_made() {
+        let folder = tempfile::tempdir().unwrap();
+        let deep = folder.path().join("not/yet");
+        writable(&deep).unwrap();
+        assert!(names(folder.path()).is_empty());
+        fs::write(folder.path().join("not"), "a file").unwrap();
+        assert!(matches!(writable(&deep), Err(FileError::Folder { .. })));
+    }
 }

@@ -142,16 +142,19 @@ impl TableFile {
         Ok(format!("{HEADER}\n{}", toml::to_string_pretty(&value)?))
     }
 
-    /// Writes `table.toml`, `table.rs` and `table.bin` into a folder, creating it.
+    /// Writes `table.toml`, `table.rs` and `table.bin` into a folder, creating it: all three, or none.
     ///
     /// # Errors
     /// The table is refused, or a file cannot be written.
     pub fn write_faces(&self, folder: &Path) -> Result<(), TableFileError> {
         let admitted = self.admit()?;
         file::folder(folder)?;
-        file::write(&folder.join("table.toml"), self.to_toml()?)?;
-        file::write(&folder.join("table.rs"), rust_source(&admitted))?;
-        Ok(file::write(&folder.join("table.bin"), record(&admitted))?)
+        let faces = [
+            ("table.toml", self.to_toml()?.into_bytes()),
+            ("table.rs", rust_source(&admitted).into_bytes()),
+            ("table.bin", record(&admitted)),
+        ];
+        Ok(file::write_all(faces.map(|(name, face)| (folder.join(name), face)))?)
     }
 }
 

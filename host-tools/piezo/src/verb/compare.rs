@@ -4,7 +4,7 @@ use super::identify::zeros;
 use super::print::{out, progress};
 use crate::option::{Fitting, OPTIMISERS, STARTS, choice, models};
 use crate::{output, remedy};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
 use estimator_core::Model;
 use identification::compare::{self, Instructions, Judgement, Matrix, Row};
@@ -53,9 +53,7 @@ pub struct Compare {
 
 /// Runs the verb.
 pub fn run(arguments: &Compare) -> Result<bool> {
-    if let Some(folder) = &arguments.out {
-        ensure!(!folder.exists() || folder.is_dir(), "{}: is a file, --out names a folder", folder.display());
-    }
+    arguments.out.as_deref().map(output::to_folder).transpose()?;
     let instructions = arguments.instructions.as_deref().map(read_instructions).transpose()?.unwrap_or_default();
     let Compare { optimiser, start, seed, .. } = *arguments;
     let job = arguments.fitting.job(SearchOptions { optimiser, start, seed, ..SearchOptions::default() })?;

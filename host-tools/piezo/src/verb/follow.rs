@@ -5,7 +5,7 @@ use super::feedforward::caveats;
 use super::print::{out, progress};
 use crate::option::LogOptions;
 use crate::option::link::PortOption;
-use crate::output;
+use crate::output::{self, Replacement};
 use crate::remedy;
 use ::feedforward::{Trajectory, near, plan};
 use anyhow::{Context, Result, ensure};
@@ -20,7 +20,6 @@ use protocol::{Mode, Refusal, Sample};
 use serde_json::json;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// Arguments of `piezo follow`.
 #[derive(Args, Debug)]
@@ -85,16 +84,16 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     if let (Some(mut file), Some(path)) = (file, &arguments.out) {
         let cannot = || format!("{}: cannot be written", path.display());
         file.write_all(csv(&rows).as_bytes()).with_context(cannot)?;
-        file.persist(path).map_err(|error| error.error).with_context(cannot)?;
+        file.commit().with_context(cannot)?;
     }
     tell(arguments, &table, &samples, &followed, &rows)
 }
 
 /// The file that becomes the log.
-fn beside(path: &Path, trajectory: &Path) -> Result<NamedTempFile> {
+fn beside(path: &Path, trajectory: &Path) -> Result<Replacement> {
     ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
     output::not_over(path, &[trajectory])?;
-    output::beside(path).with_context(|| format!("{}: cannot be written", path.display()))
+    Replacement::of(path).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
 /// Refuses a trajectory that the device's own model never meets; says what comes of one that it does, where that is wanted.

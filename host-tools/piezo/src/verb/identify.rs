@@ -3,7 +3,7 @@
 use super::print::{heading, out, progress, row};
 use crate::option::{CalibrationArgs, Fitting, SearchArgs, model_choice};
 use crate::{output, remedy};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
 use identification::cost::Cost;
 use identification::table_file::TableFile;
@@ -48,8 +48,7 @@ pub struct Identify {
 
 /// Runs the verb.
 pub fn run(arguments: &Identify) -> Result<bool> {
-    let out_folder = arguments.out.display();
-    ensure!(!arguments.out.exists() || arguments.out.is_dir(), "{out_folder}: is a file, --out names a folder");
+    output::to_folder(&arguments.out)?;
     let job = Job {
         model: arguments.model,
         calibration: arguments.calibration.options()?,

@@ -4,7 +4,8 @@ use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::not_negative;
-use crate::{output, remedy};
+use crate::output::Replacement;
+use crate::remedy;
 use anyhow::{Context, Result, bail, ensure};
 use bench::BoardFacts;
 use clap::Args;
@@ -50,7 +51,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
     ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
     let interrupt = Interrupt::watch()?;
     let cannot_write = || format!("{name}: cannot be written");
-    let file = output::beside(&arguments.out).with_context(cannot_write)?;
+    let mut file = Replacement::of(&arguments.out).with_context(cannot_write)?;
     let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, &arguments.port.port)?;
     let tick_us = identity.tick_us;
@@ -62,7 +63,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let wish = Wish { calibration, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };
     client.stream(true)?;
     let bar = ticks.map_or_else(ProgressBar::new_spinner, super::print::progress);
-    let recorded = record(&mut client, &wish, &mut BufWriter::new(&file), |recording| {
+    let recorded = record(&mut client, &wish, &mut BufWriter::new(&mut file), |recording| {
         bar.set_message(format!("{:.1} s", seconds(recording, tick_us)));
         bar.set_position(recording.ticks);
         interrupt.wanted()
@@ -76,8 +77,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
     note_damage(&client);
     let (recording, end) = recorded.with_context(cannot_write)?;
     if recording.rows > 0 {
-        file.as_file().sync_all().with_context(cannot_write)?;
-        file.persist(&arguments.out).map_err(|error| error.error).with_context(cannot_write)?;
+        file.commit().with_context(cannot_write)?;
     }
     tell(arguments, &recording, &end, (tick_us, wish.sensor.is_some()))?;
     let complete = conclude(arguments, &recording, end)?;

@@ -67,9 +67,7 @@ fn items() -> impl TypedValueParser<Value = Item> {
 /// Runs the verb.
 pub fn run(arguments: &Reproduce) -> Result<bool> {
     let items = Item::asked(&arguments.items);
-    if let Some(folder) = &arguments.out {
-        ensure!(!folder.exists() || folder.is_dir(), "{}: is a file, --out names a folder", folder.display());
-    }
+    arguments.out.as_deref().map(output::to_folder).transpose()?;
     let (job, rig) = job(arguments)?;
     let length =
         items.iter().map(|item| item.generations(&job.search, arguments.seeds)).sum::<u64>() + job.generations_before();

@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Error, ErrorKind, Write};
 use std::path::Path;
 
 use super::clock::whole_rate;
-use crate::file::beside;
+use crate::file::Replacement;
 
 /// Whose a displacement is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -43,8 +43,8 @@ pub fn write_csv(
         return invalid(format!("sample {} is not finite", row + 1));
     }
 
-    let file = beside(path)?;
-    let mut out = BufWriter::new(&file);
+    let mut file = Replacement::of(path)?;
+    let mut out = BufWriter::new(&mut file);
     let estimated = if whose == Displacement::Estimated { "estimated_" } else { "" };
     writeln!(out, "time_s,voltage_V,{estimated}displacement_um")?;
     let rate = whole_rate(sample_period, 0.0);
@@ -58,9 +58,7 @@ pub fn write_csv(
     }
     out.flush()?;
     drop(out);
-    file.as_file().sync_all()?;
-    file.persist(path)?;
-    Ok(())
+    file.commit()
 }
 
 #[cfg(test)]
