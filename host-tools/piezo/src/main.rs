@@ -5,7 +5,6 @@
 mod documents;
 mod option;
 mod output;
-mod remedy;
 mod verb;
 
 use clap::{Parser, Subcommand};

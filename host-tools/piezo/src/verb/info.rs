@@ -3,7 +3,7 @@
 use super::device::checksum;
 use super::print::out;
 use crate::option::link::PortOption;
-use crate::remedy::{self, Meaning};
+use remedy::Meaning;
 use anyhow::Result;
 use bench::describe;
 use clap::Args;

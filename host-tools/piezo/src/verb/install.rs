@@ -4,7 +4,6 @@ use super::device::{self, note_damage};
 use super::print::{out, progress};
 use crate::option::BoardOption;
 use crate::option::link::PortOption;
-use crate::remedy;
 use ::calibration::converter_mismatches;
 use anyhow::Result;
 use bench::{NO_MODEL, for_board, install, rehearsal};

@@ -4,7 +4,7 @@ use super::print::out;
 use crate::Cli;
 use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, positive};
-use crate::remedy::quoted;
+use remedy::quoted;
 use anyhow::{Context, Result};
 use bench::{Session, session};
 use clap::{Args, Parser};

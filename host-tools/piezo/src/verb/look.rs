@@ -3,7 +3,7 @@
 use super::print::out;
 use crate::option::LogOptions;
 use crate::output;
-use crate::remedy::sentence;
+use remedy::sentence;
 use anyhow::{Result, ensure};
 use clap::Args;
 use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey, survey};

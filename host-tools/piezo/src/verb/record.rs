@@ -4,7 +4,7 @@ use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::not_negative;
-use crate::{output, remedy};
+use crate::output;
 use anyhow::{Context, Result, bail, ensure};
 use bench::BoardFacts;
 use clap::Args;

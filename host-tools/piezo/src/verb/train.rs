@@ -3,7 +3,7 @@
 use super::device::note_damage;
 use super::print::{out, progress};
 use crate::option::{BoardOption, ExcitationArgs};
-use crate::{output, remedy};
+use crate::output;
 use anyhow::{Context, Result, anyhow};
 use bench::{BenchError, Ended, FORMER, NO_MODEL, Trained, Training, train};
 use clap::Args;
