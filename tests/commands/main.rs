@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 /// The `piezo` binary, run from the repository's root.
 fn piezo() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_piezo"));
-    command.current_dir(root());
+    command.current_dir(root()).env_remove("PIEZO_PORT");
     command
 }
 
