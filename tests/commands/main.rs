@@ -5,6 +5,7 @@ mod columns;
 mod compare;
 mod demo;
 mod device;
+mod divider;
 mod faces;
 mod feedforward;
 mod follow;

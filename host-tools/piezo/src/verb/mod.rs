@@ -2,6 +2,7 @@
 //! whether it succeeded.
 
 pub mod compare;
+pub mod divider;
 pub mod emit;
 pub mod emulate;
 pub mod erase;
