@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use protocol::frame::MAX_FRAME;
 use protocol::{
     Deframer, Faults, FrameError, Health, Identity, Mode, Refusal, Reply, Request, ResetCause, Sample, Samples,
-    TableSource, ToDevice, ToHost, VERSION, encode, text,
+    TableSource, ToDevice, ToHost, Uid, VERSION, encode, text,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -81,6 +81,7 @@ fn answers() -> Vec<ToHost> {
     };
     let identity = Identity {
         board: text("x".repeat(99)),
+        uid: Some(Uid([u8::MAX; 12])),
         firmware: text("x".repeat(99)),
         git: text("x".repeat(99)),
         record_version: u16::MAX,

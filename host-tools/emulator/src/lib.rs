@@ -29,7 +29,7 @@ mod plant;
 mod serial_line;
 
 pub use bench::Bench;
-pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES};
+pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES, UID};
 pub use faulty_line::{Direction, Fault, FaultyLine};
 pub use firmware::Conversion;
 /// From one tick of the device to the next, µs.
