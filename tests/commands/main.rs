@@ -1,6 +1,7 @@
 //! Whole commands, as a user types them, on the measured log and on the synthetic rig.
 
 mod bench;
+mod calibrate;
 mod columns;
 mod compare;
 mod demo;

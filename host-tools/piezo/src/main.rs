@@ -10,7 +10,7 @@ mod verb;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
-    compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn,
+    calibrate, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn,
     look, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train, validate, zero,
 };
 
@@ -62,6 +62,12 @@ enum Verb {
   piezo divider --monitor -10:10
   piezo divider --sensor 0:10 --displacement 0:30 --series e24")]
     Divider(divider::DividerArgs),
+    /// Two readings of a multimeter → what the board's converters stand for, in board.toml.
+    #[command(after_help = "Examples:
+  piezo calibrate --board board.toml
+  piezo calibrate --board board.toml --drive-to 10:90
+  piezo calibrate --board board.toml --channel sensor --low 2.5 --high 22.5")]
+    Calibrate(calibrate::Calibrate),
     /// train, identify, install and prove, one after the other.
     #[command(
         after_help = "Example: piezo learn --port tcp:127.0.0.1:4740 --board board.toml --range 0:100 --out p885"
@@ -144,6 +150,7 @@ impl Cli {
             Verb::Feedforward(arguments) => feedforward::run(&arguments),
             Verb::Emulate(arguments) => emulate::run(&arguments),
             Verb::Divider(arguments) => divider::run(&arguments),
+            Verb::Calibrate(arguments) => calibrate::run(&arguments),
             Verb::Learn(arguments) => learn::run(&arguments),
             Verb::Train(arguments) => train::run(&arguments),
             Verb::Install(arguments) => install::run(&arguments),
