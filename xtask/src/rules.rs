@@ -35,7 +35,10 @@ pub fn check(sh: &Shell) -> Result<()> {
             }
             broken.extend(flags(&text).map(|(line, code)| {
                 let place = place.display();
-                format!("{place}:{line}: `{code}` names a flag, which only {} may: say it there", COMMAND_LINE.join(" and "))
+                format!(
+                    "{place}:{line}: `{code}` names a flag, which only {} may: say it there",
+                    COMMAND_LINE.join(" and ")
+                )
             }));
         }
         if lines > MOST_LINES {
