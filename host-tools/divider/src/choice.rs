@@ -100,7 +100,8 @@ mod tests {
             assert!((at_zero - zero).abs() < 0.1 && (at_full - full).abs() < 0.1, "{at_zero} … {at_full} V");
             let swing = |of: &Divider| of.pin(span.1) - of.pin(span.0);
             let chosen = Divider::choose(span, Series::E96).unwrap();
-            assert!(swing(&chosen) > swing(&divider) - 2.0 * AS_GOOD * 3.0, "{chosen:?}");
+            // Those of ±10 V go 10 mV beyond the pin's range at either end; the next values are 2.4 % away.
+            assert!(swing(&chosen) > 0.975 * swing(&divider), "{chosen:?}: {} V of {} V", swing(&chosen), swing(&divider));
         }
     }
 
