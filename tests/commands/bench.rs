@@ -79,3 +79,22 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let log = recordings::log::read(&proof.join("proven.csv"), &Default::default()).unwrap();
     assert!(log.displacement.is_some() && !log.displacement_estimated);
 }
+
+#[test]
+fn a_flash_in_a_file_outlives_its_board() {
+    let folder = tempfile::tempdir().unwrap();
+    let (board, flash) = (folder.path().join("board.toml"), folder.path().join("flash.bin"));
+    let run = |more: &[&str]| {
+        let emulated = Emulated::start(&board, &["--speed", "8", "--flash", text(&flash)]);
+        let source = json(piezo().args(["info", "--json", "--port", &emulated.port]))["identity"]["source"].clone();
+        if !more.is_empty() {
+            piezo().args([more, &["--port", &emulated.port]].concat()).assert().success();
+        }
+        source
+    };
+    assert_eq!(run(&["erase", "--reset", "--rewired"]), "Stored");
+    assert!(run(&[]).get("Compiled").is_some(), "what was erased came back");
+    std::fs::write(&flash, "no flash").unwrap();
+    let other = ["emulate", "--tcp-port", "0", "--board", text(&board), "--flash", text(&flash)];
+    refused(&other, &["flash.bin", "it has 8 bytes"]);
+}

@@ -104,7 +104,9 @@ mod tests {
     fn edited(before: Option<&str>, measured: &Measured) -> Result<(String, BoardFacts), String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("board.toml");
-        before.map(|text| std::fs::write(&path, text).unwrap());
+        if let Some(text) = before {
+            std::fs::write(&path, text).unwrap();
+        }
         let edited = Edited::of(&path, measured).map_err(|error| error.to_string())?;
         assert_eq!(std::fs::read_to_string(&path).ok().as_deref(), before, "nothing is written before it is asked for");
         edited.write().unwrap();

@@ -160,7 +160,7 @@ pub enum Stand {
     /// By hand.
     ByHand,
     /// The board drives the amplifier to these voltages, V by the table in use.
-    Driven(Driven, [f32; 2]),
+    Driven(Box<Driven>, [f32; 2]),
 }
 
 /// What is to be calibrated, and with what.

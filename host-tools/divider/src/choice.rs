@@ -101,7 +101,12 @@ mod tests {
             let swing = |of: &Divider| of.pin(span.1) - of.pin(span.0);
             let chosen = Divider::choose(span, Series::E96).unwrap();
             // Those of ±10 V go 10 mV beyond the pin's range at either end; the next values are 2.4 % away.
-            assert!(swing(&chosen) > 0.975 * swing(&divider), "{chosen:?}: {} V of {} V", swing(&chosen), swing(&divider));
+            assert!(
+                swing(&chosen) > 0.975 * swing(&divider),
+                "{chosen:?}: {} V of {} V",
+                swing(&chosen),
+                swing(&divider)
+            );
         }
     }
 

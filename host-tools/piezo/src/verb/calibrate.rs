@@ -67,7 +67,7 @@ pub fn run(arguments: &Calibrate) -> Result<bool> {
     let stand = match drive_to {
         Some(to) => {
             let volts = [to.zero as f32, to.full as f32];
-            Stand::Driven(Driven::new(&mut client, volts)?, volts)
+            Stand::Driven(Box::new(Driven::new(&mut client, volts)?), volts)
         }
         None => Stand::ByHand,
     };
