@@ -107,6 +107,28 @@ fn two_readings_make_a_file_that_says_how_the_board_is_wired() {
 }
 
 #[test]
+fn a_host_that_is_killed_while_it_waits_for_a_reading_leaves_the_amplifier_at_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let (board, mut emulated) = wired_otherwise(folder.path(), "1");
+    let before = std::fs::read_to_string(&board).unwrap();
+    let mut process = Command::new(env!("CARGO_BIN_EXE_piezo"))
+        .args(["calibrate", "--board", &*board, "--drive-to", "60:90", "--port", &*emulated.port])
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let question = BufReader::new(process.stderr.take().unwrap()).lines().next().unwrap().unwrap();
+    assert!(question.contains("holds the amplifier at 60 V"), "{question}");
+    while (behind(&emulated.line(), "output:") - 60.0).abs() > 5.0 {}
+    process.kill().unwrap();
+    process.wait().unwrap();
+    // The next voltage at which it stands still. By the file, the rest is 0 V.
+    let rest = behind(&emulated.line(), "output:");
+    assert!(rest.abs() < 3.0, "{rest} V");
+    assert_eq!(std::fs::read_to_string(&board).unwrap(), before);
+}
+
+#[test]
 fn what_says_nothing_is_refused_and_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let (board, emulated) = wired_otherwise(folder.path(), "1");
