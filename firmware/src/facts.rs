@@ -3,13 +3,15 @@
 use crate::restarts::Restarts;
 use estimator_core::DacCode;
 use estimator_core::table::Board;
-use protocol::ResetCause;
+use protocol::{ResetCause, Uid};
 
 /// What is known of a board before its first tick, and how to ask it for the errors that only it can count.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
     /// The board's name.
     pub name: &'static str,
+    /// Which of these boards, where its chip says so.
+    pub uid: Option<Uid>,
     /// What the board asks of a table.
     pub interface: Board,
     /// Counts of the board's cycle counter from tick to tick.

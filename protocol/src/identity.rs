@@ -1,6 +1,7 @@
 //! Who the device is.
 
 use crate::text::Text;
+use crate::uid::Uid;
 use estimator_core::table::Board;
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +29,8 @@ pub enum TableSource {
 pub struct Identity {
     /// Name of the board.
     pub board: Text<24>,
+    /// Which of these boards, where its chip says so.
+    pub uid: Option<Uid>,
     /// The firmware's version.
     pub firmware: Text<16>,
     /// The commit it was built from; with a mark when the sources had been changed.

@@ -20,6 +20,7 @@ pub mod mode;
 pub mod refusal;
 pub mod sample;
 pub mod text;
+pub mod uid;
 
 pub use faults::Faults;
 pub use frame::{Deframer, FrameError, VERSION, encode};
@@ -30,6 +31,7 @@ pub use mode::Mode;
 pub use refusal::Refusal;
 pub use sample::{Sample, Samples};
 pub use text::{Text, text};
+pub use uid::Uid;
 
 /// The serial line's rate, bit/s, 8 data bits, no parity, one stop bit. The full stream takes less than half of it.
 pub const BAUD: u32 = 921_600;

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use protocol::frame::MAX_FRAME;
 use protocol::{
     Deframer, Faults, FrameError, Health, Identity, Mode, Refusal, Reply, Request, ResetCause, Sample, Samples,
-    TableSource, ToDevice, ToHost, VERSION, encode, text,
+    TableSource, ToDevice, ToHost, Uid, VERSION, encode, text,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -81,6 +81,7 @@ fn answers() -> Vec<ToHost> {
     };
     let identity = Identity {
         board: text("x".repeat(99)),
+        uid: Some(Uid([u8::MAX; 12])),
         firmware: text("x".repeat(99)),
         git: text("x".repeat(99)),
         record_version: u16::MAX,
@@ -122,14 +123,14 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f05ac020a030102f0ff0374c6724f00");
+    assert_eq!(hex(frame(&message)), "0f06ac020a030102f0ff03777d45a400");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "230501ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff03da0c73b800"
+        "230601ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff03c229d2fc00"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (5, 4005624791));
+    assert_eq!((VERSION, crc), (6, 1018796257));
 }
 
 #[test]

@@ -1,29 +1,36 @@
 //! From a board and a sensor to a proven table, on an emulated board, as it is typed.
 
 use super::{json, number, piezo, refused, text};
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Lines};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// `piezo emulate` while it runs, and where it listens.
-struct Emulated {
+/// `piezo emulate` while it runs, where it listens, and what else it prints.
+pub struct Emulated {
     process: Child,
-    port: String,
+    pub port: String,
+    lines: Lines<BufReader<ChildStdout>>,
 }
 
 impl Emulated {
     /// Wired as the file says, which is written where there is none.
-    fn start(board: &Path) -> Self {
+    pub fn start(board: &Path, more: &[&str]) -> Self {
         let mut process = Command::new(env!("CARGO_BIN_EXE_piezo"))
-            .args(["emulate", "--device", "bouc-wen", "--tcp-port", "0", "--speed", "8", "--board", text(board)])
+            .args(["emulate", "--device", "bouc-wen", "--tcp-port", "0", "--board", text(board)])
+            .args(more)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
-        let lines = BufReader::new(process.stdout.take().unwrap()).lines();
-        // The command that is to be typed next, with which it stops printing.
-        let next = lines.map(Result::unwrap).find(|line| line.contains("--port tcp:")).unwrap();
+        let mut lines = BufReader::new(process.stdout.take().unwrap()).lines();
+        // The command that is to be typed next.
+        let next = lines.by_ref().map(Result::unwrap).find(|line| line.contains("--port tcp:")).unwrap();
         let port = next.split(' ').find(|word| word.starts_with("tcp:")).unwrap().to_owned();
-        Self { process, port }
+        Self { process, port, lines }
+    }
+
+    /// The next line that it prints.
+    pub fn line(&mut self) -> String {
+        self.lines.next().unwrap().unwrap()
     }
 }
 
@@ -38,7 +45,7 @@ impl Drop for Emulated {
 fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let folder = tempfile::tempdir().unwrap();
     let (board, out) = (folder.path().join("board.toml"), folder.path().join("p885"));
-    let emulated = Emulated::start(&board);
+    let emulated = Emulated::start(&board, &["--speed", "8"]);
     let (board, port) = (text(&board), &*emulated.port);
     let short = ["--minutes", "0.7", "--up-to", "20", "--proof-seconds", "20"];
     let search = ["--", "--model", "prandtl-ishlinskii", "--evaluations", "4", "--devices", "4"];
@@ -52,6 +59,11 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     for part in ["the device has, as before, no model", "bit-exact", "PASS: the table's ± holds the sensor"] {
         assert!(printed.contains(part), "{part:?} is missing in\n{printed}");
     }
+    // What comes next it types itself, and what identify has said install does not say again.
+    for part in ["Next:", "- careful:"] {
+        assert!(!printed.contains(part), "{part:?} is said in\n{printed}");
+    }
+    assert!(out.join("held-out.csv").is_file() && !out.join("proof.csv").exists());
     // A second session does not mix its logs with those of the first.
     refused(&learn, &["is there already", "choose another --out"]);
     // What it has left is in use: it proves again, on another draw, and is told from a table that is not good enough.
@@ -66,4 +78,23 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     piezo().args(&fails).assert().code(1);
     let log = recordings::log::read(&proof.join("proven.csv"), &Default::default()).unwrap();
     assert!(log.displacement.is_some() && !log.displacement_estimated);
+}
+
+#[test]
+fn a_flash_in_a_file_outlives_its_board() {
+    let folder = tempfile::tempdir().unwrap();
+    let (board, flash) = (folder.path().join("board.toml"), folder.path().join("flash.bin"));
+    let run = |more: &[&str]| {
+        let emulated = Emulated::start(&board, &["--speed", "8", "--flash", text(&flash)]);
+        let source = json(piezo().args(["info", "--json", "--port", &emulated.port]))["identity"]["source"].clone();
+        if !more.is_empty() {
+            piezo().args([more, &["--port", &emulated.port]].concat()).assert().success();
+        }
+        source
+    };
+    assert_eq!(run(&["erase", "--reset", "--rewired"]), "Stored");
+    assert!(run(&[]).get("Compiled").is_some(), "what was erased came back");
+    std::fs::write(&flash, "no flash").unwrap();
+    let other = ["emulate", "--tcp-port", "0", "--board", text(&board), "--flash", text(&flash)];
+    refused(&other, &["flash.bin", "it has 8 bytes"]);
 }

@@ -40,7 +40,9 @@ fn a_port_that_is_not_there_is_named_with_what_to_do() {
         refused(&[verb, &["--port", text(&port)]].concat(), &["ttyACM7", "no such port", "port"]);
         refused(&[verb, &["--port", &socket]].concat(), &[&socket, "nothing listens", "cargo xtask emulate"]);
         refused(&[verb, &["--port", "tcp:nowhere"]].concat(), &["tcp:HOST:PORT"]);
-        refused(verb, &["--port"]);
+        // Never without a port: a test finds no board that is plugged in.
+        let by_environment = piezo().args(verb).env("PIEZO_PORT", &port).assert().code(2).get_output().clone();
+        assert!(String::from_utf8_lossy(&by_environment.stderr).contains("ttyACM7: there is no such port"));
     }
     refused(&["info", "--port", text(&data("table/table.toml"))], &["table.toml", "serial port"]);
 }

@@ -1,10 +1,12 @@
 //! Whole commands, as a user types them, on the measured log and on the synthetic rig.
 
 mod bench;
+mod calibrate;
 mod columns;
 mod compare;
 mod demo;
 mod device;
+mod divider;
 mod faces;
 mod feedforward;
 mod follow;
@@ -28,7 +30,7 @@ use std::path::{Path, PathBuf};
 /// The `piezo` binary, run from the repository's root.
 fn piezo() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_piezo"));
-    command.current_dir(root());
+    command.current_dir(root()).env_remove("PIEZO_PORT");
     command
 }
 

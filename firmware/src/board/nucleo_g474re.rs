@@ -53,7 +53,7 @@ use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::reading::Watched;
 use firmware::{Conversion, Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
-use protocol::{BAUD, ResetCause};
+use protocol::{BAUD, ResetCause, Uid};
 use static_cell::ConstStaticCell;
 
 bind_interrupts!(struct Irqs {
@@ -172,6 +172,7 @@ async fn main(_spawner: Spawner) {
     let front = OnBoard { button: Input::new(p.PC13, Pull::None), lamp: Output::new(p.PA5, Level::Low, Speed::Low) };
     let facts = Facts {
         name: "nucleo-g474re",
+        uid: Some(Uid(embassy_stm32::uid::uid())),
         interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,

@@ -92,6 +92,7 @@ impl<F: NorFlash> Device<'_, F> {
         let Board { tick_us, adc_full_scale, dac_full_scale } = self.facts.interface;
         Identity {
             board: text(self.facts.name),
+            uid: self.facts.uid,
             firmware: text(env!("CARGO_PKG_VERSION")),
             git: text(env!("GIT_COMMIT")),
             record_version: VERSION,

@@ -10,12 +10,13 @@ use firmware::queues::{LinkQueues, Queues};
 use firmware::restarts::Restarts;
 use firmware::startup::Startup;
 use firmware::{Facts, Telemetry, Tick};
-use protocol::{Faults, ResetCause};
+use protocol::{Faults, ResetCause, Uid};
 
 /// Cycles from tick to tick.
 pub const PERIOD: u32 = 85_000;
 pub const FACTS: Facts = Facts {
     name: "bench",
+    uid: Some(Uid([7; 12])),
     interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
     cycles_per_tick: PERIOD,
     reset: ResetCause::WATCHDOG,

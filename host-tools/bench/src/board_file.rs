@@ -9,6 +9,7 @@
 //! drive_rest = 0.0              # V when nothing is wanted
 //! drive_slew = 500.0            # V/s, fastest change
 //! sensor_span = [-5.0, 25.0]    # µm at the sensor's code 0 and at full scale
+//! board_uid = "0039…"           # the unique number of the board that this was measured on
 //! ```
 //!
 //! What a file does not say is not known; nothing is assumed.
@@ -16,6 +17,7 @@
 use ::calibration::CalibrationOptions;
 use ::calibration::drive::DriveOptions;
 use ::calibration::span::Span;
+use protocol::{Identity, Uid};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -42,6 +44,34 @@ pub struct BoardFacts {
     pub drive_slew: Option<f64>,
     /// Displacement at the sensor's code 0 and at full scale, µm.
     pub sensor_span: Option<(f64, f64)>,
+    /// The unique number of the board that this was measured on.
+    pub board_uid: Option<Uid>,
+}
+
+/// Every value with what it is.
+const WHAT: [(&str, &str); 9] = [
+    ("adc_span", "V at the amplifier at ADC code 0 and at full scale"),
+    ("adc_full_scale", "largest ADC code, oversampling included"),
+    ("dac_full_scale", "largest DAC code"),
+    ("drive_span", "V at the amplifier at DAC code 0 and at full scale"),
+    ("drive_range", "V that it may be driven to"),
+    ("drive_rest", "V when nothing is wanted"),
+    ("drive_slew", "V/s, fastest change"),
+    ("sensor_span", "µm at the sensor's code 0 and at full scale"),
+    ("board_uid", "the unique number of the board that this was measured on"),
+];
+
+/// A file was measured on one board, and another one is connected.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("it was measured on the board {of}, and this is {}: a calibration belongs to its board", match this {
+    Some(this) => format!("the board {this}"),
+    None => "a board that states no UID".to_owned(),
+})]
+pub struct AnotherBoard {
+    /// Whose calibration it is.
+    pub of: Uid,
+    /// The one that is connected, where it says so.
+    pub this: Option<Uid>,
 }
 
 /// Why a file says nothing of a board.
@@ -62,6 +92,14 @@ pub enum BoardFileError {
         path: PathBuf,
         /// Where, and what is wrong there.
         error: Box<toml::de::Error>,
+    },
+    /// It cannot be edited.
+    #[error("{}: cannot be edited: {error}", path.display())]
+    Edit {
+        /// The board.toml that was named.
+        path: PathBuf,
+        /// Where, and what is wrong there.
+        error: toml_edit::TomlError,
     },
     /// A value cannot be.
     #[error("{}: {}{field} = {value}: {rule}", path.display(), line.map_or(String::new(), |line| format!("line {line}: ")))]
@@ -87,7 +125,15 @@ impl BoardFacts {
     pub fn read(path: &Path) -> Result<Self, BoardFileError> {
         let text = std::fs::read_to_string(path)
             .map_err(|error| BoardFileError::Unreadable { path: path.to_owned(), error })?;
-        let facts: Self = toml::from_str(&text)
+        Self::parse(path, &text)
+    }
+
+    /// Reads a file's text.
+    ///
+    /// # Errors
+    /// It says something else, or what cannot be.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, BoardFileError> {
+        let facts: Self = toml::from_str(text)
             .map_err(|error| BoardFileError::Wrong { path: path.to_owned(), error: Box::new(error) })?;
         facts.check().map_err(|(field, value, rule)| BoardFileError::Value {
             path: path.to_owned(),
@@ -102,18 +148,41 @@ impl BoardFacts {
     /// The file's text, every value with what it is.
     pub fn to_toml(&self) -> String {
         let pair = |(zero, full): (f64, f64)| format!("[{zero:?}, {full:?}]");
-        let lines = [
-            ("adc_span", self.adc_span.map(pair), "V at the amplifier at ADC code 0 and at full scale"),
-            ("adc_full_scale", self.adc_full_scale.map(|n| n.to_string()), "largest ADC code, oversampling included"),
-            ("dac_full_scale", self.dac_full_scale.map(|n| n.to_string()), "largest DAC code"),
-            ("drive_span", self.drive_span.map(pair), "V at the amplifier at DAC code 0 and at full scale"),
-            ("drive_range", self.drive_range.map(pair), "V that it may be driven to"),
-            ("drive_rest", self.drive_rest.map(|v| format!("{v:?}")), "V when nothing is wanted"),
-            ("drive_slew", self.drive_slew.map(|v| format!("{v:?}")), "V/s, fastest change"),
-            ("sensor_span", self.sensor_span.map(pair), "µm at the sensor's code 0 and at full scale"),
+        let number = |x: f64| format!("{x:?}");
+        let values = [
+            ("adc_span", self.adc_span.map(pair)),
+            ("adc_full_scale", self.adc_full_scale.map(|n| n.to_string())),
+            ("dac_full_scale", self.dac_full_scale.map(|n| n.to_string())),
+            ("drive_span", self.drive_span.map(pair)),
+            ("drive_range", self.drive_range.map(pair)),
+            ("drive_rest", self.drive_rest.map(number)),
+            ("drive_slew", self.drive_slew.map(number)),
+            ("sensor_span", self.sensor_span.map(pair)),
+            ("board_uid", self.board_uid.map(|uid| format!("\"{uid}\""))),
         ];
-        let said = lines.into_iter().filter_map(|(name, value, what)| Some((format!("{name} = {}", value?), what)));
+        let said =
+            values.into_iter().filter_map(|(name, value)| Some((format!("{name} = {}", value?), Self::what(name))));
         said.map(|(line, what)| format!("{line:<31}# {what}\n")).collect()
+    }
+
+    /// What a value of the file is, in words.
+    pub fn what(field: &str) -> &'static str {
+        WHAT.iter().find(|(name, _)| *name == field).map_or("", |(_, what)| what)
+    }
+
+    /// Refuses a file that was measured on another board. One that does not say on which is nobody's in particular.
+    ///
+    /// # Errors
+    /// It says so, and the board is not that one.
+    pub fn of_board(&self, identity: &Identity) -> Result<(), AnotherBoard> {
+        self.of_board_uid(identity.uid)
+    }
+
+    fn of_board_uid(&self, this: Option<Uid>) -> Result<(), AnotherBoard> {
+        match self.board_uid {
+            Some(of) if this != Some(of) => Err(AnotherBoard { of, this }),
+            _ => Ok(()),
+        }
     }
 
     /// What a table's converters are by this, where `stated` says nothing else.
@@ -248,6 +317,20 @@ mod tests {
         says("# of the amplifier\ndrive_rest = 0", &["line 2: drive_rest = 0", "belong together"]);
         says("dac_full_scale = 0", &["dac_full_scale = 0"]);
         says("adc_full_scale = 70000", &["line 1", "70000"]);
+    }
+
+    #[test]
+    fn it_is_of_the_board_that_it_names_or_of_any() {
+        let (one, other) = (Uid([1; 12]), Uid([2; 12]));
+        let refused = |file: Option<Uid>, board: Option<Uid>| {
+            let facts = BoardFacts { board_uid: file, ..FACTS };
+            assert_eq!(read(&facts.to_toml()), Ok(facts));
+            facts.of_board_uid(board).is_err()
+        };
+        assert!(!refused(Some(one), Some(one)) && !refused(None, Some(one)) && !refused(None, None));
+        assert!(refused(Some(one), Some(other)) && refused(Some(one), None));
+        let says = read("board_uid = \"12\"").unwrap_err();
+        assert!(says.contains("24 hexadecimal digits"), "{says}");
     }
 
     #[test]

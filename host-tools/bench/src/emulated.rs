@@ -15,6 +15,7 @@ pub const EMULATED: BoardFacts = BoardFacts {
     drive_rest: Some(0.0),
     drive_slew: Some(500.0),
     sensor_span: Some((-5.0, 25.0)),
+    board_uid: None,
 };
 
 /// Noise of the monitor and of the sensor, rms, each of its span: that of a 12-bit converter, oversampled sixteen times, is a sixth of

@@ -1,6 +1,7 @@
 //! Why a session on the bench cannot begin, or cannot end as it should.
 
-use crate::board_file::BoardFileError;
+use crate::board_file::{AnotherBoard, BoardFileError};
+use crate::calibrate::CalibrationError;
 use crate::output::Output;
 use crate::watch::Complaint;
 use crate::wiring::{NO_MODEL, WiringError};
@@ -10,6 +11,7 @@ use device_link::pil::FeedError;
 use device_link::play::PlayError;
 use device_link::table::RunningTableError;
 use device_link::write::WriteError;
+use estimator_core::Range;
 use estimator_core::table::Misfit;
 use excitation::ExcitationError;
 use identification::table_file::TableFileError;
@@ -45,6 +47,20 @@ pub enum BenchError {
     /// A board's file cannot be used.
     #[error(transparent)]
     Board(#[from] BoardFileError),
+    /// What is known is of another board.
+    #[error(transparent)]
+    Another(#[from] AnotherBoard),
+    /// Two readings make no calibration.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// The table in use does not drive so far.
+    #[error("{volts} V are not within what the table in use drives to, {} … {} V", range_v.min, range_v.max)]
+    BeyondDrive {
+        /// What was asked for, V.
+        volts: f32,
+        /// What the table allows, V.
+        range_v: Range,
+    },
     /// What is known of the board does not suffice.
     #[error(transparent)]
     Wiring(#[from] WiringError),
@@ -148,6 +164,8 @@ impl BenchError {
             Self::Running(error) => Some(error),
             Self::Table(error) => Some(error),
             Self::Board(error) => Some(error),
+            Self::Another(error) => Some(error),
+            Self::Calibration(error) => Some(error),
             Self::Wiring(error) => Some(error),
             Self::Excitation(error) => Some(error),
             _ => None,

@@ -2,15 +2,19 @@
 //!
 //! ```text
 //! board.toml ─► BoardFacts ─► Wiring ─► a straight line's table, with which a board can be driven that knows no model yet
-//!                                └──► train   segments of voltages out, logs in; the table of before is in use again
+//!      ▲                         │
+//!      calibrate                 └──► train   segments of voltages out, logs in; the table of before is in use again
 //!                                     install a table, in use on the board, and bit for bit the host's
 //!                                     prove   a random drive: the board's own estimate beside the sensor
 //! ```
 //!
 //! However a session ends, the voltage goes to rest at the drive's slew rate, never with a jump.
 
+mod board_edit;
 mod board_file;
+pub mod calibrate;
 mod described;
+mod driven;
 mod emulated;
 mod error;
 pub mod followed;
@@ -27,8 +31,10 @@ mod wiring;
 #[cfg(test)]
 mod tests;
 
-pub use board_file::{BoardFacts, BoardFileError};
+pub use board_edit::{Edited, Measured};
+pub use board_file::{AnotherBoard, BoardFacts, BoardFileError};
 pub use described::describe;
+pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
 pub use install::{for_board, install, rehearsal};

@@ -93,9 +93,9 @@ fn a_session_leaves_its_logs_and_the_device_as_it_was() {
     let session = std::fs::read_to_string(folder.path().join("session.toml")).unwrap();
     assert!(session.contains("complete = true") && session.contains("sensor_span"), "{session}");
     let Session { logs, held_out } = crate::session(folder.path()).unwrap();
-    let (proof, learnt): (Vec<_>, Vec<_>) =
-        trained.logs.iter().map(|log| log.log.clone()).partition(|log| log.ends_with("proof.csv"));
-    assert!((logs, held_out) == (learnt, proof.clone()) && proof.len() == 1);
+    let (last, learnt): (Vec<_>, Vec<_>) =
+        trained.logs.iter().map(|log| log.log.clone()).partition(|log| log.ends_with("held-out.csv"));
+    assert!((logs, held_out) == (learnt, last.clone()) && last.len() == 1);
     // Another session does not mix with its logs.
     let refused = again(&mut client, folder.path());
     assert!(matches!(refused, BenchError::Occupied { .. }), "{refused}");

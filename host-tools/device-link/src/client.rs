@@ -57,11 +57,12 @@ impl Client {
     /// Opens the port and asks who is there. A stream that an earlier run left on is stopped.
     ///
     /// # Errors
-    /// The port cannot be opened, or nobody answers there in this version of the protocol.
+    /// No port is the only board's, it cannot be opened, or nobody answers there in this version of the protocol.
     pub fn connect(address: &Address) -> Result<(Self, Identity), LinkError> {
+        let address = address.resolved().map_err(LinkError::Port)?;
         let mut client = Self {
-            address: address.clone(),
             port: address.open()?,
+            address,
             deframer: Deframer::new(),
             in_step: false,
             damaged: 0,

@@ -12,6 +12,7 @@ pub mod port;
 pub mod probe;
 pub mod recording;
 pub mod sensor;
+pub mod stlink;
 pub mod table;
 pub mod window;
 pub mod words;

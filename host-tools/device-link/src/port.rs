@@ -1,5 +1,7 @@
-//! Where a device is: a serial port, or a TCP socket behind which one is emulated.
+//! Where a device is: a serial port, the one of the only board that is plugged in, or a TCP socket behind which one is emulated.
 
+use super::stlink::{self, Plugged};
+use serialport::{SerialPortInfo, SerialPortType, UsbPortInfo};
 use std::fmt;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -12,9 +14,14 @@ const READ: Duration = Duration::from_millis(20);
 /// Longest wait for a socket to be connected.
 const CONNECT: Duration = Duration::from_secs(3);
 
+/// The word for [`Address::Auto`].
+const AUTO: &str = "auto";
+
 /// A device's address, as it is said on a command line.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Address {
+    /// The serial port of the only board that is plugged in: `auto`.
+    Auto,
     /// Name of a serial port: `/dev/ttyACM0`, `COM3`.
     Serial(String),
     /// `HOST:PORT` of a socket.
@@ -27,7 +34,8 @@ impl FromStr for Address {
     fn from_str(text: &str) -> Result<Self, String> {
         let Some(socket) = text.strip_prefix("tcp:") else {
             return match text {
-                "" => Err("expected a serial port, or tcp:HOST:PORT".to_owned()),
+                "" => Err("expected a serial port, auto, or tcp:HOST:PORT".to_owned()),
+                AUTO => Ok(Self::Auto),
                 name => Ok(Self::Serial(name.to_owned())),
             };
         };
@@ -47,6 +55,7 @@ impl From<std::net::SocketAddr> for Address {
 impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Auto => f.write_str(AUTO),
             Self::Serial(name) => f.write_str(name),
             Self::Tcp(socket) => write!(f, "tcp:{socket}"),
         }
@@ -61,6 +70,18 @@ impl<P: Read + Write + Send> Port for P {}
 /// Why a port could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {
+    /// No board is plugged in.
+    #[error("no board is plugged in: no serial port here is an ST-Link's; {}", listed(.there))]
+    NoBoard {
+        /// The ports there are.
+        there: Vec<String>,
+    },
+    /// More than one board is plugged in.
+    #[error("{} boards are plugged in, with the ST-Links {}", boards.len(), serials(.boards))]
+    Several {
+        /// All of them.
+        boards: Vec<Plugged>,
+    },
     /// There is none of that name.
     #[error("{port}: there is no such port; {}", listed(.there))]
     Missing {
@@ -113,12 +134,24 @@ pub enum PortError {
 }
 
 impl Address {
+    /// Where the device is, with the name of the port in the place of [`Self::Auto`].
+    ///
+    /// # Errors
+    /// No board is plugged in, or several are.
+    pub fn resolved(&self) -> Result<Self, PortError> {
+        match self {
+            Self::Auto => Ok(Self::Serial(stlink::only(&ports())?)),
+            stated => Ok(stated.clone()),
+        }
+    }
+
     /// Opens the port; what has already arrived there is still to be read.
     ///
     /// # Errors
     /// See [`PortError`].
     pub fn open(&self) -> Result<Box<dyn Port>, PortError> {
         match self {
+            Self::Auto => self.resolved()?.open(),
             Self::Serial(name) => serial(name),
             Self::Tcp(socket) => tcp(socket).map_err(|error| match error.kind() {
                 ErrorKind::ConnectionRefused => PortError::Nobody { socket: socket.clone() },
@@ -159,20 +192,36 @@ fn tcp(socket: &str) -> io::Result<Box<dyn Port>> {
     Err(last)
 }
 
-/// The serial ports of this machine, with what is plugged in.
-fn there() -> Vec<String> {
+/// The serial ports of this machine.
+fn ports() -> Vec<SerialPortInfo> {
     // Without this folder, as in some containers, serialport 4.10 panics.
     if cfg!(target_os = "linux") && !Path::new("/sys/class/tty").is_dir() {
         return Vec::new();
     }
-    let describe = |port: serialport::SerialPortInfo| match port.port_type {
-        serialport::SerialPortType::UsbPort(usb) => match usb.product {
-            Some(product) => format!("{} ({product})", port.port_name),
-            None => port.port_name,
-        },
-        _ => port.port_name,
+    serialport::available_ports().unwrap_or_default()
+}
+
+/// The serial ports of this machine, with what is plugged in.
+fn there() -> Vec<String> {
+    ports().iter().map(described).collect()
+}
+
+/// A port's name, with what is plugged in.
+pub fn described(port: &SerialPortInfo) -> String {
+    match &port.port_type {
+        SerialPortType::UsbPort(UsbPortInfo { product: Some(product), .. }) => {
+            format!("{} ({product})", port.port_name)
+        }
+        _ => port.port_name.clone(),
+    }
+}
+
+fn serials(boards: &[Plugged]) -> String {
+    let named = |board: &Plugged| match &*board.serial {
+        "" => format!("at {}", board.port),
+        serial => serial.to_owned(),
     };
-    serialport::available_ports().unwrap_or_default().into_iter().map(describe).collect()
+    boards.iter().map(named).collect::<Vec<_>>().join(", ")
 }
 
 fn listed(ports: &[String]) -> String {
@@ -188,7 +237,7 @@ mod tests {
 
     #[test]
     fn addresses_read_as_they_are_written() {
-        for text in ["/dev/ttyACM0", "COM3", "tcp:127.0.0.1:4444", "tcp:[::1]:4444"] {
+        for text in ["auto", "/dev/ttyACM0", "COM3", "tcp:127.0.0.1:4444", "tcp:[::1]:4444"] {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
         }
         for text in ["", "tcp:", "tcp:4444", "tcp::4444", "tcp:localhost:", "tcp:localhost:70000"] {

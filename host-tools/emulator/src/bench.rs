@@ -16,6 +16,8 @@ use plants::{Running, STEP_S};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Steps of the actuator in a tick.
 const STEPS: u32 = (TICK_US as f64 * 1e-6 / STEP_S + 0.5) as u32;
@@ -41,9 +43,36 @@ pub struct Bench {
     pub seed: u64,
 }
 
+/// Instruments on the bench: what is, whatever the board's converters make of it.
+#[derive(Debug, Default)]
+pub struct Meters {
+    /// Bits of an f64, V.
+    voltage: AtomicU64,
+    /// Bits of an f64, µm.
+    displacement: AtomicU64,
+}
+
+impl Meters {
+    /// Voltage at the amplifier's output, V.
+    pub fn voltage(&self) -> f64 {
+        f64::from_bits(self.voltage.load(Ordering::Relaxed))
+    }
+
+    /// Displacement from the rest, µm.
+    pub fn displacement(&self) -> f64 {
+        f64::from_bits(self.displacement.load(Ordering::Relaxed))
+    }
+}
+
 impl Bench {
     /// Connects it to a device.
     pub fn connected(self) -> impl Plant {
+        self.metered().0
+    }
+
+    /// Connects it to a device, with instruments beside it.
+    pub fn metered(self) -> (impl Plant, Arc<Meters>) {
+        let meters = Arc::new(Meters::default());
         let (rest, range) = (f64::from(self.drive.limits.rest_v), self.drive.limits.range_v);
         let Range { min, max } = range;
         let farther = [f64::from(max) - rest, f64::from(min) - rest];
@@ -52,14 +81,16 @@ impl Bench {
         let slew_v_per_s = self.actuator.slew_v_per_s.map(|slew| slew * full_v / reach.abs());
         let actuator = plants::Plant { slew_v_per_s, ..self.actuator };
         let um = self.stroke_um / first_stroke(&actuator);
-        Connected {
+        let connected = Connected {
             bench: self,
             rest,
             volts: full_v / reach.abs(),
             um,
             running: actuator.running(),
             noise: ChaCha8Rng::seed_from_u64(self.seed),
-        }
+            meters: meters.clone(),
+        };
+        (connected, meters)
     }
 }
 
@@ -82,6 +113,7 @@ struct Connected {
     um: f64,
     running: Running,
     noise: ChaCha8Rng,
+    meters: Arc<Meters>,
 }
 
 impl Connected {
@@ -97,7 +129,10 @@ impl Plant for Connected {
         for _ in 0..STEPS {
             position = self.um * self.running.step(command);
         }
-        let voltage = self.rest + self.running.voltage() / self.volts + self.bench.monitor_noise_v * self.normal();
+        let voltage = self.rest + self.running.voltage() / self.volts;
+        self.meters.voltage.store(voltage.to_bits(), Ordering::Relaxed);
+        self.meters.displacement.store(position.to_bits(), Ordering::Relaxed);
+        let voltage = voltage + self.bench.monitor_noise_v * self.normal();
         let monitor = self.bench.monitor.code(voltage);
         let sensor = self.bench.sensor_um.map(|(zero, full)| {
             let reading = position + 1e-3 * self.bench.sensor_noise_nm * self.normal();

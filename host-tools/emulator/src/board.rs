@@ -13,7 +13,7 @@ use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::restarts::Restarts;
 use firmware::{Facts, Peripherals, Resources, Telemetry, Tick};
 use parameter_store::StoreError;
-use protocol::ResetCause;
+use protocol::{ResetCause, Uid};
 use std::ops::Range;
 
 /// Counts of the emulated cycle counter in a second; a count is a nanosecond.
@@ -33,6 +33,8 @@ pub struct Board<'l, P, F> {
     pub flash: F,
     /// Where in the flash the parameter pages are, bytes from its start.
     pub pages: Range<u32>,
+    /// The chip's unique number.
+    pub uid: Uid,
     /// Seconds of emulated time in a second.
     pub speed: f64,
     /// The serial line.
@@ -51,7 +53,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
             let telemetry = Telemetry::new();
             let started: Signal<NoopRawMutex, Tick<'_>> = Signal::new();
             let peripherals = Peripherals {
-                facts: facts(reset),
+                facts: facts(reset, self.uid),
                 last_words: None,
                 receiver: Receiver::new(self.line, self.speed),
                 transmitter: Transmitter(self.line),
@@ -71,9 +73,10 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
     }
 }
 
-fn facts(reset: ResetCause) -> Facts {
+fn facts(reset: ResetCause, uid: Uid) -> Facts {
     Facts {
         name: "emulated",
+        uid: Some(uid),
         interface: INTERFACE,
         cycles_per_tick: CYCLES_HZ / TICK_HZ,
         reset,

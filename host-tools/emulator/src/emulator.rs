@@ -9,6 +9,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::signal::Signal;
 use embedded_storage_async::nor_flash::NorFlash;
 use parameter_store::{ParameterStore, RamFlash, StoreError};
+use protocol::Uid;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::Arc;
@@ -16,6 +17,8 @@ use std::thread::JoinHandle;
 
 /// Bytes of the two parameter pages of a device that is given no other flash.
 pub const PAGES: usize = 4096;
+/// The unique number of a device that is given no other.
+pub const UID: Uid = Uid(*b"emulated\0\0\0\0");
 
 /// Why a device could not be emulated.
 #[derive(Debug, thiserror::Error)]
@@ -32,6 +35,7 @@ pub enum EmulatorError {
 pub struct Emulator<P, F> {
     plant: P,
     flash: F,
+    uid: Uid,
     speed: f64,
     port: u16,
 }
@@ -40,27 +44,32 @@ impl Emulator<(), ()> {
     /// A device that reads a triangle ([`triangle`]), with erased flash in memory, in real time, at a port that the operating
     /// system chooses.
     pub fn new() -> Emulator<impl Plant, RamFlash<Vec<u8>>> {
-        Emulator { plant: triangle(), flash: RamFlash::new(vec![0xFF; PAGES]), speed: 1.0, port: 0 }
+        Emulator { plant: triangle(), flash: RamFlash::new(vec![0xFF; PAGES]), uid: UID, speed: 1.0, port: 0 }
     }
 }
 
 impl<P: Plant, F: NorFlash + Send + 'static> Emulator<P, F> {
     /// Connects the converters to something else.
     pub fn plant<Q: Plant>(self, plant: Q) -> Emulator<Q, F> {
-        let Self { flash, speed, port, .. } = self;
-        Emulator { plant, flash, speed, port }
+        let Self { flash, uid, speed, port, .. } = self;
+        Emulator { plant, flash, uid, speed, port }
     }
 
     /// Gives it another flash; all of it is parameter pages. What is stored there is the table that the device starts with.
     pub fn flash<G: NorFlash + Send + 'static>(self, flash: G) -> Emulator<P, G> {
-        let Self { plant, speed, port, .. } = self;
-        Emulator { plant, flash, speed, port }
+        let Self { plant, uid, speed, port, .. } = self;
+        Emulator { plant, flash, uid, speed, port }
     }
 
     /// Lets so many seconds pass on the device in a second, fewer where this machine is too busy. Beyond some twenty the link
     /// cannot carry every sample away, as on a board whose line is too slow.
     pub fn speed(self, speed: f64) -> Self {
         Self { speed, ..self }
+    }
+
+    /// Gives its chip another unique number: it is then another board.
+    pub fn uid(self, uid: Uid) -> Self {
+        Self { uid, ..self }
     }
 
     /// Listens at this port of the local machine; 0 is any that is free.
@@ -81,10 +90,10 @@ impl<P: Plant, F: NorFlash + Send + 'static> Emulator<P, F> {
         ParameterStore::new(&mut self.flash, pages.clone())?;
         let stop = Arc::new(Signal::<CriticalSectionRawMutex, ()>::new());
         let stopped = stop.clone();
-        let Self { plant, flash, speed, .. } = self;
+        let Self { plant, flash, uid, speed, .. } = self;
         let thread = std::thread::Builder::new().name("emulated device".to_owned()).spawn(move || {
             let line = SerialLine::new(listener);
-            let board = Board { plant, flash, pages, speed, line: &line };
+            let board = Board { plant, flash, pages, uid, speed, line: &line };
             async_io::block_on(select(stopped.wait(), board.run()));
         })?;
         Ok(EmulatedDevice { address, stop, thread: Some(thread) })

@@ -25,12 +25,14 @@ mod board;
 mod emulator;
 pub mod faults;
 mod faulty_line;
+mod file_flash;
 mod plant;
 mod serial_line;
 
-pub use bench::Bench;
-pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES};
+pub use bench::{Bench, Meters};
+pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES, UID};
 pub use faulty_line::{Direction, Fault, FaultyLine};
+pub use file_flash::{FileFlash, FileFlashError};
 pub use firmware::Conversion;
 /// From one tick of the device to the next, µs.
 pub use firmware::rate::TICK_US;

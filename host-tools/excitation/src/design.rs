@@ -237,5 +237,5 @@ fn staircase(request: &Request, seconds: f64) -> Gone {
 fn random(request: &Request, seconds: f64) -> Segment {
     let random = Random::new(request);
     let gone = within(request, seconds, |path, left| path.follow(left, |t| random.at(t)));
-    Segment { held_out: true, ..segment("proof", "a random voltage, held out", gone) }
+    Segment { held_out: true, ..segment("held-out", "a random voltage, held out", gone) }
 }

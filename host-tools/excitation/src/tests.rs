@@ -72,7 +72,7 @@ fn it_reaches_both_ends_and_uses_the_time() {
         assert!(rests && (segment.lead_in == 0) == (segment.name == "first-branch"), "{}", segment.name);
     }
     let held_out: Vec<&str> = drive.segments.iter().filter(|of| of.held_out).map(|of| of.name).collect();
-    assert_eq!(held_out, ["proof"]);
+    assert_eq!(held_out, ["held-out"]);
 }
 
 #[test]

@@ -5,7 +5,8 @@ use serde::Serialize;
 /// When the rows were recorded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Clock {
-    /// Rows a second, from the first time stamp to the last, or as stated; NaN of a single row.
+    /// Rows a second, from the first time stamp to the last, or as stated; NaN of a single row, and where the stamps do not
+    /// advance.
     pub hz: f64,
     /// Who says so.
     pub source: RateSource,
@@ -60,7 +61,7 @@ impl Tally {
         let intervals = rows.saturating_sub(1) as f64;
         let Some((period, name)) = stated else {
             let duration_s = self.first.map_or(0.0, |first| self.last - first);
-            let hz = intervals / duration_s;
+            let hz = if duration_s > 0.0 { intervals / duration_s } else { f64::NAN };
             return Clock {
                 hz: whole(hz),
                 source: RateSource::Column,

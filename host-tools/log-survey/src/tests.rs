@@ -83,3 +83,9 @@ fn gaps_and_a_still_voltage_are_told() {
     assert_eq!(survey.swings.reversals, 0);
     assert!(survey.swings.cells.is_empty());
 }
+
+#[test]
+fn time_stamps_that_do_not_advance_have_no_rate() {
+    let survey = surveyed([(1.0, 0.0, 0.0), (1.0, 1.0, 0.1), (1.0, 0.5, 0.05)].into_iter());
+    assert!(survey.clock.hz.is_nan() && survey.clock.duration_s == 0.0, "{:?}", survey.clock);
+}

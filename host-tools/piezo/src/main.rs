@@ -5,14 +5,13 @@
 mod documents;
 mod option;
 mod output;
-mod remedy;
 mod verb;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
-    compare, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn, look, monitor, pil,
-    prove, pull, push, record, reproduce, reset, simulate, train, validate, zero,
+    calibrate, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn,
+    look, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train, validate, zero,
 };
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
@@ -57,6 +56,18 @@ enum Verb {
     /// The firmware on this machine, with an emulated amplifier, actuator and sensor: a board to try everything on.
     #[command(after_help = "Example: piezo emulate --device bouc-wen --seed 3")]
     Emulate(emulate::Emulate),
+    /// An amplifier's monitor, or a sensor → the resistors between it and the board's pin, and what they cost.
+    #[command(after_help = "Examples:
+  piezo divider --monitor 0:10 --amplifier 0:100
+  piezo divider --monitor -10:10
+  piezo divider --sensor 0:10 --displacement 0:30 --series e24")]
+    Divider(divider::DividerArgs),
+    /// Two readings of a multimeter → what the board's converters stand for, in board.toml.
+    #[command(after_help = "Examples:
+  piezo calibrate --board board.toml
+  piezo calibrate --board board.toml --drive-to 10:90
+  piezo calibrate --board board.toml --channel sensor --low 2.5 --high 22.5")]
+    Calibrate(calibrate::Calibrate),
     /// train, identify, install and prove, one after the other.
     #[command(
         after_help = "Example: piezo learn --port tcp:127.0.0.1:4740 --board board.toml --range 0:100 --out p885"
@@ -138,6 +149,8 @@ impl Cli {
             Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Feedforward(arguments) => feedforward::run(&arguments),
             Verb::Emulate(arguments) => emulate::run(&arguments),
+            Verb::Divider(arguments) => divider::run(&arguments),
+            Verb::Calibrate(arguments) => calibrate::run(&arguments),
             Verb::Learn(arguments) => learn::run(&arguments),
             Verb::Train(arguments) => train::run(&arguments),
             Verb::Install(arguments) => install::run(&arguments),

@@ -18,6 +18,8 @@ const SYSTEM: u64 = 0x1FFF_0000;
 const SYSTEM_SIZE: u64 = 32 << 10;
 /// A factory word of the system memory: the internal reference's code at 3.0 V.
 const VREFINT_CALIBRATION: (u64, u16) = (0x1FFF_75AA, 1655);
+/// The chip's unique number.
+const UID: (u64, [u8; 12]) = (0x1FFF_7590, *b"board-tests\0");
 /// Where registers are: peripherals, GPIO, ADC and DAC, the core.
 const REGISTERS: [(u32, u64); 4] =
     [(0x4000_0000, 512 << 10), (0x4800_0000, 64 << 10), (0x5000_0000, 512 << 10), (0xE000_0000, 1 << 20)];
@@ -31,6 +33,8 @@ pub fn map(chip: &mut Chip, flash: &[u8]) -> Result<()> {
     chip.mem_write(SYSTEM, &vec![0xFF; SYSTEM_SIZE as usize])?;
     let (address, code) = VREFINT_CALIBRATION;
     chip.mem_write(address, &code.to_le_bytes())?;
+    let (address, bytes) = UID;
+    chip.mem_write(address, &bytes)?;
     for (base, size) in REGISTERS {
         chip.mmio_map(
             base.into(),

@@ -53,6 +53,7 @@ async fn main(_spawner: Spawner) {
     let pages = 0..flash.len() as u32;
     let facts = Facts {
         name: "mps2-an386 (emulated)",
+        uid: None,
         interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,

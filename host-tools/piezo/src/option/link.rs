@@ -9,8 +9,9 @@ use protocol::Identity;
 /// Where the device is.
 #[derive(Args, Clone, Debug)]
 pub struct PortOption {
-    /// Where the device is: a serial port (/dev/ttyACM0, COM3), or tcp:HOST:PORT of an emulated board.
-    #[arg(long, value_name = "PORT")]
+    /// Where the device is: a serial port (/dev/ttyACM0, COM3), auto, which is the only ST-Link that is plugged in, or
+    /// tcp:HOST:PORT of an emulated board.
+    #[arg(long, value_name = "PORT", env = "PIEZO_PORT", default_value = "auto")]
     pub port: Address,
 }
 

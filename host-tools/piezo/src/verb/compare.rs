@@ -3,7 +3,7 @@
 use super::identify::zeros;
 use super::print::{out, progress};
 use crate::option::{Fitting, OPTIMISERS, STARTS, choice, models};
-use crate::{output, remedy};
+use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
 use estimator_core::Model;

@@ -1,6 +1,5 @@
 //! What the verbs that talk to a device have in common.
 
-use crate::remedy;
 use anyhow::{Context, Result, anyhow, ensure};
 use device_link::{Address, Client};
 use estimator_core::table::Board;

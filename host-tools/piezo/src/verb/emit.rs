@@ -2,7 +2,7 @@
 
 use super::print::out;
 use crate::option::CalibrationArgs;
-use crate::{output, remedy};
+use crate::output;
 use ::calibration::converter_mismatches;
 use anyhow::Result;
 use bench::describe;

@@ -1,4 +1,6 @@
 //! `piezo emulate`: the firmware on this machine behind a socket, with an amplifier, an actuator and a sensor on its converters.
+//!
+//! Wired otherwise than the board's file says, it is what `piezo calibrate` is for; instruments then show what is.
 
 use super::print::out;
 use crate::option::{choice, positive};
@@ -9,9 +11,10 @@ use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::pages;
 use device_link::table::to_record;
-use emulator::{Emulator, PAGES, TICK_US};
+use emulator::{Emulator, FileFlash, PAGES, TICK_US};
 use parameter_store::RamFlash;
 use plants::{Density, Kind};
+use protocol::Uid;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -33,6 +36,13 @@ pub struct Emulate {
     /// How it is wired. Where there is no such file, one is written.
     #[arg(long, value_name = "FILE", default_value = "board.toml")]
     pub board: PathBuf,
+    /// How it is wired in truth, where --board is not to say that: what calibrate is to find. The readings of a multimeter and of the
+    /// sensor's display are then printed whenever the voltage stands still.
+    #[arg(long, value_name = "FILE")]
+    pub wired: Option<PathBuf>,
+    /// Keep its flash in this file, and with it its tables, from one run to the next.
+    #[arg(long, value_name = "FILE")]
+    pub flash: Option<PathBuf>,
 }
 
 const KINDS: [(Kind, &str, &str); 6] = [
@@ -53,17 +63,29 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
     if written {
         output::write(&arguments.board, facts.to_toml())?;
     }
+    let truth = match &arguments.wired {
+        Some(wired) => Wiring::new(&BoardFacts::read(wired)?, TICK_US).with_context(|| wired.display().to_string())?,
+        None => wiring.clone(),
+    };
     let (sensor, drive) = (wiring.sensor, wiring.drive());
-    let bench = emulated(&wiring, arguments.device, arguments.seed);
-    let device = Emulator::new()
-        .flash(RamFlash::new(pages::with(&to_record(wiring.line()), PAGES)?))
-        .plant(bench.connected())
-        .speed(arguments.speed)
-        .port(arguments.tcp_port)
-        .start()?;
+    let bench = emulated(&truth, arguments.device, arguments.seed);
+    // The sensor's display counts from where its scale does.
+    let display_um = truth.sensor.zero_um - bench.sensor_um.map_or(0.0, |(zero, _)| zero);
+    let (plant, meters) = bench.metered();
+    let erased = pages::with(&to_record(wiring.line()), PAGES)?;
+    let emulator =
+        Emulator::new().plant(plant).uid(uid(arguments.seed)).speed(arguments.speed).port(arguments.tcp_port);
+    let device = match &arguments.flash {
+        Some(path) => emulator.flash(FileFlash::open(path, &erased)?).start()?,
+        None => emulator.flash(RamFlash::new(erased)).start()?,
+    };
     let (port, range) = (device.address(), drive.limits.range_v);
+    let kept = match &arguments.flash {
+        Some(path) => format!("Its tables are kept in {}.", path.display()),
+        None => "Its tables are gone when it ends.".to_owned(),
+    };
     out(&format!(
-        "An emulated board, its firmware as on a real one; {} s of it pass in a second. Its tables are gone when it ends. Ctrl-C ends it.\n\
+        "An emulated board, its firmware as on a real one; {} s of it pass in a second. {kept} Ctrl-C ends it.\n\
          Its DAC drives an amplifier of {} … {} V ({} V/s, rest at {} V), its ADC reads that voltage and a sensor of {} … {} µm \
          beside an actuator with a stroke of {:.1} µm ({}; seed {}).\n\
          {board} {}.\n\
@@ -80,9 +102,50 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         arguments.seed,
         if written { "was written, and says how it is wired" } else { "was there, and says how it is wired" }
     ));
+    let mut shown = Shown::default();
     while !interrupt.wanted() {
-        std::thread::sleep(Duration::from_millis(50));
+        std::thread::sleep(LOOK);
+        if arguments.wired.is_some() && shown.anew(meters.voltage(), meters.displacement()) {
+            let (volts, um) = (meters.voltage(), display_um + meters.displacement());
+            out(&format!("multimeter at the amplifier's output: {volts:.4} V; the sensor's display: {um:.4} µm"));
+        }
     }
     device.shutdown();
     Ok(true)
+}
+
+/// How often the instruments are looked at, how many times they must show the same, and what that is, V and µm.
+const LOOK: Duration = Duration::from_millis(50);
+const STILL: u32 = 5;
+const SAME_V: f64 = 0.05;
+const SAME_UM: f64 = 2e-3;
+
+/// What was seen of the instruments, V and µm.
+#[derive(Default)]
+struct Shown {
+    last: (f64, f64),
+    times: u32,
+    shown: Option<f64>,
+}
+
+impl Shown {
+    /// Whether a voltage stands still, and what it moves with it, that is another than the one that was shown last.
+    fn anew(&mut self, volts: f64, um: f64) -> bool {
+        let same = (volts - self.last.0).abs() < SAME_V && (um - self.last.1).abs() < SAME_UM;
+        self.times = if same { self.times + 1 } else { 0 };
+        self.last = (volts, um);
+        let anew = self.times >= STILL && self.shown.is_none_or(|shown| (volts - shown).abs() > SAME_V);
+        if anew {
+            self.shown = Some(volts);
+        }
+        anew
+    }
+}
+
+/// Another actuator is beside another board.
+fn uid(seed: u64) -> Uid {
+    let mut uid = emulator::UID;
+    // As many as there will ever be.
+    uid.0[8..].copy_from_slice(&(seed as u32).to_be_bytes());
+    uid
 }

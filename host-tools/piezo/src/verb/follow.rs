@@ -6,7 +6,6 @@ use super::print::{out, progress};
 use crate::option::LogOptions;
 use crate::option::link::PortOption;
 use crate::output::{self, Replacement};
-use crate::remedy;
 use ::feedforward::{Trajectory, near, plan};
 use anyhow::{Context, Result, ensure};
 use bench::followed::{Met, Row, csv, late, rows};

@@ -2,7 +2,7 @@
 
 use super::print::{heading, out, progress, row};
 use crate::option::{CalibrationArgs, Fitting, SearchArgs, model_choice};
-use crate::{output, remedy};
+use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
 use identification::cost::Cost;

@@ -3,7 +3,6 @@
 use super::device::checksum;
 use super::print::out;
 use crate::option::link::PortOption;
-use crate::remedy::{self, Meaning};
 use anyhow::Result;
 use bench::describe;
 use clap::Args;
@@ -11,6 +10,7 @@ use device_link::table;
 use device_link::words;
 use estimator_core::{Admitted, Status, Table, TableError};
 use protocol::{Faults, Health, Identity, VERSION};
+use remedy::Meaning;
 use serde_json::{Value, json};
 
 /// Arguments of `piezo info`.
@@ -56,7 +56,13 @@ pub fn run(arguments: &Info) -> Result<bool> {
 fn lines(found: &Found) -> Vec<String> {
     let Found { identity, health, table, damaged } = found;
     let mut lines = vec![
-        format!("Board    {}, firmware {} ({}), protocol {VERSION}", identity.board, identity.firmware, identity.git),
+        format!(
+            "Board    {}{}, firmware {} ({}), protocol {VERSION}",
+            identity.board,
+            identity.uid.map_or(String::new(), |uid| format!(" {uid}")),
+            identity.firmware,
+            identity.git
+        ),
         format!(
             "Needs    tables of format {} for a tick of {} µs, an ADC up to {}, a DAC up to {}",
             identity.record_version, identity.tick_us, identity.adc_full_scale, identity.dac_full_scale

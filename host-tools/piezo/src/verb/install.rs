@@ -4,10 +4,9 @@ use super::device::{self, note_damage};
 use super::print::{out, progress};
 use crate::option::BoardOption;
 use crate::option::link::PortOption;
-use crate::remedy;
 use ::calibration::converter_mismatches;
 use anyhow::Result;
-use bench::{NO_MODEL, for_board, install, rehearsal};
+use bench::{BoardFacts, NO_MODEL, for_board, install, rehearsal};
 use clap::Args;
 use device_link::board;
 use device_link::interrupt::Interrupt;
@@ -31,6 +30,9 @@ pub struct Install {
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
+    /// The table's doubts were just said, by the part of learn before.
+    #[arg(skip)]
+    pub of_learn: bool,
     /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
@@ -44,6 +46,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let stated = arguments.table.as_deref().map(|path| for_board(path, &arguments.board.board)).transpose()?;
     let (mut client, identity) = arguments.port.connect()?;
+    arguments.board.of_board(&BoardFacts::read(&arguments.board.board)?, &identity)?;
     let (name, table, doubts) = match stated {
         Some(stated) => stated,
         None => {
@@ -74,7 +77,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
         table.model(),
         identity.board
     ));
-    doubts.iter().for_each(|doubt| out(&format!("- careful: {doubt}")));
+    doubts.iter().filter(|_| !arguments.of_learn).for_each(|doubt| out(&format!("- careful: {doubt}")));
     out(&match compared.bit_exact() {
         true => {
             format!("bit-exact: over {} ticks of a random voltage the device's every bit is the host's", compared.ticks)

@@ -1,14 +1,14 @@
 //! `piezo learn`: from a board and a sensor to a proven table, by the verbs that each do a part: train, identify, install, prove.
 
 use super::print::out;
-use crate::Cli;
 use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, positive};
-use crate::remedy::quoted;
+use crate::{Cli, Verb};
 use anyhow::{Context, Result};
 use bench::{Session, session};
 use clap::{Args, Parser};
 use device_link::interrupt::Interrupt;
+use remedy::quoted;
 use std::path::PathBuf;
 
 /// Arguments of `piezo learn`.
@@ -51,6 +51,7 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     let mut train =
         words(&["train", "--port", &port, "--board", &board, "--out", &folder, "--up-to", &up_to, "--seed", &seed]);
     train.extend(["--minutes".to_owned(), arguments.minutes.to_string()]);
+    train.extend(arguments.board.another_board.then(|| "--another-board".to_owned()));
     // The proof stays within what was typed, too.
     let range = excitation.range.map(|range| format!("--range={}:{}", range.zero, range.full));
     train.extend(range.clone());
@@ -69,7 +70,8 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     let seconds = arguments.proof_seconds.to_string();
     // Another draw than the training's, which nothing has seen.
     let other = excitation.seed.wrapping_add(1).to_string();
-    let link = ["--board", &board, "--port", &port];
+    let another = arguments.board.another_board.then_some("--another-board");
+    let link: Vec<&str> = ["--board", &board, "--port", &port].into_iter().chain(another).collect();
     let prove = ["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other];
     let mut prove = words(&[&prove, &link[..]].concat());
     prove.extend(range);
@@ -95,5 +97,11 @@ fn part(words: Vec<String>, interrupt: &Interrupt) -> Result<bool> {
         return Ok(false);
     }
     out(&format!("\n$ piezo {typed}"));
-    Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?.run()
+    let mut part = Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?;
+    match &mut part.verb {
+        Verb::Train(train) => train.of_learn = true,
+        Verb::Install(install) => install.of_learn = true,
+        _ => {}
+    }
+    part.run()
 }

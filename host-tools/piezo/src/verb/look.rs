@@ -3,11 +3,11 @@
 use super::print::out;
 use crate::option::LogOptions;
 use crate::output;
-use crate::remedy::sentence;
 use anyhow::{Result, ensure};
 use clap::Args;
 use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey, survey};
 use recordings::log::{Fault, LogError, Quantity, ReadOptions, Reading, open};
+use remedy::sentence;
 use std::path::{Path, PathBuf};
 
 /// Fewest rows at an end of the range that look like a rest or saturation.
@@ -51,7 +51,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         pictures.push(report::survey(&found, &name));
         if arguments.json {
-            surveys.push(serde_json::json!({ "log": path, "survey": found }));
+            surveys.push(serde_json::json!({ "log": path, "survey": found, "refusal": refusal }));
         } else {
             out(&path.display().to_string());
             print(&found, refusal.as_deref());
@@ -139,6 +139,13 @@ fn rate(survey: &Survey) -> String {
     };
     if survey.rows < 2 {
         return format!("{} row, of which there must be two to have a rate", survey.rows);
+    }
+    if !hz.is_finite() {
+        let first_to_last = short(*duration_s);
+        return format!(
+            "none {source}: from the first of {} rows to the last it goes on by {first_to_last} s",
+            survey.rows
+        );
     }
     format!("{} Hz, {source}; {} rows, {} s{steps}{gaps}", short(*hz), survey.rows, short(*duration_s))
 }

@@ -1,7 +1,9 @@
 //! The verbs of `piezo`, one a file. Each takes its parsed arguments, prints a summary for people (or JSON), and returns
 //! whether it succeeded.
 
+pub mod calibrate;
 pub mod compare;
+pub mod divider;
 pub mod emit;
 pub mod emulate;
 pub mod erase;

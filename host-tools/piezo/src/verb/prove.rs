@@ -51,7 +51,7 @@ pub fn run(arguments: &Prove) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     output::folder(&arguments.out)?;
     let (mut client, identity) = arguments.port.connect()?;
-    let wiring = arguments.board.wiring(identity.tick_us)?;
+    let wiring = arguments.board.wiring_of(&identity)?;
     let log = arguments.out.join("proven.csv");
     let (up_to_hz, duration_s, seed) = (arguments.up_to, arguments.seconds, arguments.seed);
     let (range, max_percent) = (arguments.range.map(|span| (span.zero, span.full)), arguments.max_percent);

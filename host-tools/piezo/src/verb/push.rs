@@ -3,7 +3,6 @@
 use super::device::{self, note_damage};
 use super::print::out;
 use crate::option::link::{PortOption, WriteOptions};
-use crate::remedy;
 use ::calibration::converter_mismatches;
 use anyhow::{Result, ensure};
 use clap::Args;

@@ -5,7 +5,6 @@ use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::not_negative;
 use crate::output::Replacement;
-use crate::remedy;
 use anyhow::{Context, Result, bail, ensure};
 use bench::BoardFacts;
 use clap::Args;
@@ -57,7 +56,11 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let tick_us = identity.tick_us;
     let ticks = arguments.samples.or(arguments.seconds.map(|s| (s * 1e6 / f64::from(tick_us)).round() as u64));
     ensure!(ticks != Some(0), "--seconds is less than one tick of {tick_us} µs");
-    let span = arguments.board.as_deref().map(BoardFacts::read).transpose()?.and_then(|facts| facts.sensor_span);
+    let facts = arguments.board.as_deref().map(BoardFacts::read).transpose()?;
+    if let Some(Err(other)) = facts.map(|facts| facts.of_board(&identity)) {
+        eprintln!("piezo: careful: {other}");
+    }
+    let span = facts.and_then(|facts| facts.sensor_span);
     let sensor = span.map(|(zero_um, full_um)| Sensor { zero_um, full_um, full_scale: identity.adc_full_scale });
     let calibration = table::running(&mut client)?.adc;
     let wish = Wish { calibration, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };

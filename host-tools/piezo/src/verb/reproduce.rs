@@ -4,7 +4,7 @@
 use super::identify::zeros;
 use super::print::{out, progress};
 use crate::option::{LogOptions, PrepareArgs, SearchArgs, choice, limit};
-use crate::{output, remedy};
+use crate::output;
 use ::calibration::CalibrationOptions;
 use anyhow::{Result, ensure};
 use clap::Args;

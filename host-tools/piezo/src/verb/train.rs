@@ -2,13 +2,13 @@
 
 use super::device::note_damage;
 use super::print::{out, progress};
+use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs};
-use crate::{output, remedy};
+use crate::output;
 use anyhow::{Context, Result, anyhow};
 use bench::{BenchError, Ended, FORMER, NO_MODEL, Trained, Training, train};
 use clap::Args;
 use device_link::interrupt::Interrupt;
-use device_link::{Address, Client};
 use recordings::prepare::PrepareOptions;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -31,9 +31,12 @@ pub struct Train {
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Where the device is: a serial port (/dev/ttyACM0, COM3), or tcp:HOST:PORT of an emulated board.
-    #[arg(long, value_name = "PORT", required_unless_present = "dry_run")]
-    pub port: Option<Address>,
+    /// What comes next is typed by learn.
+    #[arg(skip)]
+    pub of_learn: bool,
+    /// Where the device is.
+    #[command(flatten)]
+    pub port: PortOption,
     /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
@@ -45,10 +48,11 @@ pub struct Train {
 /// Runs the verb; `false` where it ended before its time. What was recorded by then is kept.
 pub fn run(arguments: &Train) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
-    let port = arguments.port.as_ref().filter(|_| !arguments.dry_run);
-    let device = port.map(Client::connect).transpose()?;
-    let tick_us = device.as_ref().map_or(PrepareOptions::default().tick_us, |(_, identity)| identity.tick_us);
-    let wiring = arguments.board.wiring(tick_us)?;
+    let device = if arguments.dry_run { None } else { Some(arguments.port.connect()?) };
+    let wiring = match &device {
+        Some((_, identity)) => arguments.board.wiring_of(identity)?,
+        None => arguments.board.wiring(PrepareOptions::default().tick_us)?,
+    };
     let drive = arguments.excitation.drive(&wiring, 60.0 * arguments.minutes)?;
     if let Some(file) = &arguments.drive {
         output::write(file, drive.to_csv())?;
@@ -86,7 +90,7 @@ pub fn run(arguments: &Train) -> Result<bool> {
 /// What is to be done where the table of before is not in use again.
 fn stranded(arguments: &Train) -> String {
     let former = arguments.out.join(FORMER);
-    let port = arguments.port.as_ref().map_or(String::new(), Address::to_string);
+    let port = &arguments.port.port;
     match former.exists() {
         true => format!(
             "the table of before is not in use again; {} holds it: piezo push {} --reset --port {port}",
@@ -126,6 +130,7 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
     }
     match &trained.ended {
         Some(why) => out(&format!("FAILED: it ended before its time: {}", ended(why))),
+        None if arguments.of_learn => {}
         None => out(&format!("Next:\n\n    {}", identify_by(&arguments.out, &arguments.board.board))),
     }
     Ok(())
@@ -135,7 +140,7 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
 fn identify_by(folder: &Path, board: &Path) -> String {
     let [folder, board] = [folder, board].map(|path| remedy::quoted(&path.display().to_string()));
     format!(
-        "piezo identify {folder}/[0-9][0-9]-*.csv --validate-on {folder}/proof.csv --board {board} --out {folder}/model"
+        "piezo identify {folder}/[0-9][0-9]-*.csv --validate-on {folder}/held-out.csv --board {board} --out {folder}/model"
     )
 }
 

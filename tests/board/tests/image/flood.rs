@@ -3,15 +3,18 @@
 use crate::common::Bench;
 use crate::common::noise::Noise;
 use anyhow::{Result, ensure};
-use protocol::BAUD;
+use protocol::{BAUD, Uid};
 
 const ROUNDS: u32 = 100;
 const FRAMES_A_ROUND: u32 = 1000;
+/// What the emulated chip's factory has written.
+const UID: Uid = Uid(*b"board-tests\0");
 
 #[test]
 fn a_hundred_thousand_bad_frames_do_no_harm() -> Result<()> {
     let mut bench = Bench::started()?;
     let identity = bench.identity()?;
+    assert_eq!(identity.uid, Some(UID), "the chip's own number");
     let mut noise = Noise::new(1);
     let (mut ticks, mut sent) = (0, 0);
     for _ in 0..ROUNDS {

@@ -1,11 +1,14 @@
 //! What goes wrong between host and device.
 
 use super::bits::{Meaning, faults, status};
+use super::paste::with;
 use device_link::LinkError;
 use device_link::cycle::CycleError;
 use device_link::pil::FeedError;
 use device_link::play::PlayError;
+use device_link::port::PortError;
 use device_link::probe::ProbeError;
+use device_link::stlink::Plugged;
 use device_link::table::RunningTableError;
 use device_link::write::WriteError;
 use estimator_core::table::Misfit;
@@ -65,14 +68,32 @@ fn remedy(refusal: &Refusal) -> &'static str {
 
 fn link(error: &LinkError) -> String {
     match error {
-        LinkError::Silent { port } => format!(
-            "{port}: no answer. Is it the board's port, is this project's firmware on the board (`piezo flash`), made from \
+        LinkError::Port(error) => port(error),
+        LinkError::Silent { port: at } => format!(
+            "{at}: no answer. Is it the board's port, is this project's firmware on the board (`piezo flash`), made from \
              the same sources as this program (protocol version {VERSION}), and is no other program connected to it?"
         ),
         LinkError::Version { found, .. } if *found < VERSION => {
             format!("{error}; build it (`cargo fw`) and flash it (`piezo flash --image`)")
         }
         LinkError::Refused { refusal, .. } => format!("{error}{}", remedy(refusal)),
+        _ => error.to_string(),
+    }
+}
+
+fn port(error: &PortError) -> String {
+    match error {
+        PortError::NoBoard { .. } => format!(
+            "{error}. Is the cable one for data, and at the connector of the probe (USB ST-LINK)? Is the lamp LD1 lit? Another \
+             serial port is named with --port, an emulated board with --port tcp:HOST:PORT"
+        ),
+        PortError::Several { boards } => {
+            let line = |board: &Plugged| {
+                let serial = if board.serial.is_empty() { "no serial number" } else { &board.serial };
+                format!("{}   # {serial}", with(Path::new(""), &[("--port", &board.port)]))
+            };
+            format!("{error}: name one{}", boards.iter().map(line).collect::<String>())
+        }
         _ => error.to_string(),
     }
 }
@@ -137,5 +158,24 @@ fn probe(error: &ProbeError) -> String {
             "{error}: `cargo install probe-rs-tools --locked`, or see https://probe.rs/docs/getting-started/installation"
         ),
         _ => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_boards_each_has_a_line_to_paste_with_its_serial_number() {
+        let board = |port: &str, serial: &str| Plugged { port: port.to_owned(), serial: serial.to_owned() };
+        let boards = vec![board("/dev/ttyACM0", "0039"), board("/dev/ttyACM1", "")];
+        let said = link(&LinkError::Port(PortError::Several { boards }));
+        let lines: Vec<&str> = said.lines().skip(1).collect();
+        assert!(
+            said.starts_with("2 boards are plugged in, with the ST-Links 0039, at /dev/ttyACM1: name one"),
+            "{said}"
+        );
+        assert!(lines[0].ends_with("--port /dev/ttyACM0   # 0039") && lines[0].contains("    piezo "), "{said}");
+        assert!(lines[1].ends_with("--port /dev/ttyACM1   # no serial number") && lines.len() == 2, "{said}");
     }
 }

@@ -2,7 +2,8 @@
 
 use super::bits::faults;
 use super::paste::{quoted, typed, with};
-use bench::{BenchError, BoardFileError, Complaint, WiringError};
+use bench::calibrate::CalibrationError;
+use bench::{AnotherBoard, BenchError, BoardFileError, Complaint, WiringError};
 use emulator::EmulatorError;
 use excitation::ExcitationError;
 use protocol::Faults;
@@ -16,6 +17,8 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .map(session)
         .or_else(|| error.downcast_ref().map(wiring))
         .or_else(|| error.downcast_ref().map(board_file))
+        .or_else(|| error.downcast_ref().map(another))
+        .or_else(|| error.downcast_ref().map(calibration))
         .or_else(|| error.downcast_ref().map(emulated))
         .or_else(|| error.downcast_ref().map(excitation))
 }
@@ -69,6 +72,9 @@ fn session(error: &BenchError) -> String {
             format!("{error}: bring it back:\n    piezo push {path} --reset{port}")
         }
         BenchError::Occupied { .. } => format!("{error}: choose another --out"),
+        BenchError::BeyondDrive { range_v, .. } => {
+            format!("{error}: --drive-to {}:{} at most", range_v.min, range_v.max)
+        }
         BenchError::NoModel => format!("{error}: `piezo train`, `piezo identify` and `piezo install` make one"),
         BenchError::NothingStated => format!("{error}: say it with --max-percent, of the stroke"),
         BenchError::Both(one, other) => format!("{}; and then: {}", session(one), session(other)),
@@ -80,6 +86,34 @@ fn session(error: &BenchError) -> String {
         BenchError::Nothing(_) => format!("{error}: choose a longer --seconds"),
         _ => error.of_another().map_or_else(|| error.to_string(), super::told),
     }
+}
+
+fn another(error: &AnotherBoard) -> String {
+    format!(
+        "{error}: connect that board, or measure this one (`piezo calibrate` with another --board); --another-board takes it all the same"
+    )
+}
+
+fn calibration(error: &CalibrationError) -> String {
+    let remedy = match error {
+        CalibrationError::NoSensor => {
+            "is this the firmware of a board with a sensor's channel? `piezo info` says which it is"
+        }
+        CalibrationError::Silent => "look at it with `piezo info`",
+        CalibrationError::Saturated { .. } => {
+            "is it connected? Else measure where the pin is between 0.15 and 3.15 V; `piezo divider` says which resistors bring all of \
+             the range there"
+        }
+        CalibrationError::Drifts { .. } => {
+            "wait until it stands still: the amplifier, the actuator's creep, a sensor that warms up; then repeat"
+        }
+        CalibrationError::TooNear { .. } => {
+            "measure farther apart, at a tenth and at nine tenths of the range; if it was, is the wire to this channel sound?"
+        }
+        CalibrationError::SameReading(..) => "does the instrument measure what the channel does?",
+        CalibrationError::Interrupted => return error.to_string(),
+    };
+    format!("{error}: {remedy}")
 }
 
 fn wiring(error: &WiringError) -> String {

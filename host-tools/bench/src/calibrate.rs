@@ -1,0 +1,311 @@
+//! Two readings of an instrument beside the codes of the board's converters: what their ends stand for.
+//!
+//! ```text
+//! g = (r₂ − r₁)/(c₂ − c₁)        at code 0: r₁ − g·c₁        at full scale: that + g · full scale
+//! ```
+//!
+//! r is what the instrument read, c the mean of the codes over a second meanwhile. A multimeter at the amplifier's output gives the
+//! line of the monitor's channel, and of the DAC where the board drives; the sensor's own display, or a multimeter at its output, that
+//! of the second channel. Whatever divider and offsets are in between, they are then in the line.
+
+use crate::driven::Driven;
+use crate::error::BenchError;
+use device_link::Client;
+use device_link::interrupt::Interrupt;
+use protocol::{Identity, Sample};
+use std::time::{Duration, Instant};
+
+/// How long codes are averaged, s.
+pub const AVERAGED_S: f64 = 1.0;
+/// How often that is tried again while the codes still drift.
+const TRIES: usize = 10;
+/// How far the two halves of the average may be apart, of full scale: a thousandth of a volt in five.
+const DRIFT: f64 = 2e-4;
+/// How far the two points must be apart, of full scale: the error of a reading is an error of the gain, and grows outside.
+const APART: f64 = 0.1;
+/// This part of the channel at either end is saturated, as the firmware judges it.
+const MARGIN: u16 = 128;
+/// How long samples are waited for.
+const SILENCE: Duration = Duration::from_secs(2);
+/// How often it is looked whether a reading has come.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Which of the board's inputs is calibrated.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Channel {
+    /// The amplifier's monitor, V at its output.
+    Monitor,
+    /// The displacement sensor, µm.
+    Sensor,
+}
+
+impl Channel {
+    fn code(self, sample: &Sample) -> Option<u16> {
+        match self {
+            Self::Monitor => Some(sample.code),
+            Self::Sensor => sample.sensor,
+        }
+    }
+}
+
+/// Why two readings make no calibration.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+pub enum CalibrationError {
+    /// The samples have no second channel.
+    #[error("the board has no second channel that a sensor could be connected to")]
+    NoSensor,
+    /// Nothing comes.
+    #[error("the device gives no samples")]
+    Silent,
+    /// The channel stands at an end of its range.
+    #[error("the channel stands at an end of its range (code {code:.0} of {full_scale})")]
+    Saturated {
+        /// Mean code.
+        code: f64,
+        /// The channel's largest code.
+        full_scale: u16,
+    },
+    /// What is measured does not stand still.
+    #[error("the code does not stand still: after {seconds:.0} s it still goes by {codes:.0} codes in half a second")]
+    Drifts {
+        /// From one half of the average to the other.
+        codes: f64,
+        /// How long it was waited for.
+        seconds: f64,
+    },
+    /// The two points are next to each other.
+    #[error("the two points are {codes:.0} codes apart, less than a tenth of all {full_scale}")]
+    TooNear {
+        /// From one to the other.
+        codes: f64,
+        /// The channel's largest code.
+        full_scale: u16,
+    },
+    /// The two readings are one, or none.
+    #[error("the readings {0} and {1} do not differ")]
+    SameReading(f64, f64),
+    /// The user has had enough.
+    #[error("interrupted: nothing was calibrated")]
+    Interrupted,
+}
+
+/// Codes of a channel, averaged.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Averaged {
+    /// Mean.
+    pub code: f64,
+    /// Standard deviation of a code.
+    pub noise: f64,
+    /// From the mean of the first half to that of the second.
+    pub drift: f64,
+}
+
+impl Averaged {
+    /// Of a channel's codes.
+    ///
+    /// # Errors
+    /// There are none, or they stand at an end of the channel.
+    pub fn of(codes: &[u16], full_scale: u16) -> Result<Self, CalibrationError> {
+        if codes.len() < 2 {
+            return Err(CalibrationError::Silent);
+        }
+        let mean = |codes: &[u16]| codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64;
+        let code = mean(codes);
+        let squares: f64 = codes.iter().map(|&of| (f64::from(of) - code).powi(2)).sum();
+        let (before, after) = codes.split_at(codes.len() / 2);
+        let margin = full_scale / MARGIN;
+        // One that comes near the end with its noise alone is not there.
+        if code <= f64::from(margin) || code >= f64::from(full_scale - margin) {
+            return Err(CalibrationError::Saturated { code, full_scale });
+        }
+        Ok(Self { code, noise: (squares / codes.len() as f64).sqrt(), drift: mean(after) - mean(before) })
+    }
+
+    fn stands_still(&self, full_scale: u16) -> bool {
+        self.drift.abs() <= DRIFT * f64::from(full_scale)
+    }
+}
+
+/// An instrument's reading and the codes that belong to it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Point {
+    /// V, or µm.
+    pub reading: f64,
+    /// The channel meanwhile.
+    pub channel: Averaged,
+    /// The DAC's code meanwhile, where the board drove the amplifier there.
+    pub dac: Option<f64>,
+}
+
+/// What codes 0 and full scale stand for, by the line through two points (code, reading).
+///
+/// # Errors
+/// The points are too near each other, or their readings do not differ.
+pub fn line(points: [(f64, f64); 2], full_scale: u16) -> Result<(f64, f64), CalibrationError> {
+    let [(c1, r1), (c2, r2)] = points;
+    let (codes, scale) = ((c2 - c1).abs(), f64::from(full_scale));
+    if codes < APART * scale {
+        return Err(CalibrationError::TooNear { codes, full_scale });
+    }
+    let gain = (r2 - r1) / (c2 - c1);
+    if !(gain.is_finite() && gain != 0.0) {
+        return Err(CalibrationError::SameReading(r1, r2));
+    }
+    let zero = r1 - gain * c1;
+    Ok((zero, zero + gain * scale))
+}
+
+/// How what is measured gets to the two points.
+pub enum Stand {
+    /// By hand.
+    ByHand,
+    /// The board drives the amplifier to these voltages, V by the table in use.
+    Driven(Box<Driven>, [f32; 2]),
+}
+
+/// What is to be calibrated, and with what.
+pub struct Calibrating<'a> {
+    /// The device.
+    pub client: &'a mut Client,
+    /// Who it is.
+    pub identity: &'a Identity,
+    /// Which of its inputs.
+    pub channel: Channel,
+    /// How it gets to the two points.
+    pub stand: Stand,
+    /// The wish to end.
+    pub interrupt: &'a Interrupt,
+}
+
+impl Calibrating<'_> {
+    /// Both points. `reading` is asked again and again, with the point's number, until it has one; the average is taken then. However
+    /// this ends, a board that drove goes to rest.
+    ///
+    /// # Errors
+    /// The link fails, a fault stops the drive, the codes are saturated or drift, the reading cannot be had, or the user has had
+    /// enough.
+    pub fn points<E: From<BenchError>>(
+        mut self,
+        reading: &mut dyn FnMut(usize) -> Result<Option<f64>, E>,
+    ) -> Result<[Point; 2], E> {
+        let first = self.point(0, reading);
+        let both = first.and_then(|first| Ok([first, self.point(1, reading)?]));
+        if let Stand::Driven(driven, _) = &self.stand {
+            let home = driven.rest(self.client);
+            // What went wrong first is what the user must know.
+            let both = both?;
+            home?;
+            return Ok(both);
+        }
+        both
+    }
+
+    fn point<E: From<BenchError>>(
+        &mut self,
+        number: usize,
+        reading: &mut dyn FnMut(usize) -> Result<Option<f64>, E>,
+    ) -> Result<Point, E> {
+        if let Stand::Driven(driven, volts) = &mut self.stand {
+            driven.go(self.client, volts[number], self.interrupt)?;
+        }
+        let read = loop {
+            if self.interrupt.wanted() {
+                return Err(BenchError::from(CalibrationError::Interrupted).into());
+            }
+            if let Some(read) = reading(number)? {
+                break read;
+            }
+            match &mut self.stand {
+                Stand::ByHand => std::thread::sleep(LOOK),
+                // It goes to rest where nobody says that it is to stay.
+                Stand::Driven(driven, _) => driven.stay(self.client, self.interrupt).map(drop)?,
+            }
+        };
+        let (channel, dac) = self.averaged()?;
+        Ok(Point { reading: read, channel, dac })
+    }
+
+    /// The channel's and the DAC's codes once they stand still.
+    fn averaged(&mut self) -> Result<(Averaged, Option<f64>), BenchError> {
+        let full_scale = self.identity.adc_full_scale;
+        let mut seconds = 0.0;
+        loop {
+            let samples = self.second()?;
+            let codes: Option<Vec<u16>> = samples.iter().map(|sample| self.channel.code(sample)).collect();
+            let channel = Averaged::of(&codes.ok_or(CalibrationError::NoSensor)?, full_scale)?;
+            seconds += AVERAGED_S;
+            if channel.stands_still(full_scale) {
+                let mean = samples.iter().map(|sample| f64::from(sample.dac)).sum::<f64>() / samples.len() as f64;
+                return Ok((channel, matches!(self.stand, Stand::Driven(..)).then_some(mean)));
+            }
+            if seconds >= TRIES as f64 * AVERAGED_S {
+                return Err(CalibrationError::Drifts { codes: channel.drift.abs(), seconds }.into());
+            }
+        }
+    }
+
+    /// The samples of a second.
+    fn second(&mut self) -> Result<Vec<Sample>, BenchError> {
+        let enough = (AVERAGED_S * 1e6 / f64::from(self.identity.tick_us)) as usize;
+        let mut samples = Vec::with_capacity(enough);
+        if let Stand::Driven(driven, _) = &mut self.stand {
+            while samples.len() < enough {
+                samples.extend(driven.stay(self.client, self.interrupt)?);
+            }
+            return Ok(samples);
+        }
+        self.client.stream(true)?;
+        let mut news = Instant::now();
+        while samples.len() < enough {
+            if self.interrupt.wanted() {
+                return Err(CalibrationError::Interrupted.into());
+            }
+            if let Some(batch) = self.client.samples(LOOK)? {
+                samples.extend(batch.samples.iter().copied());
+                news = Instant::now();
+            }
+            if news.elapsed() >= SILENCE {
+                return Err(CalibrationError::Silent.into());
+            }
+        }
+        self.client.stream(false)?;
+        Ok(samples)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_goes_through_both_points_and_to_the_ends() {
+        let (zero, full) = line([(10_000.0, -20.0), (50_000.0, 70.0)], 65_520).unwrap();
+        let at = |code: f64| zero + (full - zero) * code / 65_520.0;
+        assert!((at(10_000.0) + 20.0).abs() < 1e-9 && (at(50_000.0) - 70.0).abs() < 1e-9);
+        let inverted = line([(10_000.0, 70.0), (50_000.0, -20.0)], 65_520).unwrap();
+        assert!(inverted.0 > inverted.1);
+    }
+
+    #[test]
+    fn points_that_say_nothing_are_refused() {
+        let near = line([(10_000.0, 1.0), (16_000.0, 9.0)], 65_520);
+        assert_eq!(near, Err(CalibrationError::TooNear { codes: 6_000.0, full_scale: 65_520 }));
+        let same = line([(10_000.0, 5.0), (50_000.0, 5.0)], 65_520);
+        assert_eq!(same, Err(CalibrationError::SameReading(5.0, 5.0)));
+        assert!(line([(10_000.0, f64::NAN), (50_000.0, 5.0)], 65_520).is_err());
+    }
+
+    #[test]
+    fn an_average_has_its_noise_and_drift_and_is_refused_at_an_end() {
+        let noisy: Vec<u16> = (0..2_000).map(|k| 30_000 + 3 * (k % 2)).collect();
+        let of = Averaged::of(&noisy, 65_520).unwrap();
+        assert_eq!((of.code, of.noise, of.drift), (30_001.5, 1.5, 0.0));
+        assert!(of.stands_still(65_520));
+        let creeping: Vec<u16> = (0..2_000).map(|k| 30_000 + k / 50).collect();
+        assert!(!Averaged::of(&creeping, 65_520).unwrap().stands_still(65_520));
+        for end in [0u16, 500, 65_100, 65_520] {
+            assert!(matches!(Averaged::of(&[end; 10], 65_520), Err(CalibrationError::Saturated { .. })), "{end}");
+        }
+        assert_eq!(Averaged::of(&[], 65_520), Err(CalibrationError::Silent));
+    }
+}

@@ -1,0 +1,138 @@
+//! Flash that outlives its device: in memory, and each change of it in a file at once, so that whatever ends the program leaves there
+//! what a power cut would leave in a chip.
+
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use parameter_store::{RamFlash, RamFlashError};
+use std::fs::{File, OpenOptions};
+use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// A flash in a file.
+#[derive(Debug)]
+pub struct FileFlash {
+    memory: RamFlash<Vec<u8>>,
+    file: File,
+}
+
+/// The file is none that can be a flash.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot be the emulated device's flash", path.display())]
+pub struct FileFlashError {
+    path: PathBuf,
+    source: io::Error,
+}
+
+impl FileFlash {
+    /// The flash that a file holds; where there is none, one with this in it.
+    ///
+    /// # Errors
+    /// The file cannot be read or written, or is of another length.
+    pub fn open(path: &Path, new: &[u8]) -> Result<Self, FileFlashError> {
+        let open = || {
+            let (held, is_new) = match std::fs::read(path) {
+                Err(error) if error.kind() == ErrorKind::NotFound => (new.to_vec(), true),
+                held => (held?, false),
+            };
+            if held.len() != new.len() {
+                let why = format!("it has {} bytes, the device's flash has {}", held.len(), new.len());
+                return Err(io::Error::new(ErrorKind::InvalidData, why));
+            }
+            let mut file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+            if is_new {
+                file.write_all(&held)?;
+            }
+            Ok(Self { memory: RamFlash::new(held), file })
+        };
+        open().map_err(|source| FileFlashError { path: path.to_owned(), source })
+    }
+
+    fn keep(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        let kept = self.file.seek(SeekFrom::Start(offset.into())).and_then(|_| self.file.write_all(bytes));
+        kept.map_err(|_| FlashError::File)
+    }
+}
+
+/// What the flash refuses.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FlashError {
+    /// The rules of flash forbid it.
+    Rules(RamFlashError),
+    /// The file cannot be written.
+    File,
+}
+
+impl From<RamFlashError> for FlashError {
+    fn from(error: RamFlashError) -> Self {
+        Self::Rules(error)
+    }
+}
+
+impl NorFlashError for FlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::Rules(error) => error.kind(),
+            Self::File => NorFlashErrorKind::Other,
+        }
+    }
+}
+
+impl ErrorType for FileFlash {
+    type Error = FlashError;
+}
+
+impl ReadNorFlash for FileFlash {
+    const READ_SIZE: usize = RamFlash::<Vec<u8>>::READ_SIZE;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        Ok(self.memory.read(offset, bytes).await?)
+    }
+
+    fn capacity(&self) -> usize {
+        self.memory.capacity()
+    }
+}
+
+impl NorFlash for FileFlash {
+    const WRITE_SIZE: usize = RamFlash::<Vec<u8>>::WRITE_SIZE;
+    const ERASE_SIZE: usize = RamFlash::<Vec<u8>>::ERASE_SIZE;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        self.memory.erase(from, to).await?;
+        self.keep(from, &vec![0xFF; to.saturating_sub(from) as usize])
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        self.memory.write(offset, bytes).await?;
+        self.keep(offset, bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use embassy_futures::block_on;
+
+    #[test]
+    fn what_was_written_is_there_for_the_next_device_and_another_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flash.bin");
+        let new = vec![0xFF; 4096];
+        let mut flash = FileFlash::open(&path, &new).unwrap();
+        block_on(async {
+            flash.write(2048, &[1; 16]).await.unwrap();
+            flash.write(0, &[2; 8]).await.unwrap();
+            flash.erase(0, 2048).await.unwrap();
+            assert_eq!(flash.write(2048, &[3; 8]).await, Err(FlashError::Rules(RamFlashError::NotErased)));
+        });
+        drop(flash);
+        let mut flash = FileFlash::open(&path, &new).unwrap();
+        let mut held = vec![0; 4096];
+        block_on(flash.read(0, &mut held)).unwrap();
+        let mut expected = new.clone();
+        expected[2048..2064].fill(1);
+        assert!(held == expected && std::fs::read(&path).unwrap() == expected);
+        std::fs::write(&path, "short").unwrap();
+        let refused = FileFlash::open(&path, &new).unwrap_err();
+        assert!(refused.to_string().contains("flash.bin") && refused.source.to_string().contains("5 bytes"));
+    }
+}

@@ -1,0 +1,53 @@
+//! The resistors before the board's pin.
+
+use super::{json, number, piezo, refused};
+
+/// 3.3 V, the converter's reference.
+const REFERENCE_V: f64 = 3.3;
+
+#[test]
+fn it_says_what_to_buy_and_the_line_to_paste() {
+    let printed = piezo().args(["divider", "--monitor", "0:10", "--amplifier", "-30:130"]).assert().success();
+    let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
+    for part in ["R1 = ", "R2 = ", "R3 = ", "follower", "Resistors of 1 %", "adc_span = [", "--adc-span -", "1.12 µs"]
+    {
+        assert!(printed.contains(part), "{part:?} is missing in\n{printed}");
+    }
+    // What nobody has said is not made up.
+    let printed = piezo().args(["divider", "--monitor", "-10:10"]).assert().success();
+    let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
+    assert!(!printed.contains("adc_span = [") && printed.contains("with --amplifier V:V this prints"), "{printed}");
+}
+
+#[test]
+fn what_it_prints_follows_from_its_resistors() {
+    let of = |arguments: &[&str]| json(piezo().args([&["divider", "--json"], arguments].concat()));
+    for (arguments, low, high, field) in [
+        (&["--monitor", "-10:10", "--amplifier", "-100:100"][..], -10.0, 10.0, "adc_span"),
+        (&["--sensor", "0:10", "--displacement", "0:30", "--series", "e24"], 0.0, 10.0, "sensor_span"),
+    ] {
+        let found = of(arguments);
+        let conductance = |name: &str| {
+            let ohms = found.pointer(&format!("/resistors_ohm/{name}")).unwrap().as_f64();
+            ohms.map_or(0.0, f64::recip)
+        };
+        let (g1, g2, g3) = (conductance("r1"), conductance("r2"), conductance("r3"));
+        let pin = |volts: f64| (g1 * volts + g2 * REFERENCE_V) / (g1 + g2 + g3);
+        assert!((pin(low) - number(&found, "/pin_v/0")).abs() < 1e-9 && pin(low) >= 0.15, "{found}");
+        assert!((pin(high) - number(&found, "/pin_v/1")).abs() < 1e-9 && pin(high) <= 3.15, "{found}");
+        let (zero, full) = (number(&found, "/codes_v/0"), number(&found, "/codes_v/1"));
+        assert!(pin(zero).abs() < 1e-9 && (pin(full) - REFERENCE_V).abs() < 1e-9);
+        // The line of board.toml: the same ends in the unit of what is measured.
+        let scale = if field == "adc_span" { 10.0 } else { 3.0 };
+        assert!((number(&found, &format!("/{field}/0")) - scale * zero).abs() < 1e-9, "{found}");
+        assert!(number(&found, "/tolerances/0/off_v") > 9.0 * number(&found, "/tolerances/1/off_v"), "{found}");
+    }
+}
+
+#[test]
+fn what_it_cannot_do_is_said() {
+    refused(&["divider", "--monitor", "10:0"], &["10:0", "lowest voltage first"]);
+    refused(&["divider"], &["--monitor"]);
+    refused(&["divider", "--displacement", "0:3"], &["--monitor"]);
+    refused(&["divider", "--monitor", "0:10", "--displacement", "0:3"], &["--displacement", "--monitor"]);
+}
