@@ -93,14 +93,22 @@ fn fmt(sh: &Shell) -> Result<()> {
 /// another selection, cargo would choose other features of the same foreign crates, and build them once more.
 const HOST: [&str; 4] = ["--workspace", "--exclude", "board-emulator-test", "--no-default-features"];
 
+/// The core with its other arithmetic: only the core has code of that feature, the others hand it on. It is selected beside
+/// two programs, of which nothing is built, since they have no library: cargo then chooses the same features of foreign crates
+/// as for the whole workspace, and finds them built.
+const MICROMATH: [&str; 5] =
+    ["--package=estimator-core", "--package=piezo", "--package=xtask", "--features", "estimator-core/micromath"];
+/// The emulated board, selected like [`MICROMATH`].
+pub const BOARD: [&str; 3] = ["--package=board-emulator-test", "--package=piezo", "--package=xtask"];
+
 fn clippy(sh: &Shell) -> Result<()> {
     cmd!(sh, "cargo clippy {HOST...} --all-targets -- -D warnings").run()?;
-    // Only the core has code of that feature; the others hand it on.
-    Ok(cmd!(sh, "cargo clippy --package estimator-core --features micromath --all-targets -- -D warnings").run()?)
+    Ok(cmd!(sh, "cargo clippy {MICROMATH...} --lib --test=library --profile=test -- -D warnings").run()?)
 }
 
+/// With the examples, cargo chooses the features that the tests have, too, and finds what clippy has checked.
 fn doc(sh: &Shell) -> Result<()> {
-    Ok(cmd!(sh, "cargo doc {HOST...} --no-deps").env("RUSTDOCFLAGS", "-D warnings").run()?)
+    Ok(cmd!(sh, "cargo doc {HOST...} --no-deps --lib --bins --examples").env("RUSTDOCFLAGS", "-D warnings").run()?)
 }
 
 /// The tests on the host. What needs more than cargo brings is run by name only.
@@ -115,7 +123,8 @@ fn built_piezo(sh: &Shell) -> Result<PathBuf> {
 
 fn test(sh: &Shell) -> Result<()> {
     tests(sh).run()?;
-    Ok(cmd!(sh, "cargo test --package estimator-core --features micromath").run()?)
+    cmd!(sh, "cargo test {MICROMATH...} --lib --test=library").run()?;
+    Ok(cmd!(sh, "cargo test {MICROMATH...} --doc").run()?)
 }
 
 fn firmware(sh: &Shell) -> Result<()> {
@@ -133,9 +142,9 @@ fn firmware(sh: &Shell) -> Result<()> {
             found.join(" ")
         );
     }
-    let micromath =
-        ["build", "--release", "--package", "estimator-core", "--features", "micromath", "--target", TARGET];
-    Ok(embedded::cargo(sh)?.args(micromath).run()?)
+    // Beside a board, whose foreign crates are built already.
+    let micromath = ["--no-default-features", "--features", "mps2-an386,micromath", "--lib"];
+    Ok(embedded::cargo(sh)?.arg("fw").args(micromath).run()?)
 }
 
 fn emulated(sh: &Shell) -> Result<()> {
@@ -149,8 +158,8 @@ fn emulated(sh: &Shell) -> Result<()> {
 
 fn board(sh: &Shell) -> Result<()> {
     let image = embedded::image(sh, Board::NucleoG474re)?;
-    cmd!(sh, "cargo clippy --package board-emulator-test --all-targets -- -D warnings").run()?;
-    Ok(cmd!(sh, "cargo test --package board-emulator-test -- --nocapture").env("FIRMWARE_IMAGE", image).run()?)
+    cmd!(sh, "cargo clippy {BOARD...} --lib --test=image --profile=test -- -D warnings").run()?;
+    Ok(cmd!(sh, "cargo test {BOARD...} --lib --test=image -- --nocapture").env("FIRMWARE_IMAGE", image).run()?)
 }
 
 fn browser(sh: &Shell) -> Result<()> {

@@ -19,6 +19,7 @@ use xshell::{Cmd, Shell, cmd};
 use crate::{
     embedded::{self, Board},
     size::{self, LOG},
+    step::BOARD,
 };
 
 /// Another session of the actuator whose log is identified from.
@@ -150,7 +151,7 @@ fn json(command: Cmd<'_>) -> Result<Value> {
 /// Reads what the test prints of each model: `NAME: … N instructions … on average, N at most`.
 fn drive(sh: &Shell) -> Result<Value> {
     let image = embedded::image(sh, Board::NucleoG474re)?;
-    let printed = cmd!(sh, "cargo test --quiet --package board-emulator-test --test image follow:: -- --nocapture")
+    let printed = cmd!(sh, "cargo test --quiet {BOARD...} --test=image follow:: -- --nocapture")
         .env("FIRMWARE_IMAGE", image)
         .read()?;
     let counts = printed.lines().filter_map(|line| {
