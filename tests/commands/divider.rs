@@ -13,6 +13,10 @@ fn it_says_what_to_buy_and_the_line_to_paste() {
     {
         assert!(printed.contains(part), "{part:?} is missing in\n{printed}");
     }
+    assert!(!printed.contains("amplify"), "{printed}");
+    let small = piezo().args(["divider", "--monitor", "0:0.1"]).assert().success();
+    let small = String::from_utf8(small.get_output().stdout.clone()).unwrap();
+    assert!(small.contains("Only 3 % of the converter's range is used"), "{small}");
     // What nobody has said is not made up.
     let printed = piezo().args(["divider", "--monitor", "-10:10"]).assert().success();
     let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();

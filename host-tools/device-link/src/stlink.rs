@@ -16,7 +16,7 @@ const CALL_IN: &str = "/dev/tty.";
 pub struct Plugged {
     /// Name of its serial port.
     pub port: String,
-    /// Serial number of its ST-Link, as on the board's label; empty where the operating system does not say.
+    /// Serial number of its ST-Link; empty where the operating system does not say.
     pub serial: String,
 }
 

@@ -15,7 +15,11 @@ pub enum DividerError {
     #[error("{0} and {1} V are no span: two voltages that differ are needed, the output's lowest and its highest")]
     NoSpan(f64, f64),
     /// No values of the series do it.
-    #[error("no three resistors of 1 kΩ to 1 MΩ bring {low} … {high} V to {} … {} V", PIN_V.0, PIN_V.1)]
+    #[error(
+        "no three resistors of 1 kΩ to 1 MΩ bring {low} … {high} V to {} … {} V: it needs an amplifier, or a divider of its own, before the board",
+        PIN_V.0,
+        PIN_V.1
+    )]
     None {
         /// Lowest voltage of the source, V.
         low: f64,

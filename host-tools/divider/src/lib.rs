@@ -8,8 +8,9 @@
 //! pin = V·G1/G + 3.3 V·G2/G,   Gi = 1/Ri,   G = G1 + G2 + G3
 //! ```
 //!
-//! The 3.3 V are the converter's reference, so that a code is `full scale · pin / 3.3 V` whatever they are exactly. [`Divider::choose`]
-//! takes standard values, [`Divider::off`] says what their tolerance costs, and [`Sampling`] what the converter sees.
+//! The 3.3 V are the converter's reference too: `code = full scale · pin / 3.3 V`, in which R2's part does not change with them, and the
+//! source's goes as one over them. [`Divider::choose`] takes standard values, [`Divider::off`] says what their tolerance costs,
+//! [`Divider::off_by_supply`] what the supply's does, and [`Sampling`] what the converter sees.
 
 mod choice;
 mod sampling;
@@ -66,6 +67,11 @@ impl Divider {
     /// What the source's voltage is at code 0 and at full scale, V.
     pub fn span(&self) -> (f64, f64) {
         (self.source(0.0), self.source(REFERENCE_V))
+    }
+
+    /// Part of the pin's range that the source's voltages, V, use.
+    pub fn used(&self, (low, high): (f64, f64)) -> f64 {
+        (self.pin(high) - self.pin(low)).abs() / (PIN_V.1 - PIN_V.0)
     }
 
     /// Volts of the source a code.

@@ -22,6 +22,12 @@ impl Divider {
         errors.fold(0.0, f64::max)
     }
 
+    /// The largest error of a voltage between two, V, where the 3.3 V are higher by `part` of their value than when the line was
+    /// measured: `V·part/(1 + part)`, whatever the resistors.
+    pub fn off_by_supply((low, high): (f64, f64), part: f64) -> f64 {
+        low.abs().max(high.abs()) * part / (1.0 + part)
+    }
+
     /// Lowest and highest voltage at the pin, V, where each resistor may be off by `part` of its value.
     pub fn pin_within(&self, (low, high): (f64, f64), part: f64) -> (f64, f64) {
         let pins = self.corners(part).flat_map(|real| [low, high].map(|v| real.pin(v)));
@@ -35,6 +41,21 @@ mod tests {
     use crate::{FULL_SCALE, REFERENCE_V, Series};
 
     /// All that lies between the corners, on a grid of resistors and voltages.
+    /// The node's equation with another supply, read by the values of the first.
+    #[test]
+    fn a_supply_that_is_off_costs_in_proportion_to_the_voltage() {
+        let divider = Divider { r1: 20_000.0, r2: Some(6_040.0), r3: Some(8_660.0) };
+        let (a, b) = divider.weights();
+        let read = |volts: f64, supply: f64| {
+            let part_of_full_scale = (a * volts + b * supply) / supply;
+            divider.source(part_of_full_scale * crate::REFERENCE_V)
+        };
+        for volts in [-10.0, -2.0, 5.0, 10.0] {
+            let off = (read(volts, 1.01 * crate::REFERENCE_V) - volts).abs();
+            assert!((off - Divider::off_by_supply((0.0, volts), 0.01)).abs() < 1e-12, "{off} at {volts} V");
+        }
+    }
+
     #[test]
     fn no_resistors_within_their_tolerance_are_worse_than_the_corners() {
         for span in [(-10.0, 10.0), (0.0, 10.0), (-3.0, 13.0)] {

@@ -3,7 +3,7 @@
 
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use parameter_store::{RamFlash, RamFlashError};
-use std::fs::{File, OpenOptions};
+use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -29,14 +29,11 @@ impl FileFlash {
     /// The file cannot be read or written, or is of another length.
     pub fn open(path: &Path, new: &[u8]) -> Result<Self, FileFlashError> {
         let open = || {
-            let (held, is_new) = match std::fs::read(path) {
+            let (held, is_new) = match std::fs::metadata(path) {
                 Err(error) if error.kind() == ErrorKind::NotFound => (new.to_vec(), true),
-                held => (held?, false),
+                // A pipe would be waited for, and some devices never end.
+                there => (held(&there?, path, new.len())?, false),
             };
-            if held.len() != new.len() {
-                let why = format!("it has {} bytes, the device's flash has {}", held.len(), new.len());
-                return Err(io::Error::new(ErrorKind::InvalidData, why));
-            }
             let mut file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
             if is_new {
                 file.write_all(&held)?;
@@ -50,6 +47,18 @@ impl FileFlash {
         let kept = self.file.seek(SeekFrom::Start(offset.into())).and_then(|_| self.file.write_all(bytes));
         kept.map_err(|_| FlashError::File)
     }
+}
+
+/// What a file of the flash's length holds.
+fn held(there: &Metadata, path: &Path, length: usize) -> io::Result<Vec<u8>> {
+    let refused = |why| Err(io::Error::new(ErrorKind::InvalidData, why));
+    if !there.is_file() {
+        return refused("it is no regular file".to_owned());
+    }
+    if there.len() != length as u64 {
+        return refused(format!("it has {} bytes, the device's flash has {length}", there.len()));
+    }
+    std::fs::read(path)
 }
 
 /// What the flash refuses.

@@ -9,7 +9,7 @@
 //! s₀ is the error that is there always, and n the samples of it that a log counts as. So Lᵀ makes a metric in which what the
 //! training moved much counts little; how far plays stand from all that the training did is measured in it.
 
-use crate::prototypes::{Plays, Prototypes, prototypes};
+use crate::prototypes::{Plays, nearest, prototypes};
 use estimator_core::interval::{HALF_WIDTHS, PLAYS, TRIANGLE};
 use estimator_core::model::play;
 use estimator_core::{IntervalParameters, Range};
@@ -55,17 +55,21 @@ pub fn learnt(
     let spread = SMatrix::<f64, PLAYS, PLAYS>::from_diagonal(&weights) * factor;
     let step = been.len().div_ceil(MOST).max(1);
     let seen: Vec<Plays> = been.iter().step_by(step).map(|place| spread.transpose() * place).collect();
-    let Prototypes { centres, farthest } = prototypes(&seen);
+    let centres = prototypes(&seen);
     let reach = centres.iter().map(|centre| centre.amax()).fold(0.0, f64::max);
     let unit = if reach > 0.0 { reach / f64::from(i8::MAX) } else { 1.0 };
+    let rounded = centres.map(|centre| (centre / unit).map(f64::round));
+    let in_table = rounded.map(|centre| centre * unit);
+    let off = |place: &Plays| nearest(&in_table, &(spread.transpose() * place)).1;
+    let farthest = been.iter().map(off).fold(0.0, f64::max).sqrt();
     let mut triangle = [0.0; TRIANGLE];
     let lower = (0..PLAYS).flat_map(|row| (0..=row).map(move |column| (row, column)));
     triangle.iter_mut().zip(lower).for_each(|(to, at)| *to = spread[at] as f32);
     IntervalParameters {
         spread_um: triangle,
-        prototypes: centres.map(|centre| std::array::from_fn(|row| (centre[row] / unit).round() as i8)),
+        prototypes: rounded.map(|centre| std::array::from_fn(|row| centre[row] as i8)),
         prototype_um: unit as f32,
-        untrained_um: (ROOM * (farthest + unit)) as f32,
+        untrained_um: (ROOM * farthest) as f32,
         ..parameters
     }
 }

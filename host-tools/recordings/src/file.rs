@@ -1,6 +1,5 @@
 //! Writing results: beside the target first, then renamed, so that nothing is ever half-written.
 
-use std::fs::Permissions;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -56,7 +55,11 @@ impl Replacement {
             }
             Err(_) => (path.to_owned(), None),
         };
-        Ok(Self { file: temporary(folder_of(&target), there)?, target })
+        let file = temporary(folder_of(&target))?;
+        if let Some(permissions) = there {
+            file.as_file().set_permissions(permissions)?;
+        }
+        Ok(Self { file, target })
     }
 
     /// Puts what was written into the target's place.
@@ -89,7 +92,7 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
 }
 
 /// Writes files that belong together: each whole before the first takes its place, so that what fails while they are
-/// written leaves all as they were.
+/// written leaves all as they were. (A program that is killed between the renames can still mix them.)
 ///
 /// # Errors
 /// [`FileError::Write`], of the file that cannot be written.
@@ -118,15 +121,15 @@ pub fn write_all(files: impl IntoIterator<Item = (PathBuf, impl AsRef<[u8]>)>) -
 /// [`FileError::Folder`], and nothing was created.
 pub fn writable(folder: &Path) -> Result<(), FileError> {
     let there = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
-    temporary(there, None).map(drop).map_err(|source| FileError::Folder { path: folder.to_owned(), source })
+    temporary(there).map(drop).map_err(|source| FileError::Folder { path: folder.to_owned(), source })
 }
 
-/// A temporary file in a folder.
-fn temporary(folder: &Path, permissions: Option<Permissions>) -> io::Result<NamedTempFile> {
+/// A temporary file in a folder, with the permissions of an ordinary new one.
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".piezo-");
     #[cfg(unix)]
-    builder.permissions(permissions.unwrap_or_else(|| std::os::unix::fs::PermissionsExt::from_mode(0o666)));
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
 }
 
@@ -178,12 +181,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("real"), "old").unwrap();
-        fs::set_permissions(at("real"), Permissions::from_mode(0o640)).unwrap();
+        // Wider than a new file's.
+        fs::set_permissions(at("real"), fs::Permissions::from_mode(0o666)).unwrap();
         symlink(at("real"), at("link")).unwrap();
         write(&at("link"), "new").unwrap();
         assert!(at("link").is_symlink());
         assert_eq!(fs::read_to_string(at("real")).unwrap(), "new");
-        assert_eq!(fs::metadata(at("real")).unwrap().permissions().mode() & 0o777, 0o640);
+        assert_eq!(fs::metadata(at("real")).unwrap().permissions().mode() & 0o777, 0o666);
     }
 
     /// Even where the operating system would allow it, as to the superuser.
@@ -194,7 +198,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("locked"), "old").unwrap();
-        fs::set_permissions(at("locked"), Permissions::from_mode(0o444)).unwrap();
+        fs::set_permissions(at("locked"), fs::Permissions::from_mode(0o444)).unwrap();
         symlink(at("nowhere"), at("dangling")).unwrap();
         symlink("/dev/null", at("device")).unwrap();
         for name in ["locked", "dangling", "device"] {

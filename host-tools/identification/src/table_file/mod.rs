@@ -142,7 +142,8 @@ impl TableFile {
         Ok(format!("{HEADER}\n{}", toml::to_string_pretty(&value)?))
     }
 
-    /// Writes `table.toml`, `table.rs` and `table.bin` into a folder, creating it: all three, or none.
+    /// Writes `table.toml`, `table.rs` and `table.bin` into a folder, creating it; each is whole before the first
+    /// takes its place.
     ///
     /// # Errors
     /// The table is refused, or a file cannot be written.

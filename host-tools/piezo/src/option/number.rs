@@ -20,7 +20,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
 
 /// What a converter's ends stand for, or a range: `-22:22`.
 pub fn span(text: &str) -> Result<Span, String> {
-    let wrong = |_| "expected what code 0 and full scale stand for, as -22:22".to_owned();
+    let wrong = |_| "expected two numbers, as -22:22".to_owned();
     let (zero, full) = text.split_once(':').ok_or(()).map_err(wrong)?;
     let number = |text: &str| finite(text).map_err(|_| ()).map_err(wrong);
     let span = Span { zero: number(zero)?, full: number(full)? };

@@ -10,6 +10,10 @@ use serde_json::{Value, json};
 
 /// Tolerances that resistors are sold with, each with the drift that is usual for it, of the value a kelvin: thick film, thin film.
 const TOLERANCES: [(f64, f64); 2] = [(0.01, 100e-6), (0.001, 25e-6)];
+/// How far off a supply is looked at, of its value.
+const SUPPLY: f64 = 0.01;
+/// A divider that uses less of the converter's range is remarked on.
+const HALF: f64 = 0.5;
 /// Change of temperature for which the drift is said, K.
 const WARMER_K: f64 = 10.0;
 
@@ -147,7 +151,7 @@ impl Found {
             let (least, most) = divider.pin_within(self.ends, tolerance);
             lines.push(format!(
                 "Resistors of {} %: off by {:.1} mV of the {source} at most{}, the pin at {least:.3} … {most:.3} V. `piezo calibrate` with two \
-                 points takes all of that away; what is left is drift: with {:.0} ppm/K, {:.2} mV at most{} for {WARMER_K} K.",
+                 points takes that away, and their drift is left: with {:.0} ppm/K, {:.2} mV at most{} for {WARMER_K} K.",
                 100.0 * tolerance,
                 1e3 * off,
                 also(off),
@@ -156,10 +160,23 @@ impl Found {
                 also(drifts)
             ));
         }
+        let by_supply = Divider::off_by_supply(self.ends, SUPPLY);
+        lines.push(format!(
+            "A supply that is {} % off the one of the calibration: {:.1} mV at most, whatever the resistors.",
+            100.0 * SUPPLY,
+            1e3 * by_supply
+        ));
+        let used = divider.used(self.ends);
+        if used < HALF {
+            lines.push(format!(
+                "Only {:.0} % of the converter's range is used, and the resolution is that much worse: amplify the {source}'s output first.",
+                100.0 * used
+            ));
+        }
         let sampling = Sampling::of(divider);
         lines.push(format!(
             "The node has {}. The firmware samples for {:.2} µs, sixteen times in a row: behind the follower, 100 Ω and 4.7 nF settle with \
-             {:.2} µs, to {:.4} % of the difference to the other channel; without the follower it would be {:.1} µs, which it needs.",
+             {:.2} µs, to {:.4} % of the difference to the other channel; without the follower it would be {:.1} µs, so it is needed.",
             ohms(divider.impedance()),
             1e6 * sampling.time_s,
             1e6 * sampling.filter_s,
@@ -188,7 +205,6 @@ impl Found {
             json!({
                 "tolerance": tolerance,
                 "off_v": divider.off(self.ends, tolerance),
-                "off_calibrated_v": 0.0,
                 "drift_per_k": drift,
                 "off_by_drift_v": divider.off(self.ends, drift * WARMER_K),
                 "drift_over_k": WARMER_K,
@@ -206,6 +222,8 @@ impl Found {
             "unit": self.measured.of.1,
             "a_code": self.a_volt().map(|scale| scale.abs() * divider.volts_a_code()),
             self.measured.field.0: self.span(),
+            "used": divider.used(self.ends),
+            "off_by_a_hundredth_of_supply_v": Divider::off_by_supply(self.ends, SUPPLY),
             "tolerances": tolerances,
             "impedance_ohm": divider.impedance(),
             "sampling": Sampling::of(divider),

@@ -84,12 +84,18 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         Some(path) => format!("Its tables are kept in {}.", path.display()),
         None => "Its tables are gone when it ends.".to_owned(),
     };
+    let next = match &arguments.wired {
+        Some(_) => format!("measure what it is wired with:\n\n    piezo calibrate --port tcp:{port} --board {board}"),
+        None => format!(
+            "from board and sensor to a proven table:\n\n    piezo learn --port tcp:{port} --board {board} --out p885"
+        ),
+    };
     out(&format!(
         "An emulated board, its firmware as on a real one; {} s of it pass in a second. {kept} Ctrl-C ends it.\n\
          Its DAC drives an amplifier of {} … {} V ({} V/s, rest at {} V), its ADC reads that voltage and a sensor of {} … {} µm \
          beside an actuator with a stroke of {:.1} µm ({}; seed {}).\n\
          {board} {}.\n\
-         In another terminal, from board and sensor to a proven table:\n\n    piezo learn --port tcp:{port} --board {board} --out p885",
+         In another terminal, {next}",
         arguments.speed,
         range.min,
         range.max,
@@ -100,7 +106,11 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         bench.stroke_um,
         arguments.device.name(),
         arguments.seed,
-        if written { "was written, and says how it is wired" } else { "was there, and says how it is wired" }
+        match (&arguments.wired, written) {
+            (Some(wired), _) => format!("is what is believed; it is wired as {} says", wired.display()),
+            (None, true) => "was written, and says how it is wired".to_owned(),
+            (None, false) => "was there, and says how it is wired".to_owned(),
+        }
     ));
     let mut shown = Shown::default();
     while !interrupt.wanted() {

@@ -57,8 +57,8 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let ticks = arguments.samples.or(arguments.seconds.map(|s| (s * 1e6 / f64::from(tick_us)).round() as u64));
     ensure!(ticks != Some(0), "--seconds is less than one tick of {tick_us} µs");
     let facts = arguments.board.as_deref().map(BoardFacts::read).transpose()?;
-    if let Some(Err(other)) = facts.map(|facts| facts.of_board(&identity)) {
-        eprintln!("piezo: careful: {other}");
+    if let (Some(path), Some(Err(other))) = (&arguments.board, facts.map(|facts| facts.of_board(&identity))) {
+        eprintln!("piezo: careful: {}: {other}: the sensor's µm are by its span", path.display());
     }
     let span = facts.and_then(|facts| facts.sensor_span);
     let sensor = span.map(|(zero_um, full_um)| Sensor { zero_um, full_um, full_scale: identity.adc_full_scale });
