@@ -48,10 +48,10 @@ mod tests {
         let (a, b) = divider.weights();
         let read = |volts: f64, supply: f64| {
             let part_of_full_scale = (a * volts + b * supply) / supply;
-            divider.source(part_of_full_scale * crate::REFERENCE_V)
+            divider.source(part_of_full_scale * REFERENCE_V)
         };
         for volts in [-10.0, -2.0, 5.0, 10.0] {
-            let off = (read(volts, 1.01 * crate::REFERENCE_V) - volts).abs();
+            let off = (read(volts, 1.01 * REFERENCE_V) - volts).abs();
             assert!((off - Divider::off_by_supply((0.0, volts), 0.01)).abs() < 1e-12, "{off} at {volts} V");
         }
     }
