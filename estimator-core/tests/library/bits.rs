@@ -18,7 +18,7 @@ const CHECKSUMS: &[(Model, u32, u32)] = &[
     (Model::VoltageExtremum, 0x4868043a, 0x2494789b),
     (Model::DisplacementExtremum, 0x1502df4d, 0x561a9b99),
     (Model::Enhanced, 0x7db5ce3d, 0xe022fdda),
-    (Model::VoigtChain, 0x4674c4e2, 0x298a1d97),
+    (Model::VoigtChain, 0xa95c6e01, 0xc168ff2b),
     (Model::PrandtlIshlinskii, 0xcb30c9c, 0x7d926635),
     (Model::MaxwellSlip, 0xcbffb885, 0x25244d26),
     (Model::Duhem, 0x492bf26c, 0xd1ff9182),

@@ -18,7 +18,8 @@ pub fn parameters(model: Model) -> Parameters {
             voltage_extremum_um_per_v: -0.01,
             deadband_v: 0.1,
             gains_um_per_v: list((0..20).map(|i| 0.002 + 0.0001 * i as f32)),
-            times_s: list((0..20).map(|i| 0.001 * 1.7f32.powi(i))),
+            // (`powi` rounds as the optimiser likes.)
+            times_s: list(std::iter::successors(Some(0.001f32), |time| Some(1.7 * time)).take(20)),
             memory_v,
         }),
         Model::PrandtlIshlinskii => Parameters::PrandtlIshlinskii(PrandtlIshlinskiiParameters {
