@@ -8,6 +8,11 @@
 //! line of the monitor's channel, and of the DAC where the board drives; the sensor's own display, or a multimeter at its output, that
 //! of the second channel. Whatever divider and offsets are in between, they are then in the line.
 
+pub mod doubt;
+mod error;
+
+pub use error::CalibrationError;
+
 use crate::driven::Driven;
 use crate::error::BenchError;
 use device_link::Client;
@@ -18,7 +23,7 @@ use std::time::{Duration, Instant};
 /// How long codes are averaged, s.
 pub const AVERAGED_S: f64 = 1.0;
 /// How often that is tried again while the codes still drift.
-const TRIES: usize = 10;
+const TRIES: u32 = 10;
 /// How far the two halves of the average may be apart, of full scale: a thousandth of a volt in five.
 const DRIFT: f64 = 2e-4;
 /// How far the two points must be apart, of full scale: the error of a reading is an error of the gain, and grows outside.
@@ -46,47 +51,6 @@ impl Channel {
             Self::Sensor => sample.sensor,
         }
     }
-}
-
-/// Why two readings make no calibration.
-#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
-pub enum CalibrationError {
-    /// The samples have no second channel.
-    #[error("the board has no second channel that a sensor could be connected to")]
-    NoSensor,
-    /// Nothing comes.
-    #[error("the device gives no samples")]
-    Silent,
-    /// The channel stands at an end of its range.
-    #[error("the channel stands at an end of its range (code {code:.0} of {full_scale})")]
-    Saturated {
-        /// Mean code.
-        code: f64,
-        /// The channel's largest code.
-        full_scale: u16,
-    },
-    /// What is measured does not stand still.
-    #[error("the code does not stand still: after {seconds:.0} s it still goes by {codes:.0} codes in half a second")]
-    Drifts {
-        /// From one half of the average to the other.
-        codes: f64,
-        /// How long it was waited for.
-        seconds: f64,
-    },
-    /// The two points are next to each other.
-    #[error("the two points are {codes:.0} codes apart, less than a tenth of all {full_scale}")]
-    TooNear {
-        /// From one to the other.
-        codes: f64,
-        /// The channel's largest code.
-        full_scale: u16,
-    },
-    /// The two readings are one, or none.
-    #[error("the readings {0} and {1} do not differ")]
-    SameReading(f64, f64),
-    /// The user has had enough.
-    #[error("interrupted: nothing was calibrated")]
-    Interrupted,
 }
 
 /// Codes of a channel, averaged.
@@ -177,71 +141,107 @@ pub struct Calibrating<'a> {
     pub interrupt: &'a Interrupt,
 }
 
+/// The instrument's reading at a point of this number, V or µm, if there is one by now. An error is why the last one was not taken,
+/// and said once.
+pub type Reading<'r, E> = dyn FnMut(usize, Option<CalibrationError>) -> Result<Option<f64>, E> + 'r;
+
+/// What has come of it.
+pub struct Calibrated<E> {
+    /// Both points, or why there are none.
+    pub points: Result<[Point; 2], E>,
+    /// Whether a board that drove has come to rest; the points are as good where it has not.
+    pub home: Result<(), BenchError>,
+}
+
 impl Calibrating<'_> {
-    /// Both points. `reading` is asked again and again, with the point's number, until it has one; the average is taken then. However
-    /// this ends, a board that drove goes to rest.
+    /// Both points. `reading` is asked again and again, with the point's number, until it has one; the average is taken then. Where
+    /// that reading cannot be taken, it is asked for another one with the reason. However this ends, a board that drove goes to rest.
     ///
-    /// # Errors
-    /// The link fails, a fault stops the drive, the codes are saturated or drift, the reading cannot be had, or the user has had
-    /// enough.
-    pub fn points<E: From<BenchError>>(
-        mut self,
-        reading: &mut dyn FnMut(usize) -> Result<Option<f64>, E>,
-    ) -> Result<[Point; 2], E> {
-        let first = self.point(0, reading);
-        let both = first.and_then(|first| Ok([first, self.point(1, reading)?]));
-        if let Stand::Driven(driven, _) = &self.stand {
-            let home = driven.rest(self.client);
-            // What went wrong first is what the user must know.
-            let both = both?;
-            home?;
-            return Ok(both);
-        }
-        both
+    /// Fails where the link does, a fault stops the drive, the codes are saturated, drift or cannot be believed, the reading cannot
+    /// be had, or the user has had enough.
+    pub fn points<E: From<BenchError>>(mut self, reading: &mut Reading<'_, E>) -> Calibrated<E> {
+        let points = self.both(reading);
+        let home = match &self.stand {
+            Stand::Driven(driven, _) => driven.rest(self.client),
+            Stand::ByHand => Ok(()),
+        };
+        Calibrated { points, home }
     }
 
-    fn point<E: From<BenchError>>(
+    fn both<E: From<BenchError>>(&mut self, reading: &mut Reading<'_, E>) -> Result<[Point; 2], E> {
+        if self.identity.tick_us == 0 {
+            return Err(BenchError::from(CalibrationError::NoTick).into());
+        }
+        let first = self.point(&[], reading)?;
+        Ok([first, self.point(&[first.reading], reading)?])
+    }
+
+    /// The point after those with the readings of `before`.
+    fn point<E: From<BenchError>>(&mut self, before: &[f64], reading: &mut Reading<'_, E>) -> Result<Point, E> {
+        if let Stand::Driven(driven, volts) = &mut self.stand {
+            driven.go(self.client, volts[before.len()], self.interrupt)?;
+        }
+        let (mut doubt, mut drifted) = (None, 0);
+        loop {
+            let read = self.reading(before.len(), doubt, reading)?;
+            if let Err(why) = self.believed(before, read) {
+                doubt = Some(why);
+                continue;
+            }
+            // While the code drifts it is not known where it was when the instrument was read.
+            let (channel, dac) = self.averaged()?;
+            if channel.stands_still(self.identity.adc_full_scale) {
+                return Ok(Point { reading: read, channel, dac });
+            }
+            drifted += 1;
+            let drifts =
+                CalibrationError::Drifts { codes: channel.drift.abs(), seconds: f64::from(drifted) * AVERAGED_S };
+            if drifted >= TRIES {
+                return Err(BenchError::from(drifts).into());
+            }
+            doubt = Some(drifts);
+        }
+    }
+
+    /// The reading, once there is one.
+    fn reading<E: From<BenchError>>(
         &mut self,
         number: usize,
-        reading: &mut dyn FnMut(usize) -> Result<Option<f64>, E>,
-    ) -> Result<Point, E> {
-        if let Stand::Driven(driven, volts) = &mut self.stand {
-            driven.go(self.client, volts[number], self.interrupt)?;
-        }
-        let read = loop {
+        mut doubt: Option<CalibrationError>,
+        reading: &mut Reading<'_, E>,
+    ) -> Result<f64, E> {
+        loop {
             if self.interrupt.wanted() {
                 return Err(BenchError::from(CalibrationError::Interrupted).into());
             }
-            if let Some(read) = reading(number)? {
-                break read;
+            if let Some(read) = reading(number, doubt.take())? {
+                return Ok(read);
             }
             match &mut self.stand {
                 Stand::ByHand => std::thread::sleep(LOOK),
                 // It goes to rest where nobody says that it is to stay.
                 Stand::Driven(driven, _) => driven.stay(self.client, self.interrupt).map(drop)?,
             }
-        };
-        let (channel, dac) = self.averaged()?;
-        Ok(Point { reading: read, channel, dac })
+        }
     }
 
-    /// The channel's and the DAC's codes once they stand still.
-    fn averaged(&mut self) -> Result<(Averaged, Option<f64>), BenchError> {
-        let full_scale = self.identity.adc_full_scale;
-        let mut seconds = 0.0;
-        loop {
-            let samples = self.second()?;
-            let codes: Option<Vec<u16>> = samples.iter().map(|sample| self.channel.code(sample)).collect();
-            let channel = Averaged::of(&codes.ok_or(CalibrationError::NoSensor)?, full_scale)?;
-            seconds += AVERAGED_S;
-            if channel.stands_still(full_scale) {
-                let mean = samples.iter().map(|sample| f64::from(sample.dac)).sum::<f64>() / samples.len() as f64;
-                return Ok((channel, matches!(self.stand, Stand::Driven(..)).then_some(mean)));
+    fn believed(&self, before: &[f64], read: f64) -> Result<(), CalibrationError> {
+        match (&self.stand, self.channel) {
+            (Stand::Driven(driven, volts), Channel::Monitor) => {
+                doubt::of_driven(&[before, &[read]].concat(), volts.map(f64::from), driven.span_v())
             }
-            if seconds >= TRIES as f64 * AVERAGED_S {
-                return Err(CalibrationError::Drifts { codes: channel.drift.abs(), seconds }.into());
-            }
+            _ => Ok(()),
         }
+    }
+
+    /// The channel's and the DAC's codes over a second.
+    fn averaged(&mut self) -> Result<(Averaged, Option<f64>), BenchError> {
+        let samples = self.second()?;
+        doubt::of_samples(&samples, self.channel)?;
+        let codes: Option<Vec<u16>> = samples.iter().map(|sample| self.channel.code(sample)).collect();
+        let channel = Averaged::of(&codes.ok_or(CalibrationError::NoSensor)?, self.identity.adc_full_scale)?;
+        let mean = samples.iter().map(|sample| f64::from(sample.dac)).sum::<f64>() / samples.len() as f64;
+        Ok((channel, matches!(self.stand, Stand::Driven(..)).then_some(mean)))
     }
 
     /// The samples of a second.

@@ -53,13 +53,23 @@ pub enum BenchError {
     /// Two readings make no calibration.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// The table in use does not drive so far.
-    #[error("{volts} V are not within what the table in use drives to, {} … {} V", range_v.min, range_v.max)]
+    /// The table in use, or the board's file, does not let it be driven so far.
+    #[error("{volts} V are not within {of}, {} … {} V", range_v.min, range_v.max)]
     BeyondDrive {
         /// What was asked for, V.
         volts: f32,
-        /// What the table allows, V.
+        /// What is allowed, V.
         range_v: Range,
+        /// Who allows it.
+        of: &'static str,
+    },
+    /// It would take too long to get there.
+    #[error("at half of {slew_v_per_s} V/s, the fastest that is allowed, a ramp would take {seconds:.0} s")]
+    SlowRamp {
+        /// How long, s.
+        seconds: f64,
+        /// The smaller slew of the table in use and of the board's file, V/s.
+        slew_v_per_s: f32,
     },
     /// What is known of the board does not suffice.
     #[error(transparent)]

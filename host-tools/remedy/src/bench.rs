@@ -47,6 +47,14 @@ pub fn complaint(complaint: &Complaint) -> String {
     format!("{complaint}: {remedy}")
 }
 
+/// What a drive by a calibration that is wrong ends with, while that is what is to be calibrated.
+const NEAR: &str = "--drive-to needs a calibration that is right to some 5 % already: else calibrate by hand first, without --drive-to";
+
+/// Whether this verb was typed.
+fn verb(name: &str) -> bool {
+    std::env::args_os().nth(1).is_some_and(|verb| verb == name)
+}
+
 fn session(error: &BenchError) -> String {
     match error {
         BenchError::NotDriving => format!(
@@ -62,7 +70,7 @@ fn session(error: &BenchError) -> String {
             let unplug =
                 "unplug the amplifier's input from the DAC, or switch the amplifier off, and plug it in afterwards:";
             let (board, port) = (typed("--board"), typed("--port"));
-            match std::env::args_os().nth(1).is_some_and(|verb| verb == "install") {
+            match verb("install") {
                 true => format!("{error}: {unplug}{} --rewired", with(Path::new(""), &[])),
                 false => format!("{error}: {unplug}\n    piezo install --line{board} --rewired{port}"),
             }
@@ -75,13 +83,28 @@ fn session(error: &BenchError) -> String {
         BenchError::BeyondDrive { range_v, .. } => {
             format!("{error}: --drive-to {}:{} at most", range_v.min, range_v.max)
         }
+        BenchError::SlowRamp { .. } => {
+            format!(
+                "{error}, more than a minute: is drive_slew in board.toml, and the table's, what the amplifier stands?"
+            )
+        }
         BenchError::NoModel => format!("{error}: `piezo train`, `piezo identify` and `piezo install` make one"),
         BenchError::NothingStated => format!("{error}: say it with --max-percent, of the stroke"),
         BenchError::Both(one, other) => format!("{}; and then: {}", session(one), session(other)),
-        BenchError::Stopped { ticks, faults } => format!("after {ticks} ticks {}", stopped(*faults)),
+        BenchError::Stopped { ticks, faults } => {
+            let said = format!("after {ticks} ticks {}", stopped(*faults));
+            match verb("calibrate") && faults.contains(Faults::AMPLIFIER) {
+                true => format!("{said}; {NEAR}"),
+                false => said,
+            }
+        }
         BenchError::NotTaken => format!("{error}: try again"),
         BenchError::NotAtRest { .. } => {
-            format!("{error}: is the amplifier connected and switched on? `piezo info` says how the device is")
+            let asked = "is the amplifier connected and switched on? `piezo info` says how the device is";
+            match verb("calibrate") {
+                true => format!("{error}: {asked}; {NEAR}"),
+                false => format!("{error}: {asked}"),
+            }
         }
         BenchError::Nothing(_) => format!("{error}: choose a longer --seconds"),
         _ => error.of_another().map_or_else(|| error.to_string(), super::told),
@@ -89,6 +112,12 @@ fn session(error: &BenchError) -> String {
 }
 
 fn another(error: &AnotherBoard) -> String {
+    if verb("calibrate") {
+        return format!(
+            "{error}: connect that board, or name a new file for this one with --board; --another-board does not help, for the \
+             file would then be of two"
+        );
+    }
     format!(
         "{error}: connect that board, or measure this one (`piezo calibrate` with another --board); --another-board takes it all the same"
     )
@@ -110,6 +139,22 @@ fn calibration(error: &CalibrationError) -> String {
         CalibrationError::TooNear { .. } => {
             "measure farther apart, at a tenth and at nine tenths of the range; if it was, is the wire to this channel sound?"
         }
+        CalibrationError::FarFromDriven { .. } => {
+            "was it mistyped, or read at the other point, and is the multimeter at the amplifier's output, in V? If it is right, the \
+             calibration in use is wrong by a fifth: calibrate by hand first, without --drive-to"
+        }
+        CalibrationError::OtherWay { .. } => {
+            "were they swapped or mistyped? If they are right, drive_span has the wrong sign: calibrate by hand first, without \
+             --drive-to"
+        }
+        CalibrationError::Inverted { .. } => {
+            "were the readings swapped or mistyped? If the wiring is another one now, remove the line of the former span from board.toml"
+        }
+        CalibrationError::Faulty(bits) => {
+            let remedies: Vec<&str> = faults(*bits).map(|of| of.remedy).collect();
+            return format!("{error}: {}", remedies.join("; "));
+        }
+        CalibrationError::NoTick => "is it a firmware of this version? `piezo info` says which it is",
         CalibrationError::SameReading(..) => "does the instrument measure what the channel does?",
         CalibrationError::Interrupted => return error.to_string(),
     };

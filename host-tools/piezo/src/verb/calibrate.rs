@@ -6,11 +6,12 @@ use crate::option::link::PortOption;
 use crate::option::{BoardOption, choice, finite, span};
 use ::calibration::span::Span;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use bench::calibrate::{Calibrating, Channel, Point, Stand, line};
+use bench::calibrate::{Calibrated, Calibrating, CalibrationError, Channel, Point, Stand, doubt, line};
 use bench::{BenchError, BoardFacts, Driven, Edited, Measured};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use protocol::Identity;
+use recordings::file::{FileError, Replacement};
 use recordings::log::Sensitivity;
 use serde_json::json;
 use std::io::stdin;
@@ -22,8 +23,8 @@ pub struct Calibrate {
     /// What is calibrated: the monitor's channel, by a multimeter at the amplifier's output; or the sensor's, by its own display.
     #[arg(long, value_parser = choice(CHANNELS), default_value = "monitor")]
     pub channel: Channel,
-    /// Have the board drive the amplifier to these two voltages, V, and stay there for the readings; the DAC is then calibrated,
-    /// too. Without it, bring what is measured there by hand.
+    /// Have the board drive the amplifier to these two voltages, V, lowest first, and stay there for the readings; the DAC is then
+    /// calibrated, too. That needs a calibration that is right to some 5 % already. Without it, bring what is measured there by hand.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub drive_to: Option<Span>,
     /// Reading at the first point, V (of the sensor: µm), where it is known before; else it is asked for.
@@ -35,7 +36,7 @@ pub struct Calibrate {
     /// How far a volt of the sensor is, where its readings are a multimeter's, in V: 2.5um/V (also nm/mV, V/um).
     #[arg(long, value_name = "SCALE", allow_hyphen_values = true)]
     pub sensor: Option<Sensitivity>,
-    /// Measure, and say what would be written, but write nothing.
+    /// Measure, and say what would be written, but write nothing. With --drive-to the board drives the amplifier all the same.
     #[arg(long)]
     pub dry_run: bool,
     /// Print what was measured as JSON.
@@ -59,30 +60,59 @@ pub fn run(arguments: &Calibrate) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let Calibrate { channel, drive_to, sensor, ref board, .. } = *arguments;
     ensure!(sensor.is_none() || channel == Channel::Sensor, "--sensor is of --channel sensor alone: leave it out");
-    // A file that cannot be used is said before anything moves.
+    if let Some(Span { zero, full }) = drive_to {
+        ensure!(zero < full, "--drive-to {zero}:{full}: the lower voltage stands first, and the two differ");
+    }
+    // A file that cannot be used, or written, is said before anything moves.
     let path = &board.board;
     let before = Edited::of(path, &Measured::default())?.before;
+    if !arguments.dry_run {
+        Replacement::of(path).map(drop).map_err(|source| FileError::Write { path: path.clone(), source })?;
+    }
     let (mut client, identity) = arguments.port.connect()?;
-    board.of_board(&before, &identity)?;
+    // What is measured here must not stand beside what was measured on another board, whatever the options say.
+    before.of_board(&identity).with_context(|| path.display().to_string())?;
     let stand = match drive_to {
         Some(to) => {
             let volts = [to.zero as f32, to.full as f32];
-            Stand::Driven(Box::new(Driven::new(&mut client, volts)?), volts)
+            Stand::Driven(Box::new(Driven::new(&mut client, volts, &before)?), volts)
         }
         None => Stand::ByHand,
     };
     let mut readings = Readings { arguments, lines: None, asked: 0 };
     let calibrating = Calibrating { client: &mut client, identity: &identity, channel, stand, interrupt: &interrupt };
-    let points = calibrating.points(&mut |number| readings.next(number));
+    let Calibrated { points, home } = calibrating.points(&mut |number, doubt| readings.next(number, doubt));
     note_damage(&client);
-    let points = points.map_err(|Ended(error)| error)?;
-    let measured = measured(arguments, &identity, &points)?;
-    let edited = Edited::of(path, &measured)?;
+    let points = points.map_err(|Ended(error)| beside(error, &home))?;
+    let edited = write(arguments, &identity, &before, &points);
+    edited.map_err(|error| beside(error, &home))?;
+    // What was measured holds, wherever the amplifier is now.
+    home?;
+    Ok(true)
+}
+
+/// An error, and that the amplifier did not come to rest, either.
+fn beside(error: anyhow::Error, home: &Result<(), BenchError>) -> anyhow::Error {
+    match home {
+        Err(home) if home.to_string() != error.to_string() => {
+            anyhow!("{}; and then: {}", remedy::sentence(error.as_ref()), remedy::sentence(home))
+        }
+        _ => error,
+    }
+}
+
+/// Says what was measured, and then writes it.
+fn write(arguments: &Calibrate, identity: &Identity, before: &BoardFacts, points: &[Point; 2]) -> Result<()> {
+    let measured = measured(arguments, identity, before, points)?;
+    if !arguments.json {
+        tell_points(identity, points, &measured)?;
+    }
+    let edited = Edited::of(&arguments.board.board, &measured)
+        .with_context(|| format!("by what was measured, {}", spans(&measured)))?;
     if !arguments.dry_run {
         edited.write()?;
     }
-    tell(arguments, &identity, &points, &edited)?;
-    Ok(true)
+    tell(arguments, points, &edited, &unmeasured(before, &measured))
 }
 
 /// Why there is no calibration.
@@ -104,14 +134,24 @@ struct Readings<'a> {
 
 impl Readings<'_> {
     /// The reading at a point, if it is there by now.
-    fn next(&mut self, number: usize) -> Result<Option<f64>, Ended> {
-        self.look(number).map_err(Ended)
+    fn next(&mut self, number: usize, doubt: Option<CalibrationError>) -> Result<Option<f64>, Ended> {
+        self.look(number, doubt).map_err(Ended)
     }
 
-    fn look(&mut self, number: usize) -> Result<Option<f64>> {
+    fn look(&mut self, number: usize, doubt: Option<CalibrationError>) -> Result<Option<f64>> {
         let stated = [self.arguments.low, self.arguments.high][number];
+        if let (Some(doubt), Some(_)) = (doubt, stated)
+            // Once it stands still, the same reading is right.
+            && !matches!(doubt, CalibrationError::Drifts { .. })
+        {
+            return Err(BenchError::from(doubt).into());
+        }
         if let (Some(_), Some(_)) = (stated, self.arguments.drive_to) {
             return Ok(stated);
+        }
+        if let Some(doubt) = doubt {
+            let again = if stated.is_some() { "press Enter" } else { "read it" };
+            eprintln!("{}; {again} once more:", remedy::sentence(&doubt));
         }
         if self.asked == number {
             self.asked += 1;
@@ -172,11 +212,18 @@ fn lines() -> Receiver<std::io::Result<String>> {
 }
 
 /// What board.toml is to say by two points.
-fn measured(arguments: &Calibrate, identity: &Identity, points: &[Point; 2]) -> Result<Measured> {
+fn measured(arguments: &Calibrate, identity: &Identity, before: &BoardFacts, points: &[Point; 2]) -> Result<Measured> {
     let scale = arguments.sensor.map_or(1.0, |sensor| sensor.um_per_v);
     let readings = points.map(|point| scale * point.reading);
     let of = |codes: [f64; 2], full_scale| line([(codes[0], readings[0]), (codes[1], readings[1])], full_scale);
     let span = of(points.map(|point| point.channel.code), identity.adc_full_scale).map_err(BenchError::from)?;
+    let former = match (arguments.channel, arguments.drive_to) {
+        // What the board drove to says which way it goes.
+        (Channel::Monitor, Some(_)) => None,
+        (Channel::Monitor, None) => before.adc_span,
+        (Channel::Sensor, _) => before.sensor_span,
+    };
+    doubt::of_former(former, span).map_err(BenchError::from)?;
     let whose = Measured {
         board_uid: identity.uid,
         adc_full_scale: Some(identity.adc_full_scale),
@@ -193,20 +240,32 @@ fn measured(arguments: &Calibrate, identity: &Identity, points: &[Point; 2]) -> 
     })
 }
 
-fn tell(arguments: &Calibrate, identity: &Identity, points: &[Point; 2], edited: &Edited) -> Result<()> {
-    let Edited { before, after, .. } = edited;
-    if arguments.json {
-        let points = points.map(|Point { reading, channel, dac }| {
-            json!({ "reading": reading, "code": channel.code, "noise_codes": channel.noise, "drift_codes": channel.drift, "dac_code": dac })
-        });
-        out(&serde_json::to_string_pretty(&json!({
-            "points": points, "before": before, "after": after, "written": !arguments.dry_run,
-        }))?);
-        return Ok(());
+/// The measured spans, as the file says them.
+fn spans(measured: &Measured) -> String {
+    let Measured { adc_span, drive_span, sensor_span, .. } = *measured;
+    let said = [("adc_span", adc_span), ("drive_span", drive_span), ("sensor_span", sensor_span)];
+    let said =
+        said.into_iter().filter_map(|(name, span)| span.map(|(zero, full)| format!("{name} = [{zero:.3}, {full:.3}]")));
+    said.collect::<Vec<_>>().join(", ")
+}
+
+/// The spans of a file without a UID that it had before, and that were not measured now.
+fn unmeasured(before: &BoardFacts, measured: &Measured) -> Vec<&'static str> {
+    if before.board_uid.is_some() || measured.board_uid.is_none() {
+        return Vec::new();
     }
-    let (unit, span) = match arguments.channel {
-        Channel::Monitor => ("V", after.adc_span),
-        Channel::Sensor => ("µm", after.sensor_span),
+    let stood = [
+        ("adc_span", before.adc_span, measured.adc_span),
+        ("drive_span", before.drive_span, measured.drive_span),
+        ("sensor_span", before.sensor_span, measured.sensor_span),
+    ];
+    stood.into_iter().filter(|(_, before, now)| before.is_some() && now.is_none()).map(|(name, ..)| name).collect()
+}
+
+fn tell_points(identity: &Identity, points: &[Point; 2], measured: &Measured) -> Result<()> {
+    let (unit, span) = match measured.sensor_span {
+        Some(span) => ("µm", Some(span)),
+        None => ("V", measured.adc_span),
     };
     let a_code = span.map_or(f64::NAN, |(zero, full)| (full - zero).abs() / f64::from(identity.adc_full_scale));
     for Point { reading, channel, dac } in points {
@@ -218,6 +277,22 @@ fn tell(arguments: &Calibrate, identity: &Identity, points: &[Point; 2], edited:
             channel.noise * a_code
         ));
     }
+    out(&format!("That makes {}.", spans(measured)));
+    Ok(())
+}
+
+fn tell(arguments: &Calibrate, points: &[Point; 2], edited: &Edited, unmeasured: &[&str]) -> Result<()> {
+    let Edited { before, after, .. } = edited;
+    if arguments.json {
+        let points = points.map(|Point { reading, channel, dac }| {
+            json!({ "reading": reading, "code": channel.code, "noise_codes": channel.noise, "drift_codes": channel.drift, "dac_code": dac })
+        });
+        out(&serde_json::to_string_pretty(&json!({
+            "points": points, "before": before, "after": after, "written": !arguments.dry_run,
+            "not_measured_on_this_board": unmeasured,
+        }))?);
+        return Ok(());
+    }
     let path = arguments.board.board.display();
     let changes = changes(before, after);
     match (changes.is_empty(), arguments.dry_run) {
@@ -226,6 +301,12 @@ fn tell(arguments: &Calibrate, identity: &Identity, points: &[Point; 2], edited:
         (false, false) => out(&format!("{path} says now:")),
     }
     changes.iter().for_each(|line| out(&format!("    {line}")));
+    if !unmeasured.is_empty() {
+        out(&format!(
+            "{path} named no board, and nothing says that {} in it was measured on this one: measure that, too.",
+            unmeasured.join(" and ")
+        ));
+    }
     if !arguments.dry_run && (before.adc_span, before.drive_span) != (after.adc_span, after.drive_span) {
         out("A table on the board has the calibration of before: install it anew with this file (piezo install).");
     }
