@@ -14,7 +14,7 @@ const FAR: f64 = 0.2;
 pub fn of_driven(readings: &[f64], volts: [f64; 2], span_v: f64) -> Result<(), CalibrationError> {
     let most = FAR * span_v;
     if let Some((&reading, &volts)) = readings.iter().zip(&volts).next_back()
-        && !((reading - volts).abs() <= most)
+        && (reading.is_nan() || (reading - volts).abs() > most)
     {
         return Err(CalibrationError::FarFromDriven { reading, volts, most });
     }
