@@ -56,7 +56,7 @@ impl Channel {
 /// Codes of a channel, averaged.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Averaged {
-    /// Mean.
+    /// Mean of the codes.
     pub code: f64,
     /// Standard deviation of a code.
     pub noise: f64,
@@ -121,7 +121,7 @@ pub fn line(points: [(f64, f64); 2], full_scale: u16) -> Result<(f64, f64), Cali
 
 /// How what is measured gets to the two points.
 pub enum Stand {
-    /// By hand.
+    /// The user brings what is measured to both points by hand.
     ByHand,
     /// The board drives the amplifier to these voltages, V by the table in use.
     Driven(Box<Driven>, [f32; 2]),
@@ -129,7 +129,7 @@ pub enum Stand {
 
 /// What is to be calibrated, and with what.
 pub struct Calibrating<'a> {
-    /// The device.
+    /// The link to the device that samples and drives.
     pub client: &'a mut Client,
     /// Who it is.
     pub identity: &'a Identity,

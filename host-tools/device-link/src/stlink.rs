@@ -4,7 +4,7 @@
 use super::port::{PortError, described};
 use serialport::{SerialPortInfo, SerialPortType};
 
-/// STMicroelectronics.
+/// USB vendor number of STMicroelectronics.
 const VENDOR: u16 = 0x0483;
 /// ST-Links with a serial port: V2-1 and V3, as probe-rs lists them. ST's other USB products share the vendor.
 const PRODUCTS: [u16; 9] = [0x374a, 0x374b, 0x374e, 0x374f, 0x3752, 0x3753, 0x3754, 0x3755, 0x3757];

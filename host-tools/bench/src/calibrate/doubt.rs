@@ -29,7 +29,7 @@ pub fn of_driven(readings: &[f64], volts: [f64; 2], span_v: f64) -> Result<(), C
 /// Refuses a span that goes the other way than the file's former one, where it had one.
 ///
 /// # Errors
-/// It does.
+/// The two spans go opposite ways.
 pub fn of_former(former: Option<(f64, f64)>, found: (f64, f64)) -> Result<(), CalibrationError> {
     match former {
         Some(former) if (former.1 > former.0) != (found.1 > found.0) => {

@@ -8,13 +8,13 @@ pub enum CalibrationError {
     /// The samples have no second channel.
     #[error("the board has no second channel that a sensor could be connected to")]
     NoSensor,
-    /// Nothing comes.
+    /// The device sends no samples for two seconds.
     #[error("the device gives no samples")]
     Silent,
     /// The channel stands at an end of its range.
     #[error("the channel stands at an end of its range (code {code:.0} of {full_scale})")]
     Saturated {
-        /// Mean code.
+        /// Mean of the codes of a second.
         code: f64,
         /// The channel's largest code.
         full_scale: u16,
