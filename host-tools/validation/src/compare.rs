@@ -61,6 +61,9 @@ pub struct Comparison {
     /// How the interval of the f32 core did, relative to the first reading, or to the zero where there is one; `None` where
     /// the table has no interval, or the zero comes too soon.
     pub interval: Option<Coverage>,
+    /// The same once the mean over the voltage's first full cycle was told ([`Told::OneCycle`]), over what follows; `None` where
+    /// the table has no interval, or the voltage makes no cycle.
+    pub interval_one_cycle: Option<Coverage>,
     /// The f32 core told nothing.
     pub cold: Cold,
     /// The f32 core by what it was told.
@@ -107,6 +110,7 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
         sil: told.first_reading,
         mil_sil_um: reference.estimated.iter().zip(&single.estimated).map(difference).fold(0.0, f64::max),
         interval: beside.ok().and_then(|correction| correction.coverage(session, &single)),
+        interval_one_cycle: after_one_cycle(table, session, part, &nothing),
         cold: cold(session, part, &nothing),
         told,
         scored_s: if part.scored.is_empty() {
@@ -124,6 +128,13 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
             estimated: reference.estimated,
         },
     }
+}
+
+/// How the interval does of a device that is told its mean error over one cycle; `nothing` is the run of one that is told nothing.
+fn after_one_cycle(table: &Admitted, session: &Session, part: &Part, nothing: &Run) -> Option<Coverage> {
+    table.interval?;
+    let correction = Correction::of(Told::OneCycle, session, part, nothing).ok()?;
+    correction.coverage(session, &Run::of::<f32>(table, session, None, correction.told()))
 }
 
 fn cold(session: &Session, part: &Part, run: &Run) -> Cold {

@@ -179,8 +179,12 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
     if comparison.told.one_cycle.is_none() {
         out("    one cycle: the voltage makes no full one in what is scored, or next to nothing is left after it");
     }
-    if let Some(interval) = &comparison.interval {
-        out(&format!("    {}", held(interval)));
+    let since = if comparison.zeroed_um.is_some() { "since the zero" } else { "since the first reading" };
+    let intervals = [(since, &comparison.interval), ("told one cycle", &comparison.interval_one_cycle)];
+    for (since, interval) in intervals {
+        if let Some(interval) = interval {
+            out(&format!("    {}", held(since, interval)));
+        }
     }
     out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
     if let Some((from, to)) = trained_on {
@@ -197,10 +201,10 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
     }
 }
 
-/// How an interval did, in words.
-fn held(interval: &Coverage) -> String {
+/// How the interval since something was told did, in words.
+fn held(since: &str, interval: &Coverage) -> String {
     format!(
-        "± 95 %: holds the sensor {:.1} % of the time with {:.3} µm on average (a constant that were known beforehand: {:.3} µm)",
+        "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average (a constant that were known beforehand: {:.3} µm)",
         interval.covered_percent, interval.half_width_um, interval.best_constant_um
     )
 }
@@ -238,6 +242,7 @@ fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64
         "sil": comparison.sil,
         "mil_sil_um": comparison.mil_sil_um,
         "interval": comparison.interval,
+        "interval_one_cycle": comparison.interval_one_cycle,
         "cold": comparison.cold,
         "told": comparison.told,
         "scored_s": comparison.scored_s,

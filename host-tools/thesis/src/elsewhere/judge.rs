@@ -39,6 +39,8 @@ pub struct Errors {
     pub told: ToldFigures,
     /// How the interval of the estimate did, of a model that has one.
     pub interval: Option<Coverage>,
+    /// The same once it was told one cycle.
+    pub interval_one_cycle: Option<Coverage>,
     /// MAE of blocks of what is scored, without the mean error, µm.
     pub blocks: Vec<f64>,
 }
@@ -84,9 +86,9 @@ pub fn learn(subject: &Subject) -> Result<Vec<Judged>, ThesisError> {
         let candidate = candidate.ok();
         for (trial, session) in &trials {
             let errors = candidate.as_ref().map(|candidate| -> Result<Errors, ThesisError> {
-                let Comparison { told, interval, .. } = compare_within(&candidate.table, session, &trial.scope)?;
+                let Comparison { told, interval, interval_one_cycle, .. } = compare_within(&candidate.table, session, &trial.scope)?;
                 let estimates = estimates(&candidate.table, session, &context.recipe, &trial.scope, Told::Offset)?;
-                Ok(Errors { told, interval, blocks: blocks(&scored(&estimates)) })
+                Ok(Errors { told, interval, interval_one_cycle, blocks: blocks(&scored(&estimates)) })
             });
             judged.push(of(trial, Some(model), errors.transpose()?));
         }
@@ -111,5 +113,6 @@ fn of_line(line: StraightLine, session: &Session, scope: &Scope) -> Result<Error
     let told = ToldFigures::of_estimates(session, scope, at(0), &estimated)?;
     let errors = errors_within(session, scope, &estimated)?;
     let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    Ok(Errors { told, interval: None, blocks: blocks(&errors.iter().map(|error| error - mean).collect::<Vec<_>>()) })
+    let blocks = blocks(&errors.iter().map(|error| error - mean).collect::<Vec<_>>());
+    Ok(Errors { told, interval: None, interval_one_cycle: None, blocks })
 }

@@ -91,9 +91,12 @@ fn grid(rows: &[Row]) -> Grid {
         .numbers("RMS, no offset", 12)
         .numbers("± 95 %", 12)
         .numbers("holds %", 12)
+        .numbers("±, one cycle", 12)
+        .numbers("holds %", 12)
         .words("", 1);
     for row in rows {
         let cell = |range: Option<Range>| range.map_or("–".to_owned(), |range| range.told(3));
+        let percent = |range: Option<Range>| range.map_or("–".to_owned(), |range| range.told(0));
         grid.row([
             row.name.clone(),
             format!("{}/{}", row.found, row.searched),
@@ -103,7 +106,9 @@ fn grid(rows: &[Row]) -> Grid {
             cell(row.without_offset_um),
             cell(row.rms_without_offset_um),
             cell(row.interval_um),
-            row.coverage_percent.map_or("–".to_owned(), |range| range.told(0)),
+            percent(row.coverage_percent),
+            cell(row.interval_one_cycle_um),
+            percent(row.coverage_one_cycle_percent),
             match (row.best, row.different_from_best) {
                 (true, _) => "best",
                 (_, Some(true)) => "*",
@@ -134,8 +139,8 @@ fn notes(rows: &[Row], bench: &Bench) -> Vec<String> {
         "Best: the least median without offset. *: different from it by a paired bootstrap over recordings and blocks of \
          them, 95 %; without a mark the difference is none that these recordings show."
             .to_owned(),
-        "Found: searches with an admissible candidate. ±: half-width of the interval, relative to the first reading or the zero; \
-         holds: how often the sensor lay within.".to_owned(),
+        "Found: searches with an admissible candidate. ±: half-width of the interval, relative to the first reading or the zero, \
+         and once one cycle was told; holds: how often the sensor lay within.".to_owned(),
     ];
     let of = |model: Model| {
         let at = |row: &&Row| {

@@ -73,6 +73,10 @@ pub struct Row {
     pub interval_um: Option<Range>,
     /// Part of the time for which it held the sensor, %.
     pub coverage_percent: Option<Range>,
+    /// Half-width of the interval once one cycle was told, µm.
+    pub interval_one_cycle_um: Option<Range>,
+    /// Part of the time for which that held the sensor, %.
+    pub coverage_one_cycle_percent: Option<Range>,
     /// The least median without offset.
     pub best: bool,
     /// By the paired bootstrap, at 95 %; `None` of the best and where there is nothing to compare.
@@ -138,6 +142,8 @@ fn row(of: &[&Judged], model: Option<Model>) -> Row {
         rms_without_offset_um: range(&|errors| Some(errors.told.nothing.rmse_without_offset_um)),
         interval_um: range(&|errors| errors.interval.map(|interval| interval.half_width_um)),
         coverage_percent: range(&|errors| errors.interval.map(|interval| interval.covered_percent)),
+        interval_one_cycle_um: range(&|errors| errors.interval_one_cycle.map(|interval| interval.half_width_um)),
+        coverage_one_cycle_percent: range(&|errors| errors.interval_one_cycle.map(|interval| interval.covered_percent)),
         best: false,
         different_from_best: None,
     }
