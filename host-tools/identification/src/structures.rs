@@ -95,7 +95,7 @@ impl StructureSearch<'_> {
             starts.extend(best.iter().map(|best| best.at.clone()));
         }
         let at = best.map_or(Vec::new(), |best| best.at);
-        let parameters = parameters(&at);
+        let parameters = family.finish(&values(&at), problem);
         Found {
             genes: genes.iter().copied().zip(values(&at)).collect(),
             solved: parameters.as_ref().map_or(0, |found| family.solved(found)),

@@ -38,7 +38,13 @@ pub trait Family: Sync {
     /// none.
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Self::Found>;
 
-    /// The same with what the search minimises. It need not be an error: candidates are only compared.
+    /// The parameters that are kept of the best candidate, with what is too dear for each: those that fit best, where there is
+    /// nothing of the kind.
+    fn finish(&self, values: &[f64], problem: &Problem) -> Option<Self::Found> {
+        self.project(values, problem)
+    }
+
+    /// The projection with what the search minimises. It need not be an error: candidates are only compared.
     fn candidate(&self, values: &[f64], problem: &Problem, cost: Cost) -> Option<(Self::Found, f64)> {
         let found = self.project(values, problem)?;
         let size = self.burden(values) * problem.cost(&found, cost);

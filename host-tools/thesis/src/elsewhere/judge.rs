@@ -86,7 +86,8 @@ pub fn learn(subject: &Subject) -> Result<Vec<Judged>, ThesisError> {
         let candidate = candidate.ok();
         for (trial, session) in &trials {
             let errors = candidate.as_ref().map(|candidate| -> Result<Errors, ThesisError> {
-                let Comparison { told, interval, interval_one_cycle, .. } = compare_within(&candidate.table, session, &trial.scope)?;
+                let Comparison { told, interval, interval_one_cycle, .. } =
+                    compare_within(&candidate.table, session, &trial.scope)?;
                 let estimates = estimates(&candidate.table, session, &context.recipe, &trial.scope, Told::Offset)?;
                 Ok(Errors { told, interval, interval_one_cycle, blocks: blocks(&scored(&estimates)) })
             });

@@ -17,6 +17,8 @@ pub const STACK: &str = "measured PICMA stack";
 pub const THESIS_RIG: &str = "the thesis's rig";
 /// As they call the plants.
 pub const PLANTS: &str = "plants outside the models' class";
+/// As they call the same plants where the training has more than one amplitude.
+pub const SEVERAL_AMPLITUDES: &str = "the same, learnt at several amplitudes";
 /// As they call a triangle of ±8 V where ±20 V were learnt.
 pub const OTHER_AMPLITUDE: &str = "other amplitude, triangle of ±8 V at 10 Hz";
 
@@ -121,70 +123,87 @@ pub fn thesis_rig(job: &Job, seed: u32) -> Subject {
     }
 }
 
-/// A device of each kind.
+/// A device of each kind, learnt at full voltage, and once more with smaller amplitudes besides.
 pub fn plants(job: &Job, seed: u32) -> impl Iterator<Item = Subject> {
-    let search = seeded(job, seed);
-    CATALOGUE.into_iter().map(move |kind| {
+    CATALOGUE.into_iter().flat_map(move |kind| {
         let plant = Plant::drawn(kind, seed.into());
-        let training = EXCITATIONS.into_iter().enumerate().map(|(index, excitation)| {
-            let (amplitude, hertz, offset) = (plant.full_v, f64::from(excitation.hertz), 0.0);
-            let waveform = match excitation.waveform {
-                recordings::rig::Waveform::Sine => Waveform::Sine { amplitude, hertz, offset },
-                recordings::rig::Waveform::Triangle => Waveform::Triangle { amplitude, hertz, offset },
-            };
-            plant.log(excitation.name, &waveform, 2.0, recording(seed, index))
-        });
-        Subject {
-            name: PLANTS,
+        let at_full: Vec<Log> = at_full(&plant, seed).collect();
+        let of = |name, training: Vec<Log>, trials| Subject {
+            name,
             device: format!("{} {seed}", kind.name()),
             job: Job {
-                training: training.collect(),
+                training,
                 held_out: Vec::new(),
                 hold_out: 0.0,
                 prepare: Bench::zeroed(&job.prepare),
-                search: search.clone(),
+                search: seeded(job, seed),
                 ..job.clone()
             },
-            trials: trials(&plant, seed),
-        }
+            trials,
+        };
+        let several = at_full.iter().cloned().chain(smaller(&plant, seed)).collect();
+        let unchanged = || unchanged(&plant, seed).collect::<Vec<_>>();
+        let all = unchanged().into_iter().chain(changed(&plant, seed)).collect();
+        [of(PLANTS, at_full, all), of(SEVERAL_AMPLITUDES, several, unchanged())]
     })
 }
 
-/// What a plant is judged on.
-fn trials(plant: &Plant, seed: u32) -> Vec<Trial> {
+/// The thesis's excitations at full voltage.
+fn at_full(plant: &Plant, seed: u32) -> impl Iterator<Item = Log> {
+    EXCITATIONS.into_iter().enumerate().map(move |(index, excitation)| {
+        let (amplitude, hertz, offset) = (plant.full_v, f64::from(excitation.hertz), 0.0);
+        let waveform = match excitation.waveform {
+            recordings::rig::Waveform::Sine => Waveform::Sine { amplitude, hertz, offset },
+            recordings::rig::Waveform::Triangle => Waveform::Triangle { amplitude, hertz, offset },
+        };
+        plant.log(excitation.name, &waveform, 2.0, recording(seed, index))
+    })
+}
+
+/// Sines of 0.6 and 0.3 of the full voltage, and one that dies away.
+fn smaller(plant: &Plant, seed: u32) -> impl Iterator<Item = Log> {
+    let sine = |part: f64| Waveform::Sine { amplitude: part * plant.full_v, hertz: 5.0, offset: 0.0 };
+    let decaying = Waveform::Decaying { amplitude: plant.full_v, hertz: 2.0, tau_s: 1.5 };
+    let waveforms = [("sine of 0.6", sine(0.6), 2.0), ("sine of 0.3", sine(0.3), 2.0), ("decaying", decaying, 4.0)];
+    waveforms.into_iter().enumerate().map(move |(index, (name, waveform, duration_s))| {
+        plant.log(name, &waveform, duration_s, recording(seed, 200 + index))
+    })
+}
+
+/// What a plant is judged on as it was learnt.
+fn unchanged(plant: &Plant, seed: u32) -> impl Iterator<Item = Trial> {
     let full = plant.full_v;
     let sine = |hertz| Waveform::Sine { amplitude: full, hertz, offset: 0.0 };
-    let swelling = Waveform::AmplitudeModulated { amplitude: full, hertz: 5.0, swell_hz: 0.5 };
-    let unchanged = [
+    let staircase = Waveform::Staircase { amplitude: 0.8 * full, steps: 6, hold_s: 0.1 };
+    let multisine = Waveform::Multisine { amplitude: 0.8 * full, from_hz: 1.0, to_hz: 40.0, tones: 12 };
+    let recordings = [
         (OTHER_AMPLITUDE, Waveform::Triangle { amplitude: 0.4 * full, hertz: 10.0, offset: 0.0 }, 2.0),
         ("other frequency, sine of ±20 V at 3 Hz", sine(3.0), 2.0),
         ("other frequency, sine of ±20 V at 30 Hz", sine(30.0), 2.0),
-        ("AM sine, up to ±20 V at 5 Hz", swelling, 6.0),
-        (
-            "staircase to ±16 V, steps of 0.1 s",
-            Waveform::Staircase { amplitude: 0.8 * full, steps: 6, hold_s: 0.1 },
-            7.5,
-        ),
-        (
-            "multisine, 1 to 40 Hz, up to ±16 V",
-            Waveform::Multisine { amplitude: 0.8 * full, from_hz: 1.0, to_hz: 40.0, tones: 12 },
-            4.0,
-        ),
+        ("AM sine, up to ±20 V at 5 Hz", swelling(plant), 6.0),
+        ("staircase to ±16 V, steps of 0.1 s", staircase, 7.5),
+        ("multisine, 1 to 40 Hz, up to ±16 V", multisine, 4.0),
     ];
-    let changed = [
+    recordings.into_iter().enumerate().map(move |(index, (condition, waveform, duration_s))| {
+        Trial::whole(condition, plant.log(condition, &waveform, duration_s, recording(seed, 100 + index)))
+    })
+}
+
+/// What it is judged on once it has changed.
+fn changed(plant: &Plant, seed: u32) -> impl Iterator<Item = Trial> {
+    let changes = [
         ("warming by 0.5 K/s, AM sine", Change::warming(0.5)),
         ("loaded by a spring of a tenth of its stiffness, AM sine", Change::load(0.1, -0.5)),
         ("aged by 5 %, AM sine", Change::ageing(0.05)),
     ];
-    let of = |index: usize, plant: Plant, condition: &'static str, waveform: &Waveform, duration_s: f64| {
-        Trial::whole(condition, plant.log(condition, waveform, duration_s, recording(seed, 100 + index)))
-    };
-    let unchanged = unchanged.iter().enumerate();
-    let unchanged =
-        unchanged.map(|(index, (condition, waveform, length))| of(index, *plant, condition, waveform, *length));
-    let changed = changed.into_iter().enumerate();
-    let changed = changed.map(|(index, (name, change))| of(50 + index, plant.after(change), name, &swelling, 6.0));
-    unchanged.chain(changed).collect()
+    changes.into_iter().enumerate().map(move |(index, (condition, change))| {
+        let log = plant.after(change).log(condition, &swelling(plant), 6.0, recording(seed, 150 + index));
+        Trial::whole(condition, log)
+    })
+}
+
+fn swelling(plant: &Plant) -> Waveform {
+    Waveform::AmplitudeModulated { amplitude: plant.full_v, hertz: 5.0, swell_hz: 0.5 }
 }
 
 /// Seed of a recording.

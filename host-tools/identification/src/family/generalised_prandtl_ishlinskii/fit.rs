@@ -37,37 +37,113 @@ pub struct Solution {
 
 /// The coefficients that fit sessions best, each on its course. `floor` is the least slope of the reversible part, µm/V.
 pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, floor: f64) -> Option<Solution> {
-    let columns = COLUMNS + sessions.len();
-    let mut blocks: Vec<Block> = Vec::new();
+    let mut blocks = Blocks::new(COLUMNS, sessions.len());
     for (number, (session, course)) in sessions.iter().enumerate() {
-        let mut start = Block::new(number, START);
-        let mut rest = Block::new(number, 1.0);
+        let mut rows = blocks.of(number);
         stages.walk(session, course, |index, values, input| {
             let target = session.displacement[index] - floor * (input - stages.span.min);
-            (if index < course.settled { &mut start } else { &mut rest }).add(values, target);
+            rows.add(index < course.settled, values, target);
         });
-        blocks.extend([start, rest].into_iter().filter_map(Block::finish));
+        rows.finish();
     }
-    let signs = [vec![Sign::NonNegative; COLUMNS], vec![Sign::Free; sessions.len()]].concat();
-    let mut weights: Vec<f64> = blocks.iter().map(|block| block.share).collect();
-    let mut found = Vec::new();
-    let mut errors = Vec::new();
-    for _ in 0..TURNS {
-        let mut normal = Normal::new(columns).ridge(RIDGE);
-        for (block, weight) in blocks.iter().zip(&weights) {
-            normal.merge(&block.normal, &block.columns, weight / block.rows);
-        }
-        found = normal.solve(&signs)?;
-        errors = blocks.iter().map(|block| block.mean_square_error(&found)).collect();
-        let quietest = errors.iter().copied().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
-        weights = blocks.iter().zip(&errors).map(|(block, error)| block.share / (error + QUIET * quietest)).collect();
-    }
-    let shares: f64 = blocks.iter().map(|block| block.share).sum();
-    let total = blocks.iter().zip(&errors).map(|(block, error)| block.share * libm::log(*error)).sum::<f64>() / shares;
-    let constants = found.split_off(COLUMNS);
+    let Balanced { mut found, constants, total } = blocks.balanced(&[])?;
     let envelope = found.split_off(FUNCTIONS);
     let offset = constants.iter().sum::<f64>() / constants.len() as f64;
-    total.is_finite().then_some(Solution { reversible: found, envelope, offset, total })
+    Some(Solution { reversible: found, envelope, offset, total })
+}
+
+/// What a coefficient is drawn towards.
+#[derive(Clone, Copy)]
+pub struct Prior {
+    /// Its column.
+    pub column: usize,
+    /// Where to.
+    pub towards: f64,
+    /// How far it may be from there, a standard deviation.
+    pub within: f64,
+    /// What the draw weighs beside a session.
+    pub weight: f64,
+}
+
+/// Coefficients under the blocks' own noises.
+pub struct Balanced {
+    /// Of the sessions' common columns, at least 0.
+    pub found: Vec<f64>,
+    /// Of each session, µm.
+    pub constants: Vec<f64>,
+    /// Logarithm of the mean square errors, those of the blocks weighed.
+    pub total: f64,
+}
+
+/// The starts and the rests of some sessions.
+pub struct Blocks {
+    common: usize,
+    sessions: usize,
+    blocks: Vec<Block>,
+}
+
+/// The start and the rest of a session that is being added.
+pub struct Rows<'a> {
+    to: &'a mut Vec<Block>,
+    start: Block,
+    rest: Block,
+}
+
+impl Rows<'_> {
+    /// A reading: its columns, and what they are to make.
+    pub fn add(&mut self, start: bool, values: &[f64], target: f64) {
+        (if start { &mut self.start } else { &mut self.rest }).add(values, target);
+    }
+
+    /// The session is whole.
+    pub fn finish(self) {
+        self.to.extend([self.start, self.rest].into_iter().filter_map(Block::finish));
+    }
+}
+
+impl Blocks {
+    /// For sessions that have so many columns in common, beside the constant that each has.
+    pub fn new(common: usize, sessions: usize) -> Self {
+        Self { common, sessions, blocks: Vec::new() }
+    }
+
+    /// Where the readings of a session go, by its number.
+    pub fn of(&mut self, session: usize) -> Rows<'_> {
+        let columns: Vec<usize> = (0..self.common).chain([self.common + session]).collect();
+        let [start, rest] = [START, 1.0].map(|share| Block::new(columns.clone(), share));
+        Rows { to: &mut self.blocks, start, rest }
+    }
+
+    /// The coefficients of all blocks, each weighed by its own noise; `None` where they have none.
+    pub fn balanced(&self, priors: &[Prior]) -> Option<Balanced> {
+        let columns = self.common + self.sessions;
+        let signs = [vec![Sign::NonNegative; self.common], vec![Sign::Free; self.sessions]].concat();
+        let mut weights: Vec<f64> = self.blocks.iter().map(|block| block.share).collect();
+        let mut found = Vec::new();
+        let mut errors = Vec::new();
+        for turn in 0..TURNS {
+            let mut normal = Normal::new(columns).ridge(RIDGE);
+            for (block, weight) in self.blocks.iter().zip(&weights) {
+                normal.merge(&block.normal, &block.columns, weight / block.rows);
+            }
+            // At first the weights are no noises yet.
+            for prior in priors.iter().filter(|_| turn > 0) {
+                let mut row = vec![0.0; columns];
+                row[prior.column] = 1.0 / prior.within;
+                normal.add(&row, prior.towards / prior.within, prior.weight);
+            }
+            found = normal.solve(&signs)?;
+            errors = self.blocks.iter().map(|block| block.mean_square_error(&found)).collect();
+            let quietest = errors.iter().copied().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
+            let weigh = |(block, error): (&Block, &f64)| block.share / (error + QUIET * quietest);
+            weights = self.blocks.iter().zip(&errors).map(weigh).collect();
+        }
+        let shares: f64 = self.blocks.iter().map(|block| block.share).sum();
+        let logarithms = self.blocks.iter().zip(&errors).map(|(block, error)| block.share * libm::log(*error));
+        let total = logarithms.sum::<f64>() / shares;
+        let constants = found.split_off(self.common);
+        total.is_finite().then_some(Balanced { found, constants, total })
+    }
 }
 
 /// Rows that are added to the normal equations at once.
@@ -77,7 +153,7 @@ const TOGETHER: usize = 64;
 struct Block {
     normal: Normal,
     /// Where each of its columns stands among those of all sessions.
-    columns: [usize; COLUMNS + 1],
+    columns: Vec<usize>,
     /// Rows that wait to be added, and their targets.
     waiting: (Vec<f64>, Vec<f64>),
     rows: f64,
@@ -85,13 +161,11 @@ struct Block {
 }
 
 impl Block {
-    /// Of the session with this number.
-    fn new(session: usize, share: f64) -> Self {
-        let columns = std::array::from_fn(|j| if j < COLUMNS { j } else { COLUMNS + session });
+    fn new(columns: Vec<usize>, share: f64) -> Self {
         Self { normal: Normal::new(columns.len()), columns, waiting: Default::default(), rows: 0.0, share }
     }
 
-    fn add(&mut self, values: &[f64; COLUMNS], target: f64) {
+    fn add(&mut self, values: &[f64], target: f64) {
         let (rows, targets) = &mut self.waiting;
         rows.extend_from_slice(values);
         rows.push(1.0);
@@ -117,7 +191,7 @@ impl Block {
 
     /// Of these coefficients of all sessions' columns.
     fn mean_square_error(&self, found: &[f64]) -> f64 {
-        let own = self.columns.map(|column| found.get(column).copied().unwrap_or(0.0));
+        let own: Vec<f64> = self.columns.iter().map(|&column| found.get(column).copied().unwrap_or(0.0)).collect();
         self.normal.residual_sum(&own) / self.rows
     }
 }

@@ -2,13 +2,14 @@
 //! are searched, and where the logs are fast enough slew limit and resonance; the slopes of the two functions are solved for.
 //!
 //! One law over the half-widths, a_i = exp(−r_i/(ρR))·Δr_i/R, is what makes a recording of one amplitude say something of
-//! others: weights that are free fit it better, and fail elsewhere. What one recording cannot tell apart is drawn towards
-//! what actuators are like.
+//! others. The search knows no other weights; those of its best candidate are then [freed] from the law as far as the logs
+//! say so. What one recording cannot tell apart is drawn towards what actuators are like.
 
 mod basis;
 mod columns;
 mod course;
 mod fit;
+mod freed;
 
 use super::AnyFamily;
 use crate::character::Character;
@@ -20,6 +21,7 @@ use columns::Stages;
 use course::Course;
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
 use fit::Solution;
+use freed::{Freed, freed};
 use recordings::session::Session;
 use std::sync::Arc;
 
@@ -131,10 +133,15 @@ impl Family {
         })
     }
 
-    /// Half-width and weight of each play.
+    /// Half-width and weight of each play, by the law.
     fn weighed(&self, law: f64) -> [(f64, f64); PLAYS] {
         let radius = 0.5 * self.span.span();
         self.plays.map(|(r, share)| (r, libm::exp(-r / (law * radius)) * share))
+    }
+
+    /// Weight of each play, by the law.
+    fn law(&self, values: &Values) -> [f64; PLAYS] {
+        self.weighed(values.law).map(|(_, weight)| weight)
     }
 
     /// The gain of each creep element, between the fastest's and the slowest's.
@@ -166,17 +173,21 @@ impl Family {
     }
 
     fn solve(&self, values: &Values, problem: &Problem) -> Option<Solution> {
-        let sessions: Vec<(&Session, &Course)> = problem.training().zip(self.courses.iter()).collect();
+        let sessions = self.sessions(problem);
         let (plays, creep) = (self.weighed(values.law), self.creep(values.creep));
         fit::solve(&sessions, &self.stages(values, &plays, &creep), self.least_slope())
     }
 
-    fn parameters(&self, values: &Values, solution: &Solution) -> Option<Parameters> {
+    fn sessions<'a>(&'a self, problem: &'a Problem) -> Vec<(&'a Session, &'a Course)> {
+        problem.training().zip(self.courses.iter()).collect()
+    }
+
+    /// The model whose plays weigh so much.
+    fn parameters(&self, values: &Values, weights: [f64; PLAYS], solution: &Solution) -> Option<Parameters> {
         let floor = self.least_slope();
         let slopes = |coefficients: &[f64], floor: f64| {
             List::collect(self.basis.slopes(coefficients).map(|slope| (slope + floor).max(0.0) as f32))
         };
-        let weighed = self.weighed(values.law);
         let creep = self.creep(values.creep);
         let [hertz, damping] = values.resonance;
         let parameters = GeneralisedPrandtlIshlinskiiParameters {
@@ -189,8 +200,8 @@ impl Family {
             damping: damping as f32,
             reversible_um_per_v: slopes(&solution.reversible, floor)?,
             envelope_um_per_v: slopes(&solution.envelope, 0.0)?,
-            half_widths_v: List::collect(weighed.map(|(r, _)| (r as f32).min(0.5 * (self.span.span() as f32))))?,
-            weights: List::collect(weighed.map(|(_, weight)| weight as f32))?,
+            half_widths_v: List::collect(self.plays.map(|(r, _)| (r as f32).min(0.5 * (self.span.span() as f32))))?,
+            weights: List::collect(weights.map(|weight| weight as f32))?,
             creep_times_s: List::collect(CREEP_TIMES.map(|time| time as f32))?,
             creep_gains: List::collect(creep.map(|(_, gain)| gain as f32))?,
             rest_memory: values.rest_memory as f32,
@@ -232,7 +243,7 @@ impl super::Family for Family {
     fn candidate(&self, values: &[f64], problem: &Problem, _cost: Cost) -> Option<(Parameters, f64)> {
         let values = self.values(values)?;
         let solution = self.solve(&values, problem)?;
-        let found = self.parameters(&values, &solution)?;
+        let found = self.parameters(&values, self.law(&values), &solution)?;
         Some((found, libm::exp(0.5 * (solution.total + values.unlikely(self.tick)))))
     }
 
@@ -240,8 +251,17 @@ impl super::Family for Family {
         Some(self.candidate(values, problem, Cost::from(Feedback::Simulation))?.0)
     }
 
+    /// With weights freed from the law.
+    fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
+        let values = self.values(values)?;
+        let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
+        let law = self.solve(&values, problem)?;
+        let Freed { weights, solution } = freed(self, &values, law, &self.sessions(problem), several)?;
+        self.parameters(&values, weights, &solution)
+    }
+
     fn solved(&self, _found: &Parameters) -> usize {
-        2 * FUNCTIONS + ["offset"].len()
+        2 * FUNCTIONS + PLAYS + ["offset"].len()
     }
 }
 
@@ -282,7 +302,7 @@ mod tests {
         let mut solution = family.solve(&values, &problem).unwrap();
         solution.reversible = vec![0.5, 0.1, 0.4, 0.0, 0.3, 0.2, 0.6, 0.1];
         solution.envelope = vec![1.0, 3.0, 0.0, 2.0, 5.0, 0.0, 1.0, 2.0];
-        let found = family.parameters(&values, &solution).unwrap();
+        let found = family.parameters(&values, family.law(&values), &solution).unwrap();
         let discretisation =
             Discretisation { sample_period: 5e-4, scheme: Scheme::ForwardEuler, deadband: problem.deadband };
         let mut model = found.build::<f64>(&discretisation);
