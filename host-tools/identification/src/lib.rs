@@ -8,6 +8,7 @@ mod character;
 pub mod compare;
 pub mod cost;
 mod cross_validation;
+mod deadband;
 mod delay;
 mod division;
 mod doubt;

@@ -3,6 +3,7 @@
 //! What is reported of a result is never this cost alone but the error of the finished table.
 
 use crate::cost::Cost;
+use crate::deadband::deadband;
 use crate::search::space::Extent;
 use crate::simulation::mean_error;
 use crate::trial::Trial;
@@ -14,7 +15,7 @@ use recordings::session::Session;
 pub struct Conditions {
     /// Discretisation.
     pub scheme: Scheme,
-    /// Retreat that counts as a reversal, V; `None` for 0.083 % of the voltage span.
+    /// Retreat that counts as a reversal, V; `None` for what the voltage's noise asks for, 0.083 % of its span at least.
     pub deadband: Option<f64>,
     /// How wide the displacement limits may be, as a multiple of the training stroke.
     pub limit: f64,
@@ -45,9 +46,6 @@ pub struct Problem {
     extent: Extent,
 }
 
-/// Deadband where none is given, as a fraction of the voltage span: a few steps of a 12-bit converter. No round fraction,
-/// so that a generated ramp does not retreat by exactly the deadband in a tick, which f32 and f64 would see differently.
-const DEADBAND: f64 = 0.83e-3;
 /// Room beyond the training voltages that a table still covers, as a fraction of their span.
 const VOLTAGE_MARGIN: f64 = 0.05;
 /// Displacement limits that are tried, as fractions of the way from the training stroke to the largest allowed.
@@ -62,7 +60,7 @@ impl Problem {
         let largest = |range: Range<f64>| range.min.abs().max(range.max.abs());
         Self {
             scheme: conditions.scheme,
-            deadband: conditions.deadband.unwrap_or(DEADBAND * voltage.span()),
+            deadband: conditions.deadband.unwrap_or_else(|| deadband(&training, voltage)),
             extent: Extent {
                 voltage: largest(voltage),
                 displacement: largest(stroke),

@@ -45,8 +45,8 @@ pub struct Fitting {
     /// Discretisation of the Voigt family.
     #[arg(long, hide_short_help = true, value_parser = choice(SCHEMES), default_value = "forward-euler")]
     pub scheme: Scheme,
-    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. 0.083 % of the logs'
-    /// voltage span where it is not given.
+    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. Where it is not given, eight
+    /// standard deviations of that noise, and 0.083 % of the logs' voltage span at least.
     #[arg(long, hide_short_help = true, value_name = "V", allow_negative_numbers = true)]
     pub deadband: Option<f64>,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.

@@ -1,0 +1,74 @@
+//! The deadband of reversals where nobody gives one: above what noise alone makes the voltage retreat by.
+
+use estimator_core::Range;
+use recordings::session::Session;
+
+/// Of the voltage span, at least: a few steps of a 12-bit converter. No round fraction, so that a generated ramp does not
+/// retreat by exactly the deadband in a tick, which f32 and f64 would see differently.
+const LEAST: f64 = 0.83e-3;
+/// Of the noise's standard deviation: the retreat from the highest of some thousand readings to the lowest.
+const DEVIATIONS: f64 = 8.0;
+/// Coefficients of the sixth difference. It takes 99.9 % off a sine of 100 Hz that is sampled at 2 kHz, and white noise of
+/// deviation 1 gives it the root of the sum of their squares.
+const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+/// A normal distribution's median of absolute values, in standard deviations.
+const MEDIAN: f64 = 0.674_489_75;
+
+/// The deadband (V) for sessions: the larger of 0.083 % of their span and eight deviations of the voltage's noise, that of the
+/// quietest session, since in fast ones some of the course remains.
+pub fn deadband(sessions: &[Session], span: Range<f64>) -> f64 {
+    let quietest = sessions.iter().filter_map(noise).reduce(f64::min).unwrap_or(0.0);
+    (LEAST * span.span()).max(DEVIATIONS * quietest)
+}
+
+/// One standard deviation of the voltage's noise at the measured instants, V, of the middle half of its sixth differences;
+/// `None` of too few.
+fn noise(session: &Session) -> Option<f64> {
+    let read: Vec<f64> = session.instants.iter().map(|&instant| session.voltage[instant as usize]).collect();
+    let difference = |window: &[f64]| window.iter().zip(SIXTH).map(|(v, c)| v * c).sum::<f64>().abs();
+    let mut differences: Vec<f64> = read.windows(SIXTH.len()).map(difference).collect();
+    let middle = differences.len() / 2;
+    (!differences.is_empty()).then(|| {
+        let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
+        median / MEDIAN / SIXTH.iter().map(|c| c * c).sum::<f64>().sqrt()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+    use std::f64::consts::TAU;
+
+    /// Two seconds of a sine of ±20 V with noise on its voltage.
+    fn sine(hertz: f64, noise_v: f64) -> Session {
+        let mut draw = ChaCha8Rng::seed_from_u64(3);
+        let noise = Normal::new(0.0, noise_v).unwrap();
+        let voltage: Vec<f64> =
+            (0..4000).map(|k| 20.0 * libm::sin(TAU * hertz * f64::from(k) * 5e-4) + noise.sample(&mut draw)).collect();
+        let displacement = voltage.clone();
+        Session::new("sine".into(), voltage, (0..4000).collect(), displacement, 5e-4)
+    }
+
+    fn of(sessions: &[Session]) -> f64 {
+        deadband(sessions, Range { min: -20.0, max: 20.0 })
+    }
+
+    #[test]
+    fn a_clean_voltage_has_the_least_however_fast_it_is() {
+        for hertz in [1.0, 10.0, 100.0] {
+            assert_eq!(of(&[sine(hertz, 0.0)]), LEAST * 40.0, "{hertz} Hz");
+        }
+        assert_eq!(deadband(&[], Range { min: 0.0, max: 1.0 }), LEAST);
+    }
+
+    #[test]
+    fn a_noisy_voltage_has_eight_deviations() {
+        let found = of(&[sine(5.0, 0.05)]);
+        assert!((found / 0.4 - 1.0).abs() < 0.1, "{found} V");
+        let found = of(&[sine(300.0, 0.05), sine(5.0, 0.05)]);
+        assert!((found / 0.4 - 1.0).abs() < 0.1, "{found} V: the slow one tells");
+    }
+}
