@@ -36,8 +36,9 @@ const FLOOR: f64 = 1e-3;
 
 /// Periods that a recording is worth, for what weighs a prior against it.
 const WORTH: f64 = 20.0;
-/// Mean of the exponential prior of delay and lag, s: at a single frequency they do what hysteresis does.
-const LATE: f64 = 2e-3;
+/// Mean of the exponential prior of delay and lag, s, an amplifier's of some hundred Hz: at a single frequency they do what
+/// hysteresis does, and the log has no say.
+const LATE: f64 = 5e-4;
 
 /// What the model has besides hysteresis, creep and lag.
 #[derive(Clone, Copy, PartialEq, Eq)]
