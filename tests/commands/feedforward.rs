@@ -32,7 +32,7 @@ fn the_model_of_the_voltages_is_the_trajectory() {
     );
     assert!(number(&plan, "/round_trip/max_um") < 0.05, "{plan:#}");
     assert!(number(&plan, "/voltage_v/max") < 3.79 && number(&plan, "/fastest_v_per_s") <= 200.01, "{plan:#}");
-    assert_eq!(number(&plan, "/ticks"), 5999.0);
+    assert_eq!(number(&plan, "/ticks"), 5999.0 + 2000.0 * number(&plan, "/approach_s"));
     // What was written is a log, of which the same table makes the same displacement.
     let report = json(piezo().arg("validate").args([&table(), &voltages]).args(["--json", "--max-mae", "0.02"]));
     assert!(number(&report, "/logs/0/mil/mae_um") < 0.02, "{report:#}");
@@ -51,6 +51,11 @@ fn a_threshold_fails_and_impossible_wishes_are_told() {
     let slow = feedforward(&["--slew", "2", "--max-error", "0.1"]);
     assert_eq!(slow.status.code(), Some(1));
     assert!(text(&slow.stdout).contains("stood at a limit") && text(&slow.stdout).contains("FAILED"));
+    // What cannot be had is said, with how far and from when, unless it is allowed.
+    let short = feedforward(&["--slew", "2"]);
+    assert_eq!(short.status.code(), Some(1));
+    assert!(text(&short.stdout).contains("s on it falls short by up to"), "{}", text(&short.stdout));
+    assert_eq!(feedforward(&["--slew", "2", "--max-error", "30"]).status.code(), Some(0));
     fs::remove_file(&voltages).unwrap();
     for (more, why) in [
         (&[][..], "--slew"),
@@ -104,7 +109,14 @@ fn what_is_wanted_may_be_a_hold_of_two_rows_and_is_never_written_over() {
         command
     };
     let plan = json(&mut feedforward(&voltages));
-    assert_eq!(number(&plan, "/ticks"), 2001.0);
+    // From rest it goes there first, without a limit in the way, and does not go beyond.
+    let approach_s = number(&plan, "/approach_s");
+    assert!(approach_s > 0.1 && number(&plan, "/out_of_reach") == 0.0, "{plan:#}");
+    assert_eq!(number(&plan, "/ticks"), 2001.0 + 2000.0 * approach_s);
+    let rows = fs::read_to_string(&voltages).unwrap();
+    let displacement = |row: &str| row.split(',').nth(2).unwrap().parse::<f64>().unwrap();
+    let highest = rows.lines().skip(1).map(displacement).fold(f64::MIN, f64::max);
+    assert!((highest - 20.0).abs() < 0.05, "{highest}");
     assert!(number(&plan, "/reach_um/0") < 1.0 && number(&plan, "/reach_um/1") > 30.0, "{plan:#}");
     for input in [&hold, &table()] {
         let before = fs::read(input).unwrap();

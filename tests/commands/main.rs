@@ -20,6 +20,7 @@ mod record;
 mod recorded;
 mod reproduce;
 mod rig;
+mod sets;
 mod validate;
 mod zero;
 

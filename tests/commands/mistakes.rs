@@ -57,6 +57,9 @@ fn tables_that_were_tampered_with_are_refused_by_name() {
     case("[table.parameters", "[table.parameters.preisach]", &["alpha_um", "line"]);
     case("g_um_per_s", "g_um_per_s = 1.0", &["without the voltage-extremum term"]);
     case("deadband_v", "deadband = 1.0", &["deadband", "line"]);
+    case("shrink", "shrink = nan", &["search.shrink is not a finite number"]);
+    case("to_s", "to_s = inf", &["logs.0.to_s is not a finite number"]);
+    case("train_mae_um", "train_mae_um = nan", &["train_mae_um is not a finite number"]);
     fs::write(&table, "[table").unwrap();
     refused(&["emit", text(&table), "--face", "rust"], &["table.toml", "line 1"]);
     refused(&["emit", "nowhere.toml", "--face", "rust"], &["nowhere.toml", "no such file", "`identify`"]);
@@ -102,7 +105,7 @@ fn a_device_or_a_locked_file_is_not_written_over() {
     let locked = folder.path().join("locked.csv");
     fs::write(&locked, "kept").unwrap();
     fs::set_permissions(&locked, fs::Permissions::from_mode(0o444)).unwrap();
-    refused(&["validate", table, MEASURED, "--out", text(&locked)], &["locked.csv", "read-only"]);
+    refused(&["validate", table, MEASURED, "--out", text(&locked), "--force"], &["locked.csv", "read-only"]);
     assert_eq!(fs::read_to_string(&locked).unwrap(), "kept");
     refused(&["identify", MEASURED, "--out", "/dev/null/out"], &["/dev/null/out"]);
 }

@@ -19,7 +19,7 @@ use crate::inverse::{Inverse, InverseContext, NoInverse};
 use crate::math::Real;
 use crate::model::{Discretisation, Engine, Model, Parameters, Process, Scheme};
 use crate::range::Range;
-use crate::rule;
+use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
 
 /// Where a table comes from.
@@ -86,6 +86,9 @@ impl core::ops::Deref for Admitted {
 
 /// Displacement limits beyond this (µm) are refused: a metre is no piezo.
 const LARGEST_DISPLACEMENT_UM: f32 = 1e6;
+/// The DAC's code of 0 lies no farther away than this, codes: an eighth of a code is then left in an `f32`.
+const LARGEST_OFFSET_CODE: f32 = 1_048_576.0;
+const OFFSET_RULE: Rule = "the DAC's offset_code must lie within a million codes, so that an f32 tells two codes apart";
 /// Voltages beyond this (V) are refused: no amplifier for piezos reaches it.
 const LARGEST_VOLTAGE_V: f32 = 1e5;
 
@@ -110,6 +113,12 @@ impl Admitted {
         let DriveCalibration { gain_codes_per_v, offset_code, limits } = *drive;
         if !gain_codes_per_v.is_finite() || !offset_code.is_finite() || gain_codes_per_v == 0.0 {
             return Err(TableError::OutOfRange { rule: "the drive's gain and offset must be finite, the gain not 0" });
+        }
+        if offset_code.abs() > LARGEST_OFFSET_CODE {
+            return Err(TableError::OutOfRange { rule: OFFSET_RULE });
+        }
+        if gain_codes_per_v.abs() * limits.range_v.span() < 1.0 {
+            return Err(TableError::OutOfRange { rule: "the drive's gain must make its range_v a code wide at least" });
         }
         self.inverse::<f32>(&limits).map_err(TableError::Drive)?;
         let codes = [limits.range_v.min, limits.range_v.max].map(|volts| offset_code + gain_codes_per_v * volts);
@@ -181,6 +190,14 @@ impl Table {
         }
     }
 
+    /// Whether two neighbouring codes of the ADC are two voltages in `f32`, wherever the voltage is counted from.
+    fn adc_resolves(&self) -> bool {
+        let AdcCalibration { gain_v_per_code, offset_v, full_scale, .. } = self.adc;
+        let Range { min, max } = self.voltage_range_v;
+        let largest = offset_v.abs() + gain_v_per_code * f32::from(full_scale) + self.voltage_zero_v.abs();
+        gain_v_per_code >= f32::EPSILON * largest.max(min.abs()).max(max.abs())
+    }
+
     fn check_ranges(&self) -> Result<(), TableError> {
         let ordered = |range: Range| range.min < range.max;
         let limits = self.displacement_limits_um;
@@ -203,8 +220,16 @@ impl Table {
                 limits.min.abs().max(limits.max.abs()) <= LARGEST_DISPLACEMENT_UM
             }),
             ("adc.gain_v_per_code must be positive", self.adc.gain_v_per_code > 0.0),
+            (
+                "adc.gain_v_per_code must be so large that an f32 tells the voltages of two codes apart",
+                self.adc_resolves(),
+            ),
             ("adc.full_scale must be at least 3", self.adc.full_scale >= 3),
             ("dac.gain_codes_per_um must not be 0", self.dac.gain_codes_per_um != 0.0),
+            ("dac.gain_codes_per_um must make displacement_limits_um a code wide at least", {
+                self.dac.gain_codes_per_um.abs() * limits.span() >= 1.0
+            }),
+            (OFFSET_RULE, self.dac.offset_code.abs() <= LARGEST_OFFSET_CODE),
             ("dac.full_scale must be at least 1", self.dac.full_scale >= 1),
         ])
         .and_then(|()| self.parameters.check())

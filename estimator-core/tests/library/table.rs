@@ -138,7 +138,7 @@ fn inadmissible_sets_are_refused() {
 
 #[test]
 fn numbers_out_of_range_are_refused_by_name() {
-    let cases: [(Table, &str); 12] = [
+    let cases: [(Table, &str); 17] = [
         (Table { sample_period_us: 0, ..table() }, "sample_period_us"),
         (Table { deadband_v: 41.0, ..table() }, "deadband_v"),
         (Table { voltage_range_v: Range { min: 1.0, max: 1.0 }, ..table() }, "voltage_range_v"),
@@ -154,6 +154,15 @@ fn numbers_out_of_range_are_refused_by_name() {
         ),
         (Table { adc: AdcCalibration { gain_v_per_code: 0.0, ..table().adc }, ..table() }, "adc.gain_v_per_code"),
         (Table { dac: DacCalibration { gain_codes_per_um: 0.0, ..table().dac }, ..table() }, "dac.gain_codes_per_um"),
+        // So small that every code is one voltage in an f32, or every displacement one code.
+        (Table { adc: AdcCalibration { gain_v_per_code: 1e-45, ..table().adc }, ..table() }, "two codes apart"),
+        (
+            Table { adc: AdcCalibration { gain_v_per_code: 8e-13, offset_v: -84.0, ..table().adc }, ..table() },
+            "two codes apart",
+        ),
+        (Table { dac: DacCalibration { gain_codes_per_um: 1e-45, ..table().dac }, ..table() }, "a code wide"),
+        (Table { dac: DacCalibration { offset_code: 1e14, ..table().dac }, ..table() }, "offset_code"),
+        (Table { dac: DacCalibration { offset_code: -2e6, ..table().dac }, ..table() }, "offset_code"),
     ];
     for (wrong, name) in cases {
         match wrong.admit() {

@@ -1,7 +1,7 @@
 //! A measured calibration into `board.toml`: its values are replaced where they stand, everything else in the file stays as it was
 //! written.
 
-use crate::board_file::{BoardFacts, BoardFileError};
+use crate::board_file::{BoardFacts, BoardFileError, MOST_BYTES};
 use protocol::Uid;
 use recordings::file::{self, FileError};
 use std::io::ErrorKind;
@@ -45,7 +45,7 @@ impl Edited {
     /// # Errors
     /// It cannot be read, is no board.toml, or would say what cannot be.
     pub fn of(path: &Path, measured: &Measured) -> Result<Self, BoardFileError> {
-        let text = match std::fs::read_to_string(path) {
+        let text = match file::read_text(path, MOST_BYTES) {
             Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
             read => read.map_err(|error| BoardFileError::Unreadable { path: path.to_owned(), error })?,
         };

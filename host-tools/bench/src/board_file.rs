@@ -18,9 +18,12 @@ use ::calibration::CalibrationOptions;
 use ::calibration::drive::DriveOptions;
 use ::calibration::span::Span;
 use protocol::{Identity, Uid};
+use recordings::file;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
+/// No such file is longer.
+pub(crate) const MOST_BYTES: u64 = 1 << 20;
 /// This part of the ADC's range at either end is taken for saturated by the firmware's watch.
 const ADC_MARGIN: f64 = 1.0 / 128.0;
 
@@ -123,7 +126,7 @@ impl BoardFacts {
     /// # Errors
     /// It cannot be read, says something else, or what cannot be.
     pub fn read(path: &Path) -> Result<Self, BoardFileError> {
-        let text = std::fs::read_to_string(path)
+        let text = file::read_text(path, MOST_BYTES)
             .map_err(|error| BoardFileError::Unreadable { path: path.to_owned(), error })?;
         Self::parse(path, &text)
     }

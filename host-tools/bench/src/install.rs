@@ -14,7 +14,7 @@ use device_link::pil::{Comparison, compare, feed};
 use device_link::table::{in_use, to_record};
 use estimator_core::{AdcCode, Admitted, DriveLimits, Range, Table};
 use excitation::{Drive, ExcitationError, Request};
-use identification::table_file::{TableFile, TableFileError};
+use identification::table_file::{TableFile, TableFileError, agree};
 use protocol::Mode;
 use std::path::{Path, PathBuf};
 
@@ -27,10 +27,11 @@ const REHEARSAL_WAYS: f64 = 20.0;
 /// about. Limits of its own that the table's drive has are kept where they are narrower than the board's, and its rest in any case.
 ///
 /// # Errors
-/// A file cannot be read, the board's does not say what the ADC's codes are, or the table is refused with its calibration.
+/// A file cannot be read, a face of another table lies beside it, the board's does not say what the ADC's codes are, or the table is refused with its calibration.
 pub fn for_board(table: &Path, board: &Path) -> Result<(PathBuf, Admitted, Vec<String>), BenchError> {
     let path = if table.is_dir() { table.join("table.toml") } else { table.to_owned() };
-    let (mut file, _) = TableFile::load(&path)?;
+    let (mut file, stated) = TableFile::load(&path)?;
+    agree(&path, &stated).map_err(TableFileError::from)?;
     let facts = BoardFacts::read(board)?;
     if facts.adc_span.is_none() {
         return Err(

@@ -6,6 +6,7 @@
 
 use super::error::LinkError;
 use super::port::{Address, Port};
+use super::words;
 use protocol::frame::MAX_FRAME;
 use protocol::{
     Codes, Deframer, FrameError, Health, Identity, Mode, Record, References, Refusal, Reply, Request, Samples,
@@ -88,7 +89,7 @@ impl Client {
     /// No proper reply, here and below.
     pub fn identify(&mut self) -> Result<Identity, LinkError> {
         match self.request(Request::Identify)? {
-            Reply::Identity(identity) => Ok(identity),
+            Reply::Identity(identity) => Ok(words::of_identity(identity)),
             _ => Err(self.confused()),
         }
     }
@@ -96,7 +97,10 @@ impl Client {
     /// How is it?
     pub fn health(&mut self) -> Result<Health, LinkError> {
         match self.request(Request::Health)? {
-            Reply::Health(health) => Ok(health),
+            Reply::Health(mut health) => {
+                health.last_words = health.last_words.as_ref().map(words::printable);
+                Ok(health)
+            }
             _ => Err(self.confused()),
         }
     }

@@ -1,7 +1,7 @@
 //! What a device reports, in plain words.
 
 use estimator_core::Status;
-use protocol::{Faults, Health, Mode, ResetCause, TableSource};
+use protocol::{Faults, Health, Identity, Mode, ResetCause, TableSource, Text};
 use serde::Serializer;
 
 /// Every fault that is set, and what is so.
@@ -118,6 +118,21 @@ const STATUS: [(Status, &str); 7] = [
     ),
 ];
 
+/// A device's text as a terminal may have it: no control character, which could begin an escape sequence, gets through.
+pub fn printable<const N: usize>(said: &Text<N>) -> Text<N> {
+    // None becomes longer.
+    said.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+}
+
+/// The same of all that a device says of itself.
+pub fn of_identity(mut identity: Identity) -> Identity {
+    identity.board = printable(&identity.board);
+    identity.firmware = printable(&identity.firmware);
+    identity.git = printable(&identity.git);
+    identity.model = printable(&identity.model);
+    identity
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,5 +144,12 @@ mod tests {
         for cause in ResetCause::all().iter() {
             assert_ne!(reset(cause), reset(ResetCause::empty()), "{cause:?}");
         }
+    }
+
+    #[test]
+    fn no_escape_sequence_of_a_device_gets_through() {
+        // A title, a colour, and the one-character form of the same, which UTF-8 has, too.
+        let said = printable::<40>(&protocol::text("a\u{1b}]0;b\u{7}c\u{1b}[31m\u{9b}1md µ"));
+        assert_eq!(said.as_str(), "a?]0;b?c?[31m?1md µ");
     }
 }

@@ -3,6 +3,10 @@
 //! The inverse gives at tick k the voltage whose displacement comes at tick k + 1, later by the model's delay. Here the
 //! trajectory is known ahead of time, so that the inverse is asked for what is wanted then.
 
+mod approach;
+
+pub use approach::approach;
+
 use estimator_core::{Admitted, DriveLimits, Estimator, Inverse, NoInverse};
 use recordings::log::Log;
 use serde::Serialize;
@@ -47,6 +51,8 @@ pub struct Plan {
     pub wanted: Vec<f64>,
     /// Ticks on which a limit was in the way.
     pub out_of_reach: usize,
+    /// Whether one was, a value a tick.
+    pub limited: Vec<bool>,
     /// Amplifier voltage before, V.
     pub rest: f64,
 }
@@ -60,6 +66,15 @@ pub struct RoundTrip {
     pub max_um: f64,
     /// Largest width of the trajectory, µm.
     pub stroke_um: f64,
+}
+
+/// How far a limit keeps the displacement from the trajectory.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Shortfall {
+    /// The first tick on which it is not there.
+    pub tick: usize,
+    /// The largest distance from there on, µm.
+    pub most_um: f64,
 }
 
 /// Displacements (µm) long at rest at the lowest and the highest voltage: what can be held.
@@ -88,11 +103,13 @@ pub fn plan(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> 
         displacement: series(),
         wanted: trajectory.0.clone(),
         out_of_reach: 0,
+        limited: Vec::with_capacity(count),
         rest: limits.rest_v.into(),
     };
     for tick in 0..count {
         let commanded = inverse.tick(trajectory.at(tick as f64 + ahead));
         plan.out_of_reach += usize::from(!commanded.reached);
+        plan.limited.push(!commanded.reached);
         plan.voltage.push(commanded.voltage);
         plan.displacement.push(now);
         now = model.tick_volts(commanded.voltage).displacement;
@@ -103,12 +120,11 @@ pub fn plan(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> 
 impl Plan {
     /// The errors from a tick on; `None` where there is none.
     pub fn round_trip(&self, from: usize) -> Option<RoundTrip> {
-        let errors = || self.displacement.iter().zip(&self.wanted).skip(from).map(|(y, r)| (y - r).abs());
         let count = self.wanted.len().checked_sub(from).filter(|&count| count > 0)?;
         let hull = |better: fn(f64, f64) -> f64| self.wanted.iter().copied().reduce(better).unwrap_or(0.0);
         Some(RoundTrip {
-            mae_um: errors().sum::<f64>() / count as f64,
-            max_um: errors().fold(0.0, f64::max),
+            mae_um: self.errors(from).sum::<f64>() / count as f64,
+            max_um: self.errors(from).fold(0.0, f64::max),
             stroke_um: hull(f64::max) - hull(f64::min),
         })
     }
@@ -119,8 +135,22 @@ impl Plan {
         from.zip(&self.voltage).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max)
     }
 
-    /// The first tick on which the displacement is within `near` µm of what is wanted.
-    pub fn met(&self, near: f64) -> Option<usize> {
-        self.displacement.iter().zip(&self.wanted).position(|(y, r)| (y - r).abs() < near)
+    /// The first tick from one on, on which the displacement is within `near` µm of what is wanted.
+    pub fn met(&self, from: usize, near: f64) -> Option<usize> {
+        let there = self.errors(from).position(|error| error < near);
+        there.map(|after| from + after)
+    }
+
+    /// How far the displacement stays from what is wanted, where that is `near` µm or more after a limit was in the way at a tick
+    /// from one on.
+    pub fn shortfall(&self, from: usize, near: f64) -> Option<Shortfall> {
+        let limited = from + self.limited.iter().skip(from).position(|&limited| limited)?;
+        let tick = limited + self.errors(limited).position(|error| error >= near)?;
+        Some(Shortfall { tick, most_um: self.errors(tick).fold(0.0, f64::max) })
+    }
+
+    /// What the displacement is off from a tick on, µm.
+    fn errors(&self, from: usize) -> impl Iterator<Item = f64> {
+        self.displacement.iter().zip(&self.wanted).skip(from).map(|(y, r)| (y - r).abs())
     }
 }

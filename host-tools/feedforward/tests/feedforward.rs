@@ -1,7 +1,7 @@
 //! Trajectories through the inverse and back through the model.
 
 use estimator_core::{Admitted, DriveLimits, Estimator, Range};
-use feedforward::{Trajectory, plan};
+use feedforward::{Trajectory, approach, near, plan};
 use identification::table_file::TableFile;
 use recordings::log::Log;
 
@@ -49,4 +49,20 @@ fn what_is_too_fast_is_counted() {
     let plan = plan(&table(), &slow, &steps).unwrap();
     assert!(plan.out_of_reach > 50, "{}", plan.out_of_reach);
     assert!(plan.fastest() <= 0.01 + 1e-6);
+}
+
+#[test]
+fn the_way_from_rest_to_the_beginning_is_within_the_limits_and_does_not_overshoot() {
+    let (table, near) = (table(), near(&table()));
+    let hold = Trajectory(vec![20.0; 2000]);
+    let without = plan(&table, &LIMITS, &hold).unwrap();
+    assert!(without.out_of_reach > 0);
+    let lead = approach(&table, &LIMITS, &hold).unwrap();
+    let with = plan(&table, &LIMITS, &Trajectory([&lead[..], &hold.0].concat())).unwrap();
+    let highest = with.displacement.iter().copied().fold(f64::MIN, f64::max);
+    assert!(with.out_of_reach == 0 && highest < 20.0 + near, "{highest}");
+    assert_eq!(with.shortfall(lead.len(), near), None);
+    let rest = Trajectory(vec![with.displacement[0]; 10]);
+    assert!(approach(&table, &LIMITS, &rest).unwrap().is_empty(), "it begins at rest");
+    assert!(approach(&table, &LIMITS, &Trajectory(vec![900.0; 10])).unwrap().is_empty(), "it is out of reach");
 }

@@ -21,6 +21,7 @@ const DEEPEST: usize = 8;
 pub(crate) enum Damage {
     Short,
     Undecodable,
+    Large,
 }
 
 /// The elements in a slice.
@@ -61,11 +62,12 @@ impl<'a> Elements<'a> {
         Self { bytes, ..*self }
     }
 
-    /// Appends the arrays of the variable in a matrix element's data: itself, or those in its fields.
-    pub fn variable(self, arrays: &mut Vec<Array>) -> Result<(), Damage> {
+    /// Appends the arrays of the variable in a matrix element's data: itself, or those in its fields; of all of them there may be
+    /// no more than so many numbers.
+    pub fn variable(self, arrays: &mut Vec<Array>, most: usize) -> Result<(), Damage> {
         let matrix = self.matrix()?;
         let name = matrix.name.clone();
-        matrix.arrays(&name, DEEPEST, arrays)
+        matrix.arrays(&name, DEEPEST, arrays, most)
     }
 
     fn matrix(mut self) -> Result<Matrix<'a>, Damage> {
@@ -98,13 +100,18 @@ struct Matrix<'a> {
 }
 
 impl Matrix<'_> {
-    fn arrays(&self, name: &str, deepest: usize, arrays: &mut Vec<Array>) -> Result<(), Damage> {
+    fn arrays(&self, name: &str, deepest: usize, arrays: &mut Vec<Array>, most: usize) -> Result<(), Damage> {
         if self.class == STRUCT && deepest > 0 {
-            return self.fields(name, deepest - 1, arrays);
+            return self.fields(name, deepest - 1, arrays, most);
         }
         let mut array = Array { name: name.to_owned(), description: self.description(name), ..Array::default() };
         if let ([rows, columns], (_, true), false) = (&self.dimensions[..], class_name(self.class), self.complex) {
             let (kind, data) = self.rest.clone().next()?;
+            let before: usize = arrays.iter().filter_map(|array| array.values.as_ref()).map(Vec::len).sum();
+            // A number of a byte takes eight here, so that this is seen before.
+            if rows.saturating_mul(*columns).min(data.len()).saturating_add(before) > most {
+                return Err(Damage::Large);
+            }
             let values = numbers(kind, data, self.rest.big_endian).ok_or(Damage::Undecodable)?;
             if Some(values.len()) != rows.checked_mul(*columns) {
                 return Err(Damage::Undecodable);
@@ -125,7 +132,7 @@ impl Matrix<'_> {
     }
 
     /// The arrays of a struct's fields; of several elements one after the other. A signal with a label is called by it.
-    fn fields(&self, name: &str, deepest: usize, arrays: &mut Vec<Array>) -> Result<(), Damage> {
+    fn fields(&self, name: &str, deepest: usize, arrays: &mut Vec<Array>, most: usize) -> Result<(), Damage> {
         let mut rest = self.rest;
         let (_, length) = rest.next()?;
         let &[length] = rest.words(length).as_slice() else { return Err(Damage::Undecodable) };
@@ -159,7 +166,7 @@ impl Matrix<'_> {
                     (None, "values" | "Data" | "data") => format!("{name}{unit}"),
                     _ => (*field).to_owned(),
                 };
-                matrix.arrays(&called, deepest, arrays)?;
+                matrix.arrays(&called, deepest, arrays, most)?;
             }
         }
         Ok(())

@@ -1,9 +1,43 @@
 //! Where a verb's results go: never over what it reads, and to standard output for as long as somebody reads there.
 
+use crate::option::Overwrite;
 use anyhow::{Context, Result, bail, ensure};
-pub use recordings::file::{Replacement, folder, write};
-use std::io::Write;
+pub use recordings::file::{Held, Replacement, write};
+use std::io::{Read, Write};
 use std::path::Path;
+
+/// By what a former result is known, near its beginning: the faces of a table, a page, a picture.
+pub const FACES: [(&str, &str); 3] =
+    [("table.toml", "# Parameter table of a piezo actuator"), ("table.rs", "// Made by `piezo emit`"), RECORD];
+/// The binary record of a table.
+pub const RECORD: (&str, &str) = ("table.bin", "PZTB");
+/// A page.
+pub const PAGE: &str = "<meta name=\"generator\" content=\"piezo\">";
+/// A picture.
+pub const PICTURE: &str = "class=\"figure\" role=\"img\"";
+/// Where a result says by then what it is, bytes.
+const NEAR: u64 = 512;
+
+impl Overwrite {
+    /// Refuses to write over a file that does not say near its beginning that it is a former result of the kind.
+    pub fn of(self, path: &Path, known_by: &str) -> Result<()> {
+        // What cannot be read, or is no regular file, is refused when it comes to writing.
+        if self.force || !path.is_file() {
+            return Ok(());
+        }
+        let mut start = Vec::new();
+        std::fs::File::open(path)
+            .and_then(|file| file.take(NEAR).read_to_end(&mut start))
+            .with_context(|| format!("{}: cannot be read", path.display()))?;
+        let former = start.is_empty() || String::from_utf8_lossy(&start).contains(known_by);
+        ensure!(
+            former,
+            "{}: is there already, and no former result of this kind: name another with --out, or lose it with --force",
+            path.display()
+        );
+        Ok(())
+    }
+}
 
 /// Refuses to write over what is read.
 pub fn not_over(path: &Path, inputs: &[&Path]) -> Result<()> {
@@ -17,10 +51,11 @@ pub fn not_over(path: &Path, inputs: &[&Path]) -> Result<()> {
     }
 }
 
-/// Refuses a folder for results that is a file, or that cannot be written: before a search of minutes, not after it.
-pub fn to_folder(path: &Path) -> Result<()> {
+/// Holds a folder for results, made where there is none, until what comes is written; refuses one that is a file, that cannot be
+/// written, or that another run holds: before a search of minutes, not after it.
+pub fn to_folder(path: &Path) -> Result<Held> {
     ensure!(!path.exists() || path.is_dir(), "{}: is a file, --out names a folder", path.display());
-    Ok(recordings::file::writable(path)?)
+    Ok(Held::of(path)?)
 }
 
 /// Writes bytes to standard output, all of them unless its reader has gone.

@@ -1,8 +1,13 @@
 //! Writing results: beside the target first, then renamed, so that nothing is ever half-written.
 
-use std::io::{self, ErrorKind, Write};
+mod held;
+mod replacement;
+
+pub use held::Held;
+pub use replacement::Replacement;
+
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// A file or a folder that cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -23,64 +28,42 @@ pub enum FileError {
         /// What the operating system says.
         source: io::Error,
     },
+    /// Another program holds the folder.
+    #[error("{}: another program is writing its results into this folder", path.display())]
+    Busy {
+        /// The folder that was to be written into.
+        path: PathBuf,
+    },
 }
 
-/// A file that is written beside its target and then takes the target's place. Dropped before that, it leaves nothing.
-pub struct Replacement {
-    file: NamedTempFile,
-    target: PathBuf,
+/// Reads a regular file of no more than so many bytes: no pipe that nobody writes into, no device without an end.
+///
+/// # Errors
+/// It is no regular file ([`io::ErrorKind::InvalidInput`]), or longer ([`io::ErrorKind::FileTooLarge`]); whatever the operating
+/// system says.
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let refused = |kind, what: String| Err(io::Error::new(kind, what));
+    let found = std::fs::metadata(path)?;
+    if found.is_dir() {
+        return refused(io::ErrorKind::IsADirectory, "it is a folder".to_owned());
+    }
+    if !found.is_file() {
+        return refused(io::ErrorKind::InvalidInput, "it is no regular file".to_owned());
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return refused(io::ErrorKind::FileTooLarge, format!("it is longer than {most} bytes"));
+    }
+    Ok(bytes)
 }
 
-impl Replacement {
-    /// The replacement of `path`, whose links are followed, with the permissions of what is there, or else of an ordinary
-    /// new file.
-    ///
-    /// # Errors
-    /// What is there is a device, a pipe, a folder, a link to nothing, or read-only; whatever the operating system says.
-    pub fn of(path: &Path) -> io::Result<Self> {
-        let refused = |kind, why| Err(io::Error::new(kind, why));
-        let (target, there) = match path.canonicalize() {
-            Ok(target) => {
-                let there = target.metadata()?;
-                if !there.is_file() {
-                    return refused(ErrorKind::InvalidInput, "it is no regular file, and would be lost: name another");
-                }
-                if there.permissions().readonly() {
-                    return refused(ErrorKind::PermissionDenied, "it is read-only: make it writable, or name another");
-                }
-                (target, Some(there.permissions()))
-            }
-            Err(_) if path.is_symlink() => {
-                return refused(ErrorKind::NotFound, "it is a link to nothing: remove it, or name another");
-            }
-            Err(_) => (path.to_owned(), None),
-        };
-        let file = temporary(folder_of(&target))?;
-        if let Some(permissions) = there {
-            file.as_file().set_permissions(permissions)?;
-        }
-        Ok(Self { file, target })
-    }
-
-    /// Puts what was written into the target's place.
-    ///
-    /// # Errors
-    /// Whatever the operating system says; the target is as it was.
-    pub fn commit(self) -> io::Result<()> {
-        self.file.as_file().sync_all()?;
-        self.file.persist(self.target).map_err(|error| error.error)?;
-        Ok(())
-    }
-}
-
-impl Write for Replacement {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
+/// The same of text.
+///
+/// # Errors
+/// Besides, it is not text ([`io::ErrorKind::InvalidData`]).
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    String::from_utf8(read(path, most)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not text"))
 }
 
 /// Writes a file whole or not at all.
@@ -92,7 +75,8 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
 }
 
 /// Writes files that belong together: each whole before the first takes its place, so that what fails while they are
-/// written leaves all as they were. (A program that is killed between the renames can still mix them.)
+/// written leaves all as they were. A program that is killed between the renames can still mix them, and two at once where
+/// none of them holds the folder ([`Held`]): let the files say what they belong to.
 ///
 /// # Errors
 /// [`FileError::Write`], of the file that cannot be written.
@@ -106,7 +90,7 @@ pub fn write_all(files: impl IntoIterator<Item = (PathBuf, impl AsRef<[u8]>)>) -
         let attempt = || -> io::Result<Replacement> {
             let mut file = Replacement::of(&path)?;
             file.write_all(contents.as_ref())?;
-            file.file.as_file().sync_all()?;
+            file.sync()?;
             Ok(file)
         };
         let file = attempt().map_err(failed(&path))?;
@@ -121,20 +105,7 @@ pub fn write_all(files: impl IntoIterator<Item = (PathBuf, impl AsRef<[u8]>)>) -
 /// [`FileError::Folder`], and nothing was created.
 pub fn writable(folder: &Path) -> Result<(), FileError> {
     let there = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
-    temporary(there).map(drop).map_err(|source| FileError::Folder { path: folder.to_owned(), source })
-}
-
-/// A temporary file in a folder, with the permissions of an ordinary new one.
-fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".piezo-");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
-}
-
-fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+    replacement::temporary(there).map(drop).map_err(|source| FileError::Folder { path: folder.to_owned(), source })
 }
 
 /// Creates a folder and those above it.

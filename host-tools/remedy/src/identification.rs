@@ -1,14 +1,17 @@
 //! Why nothing was identified, compared, reproduced or read as a table.
 
 use super::log::prepare;
+use super::paste::quoted;
 use ::calibration::ConverterMismatch;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
-use identification::table_file::TableFileError;
+use identification::table_file::{OtherFace, TableFileError};
 use identification::validate::{Bound, ScopeError};
 use identification::{CandidateError, CrossValidation, JobError, LeftOut, Reason};
+use recordings::file::FileError;
 use std::error::Error;
 use std::io::ErrorKind;
+use std::path::Path;
 use thesis::ThesisError;
 
 /// The error with its remedy, if it is one of these.
@@ -24,6 +27,8 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(unused_weight))
         .or_else(|| error.downcast_ref().map(scope))
         .or_else(|| error.downcast_ref().map(table))
+        .or_else(|| error.downcast_ref().map(other_face))
+        .or_else(|| error.downcast_ref().map(file))
 }
 
 /// Why a model was chosen, as the end of a sentence.
@@ -134,6 +139,30 @@ fn scope(error: &ScopeError) -> String {
     }
 }
 
+fn other_face(error: &OtherFace) -> String {
+    let faces = [&error.named, &error.beside];
+    match faces.into_iter().find(|face| face.ends_with("table.toml")) {
+        Some(toml) => {
+            let other = if *toml == error.named { &error.beside } else { &error.named };
+            let folder = toml.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let [of_toml, of_folder] = [toml, folder].map(|path| quoted(&path.display().to_string()));
+            format!(
+                "{error}: which is meant? If {of_toml}, make its other faces again:\n    piezo emit {of_toml} --out {of_folder}\nif \
+                 {}, move {of_toml} away",
+                other.display()
+            )
+        }
+        None => format!("{error}: move away the one that is not meant"),
+    }
+}
+
+fn file(error: &FileError) -> String {
+    match error {
+        FileError::Busy { .. } => format!("{error}: wait until it has ended, or name another folder with --out"),
+        FileError::Write { .. } | FileError::Folder { .. } => error.to_string(),
+    }
+}
+
 fn table(error: &TableFileError) -> String {
     const WANTED: &str = "name the table.toml that `identify` or `emit` wrote";
     match error {
@@ -143,9 +172,14 @@ fn table(error: &TableFileError) -> String {
                 ErrorKind::NotFound => format!("{path}: no such file: {WANTED}"),
                 ErrorKind::IsADirectory => format!("{path}: is a directory: {WANTED} into it"),
                 ErrorKind::InvalidData => format!("{path}: is not text: {WANTED}"),
-                _ => format!("{path}: cannot be read ({error}): check its permissions"),
+                ErrorKind::InvalidInput | ErrorKind::FileTooLarge => {
+                    format!("{path}: cannot be read ({error}): {WANTED}")
+                }
+                ErrorKind::PermissionDenied => format!("{path}: cannot be read ({error}): check its permissions"),
+                _ => format!("{path}: cannot be read ({error})"),
             }
         }
+        TableFileError::OtherFace(error) => other_face(error),
         // A log in the place of the table, or another face of it.
         TableFileError::NoTable { path, .. } if path.extension().is_none_or(|extension| extension != "toml") => {
             format!("{}: is no table.toml: {WANTED}, and logs after it", path.display())

@@ -3,6 +3,7 @@
 //! The core's types print themselves as Rust expressions once their variants are in scope (`{:?}` of an `f32` is the
 //! shortest text that reads back as the same number); a test compiles what this writes and compares it with the TOML.
 
+use super::faces::{LINE, name};
 use estimator_core::Admitted;
 
 /// The source of a module that defines `TABLE`.
@@ -10,7 +11,8 @@ pub fn rust_source(table: &Admitted) -> String {
     let provenance = &table.provenance;
     format!(
         "// Made by `piezo emit`; change table.toml instead.\n\
-         // Logs {}, seed {}, training MAE {:.4} µm.\n\n\
+         // Logs {}, seed {}, training MAE {:.4} µm.\n\
+         {LINE}{}.\n\n\
          #[allow(unused_imports, reason = \"which types a table names depends on what it has\")]\n\
          use estimator_core::{{\n    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, IntervalParameters, List, \
          Parameters,\n    Provenance, Range, Scheme::*, Table, {},\n}};\n\n\
@@ -19,6 +21,7 @@ pub fn rust_source(table: &Admitted) -> String {
         provenance.logs,
         provenance.seed,
         provenance.train_mae_um,
+        name(table),
         table.parameters.type_name(),
         **table
     )

@@ -2,15 +2,17 @@
 //! trust it. The other two faces, the Rust `const` and the binary record, are made from its `[table]`.
 
 mod constant;
+mod faces;
 
 pub use constant::rust_source;
+pub use faces::{OtherFace, agree, name};
 
 use crate::cost::{Feedback, Norm};
 use crate::log_use::LogUse;
 use crate::search::SearchOptions;
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::{Admitted, Table, TableError};
-use recordings::file::{self, FileError};
+use recordings::file;
 use recordings::prepare::Recipe;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -49,7 +51,7 @@ pub enum TableFileError {
     Unreadable {
         /// The file that was to be read.
         path: PathBuf,
-        /// What the operating system says.
+        /// What the operating system says, or that it is no regular file, or too large.
         error: std::io::Error,
     },
     /// The file holds something else.
@@ -74,9 +76,17 @@ pub enum TableFileError {
     /// A number that the format cannot hold.
     #[error(transparent)]
     Toml(#[from] toml::ser::Error),
-    /// A file cannot be written.
+    /// A number of the file is none.
+    #[error("{}: {field} is not a finite number", path.display())]
+    NotFinite {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// Where, as `logs.0.from_s`.
+        field: String,
+    },
+    /// Another face beside it is of another table.
     #[error(transparent)]
-    File(#[from] FileError),
+    OtherFace(#[from] OtherFace),
 }
 
 /// Why a table is refused.
@@ -99,17 +109,23 @@ const HEADER: &str = "\
 # [table] is what the firmware runs; after changing it (a calibration, say), make its other faces again: piezo emit
 ";
 
+/// No face is longer than this; a table.toml of fifty logs has 30 kB.
+pub const MOST_BYTES: u64 = 4 << 20;
+
 impl TableFile {
     /// Reads and admits a table.
     ///
     /// # Errors
     /// The file cannot be read, is no table, or is refused.
     pub fn load(path: &Path) -> Result<(Self, Admitted), TableFileError> {
-        let text = std::fs::read_to_string(path)
+        let text = file::read_text(path, MOST_BYTES)
             .map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
         let file: Self = toml::from_str(&text)
             .map_err(|error| TableFileError::NoTable { path: path.to_owned(), error: Box::new(error) })?;
         let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.to_owned(), source })?;
+        if let Some(field) = toml::from_str(&text).ok().and_then(|value| not_finite(&value)) {
+            return Err(TableFileError::NotFinite { path: path.to_owned(), field });
+        }
         Ok((file, admitted))
     }
 
@@ -141,22 +157,6 @@ impl TableFile {
         shorten(&mut value);
         Ok(format!("{HEADER}\n{}", toml::to_string_pretty(&value)?))
     }
-
-    /// Writes `table.toml`, `table.rs` and `table.bin` into a folder, creating it; each is whole before the first
-    /// takes its place.
-    ///
-    /// # Errors
-    /// The table is refused, or a file cannot be written.
-    pub fn write_faces(&self, folder: &Path) -> Result<(), TableFileError> {
-        let admitted = self.admit()?;
-        file::folder(folder)?;
-        let faces = [
-            ("table.toml", self.to_toml()?.into_bytes()),
-            ("table.rs", rust_source(&admitted).into_bytes()),
-            ("table.bin", record(&admitted)),
-        ];
-        Ok(file::write_all(faces.map(|(name, face)| (folder.join(name), face)))?)
-    }
 }
 
 /// The binary record of a table.
@@ -164,6 +164,18 @@ pub fn record(table: &Admitted) -> Vec<u8> {
     let mut buffer = [0; MAX_LENGTH];
     let length = table.encode(&mut buffer).expect("MAX_LENGTH suffices for every table");
     buffer[..length].to_vec()
+}
+
+/// Where a number is that is not finite.
+fn not_finite(value: &toml::Value) -> Option<String> {
+    let below =
+        |key: String, value| not_finite(value).map(|inner| [key, inner].join(".").trim_end_matches('.').to_owned());
+    match value {
+        toml::Value::Float(x) => (!x.is_finite()).then(String::new),
+        toml::Value::Array(values) => values.iter().enumerate().find_map(|(at, value)| below(at.to_string(), value)),
+        toml::Value::Table(table) => table.iter().find_map(|(key, value)| below(key.clone(), value)),
+        _ => None,
+    }
 }
 
 /// Writes numbers that are an `f32` with the fewest digits that bring the same `f32` back: 0.00772, not

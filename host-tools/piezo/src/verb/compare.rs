@@ -2,8 +2,8 @@
 
 use super::identify::zeros;
 use super::print::{out, progress};
-use crate::option::{Fitting, OPTIMISERS, STARTS, choice, models};
-use crate::output;
+use crate::option::{Fitting, OPTIMISERS, Overwrite, STARTS, choice, models};
+use crate::output::{self, PAGE};
 use anyhow::{Context, Result};
 use clap::Args;
 use estimator_core::Model;
@@ -49,11 +49,17 @@ pub struct Compare {
     /// What is fitted to what.
     #[command(flatten)]
     pub fitting: Fitting,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Compare) -> Result<bool> {
-    arguments.out.as_deref().map(output::to_folder).transpose()?;
+    let folder = arguments.out.as_deref().map(output::to_folder).transpose()?;
+    if let Some(folder) = &arguments.out {
+        arguments.overwrite.of(&folder.join("compare.html"), PAGE)?;
+    }
     let instructions = arguments.instructions.as_deref().map(read_instructions).transpose()?.unwrap_or_default();
     let Compare { optimiser, start, seed, .. } = *arguments;
     let job = arguments.fitting.job(SearchOptions { optimiser, start, seed, ..SearchOptions::default() })?;
@@ -75,10 +81,9 @@ pub fn run(arguments: &Compare) -> Result<bool> {
         row.instructions = instructions.iter().find(|(model, _)| *model == row.model).map(|(_, counts)| *counts);
     }
     let facts = facts(arguments, job.cost, &matrix);
-    if let Some(folder) = &arguments.out {
+    if let Some(folder) = &folder {
         let html = report::comparison(&ComparisonReport { matrix: &matrix, notes: &NOTES, facts: &facts })?;
-        output::folder(folder)?;
-        output::write(&folder.join("compare.html"), html)?;
+        folder.write_all([("compare.html", html)])?;
     }
     if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&matrix)?);

@@ -4,7 +4,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use device_link::{Address, Client};
 use estimator_core::table::Board;
 use estimator_core::{Admitted, Table, record};
-use identification::table_file::TableFile;
+use identification::table_file::{self, MOST_BYTES, TableFile};
 use protocol::{Health, Mode};
 use std::path::Path;
 
@@ -18,13 +18,27 @@ pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
     Ok(())
 }
 
-/// Reads a table to be written to a device: a table.toml, or the record in a table.bin.
+/// Reads a table to be written to a device: a table.toml, or the record in a table.bin; refuses one that lies beside a face of
+/// another table.
 pub fn load(path: &Path) -> Result<Admitted> {
-    if path.extension().is_none_or(|extension| extension != "bin") {
-        return Ok(TableFile::load(path)?.1);
+    let table = if path.extension().is_none_or(|extension| extension != "bin") {
+        TableFile::load(path)?.1
+    } else {
+        let bytes =
+            recordings::file::read(path, MOST_BYTES).with_context(|| format!("{}: cannot be read", path.display()))?;
+        Table::parse(&bytes).with_context(|| format!("{}: is refused", path.display()))?
+    };
+    table_file::agree(path, &table)?;
+    Ok(table)
+}
+
+/// Reads a table that goes nowhere; says so where it lies beside a face of another table.
+pub fn look_at(path: &Path) -> Result<(TableFile, Admitted)> {
+    let (file, table) = TableFile::load(path)?;
+    if let Err(other) = table_file::agree(path, &table) {
+        eprintln!("piezo: careful: {}", remedy::sentence(&other));
     }
-    let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    Table::parse(&bytes).with_context(|| format!("{}: is refused", path.display()))
+    Ok((file, table))
 }
 
 /// The checksum of a record as it names a table for people.

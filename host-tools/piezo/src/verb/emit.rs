@@ -1,8 +1,9 @@
 //! `piezo emit`: the faces of a table, with another calibration where asked.
 
+use super::device::look_at;
 use super::print::out;
-use crate::option::CalibrationArgs;
-use crate::output;
+use crate::option::{CalibrationArgs, Overwrite};
+use crate::output::{self, FACES};
 use ::calibration::converter_mismatches;
 use anyhow::Result;
 use bench::describe;
@@ -40,11 +41,16 @@ pub struct Emit {
     /// The converters.
     #[command(flatten)]
     pub calibration: CalibrationArgs,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Emit) -> Result<bool> {
-    let (mut file, _) = TableFile::load(&arguments.table)?;
+    // With its own folder for --out the faces are being made again.
+    let again = arguments.out.as_ref().is_some_and(|out| arguments.table == out.join("table.toml"));
+    let (mut file, _) = if again { TableFile::load(&arguments.table)? } else { look_at(&arguments.table)? };
     let calibration = arguments.calibration.options()?;
     calibration.apply(&mut file.table);
     if calibration.stated() {
@@ -56,7 +62,9 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
     if let Some(folder) = &arguments.out {
-        file.write_faces(folder)?;
+        let held = output::to_folder(folder)?;
+        FACES.iter().try_for_each(|(name, known_by)| arguments.overwrite.of(&folder.join(name), known_by))?;
+        held.write_all(file.faces()?)?;
         let faces = ["table.toml", "table.rs", "table.bin"].map(|name| folder.join(name));
         if arguments.json {
             out(&serde_json::to_string_pretty(&json!({ "written": faces }))?);

@@ -1,16 +1,16 @@
 //! `piezo feedforward`: a wanted trajectory → the voltages that bring the actuator there.
 
+use super::device::look_at;
 use super::print::out;
-use crate::option::LogOptions;
+use crate::option::{LogOptions, Overwrite};
 use crate::option::{not_negative, span};
 use crate::output;
 use ::calibration::drive::{identified_on, limits, ordered};
 use ::calibration::span::Span;
-use ::feedforward::{Plan, Trajectory, near, plan, reach};
+use ::feedforward::{Plan, Trajectory, approach, near, plan, reach};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
-use identification::table_file::TableFile;
 use recordings::log::{Displacement, write_csv};
 use serde_json::json;
 use std::path::PathBuf;
@@ -36,7 +36,8 @@ pub struct Feedforward {
     /// Voltage at which the actuator rests before, V. Without it the table's drive's, else 0 or the voltage nearest to it.
     #[arg(long, allow_hyphen_values = true, value_name = "V")]
     pub rest: Option<f64>,
-    /// Exit with 1 where the model of these voltages misses the trajectory by more than this, µm, once it has been met.
+    /// Exit with 1 where the model of these voltages misses the trajectory by more than this, µm, once it has been met. Without it,
+    /// where it misses it because of a limit.
     #[arg(long, value_name = "µm", value_parser = not_negative, allow_negative_numbers = true)]
     pub max_error: Option<f64>,
     /// Print what was planned as JSON.
@@ -45,21 +46,29 @@ pub struct Feedforward {
     /// Reading of the trajectory.
     #[command(flatten)]
     pub log: LogOptions,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb; `false` beyond `--max-error`, and where the trajectory is never met.
 pub fn run(arguments: &Feedforward) -> Result<bool> {
-    let (_, table) = TableFile::load(&arguments.table)?;
+    let (_, table) = look_at(&arguments.table)?;
     let trajectory = arguments.log.read_trajectory(&arguments.trajectory)?;
     let name = arguments.out.display();
     ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
     output::not_over(&arguments.out, &[&arguments.table, &arguments.trajectory])?;
+    arguments.overwrite.of(&arguments.out, "time_s,voltage_V,estimated_displacement_um\n")?;
     let limits = stated(arguments, &table)?;
     let tick_s: f64 = table.sample_period();
-    let plan = plan(&table, &limits, &Trajectory::of(&trajectory, tick_s)).with_context(|| no_plan(&table, &limits))?;
+    let wanted = Trajectory::of(&trajectory, tick_s);
+    let mut whole = approach(&table, &limits, &wanted).with_context(|| no_plan(&table, &limits))?;
+    let begins = whole.len();
+    whole.extend(wanted.0);
+    let plan = plan(&table, &limits, &Trajectory(whole)).with_context(|| no_plan(&table, &limits))?;
     write_csv(&arguments.out, tick_s, &plan.voltage, &plan.displacement, Displacement::Estimated)
         .with_context(|| format!("{name}: cannot be written"))?;
-    tell(arguments, &table, &limits, &plan)
+    tell(arguments, &table, &limits, &plan, begins)
 }
 
 /// What was asked for where no voltages can be planned.
@@ -101,14 +110,16 @@ fn stated(arguments: &Feedforward, table: &Admitted) -> Result<DriveLimits> {
     Ok(limits(range, rest, slew))
 }
 
-fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &Plan) -> Result<bool> {
+fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &Plan, begins: usize) -> Result<bool> {
     let tick_s: f64 = table.sample_period();
-    // From rest to where the trajectory begins is a way that no inverse can spare.
-    let met = plan.met(near(table));
+    let met = plan.met(begins, near(table));
     let errors = met.and_then(|tick| plan.round_trip(tick));
     let hull = |better: fn(f64, f64) -> f64| plan.voltage.iter().copied().reduce(better).unwrap_or(0.0);
     let (low, high) = (hull(f64::min), hull(f64::max));
-    let good = errors.as_ref().is_some_and(|errors| arguments.max_error.is_none_or(|most| errors.max_um <= most));
+    // What --max-error allows is no shortfall.
+    let short = met.filter(|_| arguments.max_error.is_none()).and_then(|met| plan.shortfall(met, near(table)));
+    let good = short.is_none()
+        && errors.as_ref().is_some_and(|errors| arguments.max_error.is_none_or(|most| errors.max_um <= most));
     if arguments.json {
         let summary = json!({
             "out": arguments.out,
@@ -118,6 +129,9 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             "fastest_v_per_s": plan.fastest() / tick_s,
             "out_of_reach": plan.out_of_reach,
             "reach_um": reach(table, limits),
+            "approach_s": begins as f64 * tick_s,
+            "short_um": short.map(|short| short.most_um),
+            "short_from_s": short.map(|short| short.tick as f64 * tick_s),
             "met_after_s": met.map(|tick| tick as f64 * tick_s),
             "delay_ticks": table.parameters.delay_ticks(),
             "round_trip": errors,
@@ -126,7 +140,8 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
         return Ok(good);
     }
     out(&format!(
-        "{}  {} ticks, {low:.3} … {high:.3} V, at most {:.0} V/s, from {} V; it ends where the trajectory does",
+        "{}  {} ticks, the first {begins} of them from rest to where the trajectory begins, {low:.3} … {high:.3} V, at most {:.0} V/s, \
+         from {} V; it ends where the trajectory does",
         arguments.out.display(),
         plan.voltage.len(),
         plan.fastest() / tick_s,
@@ -156,6 +171,14 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             limits.range_v.min,
             limits.range_v.max,
             limits.slew_v_per_s
+        ));
+    }
+    if let Some(short) = short {
+        out(&format!(
+            "FAILED: from {:.3} s on it falls short by up to {:.4} µm, for the voltage or its slew rate stands at a limit: ask for \
+             less or more slowly, widen --range or --slew where the amplifier stands it, or say what is allowed by --max-error",
+            short.tick as f64 * tick_s,
+            short.most_um
         ));
     }
     if let (false, Some(most), Some(_)) = (good, arguments.max_error, met) {

@@ -3,8 +3,8 @@
 use super::device::note_damage;
 use super::feedforward::caveats;
 use super::print::{out, progress};
-use crate::option::LogOptions;
 use crate::option::link::PortOption;
+use crate::option::{LogOptions, Overwrite};
 use crate::output::{self, Replacement};
 use ::feedforward::{Trajectory, near, plan};
 use anyhow::{Context, Result, ensure};
@@ -44,6 +44,9 @@ pub struct Follow {
     /// Reading of the trajectory.
     #[command(flatten)]
     pub log: LogOptions,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb; `false` where a fault ended it or the link fell behind.
@@ -51,7 +54,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let log = arguments.log.read_trajectory(&arguments.trajectory)?;
     // A log that cannot be written is no reason to have driven an actuator.
-    let file = arguments.out.as_deref().map(|path| beside(path, &arguments.trajectory)).transpose()?;
+    let file = arguments.out.as_deref().map(|path| beside(path, arguments)).transpose()?;
     let (mut client, _) = arguments.port.connect()?;
     let table = table::running(&mut client)?;
     require_model(&table)?;
@@ -89,9 +92,10 @@ pub fn run(arguments: &Follow) -> Result<bool> {
 }
 
 /// The file that becomes the log.
-fn beside(path: &Path, trajectory: &Path) -> Result<Replacement> {
+fn beside(path: &Path, arguments: &Follow) -> Result<Replacement> {
     ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
-    output::not_over(path, &[trajectory])?;
+    output::not_over(path, &[&arguments.trajectory])?;
+    arguments.overwrite.of(path, "time_s,voltage_V,estimated_displacement_um,")?;
     Replacement::of(path).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
@@ -101,7 +105,7 @@ fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()>
     let plan = plan(table, &drive.limits, trajectory)?;
     let caveats = caveats(table, &drive.limits);
     ensure!(
-        plan.met(near(table)).is_some(),
+        plan.met(0, near(table)).is_some(),
         "the device's model never meets this trajectory, and nothing was driven: is it relative to the model's zero? {}",
         caveats[0]
     );

@@ -1,8 +1,8 @@
 //! `piezo identify`: logs → a proven parameter table and a report.
 
 use super::print::{heading, out, progress, row};
-use crate::option::{CalibrationArgs, Fitting, SearchArgs, model_choice};
-use crate::output;
+use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choice};
+use crate::output::{self, FACES, Held, PAGE, PICTURE};
 use anyhow::{Context, Result};
 use clap::Args;
 use identification::cost::Cost;
@@ -15,7 +15,7 @@ use prediction_interval::Calibration;
 use recordings::prepare::Recipe;
 use report::Report;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `piezo identify`.
 #[derive(Args, Debug)]
@@ -44,11 +44,20 @@ pub struct Identify {
     /// The search.
     #[command(flatten)]
     pub search: SearchArgs,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Identify) -> Result<bool> {
-    output::to_folder(&arguments.out)?;
+    let folder = output::to_folder(&arguments.out)?;
+    let inputs: Vec<&Path> =
+        arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on).map(PathBuf::as_path).collect();
+    for (name, known_by) in FACES.into_iter().chain([("report.html", PAGE), ("estimate.svg", PICTURE)]) {
+        output::not_over(&arguments.out.join(name), &inputs)?;
+        arguments.overwrite.of(&arguments.out.join(name), known_by)?;
+    }
     let job = Job {
         model: arguments.model,
         calibration: arguments.calibration.options()?,
@@ -64,7 +73,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let (outcome, interval) = with_interval(outcome, &job.search, arguments.devices)?;
     let mut verdict = verdict(&outcome);
     verdict.push(beside(interval.as_ref(), arguments.devices));
-    write(arguments, job.cost, &outcome, &verdict)?;
+    write(&folder, arguments, job.cost, &outcome, &verdict)?;
     if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict)?)?);
     } else {
@@ -101,7 +110,7 @@ fn beside(interval: Option<&Calibration>, devices: u32) -> String {
     )
 }
 
-fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]) -> Result<()> {
+fn write(folder: &Held, arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]) -> Result<()> {
     let candidate = outcome.candidate();
     let doubts: Vec<String> = outcome.doubts.iter().map(remedy::doubt).collect();
     let file = TableFile {
@@ -130,9 +139,8 @@ fn write(arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]
     let title = format!("{}: {}", shown.name, candidate.table.model());
     let picture = report::picture(shown, &title, zeroed(outcome, shown).as_ref())?;
     // Everything is made before anything is written.
-    file.write_faces(&arguments.out)?;
-    output::write(&arguments.out.join("report.html"), html)?;
-    Ok(output::write(&arguments.out.join("estimate.svg"), picture)?)
+    let pages = [("report.html", html.into_bytes()), ("estimate.svg", picture.into_bytes())];
+    Ok(folder.write_all(file.faces()?.into_iter().chain(pages))?)
 }
 
 /// When the first log that was held out, else fitted to, may be zeroed first (s), and its estimates with their interval since

@@ -1,8 +1,8 @@
 //! `piezo look`: what was understood of a log, before anything is fitted to it.
 
 use super::print::out;
-use crate::option::LogOptions;
-use crate::output;
+use crate::option::{LogOptions, Overwrite};
+use crate::output::{self, PICTURE};
 use anyhow::{Result, ensure};
 use clap::Args;
 use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey, survey};
@@ -30,6 +30,9 @@ pub struct Look {
     /// Reading of the logs.
     #[command(flatten)]
     pub files: LogOptions,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb.
@@ -37,6 +40,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
     if let Some(path) = &arguments.out {
         ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
         output::not_over(path, &arguments.logs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+        arguments.overwrite.of(path, PICTURE)?;
         let page = path.extension().is_some_and(|extension| extension == "html");
         ensure!(
             page || arguments.logs.len() == 1,

@@ -12,7 +12,6 @@ use device_link::pil::{Comparison, Difference, TickResult, compare, feed};
 use device_link::table::{self, to_record};
 use device_link::{Client, words};
 use estimator_core::{AdcCode, Admitted};
-use identification::table_file::TableFile;
 use protocol::{Health, Mode};
 use recordings::log::Log;
 use recordings::prepare::Recipe;
@@ -49,7 +48,7 @@ pub fn run(arguments: &Pil) -> Result<bool> {
         logs => (None, logs),
     };
     ensure!(!logs.is_empty(), "name a log to feed, too: piezo pil table.toml log.csv --port …");
-    let stated = table.map(|path| TableFile::load(path)).transpose()?;
+    let stated = table.map(|path| device::look_at(path)).transpose()?;
     let logs = arguments.logs.read_all(logs)?;
 
     let (mut client, identity) = arguments.port.connect()?;

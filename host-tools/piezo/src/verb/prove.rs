@@ -49,7 +49,7 @@ pub struct Prove {
 /// Runs the verb; `false` on FAIL.
 pub fn run(arguments: &Prove) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
-    output::folder(&arguments.out)?;
+    let _held = output::to_folder(&arguments.out)?;
     let (mut client, identity) = arguments.port.connect()?;
     let wiring = arguments.board.wiring_of(&identity)?;
     let log = arguments.out.join("proven.csv");

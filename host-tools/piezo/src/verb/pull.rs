@@ -2,8 +2,9 @@
 
 use super::device::{self, note_damage};
 use super::print::out;
+use crate::option::Overwrite;
 use crate::option::link::PortOption;
-use crate::output;
+use crate::output::{self, RECORD};
 use anyhow::{Context, Result, ensure};
 use bench::describe;
 use clap::Args;
@@ -23,12 +24,18 @@ pub struct Pull {
     /// The device.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Pull) -> Result<bool> {
     let to_standard_output = arguments.out == Path::new("-");
     ensure!(!(to_standard_output && arguments.json), "--out - and --json would both be printed: choose one");
+    if !to_standard_output {
+        arguments.overwrite.of(&arguments.out, RECORD.1)?;
+    }
     let (mut client, identity) = arguments.port.connect()?;
     let record = client.pull()?;
     note_damage(&client);

@@ -3,7 +3,7 @@
 use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
-use crate::option::not_negative;
+use crate::option::{Overwrite, not_negative};
 use crate::output::Replacement;
 use anyhow::{Context, Result, bail, ensure};
 use bench::BoardFacts;
@@ -42,12 +42,16 @@ pub struct Record {
     /// The device.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb; `false` when the recording ended before its time. What was recorded by then is kept.
 pub fn run(arguments: &Record) -> Result<bool> {
     let name = arguments.out.display();
     ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
+    arguments.overwrite.of(&arguments.out, "estimate")?;
     let interrupt = Interrupt::watch()?;
     let cannot_write = || format!("{name}: cannot be written");
     let mut file = Replacement::of(&arguments.out).with_context(cannot_write)?;

@@ -3,8 +3,8 @@
 
 use super::identify::zeros;
 use super::print::{out, progress};
-use crate::option::{LogOptions, PrepareArgs, SearchArgs, choice, limit};
-use crate::output;
+use crate::option::{LogOptions, Overwrite, PrepareArgs, SearchArgs, choice, limit};
+use crate::output::{self, PAGE};
 use ::calibration::CalibrationOptions;
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -57,6 +57,9 @@ pub struct Reproduce {
     /// The search.
     #[command(flatten)]
     pub search: SearchArgs,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// A parser of an item's name.
@@ -67,7 +70,10 @@ fn items() -> impl TypedValueParser<Value = Item> {
 /// Runs the verb.
 pub fn run(arguments: &Reproduce) -> Result<bool> {
     let items = Item::asked(&arguments.items);
-    arguments.out.as_deref().map(output::to_folder).transpose()?;
+    let folder = arguments.out.as_deref().map(output::to_folder).transpose()?;
+    if let Some(folder) = &arguments.out {
+        arguments.overwrite.of(&folder.join("reproduce.html"), PAGE)?;
+    }
     let (job, rig) = job(arguments)?;
     let length =
         items.iter().map(|item| item.generations(&job.search, arguments.seeds)).sum::<u64>() + job.generations_before();
@@ -82,11 +88,10 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
     let sections = thesis::run(&mut bench, &items, &mut step)?;
     bar.finish_and_clear();
     let facts = facts(&bench);
-    if let Some(folder) = &arguments.out {
+    if let Some(folder) = &folder {
         let shown: Vec<&Section> = sections.iter().map(|(_, section)| section).collect();
         let html = report::reproduction(&ReproductionReport { sections: &shown, whose: bench.whose(), facts: &facts })?;
-        output::folder(folder)?;
-        output::write(&folder.join("reproduce.html"), html)?;
+        folder.write_all([("reproduce.html", html)])?;
     }
     if arguments.json {
         out(&json(&sections)?);

@@ -1,7 +1,7 @@
 //! `piezo simulate`: the synthetic rig's six logs.
 
 use super::print::out;
-use crate::option::RigArgs;
+use crate::option::{Overwrite, RigArgs};
 use crate::output;
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -22,6 +22,9 @@ pub struct Simulate {
     /// The rig.
     #[command(flatten)]
     pub rig: RigArgs,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb.
@@ -50,10 +53,11 @@ pub fn run(arguments: &Simulate) -> Result<bool> {
         (16.0..=1e8).contains(&samples),
         "{samples:.0} samples a log: choose --duration and --fs for 16 to 100 million"
     );
-    output::folder(&arguments.out)?;
+    let _held = output::to_folder(&arguments.out)?;
     let mut written = Vec::new();
     for excitation in EXCITATIONS {
         let path = arguments.out.join(format!("{}.csv", excitation.name));
+        arguments.overwrite.of(&path, "time_s,voltage_V,displacement_um\n")?;
         let Recording { voltage, displacement } = rig.record(excitation);
         write_csv(&path, 1.0 / rig.fs, &voltage, &displacement, Displacement::Measured)?;
         if !arguments.json {

@@ -3,7 +3,7 @@
 use super::device::note_damage;
 use super::print::{out, progress};
 use crate::option::link::PortOption;
-use crate::option::{BoardOption, ExcitationArgs};
+use crate::option::{BoardOption, ExcitationArgs, Overwrite};
 use crate::output;
 use anyhow::{Context, Result, anyhow};
 use bench::{BenchError, Ended, FORMER, NO_MODEL, Trained, Training, train};
@@ -43,6 +43,9 @@ pub struct Train {
     /// What the voltages are to be like.
     #[command(flatten)]
     pub excitation: ExcitationArgs,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb; `false` where it ended before its time. What was recorded by then is kept.
@@ -55,6 +58,7 @@ pub fn run(arguments: &Train) -> Result<bool> {
     };
     let drive = arguments.excitation.drive(&wiring, 60.0 * arguments.minutes)?;
     if let Some(file) = &arguments.drive {
+        arguments.overwrite.of(file, "time_s,voltage_V\n")?;
         output::write(file, drive.to_csv())?;
     }
     let said = [drive.covers(), drive.forbidden()].concat();

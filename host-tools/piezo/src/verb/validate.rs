@@ -1,13 +1,13 @@
 //! `piezo validate`: a table against logs, the f64 reference and the f32 core side by side; which part is scored, what the
 //! estimator is told, and the estimates as a file.
 
+use super::device::look_at;
 use super::print::{heading, out, row};
-use crate::option::{DECIMATIONS, LogOptions, ScopeArgs, TOLD, choice, not_negative};
+use crate::option::{DECIMATIONS, LogOptions, Overwrite, ScopeArgs, TOLD, choice, not_negative};
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use estimator_core::Status;
-use identification::table_file::TableFile;
 use identification::validate::{
     Comparison, Coverage, Estimates, Figures, Scope, Told, ToldFigures, compare_within, estimates,
 };
@@ -59,6 +59,9 @@ pub struct Validate {
     /// Reading of the logs.
     #[command(flatten)]
     pub files: LogOptions,
+    /// What becomes of a file in a result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
 }
 
 /// Runs the verb; `false` when a threshold is exceeded.
@@ -67,8 +70,9 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
         let logs = arguments.logs.iter().map(PathBuf::as_path);
         output::not_over(path, &logs.chain([arguments.table.as_path()]).collect::<Vec<_>>())?;
+        arguments.overwrite.of(path, Estimates::HEADING)?;
     }
-    let (file, table) = TableFile::load(&arguments.table)?;
+    let (file, table) = look_at(&arguments.table)?;
     let recipe = Recipe {
         skip_start_s: arguments.skip_start.unwrap_or(file.recipe.skip_start_s),
         skip_end_s: arguments.skip_end.unwrap_or(file.recipe.skip_end_s),

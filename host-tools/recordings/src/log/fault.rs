@@ -13,7 +13,11 @@ pub enum Fault {
     #[error("no such file: check the name, and the folder it is looked for in")]
     NotFound,
     /// The operating system refuses to read it.
-    #[error("cannot be read ({0}): check its permissions")]
+    #[error("cannot be read ({0}){remedy}", remedy = match .0.kind() {
+        std::io::ErrorKind::PermissionDenied => ": check its permissions",
+        std::io::ErrorKind::OutOfMemory => ": it is larger than this machine's memory, split it",
+        _ => "",
+    })]
     Unreadable(std::io::Error),
     /// A directory was named.
     #[error("is a directory: name one log file in it")]

@@ -99,6 +99,37 @@ fn a_compressed_bomb_is_refused() {
     assert!(text.contains("more than 100 times"), "{text}");
 }
 
+/// Each array is within what one may inflate to; all of them together would take a hundred times the file.
+#[test]
+fn many_arrays_that_inflate_are_refused_before_they_are_all_in_memory() {
+    let plain = fs::read(data("formats/rows.mat")).unwrap();
+    let samples = 400_000_usize;
+    let mut matrix = plain[HEADER..plain.len() - 3 * 64 * 8].to_vec();
+    let size = matrix.len();
+    matrix[36..40].copy_from_slice(&(samples as u32).to_le_bytes());
+    matrix[size - 4..].copy_from_slice(&(24 * samples as u32).to_le_bytes());
+    matrix.resize(size + 24 * samples, 0);
+    // Some noise among the zeros, which alone would inflate a thousandfold.
+    let mut noise = 1_u32;
+    for at in (size..matrix.len()).step_by(70) {
+        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        matrix[at] = (noise >> 24) as u8;
+    }
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), Default::default());
+    encoder.write_all(&matrix).unwrap();
+    let packed = encoder.finish().unwrap();
+    let ratio = matrix.len() / packed.len();
+    assert!((25..100).contains(&ratio), "{ratio}");
+    let mut bytes = plain[..HEADER].to_vec();
+    for _ in 0..12 {
+        bytes.extend(15_u32.to_le_bytes());
+        bytes.extend((packed.len() as u32).to_le_bytes());
+        bytes.extend(&packed);
+    }
+    let text = fault(&bytes).to_string();
+    assert!(text.contains("more than 20 times as large as the file"), "{text}");
+}
+
 #[test]
 fn a_wrong_checksum_is_damage() {
     let mut bytes = fs::read(data("formats/single.mat")).unwrap();

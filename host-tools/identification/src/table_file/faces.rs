@@ -1,0 +1,86 @@
+//! The faces of a table side by side: what table.toml, table.rs and table.bin of one folder say is one table, known by its
+//! record's checksum. A program that is killed between two renames, or an edit of one face, leaves faces of two.
+
+use super::{TableFile, TableFileError, record, rust_source};
+use estimator_core::{Admitted, record::checksum};
+use recordings::file;
+use std::path::{Path, PathBuf};
+
+/// Ends of the faces' names.
+const ENDS: [&str; 3] = ["toml", "rs", "bin"];
+/// How the line of `table.rs` that has the checksum begins.
+pub(super) const LINE: &str = "// Checksum ";
+
+/// A face lies beside one of another table.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("{}: is the table of checksum {own}, and {} beside it {its}", named.display(), beside.display())]
+pub struct OtherFace {
+    /// The face that was named.
+    pub named: PathBuf,
+    /// The checksum of its table's record, in words.
+    pub own: String,
+    /// The other face.
+    pub beside: PathBuf,
+    /// What that is.
+    pub its: String,
+}
+
+impl TableFile {
+    /// The files `table.toml`, `table.rs` and `table.bin`, by name, to be written together.
+    ///
+    /// # Errors
+    /// The table is refused.
+    pub fn faces(&self) -> Result<[(&'static str, Vec<u8>); 3], TableFileError> {
+        let admitted = self.admit()?;
+        Ok([
+            ("table.toml", self.to_toml()?.into_bytes()),
+            ("table.rs", rust_source(&admitted).into_bytes()),
+            ("table.bin", record(&admitted)),
+        ])
+    }
+}
+
+/// The checksum of a table's record, as it names the table for people.
+pub fn name(table: &Admitted) -> String {
+    format!("{:08x}", checksum(&record(table)).unwrap_or_default())
+}
+
+/// Compares the table of a face with the other faces beside it, of the same name but for its end. What is none of ours is not
+/// looked at.
+///
+/// # Errors
+/// One of them is of another table.
+pub fn agree(face: &Path, table: &Admitted) -> Result<(), OtherFace> {
+    let Some(own_end) = ENDS.into_iter().find(|&end| face.extension().is_some_and(|of_face| of_face == end)) else {
+        return Ok(());
+    };
+    let own = name(table);
+    for end in ENDS.into_iter().filter(|&end| end != own_end) {
+        let beside = face.with_extension(end);
+        match says(&beside) {
+            Some(its) if its != own => {
+                let its = if its.is_empty() { "is refused".to_owned() } else { format!("that of {its}") };
+                return Err(OtherFace { named: face.to_owned(), own, beside, its });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// The checksum of a face's table; empty where that is refused; `None` where it is no face.
+fn says(face: &Path) -> Option<String> {
+    if face.extension()? == "toml" {
+        return match TableFile::load(face) {
+            Ok((_, table)) => Some(name(&table)),
+            Err(TableFileError::Refused { .. }) => Some(String::new()),
+            Err(_) => None,
+        };
+    }
+    let bytes = file::read(face, super::MOST_BYTES).ok()?;
+    if face.extension()? == "bin" {
+        return bytes.starts_with(b"PZTB").then(|| format!("{:08x}", checksum(&bytes).unwrap_or_default()));
+    }
+    let text = String::from_utf8(bytes).ok()?;
+    text.lines().find_map(|line| line.strip_prefix(LINE)).map(|rest| rest.trim_end_matches('.').to_owned())
+}
