@@ -66,12 +66,23 @@ pub trait Linear<T: Real>: Recursion<T> {
 
 /// Steps of [`solve`]: as many as an f32's mantissa has bits, and a few more for the ends.
 const BISECTIONS: usize = 28;
+/// Steps of [`solve_in_time`], to a millionth of where it begins.
+const FEW: usize = 20;
 
 /// The lowest argument between `low` and `high` at which a non-decreasing function has at least this value; `high` itself where
 /// it has not. Always the same number of steps, so that it takes as long on every tick.
-pub fn solve<T: Real>(value: T, mut low: T, mut high: T, function: impl Fn(T) -> T) -> T {
+pub fn solve<T: Real>(value: T, low: T, high: T, function: impl Fn(T) -> T) -> T {
+    halve(BISECTIONS, value, low, high, function)
+}
+
+/// The same to a millionth of the way from `low` to `high`, for a function that takes long.
+pub(super) fn solve_in_time<T: Real>(value: T, low: T, high: T, function: impl Fn(T) -> T) -> T {
+    halve(FEW, value, low, high, function)
+}
+
+fn halve<T: Real>(steps: usize, value: T, mut low: T, mut high: T, function: impl Fn(T) -> T) -> T {
     let half = T::of(0.5);
-    for _ in 0..BISECTIONS {
+    for _ in 0..steps {
         let middle = low + (high - low) * half;
         if function(middle) < value {
             low = middle;
