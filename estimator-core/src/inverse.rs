@@ -49,8 +49,8 @@ pub const REACHED: f32 = 1e-4;
 const FINE: f32 = 1e-2;
 
 /// Most steps of the search, so that a tick always ends, and in time. They halve what they search in at least as often, but for
-/// one of them: to a 4096th of what the limits allow in a tick where the displacement jumps. Elsewhere some six are enough.
-const STEPS: usize = 13;
+/// one of them: to a 2048th of what the limits allow in a tick where the displacement jumps. Elsewhere some six are enough.
+const STEPS: usize = 12;
 
 /// How far the search steps beyond the secant, towards the middle, as a part of the bracket's square (κ1 of ITP, with κ2 = 2).
 const BEYOND: f32 = 0.2;

@@ -49,12 +49,7 @@ pub enum Step<'a> {
 const ENTRY_AND_RETURN: u64 = 12 + 10;
 
 /// The clocks of a handler that did this, with `wait_states` of the flash.
-pub fn clocks<'a>(
-    steps: impl Iterator<Item = Step<'a>>,
-    level: Level,
-    wait_states: u64,
-    caches: &mut Caches,
-) -> u64 {
+pub fn clocks<'a>(steps: impl Iterator<Item = Step<'a>>, level: Level, wait_states: u64, caches: &mut Caches) -> u64 {
     let pessimistic = level == Level::Pessimistic;
     let mut clocks = ENTRY_AND_RETURN + level.choose([0, 17, 34]);
     let mut last: Option<(u32, &Instruction)> = None;

@@ -60,7 +60,6 @@ fn coarse(table: &Table) -> Table {
     let mut parameters = table.parameters;
     let offset = match &mut parameters {
         Parameters::VoigtChain(of) => &mut of.offset_um,
-        Parameters::PrandtlIshlinskii(of) => &mut of.offset_um,
         Parameters::Duhem(of) => &mut of.offset_um,
         Parameters::BoucWen(of) => &mut of.offset_um,
         Parameters::Preisach(of) => &mut of.offset_um,
@@ -72,13 +71,27 @@ fn coarse(table: &Table) -> Table {
     Table { parameters, displacement_limits_um: Range { min: min + COARSE_UM, max: max + COARSE_UM }, ..*table }
 }
 
+/// The largest table; of the Bouc-Wen model one for each way to take a power.
+fn variants(table: &Table) -> Vec<(&'static str, Table)> {
+    let Parameters::BoucWen(of) = table.parameters else {
+        return vec![(if table.model().is_voigt() { "identified" } else { "largest" }, *table)];
+    };
+    let of_exponent = |n| Table { parameters: Parameters::BoucWen(BoucWenParameters { n, ..of }), ..*table };
+    vec![("n = 1", of_exponent(1.0)), ("n = 2", of_exponent(2.0)), ("n = 1.5", of_exponent(1.5))]
+}
+
 /// The tables of a model that estimate, or that drive; none where it has no inverse.
 pub fn tables(model: Model, drives: bool) -> Result<Vec<(&'static str, Admitted)>> {
     let interval = identified(Model::GeneralisedPrandtlIshlinskii)?.interval;
     let identified = identified(model)?;
     let largest = if model.is_voigt() { identified } else { largest::models::table_of(model) };
     let largest = Table { interval, ..largest };
-    let tables = [("identified", identified), ("largest", if drives { coarse(&largest) } else { largest })];
+    // Those of Voigt's family have but one size.
+    let mut tables = if model.is_voigt() { Vec::new() } else { vec![("identified", identified)] };
+    for (name, table) in variants(&largest) {
+        // (The superposition of the Prandtl-Ishlinskii model takes no offset that its dead zones are not made for.)
+        tables.push((name, if drives && model != Model::PrandtlIshlinskii { coarse(&table) } else { table }));
+    }
     let mut fit = Vec::new();
     for (name, table) in tables {
         match fitted(&table, drives) {
