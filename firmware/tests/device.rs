@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, other, record, started, tick, triangle};
+use common::{FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, other, record, started, tick, too_long, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use embassy_futures::select::{Either, select};

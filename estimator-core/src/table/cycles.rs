@@ -3,7 +3,7 @@
 //! Cycles of the board's core, a Cortex-M4F at 170 MHz behind flash with four wait states, that the tick's whole interrupt takes.
 //! They are the most that was observed in the emulated board on inputs that are to be the worst, with the largest table of each
 //! model (a full memory, a search that ends with its last step), counted with every documented cost at its most and empty
-//! caches, and [`MARGIN_PERCENT`] beyond. That is no proof that no input takes more. `cargo xtask cycles` prints what they are
+//! caches, and [`MARGIN_PERCENT`] beyond, rounded up by a few more: where the linker puts the code moves them by 1 %. That is no proof that no input takes more. `cargo xtask cycles` prints what they are
 //! made of; the check `figures` fails where one is exceeded, or has become loose.
 //!
 //! A tick may take [`ALLOWED_PERCENT`] of its time: the rest is the serial line's, the flash's and the host's.
@@ -81,19 +81,19 @@ const BOUC_WEN_POWER: (u32, u32) = (88_000, 245_900);
 /// To estimate, and to drive.
 const fn most_cycles(model: Model) -> (u32, u32) {
     match model {
-        Model::Voigt => (8_900, 18_700),
-        Model::VoltageExtremum => (8_900, 32_800),
-        Model::DisplacementExtremum => (8_900, 19_800),
-        Model::Enhanced => (8_900, 40_900),
-        Model::VoigtChain => (10_000, 39_400),
-        Model::PrandtlIshlinskii => (10_000, 28_700),
-        Model::MaxwellSlip => (9_300, 19_300),
-        Model::Duhem => (8_100, 15_100),
-        Model::BoucWen => (7_900, 19_100),
+        Model::Voigt => (9_100, 19_000),
+        Model::VoltageExtremum => (9_100, 33_400),
+        Model::DisplacementExtremum => (9_100, 20_200),
+        Model::Enhanced => (9_100, 41_500),
+        Model::VoigtChain => (10_200, 40_000),
+        Model::PrandtlIshlinskii => (10_100, 29_500),
+        Model::MaxwellSlip => (9_500, 19_800),
+        Model::Duhem => (8_300, 15_600),
+        Model::BoucWen => (8_000, 19_600),
         Model::Preisach => (19_700, 106_500),
         // It has no inverse.
-        Model::Narx => (50_500, 50_500),
-        Model::GeneralisedPrandtlIshlinskii => (17_300, 49_200),
+        Model::Narx => (50_900, 50_900),
+        Model::GeneralisedPrandtlIshlinskii => (18_000, 50_500),
     }
 }
 
