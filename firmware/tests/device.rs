@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, other, record, started, tick, triangle};
+use common::{FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, other, record, started, tick, too_long, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use embassy_futures::select::{Either, select};
@@ -127,6 +127,7 @@ fn what_it_cannot_run_is_refused_and_the_old_table_stays() {
         (change(|table| table.adc.full_scale = 4095), "an ADC up to 4095, not 65520"),
         (change(|table| table.dac.full_scale = 65_535), "a DAC up to 65535, not 4095"),
         (change(|table| table.sample_period_us = 400), "a tick of 400 µs, not 500 µs"),
+        (record(&too_long()), "driving takes up to 106500 cycles a tick, 125 % of its time, not 60 % at most"),
     ];
     for (bad, why) in refused {
         match bench.ask(Request::Push { record: bad, while_estimating: false, rewired: false }) {
@@ -319,6 +320,12 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
     let Chosen { table, source, fallback } = block_on(boot::choose(&mut store, TABLE, &failing));
     let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
     assert!(fallback && table == Some(compiled()) && reason.contains("failed 3 times"), "{reason}");
+
+    // As an older firmware may have left it.
+    block_on(store.store(&record(&too_long()))).unwrap();
+    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
+    assert!(fallback && table == Some(compiled()) && reason.contains("takes up to 106500 cycles"), "{reason}");
 
     block_on(store.store(b"PZTB\x63\x00\x00\x00and more")).unwrap();
     let Chosen { table, source, fallback } = choose(&mut store, TABLE);

@@ -1,6 +1,6 @@
 //! The three faces of one table: TOML, a Rust `const` that compiles, and the binary record.
 
-use super::{data, piezo};
+use super::{data, piezo, refused, text};
 use estimator_core::Table;
 use identification::table_file::TableFile;
 use std::fs;
@@ -76,4 +76,26 @@ fn another_calibration() {
     assert!(changed.adc.invert && changed.adc.full_scale == 65535 && changed.adc.offset_v == 150.0);
     assert_eq!(changed.dac.code(40.0f32).0, changed.dac.full_scale);
     assert_eq!(file.table.parameters, TableFile::load(&data("table/table.toml")).unwrap().1.parameters);
+}
+
+#[test]
+fn a_drive_that_takes_too_long_is_not_emitted_and_every_table_says_what_its_tick_takes() {
+    let (out, preisach) = (tempfile::tempdir().unwrap(), "tests/data/table/models/preisach.toml");
+    let folder = out.path().join("none");
+    let drive = ["--drive-span", "0:4", "--drive-slew", "400", "--out", text(&folder)];
+    refused(
+        &[&["emit", preisach], &drive[..]].concat(),
+        &[
+            "models/preisach.toml: driving takes up to 106500 cycles a tick, 125 % of its time, not 60 % at most",
+            "identify with --model generalised-prandtl-ishlinskii",
+            "piezo feedforward",
+        ],
+    );
+    assert!(!folder.exists(), "nothing was written");
+    let done = piezo().args(["emit", preisach]).args(&drive[4..]).assert().success();
+    let printed = String::from_utf8(done.get_output().stdout.clone()).unwrap();
+    let says = "a tick takes at most 19700 cycles, 23 % of the board's 85000; observed, not proven";
+    assert!(printed.contains(says), "{printed}");
+    let plays = "tests/data/table/models/generalised-prandtl-ishlinskii.toml";
+    piezo().args(["emit", plays]).args(drive).assert().success();
 }

@@ -1,11 +1,12 @@
 //! `cargo xtask`: the chores of this repository.
 //!
 //! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts the
-//! firmware without a board; `size` says what it takes of the chip; `figures` writes the documents' figures.
+//! firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes the documents' figures.
 
 mod artifact;
 mod book;
 mod check;
+mod cycles;
 mod embedded;
 mod emulate;
 mod figures;
@@ -42,6 +43,8 @@ enum Chore {
     Emulate(emulate::Arguments),
     /// Print what the firmware takes of the chip: flash, RAM, instructions per tick
     Size(size::Arguments),
+    /// Print what the tick's interrupt costs on the board, in cycles, with every model
+    Cycles(cycles::Arguments),
     /// Write the figures that documents state, from what the commands print, or compare them
     Figures(figures::Arguments),
 }
@@ -56,6 +59,7 @@ fn main() -> Result<ExitCode> {
         Chore::Test(arguments) => Ok(check::run(&sh, &arguments)),
         Chore::Emulate(arguments) => emulate::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Size(arguments) => size::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
+        Chore::Cycles(arguments) => cycles::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Figures(arguments) => figures::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
     }
 }

@@ -21,7 +21,8 @@
 //! **Bound.** The clamp, so that a run is bounded whatever the coefficients. A table must also have a stable linear
 //! part.
 
-use super::{Discretisation, Published, Recursion, solve};
+use super::recursion::solve_in_time;
+use super::{Discretisation, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
 use crate::extremum::Tracker;
 use crate::list::List;
@@ -292,7 +293,7 @@ impl<T: Real> Recursion<T> for Narx<T> {
         let limits = self.normalised_limits;
         let displacement = match displacement {
             Some(displacement) => limits.clamp(self.normalise(displacement)),
-            None => solve(T::zero(), limits.min, limits.max, |y| y - self.polynomial(&self.rested(voltage, y))),
+            None => solve_in_time(T::zero(), limits.min, limits.max, |y| y - self.polynomial(&self.rested(voltage, y))),
         };
         self.rested(voltage, displacement)
     }

@@ -46,7 +46,7 @@ impl<M, S> Running<M, S> {
         S: Clone,
     {
         match &self.state {
-            Some(state) => self.model.step(&mut state.clone(), voltage),
+            Some(state) => self.model.peek(state, voltage),
             None => self.model.first(voltage, None).1,
         }
     }

@@ -16,6 +16,12 @@ pub trait Recursion<T: Real>: Sized {
     /// One tick: takes this tick's voltage (V), returns the displacement (µm) a tick later.
     fn step(&self, state: &mut Self::State, voltage: T) -> T;
 
+    /// What the next [`step`](Self::step) would return, for whoever tries many voltages.
+    #[inline]
+    fn peek(&self, state: &Self::State, voltage: T) -> T {
+        self.step(&mut state.clone(), voltage)
+    }
+
     /// The first tick: [`begin`](Self::begin) and [`step`](Self::step) at one voltage, with what both need computed once where
     /// a model can.
     #[inline]
@@ -66,12 +72,23 @@ pub trait Linear<T: Real>: Recursion<T> {
 
 /// Steps of [`solve`]: as many as an f32's mantissa has bits, and a few more for the ends.
 const BISECTIONS: usize = 28;
+/// Steps of [`solve_in_time`]: to four millionths of where it begins.
+const FEW: usize = 18;
 
 /// The lowest argument between `low` and `high` at which a non-decreasing function has at least this value; `high` itself where
 /// it has not. Always the same number of steps, so that it takes as long on every tick.
-pub fn solve<T: Real>(value: T, mut low: T, mut high: T, function: impl Fn(T) -> T) -> T {
+pub fn solve<T: Real>(value: T, low: T, high: T, function: impl Fn(T) -> T) -> T {
+    halve(BISECTIONS, value, low, high, function)
+}
+
+/// The same to four millionths of the way from `low` to `high`, for a function that takes long.
+pub(super) fn solve_in_time<T: Real>(value: T, low: T, high: T, function: impl Fn(T) -> T) -> T {
+    halve(FEW, value, low, high, function)
+}
+
+fn halve<T: Real>(steps: usize, value: T, mut low: T, mut high: T, function: impl Fn(T) -> T) -> T {
     let half = T::of(0.5);
-    for _ in 0..BISECTIONS {
+    for _ in 0..steps {
         let middle = low + (high - low) * half;
         if function(middle) < value {
             low = middle;

@@ -1,6 +1,6 @@
 //! Whether a table is for a board: a table made for other converters or another tick gives a number, and a wrong one.
 
-use super::Table;
+use super::{ALLOWED_PERCENT, Cycles, Table};
 use core::fmt;
 
 /// What a board asks of a table: its tick and the scales of its converters, which a table is made for.
@@ -33,13 +33,21 @@ pub enum Misfit {
         /// What the board has.
         board: Board,
     },
+    /// The tick takes too much of its time.
+    #[error(fmt = too_long)]
+    Cycles {
+        /// What it takes, and has.
+        cycles: Cycles,
+        /// It drives the amplifier, and so searches a voltage.
+        drives: bool,
+    },
 }
 
 impl Table {
     /// Whether this table is for that board.
     ///
     /// # Errors
-    /// It is made for another tick or other converters.
+    /// It is made for another tick or other converters, or its tick takes too long.
     pub fn fits(&self, board: &Board) -> Result<(), Misfit> {
         let table = Board {
             tick_us: self.sample_period_us,
@@ -51,9 +59,19 @@ impl Table {
         } else if table != *board {
             Err(Misfit::Converters { table, board: *board })
         } else {
-            Ok(())
+            self.in_time()
         }
     }
+}
+
+/// How long it takes. It ends a sentence that begins with the table, and a device's message has to hold it.
+fn too_long(cycles: &Cycles, drives: &bool, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let (what, percent) = (if *drives { "driving" } else { "estimating" }, cycles.percent());
+    write!(
+        f,
+        "{what} takes up to {} cycles a tick, {percent:.0} % of its time, not {ALLOWED_PERCENT} % at most",
+        cycles.most
+    )
 }
 
 /// Which converters differ, and how.

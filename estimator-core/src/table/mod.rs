@@ -6,10 +6,12 @@
 //! nothing else makes an [`Estimator`](crate::Estimator).
 
 mod board;
+mod cycles;
 mod digest;
 mod error;
 
 pub use board::{Board, Misfit};
+pub use cycles::{ALLOWED_PERCENT, Cycles, MARGIN_PERCENT};
 pub use digest::Digest;
 pub use error::TableError;
 

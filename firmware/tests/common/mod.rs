@@ -3,8 +3,11 @@
 
 pub mod driven;
 
+use estimator_core::model::CELLS;
 use estimator_core::table::Board;
-use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, Table};
+use estimator_core::{
+    AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, List, Parameters, PreisachParameters, Range, Table,
+};
 use firmware::drive::Drive;
 use firmware::queues::{LinkQueues, Queues};
 use firmware::restarts::Restarts;
@@ -53,6 +56,15 @@ pub fn driving() -> Admitted {
     let limits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
     let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits };
     Table { drive: Some(drive), ..*compiled() }.admit().expect("the Voigt family has an inverse")
+}
+
+/// A table whose drive takes more of a tick than there may be: Preisach's model, driving an amplifier as [`driving`] does.
+pub fn too_long() -> Admitted {
+    let densities_um = List::collect((0..CELLS).map(|_| 0.5)).expect("as many as there may be");
+    let of = PreisachParameters { lower_v: -0.18, upper_v: 3.78, densities_um, offset_um: 0.0 };
+    let limits = Range { min: -50.0, max: 100.0 };
+    let table = Table { parameters: Parameters::Preisach(of), displacement_limits_um: limits, ..*driving() };
+    table.admit().expect("it has an inverse")
 }
 
 /// What the link has of a tick.

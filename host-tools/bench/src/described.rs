@@ -1,7 +1,7 @@
 //! A table as a person reads it: what it is for, what its converters stand for, what it drives, and how good it was.
 
 use crate::wiring::{NO_MODEL, is_line};
-use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Table};
 
 /// A table in a few lines.
 pub fn describe(table: &Admitted) -> Vec<String> {
@@ -38,10 +38,22 @@ pub fn describe(table: &Admitted) -> Vec<String> {
                 made.logs, made.seed, made.train_mae_um
             ),
         },
+        time(table),
         table.interval.map_or("no ± beside the estimate".to_owned(), |interval| {
             format!("± {:.3} µm beside the estimate at least, once its displacement was told", interval.misfit_um)
         }),
     ]
+}
+
+/// What its tick takes on the board.
+pub fn time(table: &Table) -> String {
+    let cycles = table.cycles();
+    format!(
+        "a tick takes at most {} cycles, {:.0} % of the board's {}; observed, not proven",
+        cycles.most,
+        cycles.percent(),
+        cycles.period
+    )
 }
 
 /// What the DAC drives, if anything.

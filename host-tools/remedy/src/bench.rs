@@ -1,10 +1,12 @@
 //! What goes wrong in a session on the bench.
 
 use super::bits::faults;
+use super::device::too_long;
 use super::paste::{quoted, typed, with};
 use bench::calibrate::CalibrationError;
 use bench::{AnotherBoard, BenchError, BoardFileError, Complaint, WiringError};
 use emulator::EmulatorError;
+use estimator_core::table::Misfit;
 use excitation::ExcitationError;
 use protocol::Faults;
 use std::error::Error;
@@ -62,6 +64,7 @@ fn session(error: &BenchError) -> String {
              plug it in again"
         ),
         BenchError::OtherConverters { .. } => format!("{error}: `piezo install` it with this --board"),
+        BenchError::Misfit(misfit @ Misfit::Cycles { drives, .. }) => format!("{misfit}: {}", too_long(*drives)),
         BenchError::Misfit(_) => format!("{error}: correct adc_full_scale and dac_full_scale in board.toml"),
         BenchError::Sensor { complaint: of, log } => {
             format!("{}; what was measured before is in {}", complaint(of), log.display())

@@ -34,6 +34,7 @@ pub fn board(misfit: &Misfit, file: &Path) -> String {
     let name = file.display();
     match misfit {
         Misfit::Tick { board_us, .. } => format!("{name}: {misfit}: identify with --tick-us {board_us}"),
+        Misfit::Cycles { drives, .. } => format!("{name}: {misfit}: {}", too_long(*drives)),
         Misfit::Converters { table, board } => {
             let scales = [
                 ("--adc-full-scale", table.adc_full_scale, board.adc_full_scale),
@@ -47,6 +48,16 @@ pub fn board(misfit: &Misfit, file: &Path) -> String {
                 file.with_extension("toml").display()
             )
         }
+    }
+}
+
+/// What helps where the tick takes too long, with or without a search for the voltage.
+pub(super) fn too_long(drives: bool) -> &'static str {
+    if drives {
+        "drive with another model's table (identify with --model generalised-prandtl-ishlinskii), let this one estimate (emit the \
+         table that has no drive yet), or compute the voltages on the host (piezo feedforward)"
+    } else {
+        "identify with another --model"
     }
 }
 

@@ -90,6 +90,9 @@ fn before_instruction(chip: &mut Unicorn<'_, Hooked>, address: u64, _: u32) {
     let hooked = chip.get_data_mut();
     hooked.address = address;
     hooked.machine.clock += 1;
+    if let Some(meter) = hooked.machine.meter() {
+        meter.trace.push(address);
+    }
     let half = (address.wrapping_sub(Image::START) / 2) as usize;
     hooked.machine.event |= hooked.sends_event.get(half / 64).is_some_and(|bits| bits >> (half % 64) & 1 != 0);
 }

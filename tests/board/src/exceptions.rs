@@ -124,6 +124,9 @@ impl Board {
         let instructions = machine.instructions() - handler.began;
         let services = machine.bench.record.services.entry(handler.exception).or_default();
         services[handler.service].instructions = Some(instructions - handler.nested);
+        if let Some(meter) = machine.meter() {
+            meter.finish()?;
+        }
         machine.nvic.leave();
         machine.event = true;
         let next = machine.look();

@@ -16,7 +16,7 @@ pub struct Image {
 impl Image {
     /// Address of bank 1.
     pub(crate) const START: u32 = 0x0800_0000;
-    const SIZE: usize = 256 << 10;
+    pub(crate) const SIZE: usize = 256 << 10;
 
     /// The image that the environment variable `FIRMWARE_IMAGE` names.
     ///

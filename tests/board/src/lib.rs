@@ -10,7 +10,8 @@
 //! returning 10, going from one to the next 6; a sleeping core and one that polls the flash skip to the next event. Events
 //! happen at their exact clock and interrupts are taken before the next instruction, so that two runs are equal to the
 //! bit. What this proves is the firmware's logic. It proves nothing about cycles, bus waits, caches, analogue behaviour or
-//! errata, and has no DMA, no MPU, no debugger and no memory at address 0.
+//! errata, and has no DMA, no MPU, no debugger and no memory at address 0. What a handler would cost is counted from its
+//! instructions, by a model of the core and of the flash, where a test asks for it ([`Board::measure`]).
 
 mod adc;
 mod board;
@@ -18,6 +19,7 @@ mod bus;
 mod clock;
 mod contents;
 mod cpu;
+mod cycles;
 mod dac;
 mod exceptions;
 mod flash;
@@ -36,6 +38,7 @@ mod watchdog;
 
 pub use board::{Board, Stop};
 pub use contents::{Contents, Tear};
+pub use cycles::{Level, Measured};
 pub use gpio::{Pin, Port};
 pub use image::Image;
 pub use nvic::exception;

@@ -10,6 +10,7 @@ use crate::{
     board::Stop,
     clock::Clock,
     contents::{Contents, Tear},
+    cycles::Meter,
     dac::Dac,
     exception,
     flash::Flash,
@@ -34,6 +35,8 @@ pub struct Bench {
     pub corrupt: bool,
     /// Power goes during the operation that makes the record of them this long.
     pub cut: Option<(usize, Tear)>,
+    /// Records what a handler executes, where a test asks for it.
+    pub meter: Option<Meter>,
 }
 
 /// What the core is to do.
@@ -220,6 +223,12 @@ impl Machine {
         self.clock += clocks;
         self.skipped += clocks;
         self.look_at = 0;
+    }
+
+    /// What records the handler that runs now, if it is to be recorded.
+    pub fn meter(&mut self) -> Option<&mut Meter> {
+        let running = self.nvic.active.last();
+        self.bench.meter.as_mut().filter(|meter| running == Some(&meter.exception))
     }
 
     /// Instructions executed so far.

@@ -12,14 +12,13 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use serde_json::{Value, json};
+use serde_json::Value;
 use tempfile::TempDir;
 use xshell::{Cmd, Shell, cmd};
 
 use crate::{
-    embedded::{self, Board},
+    cycles,
     size::{self, LOG},
-    step::BOARD,
 };
 
 /// Another session of the actuator whose log is identified from.
@@ -42,15 +41,15 @@ pub enum Command {
     Size,
     /// `cargo xtask size --models`.
     SizeModels,
-    /// The drive's test on the emulated board: instructions of the tick's interrupt, by model.
-    Drive,
+    /// `cargo xtask cycles`.
+    Cycles,
 }
 
 /// Every command, in rows that run side by side: what computes, and what an emulator does, which is one thread. A row has one
 /// emulator at a time, since two could choose the same port.
 const ROWS: [&[Command]; 2] = [
     &[Command::Identify, Command::Validate, Command::SameDay, Command::OtherDay, Command::Reproduce],
-    &[Command::Size, Command::SizeModels, Command::Drive],
+    &[Command::Size, Command::SizeModels, Command::Cycles],
 ];
 
 /// What the commands have printed so far.
@@ -138,7 +137,7 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
         Command::Reproduce => json(cmd!(sh, "{piezo} reproduce errors tracking")),
         Command::Size => size::figures(sh, piezo),
         Command::SizeModels => size::models(sh, piezo),
-        Command::Drive => drive(sh),
+        Command::Cycles => cycles::measure(sh),
     };
     println!("{command:?}: {:.1} s", start.elapsed().as_secs_f64());
     printed.with_context(|| format!("{command:?}"))
@@ -146,21 +145,6 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
 
 fn json(command: Cmd<'_>) -> Result<Value> {
     Ok(serde_json::from_str(&command.arg("--json").ignore_stderr().read()?)?)
-}
-
-/// Reads what the test prints of each model: `NAME: … N instructions … on average, N at most`.
-fn drive(sh: &Shell) -> Result<Value> {
-    let image = embedded::image(sh, Board::NucleoG474re)?;
-    let printed = cmd!(sh, "cargo test --quiet {BOARD...} --test=image follow:: -- --nocapture")
-        .env("FIRMWARE_IMAGE", image)
-        .read()?;
-    let counts = printed.lines().filter_map(|line| {
-        let (name, what) = line.split_once(": ")?;
-        let words: Vec<&str> = what.split_whitespace().collect();
-        let before = |word: &str| words.windows(2).find(|pair| pair[1] == word)?[0].parse::<u64>().ok();
-        Some((name.to_owned(), json!({ "mean": before("instructions")?, "max": before("at")? })))
-    });
-    Ok(Value::Object(counts.collect()))
 }
 
 /// A file's bytes.

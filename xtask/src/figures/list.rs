@@ -4,10 +4,12 @@ use anyhow::{Context, Result, ensure};
 use estimator_core::Model;
 use serde_json::Value;
 
+use crate::cycles::LEVELS;
+
 use super::{
     ceiling,
     command::{
-        Command::{self, Drive, Identify, OtherDay, Reproduce, SameDay, Size, SizeModels, Validate},
+        Command::{self, Cycles, Identify, OtherDay, Reproduce, SameDay, Size, SizeModels, Validate},
         Printed, bytes,
     },
     document::{Content, Table},
@@ -24,7 +26,7 @@ pub struct Figure {
 }
 
 /// Every figure.
-pub const FIGURES: [Figure; 16] = [
+pub const FIGURES: [Figure; 14] = [
     Figure {
         name: "picture",
         file: Some("book/src/estimate.svg"),
@@ -43,9 +45,7 @@ pub const FIGURES: [Figure; 16] = [
     // To 10 kB: the messages of panics hold the paths of the machine that builds the image.
     stated("flash-kb", |printed| kilobytes(printed, "/flash_bytes", 10.0)),
     stated("ram-kb", |printed| kilobytes(printed, "/ram_bytes", 1.0)),
-    stated("drive-generalised-mean", |printed| count(printed, "/generalised-prandtl-ishlinskii/mean")),
-    stated("drive-generalised-max", |printed| count(printed, "/generalised-prandtl-ishlinskii/max")),
-    stated("drive-preisach-max", |printed| count(printed, "/Preisach/max")),
+    stated("cycles", |printed| cycles(&*printed.by(Cycles)?)),
 ];
 
 const fn stated(name: &'static str, make: fn(&Printed<'_>) -> Result<Content>) -> Figure {
@@ -191,12 +191,31 @@ fn tick(printed: &Value) -> Result<Content> {
     Ok(Content::Value(format!("{} at most, {} on average", thousands(most), fixed(mean, 1))))
 }
 
-fn value(printed: &Printed<'_>, command: Command, pointer: &str, digits: usize) -> Result<Content> {
-    Ok(Content::Value(fixed(number(&*printed.by(command)?, pointer)?, digits)))
+/// Cycles of the tick's interrupt on the board, with each model.
+fn cycles(printed: &Value) -> Result<Content> {
+    let row = |row: &Value| -> Result<Vec<String>> {
+        let what = if row["drives"] == true { "drive" } else { "estimate" };
+        let name = row["model"].as_str().context("a row has no model")?;
+        let mut cells = vec![format!("`{name}`"), what.to_owned()];
+        if row["refused"] == true {
+            cells.extend(["–"; 4].map(str::to_owned));
+        } else {
+            cells.push(thousands(whole(row, "/most_instructions")?));
+            for level in LEVELS {
+                cells.push(thousands(whole(row, &format!("/most_cycles/{level}"))?));
+            }
+        }
+        let refused = if row["refused"] == true { ", refused" } else { "" };
+        cells.push(thousands(whole(row, "/stated")?));
+        cells.push(format!("{}{refused}", fixed(number(row, "/percent")?, 0)));
+        Ok(cells)
+    };
+    let columns = ["instructions", LEVELS[0], LEVELS[1], LEVELS[2], "stated", "% of a tick"];
+    table(2, &columns, array(printed, "")?.iter().map(row))
 }
 
-fn count(printed: &Printed<'_>, pointer: &str) -> Result<Content> {
-    Ok(Content::Value(thousands(whole(&*printed.by(Drive)?, pointer)?)))
+fn value(printed: &Printed<'_>, command: Command, pointer: &str, digits: usize) -> Result<Content> {
+    Ok(Content::Value(fixed(number(&*printed.by(command)?, pointer)?, digits)))
 }
 
 /// Rounded to a multiple of `step` kB.

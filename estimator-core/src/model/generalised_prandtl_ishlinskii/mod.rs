@@ -199,6 +199,21 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         young + self.older * (at(self.delay + 1) - young)
     }
 
+    /// The voltage behind lag and slew limit.
+    #[inline]
+    fn lagged(&self, input: &mut RampLagged<T>, target: T) -> T {
+        let before = input.value();
+        let u = self.lag.step(input, target);
+        let Some(most) = self.slew else { return u };
+        let allowed = Range { min: before - most, max: before + most };
+        if allowed.contains(u) {
+            return u;
+        }
+        let u = allowed.clamp(u);
+        input.hold(u);
+        u
+    }
+
     /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
     pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
         // An input seen ahead of time may lie past the range.
@@ -235,14 +250,7 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
     fn step(&self, state: &mut GeneralisedPrandtlIshlinskiiState<T>, voltage: T) -> T {
         let target = self.delayed(state, voltage);
         let before = state.input.value();
-        let mut u = self.lag.step(&mut state.input, target);
-        if let Some(most) = self.slew {
-            let allowed = Range { min: before - most, max: before + most };
-            if !allowed.contains(u) {
-                u = allowed.clamp(u);
-                state.input.hold(u);
-            }
-        }
+        let u = self.lagged(&mut state.input, target);
         // An input seen ahead of time moves no play, since it may not come true.
         let seen = if self.ahead > T::zero() { self.foreseen.clamp(u + self.ahead * (u - before)) } else { u };
         for (memory, &(half_width, _)) in state.plays.iter_mut().zip(&self.elements).take(self.plays) {
@@ -257,6 +265,21 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
             Some(resonance) => resonance.step(&mut state.resonance, displacement),
             None => displacement,
         }
+    }
+
+    /// Without delay, foresight and resonance, most of the memory need not be copied.
+    fn peek(&self, state: &GeneralisedPrandtlIshlinskiiState<T>, voltage: T) -> T {
+        let prompt = self.delay == 0 && self.older == T::zero() && self.ahead == T::zero() && self.resonance.is_none();
+        if !prompt {
+            return self.step(&mut state.clone(), voltage);
+        }
+        let u = self.lagged(&mut { state.input }, voltage);
+        let hysteretic = self.hysteretic(&state.plays, u);
+        let mut creep = state.creep;
+        for (c, (relaxation, _)) in creep.iter_mut().zip(&self.creep).take(self.creeps) {
+            relaxation.step(c, hysteretic);
+        }
+        self.sum(u, hysteretic, &creep)
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {

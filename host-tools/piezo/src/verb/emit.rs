@@ -5,7 +5,7 @@ use super::print::out;
 use crate::option::{CalibrationArgs, Overwrite};
 use crate::output::{self, FACES};
 use ::calibration::converter_mismatches;
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use bench::describe;
 use clap::{Args, ValueEnum};
 use identification::Doubt;
@@ -58,6 +58,7 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         file.doubts.retain(|doubt| *doubt != assumed);
     }
     let admitted = file.admit()?;
+    admitted.in_time().map_err(|misfit| anyhow!("{}", remedy::board(&misfit, &arguments.table)))?;
     converter_mismatches(&admitted)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));

@@ -190,6 +190,7 @@ fn verdict(outcome: &Outcome) -> Vec<String> {
         limits.min, limits.max
     ));
     sentences.push(format!("{}.", zeros(&outcome.context.recipe)));
+    sentences.push(format!("On the board {}.", bench::time(&candidate.table)));
     sentences
 }
 

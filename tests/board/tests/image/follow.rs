@@ -42,11 +42,6 @@ fn generalised_prandtl_ishlinskii() -> Parameters {
     })
 }
 
-fn preisach() -> Parameters {
-    let densities_um = list((0..55).map(|i| if i % 7 == 0 { 2.0 } else { 0.5 }));
-    Parameters::Preisach(PreisachParameters { lower_v: -0.18, upper_v: 3.78, densities_um, offset_um: 0.0 })
-}
-
 fn bouc_wen() -> Parameters {
     Parameters::BoucWen(BoucWenParameters {
         lag_s: 1e-3,
@@ -54,7 +49,7 @@ fn bouc_wen() -> Parameters {
         beta: 0.8,
         gamma: 0.3,
         delta: 0.2,
-        n: 1.5,
+        n: 1.0,
         offset_um: 0.0,
         d1_um_per_v: 10.0,
         d2_um_per_v2: 0.1,
@@ -123,7 +118,6 @@ fn the_drive_gives_the_codes_of_the_host_s_inverse_in_time() -> Result<()> {
     for (name, parameters) in [
         ("Voigt", voigt),
         ("generalised-prandtl-ishlinskii", generalised_prandtl_ishlinskii()),
-        ("Preisach", preisach()),
         ("Bouc-Wen", bouc_wen()),
     ] {
         follows(name, &mut bench, &driving(&table, parameters)?)?;

@@ -2,6 +2,7 @@
 
 mod boot;
 mod common;
+mod cycles;
 mod excite;
 mod faults;
 mod flood;

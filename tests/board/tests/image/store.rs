@@ -1,9 +1,11 @@
 //! Tables over the link into the flash: which one the device runs after the next start.
 
-use crate::common::{Bench, record, reseeded};
+use crate::common::{Bench, push, record, reseeded};
 use anyhow::Result;
 use board_emulator_test::{FlashKind, Reset};
-use protocol::{Refusal, Reply, Request, TableSource};
+use estimator_core::model::CELLS;
+use estimator_core::{DriveCalibration, DriveLimits, List, Parameters, PreisachParameters, Range, Table};
+use protocol::{Refusal, Reply, Request, TableSource, text};
 
 #[test]
 fn a_pushed_table_is_used_from_the_next_start_on_until_it_is_erased() -> Result<()> {
@@ -25,6 +27,25 @@ fn a_pushed_table_is_used_from_the_next_start_on_until_it_is_erased() -> Result<
     bench.does(Request::Erase { while_estimating: true, rewired: true })?;
     bench.restart()?;
     assert_eq!(bench.identity()?, identity);
+    Ok(())
+}
+
+#[test]
+fn a_table_whose_tick_would_take_too_long_is_refused_to_drive_and_taken_to_estimate() -> Result<()> {
+    let mut bench = Bench::started()?;
+    let densities_um = List::collect((0..CELLS).map(|_| 0.5)).expect("as many as there may be");
+    let of = PreisachParameters { lower_v: -0.18, upper_v: 3.78, densities_um, offset_um: 0.0 };
+    let limits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 400.0 };
+    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits };
+    let displacement_limits_um = Range { min: -50.0, max: 100.0 };
+    let estimates = Table { parameters: Parameters::Preisach(of), displacement_limits_um, ..*bench.table()? };
+    let drives = Table { drive: Some(drive), ..estimates }.admit()?;
+    let why = "driving takes up to 106500 cycles a tick, 125 % of its time, not 60 % at most";
+    assert_eq!(bench.ask(push(&drives))?, Reply::Refused(Refusal::Table(text(why))));
+    assert_eq!(bench.operations(), 0, "the flash is not touched");
+    bench.push(&estimates.admit()?)?;
+    bench.restart()?;
+    assert_eq!(bench.table()?, estimates.admit()?);
     Ok(())
 }
 

@@ -1,0 +1,142 @@
+//! How long a table's tick takes on the board, of the time that it has there.
+//!
+//! Cycles of the board's core, a Cortex-M4F at 170 MHz behind flash with four wait states, that the tick's whole interrupt takes.
+//! They are the most that was observed in the emulated board on inputs that are to be the worst, with the largest table of each
+//! model (a full memory, a search that ends with its last step), counted with every documented cost at its most and empty
+//! caches, and [`MARGIN_PERCENT`] beyond, rounded up by a few more: where the linker puts the code moves them by 1 %. That is no proof that no input takes more. `cargo xtask cycles` prints what they are
+//! made of; the check `figures` fails where one is exceeded, or has become loose.
+//!
+//! A tick may take [`ALLOWED_PERCENT`] of its time: the rest is the serial line's, the flash's and the host's.
+
+use super::{Misfit, Table};
+use crate::model::{Model, Parameters};
+
+/// What is added to the most that was observed, %.
+pub const MARGIN_PERCENT: u32 = 10;
+/// What a tick may take of its time, %.
+pub const ALLOWED_PERCENT: u32 = 60;
+/// Cycles of the board's core in a microsecond.
+const CYCLES_PER_US: u32 = 170;
+
+/// Cycles of a tick.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Cycles {
+    /// What the tick takes at most, as far as was observed.
+    pub most: u32,
+    /// From one tick to the next.
+    pub period: u32,
+}
+
+impl Cycles {
+    /// Their share of the period, %.
+    #[must_use]
+    pub fn percent(&self) -> f32 {
+        100.0 * self.most as f32 / self.period as f32
+    }
+
+    /// Whether that is no more than [`ALLOWED_PERCENT`].
+    #[must_use]
+    pub fn in_time(&self) -> bool {
+        // Each factor is below 2³²; their product need not be.
+        100 * u64::from(self.most) <= u64::from(ALLOWED_PERCENT) * u64::from(self.period)
+    }
+}
+
+impl Table {
+    /// Cycles of its tick on the board: with the inverse where it drives the amplifier.
+    #[must_use]
+    pub fn cycles(&self) -> Cycles {
+        let most = self.parameters.most_cycles(self.drive.is_some());
+        Cycles { most, period: CYCLES_PER_US.saturating_mul(self.sample_period_us) }
+    }
+
+    /// Whether its tick is done in time.
+    ///
+    /// # Errors
+    /// It takes more than [`ALLOWED_PERCENT`] of its time.
+    pub fn in_time(&self) -> Result<(), Misfit> {
+        let cycles = self.cycles();
+        if cycles.in_time() { Ok(()) } else { Err(Misfit::Cycles { cycles, drives: self.drive.is_some() }) }
+    }
+}
+
+impl Parameters {
+    /// Most cycles of a tick on the board, with an interval beside the estimate; with the inverse where it `drives`.
+    #[must_use]
+    pub fn most_cycles(&self, drives: bool) -> u32 {
+        let (estimate, drive) = match self {
+            Self::BoucWen(of) if of.n == 2.0 => BOUC_WEN_SQUARE,
+            Self::BoucWen(of) if of.n != 1.0 => BOUC_WEN_POWER,
+            _ => most_cycles(self.model()),
+        };
+        if drives { drive } else { estimate }
+    }
+}
+
+/// Of the Bouc-Wen model with exponents other than 1, which integrates in steps: exponent 2, and any other. What of this and below
+/// is too much for a board was observed before boards refused it.
+const BOUC_WEN_SQUARE: (u32, u32) = (16_900, 68_700);
+const BOUC_WEN_POWER: (u32, u32) = (88_000, 245_900);
+
+/// To estimate, and to drive.
+const fn most_cycles(model: Model) -> (u32, u32) {
+    match model {
+        Model::Voigt => (9_100, 19_000),
+        Model::VoltageExtremum => (9_100, 33_400),
+        Model::DisplacementExtremum => (9_100, 20_200),
+        Model::Enhanced => (9_100, 41_500),
+        Model::VoigtChain => (10_200, 40_000),
+        Model::PrandtlIshlinskii => (10_100, 29_500),
+        Model::MaxwellSlip => (9_500, 19_800),
+        Model::Duhem => (8_300, 15_600),
+        Model::BoucWen => (8_000, 19_600),
+        Model::Preisach => (19_700, 106_500),
+        // It has no inverse.
+        Model::Narx => (50_900, 50_900),
+        Model::GeneralisedPrandtlIshlinskii => (18_000, 50_500),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::BoucWenParameters;
+
+    fn table() -> Table {
+        *Table::parse(include_bytes!("../../../tests/data/table/table.bin")).unwrap()
+    }
+
+    #[test]
+    fn a_tick_may_take_three_fifths_of_its_time_and_no_more() {
+        let cycles = |most| Cycles { most, period: 85_000 };
+        assert!(cycles(51_000).in_time() && !cycles(51_001).in_time());
+        assert!((cycles(34_000).percent() - 40.0).abs() < 1e-4);
+        let table = table();
+        assert_eq!((table.cycles().period, table.in_time()), (85_000, Ok(())));
+        // The same tick ten times as often.
+        let hurried = Table { sample_period_us: 10, ..table };
+        let cycles = hurried.cycles();
+        assert_eq!((cycles.period, cycles.most), (1_700, table.cycles().most));
+        assert_eq!(hurried.in_time(), Err(Misfit::Cycles { cycles, drives: false }));
+    }
+
+    #[test]
+    fn what_integrates_in_steps_takes_longer() {
+        let of = |n| {
+            let of = BoucWenParameters {
+                lag_s: 0.0,
+                a: 1.0,
+                beta: 0.1,
+                gamma: 0.0,
+                delta: 0.0,
+                n,
+                offset_um: 0.0,
+                d1_um_per_v: 1.0,
+                d2_um_per_v2: 0.0,
+                c_um_per_v: 0.0,
+            };
+            Parameters::BoucWen(of).most_cycles(false)
+        };
+        assert!(of(1.0) < of(2.0) && of(2.0) < of(1.5));
+    }
+}

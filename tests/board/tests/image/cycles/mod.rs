@@ -1,0 +1,173 @@
+//! What the tick's interrupt costs in cycles, of every model, by the emulator's model of the core and the flash: with the
+//! inputs of [`shapes`], which are to be the worst, and the tables of [`tables`], the largest among them. It is the most that
+//! was observed, and no proof that there is no more.
+//!
+//! Every line that begins with `cycles: ` is JSON; `cargo xtask cycles` prints them.
+
+mod largest;
+mod shapes;
+mod tables;
+
+use crate::common::{Bench, push};
+use anyhow::{Result, bail, ensure};
+use board_emulator_test::{Level, Measured, exception};
+use estimator_core::table::MARGIN_PERCENT;
+use estimator_core::{Admitted, Model};
+use protocol::{Mode, Refusal, Reply, Request};
+use serde_json::{Value, json};
+use shapes::{SHAPES, TICKS, shape};
+
+/// How far what is stated may lie above what must be, %. Which references make a search long is a matter of chance, and what is
+/// stated is the most of several runs with others.
+const LOOSE_PERCENT: u32 = 20;
+
+/// A device that runs this table from its store, streaming.
+fn running(table: &Admitted) -> Result<Bench> {
+    let mut bench = Bench::started()?;
+    bench.push(table)?;
+    bench.restart()?;
+    // A first tick may take long enough to lose bytes of the line.
+    bench.run(0.01)?;
+    ensure!(bench.table()? == *table, "the stored table is used");
+    Ok(bench)
+}
+
+/// What was measured, as JSON; cycles by level, the optimistic first.
+fn to_json(measured: &Measured) -> Value {
+    json!({
+        "ticks": measured.runs,
+        "most_instructions": measured.most_instructions,
+        "mean_instructions": measured.instructions as f64 / measured.runs as f64,
+        "most_cycles": measured.most_clocks,
+        "mean_cycles": measured.mean_clocks(),
+    })
+}
+
+/// The ADC's codes of a shape.
+fn code(table: &Admitted, part: f32) -> u16 {
+    let volts = table.voltage_range_v;
+    table.adc.code::<f32>(table.voltage_zero_v + volts.min + part * volts.span()).0
+}
+
+/// Estimates: every start, and every shape.
+fn estimate(table: &Admitted) -> Result<Measured> {
+    let mut bench = running(table)?;
+    bench.board.measure(exception::ADC1_2)?;
+    let codes: Vec<u16> = (0..SHAPES * TICKS).map(|tick| code(table, shape(tick))).collect();
+    // First ticks, at voltages all over the range.
+    for start in 0..12 {
+        let at = code(table, start as f32 / 11.0);
+        bench.board.feed(move |_| at);
+        bench.does(Request::SetMode(Mode::Estimate))?;
+        bench.run(0.005)?;
+    }
+    bench.does(Request::Stream(true))?;
+    bench.board.feed(move |n| codes[n as usize % codes.len()]);
+    bench.run(0.35)?;
+    // Told its displacement, the estimate has an interval.
+    match bench.ask(Request::SetZero { at_um: 0.0 })? {
+        Reply::Done | Reply::Refused(Refusal::TooSoon | Refusal::BeyondSpan { .. }) => {}
+        other => bail!("{other:?}"),
+    }
+    bench.run(f64::from(SHAPES * TICKS) / 2_000.0)?;
+    Ok(bench.board.measured())
+}
+
+/// Follows every shape between the displacements at rest at the ends of the drive's voltages.
+fn follow(table: &Admitted) -> Result<Measured> {
+    let mut bench = running(table)?;
+    bench.connect(table, |volts| volts);
+    bench.does(Request::SetMode(Mode::Follow))?;
+    bench.board.measure(exception::ADC1_2)?;
+    let (low, high) = way(table);
+    let mut sent = 0;
+    while sent < SHAPES * TICKS {
+        let references =
+            (sent..SHAPES * TICKS).take(64).map(|tick| low + (high - low) * (1.2 * shape(tick) - 0.1)).collect();
+        match bench.ask_or_stop(Request::Refer { references, go: true, hold: true })? {
+            Ok(Reply::Referred { taken, .. }) => sent += u32::from(taken),
+            Ok(other) => bail!("{other:?}"),
+            // Ticks that take long lose bytes of the line. A frame that has lost its end spoils the next one.
+            Err(_) => {
+                sent += 64;
+                bench.board.send(&[0]);
+            }
+        }
+        bench.run(0.035)?;
+    }
+    Ok(bench.board.measured())
+}
+
+/// The displacements (µm) long after the drive has come to the ends of its voltages.
+fn way(table: &Admitted) -> (f32, f32) {
+    let limits = table.drive.expect("it drives").limits;
+    let inverse = || table.inverse::<f32>(&limits).expect("it drives");
+    let (mut low, mut high) = (inverse(), inverse());
+    let ticks = 2_000;
+    let (mut lowest, mut highest) = (0.0, 0.0);
+    for _ in 0..ticks {
+        lowest = low.steer(limits.range_v.min).displacement;
+        highest = high.steer(limits.range_v.max).displacement;
+    }
+    (lowest, highest)
+}
+
+/// Whether the device takes a table, which must not if its tick takes too long.
+fn refused(table: &Admitted) -> Result<bool> {
+    let Err(misfit) = table.in_time() else { return Ok(false) };
+    let mut bench = Bench::started()?;
+    let reply = bench.ask(push(table))?;
+    ensure!(reply == Reply::Refused(Refusal::Table(protocol::text(misfit))), "{reply:?}");
+    Ok(true)
+}
+
+/// Measures a model, and says where the core states too few cycles or far too many.
+fn measure(model: Model, drives: bool) -> Result<Vec<String>> {
+    // By what the core states, the most that was observed.
+    let mut observed: Vec<(u32, u32)> = Vec::new();
+    for (name, table) in tables::tables(model, drives)? {
+        let stated = table.parameters.most_cycles(drives);
+        let mut line = json!({ "model": model.name(), "table": name, "drives": drives, "stated": stated });
+        if refused(&table)? {
+            line["refused"] = json!(true);
+        } else {
+            let measured = if drives { follow(&table)? } else { estimate(&table)? };
+            let Value::Object(figures) = to_json(&measured) else { unreachable!("it is written as an object") };
+            line.as_object_mut().expect("an object").extend(figures);
+            let most = u32::try_from(measured.most_clocks[Level::Pessimistic as usize])?;
+            match observed.iter_mut().find(|(other, _)| *other == stated) {
+                Some((_, before)) => *before = most.max(*before),
+                None => observed.push((stated, most)),
+            }
+        }
+        println!("cycles: {line}");
+    }
+    let what = if drives { "drive" } else { "estimate" };
+    let wrong = observed.into_iter().filter_map(|(stated, most)| {
+        let least = (most * (100 + MARGIN_PERCENT)).div_ceil(100);
+        let right = least <= stated && 100 * stated <= (100 + LOOSE_PERCENT) * least;
+        (!right).then(|| format!("{}, {what}: {most} cycles are observed, and {stated} stated", model.name()))
+    });
+    Ok(wrong.collect())
+}
+
+fn measure_all(drives: bool) -> Result<()> {
+    let models = Model::ALL.into_iter().filter(|&model| !(drives && model == Model::Narx));
+    let wrong = models.map(|model| measure(model, drives)).collect::<Result<Vec<_>>>()?.concat();
+    ensure!(
+        wrong.is_empty(),
+        "{}\nstate {MARGIN_PERCENT} % more than was observed in estimator-core/src/table/cycles.rs",
+        wrong.join("\n")
+    );
+    Ok(())
+}
+
+#[test]
+fn no_estimate_takes_more_cycles_than_the_core_states() -> Result<()> {
+    measure_all(false)
+}
+
+#[test]
+fn no_drive_takes_more_cycles_than_the_core_states() -> Result<()> {
+    measure_all(true)
+}
