@@ -2,9 +2,9 @@
 
 use super::{MEASURED, json, number, piezo};
 use estimator_core::Table;
-use identification::table_file::TableFile;
 use serde_json::Value;
 use std::fs;
+use table_files::TableFile;
 
 /// The documents' figures are printed by the same command with an interval from more devices.
 #[test]

@@ -2,8 +2,8 @@
 
 use super::{data, piezo, refused, text};
 use estimator_core::Table;
-use identification::table_file::TableFile;
 use std::fs;
+use table_files::TableFile;
 
 /// `piezo emit --face rust` of `tests/data/table/table.toml`, compiled here.
 #[path = "../data/table/table.rs"]

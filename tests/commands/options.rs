@@ -3,10 +3,10 @@
 use super::logs::{rig, write};
 use super::{MEASURED, json, number, piezo, refused, text};
 use estimator_core::Scheme;
-use identification::table_file::TableFile;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
+use table_files::TableFile;
 
 const TABLE: &str = "tests/data/table/table.toml";
 const SHORT: [&str; 6] = ["--generations", "15", "--rounds", "3", "--devices", "0"];

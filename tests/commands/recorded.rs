@@ -2,11 +2,11 @@
 
 use super::logs::rig;
 use super::{MEASURED, json, piezo, text};
-use identification::table_file::TableFile;
 use recordings::log::{Displacement, write_csv};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
+use table_files::TableFile;
 
 const SHORTEST: [&str; 8] = ["--model", "voigt", "--generations", "5", "--rounds", "1", "--devices", "0"];
 const DOUBT: &str = "is a device's estimate";

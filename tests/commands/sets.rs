@@ -2,12 +2,12 @@
 
 use super::{MEASURED, data, piezo, refused, text};
 use estimator_core::record::checksum;
-use identification::table_file::{TableFile, agree, name};
 use recordings::file::Held;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use table_files::{TableFile, agree, name};
 
 /// Tables of two actuators.
 const TABLES: [&str; 2] = ["table/table.toml", "table/generalised-prandtl-ishlinskii/table.toml"];

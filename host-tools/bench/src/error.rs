@@ -14,11 +14,11 @@ use device_link::write::WriteError;
 use estimator_core::Range;
 use estimator_core::table::Misfit;
 use excitation::ExcitationError;
-use identification::table_file::TableFileError;
 use protocol::Faults;
 use recordings::file::FileError;
 use std::error::Error;
 use std::path::PathBuf;
+use table_files::TableFileError;
 
 /// Why a session on the bench cannot begin, or cannot end as it should.
 #[derive(Debug, thiserror::Error)]

@@ -14,9 +14,9 @@ use device_link::pil::{Comparison, compare, feed};
 use device_link::table::{in_use, to_record};
 use estimator_core::{AdcCode, Admitted, DriveLimits, Range, Table};
 use excitation::{Drive, ExcitationError, Request};
-use identification::table_file::{TableFile, TableFileError, agree};
 use protocol::Mode;
 use std::path::{Path, PathBuf};
+use table_files::{TableFile, TableFileError, agree};
 
 /// Length of a rehearsal, s, its highest frequency, Hz, and how often its voltage may go over the whole range in a second.
 const REHEARSAL_S: f64 = 5.0;

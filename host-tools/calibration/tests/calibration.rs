@@ -3,7 +3,7 @@
 use ::calibration::span::Span;
 use ::calibration::{CalibrationOptions, converter_mismatches};
 use estimator_core::{AdcCode, DacCode, Range};
-use identification::table_file::TableFile;
+use table_files::TableFile;
 
 #[test]
 fn a_span_may_be_inverted() {

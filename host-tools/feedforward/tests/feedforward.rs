@@ -2,8 +2,8 @@
 
 use estimator_core::{Admitted, DriveLimits, Estimator, Range};
 use feedforward::{Trajectory, approach, near, plan};
-use identification::table_file::TableFile;
 use recordings::log::Log;
+use table_files::TableFile;
 
 fn table() -> Admitted {
     TableFile::load("../../tests/data/table/table.toml".as_ref()).unwrap().1

@@ -4,10 +4,10 @@
 
 use crate::validate::{Comparison, Figures};
 use crate::{
-    Candidate, Doubt, Fit, Identification, Job, JobError, LogUse, Prepared, Problem, Progress, StraightLine,
-    with_contained,
+    Candidate, Doubt, Fit, Identification, Job, JobError, Prepared, Problem, Progress, StraightLine, with_contained,
 };
 use estimator_core::Model;
+use recordings::LogUse;
 use recordings::prepare::Recipe;
 use recordings::session::Session;
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,6 @@
 //! What is reported of a result is never this cost alone but the error of the finished table.
 
 use crate::cost::Cost;
-use crate::deadband::deadband;
 use crate::search::space::Extent;
 use crate::simulation::mean_error;
 use crate::trial::Trial;
@@ -60,7 +59,7 @@ impl Problem {
         let largest = |range: Range<f64>| range.min.abs().max(range.max.abs());
         Self {
             scheme: conditions.scheme,
-            deadband: conditions.deadband.unwrap_or_else(|| deadband(&training, voltage)),
+            deadband: conditions.deadband.unwrap_or_else(|| log_survey::deadband(&training, voltage.span())),
             extent: Extent {
                 voltage: largest(voltage),
                 displacement: largest(stroke),

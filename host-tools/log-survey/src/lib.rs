@@ -6,6 +6,7 @@
 
 mod blocks;
 mod clock;
+mod deadband;
 mod flaw;
 mod noise;
 mod signal;
@@ -17,6 +18,7 @@ use serde::Serialize;
 
 pub use blocks::Block;
 pub use clock::{Clock, RateSource};
+pub use deadband::deadband;
 pub use flaw::{Flaw, Stretch, flaws, leave_out, sound};
 pub use signal::{correlation, range};
 pub use stillness::Stillness;

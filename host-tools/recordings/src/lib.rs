@@ -3,6 +3,9 @@
 
 pub mod file;
 pub mod log;
+mod log_use;
 pub mod prepare;
 pub mod rig;
 pub mod session;
+
+pub use log_use::{LogUse, Role};

@@ -5,13 +5,13 @@ use super::paste::quoted;
 use ::calibration::ConverterMismatch;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
-use identification::table_file::{OtherFace, TableFileError};
 use identification::validate::{Bound, ScopeError};
 use identification::{CandidateError, CrossValidation, JobError, LeftOut, Reason};
 use recordings::file::FileError;
 use std::error::Error;
 use std::io::ErrorKind;
 use std::path::Path;
+use table_files::{OtherFace, TableFileError};
 use thesis::ThesisError;
 
 /// The error with its remedy, if it is one of these.

@@ -80,6 +80,7 @@ fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
         sil: figures,
         mil_sil_um: 1e-6,
         interval: None,
+        interval_one_cycle: None,
         cold: Cold { all: figures, settled: None, settled_after_s: None },
         told: ToldFigures { nothing: figures, first_reading: figures, one_cycle: None, offset: figures },
         scored_s: (5e-4, samples as f64 * 5e-4),

@@ -4,9 +4,9 @@ use anyhow::{Context, Result, anyhow, ensure};
 use device_link::{Address, Client};
 use estimator_core::table::Board;
 use estimator_core::{Admitted, Table, record};
-use identification::table_file::{self, MOST_BYTES, TableFile};
 use protocol::{Health, Mode};
 use std::path::Path;
+use table_files::{MOST_BYTES, TableFile};
 
 /// An error where the device does anything but estimate.
 pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
@@ -28,14 +28,14 @@ pub fn load(path: &Path) -> Result<Admitted> {
             recordings::file::read(path, MOST_BYTES).with_context(|| format!("{}: cannot be read", path.display()))?;
         Table::parse(&bytes).with_context(|| format!("{}: is refused", path.display()))?
     };
-    table_file::agree(path, &table)?;
+    table_files::agree(path, &table)?;
     Ok(table)
 }
 
 /// Reads a table that goes nowhere; says so where it lies beside a face of another table.
 pub fn look_at(path: &Path) -> Result<(TableFile, Admitted)> {
     let (file, table) = TableFile::load(path)?;
-    if let Err(other) = table_file::agree(path, &table) {
+    if let Err(other) = table_files::agree(path, &table) {
         eprintln!("piezo: careful: {}", remedy::sentence(&other));
     }
     Ok((file, table))

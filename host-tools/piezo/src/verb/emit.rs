@@ -9,9 +9,9 @@ use anyhow::{Result, anyhow};
 use bench::describe;
 use clap::{Args, ValueEnum};
 use identification::Doubt;
-use identification::table_file::{TableFile, record, rust_source};
 use serde_json::json;
 use std::path::PathBuf;
+use table_files::{TableFile, record, rust_source};
 
 /// One face.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]

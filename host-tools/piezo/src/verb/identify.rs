@@ -6,16 +6,15 @@ use crate::output::{self, FACES, Held, PAGE, PICTURE};
 use anyhow::{Context, Result};
 use clap::Args;
 use identification::cost::Cost;
-use identification::table_file::TableFile;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
-use identification::{
-    Candidate, CrossValidation, Job, ModelChoice, Outcome, Reason, Role, SearchOptions, StraightLine,
-};
+use identification::{Candidate, CrossValidation, Job, ModelChoice, Outcome, Reason, SearchOptions, StraightLine};
 use prediction_interval::Calibration;
+use recordings::Role;
 use recordings::prepare::Recipe;
 use report::Report;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use table_files::TableFile;
 
 /// Arguments of `piezo identify`.
 #[derive(Args, Debug)]

@@ -11,9 +11,9 @@ use estimator_core::Status;
 use identification::validate::{
     Comparison, Coverage, Estimates, Figures, Scope, Told, ToldFigures, compare_within, estimates,
 };
-use identification::{LogUse, Role};
 use recordings::log::Log;
 use recordings::prepare::{Decimation, Recipe};
+use recordings::{LogUse, Role};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 

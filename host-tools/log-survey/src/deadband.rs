@@ -1,6 +1,5 @@
 //! The deadband of reversals where nobody gives one: above what noise alone makes the voltage retreat by.
 
-use estimator_core::Range;
 use recordings::session::Session;
 
 /// Of the voltage span, at least: a few steps of a 12-bit converter. No round fraction, so that a generated ramp does not
@@ -14,11 +13,11 @@ const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 /// A normal distribution's median of absolute values, in standard deviations.
 const MEDIAN: f64 = 0.674_489_75;
 
-/// The deadband (V) for sessions: the larger of 0.083 % of their span and eight deviations of the voltage's noise, that of the
+/// The deadband (V) for sessions whose voltages have this span (V): the larger of 0.083 % of it and eight deviations of the voltage's noise, that of the
 /// quietest session, since in fast ones some of the course remains.
-pub fn deadband(sessions: &[Session], span: Range<f64>) -> f64 {
+pub fn deadband(sessions: &[Session], span: f64) -> f64 {
     let quietest = sessions.iter().filter_map(noise).reduce(f64::min).unwrap_or(0.0);
-    (LEAST * span.span()).max(DEVIATIONS * quietest)
+    (LEAST * span).max(DEVIATIONS * quietest)
 }
 
 /// One standard deviation of the voltage's noise at the measured instants, V, of the middle half of its sixth differences;
@@ -53,7 +52,7 @@ mod tests {
     }
 
     fn of(sessions: &[Session]) -> f64 {
-        deadband(sessions, Range { min: -20.0, max: 20.0 })
+        deadband(sessions, 40.0)
     }
 
     #[test]
@@ -61,7 +60,7 @@ mod tests {
         for hertz in [1.0, 10.0, 100.0] {
             assert_eq!(of(&[sine(hertz, 0.0)]), LEAST * 40.0, "{hertz} Hz");
         }
-        assert_eq!(deadband(&[], Range { min: 0.0, max: 1.0 }), LEAST);
+        assert_eq!(deadband(&[], 1.0), LEAST);
     }
 
     #[test]

@@ -7,13 +7,12 @@ mod faces;
 pub use constant::rust_source;
 pub use faces::{OtherFace, agree, name};
 
-use crate::cost::{Feedback, Norm};
-use crate::log_use::LogUse;
-use crate::search::SearchOptions;
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::{Admitted, Table, TableError};
-use recordings::file;
+use identification::SearchOptions;
+use identification::cost::{Feedback, Norm};
 use recordings::prepare::Recipe;
+use recordings::{LogUse, file};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Which part of which log was used for what, as the table and the report tell it.
 
-use recordings::log::Log;
+use crate::log::Log;
 use serde::{Deserialize, Serialize};
 
 /// A log, or a part of one, and what it was used for.
