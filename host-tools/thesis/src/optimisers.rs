@@ -33,6 +33,7 @@ struct Structure<'a> {
 
 /// One search.
 struct Run {
+    /// Where the search ended, µm; what is made of the best candidate after it is no method's.
     cost: f64,
     held_out: Option<f64>,
     /// Evaluations made and the least cost so far.
@@ -171,8 +172,9 @@ impl<'a> Structure<'a> {
             progress(self.model, least);
         });
         let admissible = found.parameters.filter(|_| found.cost.is_finite());
-        let held_out = admissible.and_then(|parameters| problem.held_out(&parameters, cost));
-        Run { cost: found.cost, held_out, course }
+        let held_out = admissible.as_ref().and_then(|parameters| problem.held_out(parameters, cost));
+        let reached = course.last().filter(|_| admissible.is_some()).map_or(f64::INFINITY, |(_, least)| *least);
+        Run { cost: reached, held_out, course }
     }
 
     fn row(&self, optimiser: Optimiser, runs: &[Run], least: f64) -> Row {

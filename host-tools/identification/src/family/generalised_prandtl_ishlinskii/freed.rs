@@ -48,7 +48,7 @@ struct Readings {
 pub fn freed(
     family: &Family,
     values: &Values,
-    law: Solution,
+    law: &Solution,
     sessions: &[(&Session, &Course)],
     several_amplitudes: bool,
 ) -> Option<Freed> {
@@ -64,10 +64,11 @@ pub fn freed(
         weight,
     };
     let priors: Vec<Prior> = by_law.iter().enumerate().map(prior).collect();
-    let (mut weights, mut solution) = (by_law, law);
+    let (mut weights, mut solution) = (by_law, None);
     for _ in 0..TURNS {
+        let Solution { envelope, .. } = solution.as_ref().unwrap_or(law);
         let of_plays = solve(&readings, &priors, PLAYS, |columns, play| {
-            own(columns, play).iter().zip(&solution.envelope).map(|(column, weight)| column * weight).sum()
+            own(columns, play).iter().zip(envelope).map(|(column, weight)| column * weight).sum()
         })?;
         weights.copy_from_slice(of_plays.found.get(FUNCTIONS..)?);
         let Balanced { mut found, constants, total } = solve(&readings, &[], FUNCTIONS, |columns, function| {
@@ -75,9 +76,9 @@ pub fn freed(
         })?;
         let envelope = found.split_off(FUNCTIONS);
         let offset = constants.iter().sum::<f64>() / constants.len() as f64;
-        solution = Solution { reversible: found, envelope, offset, total };
+        solution = Some(Solution { reversible: found, envelope, offset, total });
     }
-    Some(Freed { weights, solution })
+    Some(Freed { weights, solution: solution? })
 }
 
 /// The columns of a play.

@@ -36,9 +36,8 @@ const FLOOR: f64 = 1e-3;
 
 /// Periods that a recording is worth, for what weighs a prior against it.
 const WORTH: f64 = 20.0;
-/// Mean of the exponential prior of delay and lag, s, an amplifier's of some hundred Hz: at a single frequency they do what
-/// hysteresis does, and the log has no say.
-const LATE: f64 = 5e-4;
+/// Mean of the exponential prior of delay and lag, s: at a single frequency they do what hysteresis does.
+const LATE: f64 = 2e-3;
 
 /// What the model has besides hysteresis, creep and lag.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -252,13 +251,15 @@ impl super::Family for Family {
         Some(self.candidate(values, problem, Cost::from(Feedback::Simulation))?.0)
     }
 
-    /// With weights freed from the law.
+    /// With weights freed from the law, where the logs give any.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let values = self.values(values)?;
         let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
         let law = self.solve(&values, problem)?;
-        let Freed { weights, solution } = freed(self, &values, law, &self.sessions(problem), several)?;
-        self.parameters(&values, weights, &solution)
+        match freed(self, &values, &law, &self.sessions(problem), several) {
+            Some(Freed { weights, solution }) => self.parameters(&values, weights, &solution),
+            None => self.parameters(&values, self.law(&values), &law),
+        }
     }
 
     fn solved(&self, _found: &Parameters) -> usize {

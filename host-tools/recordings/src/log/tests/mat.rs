@@ -109,6 +109,8 @@ fn many_arrays_that_inflate_are_refused_before_they_are_all_in_memory() {
     matrix[36..40].copy_from_slice(&(samples as u32).to_le_bytes());
     matrix[size - 4..].copy_from_slice(&(24 * samples as u32).to_le_bytes());
     matrix.resize(size + 24 * samples, 0);
+    let rest = matrix.len() as u32 - 8;
+    matrix[4..8].copy_from_slice(&rest.to_le_bytes());
     // Some noise among the zeros, which alone would inflate a thousandfold.
     let mut noise = 1_u32;
     for at in (size..matrix.len()).step_by(70) {
