@@ -33,7 +33,7 @@ fn requests() -> Vec<Request> {
         Request::Stream(true),
         Request::SetZero { at_um: f32::MIN },
         Request::ShiftBias { by_um: f32::MAX },
-        Request::SetMode(Mode::Excite),
+        Request::SetMode(Mode::Linearise),
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
         Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true, hold: true },
         Request::Reset,
@@ -56,7 +56,7 @@ fn samples(count: usize) -> Samples {
 /// What the device sends, at its longest.
 fn answers() -> Vec<ToHost> {
     let health = Health {
-        mode: Mode::Excite,
+        mode: Mode::Linearise,
         ticks: u32::MAX,
         faults: Faults::all(),
         faults_seen: Faults::all(),
@@ -78,6 +78,7 @@ fn answers() -> Vec<ToHost> {
         bias_um: f32::MIN,
         bias_age_ticks: Some(Health::OLDEST_BIAS_TICKS),
         supply_mv: Some(u16::MAX),
+        setpoint: Some(u16::MAX),
     };
     let identity = Identity {
         board: text("x".repeat(99)),

@@ -21,7 +21,7 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0700",
+            "0800",
             "7100", // magic, version, length
             "f403",
             "00",

@@ -27,7 +27,7 @@ fn of<T: PartialEq + Copy>(remedies: &[(T, &'static str)], bit: T) -> &'static s
     remedies.iter().find(|(other, _)| *other == bit).map_or("report it", |(_, remedy)| remedy)
 }
 
-const FAULTS: [(Faults, &str); 9] = [
+const FAULTS: [(Faults, &str); 10] = [
     (Faults::NO_TABLE, "give it one: piezo push"),
     (
         Faults::TABLE_FALLBACK,
@@ -51,12 +51,16 @@ const FAULTS: [(Faults, &str); 9] = [
         "is the amplifier on, has it tripped, are the wires to A0 and A2 sound, and as slow as --drive-slew says? If so, a span is wrong: piezo emit --adc-span, --drive-span",
     ),
     (
+        Faults::SETPOINT,
+        "is the controller on, and are its wire to A3 and the divider sound? When they are: piezo linearise",
+    ),
+    (
         Faults::MISSED_DEADLINE,
         "writing a table does that (with --pause it does not matter), and an emulated board is as late as its host; otherwise report it, for it must not happen",
     ),
     (
         Faults::SAFE_OUTPUT,
-        "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the amplifier rests until piezo follow",
+        "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the amplifier rests until piezo follow or piezo linearise",
     ),
 ];
 
