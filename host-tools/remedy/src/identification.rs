@@ -2,6 +2,7 @@
 
 use super::log::prepare;
 use ::calibration::ConverterMismatch;
+use ::calibration::drive::SetpointMismatch;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
 use identification::table_file::TableFileError;
@@ -24,6 +25,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(unused_weight))
         .or_else(|| error.downcast_ref().map(scope))
         .or_else(|| error.downcast_ref().map(table))
+        .or_else(|| error.downcast_ref().map(setpoint))
 }
 
 /// Why a model was chosen, as the end of a sentence.
@@ -67,6 +69,14 @@ pub fn mismatch(mismatch: &ConverterMismatch) -> String {
         ConverterMismatch::Dac { .. } => "a wider --dac-span",
     };
     format!("{mismatch}: {remedy}")
+}
+
+fn setpoint(error: &SetpointMismatch) -> String {
+    let remedy = match error {
+        SetpointMismatch::NoDrive => "--drive-span and --drive-slew say how it drives",
+        SetpointMismatch::NoSpan => "--setpoint-span says it, µm at code 0 and at full scale",
+    };
+    format!("{error}: {remedy}")
 }
 
 fn job(error: &JobError) -> String {
