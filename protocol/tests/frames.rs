@@ -124,14 +124,14 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f06ac020a030102f0ff03777d45a400");
+    assert_eq!(hex(frame(&message)), "0f07ac020a030102f0ff034916874b00");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "230601ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff03c229d2fc00"
+        "230701ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff07d30edfc700"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (6, 528833246));
+    assert_eq!((VERSION, crc), (7, 2258674671));
 }
 
 #[test]

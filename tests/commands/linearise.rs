@@ -3,9 +3,9 @@
 use super::{json, piezo, text};
 use device_link::pages;
 use device_link::table::to_record;
-use emulator::{EmulatedDevice, Emulator, Plant, TABLE, amplifier};
+use emulator::{Conversion, EmulatedDevice, Emulator, Plant, TABLE, amplifier};
 use estimator_core::{AdcCode, DacCode, DriveCalibration, DriveLimits, Range, SetpointCalibration, Table};
-use firmware::Conversion;
+use identification::table_file::TableFile;
 use parameter_store::RamFlash;
 
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
@@ -98,12 +98,12 @@ fn a_table_says_what_a_set_point_wants_where_it_drives() {
     assert!(unsaid.contains("--setpoint-span says it"), "{unsaid}");
     emit(&[&drive[..], &["--setpoint-span", "-5:45", "--linearise"]].concat()).success();
     // What is not said again stays, also for an ADC of another scale.
-    let table = out.join("table.toml");
-    let printed =
-        said(&piezo().args(["emit", text(&table), "--adc-full-scale", "4095", "--face", "toml"]).assert().success());
-    let written: toml::Table = printed.parse().unwrap();
-    let setpoint = &written["drive"]["setpoint"];
-    let number = |name: &str| setpoint[name].as_float().unwrap();
-    assert!((number("gain_um_per_code") * 4095.0 - 50.0).abs() < 1e-4 && number("offset_um") == -5.0, "{setpoint}");
-    assert_eq!(setpoint["at_start"].as_bool(), Some(true));
+    let other = folder.path().join("other");
+    let again =
+        ["emit", text(&out.join("table.toml")), "--adc-full-scale", "4095", "--out", text(&other)].map(str::to_owned);
+    piezo().args(again).assert().success();
+    let (_, table) = TableFile::load(&other.join("table.toml")).unwrap();
+    let setpoint = table.drive.unwrap().setpoint.unwrap();
+    assert!((setpoint.gain_um_per_code * 4095.0 - 50.0).abs() < 1e-4, "{setpoint:?}");
+    assert_eq!((setpoint.offset_um, setpoint.at_start), (-5.0, true));
 }
