@@ -142,7 +142,7 @@ fn of_three_ranks_each_has_its_time_and_its_register_and_the_last_ends_the_seque
 
 #[test]
 fn what_nothing_is_connected_to_is_refused_in_any_rank_and_so_is_a_fourth() {
-    for ranks in [3 << 9, AMPLIFIER << 9 | 3 << 15 | 1, TWO_RANKS + 1 | 3 << 21] {
+    for ranks in [3 << 9, AMPLIFIER << 9 | 3 << 15 | 1, (TWO_RANKS + 1) | 3 << 21] {
         let (mut adc, rcc) = armed_with(0, ranks);
         let mut record = Record::default();
         let mut inputs = inputs(7);

@@ -49,6 +49,9 @@ fn controlled(at_start: bool, setpoint: impl FnMut(u64) -> u16 + 'static) -> Res
     Ok((bench, start, fed))
 }
 
+/// Ends what goes on, by the device's host, its board or its controller's input.
+type End = dyn Fn(&mut Bench, &Cell<Option<u16>>) -> Result<()>;
+
 /// From the latch `start` on no step is longer than the slew rate allows.
 fn never_jumps(name: &str, bench: &Bench, start: usize) {
     for pair in bench.board.record().outputs[start..].windows(2) {
@@ -115,7 +118,7 @@ fn the_latency_is_one_tick_from_trigger_to_trigger() -> Result<()> {
 
 #[test]
 fn whatever_ends_it_brings_it_to_rest_without_a_jump_and_there_it_stays() -> Result<()> {
-    let ended = |name: &str, end: &dyn Fn(&mut Bench, &Cell<Option<u16>>) -> Result<()>, fault: Faults| -> Result<()> {
+    let ended = |name: &str, end: &End, fault: Faults| -> Result<()> {
         let broken = Rc::new(Cell::new(None));
         let input = broken.clone();
         let (mut bench, start, _) = controlled(true, move |n| input.get().unwrap_or_else(|| sine(n)))?;
@@ -146,7 +149,14 @@ fn whatever_ends_it_brings_it_to_rest_without_a_jump_and_there_it_stays() -> Res
     };
     ended("an open wire that reads nothing", &breaks(0), Faults::SETPOINT)?;
     ended("an open wire that reads everything", &breaks(65_520), Faults::SETPOINT)?;
-    ended("the monitor", &|bench, _| Ok(bench.board.connect(|_, _| 65_520)), Faults::ADC_SATURATED)?;
+    ended(
+        "the monitor",
+        &|bench, _| {
+            bench.board.connect(|_, _| 65_520);
+            Ok(())
+        },
+        Faults::ADC_SATURATED,
+    )?;
     ended("told to estimate", &|bench, _| bench.does(Request::SetMode(Mode::Estimate)), Faults::empty())?;
     ended("told to follow", &|bench, _| bench.does(Request::SetMode(Mode::Follow)), Faults::empty())
 }
