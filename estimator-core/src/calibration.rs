@@ -113,6 +113,8 @@ pub struct DriveCalibration {
     pub offset_code: f32,
     /// What the amplifier may be driven to.
     pub limits: DriveLimits,
+    /// Where a controller says by a voltage of its own which displacement it wants; `None` where none is connected.
+    pub setpoint: Option<SetpointCalibration>,
 }
 
 impl DriveCalibration {
@@ -135,6 +137,48 @@ impl DriveCalibration {
     /// The amplifier voltage (V) that a code stands for.
     pub fn voltage<T: Real>(&self, code: DacCode) -> T {
         (T::of(f32::from(code.0)) - T::of(self.offset_code)) / T::of(self.gain_codes_per_v)
+    }
+}
+
+/// The channel of the ADC at which a controller wants a displacement: `displacement = offset + gain·code`.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SetpointCalibration {
+    /// µm per code; negative where the input inverts, never 0.
+    pub gain_um_per_code: f32,
+    /// Displacement at code 0, µm relative to the model's zero.
+    pub offset_um: f32,
+    /// The device drives the amplifier by the set-point of itself after a start, without a host.
+    pub at_start: bool,
+}
+
+impl SetpointCalibration {
+    /// The displacement (µm relative to the model's zero) that a code wants.
+    #[inline]
+    pub fn displacement<T: Real>(&self, code: AdcCode) -> T {
+        Line { offset: T::of(self.offset_um), slope: T::of(self.gain_um_per_code) }.at(code)
+    }
+
+    /// Displacements at code 0 and at an ADC's largest code, µm, the lower one first.
+    pub fn span(&self, full_scale: u16) -> Range {
+        let [zero, full]: [f32; 2] = [0, full_scale].map(|code| self.displacement(AdcCode(code)));
+        Range { min: zero.min(full), max: zero.max(full) }
+    }
+
+    /// Checks it beside the table's displacement limits, µm, and the ADC's largest code.
+    ///
+    /// # Errors
+    /// The rule that it breaks.
+    pub fn check(&self, displacements: Range, full_scale: u16) -> Result<(), Rule> {
+        let span = self.span(full_scale);
+        rule::check([
+            ("the set-point's gain and offset must be finite, the gain not 0", {
+                span.min.is_finite() && span.max.is_finite() && span.min < span.max
+            }),
+            ("the set-point's span must share displacements with displacement_limits_um", {
+                span.min < displacements.max && span.max > displacements.min
+            }),
+        ])
     }
 }
 

@@ -31,7 +31,9 @@ pub mod settling;
 pub mod table;
 
 pub use admissible::Inadmissible;
-pub use calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, DriveCalibration, DriveLimits};
+pub use calibration::{
+    AdcCalibration, AdcCode, DacCalibration, DacCode, DriveCalibration, DriveLimits, SetpointCalibration,
+};
 pub use estimator::{Estimate, Estimator, Status};
 pub use extremum::{Extremum, Tracker};
 pub use interval::IntervalParameters;

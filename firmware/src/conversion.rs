@@ -9,11 +9,13 @@ pub struct Conversion {
     pub monitor: AdcCode,
     /// A displacement sensor beside it, which is streamed and decides nothing; `None` where the board has no such channel.
     pub sensor: Option<AdcCode>,
+    /// The displacement that a controller wants ([`crate::setpoint`]); `None` where the board has no such channel.
+    pub setpoint: Option<AdcCode>,
 }
 
-/// Of a board, or a feed, without a sensor.
+/// Of a board, or a feed, with the monitor alone.
 impl From<AdcCode> for Conversion {
     fn from(monitor: AdcCode) -> Self {
-        Self { monitor, sensor: None }
+        Self { monitor, sensor: None, setpoint: None }
     }
 }

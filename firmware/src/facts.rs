@@ -12,6 +12,8 @@ pub struct Facts {
     pub name: &'static str,
     /// Which of these boards, where its chip says so.
     pub uid: Option<Uid>,
+    /// Whether one of its converter's channels is for a set-point.
+    pub has_setpoint: bool,
     /// What the board asks of a table.
     pub interface: Board,
     /// Counts of the board's cycle counter from tick to tick.

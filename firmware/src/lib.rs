@@ -28,6 +28,7 @@ pub mod rate;
 pub mod reading;
 pub mod restarts;
 pub mod run;
+pub mod setpoint;
 pub mod startup;
 /// The parameter table of the image, made by `piezo emit --face rust`.
 #[rustfmt::skip]

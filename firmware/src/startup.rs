@@ -3,6 +3,7 @@
 use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::ramp::Stride;
+use crate::setpoint::Setpoint;
 use estimator_core::{Admitted, DacCode, Estimator};
 use protocol::Faults;
 
@@ -12,6 +13,10 @@ pub struct Startup {
     pub estimator: Option<Estimator<f32>>,
     /// The drive, where the DAC drives the amplifier.
     pub drive: Option<Drive>,
+    /// What a controller wants of it, where the table says which displacements its codes stand for.
+    pub setpoint: Option<Setpoint>,
+    /// It is followed from the first tick on, as soon as everything is sound.
+    pub linearises: bool,
     /// The DAC's safe code.
     pub safe: DacCode,
     /// How fast the DAC's code may go there.
@@ -40,6 +45,10 @@ impl Startup {
         let mut faults = Faults::empty();
         faults.set(Faults::TABLE_FALLBACK, fallback);
         faults.set(Faults::NO_TABLE, estimator.is_none());
-        Self { estimator, drive: driving.and_then(Drive::new), safe, stride, faults }
+        let setpoint = driving.and_then(Setpoint::new);
+        // A device that has just failed drives nothing by itself: what it did may be what made it fail.
+        let calm = facts.restarts.count == 0 && !faults.intersects(Faults::UNSAFE);
+        let linearises = calm && facts.has_setpoint && setpoint.as_ref().is_some_and(Setpoint::at_start);
+        Self { estimator, drive: driving.and_then(Drive::new), setpoint, linearises, safe, stride, faults }
     }
 }

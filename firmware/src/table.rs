@@ -5,7 +5,7 @@
 #[allow(unused_imports, reason = "which types a table names depends on what it has")]
 use estimator_core::{
     AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, IntervalParameters, List, Parameters,
-    Provenance, Range, Scheme::*, Table, VoigtParameters,
+    Provenance, Range, Scheme::*, SetpointCalibration, Table, VoigtParameters,
 };
 
 /// The compiled-in parameter table.

@@ -3,7 +3,7 @@
 
 use crate::ramp::{Ramp, Stride};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
-use estimator_core::{DacCode, Status};
+use estimator_core::{AdcCode, DacCode, Status};
 use protocol::{Faults, Mode};
 
 /// Counters and latches of the tick.
@@ -49,6 +49,8 @@ pub struct Telemetry {
     /// The analogue supply, mV; 0 where it is not known. Written by the main loop, as is whether it is out of tolerance.
     supply_mv: AtomicU16,
     supply_bad: AtomicBool,
+    /// The set-point's code, and one more; 0 where there is none.
+    setpoint: AtomicU32,
     /// Whether the last measurement was within tolerance; none was yet at the start.
     supply_was_good: AtomicBool,
     /// Bits of the bias, µm.
@@ -91,6 +93,7 @@ impl Telemetry {
             holding: AtomicBool::new(false),
             supply_mv: AtomicU16::new(0),
             supply_bad: AtomicBool::new(false),
+            setpoint: AtomicU32::new(0),
             supply_was_good: AtomicBool::new(false),
             bias: AtomicU32::new(0),
             told: AtomicU32::new(0),
@@ -149,6 +152,17 @@ impl Telemetry {
         let was_good = self.supply_was_good.load(Relaxed);
         self.supply_bad.store(!is_good && !was_good, Relaxed);
         self.supply_was_good.store(is_good, Relaxed);
+    }
+
+    /// The code that was read last at the set-point; `None` where the board has no such channel.
+    pub fn setpoint(&self) -> Option<AdcCode> {
+        // The code of a u16.
+        self.setpoint.load(Relaxed).checked_sub(1).map(|code| AdcCode(code as u16))
+    }
+
+    #[inline]
+    pub(crate) fn set_setpoint(&self, code: Option<AdcCode>) {
+        self.setpoint.store(code.map_or(0, |AdcCode(code)| u32::from(code) + 1), Relaxed);
     }
 
     #[inline]

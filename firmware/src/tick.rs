@@ -12,9 +12,10 @@ use crate::conversion::Conversion;
 use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
+use crate::setpoint::Setpoint;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
-use crate::watch::{FaultState, Watch};
+use crate::watch::{FaultState, Seen, Watch};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Estimate, Estimator, Status};
 use protocol::{Faults, Mode, Sample};
@@ -51,19 +52,25 @@ impl<'q> Tick<'q> {
         telemetry.set_safe(startup.safe, startup.stride);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
-        Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last, valid: false }
+        let mut tick =
+            Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last, valid: false };
+        if tick.startup.linearises {
+            tick.enter(Mode::Linearise);
+        }
+        tick
     }
 
     /// One tick: the codes just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
     pub fn sample(&mut self, conversion: Conversion, now: u32) -> DacCode {
         add(&self.telemetry.ticks, 1);
+        self.telemetry.set_setpoint(conversion.setpoint);
         self.telemetry.age_bias();
         let missed = self.missed(now);
         if let Some(command) = self.queues.commands.dequeue() {
             self.obey(command);
         }
         let conversion = match self.mode {
-            Mode::Estimate | Mode::Follow | Mode::Excite => Some(conversion),
+            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise => Some(conversion),
             Mode::Pil => self.queues.fed.dequeue().map(Conversion::from),
             Mode::Pause => None,
         };
@@ -87,15 +94,16 @@ impl<'q> Tick<'q> {
     }
 
     fn estimate(&mut self, conversion: Conversion, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
-        let Conversion { monitor, sensor } = conversion;
+        let Conversion { monitor, sensor, .. } = conversion;
         let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
             Some(estimator) => tick_sample(estimator, monitor),
             None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
         };
         let may_be_told = self.startup.estimator.as_ref().is_some_and(Estimator::may_be_told);
         self.telemetry.may_be_told.store(may_be_told, Relaxed);
-        let (mut faults, sound) = self.supervise(monitor, status, missed, faults);
-        let output = self.output(dac, sound);
+        let setpoint = self.setpoint(conversion);
+        let (mut faults, sound) = self.supervise(monitor, setpoint, status, missed, faults);
+        let output = self.output(dac, setpoint, sound);
         status |= output.status;
         if self.startup.drive.is_some() {
             // The DAC shows no displacement.
@@ -116,16 +124,28 @@ impl<'q> Tick<'q> {
         (output.code, faults)
     }
 
+    /// The set-point's code, where it is followed. One that does not come is as good as one at an end of the range.
+    fn setpoint(&self, conversion: Conversion) -> Option<AdcCode> {
+        (self.mode == Mode::Linearise).then(|| conversion.setpoint.unwrap_or(AdcCode(0)))
+    }
+
     /// Adds the faults that last to this tick's, and says whether the output may be anything but the safe one.
-    fn supervise(&mut self, code: AdcCode, status: Status, missed: Option<u32>, faults: Faults) -> (Faults, bool) {
+    fn supervise(
+        &mut self,
+        monitor: AdcCode,
+        setpoint: Option<AdcCode>,
+        status: Status,
+        missed: Option<u32>,
+        faults: Faults,
+    ) -> (Faults, bool) {
         // Fed codes are not the ADC's: they say nothing of its health, and their ticks come when they are fed.
         if self.mode == Mode::Pil {
             return (faults, false);
         }
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
-        let astray = self.mode.drives() && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(code));
-        let supply = faults & Faults::SUPPLY;
-        match self.watch.update(code, status, missed.is_some(), astray, supply) {
+        let astray = self.mode.drives() && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(monitor));
+        let (missed, others) = (missed.is_some(), faults & Faults::SUPPLY);
+        match self.watch.update(Seen { monitor, setpoint, status, missed, astray, others }) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
             FaultState::Recovered => {
                 // What it has made of the bad codes is forgotten.
@@ -136,15 +156,21 @@ impl<'q> Tick<'q> {
         }
     }
 
-    /// The output of a tick whose estimate would be the code `estimated`; where not `sound`, the safe one.
-    fn output(&mut self, estimated: DacCode, sound: bool) -> Output {
+    /// The output of a tick whose estimate would be the code `estimated`, and whose set-point has the code `setpoint`; where not
+    /// `sound`, the safe one.
+    fn output(&mut self, estimated: DacCode, setpoint: Option<AdcCode>, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
             Some(drive) if self.mode.drives() => {
-                if !sound {
+                // What waits at rest for a set-point goes on waiting.
+                if !sound && (setpoint.is_none() || drive.following()) {
                     drive.stop();
                 }
-                let next = if drive.takes_references() { self.queues.references.dequeue() } else { None };
+                let next = match (setpoint, &mut self.startup.setpoint) {
+                    (Some(code), Some(wants)) => wants.wanted(code, sound),
+                    _ if drive.takes_references() => self.queues.references.dequeue(),
+                    _ => None,
+                };
                 if next.is_none() && drive.following() {
                     add(&self.telemetry.starved, 1);
                 }
@@ -201,21 +227,28 @@ impl<'q> Tick<'q> {
         }
     }
 
+    /// Begins a mode, wherever the output stands.
+    fn enter(&mut self, mode: Mode) {
+        self.mode = mode;
+        self.number = 0;
+        self.watch = Watch::new(self.adc_full_scale);
+        while self.queues.fed.dequeue().is_some() {}
+        while self.queues.references.dequeue().is_some() {}
+        self.restart();
+        self.startup.setpoint.as_mut().map(Setpoint::restart);
+        if let Some(drive) = &mut self.startup.drive {
+            drive.restart();
+            if mode == Mode::Linearise {
+                drive.go(true);
+            }
+        }
+        self.telemetry.holding.store(false, Relaxed);
+        self.telemetry.set_mode(mode);
+    }
+
     fn obey(&mut self, command: Command) {
         match command {
-            Command::SetMode(mode) => {
-                self.mode = mode;
-                self.number = 0;
-                self.watch = Watch::new(self.adc_full_scale);
-                while self.queues.fed.dequeue().is_some() {}
-                while self.queues.references.dequeue().is_some() {}
-                self.restart();
-                if let Some(drive) = &mut self.startup.drive {
-                    drive.restart();
-                }
-                self.telemetry.holding.store(false, Relaxed);
-                self.telemetry.set_mode(mode);
-            }
+            Command::SetMode(mode) => self.enter(mode),
             Command::Go { hold } => {
                 if let Some(drive) = &mut self.startup.drive {
                     drive.go(hold);

@@ -27,13 +27,71 @@ pub const ODD: u32 = 4;
 /// keep a saturated input from its very last code.
 const MARGIN: u16 = 128;
 
-/// The scores so far.
+/// The ends of an ADC's range.
 #[derive(Clone, Debug)]
-pub struct Watch {
+pub struct Ends {
     good_codes: core::ops::Range<u16>,
+}
+
+impl Ends {
+    /// For an ADC with this largest code.
+    pub fn new(adc_full_scale: u16) -> Self {
+        let margin = adc_full_scale / MARGIN;
+        Self { good_codes: margin + 1..adc_full_scale - margin }
+    }
+
+    /// Whether a code is too near one of them to be believed.
+    #[inline]
+    pub fn near(&self, AdcCode(code): AdcCode) -> bool {
+        !self.good_codes.contains(&code)
+    }
+}
+
+/// The scores of one channel.
+#[derive(Clone, Debug)]
+struct Channel {
+    ends: Ends,
     last: Option<AdcCode>,
     same: u32,
     saturated: u32,
+}
+
+impl Channel {
+    fn new(adc_full_scale: u16) -> Self {
+        Self { ends: Ends::new(adc_full_scale), last: None, same: 0, saturated: 0 }
+    }
+
+    /// Takes a code, and says whether the channel saturates, and whether it has stopped.
+    #[inline]
+    fn update(&mut self, code: AdcCode) -> (bool, bool) {
+        self.same = if self.last == Some(code) { self.same.saturating_add(1) } else { 0 };
+        self.last = Some(code);
+        (score(&mut self.saturated, self.ends.near(code), SATURATED), self.same >= STUCK)
+    }
+}
+
+/// What the watch is told of a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// The monitor's code.
+    pub monitor: AdcCode,
+    /// The set-point's, where that matters.
+    pub setpoint: Option<AdcCode>,
+    /// The estimate's status.
+    pub status: Status,
+    /// The tick came late, or others did not come.
+    pub missed: bool,
+    /// The amplifier is not where the drive commands it.
+    pub astray: bool,
+    /// The faults that others have found.
+    pub others: Faults,
+}
+
+/// The scores so far.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    monitor: Channel,
+    setpoint: Channel,
     out_of_range: u32,
     missed: u32,
     astray: u32,
@@ -51,12 +109,9 @@ fn score(score: &mut u32, odd: bool, limit: u32) -> bool {
 impl Watch {
     /// For an ADC with this largest code.
     pub fn new(adc_full_scale: u16) -> Self {
-        let margin = adc_full_scale / MARGIN;
         Self {
-            good_codes: margin + 1..adc_full_scale - margin,
-            last: None,
-            same: 0,
-            saturated: 0,
+            monitor: Channel::new(adc_full_scale),
+            setpoint: Channel::new(adc_full_scale),
             out_of_range: 0,
             missed: 0,
             astray: 0,
@@ -65,17 +120,20 @@ impl Watch {
         }
     }
 
-    /// Takes one tick's code, status, whether it was late, whether the amplifier is not where the drive commands it, and the
-    /// faults that others have found, and says which faults last after it.
+    /// Takes what is seen of one tick, and says which faults last after it.
     #[inline]
-    pub fn update(&mut self, code: AdcCode, status: Status, missed: bool, astray: bool, others: Faults) -> FaultState {
+    pub fn update(&mut self, seen: Seen) -> FaultState {
+        let Seen { monitor, setpoint, status, missed, astray, others } = seen;
         let beyond = status.contains(Status::VOLTAGE_OUT_OF_RANGE);
-        self.same = if self.last == Some(code) { self.same.saturating_add(1) } else { 0 };
-        self.last = Some(code);
+        let (saturated, stuck) = self.monitor.update(monitor);
         let mut now = others;
-        now.set(Faults::ADC_SATURATED, score(&mut self.saturated, !self.good_codes.contains(&code.0), SATURATED));
+        now.set(Faults::ADC_SATURATED, saturated);
         now.set(Faults::OUT_OF_CALIBRATION, score(&mut self.out_of_range, beyond, OUT_OF_RANGE));
-        now.set(Faults::ADC_STUCK, self.same >= STUCK);
+        now.set(Faults::ADC_STUCK, stuck);
+        if let Some(code) = setpoint {
+            let (saturated, stuck) = self.setpoint.update(code);
+            now.set(Faults::SETPOINT, saturated || stuck);
+        }
         now.set(Faults::MISSED_DEADLINE, score(&mut self.missed, missed, MISSED));
         now.set(Faults::AMPLIFIER, score(&mut self.astray, astray, ASTRAY));
         if !now.is_empty() {
@@ -116,20 +174,26 @@ mod tests {
 
     /// Ticks until a fault shows, and from its last cause until it has passed.
     fn life(tick: impl Fn(u32) -> (AdcCode, Status, bool, bool)) -> (u32, Faults, u32) {
+        life_of(|k| seen(tick(k)))
+    }
+
+    fn seen((monitor, status, missed, astray): (AdcCode, Status, bool, bool)) -> Seen {
+        Seen { monitor, setpoint: None, status, missed, astray, others: Faults::empty() }
+    }
+
+    /// The same of ticks of which more is seen.
+    fn life_of(tick: impl Fn(u32) -> Seen) -> (u32, Faults, u32) {
         let mut watch = Watch::new(FULL);
-        let update = |watch: &mut Watch, (code, status, missed, astray)| {
-            watch.update(code, status, missed, astray, Faults::empty())
-        };
+        let update = |watch: &mut Watch, seen: Seen| watch.update(seen);
+        let good = |k| Seen { setpoint: Some(moving(k)), ..seen((moving(k), GOOD, false, false)) };
         let (after, faults) = (1..100_000)
             .find_map(|k| match update(&mut watch, tick(k)) {
                 FaultState::Faulty(faults) => Some((k, faults)),
                 _ => None,
             })
             .expect("a fault");
-        let passed = (1..)
-            .find(|&k| update(&mut watch, (moving(k), GOOD, false, false)) == FaultState::Recovered)
-            .expect("its end");
-        assert_eq!(update(&mut watch, (moving(passed + 1), GOOD, false, false)), FaultState::Healthy);
+        let passed = (1..).find(|&k| update(&mut watch, good(k)) == FaultState::Recovered).expect("its end");
+        assert_eq!(update(&mut watch, good(passed + 1)), FaultState::Healthy);
         (after, faults, passed)
     }
 
@@ -157,9 +221,18 @@ mod tests {
         assert!(faults == Faults::ADC_SATURATED && after < 4_000, "{after}");
         let mut watch = Watch::new(FULL);
         let tick = clipped(2);
-        assert!((0..100_000).all(|k| {
-            let (code, status, missed, astray) = tick(k);
-            watch.update(code, status, missed, astray, Faults::empty()) == FaultState::Healthy
-        }));
+        assert!((0..100_000).all(|k| { watch.update(seen(tick(k))) == FaultState::Healthy }));
+    }
+
+    #[test]
+    fn a_set_point_at_an_end_or_one_that_has_stopped_is_a_fault_where_it_matters() {
+        let with = |k, code| Seen { setpoint: Some(AdcCode(code)), ..seen((moving(k), GOOD, false, false)) };
+        for end in [0, FULL / MARGIN, FULL - FULL / MARGIN, FULL] {
+            assert_eq!(life_of(|k| with(k, end)), (SATURATED, Faults::SETPOINT, HOLD), "{end}");
+        }
+        assert_eq!(life_of(|k| with(k, 7_000)), (STUCK + 1, Faults::SETPOINT, HOLD));
+        let mut watch = Watch::new(FULL);
+        let unused = |k| seen((moving(k), GOOD, false, false));
+        assert!((0..2 * STUCK).all(|k| watch.update(unused(k)) == FaultState::Healthy));
     }
 }

@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, other, record, started, tick, too_long, triangle};
+use common::{
+    FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, linearising, other, record, started, tick, too_long, triangle,
+};
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use embassy_futures::select::{Either, select};
@@ -340,6 +342,22 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
     );
 }
 
+#[test]
+fn a_set_point_is_followed_where_board_and_table_have_one_and_for_as_long_as_nobody_says_otherwise() {
+    let linearise = Request::SetMode(Mode::Linearise);
+    let mut without = Bench::new(Some(driving()));
+    assert_eq!(without.ask(linearise.clone()), Reply::Refused(Refusal::NoSetpoint));
+    let mut blind = Bench::new(Some(linearising(false)));
+    blind.device.facts.has_setpoint = false;
+    assert_eq!(blind.ask(linearise.clone()), Reply::Refused(Refusal::NoSetpointInput));
+    let mut bench = Bench::new(Some(linearising(false)));
+    assert_eq!(bench.ask(linearise), Reply::Done);
+    assert!(bench.device.telemetry.mode() == Mode::Linearise && !bench.device.lent());
+    let refer = Request::Refer { references: [1.0].iter().copied().collect(), go: true, hold: true };
+    assert_eq!(bench.ask(refer), Reply::Refused(Refusal::NotFollowing));
+    assert_eq!(bench.ask(push(&linearising(true), false)), Reply::Refused(Refusal::Estimating));
+}
+
 /// Asks for a reset and brings the output to rest, which must end within ten seconds.
 fn resets(bench: &mut Bench) {
     assert!(matches!(bench.ask(Request::Reset), Reply::Resetting { .. }));
@@ -355,7 +373,9 @@ fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_t
     let start = || started(Startup::new(Some(&driving()), &facts, true));
 
     let (mut tick, mut link) = start();
-    for (k, mode) in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Pause, Mode::Pil].into_iter().enumerate() {
+    for (k, mode) in
+        [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Pause, Mode::Pil].into_iter().enumerate()
+    {
         link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
         link.queues.commands.enqueue(Command::Go { hold: true }).unwrap();
         link.queues.references.enqueue(20.0).unwrap();

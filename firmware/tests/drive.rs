@@ -13,7 +13,7 @@ use protocol::{Faults, Mode};
 #[test]
 fn without_references_it_rests_whatever_is_estimated() {
     let mut bench = Bench::new();
-    for mode in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Pause, Mode::Pil] {
+    for mode in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Pause, Mode::Pil] {
         bench.set(mode);
         for _ in 0..500 {
             let (dac, _, faults) = bench.step();

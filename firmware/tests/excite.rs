@@ -46,7 +46,8 @@ fn slow_voltages_are_put_out_as_they_are_beside_the_sensor() {
     let wave = |k: u32| 2.0 + 1.5 * (k as f32 * 0.005).sin();
     for k in 0..4_000 {
         bench.link.queues.references.enqueue(wave(k)).unwrap();
-        let conversion = Conversion { monitor: bench.amplifier(), sensor: Some(AdcCode((7 * k) as u16)) };
+        let conversion =
+            Conversion { monitor: bench.amplifier(), sensor: Some(AdcCode((7 * k) as u16)), setpoint: None };
         let (dac, sample) = bench.read(conversion);
         let sample = sample.unwrap();
         assert_eq!(dac, code_of(wave(k)), "tick {k}");

@@ -173,7 +173,7 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
         if k % 3 != 0 {
             link.queues.fed.enqueue(triangle(7 * k)).unwrap();
         }
-        let unread = Conversion { monitor: AdcCode(0), sensor: Some(AdcCode(9)) };
+        let unread = Conversion { monitor: AdcCode(0), sensor: Some(AdcCode(9)), setpoint: None };
         assert_eq!(tick.sample(unread, (101 + k) * PERIOD), SAFE);
         match link.queues.samples.dequeue() {
             None => assert_eq!(k % 3, 0),

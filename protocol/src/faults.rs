@@ -25,6 +25,9 @@ bitflags::bitflags! {
         /// While driving, the voltage has not been what was commanded: a wire is open, the amplifier has tripped, or a span is
         /// wrong.
         const AMPLIFIER = 1 << 8;
+        /// While the set-point is followed, its input has stood at an end of the ADC's range, or given one and the same code: a
+        /// controller that is off, an open wire, or a wrong divider.
+        const SETPOINT = 1 << 9;
     }
 }
 
@@ -36,6 +39,7 @@ impl Faults {
         .union(Self::OUT_OF_CALIBRATION)
         .union(Self::SUPPLY)
         .union(Self::AMPLIFIER)
+        .union(Self::SETPOINT)
         .union(Self::NO_TABLE)
         .union(Self::TABLE_FALLBACK);
 }

@@ -69,6 +69,8 @@ pub struct Health {
     pub bias_age_ticks: Option<u32>,
     /// Analogue supply when it was measured last, mV; `None` where the board cannot tell.
     pub supply_mv: Option<u16>,
+    /// What the converter last read at the set-point ([`estimator_core::AdcCode`]); `None` where the board has no such channel.
+    pub setpoint: Option<u16>,
 }
 
 impl Health {

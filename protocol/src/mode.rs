@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the tick does. A mode other than [`Mode::Estimate`] lasts while sound frames come: five seconds after the last one the
-/// device estimates again, but for a mode that holds a
-/// reference which is to be held for ever.
+/// What the tick does. A mode other than [`Mode::Estimate`] and [`Mode::Linearise`] lasts while sound frames come: five seconds
+/// after the last one the device estimates again, but for a mode that holds a reference which is to be held for ever.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Mode {
     /// Estimates from the ADC; the DAC follows.
@@ -22,17 +21,26 @@ pub enum Mode {
     /// drive's range and slew rate, and the sensor's channel is read beside the estimate. So an actuator is measured that no
     /// table knows yet.
     Excite,
+    /// As [`Mode::Follow`], but each tick's reference is what the set-point's channel of the ADC says by the table's calibration,
+    /// and no host is needed: the mode lasts. It waits at rest until everything has been sound for a second. A fault while it
+    /// drives, the set-point's own among them, sends it back to rest, and there it stays until the mode is set again.
+    Linearise,
 }
 
 impl Mode {
-    /// Whether the DAC drives the amplifier by references in this mode.
+    /// Whether the DAC drives the amplifier in this mode.
     pub const fn drives(self) -> bool {
+        matches!(self, Self::Linearise) || self.takes_references()
+    }
+
+    /// Whether it does so by references that the host sends.
+    pub const fn takes_references(self) -> bool {
         matches!(self, Self::Follow | Self::Excite)
     }
 
     /// The mode whose number (`mode as u8`) this is; `None` where it is none's.
     pub fn from_number(number: u8) -> Option<Self> {
-        [Self::Estimate, Self::Pil, Self::Pause, Self::Follow, Self::Excite]
+        [Self::Estimate, Self::Pil, Self::Pause, Self::Follow, Self::Excite, Self::Linearise]
             .into_iter()
             .find(|&mode| mode as u8 == number)
     }
@@ -45,7 +53,7 @@ mod tests {
     #[test]
     fn a_mode_is_found_by_its_number_and_nothing_else_is_one() {
         let modes: Vec<Mode> = (0..=u8::MAX).filter_map(Mode::from_number).collect();
-        assert_eq!(modes, [Mode::Estimate, Mode::Pil, Mode::Pause, Mode::Follow, Mode::Excite]);
+        assert_eq!(modes, [Mode::Estimate, Mode::Pil, Mode::Pause, Mode::Follow, Mode::Excite, Mode::Linearise]);
         assert!(modes.iter().all(|&mode| Mode::from_number(mode as u8) == Some(mode)));
     }
 }

@@ -36,13 +36,19 @@ pub enum Refusal {
     /// The table does not say how the DAC drives the amplifier, or there is none.
     #[error("its table does not say how the DAC drives the amplifier")]
     NoDrive,
+    /// The table does not say which displacements the set-point's codes stand for.
+    #[error("its table does not say which displacements a set-point wants")]
+    NoSetpoint,
+    /// The board has no channel for a set-point.
+    #[error("this board has no input for a set-point")]
+    NoSetpointInput,
     /// There is a fault that keeps the DAC at its safe value: nothing can be followed.
     #[error("a fault keeps its output at rest")]
     Faulty,
     /// The DAC drives the amplifier by one of the tables only: the one in use, or the one that would be used.
     #[error("the new table changes what the DAC output is connected to (amplifier or display)")]
     Rewired,
-    /// References came, but the mode is none that drives ([`Mode::drives`](crate::Mode::drives)).
+    /// References came, but the mode is none that takes them ([`Mode::takes_references`](crate::Mode::takes_references)).
     #[error("it takes references in the modes that drive by them only")]
     NotFollowing,
     /// A reference is not a finite number.

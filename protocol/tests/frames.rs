@@ -33,7 +33,7 @@ fn requests() -> Vec<Request> {
         Request::Stream(true),
         Request::SetZero { at_um: f32::MIN },
         Request::ShiftBias { by_um: f32::MAX },
-        Request::SetMode(Mode::Excite),
+        Request::SetMode(Mode::Linearise),
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
         Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true, hold: true },
         Request::Reset,
@@ -56,7 +56,7 @@ fn samples(count: usize) -> Samples {
 /// What the device sends, at its longest.
 fn answers() -> Vec<ToHost> {
     let health = Health {
-        mode: Mode::Excite,
+        mode: Mode::Linearise,
         ticks: u32::MAX,
         faults: Faults::all(),
         faults_seen: Faults::all(),
@@ -78,6 +78,7 @@ fn answers() -> Vec<ToHost> {
         bias_um: f32::MIN,
         bias_age_ticks: Some(Health::OLDEST_BIAS_TICKS),
         supply_mv: Some(u16::MAX),
+        setpoint: Some(u16::MAX),
     };
     let identity = Identity {
         board: text("x".repeat(99)),
@@ -123,14 +124,14 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f06ac020a030102f0ff03777d45a400");
+    assert_eq!(hex(frame(&message)), "0f07ac020a030102f0ff034916874b00");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "230601ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff03c229d2fc00"
+        "230701ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff07d30edfc700"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (6, 528833246));
+    assert_eq!((VERSION, crc), (7, 2258674671));
 }
 
 #[test]

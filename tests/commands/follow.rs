@@ -11,7 +11,8 @@ use std::process::Output;
 
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
 /// An amplifier of 0 … 4 V on the DAC's scale.
-const DRIVE: DriveCalibration = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
+const DRIVE: DriveCalibration =
+    DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
 
 /// Follows a swing about a displacement (µm); the device's queue of references lasts for half a second.
 fn followed_about(about: f64, dry_run: bool, plant: impl Plant) -> (Output, Option<String>) {

@@ -12,6 +12,7 @@ mod feedforward;
 mod follow;
 mod info;
 mod instruments;
+mod linearise;
 mod logs;
 mod mistakes;
 mod options;

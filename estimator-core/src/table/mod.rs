@@ -112,7 +112,7 @@ impl Admitted {
     }
 
     fn check_drive(&self, drive: &DriveCalibration) -> Result<(), TableError> {
-        let DriveCalibration { gain_codes_per_v, offset_code, limits } = *drive;
+        let DriveCalibration { gain_codes_per_v, offset_code, limits, setpoint } = *drive;
         if !gain_codes_per_v.is_finite() || !offset_code.is_finite() || gain_codes_per_v == 0.0 {
             return Err(TableError::OutOfRange { rule: "the drive's gain and offset must be finite, the gain not 0" });
         }
@@ -123,6 +123,10 @@ impl Admitted {
             return Err(TableError::OutOfRange { rule: "the drive's gain must make its range_v a code wide at least" });
         }
         self.inverse::<f32>(&limits).map_err(TableError::Drive)?;
+        if let Some(setpoint) = setpoint {
+            let checked = setpoint.check(self.displacement_limits_um, self.adc.full_scale);
+            checked.map_err(|rule| TableError::OutOfRange { rule })?;
+        }
         let codes = [limits.range_v.min, limits.range_v.max].map(|volts| offset_code + gain_codes_per_v * volts);
         let scale = Range { min: -0.5, max: f32::from(self.dac.full_scale) + 0.5 };
         if codes.iter().all(|&code| scale.contains(code)) {

@@ -232,10 +232,21 @@ fn models_and_limits_without_an_inverse_are_refused() {
     for (limits, rule) in cases {
         assert!(matches!(refused(&plays, &limits), NoInverse::Limits(broken) if broken.contains(rule)), "{rule}");
     }
+    let wanted = |gain_um_per_code, offset_um| {
+        let setpoint = SetpointCalibration { gain_um_per_code, offset_um, at_start: false };
+        DriveCalibration { setpoint: Some(setpoint), ..DRIVE }
+    };
     for (drive, rule) in [
         (DriveCalibration { gain_codes_per_v: 0.0, ..DRIVE }, "gain"),
         (DriveCalibration { offset_code: f32::NAN, ..DRIVE }, "gain"),
         (DriveCalibration { offset_code: -100.0, ..DRIVE }, "DAC"),
+        (wanted(f32::NAN, 0.0), "set-point's gain"),
+        (wanted(0.0, 10.0), "set-point's gain"),
+        (wanted(f32::MAX, 10.0), "set-point's gain"),
+        (wanted(0.01, f32::NEG_INFINITY), "set-point's gain"),
+        // From 90 µm, where the limits end, upwards; and from -60 µm downwards.
+        (wanted(0.01, 90.0), "share"),
+        (wanted(-0.01, -60.0), "share"),
     ] {
         match (Table { drive: Some(drive), ..*plays }).admit() {
             Err(TableError::OutOfRange { rule: broken }) => assert!(broken.contains(rule), "{broken}"),

@@ -21,7 +21,7 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0700",
+            "0800",
             "7100", // magic, version, length
             "f403",
             "00",
@@ -58,7 +58,7 @@ fn record_is_pinned() {
             "0000803e",
             "01b81e853e",
             "00",       // provenance
-            "408874ec", // CRC-32
+            "a1d87464", // CRC-32
         ),
         "the format changed: bump record::VERSION and say so in CHANGELOG.md"
     );

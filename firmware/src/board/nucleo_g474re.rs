@@ -4,6 +4,7 @@
 //! |---|---|
 //! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, sixteenfold oversampling: codes up to 65,520 |
 //! | displacement sensor, through divider and clamp, if there is one | PA1 (A1), ADC1 channel 2, injected after it, likewise |
+//! | set-point of a controller, through divider and clamp, if there is one | PB0 (A3), ADC1 channel 15, injected last, likewise |
 //! | estimate, or the amplifier's input | PA4 (A2), DAC1 channel 1, 12 bits |
 //! | high while the tick runs, for an oscilloscope | PA8 (D7) |
 //! | VALID: an edge at every good tick, for an interlock | PB10 (D6) |
@@ -12,8 +13,8 @@
 //! | trigger of both converters | TIM6, 2 kHz |
 //! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
 //!
-//! Sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz a channel, 45.2 µs for both, the monitor first; the interrupt follows. Every other interrupt has a lower
-//! priority, so only a critical section (embassy's own, tens of instructions each) can delay the tick.
+//! Sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz a channel, 67.8 µs for all three, the monitor first; the interrupt follows. Every other interrupt has a
+//! lower priority, so only a critical section (embassy's own, tens of instructions each) can delay the tick.
 #![no_std]
 #![no_main]
 
@@ -77,9 +78,9 @@ impl Handler<LPUART1Interrupt> for LineErrors {
 const CORE_HZ: u32 = 170_000_000;
 /// The ADC adds up sixteen conversions of 12 bits.
 const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: 16 * 4095, dac_full_scale: 4095 };
-/// From the trigger to the interrupt, cycles, and a little for its entry: for each of two channels sixteen times 60 clocks of
+/// From the trigger to the interrupt, cycles, and a little for its entry: for each of three channels sixteen times 60 clocks of
 /// the ADC, each four of the core's.
-const CONVERSION: u32 = 2 * 16 * 60 * 4 + 100;
+const CONVERSION: u32 = 3 * 16 * 60 * 4 + 100;
 /// `OVSR`: the ratio is 2 to this plus one.
 const SIXTEENFOLD: u8 = 3;
 /// Longest that the tick or the main loop may stand still, µs; a start that must repair the parameter pages (two erases of
@@ -89,7 +90,7 @@ const WATCHDOG_US: u32 = 200_000;
 /// What the converter's interrupt owns.
 struct Armed {
     tick: Tick<'static>,
-    adc: InjectedAdc<'static, ADC1, 2>,
+    adc: InjectedAdc<'static, ADC1, 3>,
     dac: DacChannel<'static, Async>,
     marker: Output<'static>,
     valid: Output<'static>,
@@ -165,7 +166,7 @@ async fn main(_spawner: Spawner) {
 
     let flash_start = addr_of!(__flash_start) as u32;
     let pages = addr_of!(__parameters_start) as u32 - flash_start..addr_of!(__parameters_end) as u32 - flash_start;
-    let (tim6, dac1, dma, pa0, pa1) = (p.TIM6, p.DAC1, p.DMA1_CH2, p.PA0, p.PA1);
+    let (tim6, dac1, dma, pa0, pa1, pb0) = (p.TIM6, p.DAC1, p.DMA1_CH2, p.PA0, p.PA1, p.PB0);
     let marker = Output::new(p.PA8, Level::Low, Speed::High);
     let valid = Output::new(p.PB10, Level::Low, Speed::Low);
     // The board has the button's resistor.
@@ -173,6 +174,7 @@ async fn main(_spawner: Spawner) {
     let facts = Facts {
         name: "nucleo-g474re",
         uid: Some(Uid(embassy_stm32::uid::uid())),
+        has_setpoint: true,
         interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
@@ -212,7 +214,8 @@ async fn main(_spawner: Spawner) {
             dac.set(safe());
             // The constructor chooses the trigger and leaves it off.
             dac.set_triggering(true);
-            let channels = [pa0.degrade_adc(), pa1.degrade_adc()].map(|channel| (channel, SampleTime::CYCLES47_5));
+            let channels = [pa0.degrade_adc(), pa1.degrade_adc(), pb0.degrade_adc()];
+            let channels = channels.map(|channel| (channel, SampleTime::CYCLES47_5));
             // Its interrupt is that of the sequence's end.
             let adc = adc.setup_injected_conversions(channels, TIM6_TRGO, Exten::RISING_EDGE, true);
             ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, dac, marker, valid })));
@@ -245,8 +248,8 @@ fn ADC1_2() {
         return;
     };
     marker.set_high();
-    let [monitor, sensor] = adc.read_injected_samples();
-    let conversion = Conversion { monitor: AdcCode(monitor), sensor: Some(AdcCode(sensor)) };
+    let [monitor, sensor, setpoint] = adc.read_injected_samples().map(AdcCode);
+    let conversion = Conversion { monitor, sensor: Some(sensor), setpoint: Some(setpoint) };
     dac.set(Value::Bit12Right(tick.sample(conversion, started).0));
     let in_time = TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION);
     if in_time && tick.valid() {

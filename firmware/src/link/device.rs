@@ -130,6 +130,7 @@ impl<F: NorFlash> Device<'_, F> {
             bias_um: telemetry.bias_um(),
             bias_age_ticks: telemetry.bias_age_ticks(),
             supply_mv: telemetry.supply_mv(),
+            setpoint: telemetry.setpoint().map(|AdcCode(code)| code),
         }
     }
 
@@ -189,7 +190,7 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn estimating(&self) -> bool {
-        matches!(self.telemetry.mode(), Mode::Estimate | Mode::Follow | Mode::Excite) && self.table.is_some()
+        !matches!(self.telemetry.mode(), Mode::Pil | Mode::Pause) && self.table.is_some()
     }
 
     /// Streaming starts with samples of now and ends with the change of mode.
@@ -201,13 +202,20 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Whether the mode is one that lasts only while the host that has set it speaks.
     pub fn lent(&self) -> bool {
-        self.telemetry.mode() != Mode::Estimate && !self.telemetry.holding.load(Relaxed)
+        !matches!(self.telemetry.mode(), Mode::Estimate | Mode::Linearise) && !self.telemetry.holding.load(Relaxed)
     }
 
     /// Changes what the tick does, which takes a tick.
     pub async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
-        if mode.drives() && self.table.is_none_or(|table| table.drive.is_none()) {
+        let drive = self.table.and_then(|table| table.drive);
+        if mode.drives() && drive.is_none() {
             return Err(Refusal::NoDrive);
+        }
+        if mode == Mode::Linearise && !self.facts.has_setpoint {
+            return Err(Refusal::NoSetpointInput);
+        }
+        if mode == Mode::Linearise && drive.is_none_or(|drive| drive.setpoint.is_none()) {
+            return Err(Refusal::NoSetpoint);
         }
         if mode.drives() && self.telemetry.faults().intersects(Faults::UNSAFE) {
             return Err(Refusal::Faulty);
@@ -234,7 +242,7 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn refer(&mut self, references: &References, go: bool, hold: bool) -> Reply {
-        if !self.telemetry.mode().drives() {
+        if !self.telemetry.mode().takes_references() {
             return Reply::Refused(Refusal::NotFollowing);
         }
         if !references.iter().all(|reference| reference.is_finite()) {

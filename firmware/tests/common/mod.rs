@@ -6,7 +6,8 @@ pub mod driven;
 use estimator_core::model::CELLS;
 use estimator_core::table::Board;
 use estimator_core::{
-    AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, List, Parameters, PreisachParameters, Range, Table,
+    AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, List, Parameters, PreisachParameters, Range,
+    SetpointCalibration, Table,
 };
 use firmware::drive::Drive;
 use firmware::queues::{LinkQueues, Queues};
@@ -20,6 +21,7 @@ pub const PERIOD: u32 = 85_000;
 pub const FACTS: Facts = Facts {
     name: "bench",
     uid: Some(Uid([7; 12])),
+    has_setpoint: true,
     interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
     cycles_per_tick: PERIOD,
     reset: ResetCause::WATCHDOG,
@@ -54,7 +56,7 @@ pub fn record(table: &Admitted) -> protocol::Record {
 /// The compiled table, its DAC driving an amplifier of 0 … 4 V at 0 … full scale.
 pub fn driving() -> Admitted {
     let limits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
-    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits };
+    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits, setpoint: None };
     Table { drive: Some(drive), ..*compiled() }.admit().expect("the Voigt family has an inverse")
 }
 
@@ -65,6 +67,17 @@ pub fn too_long() -> Admitted {
     let limits = Range { min: -50.0, max: 100.0 };
     let table = Table { parameters: Parameters::Preisach(of), displacement_limits_um: limits, ..*driving() };
     table.admit().expect("it has an inverse")
+}
+
+/// Code 0 is −5 µm, full scale 45 µm.
+pub const SETPOINT: SetpointCalibration =
+    SetpointCalibration { gain_um_per_code: 50.0 / 65_520.0, offset_um: -5.0, at_start: true };
+
+/// A table that drives, and may by a set-point; after a start of itself or not.
+pub fn linearising(at_start: bool) -> Admitted {
+    let setpoint = Some(SetpointCalibration { at_start, ..SETPOINT });
+    let drive = driving().drive.map(|drive| DriveCalibration { setpoint, ..drive });
+    Table { drive, ..*driving() }.admit().expect("the span shares displacements with the limits")
 }
 
 /// What the link has of a tick.

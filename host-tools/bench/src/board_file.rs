@@ -9,6 +9,8 @@
 //! drive_rest = 0.0              # V when nothing is wanted
 //! drive_slew = 500.0            # V/s, fastest change
 //! sensor_span = [-5.0, 25.0]    # µm at the sensor's code 0 and at full scale
+//! setpoint_span = [-1.0, 16.0]  # µm that a controller wants by the set-point's code 0 and by its full scale
+//! linearise = true              # whether the device follows the set-point of itself after a start
 //! board_uid = "0039…"           # the unique number of the board that this was measured on
 //! ```
 //!
@@ -47,12 +49,16 @@ pub struct BoardFacts {
     pub drive_slew: Option<f64>,
     /// Displacement at the sensor's code 0 and at full scale, µm.
     pub sensor_span: Option<(f64, f64)>,
+    /// Displacement that a controller wants by the set-point's code 0 and by its full scale, µm.
+    pub setpoint_span: Option<(f64, f64)>,
+    /// Whether the device follows the set-point of itself after a start.
+    pub linearise: Option<bool>,
     /// The unique number of the board that this was measured on.
     pub board_uid: Option<Uid>,
 }
 
 /// Every value with what it is.
-const WHAT: [(&str, &str); 9] = [
+const WHAT: [(&str, &str); 11] = [
     ("adc_span", "V at the amplifier at ADC code 0 and at full scale"),
     ("adc_full_scale", "largest ADC code, oversampling included"),
     ("dac_full_scale", "largest DAC code"),
@@ -61,6 +67,8 @@ const WHAT: [(&str, &str); 9] = [
     ("drive_rest", "V when nothing is wanted"),
     ("drive_slew", "V/s, fastest change"),
     ("sensor_span", "µm at the sensor's code 0 and at full scale"),
+    ("setpoint_span", "µm that a controller wants by the set-point's code 0 and by its full scale"),
+    ("linearise", "whether the device follows the set-point of itself after a start"),
     ("board_uid", "the unique number of the board that this was measured on"),
 ];
 
@@ -161,6 +169,8 @@ impl BoardFacts {
             ("drive_rest", self.drive_rest.map(number)),
             ("drive_slew", self.drive_slew.map(number)),
             ("sensor_span", self.sensor_span.map(pair)),
+            ("setpoint_span", self.setpoint_span.map(pair)),
+            ("linearise", self.linearise.map(|so| so.to_string())),
             ("board_uid", self.board_uid.map(|uid| format!("\"{uid}\""))),
         ];
         let said =
@@ -205,6 +215,8 @@ impl BoardFacts {
                 drive_range: stated.drive.drive_range,
                 drive_within: span(drive.drive_range),
                 drive_rest: stated.drive.drive_rest.or(drive.drive_rest),
+                setpoint_span: stated.drive.setpoint_span.or(span(drive.setpoint_span)),
+                linearise: stated.drive.linearise.or(drive.linearise),
             },
         }
     }
@@ -217,6 +229,7 @@ impl BoardFacts {
             ("drive_span", self.drive_span),
             ("drive_range", self.drive_range),
             ("sensor_span", self.sensor_span),
+            ("setpoint_span", self.setpoint_span),
         ];
         for (field, span) in spans {
             if let Some((zero, full)) = span
@@ -272,6 +285,13 @@ impl BoardFacts {
                         none and shows the displacement";
             return Err((field, value, rule));
         }
+        if let Some(span) = self.setpoint_span.filter(|_| self.drive_span.is_none()) {
+            let rule = "needs drive_span, drive_range and drive_slew: a set-point is followed by a DAC that drives the amplifier";
+            return Err(("setpoint_span", pair(span), rule));
+        }
+        if self.linearise == Some(true) && self.setpoint_span.is_none() {
+            return Err(("linearise", "true".to_owned(), "needs setpoint_span, which says what a set-point wants"));
+        }
         match self.dac_full_scale {
             Some(0) => Err(("dac_full_scale", "0".to_owned(), "must be at least 1")),
             _ => Ok(()),
@@ -318,6 +338,11 @@ mod tests {
             says(&whole.replace(line, "# none"), &["line ", "drive_", "belong together"]);
         }
         says("# of the amplifier\ndrive_rest = 0", &["line 2: drive_rest = 0", "belong together"]);
+        says("setpoint_span = [0, 40]", &["setpoint_span = [0, 40]", "drive_span"]);
+        says(&format!("{whole}linearise = true"), &["line 4: linearise = true", "needs setpoint_span"]);
+        says(&format!("{whole}setpoint_span = [4, 4]"), &["line 4: setpoint_span = [4, 4]", "differ"]);
+        let controlled = BoardFacts { setpoint_span: Some((-1.0, 16.0)), linearise: Some(true), ..FACTS };
+        assert_eq!(read(&controlled.to_toml()), Ok(controlled));
         says("dac_full_scale = 0", &["dac_full_scale = 0"]);
         says("adc_full_scale = 70000", &["line 1", "70000"]);
     }

@@ -60,8 +60,14 @@ pub fn time(table: &Table) -> String {
 fn driven(table: &Admitted) -> String {
     table.drive.map_or(String::new(), |drive| {
         let DriveLimits { range_v, rest_v, slew_v_per_s } = drive.limits;
+        let wanted = drive.setpoint.map_or(String::new(), |setpoint| {
+            let um = |code| setpoint.displacement::<f32>(AdcCode(code));
+            let (zero, full) = (um(0), um(table.adc.full_scale));
+            let start = if setpoint.at_start { ", followed after every start" } else { "" };
+            format!("; a set-point of 0 … {} wants {zero:.3} … {full:.3} µm{start}", table.adc.full_scale)
+        });
         format!(
-            ": it drives the amplifier, to {:.3} … {:.3} V at {slew_v_per_s} V/s, rests at {rest_v} V",
+            ": it drives the amplifier, to {:.3} … {:.3} V at {slew_v_per_s} V/s, rests at {rest_v} V{wanted}",
             range_v.min, range_v.max
         )
     })
@@ -72,6 +78,17 @@ mod tests {
     use super::*;
     use crate::tests::FACTS;
     use crate::wiring::Wiring;
+    use estimator_core::{DriveCalibration, SetpointCalibration, Table};
+
+    #[test]
+    fn a_set_point_is_described_where_there_is_one() {
+        let mut table = *Wiring::new(&FACTS, 500).unwrap().line().to_owned();
+        let said = |table: Table| describe(&table.admit().unwrap()).join("\n");
+        assert!(!said(table).contains("set-point"), "{}", said(table));
+        let setpoint = SetpointCalibration { gain_um_per_code: 20.0 / 65_520.0, offset_um: -1.0, at_start: true };
+        table.drive = table.drive.map(|drive| DriveCalibration { setpoint: Some(setpoint), ..drive });
+        assert!(said(table).contains("-1.000 … 19.000 µm, followed after every start"), "{}", said(table));
+    }
 
     #[test]
     fn a_straight_line_is_not_described_as_a_model() {

@@ -15,6 +15,8 @@ pub const EMULATED: BoardFacts = BoardFacts {
     drive_rest: Some(0.0),
     drive_slew: Some(500.0),
     sensor_span: Some((-5.0, 25.0)),
+    setpoint_span: None,
+    linearise: None,
     board_uid: None,
 };
 

@@ -221,7 +221,7 @@ fn an_amplifier_that_does_nothing_ends_it() {
     let (rest, mut noise) = (wiring().adc().code(0.0f64), 0);
     let dead = move |_| {
         noise = 1 - noise;
-        emulator::Conversion { monitor: AdcCode(rest.0 + noise), sensor: Some(AdcCode(11_000 + noise)) }
+        emulator::Conversion { monitor: AdcCode(rest.0 + noise), sensor: Some(AdcCode(11_000 + noise)), setpoint: None }
     };
     let folder = tempfile::tempdir().unwrap();
     let device = connected_to(dead);

@@ -163,6 +163,8 @@ fn straight_line(
             validation_max_um: None,
         },
     };
+    // What a set-point wants is µm, which this table knows nothing of.
+    let facts = BoardFacts { setpoint_span: None, linearise: None, ..*facts };
     facts.calibration(&CalibrationOptions::default()).apply(&mut table);
     Ok(table.admit()?)
 }
@@ -182,6 +184,8 @@ mod tests {
             assert!((said - volts).abs() < 5e-3, "{volts} V: {said}");
         }
         assert!(is_line(wiring.line()) && !is_line(&emulator::TABLE));
+        let controlled = BoardFacts { setpoint_span: Some((-1.0, 16.0)), linearise: Some(true), ..FACTS };
+        assert_eq!(Wiring::new(&controlled, 500).unwrap().drive().setpoint, None, "its µm are volts");
         let limits = wiring.drive().limits;
         assert_eq!((limits.range_v, limits.rest_v, limits.slew_v_per_s), (Range { min: 0.0, max: 100.0 }, 0.0, 500.0));
     }

@@ -1,7 +1,7 @@
 //! The DAC as the amplifier's input, and what the amplifier may be driven to.
 
 use crate::span::Span;
-use estimator_core::{DriveCalibration, DriveLimits, Range, Table};
+use estimator_core::{DriveCalibration, DriveLimits, Range, SetpointCalibration, Table};
 
 /// The DAC as the amplifier's input.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +17,10 @@ pub struct DriveOptions {
     pub drive_within: Option<Span>,
     /// Voltage when nothing is wanted or something is wrong, V. Without it 0, or the voltage nearest to it.
     pub drive_rest: Option<f64>,
+    /// Displacement that a controller wants by the set-point's code 0 and by its full scale, µm relative to the model's zero.
+    pub setpoint_span: Option<Span>,
+    /// Whether the device follows the set-point of itself after a start.
+    pub linearise: Option<bool>,
 }
 
 /// The voltages at the amplifier that a table's model was identified on, V.
@@ -36,16 +40,77 @@ pub fn ordered(span: Span) -> Range {
     Range { min: span.zero.min(span.full) as f32, max: span.zero.max(span.full) as f32 }
 }
 
+/// The largest codes of a table's converters.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct FullScales {
+    /// The ADC's.
+    pub adc: u16,
+    /// The DAC's.
+    pub dac: u16,
+}
+
+impl FullScales {
+    /// Those of a table as it is.
+    pub fn of(table: &Table) -> Self {
+        Self { adc: table.adc.full_scale, dac: table.dac.full_scale }
+    }
+}
+
+/// Why a table cannot be driven by a set-point.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum SetpointMismatch {
+    /// The DAC shows the displacement.
+    #[error("a set-point is followed by a DAC that drives the amplifier, and by this table it does not")]
+    NoDrive,
+    /// Nobody said which displacements its codes stand for.
+    #[error("nothing says which displacements a set-point wants")]
+    NoSpan,
+}
+
 impl DriveOptions {
-    /// Makes a table's DAC drive the amplifier, where that is stated; a drive that the table has is kept, for a DAC that may
-    /// have had another full scale, `before`.
-    pub fn apply(&self, table: &mut Table, before: u16) {
+    /// Makes a table's DAC drive the amplifier, and by a set-point, where that is stated; a drive or a set-point that the table has
+    /// is kept, for converters that may have had other full scales, `before`.
+    pub fn apply(&self, table: &mut Table, before: FullScales) {
+        let now = FullScales::of(table);
         if let Some(drive) = &mut table.drive {
-            let factor = f64::from(table.dac.full_scale) / f64::from(before);
+            let factor = f64::from(now.dac) / f64::from(before.dac);
             drive.gain_codes_per_v = (f64::from(drive.gain_codes_per_v) * factor) as f32;
             drive.offset_code = (f64::from(drive.offset_code) * factor) as f32;
+            if let Some(setpoint) = &mut drive.setpoint {
+                let factor = f64::from(before.adc) / f64::from(now.adc);
+                setpoint.gain_um_per_code = (f64::from(setpoint.gain_um_per_code) * factor) as f32;
+            }
         }
-        let (Some(span), Some(slew)) = (self.drive_span, self.drive_slew) else { return };
+        if let (Some(span), Some(slew)) = (self.drive_span, self.drive_slew) {
+            self.drive(table, span, slew);
+        }
+        let Some(drive) = &mut table.drive else { return };
+        if let Some(span) = self.setpoint_span {
+            drive.setpoint = Some(SetpointCalibration {
+                gain_um_per_code: ((span.full - span.zero) / f64::from(now.adc)) as f32,
+                offset_um: span.zero as f32,
+                at_start: false,
+            });
+        }
+        if let (Some(at_start), Some(setpoint)) = (self.linearise, &mut drive.setpoint) {
+            setpoint.at_start = at_start;
+        }
+    }
+
+    /// Refuses what is stated of a set-point where it is nothing to a table, of which is said whether it drives the amplifier and
+    /// whether it says what a set-point wants.
+    ///
+    /// # Errors
+    /// Which of the two is missing.
+    pub fn require(&self, drives: bool, has_setpoint: bool) -> Result<(), SetpointMismatch> {
+        let linearises = self.linearise == Some(true);
+        if (linearises || self.setpoint_span.is_some()) && !drives {
+            return Err(SetpointMismatch::NoDrive);
+        }
+        if linearises && !has_setpoint { Err(SetpointMismatch::NoSpan) } else { Ok(()) }
+    }
+
+    fn drive(&self, table: &mut Table, span: Span, slew: f64) {
         let gain = f64::from(table.dac.full_scale) / (span.full - span.zero);
         let (dac, model) = (ordered(span), identified_on(table));
         let most = self.drive_within.map_or(dac, |within| dac.intersection(ordered(within)));
@@ -53,6 +118,7 @@ impl DriveOptions {
             gain_codes_per_v: gain as f32,
             offset_code: (-span.zero * gain) as f32,
             limits: limits(self.drive_range.map_or(most.intersection(model), ordered), self.drive_rest, slew),
+            setpoint: table.drive.and_then(|drive| drive.setpoint),
         });
     }
 }

@@ -3,7 +3,7 @@
 pub mod drive;
 pub mod span;
 
-use crate::drive::DriveOptions;
+use crate::drive::{DriveOptions, FullScales};
 use crate::span::Span;
 use estimator_core::{AdcCalibration, AdcCode, DacCalibration, DacCode, Range, Table};
 
@@ -54,7 +54,7 @@ impl CalibrationOptions {
 
     /// Changes a table's calibration where something else is stated.
     pub fn apply(&self, table: &mut Table) {
-        let scale = table.dac.full_scale;
+        let before = FullScales::of(table);
         let adc_span = self.adc_span.unwrap_or_else(|| {
             let voltage = |code| table.adc.voltage(AdcCode(code));
             Span { zero: voltage(0), full: voltage(table.adc.full_scale) }
@@ -69,7 +69,7 @@ impl CalibrationOptions {
         if self.dac_span.is_some() || self.dac_full_scale.is_some() {
             table.dac = dac_calibration(dac_span, self.dac_full_scale.unwrap_or(table.dac.full_scale));
         }
-        self.drive.apply(table, scale);
+        self.drive.apply(table, before);
     }
 }
 

@@ -195,7 +195,7 @@ mod tests {
     const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
     /// An amplifier of 0 … 4 V on the DAC's scale.
     const DRIVE: DriveCalibration =
-        DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
+        DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
 
     /// The device's own table, its DAC driving the amplifier.
     fn driving() -> Admitted {

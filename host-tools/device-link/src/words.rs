@@ -49,6 +49,9 @@ pub fn mode(mode: Mode) -> &'static str {
         Mode::Pause => "is paused and estimates nothing",
         Mode::Follow => "drives the amplifier to where it is told, and estimates from its ADC",
         Mode::Excite => "drives the amplifier to the voltages that it is told, and estimates from its ADC",
+        Mode::Linearise => {
+            "drives the amplifier to where the set-point at its ADC wants the displacement, and estimates"
+        }
     }
 }
 
@@ -78,7 +81,7 @@ pub fn bias(health: &Health, tick_us: u32) -> String {
     format!("zeroed {oldest}{age} ago, bias {:+.3} µm", health.bias_um)
 }
 
-const FAULTS: [(Faults, &str); 9] = [
+const FAULTS: [(Faults, &str); 10] = [
     (Faults::NO_TABLE, "there is no table that it can run, so nothing is estimated"),
     (
         Faults::TABLE_FALLBACK,
@@ -91,6 +94,10 @@ const FAULTS: [(Faults, &str); 9] = [
     (
         Faults::AMPLIFIER,
         "the voltage at the ADC was not what the drive commanded, to within 5 % of its range, for 100 ms",
+    ),
+    (
+        Faults::SETPOINT,
+        "the set-point stands at an end of the ADC's range, comes too near it too often, or gives one and the same code",
     ),
     (Faults::MISSED_DEADLINE, "a tick came late or not at all, or was not done in time for its output"),
     (Faults::SAFE_OUTPUT, "the DAC stands at its safe value"),

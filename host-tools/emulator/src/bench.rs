@@ -140,7 +140,7 @@ impl Plant for Connected {
             // Limited to the converter's range, which fits.
             AdcCode(((reading - zero) / (full - zero) * scale).round().clamp(0.0, scale) as u16)
         });
-        Conversion { monitor, sensor }
+        Conversion { monitor, sensor, setpoint: None }
     }
 }
 
@@ -161,7 +161,12 @@ mod tests {
                 invert: false,
                 full_scale: 65_520,
             },
-            drive: DriveCalibration { gain_codes_per_v: 4095.0 / 160.0, offset_code: 30.0 * 4095.0 / 160.0, limits },
+            drive: DriveCalibration {
+                gain_codes_per_v: 4095.0 / 160.0,
+                offset_code: 30.0 * 4095.0 / 160.0,
+                limits,
+                setpoint: None,
+            },
             sensor_um: Some((-5.0, 25.0)),
             monitor_noise_v: 0.02,
             sensor_noise_nm: 5.0,

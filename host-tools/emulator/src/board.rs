@@ -35,6 +35,8 @@ pub struct Board<'l, P, F> {
     pub pages: Range<u32>,
     /// The chip's unique number.
     pub uid: Uid,
+    /// Whether a controller's set-point is among what the plant gives.
+    pub has_setpoint: bool,
     /// Seconds of emulated time in a second.
     pub speed: f64,
     /// The serial line.
@@ -53,7 +55,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
             let telemetry = Telemetry::new();
             let started: Signal<NoopRawMutex, Tick<'_>> = Signal::new();
             let peripherals = Peripherals {
-                facts: facts(reset, self.uid),
+                facts: facts(reset, self.uid, self.has_setpoint),
                 last_words: None,
                 receiver: Receiver::new(self.line, self.speed),
                 transmitter: Transmitter(self.line),
@@ -73,10 +75,11 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
     }
 }
 
-fn facts(reset: ResetCause, uid: Uid) -> Facts {
+fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
     Facts {
         name: "emulated",
         uid: Some(uid),
+        has_setpoint,
         interface: INTERFACE,
         cycles_per_tick: CYCLES_HZ / TICK_HZ,
         reset,

@@ -36,6 +36,7 @@ pub struct Emulator<P, F> {
     plant: P,
     flash: F,
     uid: Uid,
+    has_setpoint: bool,
     speed: f64,
     port: u16,
 }
@@ -44,21 +45,28 @@ impl Emulator<(), ()> {
     /// A device that reads a triangle ([`triangle`]), with erased flash in memory, in real time, at a port that the operating
     /// system chooses.
     pub fn new() -> Emulator<impl Plant, RamFlash<Vec<u8>>> {
-        Emulator { plant: triangle(), flash: RamFlash::new(vec![0xFF; PAGES]), uid: UID, speed: 1.0, port: 0 }
+        Emulator {
+            plant: triangle(),
+            flash: RamFlash::new(vec![0xFF; PAGES]),
+            uid: UID,
+            has_setpoint: false,
+            speed: 1.0,
+            port: 0,
+        }
     }
 }
 
 impl<P: Plant, F: NorFlash + Send + 'static> Emulator<P, F> {
     /// Connects the converters to something else.
     pub fn plant<Q: Plant>(self, plant: Q) -> Emulator<Q, F> {
-        let Self { flash, uid, speed, port, .. } = self;
-        Emulator { plant, flash, uid, speed, port }
+        let Self { flash, uid, has_setpoint, speed, port, .. } = self;
+        Emulator { plant, flash, uid, has_setpoint, speed, port }
     }
 
     /// Gives it another flash; all of it is parameter pages. What is stored there is the table that the device starts with.
     pub fn flash<G: NorFlash + Send + 'static>(self, flash: G) -> Emulator<P, G> {
-        let Self { plant, uid, speed, port, .. } = self;
-        Emulator { plant, flash, uid, speed, port }
+        let Self { plant, uid, has_setpoint, speed, port, .. } = self;
+        Emulator { plant, flash, uid, has_setpoint, speed, port }
     }
 
     /// Lets so many seconds pass on the device in a second, fewer where this machine is too busy. Beyond some twenty the link
@@ -70,6 +78,11 @@ impl<P: Plant, F: NorFlash + Send + 'static> Emulator<P, F> {
     /// Gives its chip another unique number: it is then another board.
     pub fn uid(self, uid: Uid) -> Self {
         Self { uid, ..self }
+    }
+
+    /// Gives it a channel for a controller's set-point, which the plant's conversions then have.
+    pub fn setpoint(self) -> Self {
+        Self { has_setpoint: true, ..self }
     }
 
     /// Listens at this port of the local machine; 0 is any that is free.
@@ -90,10 +103,10 @@ impl<P: Plant, F: NorFlash + Send + 'static> Emulator<P, F> {
         ParameterStore::new(&mut self.flash, pages.clone())?;
         let stop = Arc::new(Signal::<CriticalSectionRawMutex, ()>::new());
         let stopped = stop.clone();
-        let Self { plant, flash, uid, speed, .. } = self;
+        let Self { plant, flash, uid, has_setpoint, speed, .. } = self;
         let thread = std::thread::Builder::new().name("emulated device".to_owned()).spawn(move || {
             let line = SerialLine::new(listener);
-            let board = Board { plant, flash, pages, uid, speed, line: &line };
+            let board = Board { plant, flash, pages, uid, has_setpoint, speed, line: &line };
             async_io::block_on(select(stopped.wait(), board.run()));
         })?;
         Ok(EmulatedDevice { address, stop, thread: Some(thread) })

@@ -4,6 +4,7 @@ use crate::fit::Fit;
 use crate::problem::Problem;
 use crate::validate::{Comparison, Figures, compare};
 use calibration::CalibrationOptions;
+use calibration::drive::FullScales;
 use estimator_core::{
     Admitted, Digest, Inadmissible, IntervalParameters, Parameters, Provenance, Range, Scheme, Table, TableError,
 };
@@ -126,8 +127,8 @@ fn table(problem: &Problem, parameters: Parameters, context: &TableContext) -> R
             validation_max_um: None,
         },
     };
-    let full_scale = table.dac.full_scale;
-    context.calibration.drive.apply(&mut table, full_scale);
+    let full_scales = FullScales::of(&table);
+    context.calibration.drive.apply(&mut table, full_scales);
     Ok(table)
 }
 

@@ -11,7 +11,7 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
     calibrate, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn,
-    look, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train, validate, zero,
+    linearise, look, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train, validate, zero,
 };
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
@@ -109,6 +109,11 @@ enum Verb {
     /// A wanted trajectory → the device, whose DAC drives the amplifier there; its estimate on the way as a log.
     #[command(after_help = "Example: piezo follow wanted.csv --out followed.csv --port /dev/ttyACM0")]
     Follow(follow::Follow),
+    /// Has the device follow a controller's set-point, by its ADC and without a host, or leave it.
+    #[command(after_help = "Examples:
+  piezo linearise --port /dev/ttyACM0
+  piezo linearise --stop --port /dev/ttyACM0")]
+    Linearise(linearise::Linearise),
     /// A table → its faces, with the calibration of your board.
     #[command(after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --out out/board")]
     Emit(emit::Emit),
@@ -161,6 +166,7 @@ impl Cli {
             Verb::Zero(arguments) => zero::run(&arguments),
             Verb::Record(arguments) => record::run(&arguments),
             Verb::Follow(arguments) => follow::run(&arguments),
+            Verb::Linearise(arguments) => linearise::run(&arguments),
             Verb::Emit(arguments) => emit::run(&arguments),
             Verb::Push(arguments) => push::run(&arguments),
             Verb::Pull(arguments) => pull::run(&arguments),

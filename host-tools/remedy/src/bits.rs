@@ -27,7 +27,7 @@ fn of<T: PartialEq + Copy>(remedies: &[(T, &'static str)], bit: T) -> &'static s
     remedies.iter().find(|(other, _)| *other == bit).map_or("report it", |(_, remedy)| remedy)
 }
 
-const FAULTS: [(Faults, &str); 9] = [
+const FAULTS: [(Faults, &str); 10] = [
     (Faults::NO_TABLE, "give it one: piezo push"),
     (
         Faults::TABLE_FALLBACK,
@@ -51,12 +51,16 @@ const FAULTS: [(Faults, &str); 9] = [
         "is the amplifier on, has it tripped, are the wires to A0 and A2 sound, and as slow as --drive-slew says? If so, a span is wrong: piezo emit --adc-span, --drive-span",
     ),
     (
+        Faults::SETPOINT,
+        "is the controller on, and are its wire to A3 and the divider sound? When they are: piezo linearise",
+    ),
+    (
         Faults::MISSED_DEADLINE,
         "writing a table does that (with --pause it does not matter), and an emulated board is as late as its host; otherwise report it, for it must not happen",
     ),
     (
         Faults::SAFE_OUTPUT,
-        "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the amplifier rests until piezo follow",
+        "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the amplifier rests until piezo follow or piezo linearise",
     ),
 ];
 
@@ -69,6 +73,25 @@ const STATUS: [(Status, &str); 7] = [
     (Status::OUT_OF_REACH, "ask for less or more slowly, or widen the limits: piezo emit --drive-range, --drive-slew"),
     (Status::UNTRAINED, "believe the estimate as far as its ±; identify on logs with swings such as these"),
 ];
+
+/// What the bits of a status mean for an estimate, one after the other; empty where none says anything of it.
+pub fn remarks(status: Status) -> String {
+    let meanings = [
+        (
+            Status::VOLTAGE_OUT_OF_RANGE,
+            "the voltage left the range the model was identified on; the nearest end was taken",
+        ),
+        (Status::CLAMPED, "the estimate was clamped to the table's limits"),
+        (Status::DAC_SATURATED, "the displacement reached an end of the DAC's range"),
+        (Status::ADC_SATURATED, "the ADC stood at an end of its range"),
+        (
+            Status::UNTRAINED,
+            "the voltage went as it never did in the training, and what the estimate says there was not learnt",
+        ),
+    ];
+    let raised = meanings.into_iter().filter(|(bit, _)| status.contains(*bit)).map(|(_, meaning)| meaning);
+    raised.collect::<Vec<_>>().join("; ")
+}
 
 #[cfg(test)]
 mod tests {

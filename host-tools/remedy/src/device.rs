@@ -69,6 +69,8 @@ pub fn refusal(refusal: &Refusal) -> String {
 fn remedy(refusal: &Refusal) -> &'static str {
     match refusal {
         Refusal::NoDrive => ": piezo emit --drive-span, then push",
+        Refusal::NoSetpoint => ": piezo emit --setpoint-span, then push",
+        Refusal::NoSetpointInput => ": it takes a board that has one, as the NUCLEO-G474RE",
         Refusal::TooSoon => ": let the actuator rest for a second, and zero again",
         Refusal::BeyondSpan { .. } => ": give µm; `piezo info` says the limits",
         Refusal::Faulty => ": piezo info says which",

@@ -3,6 +3,7 @@
 use super::log::prepare;
 use super::paste::quoted;
 use ::calibration::ConverterMismatch;
+use ::calibration::drive::SetpointMismatch;
 use identification::compare::CompareError;
 use identification::cost::UnusedWeight;
 use identification::validate::{Bound, ScopeError};
@@ -29,6 +30,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(table))
         .or_else(|| error.downcast_ref().map(other_face))
         .or_else(|| error.downcast_ref().map(file))
+        .or_else(|| error.downcast_ref().map(setpoint))
 }
 
 /// Why a model was chosen, as the end of a sentence.
@@ -72,6 +74,14 @@ pub fn mismatch(mismatch: &ConverterMismatch) -> String {
         ConverterMismatch::Dac { .. } => "a wider --dac-span",
     };
     format!("{mismatch}: {remedy}")
+}
+
+fn setpoint(error: &SetpointMismatch) -> String {
+    let remedy = match error {
+        SetpointMismatch::NoDrive => "--drive-span and --drive-slew say how it drives",
+        SetpointMismatch::NoSpan => "--setpoint-span says it, µm at code 0 and at full scale",
+    };
+    format!("{error}: {remedy}")
 }
 
 fn job(error: &JobError) -> String {

@@ -10,7 +10,7 @@ mod log;
 mod paste;
 
 pub use bench::{complaint, stopped};
-pub use bits::{Meaning, faults, status};
+pub use bits::{Meaning, faults, remarks, status};
 pub use device::{board, refusal};
 pub use doubt::{doubt, doubt_json};
 pub use identification::{mismatch, reason};

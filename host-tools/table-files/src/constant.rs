@@ -15,7 +15,7 @@ pub fn rust_source(table: &Admitted) -> String {
          {LINE}{}.\n\n\
          #[allow(unused_imports, reason = \"which types a table names depends on what it has\")]\n\
          use estimator_core::{{\n    AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, IntervalParameters, List, \
-         Parameters,\n    Provenance, Range, Scheme::*, Table, {},\n}};\n\n\
+         Parameters,\n    Provenance, Range, Scheme::*, SetpointCalibration, Table, {},\n}};\n\n\
          /// The compiled-in parameter table.\n\
          pub const TABLE: Table = {:#?};\n",
         provenance.logs,

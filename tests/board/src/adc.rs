@@ -1,8 +1,8 @@
-//! ADC1 (RM0440): injected sequences of one or two channels started by TIM6's trigger, with hardware oversampling, and regular
+//! ADC1 (RM0440): injected sequences of one to three channels started by TIM6's trigger, with hardware oversampling, and regular
 //! conversions of the internal reference started by software.
 //!
-//! A conversion takes (sampling time + 12.5) ADC clocks times the oversampling ratio; that of a sequence's second rank begins
-//! where the first one's ends. Each raises JEOC, the last JEOS as well. The code that JDR1, JDR2 or DR shows comes from outside as it is; its range is checked against the oversampling that the registers ask for. Calibration and
+//! A conversion takes (sampling time + 12.5) ADC clocks times the oversampling ratio; that of a sequence's next rank begins
+//! where the one before ends. Each raises JEOC, the last JEOS as well. The code that JDR1 to JDR3 or DR shows comes from outside as it is; its range is checked against the oversampling that the registers ask for. Calibration and
 //! switching on take no time. Injected and regular conversions do not delay each other. Refused: longer sequences,
 //! channels that nothing is connected to, other resolutions and alignments, the JSQR queue, DMA, continuous and externally started regular conversion.
 
@@ -22,6 +22,7 @@ const DR: u32 = 0x40;
 const JSQR: u32 = 0x4C;
 const JDR1: u32 = 0x80;
 const JDR2: u32 = 0x84;
+const JDR3: u32 = 0x88;
 const CCR: u32 = 0x308;
 
 const ADRDY: u32 = 1 << 0;
@@ -48,9 +49,10 @@ const VREFEN: u32 = 1 << 22;
 
 /// TIM6's TRGO among the injected triggers, rising edge: JEXTSEL 14, JEXTEN 1.
 const TIM6_TRGO: u32 = 14 | 1 << 5;
-/// ADC1's channels: those of the amplifier's voltage, of the sensor, and of the internal reference.
+/// ADC1's channels: those of the amplifier's voltage, of the sensor, of the set-point, and of the internal reference.
 const AMPLIFIER: u32 = 1;
 const SENSOR: u32 = 2;
+const SETPOINT: u32 = 15;
 const VREFINT: u32 = 18;
 const FASTEST_HZ: u32 = 60_000_000;
 /// PRESC's dividers.
@@ -64,6 +66,8 @@ pub struct Inputs {
     pub codes: Box<dyn FnMut(u64, Option<u16>) -> u16>,
     /// The sensor's code in the n-th injected sequence.
     pub sensor: Box<dyn FnMut(u64) -> u16>,
+    /// The set-point's code in the n-th injected sequence.
+    pub setpoint: Box<dyn FnMut(u64) -> u16>,
     /// Sequences so far.
     pub converted: u64,
     pub pin: Option<u16>,
@@ -73,7 +77,14 @@ pub struct Inputs {
 
 impl Default for Inputs {
     fn default() -> Self {
-        Self { codes: Box::new(|_, _| 0), sensor: Box::new(|_| 0), converted: 0, pin: None, reference: 1505 }
+        Self {
+            codes: Box::new(|_, _| 0),
+            sensor: Box::new(|_| 0),
+            setpoint: Box::new(|_| 0),
+            converted: 0,
+            pin: None,
+            reference: 1505,
+        }
     }
 }
 
@@ -97,7 +108,7 @@ pub struct Adc {
     sequence: u32,
     injected: u32,
     data: u32,
-    injected_data: [u32; 2],
+    injected_data: [u32; 3],
     common: u32,
     converting: Option<Converting>,
     /// End of the regular conversion going on.
@@ -156,8 +167,8 @@ impl Adc {
     fn begin(&mut self, trigger: u64, at: u64, rank: usize, rcc: &Rcc) -> Result<()> {
         let channel = self.channel(rank);
         ensure!(
-            [AMPLIFIER, SENSOR].contains(&channel),
-            "channel {channel} is converted; channels {AMPLIFIER} and {SENSOR} are connected"
+            [AMPLIFIER, SENSOR, SETPOINT].contains(&channel),
+            "channel {channel} is converted; channels {AMPLIFIER}, {SENSOR} and {SETPOINT} are connected"
         );
         let (ratio, _) = self.oversampling(JOVSE);
         self.converting = Some(Converting { trigger, end: at + self.duration(channel, ratio, rcc)?, rank });
@@ -176,6 +187,7 @@ impl Adc {
             self.converting = None;
             let code = match self.channel(rank) {
                 SENSOR => (inputs.sensor)(inputs.converted),
+                SETPOINT => (inputs.setpoint)(inputs.converted),
                 _ => (inputs.codes)(inputs.converted, inputs.pin),
             };
             self.injected_data[rank] = self.fitting(code, JOVSE)?;
@@ -227,7 +239,7 @@ impl Adc {
                 self.isr &= !EOC;
                 self.data
             }
-            JDR1 | JDR2 => {
+            JDR1 | JDR2 | JDR3 => {
                 self.isr &= !JEOC;
                 self.injected_data[(offset - JDR1) as usize / 4]
             }
@@ -247,11 +259,11 @@ impl Adc {
             SMPR1 | SMPR2 => self.sampling[(offset - SMPR1) as usize / 4] = value,
             SQR1 => self.sequence = value,
             JSQR => {
-                ensure!(value & 3 <= 1, "JSQR = {value:#x}: no more than two injected channels are modelled");
+                ensure!(value & 3 <= 2, "JSQR = {value:#x}: no more than three injected channels are modelled");
                 self.injected = value;
             }
             CCR => self.common = value,
-            DR | JDR1 | JDR2 => {}
+            DR | JDR1 | JDR2 | JDR3 => {}
             _ => return Ok(false),
         }
         Ok(true)

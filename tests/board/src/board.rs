@@ -162,6 +162,11 @@ impl Board {
         self.machine_mut().bench.inputs.sensor = Box::new(codes);
     }
 
+    /// As [`Board::feed_sensor`], at the set-point's channel.
+    pub fn feed_setpoint(&mut self, codes: impl FnMut(u64) -> u16 + 'static) {
+        self.machine_mut().bench.inputs.setpoint = Box::new(codes);
+    }
+
     /// Sets ADC1's code of the internal reference: 1655 × 3.0 V / supply.
     pub fn set_reference(&mut self, code: u16) {
         self.machine_mut().bench.inputs.reference = code;

@@ -108,6 +108,7 @@ pub const DRIVE: DriveCalibration = DriveCalibration {
     gain_codes_per_v: 4095.0 / 80.0,
     offset_code: 409.5,
     limits: DriveLimits { range_v: Range { min: 0.0, max: 60.0 }, rest_v: 5.0, slew_v_per_s: 20_000.0 },
+    setpoint: Some(SetpointCalibration { gain_um_per_code: 120.0 / 8191.0, offset_um: -60.0, at_start: true }),
 };
 
 /// A table of a model; those beyond the Voigt family as long as they may be.

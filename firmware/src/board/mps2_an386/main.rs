@@ -54,6 +54,7 @@ async fn main(_spawner: Spawner) {
     let facts = Facts {
         name: "mps2-an386 (emulated)",
         uid: None,
+        has_setpoint: false,
         interface: INTERFACE,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,

@@ -22,11 +22,19 @@ pub struct DriveArgs {
     /// Voltage when nothing is wanted or something is wrong, V. Without it 0, or the voltage nearest to it.
     #[arg(long, allow_hyphen_values = true, value_name = "V", requires = "drive_span")]
     pub drive_rest: Option<f64>,
+    /// Displacement that a controller wants by the set-point's ADC code 0 and by its full scale, µm relative to the model's zero; the
+    /// first larger than the second where the input inverts. The device can then follow it (piezo linearise).
+    #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "µm:µm")]
+    pub setpoint_span: Option<Span>,
+    /// Follow the set-point after every start, without a host.
+    #[arg(long)]
+    pub linearise: bool,
 }
 
 impl From<&DriveArgs> for DriveOptions {
     fn from(arguments: &DriveArgs) -> Self {
-        let &DriveArgs { drive_span, drive_slew, drive_range, drive_rest } = arguments;
-        Self { drive_span, drive_slew, drive_range, drive_within: None, drive_rest }
+        let &DriveArgs { drive_span, drive_slew, drive_range, drive_rest, setpoint_span, linearise } = arguments;
+        let linearise = linearise.then_some(true);
+        Self { drive_span, drive_slew, drive_range, drive_within: None, drive_rest, setpoint_span, linearise }
     }
 }

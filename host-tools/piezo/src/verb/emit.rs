@@ -53,6 +53,8 @@ pub fn run(arguments: &Emit) -> Result<bool> {
     let (mut file, _) = if again { TableFile::load(&arguments.table)? } else { look_at(&arguments.table)? };
     let calibration = arguments.calibration.options()?;
     calibration.apply(&mut file.table);
+    let drive = file.table.drive;
+    calibration.drive.require(drive.is_some(), drive.is_some_and(|drive| drive.setpoint.is_some()))?;
     if calibration.stated() {
         let assumed = remedy::doubt(&Doubt::CalibrationAssumed);
         file.doubts.retain(|doubt| *doubt != assumed);

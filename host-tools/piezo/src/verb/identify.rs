@@ -57,11 +57,10 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         output::not_over(&arguments.out.join(name), &inputs)?;
         arguments.overwrite.of(&arguments.out.join(name), known_by)?;
     }
-    let job = Job {
-        model: arguments.model,
-        calibration: arguments.calibration.options()?,
-        ..arguments.fitting.job((&arguments.search).into())?
-    };
+    let calibration = arguments.calibration.options()?;
+    let drive = &calibration.drive;
+    drive.require(drive.drive_span.is_some(), drive.setpoint_span.is_some())?;
+    let job = Job { model: arguments.model, calibration, ..arguments.fitting.job((&arguments.search).into())? };
     let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
         bar.set_prefix(model.to_string());

@@ -14,6 +14,7 @@ pub mod identify;
 pub mod info;
 pub mod install;
 pub mod learn;
+pub mod linearise;
 pub mod look;
 pub mod monitor;
 pub mod pil;

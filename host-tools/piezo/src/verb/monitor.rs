@@ -14,6 +14,7 @@ use device_link::window::Window;
 use device_link::{Client, words};
 use estimator_core::Range;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use protocol::Mode;
 use serde_json::json;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -42,7 +43,12 @@ const BAR: usize = 50;
 pub fn run(arguments: &Monitor) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let (mut client, identity) = arguments.port.connect()?;
-    require_estimating(&client.health()?, &arguments.port.port)?;
+    let health = client.health()?;
+    if health.mode == Mode::Linearise {
+        eprintln!("piezo: the device {}", words::mode(health.mode));
+    } else {
+        require_estimating(&health, &arguments.port.port)?;
+    }
     let table = table::running(&mut client)?;
     if bench::is_line(&table) {
         eprintln!("piezo: careful: {}", bench::NO_MODEL);

@@ -7,7 +7,6 @@ use crate::option::{DECIMATIONS, LogOptions, Overwrite, ScopeArgs, TOLD, choice,
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use estimator_core::Status;
 use identification::validate::{
     Comparison, Coverage, Estimates, Figures, Scope, Told, ToldFigures, compare_within, estimates,
 };
@@ -199,7 +198,7 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
     if log.displacement_estimated {
         out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
     }
-    let remarks = remarks(comparison.status);
+    let remarks = remedy::remarks(comparison.status);
     if !remarks.is_empty() {
         out(&format!("    {remarks}"));
     }
@@ -217,25 +216,6 @@ fn held(since: &str, interval: &Coverage) -> String {
 fn trained_on(uses: &[LogUse], log: &Log) -> Option<(f64, f64)> {
     let used = uses.iter().find(|used| used.role == Role::Training && used.sha256 == log.sha256)?;
     Some((used.from_s, used.to_s))
-}
-
-/// What the status bits mean.
-fn remarks(status: Status) -> String {
-    let meanings = [
-        (
-            Status::VOLTAGE_OUT_OF_RANGE,
-            "the voltage left the range the model was identified on; the nearest end was taken",
-        ),
-        (Status::CLAMPED, "the estimate was clamped to the table's limits"),
-        (Status::DAC_SATURATED, "the displacement reached an end of the DAC's range"),
-        (Status::ADC_SATURATED, "the ADC stood at an end of its range"),
-        (
-            Status::UNTRAINED,
-            "the voltage went as it never did in the training, and what the estimate says there was not learnt",
-        ),
-    ];
-    let raised = meanings.into_iter().filter(|(bit, _)| status.contains(*bit)).map(|(_, meaning)| meaning);
-    raised.collect::<Vec<_>>().join("; ")
 }
 
 fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64, f64)>)) -> Value {

@@ -12,8 +12,10 @@ fn armed(cfgr2: u32) -> (Adc, Rcc) {
 const ONE_RANK: u32 = AMPLIFIER << 9;
 /// The sensor's channel behind it.
 const TWO_RANKS: u32 = ONE_RANK | SENSOR << 15 | 1;
+/// And the set-point's behind both.
+const THREE_RANKS: u32 = ONE_RANK | SENSOR << 15 | SETPOINT << 21 | 2;
 
-/// The same of another sequence, with channel 2 sampled 24.5 clocks.
+/// The same of another sequence, with channel 2 sampled 24.5 clocks and channel 15 6.5.
 fn armed_with(cfgr2: u32, ranks: u32) -> (Adc, Rcc) {
     let mut rcc = Rcc::new(Reset::PowerOn, 0);
     rcc.write(0x88, 2 << 28);
@@ -26,6 +28,7 @@ fn armed_with(cfgr2: u32, ranks: u32) -> (Adc, Rcc) {
         (CR, enabled),
         (CFGR2, cfgr2),
         (SMPR1, 4 << 3 | 3 << 6),
+        (SMPR2, 1 << 15),
         (JSQR, ranks | TIM6_TRGO << 2),
         (IER, JEOS),
         (CR, enabled | JADSTART),
@@ -121,14 +124,34 @@ fn of_two_ranks_each_has_its_time_and_its_register_and_the_last_ends_the_sequenc
 }
 
 #[test]
-fn what_nothing_is_connected_to_is_refused_in_either_rank_and_so_is_a_third() {
-    for ranks in [3 << 9, AMPLIFIER << 9 | 3 << 15 | 1] {
+fn of_three_ranks_each_has_its_time_and_its_register_and_the_last_ends_the_sequence() {
+    let (mut adc, rcc) = armed_with(0, THREE_RANKS);
+    let mut inputs = Inputs { sensor: Box::new(|_| 800), setpoint: Box::new(|n| 900 + n as u16), ..inputs(700) };
+    let mut record = Record::default();
+    adc.trigger(0, &rcc, &mut record).unwrap();
+    // 60, 37 and 19 clocks of the ADC.
+    for (end, done) in [(240, false), (388, false), (464, true)] {
+        assert_eq!(adc.due(), end);
+        adc.advance(end, &mut inputs, &rcc, &mut record).unwrap();
+        assert_eq!((adc.interrupt(), record.conversions.len()), (done, usize::from(done)));
+    }
+    assert_eq!([JDR1, JDR2, JDR3].map(|rank| adc.read(rank)), [Some(700), Some(800), Some(900)]);
+    assert_eq!(record.conversions.iter().map(|c| (c.trigger, c.end)).collect::<Vec<_>>(), [(0, 464)]);
+    assert_eq!((adc.due(), inputs.converted), (NEVER, 1));
+}
+
+#[test]
+fn what_nothing_is_connected_to_is_refused_in_any_rank_and_so_is_a_fourth() {
+    for ranks in [3 << 9, AMPLIFIER << 9 | 3 << 15 | 1, (TWO_RANKS + 1) | 3 << 21] {
         let (mut adc, rcc) = armed_with(0, ranks);
         let mut record = Record::default();
-        let refused =
-            adc.trigger(0, &rcc, &mut record).and_then(|()| adc.advance(adc.due(), &mut inputs(7), &rcc, &mut record));
+        let mut inputs = inputs(7);
+        let mut refused = adc.trigger(0, &rcc, &mut record);
+        while refused.is_ok() && adc.due() != NEVER {
+            refused = adc.advance(adc.due(), &mut inputs, &rcc, &mut record);
+        }
         assert!(refused.is_err(), "{ranks:#x}");
     }
     let (mut adc, rcc) = armed(0);
-    assert!(adc.write(JSQR, TWO_RANKS + 1, 0, &rcc).is_err());
+    assert!(adc.write(JSQR, THREE_RANKS + 1, 0, &rcc).is_err());
 }

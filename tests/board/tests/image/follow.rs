@@ -17,7 +17,7 @@ fn list<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> List<N> {
 
 /// The device's table with another model, driving an amplifier of 0 … 4 V.
 fn driving(table: &Admitted, parameters: Parameters) -> Result<Admitted> {
-    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
+    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
     let limits = Range { min: -50.0, max: 100.0 };
     let table = Table { parameters, displacement_limits_um: limits, drive: Some(drive), ..**table };
     Ok(table.admit()?)

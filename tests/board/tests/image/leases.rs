@@ -6,7 +6,8 @@ use estimator_core::*;
 use protocol::{Mode, Reply, Request};
 
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
-const DRIVE: DriveCalibration = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
+const DRIVE: DriveCalibration =
+    DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
 /// How long a mode lasts, s, and what is looked at before and after.
 const LEASE: f64 = 5.0;
 const ABOUT: f64 = 0.1;

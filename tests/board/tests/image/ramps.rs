@@ -8,7 +8,8 @@ use protocol::{Faults, Mode, Reply, Request};
 
 /// 20 mV or 20.48 codes a tick.
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
-const DRIVE: DriveCalibration = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS };
+const DRIVE: DriveCalibration =
+    DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
 const STRIDE: u16 = 21;
 /// Half a volt.
 const REST: u16 = 512;

@@ -5,7 +5,7 @@
 #[allow(unused_imports, reason = "which types a table names depends on what it has")]
 use estimator_core::{
     AdcCalibration, DacCalibration, Digest, DriveCalibration, DriveLimits, IntervalParameters, List, Parameters,
-    Provenance, Range, Scheme::*, Table, GeneralisedPrandtlIshlinskiiParameters,
+    Provenance, Range, Scheme::*, SetpointCalibration, Table, GeneralisedPrandtlIshlinskiiParameters,
 };
 
 /// The compiled-in parameter table.
@@ -143,6 +143,7 @@ pub const TABLE: Table = Table {
                 rest_v: 0.0,
                 slew_v_per_s: 100.0,
             },
+            setpoint: None,
         },
     ),
     interval: Some(

@@ -11,9 +11,9 @@ use protocol::{Deframer, Health, Identity, Record, Reply, Request, Samples, ToDe
 
 /// Clocks from trigger to trigger.
 pub const PERIOD: u64 = CORE_HZ as u64 / 2000;
-/// Clocks from a trigger to its tick's interrupt: of two channels sixteen conversions of 60 ADC clocks each, at a quarter of the
+/// Clocks from a trigger to its tick's interrupt: of three channels sixteen conversions of 60 ADC clocks each, at a quarter of the
 /// core's clock.
-pub const CONVERSION: u64 = 2 * 16 * 60 * 4;
+pub const CONVERSION: u64 = 3 * 16 * 60 * 4;
 /// The pin that has an edge at every good tick.
 pub const VALID: Pin = Pin { port: Port::B, number: 10 };
 /// How long the device may take to start and to reply, s. The longest reply waits for some thirty flash operations.

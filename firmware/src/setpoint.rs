@@ -1,0 +1,53 @@
+//! The set-point: the displacement that a controller wants by a voltage of its own, at a third channel of the ADC.
+//!
+//! A controller that is switched on after the board, or a wire that is plugged in later, must not move the amplifier on its
+//! way there. So nothing is wanted until everything has been sound for [`CALM_TICKS`] without a break. From then on each
+//! code is a displacement, but one near an end of the ADC's range, which is none: the last one is held, until the watch
+//! ([`crate::watch`]) calls it a fault.
+
+use crate::rate::TICK_HZ;
+use crate::watch::{Ends, SATURATED};
+use estimator_core::{AdcCode, Admitted, SetpointCalibration};
+
+/// How long everything must have been sound before a set-point is followed: 1 s.
+pub const CALM_TICKS: u32 = TICK_HZ;
+/// Every fault of the set-point shows within this time, so that it comes before the set-point is followed.
+const _: () = assert!(SATURATED < CALM_TICKS);
+
+/// What is wanted.
+#[derive(Clone, Debug)]
+pub struct Setpoint {
+    calibration: SetpointCalibration,
+    ends: Ends,
+    /// Ticks that everything has been sound for, at most [`CALM_TICKS`].
+    calm: u32,
+}
+
+impl Setpoint {
+    /// The set-point of a table that says which displacements its codes stand for.
+    pub fn new(table: &Admitted) -> Option<Self> {
+        let calibration = table.drive?.setpoint?;
+        Some(Self { calibration, ends: Ends::new(table.adc.full_scale), calm: 0 })
+    }
+
+    /// Whether it is to be followed after a start without having been asked to.
+    pub fn at_start(&self) -> bool {
+        self.calibration.at_start
+    }
+
+    /// Waits anew.
+    pub fn restart(&mut self) {
+        self.calm = 0;
+    }
+
+    /// What is wanted at a tick, µm relative to the model's zero, where that can be said; `sound` says that nothing else is
+    /// wrong.
+    pub fn wanted(&mut self, code: AdcCode, sound: bool) -> Option<f32> {
+        let plausible = !self.ends.near(code);
+        if self.calm < CALM_TICKS {
+            self.calm = if plausible && sound { self.calm + 1 } else { 0 };
+            return None;
+        }
+        plausible.then(|| self.calibration.displacement(code))
+    }
+}

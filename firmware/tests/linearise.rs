@@ -1,0 +1,180 @@
+//! A controller's set-point, followed without a host.
+
+mod common;
+
+use common::driven::{Bench, REST, STRIDE};
+use common::{FACTS, SETPOINT, linearising, started};
+use estimator_core::{AdcCode, DacCode};
+use firmware::drive::REFERENCE_TIMEOUT_TICKS;
+use firmware::restarts::Restarts;
+use firmware::setpoint::CALM_TICKS;
+use firmware::startup::Startup;
+use firmware::watch::{HOLD, SATURATED};
+use firmware::{Conversion, Facts};
+use protocol::{Faults, Mode};
+
+fn code(um: f32) -> AdcCode {
+    AdcCode(((um - SETPOINT.offset_um) / SETPOINT.gain_um_per_code) as u16)
+}
+
+/// A bench with a controller, which wants so much from the first tick on.
+struct Controlled {
+    bench: Bench,
+    wants: AdcCode,
+}
+
+impl Controlled {
+    fn new(at_start: bool, facts: &Facts, fallback: bool) -> Self {
+        let (tick, link) = started(Startup::new(Some(&linearising(at_start)), facts, fallback));
+        link.telemetry.streaming.store(true, std::sync::atomic::Ordering::Relaxed);
+        Self { bench: Bench { tick, link, k: 0, dac: REST }, wants: code(30.0) }
+    }
+
+    /// A tick; no step is longer than the slew rate allows.
+    fn step(&mut self) -> (DacCode, Faults) {
+        self.step_with(self.bench.amplifier())
+    }
+
+    fn step_with(&mut self, monitor: AdcCode) -> (DacCode, Faults) {
+        let before = self.bench.dac;
+        // With a converter's noise.
+        let setpoint = Some(AdcCode(self.wants.0.saturating_add((self.bench.k % 3) as u16)));
+        let (dac, sample) = self.bench.read(Conversion { monitor, sensor: None, setpoint });
+        assert!(dac.0.abs_diff(before.0) <= STRIDE, "tick {}: {before:?} → {dac:?}", self.bench.k);
+        (dac, sample.map_or(Faults::all(), |sample| sample.faults))
+    }
+
+    fn run(&mut self, ticks: u32) -> (DacCode, Faults) {
+        (0..ticks).map(|_| self.step()).last().expect("at least one tick")
+    }
+
+    fn mode(&self) -> Mode {
+        self.bench.link.telemetry.mode()
+    }
+}
+
+#[test]
+fn from_rest_it_goes_to_wherever_the_set_point_is_as_fast_as_the_slew_rate_and_follows_it_as_the_inverse_does() {
+    let mut device = Controlled::new(false, &FACTS, false);
+    device.run(10);
+    assert_eq!((device.mode(), device.bench.dac), (Mode::Estimate, REST), "it is not asked to");
+    device.bench.set(Mode::Linearise);
+    assert_eq!(device.run(CALM_TICKS), (REST, Faults::SAFE_OUTPUT), "at rest while it looks at what there is");
+    let table = linearising(false);
+    let drive = table.drive.unwrap();
+    let mut core = table.inverse::<f32>(&drive.limits).unwrap();
+    for _ in 0..10 + CALM_TICKS {
+        core.release();
+    }
+    let mut steps = Vec::new();
+    for k in 0..6_000 {
+        // A jump from end to end, and a swing.
+        let um = if k < 1_500 { 40.0 } else { 20.0 + 15.0 * (k as f32 * 0.01).sin() };
+        device.wants = code(um);
+        let read = AdcCode(device.wants.0 + (device.bench.k % 3) as u16);
+        let expected = drive.code(core.tick(SETPOINT.displacement::<f32>(read)).voltage, 4095);
+        let before = device.bench.dac.0;
+        assert_eq!(device.step(), (expected, Faults::empty()), "tick {k}");
+        steps.push(device.bench.dac.0.abs_diff(before));
+    }
+    assert!(steps[..50].iter().all(|&step| step >= STRIDE - 1), "as fast as it may: {:?}", &steps[..50]);
+}
+
+#[test]
+fn a_fault_of_the_set_point_brings_it_to_rest_and_there_it_stays_until_it_is_told_again() {
+    let open = [("an end", AdcCode(0)), ("the other end", AdcCode(65_520)), ("near an end", AdcCode(300))];
+    for (name, at) in open {
+        let mut device = Controlled::new(true, &FACTS, false);
+        let (held, faults) = device.run(CALM_TICKS + 1_000);
+        assert!(held.0 > REST.0 + 500 && faults.is_empty(), "{name}: {held:?} {faults:?}");
+        device.wants = at;
+        // Nobody wants to be where a broken wire is: what was wanted last is held, but for creep.
+        let (after, faults) = device.run(SATURATED - 2);
+        assert!(after.0.abs_diff(held.0) < 5 && faults.is_empty(), "{name}: {held:?} → {after:?} {faults:?}");
+        let (_, faults) = device.run(2);
+        assert_eq!(faults, Faults::SETPOINT | Faults::SAFE_OUTPUT, "{name}");
+        device.wants = code(30.0);
+        let (dac, faults) = device.run(HOLD + 2 * CALM_TICKS + 2 * REFERENCE_TIMEOUT_TICKS);
+        assert_eq!((dac, faults, device.mode()), (REST, Faults::SAFE_OUTPUT, Mode::Linearise), "{name}");
+        device.bench.set(Mode::Linearise);
+        assert!(device.run(CALM_TICKS + 1_000).0.0 > REST.0 + 500, "{name}: set again, it follows again");
+    }
+}
+
+#[test]
+fn a_glitch_of_the_set_point_moves_nothing() {
+    let mut device = Controlled::new(true, &FACTS, false);
+    let (held, _) = device.run(CALM_TICKS + 4_000);
+    device.wants = AdcCode(0);
+    let (after, faults) = device.run(SATURATED / 2);
+    assert!(after.0.abs_diff(held.0) < 6 && faults.is_empty(), "{held:?} → {after:?}");
+    device.wants = code(30.0);
+    assert!(device.run(5_000).1.is_empty());
+}
+
+#[test]
+fn every_way_out_is_a_ramp() {
+    type End = fn(&mut Controlled);
+    let ends: [(&str, End); 7] = [
+        ("estimate", |device| device.bench.set(Mode::Estimate)),
+        ("pause", |device| device.bench.set(Mode::Pause)),
+        ("pil", |device| device.bench.set(Mode::Pil)),
+        ("follow", |device| device.bench.set(Mode::Follow)),
+        ("excite", |device| device.bench.set(Mode::Excite)),
+        ("supply", |device| {
+            (0..2).for_each(|_| device.bench.link.telemetry.set_supply(Some(3000), |_| false));
+        }),
+        ("monitor", |device| {
+            for _ in 0..SATURATED + 200 {
+                device.step_with(AdcCode(65_520));
+            }
+        }),
+    ];
+    for (name, end) in ends {
+        let mut device = Controlled::new(true, &FACTS, false);
+        assert!(device.run(CALM_TICKS + 1_000).0.0 > REST.0 + 500, "{name}");
+        end(&mut device);
+        let (dac, faults) = device.run(2_000);
+        assert!(dac == REST && faults.contains(Faults::SAFE_OUTPUT), "{name}: {dac:?} {faults:?}");
+    }
+}
+
+#[test]
+fn after_a_start_it_waits_for_a_controller_that_comes_later_and_for_an_amplifier() {
+    let mut device = Controlled::new(true, &FACTS, false);
+    device.wants = AdcCode(0);
+    let (dac, faults) = device.run(3 * CALM_TICKS);
+    assert_eq!((dac, faults, device.mode()), (REST, Faults::SETPOINT | Faults::SAFE_OUTPUT, Mode::Linearise));
+    // The controller comes on for less than a second, then the monitor goes.
+    device.wants = code(30.0);
+    assert_eq!(device.run(CALM_TICKS - 1).0, REST);
+    for _ in 0..500 {
+        assert_eq!(device.step_with(AdcCode(65_520)).0, REST);
+    }
+    assert_eq!(device.run(HOLD).0, REST);
+    assert!(device.run(CALM_TICKS + 1_000).0.0 > REST.0 + 500, "all is sound");
+}
+
+#[test]
+fn it_is_not_entered_of_itself_after_a_failure_or_with_another_table_or_without_the_channel() {
+    let failed = Facts { restarts: Restarts { count: 1, safe: None }, ..FACTS };
+    let blind = Facts { has_setpoint: false, ..FACTS };
+    for (name, facts, fallback, mode) in [
+        ("sound", FACTS, false, Mode::Linearise),
+        ("failed", failed, false, Mode::Estimate),
+        ("fallback", FACTS, true, Mode::Estimate),
+        ("no channel", blind, false, Mode::Estimate),
+    ] {
+        let mut device = Controlled::new(true, &facts, fallback);
+        let (dac, _) = device.run(CALM_TICKS + 1_000);
+        assert_eq!((device.mode(), dac > REST), (mode, mode == Mode::Linearise), "{name}");
+    }
+}
+
+#[test]
+fn a_board_that_gives_no_code_stays_at_rest() {
+    let mut device = Controlled::new(true, &FACTS, false);
+    for _ in 0..3 * CALM_TICKS {
+        assert_eq!(device.bench.step().0, REST);
+    }
+}
