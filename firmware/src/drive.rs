@@ -1,5 +1,6 @@
 //! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse; or wanted voltages, for a
-//! measurement. A displacement comes from the host, or from a controller ([`crate::setpoint`]). One and the same inverse goes along with both, so that its voltage is always the one that is put out.
+//! measurement. A displacement comes from the host, or from a controller ([`crate::setpoint`]). One and the same inverse goes
+//! along with both, so that its voltage is always the one that is put out.
 //!
 //! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
 //! wrong, or nobody speaks any more, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a

@@ -11,7 +11,8 @@ use estimator_core::{AdcCode, Admitted, SetpointCalibration};
 
 /// How long everything must have been sound before a set-point is followed: 1 s.
 pub const CALM_TICKS: u32 = TICK_HZ;
-/// Every fault of the set-point shows within this time, so that it comes before the set-point is followed.
+/// A set-point at an end of its range is a fault within this time, so that it comes before the set-point is followed. One that
+/// does not change shows later.
 const _: () = assert!(SATURATED < CALM_TICKS);
 
 /// What is wanted.
@@ -44,8 +45,12 @@ impl Setpoint {
     /// wrong.
     pub fn wanted(&mut self, code: AdcCode, sound: bool) -> Option<f32> {
         let plausible = !self.ends.near(code);
+        if !sound {
+            self.calm = 0;
+            return None;
+        }
         if self.calm < CALM_TICKS {
-            self.calm = if plausible && sound { self.calm + 1 } else { 0 };
+            self.calm = if plausible { self.calm + 1 } else { 0 };
             return None;
         }
         plausible.then(|| self.calibration.displacement(code))

@@ -102,6 +102,21 @@ fn a_fault_of_the_set_point_brings_it_to_rest_and_there_it_stays_until_it_is_tol
 }
 
 #[test]
+fn a_fault_that_begins_as_it_would_set_out_keeps_it_waiting() {
+    let mut device = Controlled::new(true, &FACTS, false);
+    assert_eq!(device.run(CALM_TICKS).0, REST);
+    device.wants = AdcCode(0);
+    let (dac, faults) = device.run(SATURATED + 10);
+    assert_eq!((dac, faults), (REST, Faults::SETPOINT | Faults::SAFE_OUTPUT));
+    device.wants = code(30.0);
+    for tick in 0..HOLD / 2 {
+        let (dac, faults) = device.step();
+        assert!(dac == REST && faults.contains(Faults::SAFE_OUTPUT), "tick {tick}: {dac:?} {faults:?}");
+    }
+    assert!(device.run(HOLD + CALM_TICKS + 1_000).0.0 > REST.0 + 500, "once all is sound it sets out");
+}
+
+#[test]
 fn a_glitch_of_the_set_point_moves_nothing() {
     let mut device = Controlled::new(true, &FACTS, false);
     let (held, _) = device.run(CALM_TICKS + 4_000);

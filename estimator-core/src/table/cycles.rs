@@ -75,7 +75,7 @@ impl Parameters {
 
 /// Of the Bouc-Wen model with exponents other than 1, which integrates in steps: exponent 2, and any other. What of this and below
 /// is too much for a board was observed before boards refused it.
-const BOUC_WEN_SQUARE: (u32, u32) = (16_900, 68_700);
+const BOUC_WEN_SQUARE: (u32, u32) = (17_100, 68_700);
 const BOUC_WEN_POWER: (u32, u32) = (88_000, 245_900);
 
 /// To estimate, and to drive.

@@ -65,7 +65,7 @@ impl Writing {
 }
 
 fn estimating(client: &mut Client) -> Result<bool, LinkError> {
-    if client.health()?.mode != Mode::Estimate {
+    if matches!(client.health()?.mode, Mode::Pil | Mode::Pause) {
         return Ok(false);
     }
     Ok(table::in_use(client)?.is_some())

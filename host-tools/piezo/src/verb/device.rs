@@ -10,9 +10,11 @@ use table_files::{MOST_BYTES, TableFile};
 
 /// An error where the device does anything but estimate.
 pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
+    // A reset may lead back to the set-point.
+    let verb = if health.mode == Mode::Linearise { "linearise --stop" } else { "reset" };
     ensure!(
         health.mode == Mode::Estimate,
-        "{port}: the device {}; make it estimate again: piezo reset --port {port}",
+        "{port}: the device {}; make it estimate again: piezo {verb} --port {port}",
         device_link::words::mode(health.mode)
     );
     Ok(())

@@ -8,7 +8,7 @@ use bench::describe;
 use clap::Args;
 use device_link::table;
 use device_link::words;
-use estimator_core::{AdcCode, Admitted, Status, Table, TableError};
+use estimator_core::{AdcCode, Admitted, SetpointCalibration, Status, Table, TableError};
 use protocol::{Faults, Health, Identity, VERSION};
 use remedy::Meaning;
 use serde_json::{Value, json};
@@ -92,8 +92,10 @@ fn lines(found: &Found) -> Vec<String> {
         health.samples_dropped, health.frames_refused, health.line_errors, health.flash_errors
     ));
     let of_table = table.as_ref().and_then(|(table, _)| table.as_ref().ok()?.drive?.setpoint);
-    if let Some((code, of_table)) = health.setpoint.zip(of_table) {
-        lines.push(format!("Setpoint {:.3} µm wanted, code {code}", of_table.displacement::<f32>(AdcCode(code))));
+    if let Some(code) = health.setpoint {
+        let wanted = |of: SetpointCalibration| format!("{:.3} µm wanted", of.displacement::<f32>(AdcCode(code)));
+        let wanted = of_table.map_or("not calibrated".to_owned(), wanted);
+        lines.push(format!("Setpoint {wanted}, code {code}"));
     }
     if let Some(millivolt) = health.supply_mv {
         lines.push(format!("Supply   {:.3} V", f64::from(millivolt) * 1e-3));

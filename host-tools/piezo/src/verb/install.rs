@@ -77,6 +77,9 @@ pub fn run(arguments: &Install) -> Result<bool> {
         table.model(),
         identity.board
     ));
+    if table.drive.and_then(|drive| drive.setpoint).is_some_and(|setpoint| setpoint.at_start) {
+        out("it follows its set-point from its next start on; at once: piezo linearise");
+    }
     doubts.iter().filter(|_| !arguments.of_learn).for_each(|doubt| out(&format!("- careful: {doubt}")));
     out(&match compared.bit_exact() {
         true => {

@@ -36,7 +36,7 @@ fn a_table_whose_tick_would_take_too_long_is_refused_to_drive_and_taken_to_estim
     let densities_um = List::collect((0..CELLS).map(|_| 0.5)).expect("as many as there may be");
     let of = PreisachParameters { lower_v: -0.18, upper_v: 3.78, densities_um, offset_um: 0.0 };
     let limits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 400.0 };
-    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits };
+    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits, setpoint: None };
     let displacement_limits_um = Range { min: -50.0, max: 100.0 };
     let estimates = Table { parameters: Parameters::Preisach(of), displacement_limits_um, ..*bench.table()? };
     let drives = Table { drive: Some(drive), ..estimates }.admit()?;

@@ -50,7 +50,8 @@ fn fitted(table: &Table, drives: bool) -> Result<Admitted> {
     let slew_v_per_s = range_v.span() / STRIDES * 2_000.0;
     let limits = DriveLimits { range_v, rest_v: range_v.min, slew_v_per_s };
     let gain_codes_per_v = codes / range_v.span();
-    let drive = DriveCalibration { gain_codes_per_v, offset_code: -gain_codes_per_v * range_v.min, limits };
+    let drive =
+        DriveCalibration { gain_codes_per_v, offset_code: -gain_codes_per_v * range_v.min, limits, setpoint: None };
     let table = Table { adc, dac, drive: drives.then_some(drive), sample_period_us: BOARD.tick_us, ..*table };
     Ok(table.admit()?)
 }
