@@ -14,7 +14,7 @@ const CEILINGS: [(&str, u64); 12] = [
     ("duhem", 353),
     ("bouc-wen", 456),
     ("preisach", 5637),
-    ("narx", 27156),
+    ("narx", 17856),
     ("generalised-prandtl-ishlinskii", 5762),
 ];
 const ROOM_PERCENT: u64 = 2;
