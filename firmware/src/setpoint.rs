@@ -36,7 +36,7 @@ impl Setpoint {
         self.calibration.at_start
     }
 
-    /// Waits anew.
+    /// Waits for another [`CALM_TICKS`] before the set-point is followed.
     pub fn restart(&mut self) {
         self.calm = 0;
     }

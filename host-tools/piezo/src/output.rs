@@ -11,9 +11,9 @@ pub const FACES: [(&str, &str); 3] =
     [("table.toml", "# Parameter table of a piezo actuator"), ("table.rs", "// Made by `piezo emit`"), RECORD];
 /// The binary record of a table.
 pub const RECORD: (&str, &str) = ("table.bin", "PZTB");
-/// A page.
+/// What a page of this program has near its beginning.
 pub const PAGE: &str = "<meta name=\"generator\" content=\"piezo\">";
-/// A picture.
+/// What a picture of this program has near its beginning.
 pub const PICTURE: &str = "class=\"figure\" role=\"img\"";
 /// Where a result says by then what it is, bytes.
 const NEAR: u64 = 512;

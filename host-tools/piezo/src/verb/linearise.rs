@@ -21,7 +21,7 @@ pub struct Linearise {
     /// Print the mode, the set-point and the faults as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Port of the device that is to follow its set-point.
     #[command(flatten)]
     pub port: PortOption,
 }

@@ -55,9 +55,9 @@ pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, floor: f64) 
 /// What a coefficient is drawn towards.
 #[derive(Clone, Copy)]
 pub struct Prior {
-    /// Its column.
+    /// Index of its column among the sessions' common ones.
     pub column: usize,
-    /// Where to.
+    /// The value that it is drawn towards.
     pub towards: f64,
     /// How far it may be from there, a standard deviation.
     pub within: f64,

@@ -7,8 +7,9 @@
 //!
 //! by turns: a for the last e, then e and the reversible part for that a; c_b are the noises of the blocks (see `fit`). The law
 //! says how an actuator answers amplitudes that were not recorded; the draw d towards it is weak where several were, and
-//! strong where there was one. On simulated devices of other classes that leaves a fifth to two fifths less error on recordings
-//! unlike the training where it has several amplitudes, and a twentieth to a fifth less where it has one.
+//! strong where there was one. On five of eight kinds of simulated devices of other classes that leaves 28 to 42 % less error on
+//! recordings unlike the training where it has several amplitudes, on the others as much as before; where it has one, 4 to 20 %
+//! less on the five that were tried.
 
 use super::basis::FUNCTIONS;
 use super::columns::Stages;
