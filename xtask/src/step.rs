@@ -11,7 +11,7 @@ use crate::{
     figures,
     image::Image,
     rules,
-    tool::{self, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, QEMU, Tool},
+    tool::{self, ARM_GCC, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, QEMU, Tool},
 };
 
 /// One check.
@@ -27,7 +27,7 @@ pub struct Step {
 }
 
 /// Every check, the quick ones first.
-pub const STEPS: [Step; 11] = [
+pub const STEPS: [Step; 12] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], run: fmt },
     Step {
         name: "rules",
@@ -55,6 +55,12 @@ pub const STEPS: [Step; 11] = [
         about: "the host tool and the firmware in QEMU understand each other",
         tools: &[&EMBEDDED, &QEMU],
         run: emulated,
+    },
+    Step {
+        name: "c",
+        about: "a program in C, linked with the static library, gives the host's bits on a Cortex-M4F in QEMU",
+        tools: &[&EMBEDDED, &QEMU, &ARM_GCC],
+        run: c,
     },
     Step {
         name: "board",
@@ -154,6 +160,12 @@ fn emulated(sh: &Shell) -> Result<()> {
         .env("FIRMWARE_IMAGE_MPS2", image)
         .env("PIEZO", built_piezo(sh)?)
         .run()?)
+}
+
+fn c(sh: &Shell) -> Result<()> {
+    let build = embedded::cargo(sh)?.args(["build", "--release", "--package", "estimator-c", "--target", TARGET]);
+    let library = artifact::build(build, "libpiezo_estimator.a")?;
+    Ok(tests(sh).args(["--test=cortex_m", "--", "--nocapture"]).env("STATIC_LIBRARY", library).run()?)
 }
 
 fn board(sh: &Shell) -> Result<()> {

@@ -41,6 +41,16 @@ pub const QEMU: Tool = Tool {
         variable: None,
     },
 };
+/// A compiler of C for the microcontroller.
+pub const ARM_GCC: Tool = Tool {
+    name: "arm-gcc",
+    find: |_| program("arm-none-eabi-gcc"),
+    source: Source::Package {
+        debian: "gcc-arm-none-eabi",
+        elsewhere: "install Arm's GNU toolchain with arm-none-eabi-gcc (Homebrew: `brew install --cask gcc-arm-embedded`)",
+        variable: None,
+    },
+};
 /// A browser.
 pub const CHROMIUM: Tool = Tool {
     name: "chromium",
