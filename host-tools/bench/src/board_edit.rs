@@ -4,6 +4,7 @@
 use crate::board_file::{BoardFacts, BoardFileError, MOST_BYTES};
 use protocol::Uid;
 use recordings::file::{self, FileError};
+use std::fmt::{self, Display, Formatter};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use toml_edit::{Array, DocumentMut, Item, Value};
@@ -26,6 +27,19 @@ pub struct Measured {
     pub dac_full_scale: Option<u16>,
     /// Whose calibration it is.
     pub board_uid: Option<Uid>,
+}
+
+impl Display for Measured {
+    /// The spans, as the file says them.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let said = [("adc_span", self.adc_span), ("drive_span", self.drive_span), ("sensor_span", self.sensor_span)];
+        let said = said.into_iter().filter_map(|(name, span)| Some((name, span?)));
+        for (index, (name, (zero, full))) in said.enumerate() {
+            let comma = if index > 0 { ", " } else { "" };
+            write!(f, "{comma}{name} = [{zero:.3}, {full:.3}]")?;
+        }
+        Ok(())
+    }
 }
 
 /// A file with another calibration, not yet written.
@@ -81,6 +95,36 @@ impl Edited {
     /// It cannot be written, and is as it was.
     pub fn write(&self) -> Result<(), FileError> {
         file::write(&self.path, &self.text)
+    }
+
+    /// The lines whose values are others than before, with the former value.
+    pub fn changes(&self) -> Vec<String> {
+        let (before, after) = (self.before.to_toml(), self.after.to_toml());
+        let value = |line: &str| line.split('#').next().unwrap_or(line).trim_end().to_owned();
+        let former = |line: &str| {
+            let field = line.split(" = ").next().unwrap_or(line).to_owned() + " = ";
+            before.lines().find(|former| former.starts_with(&field)).map(&value)
+        };
+        let changed = after.lines().filter(|line| !before.lines().any(|former| former == *line));
+        changed
+            .map(|line| match former(line) {
+                Some(former) => format!("{}   (it was: {former})", value(line)),
+                None => value(line),
+            })
+            .collect()
+    }
+
+    /// The spans that a file which named no board had before, and that were not measured now: of which board they are, nothing says.
+    pub fn unmeasured(&self, measured: &Measured) -> Vec<&'static str> {
+        if self.before.board_uid.is_some() || measured.board_uid.is_none() {
+            return Vec::new();
+        }
+        let stood = [
+            ("adc_span", self.before.adc_span, measured.adc_span),
+            ("drive_span", self.before.drive_span, measured.drive_span),
+            ("sensor_span", self.before.sensor_span, measured.sensor_span),
+        ];
+        stood.into_iter().filter(|(_, before, now)| before.is_some() && now.is_none()).map(|(name, ..)| name).collect()
     }
 }
 

@@ -10,8 +10,10 @@
 
 pub mod doubt;
 mod error;
+mod measured;
 
 pub use error::CalibrationError;
+pub use measured::measured;
 
 use crate::driven::Driven;
 use crate::error::BenchError;

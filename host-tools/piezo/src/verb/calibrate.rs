@@ -6,7 +6,7 @@ use crate::option::link::PortOption;
 use crate::option::{BoardOption, choice, finite, span};
 use ::calibration::span::Span;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use bench::calibrate::{Calibrated, Calibrating, CalibrationError, Channel, Point, Stand, doubt, line};
+use bench::calibrate::{Calibrated, Calibrating, CalibrationError, Channel, Point, Stand, measured};
 use bench::{BenchError, BoardFacts, Driven, Edited, Measured};
 use clap::Args;
 use device_link::interrupt::Interrupt;
@@ -103,16 +103,17 @@ fn beside(error: anyhow::Error, home: &Result<(), BenchError>) -> anyhow::Error 
 
 /// Says what was measured, and then writes it.
 fn write(arguments: &Calibrate, identity: &Identity, before: &BoardFacts, points: &[Point; 2]) -> Result<()> {
-    let measured = measured(arguments, identity, before, points)?;
+    let scale = arguments.sensor.map_or(1.0, |sensor| sensor.um_per_v);
+    let measured = measured(arguments.channel, scale, identity, before, points).map_err(BenchError::from)?;
     if !arguments.json {
         tell_points(identity, points, &measured)?;
     }
-    let edited = Edited::of(&arguments.board.board, &measured)
-        .with_context(|| format!("by what was measured, {}", spans(&measured)))?;
+    let edited =
+        Edited::of(&arguments.board.board, &measured).with_context(|| format!("by what was measured, {measured}"))?;
     if !arguments.dry_run {
         edited.write()?;
     }
-    tell(arguments, points, &edited, &unmeasured(before, &measured))
+    tell(arguments, points, &edited, &edited.unmeasured(&measured))
 }
 
 /// Why there is no calibration.
@@ -211,57 +212,6 @@ fn lines() -> Receiver<std::io::Result<String>> {
     receiver
 }
 
-/// What board.toml is to say by two points.
-fn measured(arguments: &Calibrate, identity: &Identity, before: &BoardFacts, points: &[Point; 2]) -> Result<Measured> {
-    let scale = arguments.sensor.map_or(1.0, |sensor| sensor.um_per_v);
-    let readings = points.map(|point| scale * point.reading);
-    let of = |codes: [f64; 2], full_scale| line([(codes[0], readings[0]), (codes[1], readings[1])], full_scale);
-    let span = of(points.map(|point| point.channel.code), identity.adc_full_scale).map_err(BenchError::from)?;
-    let former = match (arguments.channel, arguments.drive_to) {
-        // What the board drove to says which way it goes.
-        (Channel::Monitor, Some(_)) => None,
-        (Channel::Monitor, None) => before.adc_span,
-        (Channel::Sensor, _) => before.sensor_span,
-    };
-    doubt::of_former(former, span).map_err(BenchError::from)?;
-    let whose = Measured {
-        board_uid: identity.uid,
-        adc_full_scale: Some(identity.adc_full_scale),
-        dac_full_scale: Some(identity.dac_full_scale),
-        ..Measured::default()
-    };
-    Ok(match (arguments.channel, points.map(|point| point.dac)) {
-        (Channel::Sensor, _) => Measured { sensor_span: Some(span), ..whose },
-        (Channel::Monitor, [Some(low), Some(high)]) => {
-            let drive = of([low, high], identity.dac_full_scale).map_err(BenchError::from)?;
-            Measured { adc_span: Some(span), drive_span: Some(drive), ..whose }
-        }
-        (Channel::Monitor, _) => Measured { adc_span: Some(span), ..whose },
-    })
-}
-
-/// The measured spans, as the file says them.
-fn spans(measured: &Measured) -> String {
-    let Measured { adc_span, drive_span, sensor_span, .. } = *measured;
-    let said = [("adc_span", adc_span), ("drive_span", drive_span), ("sensor_span", sensor_span)];
-    let said =
-        said.into_iter().filter_map(|(name, span)| span.map(|(zero, full)| format!("{name} = [{zero:.3}, {full:.3}]")));
-    said.collect::<Vec<_>>().join(", ")
-}
-
-/// The spans of a file without a UID that it had before, and that were not measured now.
-fn unmeasured(before: &BoardFacts, measured: &Measured) -> Vec<&'static str> {
-    if before.board_uid.is_some() || measured.board_uid.is_none() {
-        return Vec::new();
-    }
-    let stood = [
-        ("adc_span", before.adc_span, measured.adc_span),
-        ("drive_span", before.drive_span, measured.drive_span),
-        ("sensor_span", before.sensor_span, measured.sensor_span),
-    ];
-    stood.into_iter().filter(|(_, before, now)| before.is_some() && now.is_none()).map(|(name, ..)| name).collect()
-}
-
 fn tell_points(identity: &Identity, points: &[Point; 2], measured: &Measured) -> Result<()> {
     let (unit, span) = match measured.sensor_span {
         Some(span) => ("µm", Some(span)),
@@ -277,7 +227,7 @@ fn tell_points(identity: &Identity, points: &[Point; 2], measured: &Measured) ->
             channel.noise * a_code
         ));
     }
-    out(&format!("That makes {}.", spans(measured)));
+    out(&format!("That makes {measured}."));
     Ok(())
 }
 
@@ -294,7 +244,7 @@ fn tell(arguments: &Calibrate, points: &[Point; 2], edited: &Edited, unmeasured:
         return Ok(());
     }
     let path = arguments.board.board.display();
-    let changes = changes(before, after);
+    let changes = edited.changes();
     match (changes.is_empty(), arguments.dry_run) {
         (true, _) => out(&format!("{path} says all of that already.")),
         (false, true) => out(&format!("{path} would say, and says still what it said (--dry-run):")),
@@ -311,21 +261,4 @@ fn tell(arguments: &Calibrate, points: &[Point; 2], edited: &Edited, unmeasured:
         out("A table on the board has the calibration of before: install it anew with this file (piezo install).");
     }
     Ok(())
-}
-
-/// The values that are others than before.
-fn changes(before: &BoardFacts, after: &BoardFacts) -> Vec<String> {
-    let (before, after) = (before.to_toml(), after.to_toml());
-    let value = |line: &str| line.split('#').next().unwrap_or(line).trim_end().to_owned();
-    let former = |line: &str| {
-        let field = line.split(" = ").next().unwrap_or(line).to_owned() + " = ";
-        before.lines().find(|former| former.starts_with(&field)).map(&value)
-    };
-    let changed = after.lines().filter(|line| !before.lines().any(|former| former == *line));
-    changed
-        .map(|line| match former(line) {
-            Some(former) => format!("{}   (it was: {former})", value(line)),
-            None => value(line),
-        })
-        .collect()
 }
