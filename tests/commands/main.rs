@@ -14,6 +14,7 @@ mod info;
 mod instruments;
 mod linearise;
 mod logs;
+mod manual;
 mod mistakes;
 mod options;
 mod pil;

@@ -11,7 +11,8 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
     calibrate, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn,
-    linearise, look, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train, validate, zero,
+    linearise, look, manual, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train, validate,
+    zero,
 };
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
@@ -142,6 +143,12 @@ enum Verb {
         after_help = "Examples: piezo reproduce --json; piezo reproduce all --out out/thesis; piezo reproduce loops features --logs a.csv b.csv --validate-on c.csv"
     )]
     Reproduce(Box<reproduce::Reproduce>),
+    /// This program's verbs and options → what a shell completes them by, printed; where it belongs, your shell's manual says.
+    #[command(after_help = "Example: piezo completions bash")]
+    Completions(manual::Completions),
+    /// This program's help → pages of the manual.
+    #[command(after_help = "Example: piezo man --out man1")]
+    Man(manual::Manual),
 }
 
 impl Cli {
@@ -175,6 +182,8 @@ impl Cli {
             Verb::Reset(arguments) => reset::run(&arguments),
             Verb::Simulate(arguments) => simulate::run(&arguments),
             Verb::Reproduce(arguments) => reproduce::run(&arguments),
+            Verb::Completions(arguments) => manual::completions(&arguments),
+            Verb::Man(arguments) => manual::manual(&arguments),
         }
     }
 }

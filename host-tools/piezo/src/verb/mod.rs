@@ -16,6 +16,7 @@ pub mod install;
 pub mod learn;
 pub mod linearise;
 pub mod look;
+pub mod manual;
 pub mod monitor;
 pub mod pil;
 pub mod prove;
