@@ -6,6 +6,9 @@ mod documents;
 mod option;
 mod output;
 mod verb;
+#[cfg(test)]
+#[path = "../../../tests/documents/versions.rs"]
+mod versions;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
