@@ -14,7 +14,7 @@
 
 mod choice;
 mod sampling;
-mod series;
+pub mod series;
 mod tolerance;
 
 pub use choice::DividerError;

@@ -34,6 +34,16 @@ impl Series {
     }
 }
 
+/// Ohms as they are printed on a bag of resistors.
+pub fn ohms(ohms: f64) -> String {
+    // Three digits are all that a value of a series has.
+    let short = |x: f64| format!("{x:.3}").trim_end_matches('0').trim_end_matches('.').to_owned();
+    match ohms {
+        1e6.. => format!("{} MΩ", short(ohms / 1e6)),
+        _ => format!("{} kΩ", short(ohms / 1e3)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

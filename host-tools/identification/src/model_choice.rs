@@ -35,6 +35,16 @@ pub enum Reason {
     LeastInTraining,
 }
 
+impl Reason {
+    /// What cross-validation has found, where it chose.
+    pub fn cross_validation(&self) -> Option<&CrossValidation> {
+        match self {
+            Self::CrossValidated(of) => Some(of),
+            Self::AskedFor | Self::LeastInTraining => None,
+        }
+    }
+}
+
 /// What was identified when a model, or none, was asked for.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Choice {

@@ -5,7 +5,7 @@ use crate::option::{choice, span};
 use ::calibration::span::Span;
 use anyhow::{Result, ensure};
 use clap::Args;
-use divider::{CODES_A_STEP, Divider, FULL_SCALE, REFERENCE_V, Sampling, Series};
+use divider::{CODES_A_STEP, Divider, FULL_SCALE, REFERENCE_V, Sampling, Series, series};
 use serde_json::{Value, json};
 
 /// Tolerances that resistors are sold with, each with the drift that is usual for it, of the value a kelvin: thick film, thin film.
@@ -111,7 +111,7 @@ impl Found {
         let (divider, (low, high)) = (&self.divider, self.ends);
         let &Measured { source, of: (of, unit), field: (field, option), .. } = &self.measured;
         let part = |name: &str, ohms: Option<f64>, between: &str| match ohms {
-            Some(ohms) => format!("  {name} = {} {between}", self::ohms(ohms)),
+            Some(ohms) => format!("  {name} = {} {between}", series::ohms(ohms)),
             None => format!("  {name} is left out"),
         };
         let mut lines = vec![
@@ -177,7 +177,7 @@ impl Found {
         lines.push(format!(
             "The node has {}. The firmware samples for {:.2} µs, sixteen times in a row: behind the follower, 100 Ω and 4.7 nF settle with \
              {:.2} µs, to {:.4} % of the difference to the other channel; without the follower it would be {:.1} µs, so it is needed.",
-            ohms(divider.impedance()),
+            series::ohms(divider.impedance()),
             1e6 * sampling.time_s,
             1e6 * sampling.filter_s,
             100.0 * sampling.missing,
@@ -228,15 +228,5 @@ impl Found {
             "impedance_ohm": divider.impedance(),
             "sampling": Sampling::of(divider),
         })
-    }
-}
-
-/// Ohms as they are printed on a bag.
-fn ohms(ohms: f64) -> String {
-    // Three digits are all that a value of a series has.
-    let short = |x: f64| format!("{x:.3}").trim_end_matches('0').trim_end_matches('.').to_owned();
-    match ohms {
-        1e6.. => format!("{} MΩ", short(ohms / 1e6)),
-        _ => format!("{} kΩ", short(ohms / 1e3)),
     }
 }

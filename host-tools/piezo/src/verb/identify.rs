@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
-use identification::{Candidate, CrossValidation, Job, ModelChoice, Outcome, Reason, SearchOptions, StraightLine};
+use identification::{Candidate, Job, ModelChoice, Outcome, SearchOptions, StraightLine};
 use prediction_interval::Calibration;
 use recordings::Role;
 use recordings::prepare::Recipe;
@@ -254,14 +254,6 @@ fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, St
     facts
 }
 
-/// What cross-validation has found, where it chose.
-fn cross_validation(reason: &Reason) -> Option<&CrossValidation> {
-    match reason {
-        Reason::CrossValidated(of) => Some(of),
-        Reason::AskedFor | Reason::LeastInTraining => None,
-    }
-}
-
 fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
     let candidates: Vec<Value> = outcome
         .candidates
@@ -289,7 +281,7 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
     Ok(json!({
         "model": outcome.candidate().table.model(),
         "reason": remedy::reason(&outcome.reason),
-        "cross_validation": cross_validation(&outcome.reason),
+        "cross_validation": outcome.reason.cross_validation(),
         "verdict": verdict,
         "candidates": candidates,
         "interval": outcome.candidate().table.interval,
