@@ -29,11 +29,18 @@ fn identifies_the_measured_log_and_says_how_good_it_is() {
     for doubt in ["single-amplitude", "single-frequency", "calibration-assumed"] {
         assert!(doubts.contains(&doubt), "{doubt} is missing in {doubts:?}");
     }
+    let found = result["determination"]["found"].as_array().unwrap();
+    assert_eq!(found.len(), 6);
+    let known = |index: usize| (number(&found[index], "/standard_error_um"), found[index]["determined"] == true);
+    let (stroke, half) = (known(0), known(2));
+    assert!(stroke.1 && stroke.0 < 0.2, "the stroke was recorded: {stroke:?}");
+    assert!(!half.1 && half.0 > 2.0 * known(1).0, "a smaller loop was not: {half:?}");
     assert_eq!(result["logs"][0]["role"], "training");
     assert_eq!(result["logs"][1]["role"], "held-out");
     assert_eq!(result["logs"][0]["to_s"], result["logs"][1]["from_s"]);
 
     let (file, admitted) = TableFile::load(&out.path().join("table.toml")).unwrap();
+    assert!(file.determined[3].contains("record swings of 50 % of the range"), "{:?}", file.determined);
     let record = fs::read(out.path().join("table.bin")).unwrap();
     assert_eq!(Table::parse(&record).unwrap(), admitted);
     let interval = admitted.interval.expect("an interval was calibrated");

@@ -3,6 +3,7 @@
 
 mod bench;
 mod bits;
+mod determination;
 mod device;
 mod doubt;
 mod identification;
@@ -11,6 +12,7 @@ mod paste;
 
 pub use bench::{complaint, stopped};
 pub use bits::{Meaning, faults, remarks, status};
+pub use determination::determination;
 pub use device::{board, refusal};
 pub use doubt::{doubt, doubt_json};
 pub use identification::{mismatch, reason};

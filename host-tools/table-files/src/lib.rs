@@ -25,6 +25,9 @@ pub struct TableFile {
     /// Reasons not to trust it, in words.
     #[serde(default)]
     pub doubts: Vec<String>,
+    /// What the training determined of the actuator, with standard errors, in words.
+    #[serde(default)]
+    pub determined: Vec<String>,
     /// The parameter table itself.
     pub table: Table,
     /// How logs are prepared for it.

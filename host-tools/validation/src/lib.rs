@@ -15,5 +15,6 @@ pub use compare::{Cold, Comparison, Trace, compare, compare_within};
 pub use coverage::Coverage;
 pub use estimates::{Estimates, Instant, estimates};
 pub use figures::Figures;
+pub use run::Run;
 pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S, errors_within};
 pub use told::{Told, ToldFigures};

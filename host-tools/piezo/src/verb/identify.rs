@@ -5,6 +5,7 @@ use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choic
 use crate::output::{self, FACES, Held, PAGE, PICTURE};
 use anyhow::{Context, Result};
 use clap::Args;
+use identifiability::Determination;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
 use identification::{Candidate, Job, ModelChoice, Outcome, SearchOptions, StraightLine};
@@ -69,13 +70,16 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     })?;
     bar.finish_and_clear();
     let (outcome, interval) = with_interval(outcome, &job.search, arguments.devices)?;
+    let training: Vec<_> = outcome.problem.training().collect();
+    let determination = identifiability::determination(&outcome.candidate().table, &training);
+    let determined = determination.as_ref().map_or_else(Vec::new, remedy::determination);
     let mut verdict = verdict(&outcome);
     verdict.push(beside(interval.as_ref(), arguments.devices));
-    write(&folder, arguments, job.cost, &outcome, &verdict)?;
+    write(&folder, arguments, job.cost, &outcome, &verdict, &determined)?;
     if arguments.fitting.json {
-        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict)?)?);
+        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict, determination.as_ref())?)?);
     } else {
-        summary(arguments, &outcome, &verdict);
+        summary(arguments, &outcome, &verdict, &determined);
     }
     Ok(true)
 }
@@ -108,12 +112,20 @@ fn beside(interval: Option<&Calibration>, devices: u32) -> String {
     )
 }
 
-fn write(folder: &Held, arguments: &Identify, cost: Cost, outcome: &Outcome, verdict: &[String]) -> Result<()> {
+fn write(
+    folder: &Held,
+    arguments: &Identify,
+    cost: Cost,
+    outcome: &Outcome,
+    verdict: &[String],
+    determined: &[(String, String)],
+) -> Result<()> {
     let candidate = outcome.candidate();
     let doubts: Vec<String> = outcome.doubts.iter().map(remedy::doubt).collect();
     let file = TableFile {
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
         doubts: doubts.clone(),
+        determined: determined.iter().map(|(what, found)| format!("{what}: {found}")).collect(),
         table: *candidate.table,
         recipe: outcome.context.recipe.clone(),
         cost: Some(cost.feedback),
@@ -131,7 +143,7 @@ fn write(folder: &Held, arguments: &Identify, cost: Cost, outcome: &Outcome, ver
         chosen: candidate,
         candidates: &outcome.candidates,
         straight_line: outcome.straight_line.as_ref(),
-        facts: &facts(arguments, cost, outcome),
+        facts: &[determined, &facts(arguments, cost, outcome)].concat(),
     })?;
     let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
     let title = format!("{}: {}", shown.name, candidate.table.model());
@@ -192,7 +204,7 @@ fn verdict(outcome: &Outcome) -> Vec<String> {
     sentences
 }
 
-fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
+fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determined: &[(String, String)]) {
     let figures = |candidate: &Candidate| candidate.held_out_figures().or(candidate.training_figures());
     let held_out = outcome.candidate().held_out_figures().is_some();
     out(&heading(if held_out { "held out, in simulation" } else { "training, in simulation" }));
@@ -210,6 +222,8 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String]) {
     }
     out("");
     verdict.iter().for_each(|sentence| out(sentence));
+    out("\nWhat the training says of the actuator, ± a standard error, as if the model were right:");
+    determined.iter().for_each(|(what, found)| out(&format!("  {what:<46} {found}")));
     out("\nWhen not to trust it:");
     outcome.doubts.iter().for_each(|doubt| out(&format!("- {}", remedy::doubt(doubt))));
     let folder = arguments.out.display();
@@ -254,7 +268,7 @@ fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, St
     facts
 }
 
-fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
+fn to_json(outcome: &Outcome, verdict: &[String], determination: Option<&Determination>) -> serde_json::Result<Value> {
     let candidates: Vec<Value> = outcome
         .candidates
         .iter()
@@ -283,6 +297,7 @@ fn to_json(outcome: &Outcome, verdict: &[String]) -> serde_json::Result<Value> {
         "reason": remedy::reason(&outcome.reason),
         "cross_validation": outcome.reason.cross_validation(),
         "verdict": verdict,
+        "determination": determination,
         "candidates": candidates,
         "interval": outcome.candidate().table.interval,
         "straight_line": outcome.straight_line,

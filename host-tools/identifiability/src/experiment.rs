@@ -1,0 +1,99 @@
+//! Experiments with the actuator that a table describes, to say in a user's terms what is known of it.
+
+use estimator_core::{Admitted, Estimator, Range};
+use serde::Serialize;
+
+/// An experiment, from rest at the lower end of the training's voltages.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Experiment {
+    /// A triangle over the whole range at 1 Hz: how far the displacement goes.
+    Stroke,
+    /// A triangle from the lower end: how far apart the two branches are at its middle voltage.
+    Width {
+        /// How far it goes, as a part of the range.
+        part: f64,
+        /// Its frequency, Hz.
+        hz: f64,
+    },
+    /// The whole range in a tenth of a second, and a hold: how far the displacement goes from 0.1 to 10 s after it.
+    Creep,
+}
+
+/// Of the loops, Hz; of the ramp before a hold, until creep is counted, and until it no longer is, s.
+const SLOW_HZ: f64 = 1.0;
+const FAST_HZ: f64 = 10.0;
+const RAMP_S: f64 = 0.1;
+const FROM_S: f64 = 0.1;
+const TO_S: f64 = 10.0;
+
+impl Experiment {
+    /// Every experiment, the stroke first.
+    pub fn all() -> [Self; 6] {
+        let width = |part, hz| Self::Width { part, hz };
+        [Self::Stroke, width(1.0, SLOW_HZ), width(0.5, SLOW_HZ), width(0.25, SLOW_HZ), width(1.0, FAST_HZ), Self::Creep]
+    }
+
+    /// What is read off it, µm, by a table, over voltages relative to the model's zero.
+    pub(crate) fn run(self, table: &Admitted, voltages: Range<f64>) -> f64 {
+        let mut actuator = Actuator::at_rest(table, voltages.min);
+        match self {
+            Self::Stroke => {
+                let [low, _, top, _] = actuator.cycle(voltages, SLOW_HZ);
+                top - low
+            }
+            Self::Width { part, hz } => {
+                let [_, up, _, down] =
+                    actuator.cycle(Range { max: voltages.min + part * voltages.span(), ..voltages }, hz);
+                down - up
+            }
+            Self::Creep => {
+                actuator.ramp(voltages.min, voltages.max, RAMP_S);
+                let there = actuator.ramp(voltages.max, voltages.max, FROM_S);
+                actuator.ramp(voltages.max, voltages.max, TO_S - FROM_S) - there
+            }
+        }
+    }
+}
+
+/// An actuator that is driven.
+struct Actuator {
+    estimator: Estimator<f64>,
+    voltage_zero: f64,
+    tick_s: f64,
+}
+
+impl Actuator {
+    fn at_rest(table: &Admitted, voltage: f64) -> Self {
+        let mut actuator = Self {
+            estimator: Estimator::new(table),
+            voltage_zero: table.voltage_zero_v.into(),
+            tick_s: table.sample_period(),
+        };
+        actuator.ramp(voltage, voltage, 0.0);
+        actuator
+    }
+
+    /// Displacements in the second period of a triangle: at its lower end, at the middle of the rise, at the top and at the
+    /// middle of the fall. The first wipes out the start.
+    fn cycle(&mut self, voltages: Range<f64>, hz: f64) -> [f64; 4] {
+        let (low, middle, top) = (voltages.min, voltages.middle(), voltages.max);
+        let mut quarter = |from, to| self.ramp(from, to, 0.25 / hz);
+        quarter(low, middle);
+        quarter(middle, top);
+        quarter(top, middle);
+        let bottom = quarter(middle, low);
+        [bottom, quarter(low, middle), quarter(middle, top), quarter(top, middle)]
+    }
+
+    /// Goes from a voltage to another; returns the displacement there, µm. At least one tick.
+    fn ramp(&mut self, from: f64, to: f64, duration_s: f64) -> f64 {
+        let ticks = (duration_s / self.tick_s).round().max(1.0) as u32;
+        let mut displacement = 0.0;
+        for tick in 1..=ticks {
+            let voltage = from + (to - from) * f64::from(tick) / f64::from(ticks);
+            displacement = self.estimator.tick_volts(voltage + self.voltage_zero).displacement;
+        }
+        displacement
+    }
+}

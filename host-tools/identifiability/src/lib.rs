@@ -1,0 +1,162 @@
+//! What recordings determine of an actuator, and what they do not: what a table says of it, with standard errors.
+//!
+//! ```text
+//! Σ⁻¹ = nₑ/(n·s²)·JᵀJ + D⁻²        J = ∂ŷ/∂θ at the training's readings, s their mean square error
+//! se(φ)² = ∇φᵀ Σ ∇φ                 φ what the actuator does in an experiment, by the table
+//! nₑ = n / (1 + 2 Σ_k ρ_k)          ρ the errors' autocorrelation, until it first falls below 0
+//! ```
+//!
+//! (Seber and Wild, *Nonlinear Regression*, 1989, ch. 2 and 6; Geyer, *Statistical Science* 7(4), 1992, for where the sum ends.)
+//! A model's single numbers say little: those of neighbouring plays stand in for one another, and no log tells them apart. What the
+//! actuator does in an experiment is told by all of them together, and is what a user means. D takes every number to be known
+//! to its own size beforehand, so that what the logs do not see has a large standard error, and not an infinite one.
+//!
+//! It is the errors of the readings that speak here, as if the model were right. What the model itself is wrong by, the
+//! interval beside the estimate says.
+
+mod experiment;
+mod numbers;
+
+pub use experiment::Experiment;
+
+use estimator_core::{Admitted, Range};
+use nalgebra::{DMatrix, DVector};
+use numbers::{Number, numbers};
+use rayon::prelude::*;
+use recordings::session::Session;
+use serde::Serialize;
+use validation::Run;
+
+/// Readings that are looked at, at most: more say the same.
+const READINGS: usize = 20_000;
+/// Change of a number, of its size.
+const STEP: f64 = 1e-3;
+/// What is known to this part of the stroke is determined.
+const OF_STROKE: f64 = 0.005;
+
+/// What the training logs determine.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Determination {
+    /// Readings of the training.
+    pub readings: usize,
+    /// As many independent readings would say as much.
+    pub effective_readings: f64,
+    /// Root mean square error in training, µm.
+    pub rms_um: f64,
+    /// Numbers of the model that were looked at.
+    pub numbers: usize,
+    /// Largest by smallest singular value of the readings' derivatives by the numbers, each of its own size.
+    pub condition: f64,
+    /// What the actuator does, experiment by experiment.
+    pub found: Vec<Found>,
+}
+
+/// What the actuator does in an experiment, by the table.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Found {
+    /// The experiment.
+    pub experiment: Experiment,
+    /// What is read off it, µm.
+    pub value_um: f64,
+    /// Its standard error, µm.
+    pub standard_error_um: f64,
+    /// Whether that is at most half a percent of the stroke.
+    pub determined: bool,
+}
+
+/// What the training sessions determine of a table that was identified from them; `None` where they have no two readings, or
+/// the model no number that a log could tell.
+pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determination> {
+    // Neither an interval nor a drive has a part in it.
+    let table = estimator_core::Table { interval: None, drive: None, ..**table }.admit().ok()?;
+    let errors: Vec<Vec<f64>> = sessions.iter().map(|session| judged(errors(&table, session), session)).collect();
+    let readings: usize = errors.iter().map(Vec::len).sum();
+    let squares: f64 = errors.iter().flatten().map(|error| error * error).sum();
+    let effective: f64 = errors.iter().map(|errors| effective(errors)).sum();
+    let voltages = Range::of_values(sessions.iter().flat_map(|session| session.voltage.iter().copied()));
+    let numbers = numbers(&table);
+    if readings < 2 || numbers.is_empty() || squares <= 0.0 || voltages.span() <= 0.0 {
+        return None;
+    }
+    let every = readings.div_ceil(READINGS);
+    let experiments = Experiment::all();
+    let before: Vec<f64> = experiments.iter().map(|experiment| experiment.run(&table, voltages)).collect();
+    // Of each number the change of the readings, and of the experiments' results, for as much as itself.
+    let changes: Vec<(Vec<f64>, Vec<f64>)> = numbers
+        .par_iter()
+        .map(|Number { changed, step }| {
+            let read = sessions.iter().zip(&errors).flat_map(|(session, errors)| {
+                let changes = judged(self::errors(changed, session), session);
+                changes.into_iter().zip(errors).map(|(after, before)| (after - before) / step).collect::<Vec<f64>>()
+            });
+            let read = read.step_by(every).collect();
+            let results = experiments.iter().zip(&before);
+            (read, results.map(|(experiment, before)| (experiment.run(changed, voltages) - before) / step).collect())
+        })
+        .collect();
+    let looked_at = changes.first()?.0.len();
+    let read = DMatrix::from_fn(looked_at, numbers.len(), |reading, number| changes[number].0[reading]);
+    let information = read.tr_mul(&read);
+    let weight = effective / looked_at as f64 / (squares / readings as f64);
+    let precision = &information * weight + DMatrix::identity(numbers.len(), numbers.len());
+    let precision = precision.cholesky()?;
+    let eigenvalues = information.symmetric_eigenvalues();
+    let stroke = before.first().copied()?.abs();
+    let found = experiments.iter().enumerate().map(|(index, &experiment)| {
+        let gradient = DVector::from_iterator(numbers.len(), changes.iter().map(|(_, results)| results[index]));
+        let standard_error_um = gradient.dot(&precision.solve(&gradient)).max(0.0).sqrt();
+        let value_um = before[index];
+        let determined = standard_error_um <= OF_STROKE * stroke;
+        Found { experiment, value_um, standard_error_um, determined }
+    });
+    Some(Determination {
+        readings,
+        effective_readings: effective,
+        rms_um: (squares / readings as f64).sqrt(),
+        numbers: numbers.len(),
+        condition: (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt(),
+        found: found.collect(),
+    })
+}
+
+fn errors(table: &Admitted, session: &Session) -> Vec<f64> {
+    Run::of::<f64>(table, session, None, None).errors(session)
+}
+
+/// Without those that are only run through.
+fn judged(mut errors: Vec<f64>, session: &Session) -> Vec<f64> {
+    errors.drain(..session.lead_in.min(errors.len()));
+    errors
+}
+
+/// nₑ of one session.
+fn effective(errors: &[f64]) -> f64 {
+    let count = errors.len() as f64;
+    let variance: f64 = errors.iter().map(|error| error * error).sum();
+    if variance <= 0.0 {
+        return count;
+    }
+    let correlation = |lag: usize| {
+        let products = errors.iter().zip(&errors[lag..]).map(|(a, b)| a * b);
+        products.sum::<f64>() / variance
+    };
+    let sum: f64 = (1..errors.len()).map(correlation).take_while(|&correlation| correlation > 0.0).sum();
+    count / (1.0 + 2.0 * sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_that_repeat_each_other_count_once() {
+        // Independent by their signs; then each ten times.
+        let signs: Vec<f64> =
+            (0u32..400).map(|n| if n.wrapping_mul(2_654_435_761) >> 31 == 0 { 1.0 } else { -1.0 }).collect();
+        let repeated: Vec<f64> = signs.iter().flat_map(|&sign| [sign; 10]).collect();
+        assert!((200.0..=400.0).contains(&effective(&signs)), "{}", effective(&signs));
+        assert!((200.0..=600.0).contains(&effective(&repeated)), "{}", effective(&repeated));
+        assert!(effective(&[1.0; 50]) < 2.0);
+        assert_eq!(effective(&[0.0; 5]), 5.0);
+    }
+}

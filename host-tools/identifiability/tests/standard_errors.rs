@@ -1,0 +1,92 @@
+//! Standard errors are small where the readings say something, and large where they do not.
+
+use estimator_core::{Admitted, Table};
+use identifiability::{Determination, Experiment, determination};
+use recordings::session::Session;
+use std::path::Path;
+use validation::Run;
+
+const TICK_S: f64 = 5e-4;
+/// Every tenth tick is measured.
+const EVERY: u32 = 10;
+const LOW: f64 = 0.0;
+const HIGH: f64 = 3.6;
+
+fn table() -> Admitted {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models/generalised-prandtl-ishlinskii.toml");
+    let (_, table) = table_files::TableFile::load(&path).unwrap();
+    Table { interval: None, ..*table }.admit().unwrap()
+}
+
+/// Triangles from the lower end to a part of the range.
+fn triangles(part: f64, hz: f64, cycles: u32) -> Vec<f64> {
+    let period = (1.0 / hz / TICK_S).round();
+    let ticks = (0..(period as u32) * cycles).map(|tick| (f64::from(tick) / period).fract());
+    ticks.map(|phase| LOW + part * (HIGH - LOW) * (1.0 - (2.0 * phase - 1.0).abs())).collect()
+}
+
+fn hold(seconds: f64) -> Vec<f64> {
+    vec![HIGH; (seconds / TICK_S) as usize]
+}
+
+/// What a sensor with noise of this deviation (µm) sees of the table's own actuator; the noise is one of steps, so that every
+/// reading is independent.
+fn session(voltage: &[f64], noise_um: f64) -> Session {
+    let instants: Vec<u32> = (0..voltage.len() as u32).step_by(EVERY as usize).collect();
+    let blank = Session::new("made".into(), voltage.to_vec(), instants.clone(), vec![0.0; instants.len()], TICK_S);
+    let run = Run::of::<f64>(&table(), &blank, None, None);
+    let noise = (0u32..).map(|n| if n.wrapping_mul(2_654_435_761) >> 31 == 0 { noise_um } else { -noise_um });
+    let first = run.estimated[0];
+    let seen = std::iter::once(first).chain(run.estimated).zip(noise).map(|(displacement, noise)| displacement + noise);
+    Session { displacement: seen.collect(), ..blank }
+}
+
+fn of(voltage: &[f64], noise_um: f64) -> Determination {
+    determination(&table(), &[&session(voltage, noise_um)]).expect("there is something to tell")
+}
+
+fn error(determination: &Determination, experiment: Experiment) -> f64 {
+    let found = determination.found.iter().find(|found| found.experiment == experiment);
+    found.expect("every experiment is made").standard_error_um
+}
+
+const HALF: Experiment = Experiment::Width { part: 0.5, hz: 1.0 };
+const FULL: Experiment = Experiment::Width { part: 1.0, hz: 1.0 };
+const FAST: Experiment = Experiment::Width { part: 1.0, hz: 10.0 };
+
+#[test]
+fn what_was_recorded_is_known_and_what_was_not_is_not() {
+    let major = triangles(1.0, 1.0, 6);
+    let alone = of(&major, 0.02);
+    let with = |more: Vec<f64>| of(&[major.clone(), more].concat(), 0.02);
+    for (experiment, more) in
+        [(HALF, triangles(0.5, 1.0, 6)), (FAST, triangles(1.0, 10.0, 20)), (Experiment::Creep, hold(15.0))]
+    {
+        let (before, after) = (error(&alone, experiment), error(&with(more), experiment));
+        assert!(after < 0.6 * before, "{experiment:?}: {before:.4} µm without, {after:.4} µm with");
+        assert!(before > 2.0 * error(&alone, FULL), "{experiment:?} was not in {before:.4} µm");
+    }
+    assert!(alone.found.iter().all(|found| found.determined), "{alone:#?}");
+    let loud = of(&major, 0.3);
+    let undetermined = |experiment| loud.found.iter().any(|found| found.experiment == experiment && !found.determined);
+    assert!(undetermined(HALF) && undetermined(FAST) && !undetermined(FULL), "{loud:#?}");
+}
+
+#[test]
+fn noise_and_repetition_count() {
+    let major = triangles(1.0, 1.0, 4);
+    let (quiet, loud) = (of(&major, 0.01), of(&major, 0.04));
+    let long = of(&triangles(1.0, 1.0, 16), 0.04);
+    let stroke = |of: &Determination| error(of, Experiment::Stroke);
+    assert!((2.5..=4.1).contains(&(stroke(&loud) / stroke(&quiet))), "{} {}", stroke(&loud), stroke(&quiet));
+    assert!((1.6..=2.5).contains(&(stroke(&loud) / stroke(&long))), "{} {}", stroke(&loud), stroke(&long));
+    assert!((loud.rms_um - 0.04).abs() < 0.002 && loud.effective_readings > 0.3 * loud.readings as f64, "{loud:#?}");
+}
+
+#[test]
+fn nothing_is_said_of_what_has_no_errors() {
+    let still = session(&vec![1.0; 4000], 0.0);
+    assert_eq!(determination(&table(), &[&still]), None);
+    assert_eq!(determination(&table(), &[]), None);
+}

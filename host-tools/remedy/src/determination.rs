@@ -1,0 +1,35 @@
+//! What the training determines of an actuator, in words.
+
+use identifiability::{Determination, Experiment, Found};
+
+/// What it says, a line each: what it is of, the number with its standard error, and what to record where that is too large.
+pub fn determination(of: &Determination) -> Vec<(String, String)> {
+    let worth = format!(
+        "{} readings with an error of {:.3} µm, which repeat one another and are worth {:.0}",
+        of.readings, of.rms_um, of.effective_readings
+    );
+    let found = of.found.iter().map(|found| {
+        let Found { experiment, value_um, standard_error_um, determined } = *found;
+        let (what, record) = words(experiment);
+        let record = if determined { String::new() } else { format!("; not well known: record {record}") };
+        (what, format!("{value_um:.2} ± {standard_error_um:.2} µm{record}"))
+    });
+    std::iter::once(("The training".to_owned(), worth)).chain(found).collect()
+}
+
+/// What is read off an experiment, and what recording would tell it.
+fn words(experiment: Experiment) -> (String, String) {
+    match experiment {
+        Experiment::Stroke => ("Stroke over its voltages, at 1 Hz".to_owned(), "more cycles".to_owned()),
+        Experiment::Width { part: 1.0, hz } => {
+            (format!("Width of that loop, at {hz} Hz"), format!("the full range at {hz} Hz"))
+        }
+        Experiment::Width { part, hz } => (
+            format!("Width of a loop of {part} of it, at {hz} Hz"),
+            format!("swings of {:.0} % of the range", 100.0 * part),
+        ),
+        Experiment::Creep => {
+            ("Creep from 0.1 to 10 s after a step over it".to_owned(), "a step, and a hold of 10 s".to_owned())
+        }
+    }
+}
