@@ -74,7 +74,10 @@ impl Channel {
             (peripheral, request & 0x7F) == (register, id) && request & 1 << 16 == 0,
             "request {request:#x} for {peripheral:#x}: only LPUART1's are modelled"
         );
-        ensure!(control & FROM_MEMORY == 0 || control & CIRC == 0, "a block that is sent round and round is not modelled");
+        ensure!(
+            control & FROM_MEMORY == 0 || control & CIRC == 0,
+            "a block that is sent round and round is not modelled"
+        );
         let (from, to) = (u64::from(memory), u64::from(memory) + u64::from(left));
         ensure!((RAM..=RAM + RAM_SIZE).contains(&from) && to <= RAM + RAM_SIZE, "DMA at {memory:#x}: not modelled");
         Ok(())
@@ -108,9 +111,8 @@ pub struct Dma {
 
 impl Dma {
     fn ready(&mut self, direction: u32) -> Option<&mut Channel> {
-        let goes = |channel: &&mut Channel| {
-            channel.on() && channel.control & FROM_MEMORY == direction && channel.left > 0
-        };
+        let goes =
+            |channel: &&mut Channel| channel.on() && channel.control & FROM_MEMORY == direction && channel.left > 0;
         self.channels.iter_mut().find(goes)
     }
 
@@ -297,9 +299,13 @@ mod tests {
         halted.write(FIRST + STRIDE + CCR, MINC | CIRC).unwrap();
         let resumed = on(&mut halted).unwrap_err().to_string();
         assert!(resumed.contains("3 of 4 transfers left"), "{resumed}");
-        for (peripheral, control) in
-            [(RECEIVE, 1 << 8), (RECEIVE, 1 << 14), ((RECEIVE.0, 35), 0), (RECEIVE, FROM_MEMORY), (TRANSMIT, FROM_MEMORY | CIRC)]
-        {
+        for (peripheral, control) in [
+            (RECEIVE, 1 << 8),
+            (RECEIVE, 1 << 14),
+            ((RECEIVE.0, 35), 0),
+            (RECEIVE, FROM_MEMORY),
+            (TRANSMIT, FROM_MEMORY | CIRC),
+        ] {
             assert!(on(&mut dma(peripheral, control)).is_err(), "{peripheral:x?} {control:#x}");
         }
     }
