@@ -258,6 +258,14 @@ impl Board {
             .with_context(|| format!("neither memory nor register at {address:#x}"))
     }
 
+    /// A word of the RAM, or of the image.
+    ///
+    /// # Errors
+    /// There is no memory at the address.
+    pub fn peek(&self, address: u32) -> Result<u32> {
+        self.word(address).with_context(|| format!("no memory at {address:#x}"))
+    }
+
     /// Leads the core astray: it goes on at `address`, whatever it was about to do.
     pub fn jump(&mut self, address: u32) {
         self.core.pc = address & !1;
