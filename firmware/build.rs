@@ -13,8 +13,9 @@ fn main() {
         (Some(_), Some(_)) => panic!("choose one board: --no-default-features --features mps2-an386"),
     };
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    let aliases: String =
-        ["FLASH", "RAM", "PARAMETERS"].map(|region| format!("REGION_ALIAS({region}, {board}_{region});\n")).concat();
+    let aliases: String = ["FLASH", "STACK", "RAM", "PARAMETERS"]
+        .map(|region| format!("REGION_ALIAS({region}, {board}_{region});\n"))
+        .concat();
     fs::write(out.join("board.x"), aliases).expect("OUT_DIR can be written");
     // A device crate of the emulated board would have this; its vectors stand in the board's own file.
     if board == "MPS2_AN386" {

@@ -1,7 +1,7 @@
 //! Puts the parts together and never ends.
 
 use crate::boot::{self, Chosen};
-use crate::link::{Device, Link};
+use crate::link::{Device, Link, Taken};
 use crate::panel::{Front, Panel};
 use crate::peripherals::Peripherals;
 use crate::queues::Queues;
@@ -67,6 +67,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
         queues: link_queues,
         frames_refused: 0,
         read_errors: 0,
+        referred: Taken::default(),
     };
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
     telemetry.set_supply(facts.supply_mv, facts.supply_good);

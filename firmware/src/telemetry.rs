@@ -41,7 +41,7 @@ pub struct Telemetry {
     /// Whether samples are wanted; written by the link.
     pub streaming: AtomicBool,
     /// How often the mode has been set; even the same again counts.
-    pub epoch: AtomicU8,
+    pub epoch: AtomicU32,
     /// Whether the estimator may be told a displacement.
     pub may_be_told: AtomicBool,
     /// Whether a reference is followed that is to be held for ever.
@@ -88,7 +88,7 @@ impl Telemetry {
             safe: AtomicU16::new(0),
             stride: AtomicU32::new(Stride::JUMP.0),
             streaming: AtomicBool::new(false),
-            epoch: AtomicU8::new(0),
+            epoch: AtomicU32::new(0),
             may_be_told: AtomicBool::new(false),
             holding: AtomicBool::new(false),
             supply_mv: AtomicU16::new(0),

@@ -13,7 +13,7 @@ use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{Admitted, DacCode, IntervalParameters, Table};
 use firmware::boot::{self, Chosen};
 use firmware::drive::Drive;
-use firmware::link::Device;
+use firmware::link::{Device, Taken};
 use firmware::queues::Command;
 use firmware::restarts::{Restarts, TOO_MANY};
 use firmware::startup::Startup;
@@ -62,7 +62,16 @@ impl Bench {
                 std::thread::sleep(std::time::Duration::from_micros(50));
             }
         });
-        let device = Device {
+        Self { device: Self::device(table, rest), stop }
+    }
+
+    /// A device whose ticks the test runs.
+    fn still(table: Option<Admitted>, rest: LinkEnd) -> Self {
+        Self { device: Self::device(table, rest), stop: Arc::default() }
+    }
+
+    fn device(table: Option<Admitted>, rest: LinkEnd) -> Device<'static, Flash> {
+        Device {
             facts: FACTS,
             table,
             source: TableSource::Compiled { reason: text("no table is stored") },
@@ -72,8 +81,8 @@ impl Bench {
             queues: rest.queues,
             frames_refused: 4,
             read_errors: 5,
-        };
-        Self { device, stop }
+            referred: Taken::default(),
+        }
     }
 
     fn ask(&mut self, request: Request) -> Reply {
@@ -254,39 +263,78 @@ fn codes_are_taken_in_their_mode_and_as_many_as_there_is_room() {
 
 #[test]
 fn references_are_taken_where_the_dac_drives_and_are_numbers() {
-    let refer =
-        |wanted: f32| Request::Refer { references: [wanted; 64].iter().copied().collect(), go: false, hold: false };
+    let refer = |first, wanted: f32| {
+        let references = [wanted; 64].iter().copied().collect();
+        Request::Refer { first, references, go: false, hold: false }
+    };
     let mut plain = Bench::new(Some(compiled()));
     let mut bench = Bench::new(Some(driving()));
-    assert_eq!(bench.ask(refer(10.0)), Reply::Refused(Refusal::NotFollowing));
+    assert_eq!(bench.ask(refer(0, 10.0)), Reply::Refused(Refusal::NotFollowing));
     for mode in [Mode::Excite, Mode::Follow] {
         assert_eq!(plain.ask(Request::SetMode(mode)), Reply::Refused(Refusal::NoDrive));
         assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Done);
         for odd in [f32::NAN, f32::INFINITY] {
-            assert_eq!(bench.ask(refer(odd)), Reply::Refused(Refusal::NotFinite));
+            assert_eq!(bench.ask(refer(0, odd)), Reply::Refused(Refusal::NotFinite));
         }
         assert_eq!(bench.ask(push(&driving(), false)), Reply::Refused(Refusal::Estimating), "flash may cost ticks");
         assert!(bench.device.lent(), "{mode:?} ends with the host that has set it");
-        assert!(matches!(bench.ask(refer(2.0)), Reply::Referred { taken: 64, .. }), "{mode:?}");
+        assert_eq!(bench.ask(refer(0, 2.0)), Reply::Referred { next: 64, starved: 0 }, "{mode:?} counts from 0");
     }
     assert_eq!(
         bench.ask(Request::SetZero { at_um: 0.0 }),
         Reply::Refused(Refusal::NotEstimating),
         "references have the model's zero"
     );
-    let full = (0..1_000).any(|_| match bench.ask(refer(10.0)) {
-        Reply::Referred { taken, .. } => taken < 64,
+    let next = |bench: &mut Bench, first| match bench.ask(refer(first, 10.0)) {
+        Reply::Referred { next, starved: 0 } => next,
         reply => panic!("{reply:?}"),
-    });
-    assert!(full, "nothing is taken before it is to go");
+    };
+    for first in [64, 128, 192] {
+        next(&mut bench, first);
+    }
+    assert_eq!(next(&mut bench, 255), 255, "nothing is taken before it is to go");
     assert_eq!(
-        bench.ask(Request::Refer { references: Default::default(), go: true, hold: true }),
-        Reply::Referred { taken: 0, starved: 0 }
+        bench.ask(Request::Refer { first: 255, references: Default::default(), go: true, hold: true }),
+        Reply::Referred { next: 255, starved: 0 }
     );
     let start = std::time::Instant::now();
-    while matches!(bench.ask(refer(10.0)), Reply::Referred { taken: 0, .. }) {
+    while next(&mut bench, 255) == 255 {
         assert!(start.elapsed() < std::time::Duration::from_secs(10), "ticks make room");
     }
+}
+
+#[test]
+fn references_that_come_twice_are_taken_once_and_none_behind_a_gap() {
+    let (mut tick, link) = started(Startup::new(Some(&driving()), &FACTS, false));
+    let mut bench = Bench::still(Some(driving()), link);
+    bench.device.queues.commands.enqueue(Command::SetMode(Mode::Follow)).unwrap();
+    let mut clock = 0;
+    let mut run = |ticks| {
+        for _ in 0..ticks {
+            tick.sample(triangle(clock).into(), clock.wrapping_mul(PERIOD));
+            clock += 1;
+        }
+    };
+    run(1);
+    let mut refer = |first, count, go| {
+        let references = (first..first + count).map(|k| k as f32 * 1e-3).collect();
+        match bench.ask(Request::Refer { first, references, go, hold: false }) {
+            Reply::Referred { next, starved } => (next, starved),
+            reply => panic!("{reply:?}"),
+        }
+    };
+    assert_eq!(refer(0, 0, false), (0, 0), "how far it is");
+    assert_eq!(refer(0, 20, true), (20, 0));
+    assert_eq!(refer(0, 20, true), (20, 0), "its reply was lost");
+    assert_eq!(refer(30, 10, true), (20, 0), "ten are missing");
+    assert_eq!(refer(10, 20, true), (30, 0), "ten of them are new");
+    // Thirty references, and five ticks that find none.
+    run(35);
+    assert_eq!(refer(10, 20, true), (30, 0), "as they were taken: nothing was starved");
+    assert_eq!(refer(30, 10, true), (40, 5));
+    run(12);
+    assert_eq!(refer(20, 10, true), (40, 5), "a frame that is late");
+    assert_eq!(refer(40, 1, true), (41, 7));
 }
 
 #[test]
@@ -353,7 +401,7 @@ fn a_set_point_is_followed_where_board_and_table_have_one_and_for_as_long_as_nob
     let mut bench = Bench::new(Some(linearising(false)));
     assert_eq!(bench.ask(linearise), Reply::Done);
     assert!(bench.device.telemetry.mode() == Mode::Linearise && !bench.device.lent());
-    let refer = Request::Refer { references: [1.0].iter().copied().collect(), go: true, hold: true };
+    let refer = Request::Refer { first: 0, references: [1.0].iter().copied().collect(), go: true, hold: true };
     assert_eq!(bench.ask(refer), Reply::Refused(Refusal::NotFollowing));
     assert_eq!(bench.ask(push(&linearising(true), false)), Reply::Refused(Refusal::Estimating));
 }

@@ -8,7 +8,7 @@
 //!
 //! Every message travels in a frame of its own ([`frame`]): versioned, CRC-checked, delimited so that either side finds
 //! its feet again after noise. Requests may be sent again when no reply comes: only [`Request::Feed`],
-//! [`Request::Refer`], [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time.
+//! [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time.
 #![cfg_attr(not(test), no_std)]
 
 pub mod faults;

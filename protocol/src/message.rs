@@ -73,7 +73,12 @@ pub enum Request {
     /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]
     Feed(Codes),
     /// Wanted displacements for the next ticks, in [`Mode::Follow`], or voltages, in [`Mode::Excite`]. → [`Reply::Referred`]
+    ///
+    /// Those that have been taken before are not taken again, and none where some before them are missing: a request that
+    /// comes twice does what it does once, and one without references and `go` asks how far it is.
     Refer {
+        /// The number of the first one, counted from 0 when the mode was set.
+        first: u32,
         /// One a tick.
         references: References,
         /// Follow them from now on. Until then they wait, so that the first ones need not be in a hurry.
@@ -118,9 +123,10 @@ pub enum Reply {
     Fed(u16),
     /// To [`Request::Refer`]: what became of the references.
     Referred {
-        /// How many there was room for; the rest must be sent again.
-        taken: u16,
-        /// Ticks since the mode was set that found no reference after the first, and held the last one.
+        /// The number of the next one: all before were taken, and it and those behind must be sent (again).
+        next: u32,
+        /// Ticks since the mode was set that had found no reference after the first, and held the last one, when the
+        /// reference before `next` was taken.
         starved: u32,
     },
     /// To [`Request::Reset`]: it will start again.

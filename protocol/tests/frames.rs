@@ -35,7 +35,7 @@ fn requests() -> Vec<Request> {
         Request::ShiftBias { by_um: f32::MAX },
         Request::SetMode(Mode::Linearise),
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
-        Request::Refer { references: [f32::MAX; 64].iter().copied().collect(), go: true, hold: true },
+        Request::Refer { first: u32::MAX, references: [f32::MAX; 64].iter().copied().collect(), go: true, hold: true },
         Request::Reset,
     ]
 }
@@ -99,7 +99,7 @@ fn answers() -> Vec<ToHost> {
         Reply::Table([0; MAX_LENGTH].iter().copied().collect()),
         Reply::Done,
         Reply::Fed(64),
-        Reply::Referred { taken: 64, starved: u32::MAX },
+        Reply::Referred { next: u32::MAX, starved: u32::MAX },
         Reply::Resetting { in_ms: u32::MAX },
         Reply::Refused(Refusal::Table(text("µ".repeat(200)))),
         Reply::Refused(Refusal::BeyondSpan { span_um: f32::MAX }),
@@ -124,14 +124,14 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f07ac020a030102f0ff034916874b00");
+    assert_eq!(hex(frame(&message)), "0f08ac020a030102f0ff03c44d8cba00");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "230701ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff07d30edfc700"
+        "230801ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff037fff07eab98b4a00"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (7, 2258674671));
+    assert_eq!((VERSION, crc), (8, 3687686487));
 }
 
 #[test]

@@ -12,7 +12,7 @@ const FLASH: Range<u64> = 0x0800_0000..0x0808_0000;
 pub struct Image {
     /// Bytes of flash: code, constants, and the initial values of variables.
     pub flash_bytes: u64,
-    /// Bytes of RAM that are taken for good: variables, initialised or not; the stack has the rest.
+    /// Bytes of RAM that are taken for good: variables, initialised or not, without the stack.
     pub ram_bytes: u64,
     symbols: BTreeMap<String, u64>,
 }

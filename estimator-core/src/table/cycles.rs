@@ -90,7 +90,7 @@ const fn most_cycles(model: Model) -> (u32, u32) {
         Model::MaxwellSlip => (9_500, 19_800),
         Model::Duhem => (8_300, 15_600),
         Model::BoucWen => (8_000, 19_600),
-        Model::Preisach => (19_700, 106_500),
+        Model::Preisach => (19_900, 106_500),
         // It has no inverse.
         Model::Narx => (50_900, 50_900),
         Model::GeneralisedPrandtlIshlinskii => (18_000, 50_500),

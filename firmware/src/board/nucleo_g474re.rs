@@ -9,7 +9,7 @@
 //! | high while the tick runs, for an oscilloscope | PA8 (D7) |
 //! | VALID: an edge at every good tick, for an interlock | PB10 (D6) |
 //! | lamp, button: [`firmware::panel`] | PA5 (LD2), PC13 (B1) |
-//! | link | LPUART1 on PA2, PA3: the ST-Link's virtual COM port |
+//! | link | LPUART1 on PA2, PA3, by DMA1's channels 1 and 3: the ST-Link's virtual COM port |
 //! | trigger of both converters | TIM6, 2 kHz |
 //! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
 //!
@@ -22,12 +22,13 @@
 mod clocks;
 #[path = "nucleo_g474re/failure.rs"]
 mod failure;
+#[path = "nucleo_g474re/line.rs"]
+mod line;
 #[path = "nucleo_g474re/supply.rs"]
 mod supply;
 
 use core::cell::Cell;
 use core::ptr::addr_of;
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use cortex_m::peripheral::{DWT, SCB};
 use defmt_rtt as _;
@@ -36,15 +37,14 @@ use embassy_stm32::adc::{Adc, AdcChannel as _, AdcConfig, Exten, InjectedAdc, Sa
 use embassy_stm32::dac::{Ch1, DacChannel, Mode, Value};
 use embassy_stm32::flash::Flash;
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
-use embassy_stm32::interrupt::typelevel::{Handler, LPUART1 as LPUART1Interrupt};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::mode::Async;
 use embassy_stm32::pac::{self, timer::vals::Mms};
-use embassy_stm32::peripherals::{ADC1, DMA1_CH2, LPUART1, TIM6};
+use embassy_stm32::peripherals::{ADC1, DMA1_CH1, DMA1_CH2, DMA1_CH3, LPUART1, TIM6};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::{RoundTo, Timer};
 use embassy_stm32::triggers::TIM6_TRGO;
-use embassy_stm32::usart::{self, BufferedInterruptHandler, BufferedUart};
+use embassy_stm32::usart;
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, bind_interrupts, dma, flash, interrupt};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
@@ -54,26 +54,16 @@ use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::reading::Watched;
 use firmware::{Conversion, Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
-use protocol::{BAUD, ResetCause, Uid};
+use protocol::{ResetCause, Uid};
 use static_cell::ConstStaticCell;
 
 bind_interrupts!(struct Irqs {
+    DMA1_CHANNEL1 => dma::InterruptHandler<DMA1_CH1>;
     DMA1_CHANNEL2 => dma::InterruptHandler<DMA1_CH2>;
+    DMA1_CHANNEL3 => dma::InterruptHandler<DMA1_CH3>;
     FLASH => flash::InterruptHandler;
-    LPUART1 => LineErrors, BufferedInterruptHandler<LPUART1>;
+    LPUART1 => line::Pause, usart::InterruptHandler<LPUART1>;
 });
-
-/// Counts what the driver drops without a word: overrun, framing and noise.
-struct LineErrors;
-
-impl Handler<LPUART1Interrupt> for LineErrors {
-    unsafe fn on_interrupt() {
-        let state = pac::LPUART1.isr().read();
-        if state.ore() || state.fe() || state.ne() {
-            LINE_ERRORS.store(LINE_ERRORS.load(Relaxed).wrapping_add(1), Relaxed);
-        }
-    }
-}
 
 const CORE_HZ: u32 = 170_000_000;
 /// The ADC adds up sixteen conversions of 12 bits.
@@ -118,8 +108,6 @@ impl Front for OnBoard {
 static TELEMETRY: Telemetry = Telemetry::new();
 /// On its way there.
 static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
-/// Errors of the serial line.
-static LINE_ERRORS: AtomicU32 = AtomicU32::new(0);
 
 unsafe extern "C" {
     /// Symbols of memory.x: their addresses are meant.
@@ -144,14 +132,9 @@ async fn main(_spawner: Spawner) {
     core.DWT.enable_cycle_counter();
     defmt::info!("nucleo-g474re, reset cause {=u8:b}", reset.bits());
 
-    static TRANSMIT: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    static RECEIVE: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    let mut line = usart::Config::default();
-    line.baudrate = BAUD;
-    let uart = BufferedUart::new(p.LPUART1, p.PA3, p.PA2, TRANSMIT.take(), RECEIVE.take(), Irqs, line);
-    // Cannot fail: the rate is a constant that LPUART1 reaches from 170 MHz.
-    let (transmitter, receiver) = uart.expect("LPUART1 reaches the rate").split();
-    for other in [interrupt::LPUART1, interrupt::TIM5, interrupt::FLASH, interrupt::DMA1_CHANNEL2] {
+    let (transmitter, receiver) = line::start(p.LPUART1, p.PA3, p.PA2, p.DMA1_CH3, p.DMA1_CH1);
+    let (receives, sends) = (interrupt::DMA1_CHANNEL1, interrupt::DMA1_CHANNEL3);
+    for other in [interrupt::LPUART1, receives, sends, interrupt::TIM5, interrupt::FLASH, interrupt::DMA1_CHANNEL2] {
         other.set_priority(Priority::P6);
     }
     interrupt::ADC1_2.set_priority(Priority::P0);
@@ -187,7 +170,7 @@ async fn main(_spawner: Spawner) {
         measure_supply: || Some(supply::measure()),
         supply_good: supply::good,
         flash_errors: failure::flash_errors,
-        line_errors: || LINE_ERRORS.load(Relaxed),
+        line_errors: line::errors,
     };
     let board = Peripherals {
         facts,

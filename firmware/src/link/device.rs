@@ -43,6 +43,19 @@ pub struct Device<'q, F: NorFlash> {
     pub frames_refused: u32,
     /// Errors of the serial line that its driver has reported so far.
     pub read_errors: u32,
+    /// The references of the mode so far.
+    pub referred: Taken,
+}
+
+/// References that have been taken.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Taken {
+    /// Of the mode that began so ([`Telemetry::epoch`]).
+    epoch: u32,
+    /// The number of the next one.
+    next: u32,
+    /// Ticks that had found none when the last one was taken.
+    starved: u32,
 }
 
 impl<F: NorFlash> Device<'_, F> {
@@ -53,7 +66,7 @@ impl<F: NorFlash> Device<'_, F> {
             Request::Health => return Reply::Health(self.health()),
             Request::Pull => return self.record().map_or(Reply::Refused(Refusal::NoTable), Reply::Table),
             Request::Feed(codes) => return self.feed(&codes),
-            Request::Refer { references, go, hold } => return self.refer(&references, go, hold),
+            Request::Refer { first, references, go, hold } => return self.refer(first, &references, go, hold),
             Request::Push { record, while_estimating, rewired } => self.push(&record, while_estimating, rewired).await,
             Request::Erase { while_estimating, rewired } => self.erase(while_estimating, rewired).await,
             Request::SetMode(mode) => self.set_mode(mode).await,
@@ -241,19 +254,33 @@ impl<F: NorFlash> Device<'_, F> {
         Reply::Fed(taken as u16)
     }
 
-    fn refer(&mut self, references: &References, go: bool, hold: bool) -> Reply {
+    fn refer(&mut self, first: u32, references: &References, go: bool, hold: bool) -> Reply {
         if !self.telemetry.mode().takes_references() {
             return Reply::Refused(Refusal::NotFollowing);
         }
         if !references.iter().all(|reference| reference.is_finite()) {
             return Reply::Refused(Refusal::NotFinite);
         }
-        if go && self.queues.commands.enqueue(Command::Go { hold }).is_err() {
-            return Reply::Refused(Refusal::Busy);
+        let epoch = self.telemetry.epoch.load(Relaxed);
+        if self.referred.epoch != epoch {
+            self.referred = Taken { epoch, ..Taken::default() };
         }
-        let taken =
-            references.iter().take_while(|&&reference| self.queues.references.enqueue(reference).is_ok()).count();
-        // At most 64.
-        Reply::Referred { taken: taken as u16, starved: self.telemetry.starved.load(Relaxed) }
+        // What was taken before is passed over. A gap, or a frame that is late by more than its length, is left alone.
+        let known = self.referred.next.wrapping_sub(first) as usize;
+        if let Some(new) = references.get(known..) {
+            if go && self.queues.commands.enqueue(Command::Go { hold }).is_err() {
+                return Reply::Refused(Refusal::Busy);
+            }
+            for &reference in new {
+                let starved = self.telemetry.starved.load(Relaxed);
+                if self.queues.references.enqueue(reference).is_err() {
+                    break;
+                }
+                self.referred.next = self.referred.next.wrapping_add(1);
+                self.referred.starved = starved;
+            }
+        }
+        let Taken { next, starved, .. } = self.referred;
+        Reply::Referred { next, starved }
     }
 }

@@ -5,7 +5,7 @@
 
 mod device;
 
-pub use device::Device;
+pub use device::{Device, Taken};
 
 use crate::panel::{Front, Panel};
 use core::ops::ControlFlow;

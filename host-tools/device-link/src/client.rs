@@ -1,8 +1,8 @@
 //! The host's end of the link: requests and their replies, and the samples that arrive in between.
 //!
 //! A reply belongs to the request whose sequence number it carries. A request without a reply is sent again under the same
-//! number where twice is as good as once. It is not for [`Request::Feed`], [`Request::Refer`], [`Request::SetZero`] (the
-//! displacement has moved on) and [`Request::ShiftBias`] (it adds): then [`LinkError::Unknown`] has the caller find out.
+//! number where twice is as good as once. It is not for [`Request::Feed`], [`Request::SetZero`] (the displacement
+//! has moved on) and [`Request::ShiftBias`] (it adds): then [`LinkError::Unknown`] has the caller find out.
 
 use super::error::LinkError;
 use super::port::{Address, Port};
@@ -21,6 +21,10 @@ use std::time::{Duration, Instant};
 const REPLY: Duration = Duration::from_millis(500);
 /// The same where flash is written before the reply.
 const WRITTEN: Duration = Duration::from_secs(2);
+/// The same of references, which a device that drives must not be without: half of what its queue of them lasts.
+const REFERRED: Duration = Duration::from_millis(60);
+/// How often references are sent before the device is called silent, which takes as long as with other requests.
+const REFERS: u32 = 25;
 /// How often a request is sent before the device is called silent.
 const TRIES: u32 = 3;
 /// Pause before a busy device is asked again.
@@ -163,11 +167,12 @@ impl Client {
     }
 
     /// Hands wanted displacements (µm), or voltages (V) in [`Mode::Excite`], over for the next ticks. With `go` the device follows
-    /// them from now on and holds the last one, for ever with `hold` and for a second without. Returns how many there was room for,
-    /// and how many ticks have found none so far.
-    pub fn refer(&mut self, references: References, go: bool, hold: bool) -> Result<(usize, u32), LinkError> {
-        match self.request(Request::Refer { references, go, hold })? {
-            Reply::Referred { taken, starved } => Ok((taken.into(), starved)),
+    /// them from now on and holds the last one, for ever with `hold` and for a second without. `first` is the number of the first,
+    /// counted from 0 when the mode was set. Returns the number of the next one, for which there was no room yet, and how many
+    /// ticks had found none when the one before it was taken.
+    pub fn refer(&mut self, first: u32, references: References, go: bool, hold: bool) -> Result<(u32, u32), LinkError> {
+        match self.request(Request::Refer { first, references, go, hold })? {
+            Reply::Referred { next, starved } => Ok((next, starved)),
             _ => Err(self.confused()),
         }
     }
@@ -198,9 +203,8 @@ impl Client {
     /// Asks, and asks again where that does no harm.
     pub fn request(&mut self, request: Request) -> Result<Reply, LinkError> {
         let (tries, patience) = match request {
-            Request::Feed(_) | Request::Refer { .. } | Request::SetZero { .. } | Request::ShiftBias { .. } => {
-                (1, REPLY)
-            }
+            Request::Feed(_) | Request::SetZero { .. } | Request::ShiftBias { .. } => (1, REPLY),
+            Request::Refer { .. } => (REFERS, REFERRED),
             Request::Push { .. } | Request::Erase { .. } => (TRIES, WRITTEN),
             _ => (TRIES, REPLY),
         };

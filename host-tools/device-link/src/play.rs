@@ -64,16 +64,6 @@ pub enum PlayError {
         /// How many ticks were asked for.
         ticks: usize,
     },
-    /// A reply to references was lost.
-    #[error(
-        "a reply was lost, so that nobody knows which references the device has taken: after {done} of {ticks} ticks"
-    )]
-    ReplyLost {
-        /// How many ticks had been done.
-        done: usize,
-        /// How many ticks were asked for.
-        ticks: usize,
-    },
     /// Samples were lost.
     #[error("{0} samples were lost: is the cable sound, and this machine not too busy?")]
     SamplesLost(u32),
@@ -102,6 +92,8 @@ pub fn play(
         client.set_mode(mode)?;
     }
     client.stream(true)?;
+    // The number that the device gives the first reference.
+    let (begin, _) = client.refer(0, References::new(), false, false)?;
     let mut played = Played::default();
     let mut numbers = Numbers::default();
     let (mut sent, mut going, mut news) = (0, goes_on.is_some(), Instant::now());
@@ -123,13 +115,14 @@ pub fn play(
             // Nothing but the end is held: a host that dies on the way is waited for for a second.
             let last = sent + next.len() == references.len();
             going |= last;
-            let (taken, starved) = match client.refer(chunk, going, hold && last) {
-                Err(LinkError::Unknown { .. }) => return Err(PlayError::ReplyLost { done, ticks }),
-                answer => answer?,
-            };
-            full = taken < next.len();
+            let (needed, starved) = client.refer(begin.wrapping_add(sent as u32), chunk, going, hold && last)?;
+            let taken = needed.wrapping_sub(begin) as usize;
+            if !(sent..=sent + next.len()).contains(&taken) {
+                return Err(PlayError::Restarted);
+            }
+            full = taken < sent + next.len();
             going |= full;
-            sent += taken.min(next.len());
+            sent = taken;
             let before = *starved_before.get_or_insert(starved);
             first = first.or(goes_on.map(|Held(next)| next.wrapping_add(before)));
             played.starved = starved.saturating_sub(before);
@@ -186,7 +179,7 @@ mod tests {
     use super::*;
     use crate::pages;
     use crate::table::to_record;
-    use emulator::faults::{lose_samples_at, messages};
+    use emulator::faults::{lose_samples_at, messages, replies};
     use emulator::{Direction, Emulator, Fault, FaultyLine, Plant, TABLE, amplifier};
     use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, Table};
     use parameter_store::RamFlash;
@@ -264,14 +257,47 @@ mod tests {
             if moved < 280 { conversion } else { AdcCode(TABLE.adc.full_scale).into() }
         };
         let starves = messages(|message| match message {
-            ToHost::Reply { to, reply: Reply::Referred { taken, .. } } => {
-                Some(ToHost::Reply { to, reply: Reply::Referred { taken, starved: 7 } })
+            ToHost::Reply { to, reply: Reply::Referred { next, .. } } => {
+                Some(ToHost::Reply { to, reply: Reply::Referred { next, starved: 7 } })
             }
             other => Some(other),
         });
         let followed = run(breaks, starves).unwrap();
         assert_eq!(followed.samples.len(), 300);
         assert_eq!((followed.starved, followed.stopped), (7, Faults::ADC_SATURATED | Faults::SAFE_OUTPUT));
+    }
+
+    #[test]
+    fn a_lost_reply_and_a_frame_that_comes_twice_cost_nothing() {
+        // Of the replies to references, those to the first and to two in the midst of the wave.
+        let (mut referred, mut twice) = (0, 0);
+        let mut loses = replies(move |_, reply, frame| {
+            if matches!(reply, Reply::Referred { .. }) {
+                referred += 1;
+                if [2, 7, 11].contains(&referred) {
+                    frame.clear();
+                }
+            }
+        });
+        let fault = move |direction, frame: &mut Vec<u8>| match direction {
+            Direction::ToDevice => {
+                // A frame of 64 references, its delimiter included.
+                if frame.len() > 250 {
+                    twice += 1;
+                    if twice % 3 == 0 {
+                        frame.extend_from_within(..);
+                    }
+                }
+            }
+            Direction::ToHost => loses(direction, frame),
+        };
+        let followed = run(amplifier(DRIVE, TABLE.adc), fault).unwrap();
+        assert_eq!((followed.samples.len(), followed.starved, followed.stopped), (1000, 0, Faults::empty()));
+        let mut inverse = driving().inverse::<f32>(&LIMITS).unwrap();
+        for (tick, (sample, reference)) in followed.samples.iter().zip(wave()).enumerate() {
+            let expected = DRIVE.code(inverse.tick(reference).voltage, TABLE.dac.full_scale);
+            assert_eq!(DacCode(sample.dac), expected, "tick {tick}");
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::{
     contents::{Contents, Tear},
     cpu::{self, Chip, Core},
     gpio::Pin,
-    machine::Machine,
+    machine::{Machine, PARTS},
     memory::{RAM, RAM_SIZE},
     rcc::Reset,
 };
@@ -114,7 +114,18 @@ impl Board {
         self.machine().clock
     }
 
-    /// Of [`Board::clock`], those in which no instruction ran: sleep, waiting for the flash, exception entry and return.
+    /// From now on, through resets, an instruction takes so many clocks on average, 1 or more. What a core of the kind takes
+    /// with wait states lies between 1.3 and 2.2.
+    ///
+    /// # Panics
+    /// It would take less than a clock.
+    pub fn slow(&mut self, clocks: f64) {
+        assert!(clocks >= 1.0, "{clocks} clocks an instruction");
+        self.machine_mut().bench.slowness = ((clocks - 1.0) * PARTS as f64).round() as u64;
+    }
+
+    /// Of [`Board::clock`], those in which no instruction ran, or one went on that had begun before: sleep, waiting for the
+    /// flash, exception entry and return, and what [`Board::slow`] adds.
     #[must_use]
     pub fn skipped(&self) -> u64 {
         self.machine().skipped
@@ -129,8 +140,21 @@ impl Board {
     /// Puts bytes on the serial line to the board, behind those still on their way.
     pub fn send(&mut self, bytes: &[u8]) {
         let machine = self.machine_mut();
-        machine.bench.wire.sent.extend(bytes);
+        machine.bench.wire.sent.extend(bytes.iter().map(|&byte| (byte, true)));
         machine.listen();
+    }
+
+    /// As [`Board::send`], of bytes whose stop bit is missing.
+    pub fn send_broken(&mut self, bytes: &[u8]) {
+        let machine = self.machine_mut();
+        machine.bench.wire.sent.extend(bytes.iter().map(|&byte| (byte, false)));
+        machine.listen();
+    }
+
+    /// Bytes that are still on their way to the board.
+    #[must_use]
+    pub fn on_the_way(&self) -> usize {
+        self.machine().bench.wire.sent.len()
     }
 
     /// The bytes that have come from the board since the last call.
@@ -232,6 +256,14 @@ impl Board {
         self.chip
             .mem_write(address.into(), &value.to_le_bytes())
             .with_context(|| format!("neither memory nor register at {address:#x}"))
+    }
+
+    /// A word of the RAM, or of the image.
+    ///
+    /// # Errors
+    /// There is no memory at the address.
+    pub fn peek(&self, address: u32) -> Result<u32> {
+        self.word(address).with_context(|| format!("no memory at {address:#x}"))
     }
 
     /// Leads the core astray: it goes on at `address`, whatever it was about to do.

@@ -17,6 +17,8 @@ const TIM5: u32 = 0x4000_0C00;
 const TIM6: u32 = 0x4000_1000;
 const IWDG: u32 = 0x4000_3000;
 const LPUART1: u32 = 0x4000_8000;
+const DMA1: u32 = 0x4002_0000;
+const DMAMUX: u32 = 0x4002_0800;
 const RCC: u32 = 0x4002_1000;
 const GPIO: [u32; 3] = [0x4800_0000, 0x4800_0400, 0x4800_0800];
 const FLASH: u32 = 0x4002_2000;
@@ -24,7 +26,7 @@ const ADC: u32 = 0x5000_0000;
 const DAC: u32 = 0x5000_0800;
 const SCS: u32 = 0xE000_E000;
 
-const MODELLED: [u32; 8] = [TIM5, TIM6, IWDG, LPUART1, RCC, FLASH, ADC, DAC];
+const MODELLED: [u32; 10] = [TIM5, TIM6, IWDG, LPUART1, DMA1, DMAMUX, RCC, FLASH, ADC, DAC];
 /// Registers of 16 bits or less, which may be written without the rest of the word: prescalers, LPUART1_TDR.
 const SHORT: [u32; 3] = [TIM5 + 0x28, TIM6 + 0x28, LPUART1 + 0x28];
 
@@ -78,6 +80,8 @@ impl Machine {
             TIM5 => self.tim5.read(offset, self.clock),
             TIM6 => self.tim6.read(offset, self.clock),
             LPUART1 => self.uart.read(offset),
+            DMA1 => self.dma.read(offset),
+            DMAMUX => self.dma.read_mux(offset),
             RCC => self.rcc.read(offset),
             FLASH if offset == 0 => self.clocks.read(address),
             FLASH => {
@@ -155,8 +159,16 @@ impl Machine {
             IWDG => self.watchdog.write(offset, value, now)?,
             LPUART1 => {
                 self.rcc.check_uart()?;
-                self.uart.write(offset, value, now)?
+                let known = self.uart.write(offset, value, now)?;
+                self.transfer(now)?;
+                known
             }
+            DMA1 => {
+                let known = self.dma.write(offset, value)?;
+                self.transfer(now)?;
+                known
+            }
+            DMAMUX => self.dma.write_mux(offset, value),
             RCC => {
                 let known = self.rcc.write(offset, value);
                 self.clocks_change(now)?;

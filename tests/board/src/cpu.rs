@@ -87,9 +87,15 @@ fn before_instruction(chip: &mut Unicorn<'_, Hooked>, address: u64, _: u32) {
     if hooked.machine.clock >= hooked.machine.look_at && stopped(chip, address) {
         return;
     }
+    if chip.get_data().machine.dma.stores() {
+        for (address, byte) in chip.get_data_mut().machine.dma.stored() {
+            // Cannot fail: the channel's memory was looked at when it was switched on.
+            chip.mem_write(address.into(), &[byte]).expect("DMA goes to RAM");
+        }
+    }
     let hooked = chip.get_data_mut();
     hooked.address = address;
-    hooked.machine.clock += 1;
+    hooked.machine.execute();
     if let Some(meter) = hooked.machine.meter() {
         meter.trace.push(address);
     }

@@ -12,6 +12,7 @@ use crate::{
     contents::{Contents, Tear},
     cycles::Meter,
     dac::Dac,
+    dma::Dma,
     exception,
     flash::Flash,
     gpio::{Gpio, Levels, Port},
@@ -22,6 +23,9 @@ use crate::{
     uart::{Uart, Wire},
     watchdog::Watchdog,
 };
+
+/// The parts of a clock that an instruction's time is given in.
+pub const PARTS: u64 = 16;
 
 /// What is around the chip and stays when it is reset.
 #[derive(Default)]
@@ -37,6 +41,9 @@ pub struct Bench {
     pub cut: Option<(usize, Tear)>,
     /// Records what a handler executes, where a test asks for it.
     pub meter: Option<Meter>,
+    /// What an instruction takes beyond its first clock, in [`PARTS`] of a clock, and what of it has not made a whole one yet.
+    pub slowness: u64,
+    pub owed: u64,
 }
 
 /// What the core is to do.
@@ -51,7 +58,7 @@ pub enum Look {
 
 pub struct Machine {
     pub clock: u64,
-    /// Of these, the ones in which no instruction ran.
+    /// Of these, the ones in which no instruction ran, or one did not end that took longer than a clock.
     pub skipped: u64,
     /// The core looks for interrupts before the first instruction from here on.
     pub look_at: u64,
@@ -72,6 +79,7 @@ pub struct Machine {
     pub(crate) tim5: Timer,
     pub(crate) tim6: Timer,
     pub(crate) uart: Uart,
+    pub(crate) dma: Dma,
     pub(crate) watchdog: Watchdog,
     pub(crate) plain: HashMap<u32, u32>,
     /// The clock at which CYCCNT was 0.
@@ -98,6 +106,7 @@ impl Machine {
             tim5: Timer::new(u32::MAX, 4),
             tim6: Timer::new(0xFFFF, 0),
             uart: Uart::new(),
+            dma: Dma::default(),
             watchdog: Watchdog::new(),
             plain: HashMap::new(),
             cycles: 0,
@@ -161,6 +170,7 @@ impl Machine {
         }
         if self.uart.due() == at {
             self.uart.advance(at, &mut self.bench.wire, &mut self.bench.record.overruns)?;
+            self.transfer(at)?;
         }
         if self.flash.due() == at {
             self.flash.advance();
@@ -170,6 +180,36 @@ impl Machine {
             self.end = Some(Ok(Stop::Reset(Reset::Watchdog)));
         }
         Ok(())
+    }
+
+    /// Serves LPUART1's requests for DMA.
+    pub(crate) fn transfer(&mut self, at: u64) -> Result<()> {
+        while self.uart.wants_to_store() && self.dma.receives() {
+            self.dma.receive(self.uart.take());
+        }
+        while self.uart.wants_to_send()
+            && let Some(byte) = self.dma.transmit()
+        {
+            self.uart.put(byte, at)?;
+        }
+        Ok(())
+    }
+
+    /// A block that DMA is to send, as it is in memory.
+    pub(crate) fn load_block(&mut self, bytes: Vec<u8>) {
+        self.dma.load(bytes);
+        if let Err(error) = self.transfer(self.clock) {
+            self.refuse(&error);
+        }
+    }
+
+    /// An instruction is executed.
+    pub(crate) fn execute(&mut self) {
+        self.bench.owed += self.bench.slowness;
+        let more = self.bench.owed / PARTS;
+        self.bench.owed %= PARTS;
+        self.clock += 1 + more;
+        self.skipped += more;
     }
 
     /// TIM6's TRGO.
@@ -192,6 +232,8 @@ impl Machine {
     fn lines(&self) -> u128 {
         [
             (self.flash.interrupt(), exception::FLASH),
+            (self.dma.interrupt(1), exception::DMA1_CHANNEL1),
+            (self.dma.interrupt(3), exception::DMA1_CHANNEL3),
             (self.adc.interrupt(), exception::ADC1_2),
             (self.tim5.interrupt(), exception::TIM5),
             (self.tim6.interrupt(), exception::TIM6),

@@ -44,6 +44,11 @@ pub fn map(chip: &mut Chip, flash: &[u8]) -> Result<()> {
             }),
             Some(move |chip: &mut Unicorn<'_, Hooked>, offset, size, value| {
                 chip.get_data_mut().machine.write(base + offset as u32, size as u32, value as u32);
+                if let Some(block) = chip.get_data().machine.dma.wanted() {
+                    // Cannot fail: the channel's memory was looked at when it was switched on.
+                    let bytes = chip.mem_read_as_vec(block.start.into(), block.len()).expect("DMA comes from RAM");
+                    chip.get_data_mut().machine.load_block(bytes);
+                }
             }),
         )?;
     }

@@ -18,6 +18,10 @@ pub mod exception {
     pub const HARD_FAULT: u8 = 3;
     /// The flash controller's interrupt.
     pub const FLASH: u8 = 16 + 4;
+    /// The interrupt of DMA1's channel 1.
+    pub const DMA1_CHANNEL1: u8 = 16 + 11;
+    /// The interrupt of DMA1's channel 3.
+    pub const DMA1_CHANNEL3: u8 = 16 + 13;
     /// ADC1's and ADC2's interrupt.
     pub const ADC1_2: u8 = 16 + 18;
     /// TIM5's interrupt.

@@ -1,7 +1,8 @@
 //! LPUART1 with its FIFOs (RM0440), and the wire to the host: 8N1, bytes in both directions at the line rate.
 //!
 //! The host sends at its own rate; firmware that is not within 2 % of it is refused. A byte that finds the receiver full is
-//! lost and raises the overrun flag. Framing, noise and parity errors never happen. FIFO thresholds and DMA are refused.
+//! lost and raises the overrun flag; one whose stop bit is missing raises the framing error's and is received like others. Noise
+//! and parity errors never happen. FIFO thresholds are refused.
 
 use std::collections::VecDeque;
 
@@ -23,6 +24,7 @@ const RE: u32 = 1 << 2;
 const TE: u32 = 1 << 3;
 const FIFOEN: u32 = 1 << 29;
 
+const FE: u32 = 1 << 1;
 const ORE: u32 = 1 << 3;
 const IDLE: u32 = 1 << 4;
 const RXNE: u32 = 1 << 5;
@@ -31,9 +33,12 @@ const TXE: u32 = 1 << 7;
 const TEACK: u32 = 1 << 21;
 const REACK: u32 = 1 << 22;
 
-/// CR3: error interrupt, and what is refused: half duplex, DMA, flow control, FIFO threshold interrupts.
+/// CR3: error interrupt, DMA of the receiver and of the transmitter, and what is refused: half duplex, DMA that stops at an error,
+/// flow control, FIFO threshold interrupts.
 const EIE: u32 = 1 << 0;
-const REFUSED: u32 = 1 << 3 | 3 << 6 | 3 << 8 | 1 << 23 | 1 << 28;
+const DMAR: u32 = 1 << 6;
+const DMAT: u32 = 1 << 7;
+const REFUSED: u32 = 1 << 3 | 3 << 8 | 1 << 13 | 1 << 23 | 1 << 28;
 /// Start bit, eight data bits, stop bit.
 const BITS: u64 = 10;
 const DIVIDERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
@@ -45,7 +50,8 @@ const BYTE: u64 = BITS * CORE_HZ as u64 / BAUD as u64;
 /// The host's end of the line.
 #[derive(Default)]
 pub struct Wire {
-    pub sent: VecDeque<u8>,
+    /// Bytes, and whether their stop bits are sound.
+    pub sent: VecDeque<(u8, bool)>,
     pub received: Vec<u8>,
 }
 
@@ -54,7 +60,7 @@ pub struct Uart {
     cr3: u32,
     divider: u32,
     prescaler: u32,
-    /// ORE, IDLE and TC; the other flags follow from the FIFOs.
+    /// FE, ORE, IDLE and TC; the other flags follow from the FIFOs.
     flags: u32,
     receiver: VecDeque<u8>,
     transmitter: VecDeque<u8>,
@@ -120,8 +126,8 @@ impl Uart {
         }
         if self.receiving == at {
             match wire.sent.pop_front() {
-                Some(byte) => {
-                    self.receive(byte, overruns)?;
+                Some((byte, sound)) => {
+                    self.receive(byte, sound, overruns)?;
                     self.receiving = at + BYTE;
                 }
                 None => {
@@ -133,11 +139,14 @@ impl Uart {
         Ok(())
     }
 
-    fn receive(&mut self, byte: u8, overruns: &mut u32) -> Result<()> {
+    fn receive(&mut self, byte: u8, sound: bool, overruns: &mut u32) -> Result<()> {
         if self.cr1 & (UE | RE) != UE | RE {
             return Ok(());
         }
         self.byte()?;
+        if !sound {
+            self.flags |= FE;
+        }
         if self.receiver.len() < self.depth() {
             self.receiver.push_back(byte);
         } else {
@@ -160,7 +169,35 @@ impl Uart {
         let status = self.status();
         // IDLE, RXNE, TC and TXE have their enables at the same places of CR1; an overrun counts as RXNE or as an error.
         status & self.cr1 & (IDLE | RXNE | TC | TXE) != 0
-            || status & ORE != 0 && (self.cr1 & RXNE != 0 || self.cr3 & EIE != 0)
+            || status & ORE != 0 && self.cr1 & RXNE != 0
+            || status & (FE | ORE) != 0 && self.cr3 & EIE != 0
+    }
+
+    /// Whether DMA is to take a received byte.
+    pub fn wants_to_store(&self) -> bool {
+        self.cr3 & DMAR != 0 && !self.receiver.is_empty()
+    }
+
+    /// The oldest received byte; 0 where there is none.
+    pub fn take(&mut self) -> u8 {
+        self.receiver.pop_front().unwrap_or(0)
+    }
+
+    /// Whether DMA is to bring a byte to be sent.
+    pub fn wants_to_send(&self) -> bool {
+        self.cr3 & DMAT != 0 && self.cr1 & (UE | TE) == UE | TE && self.transmitter.len() < self.depth()
+    }
+
+    /// A byte is to be sent.
+    pub fn put(&mut self, byte: u8, now: u64) -> Result<()> {
+        ensure!(self.cr1 & (UE | TE) == UE | TE, "TDR is written while the transmitter is off");
+        ensure!(self.transmitter.len() < self.depth(), "TDR is written while the transmitter is full");
+        self.flags &= !TC;
+        self.transmitter.push_back(byte);
+        if self.sending.is_none() {
+            self.send(now)?;
+        }
+        Ok(())
     }
 
     pub fn read(&mut self, offset: u32) -> Option<u32> {
@@ -171,7 +208,7 @@ impl Uart {
             PRESC => self.prescaler,
             ISR => self.status(),
             ICR | TDR => 0,
-            RDR => self.receiver.pop_front().unwrap_or(0).into(),
+            RDR => self.take().into(),
             _ => return None,
         })
     }
@@ -186,22 +223,14 @@ impl Uart {
             CR3 => {
                 ensure!(
                     value & REFUSED == 0,
-                    "CR3 = {value:#x}: DMA, flow control or FIFO thresholds are not modelled"
+                    "CR3 = {value:#x}: flow control, FIFO thresholds or DMA that stops at an error are not modelled"
                 );
                 self.cr3 = value;
             }
             BRR => self.divider = value & 0xF_FFFF,
             PRESC => self.prescaler = value,
-            ICR => self.flags &= !(value & (ORE | IDLE | TC)),
-            TDR => {
-                ensure!(self.cr1 & (UE | TE) == UE | TE, "TDR is written while the transmitter is off");
-                ensure!(self.transmitter.len() < self.depth(), "TDR is written while the transmitter is full");
-                self.flags &= !TC;
-                self.transmitter.push_back(value as u8);
-                if self.sending.is_none() {
-                    self.send(now)?;
-                }
-            }
+            ICR => self.flags &= !(value & (FE | ORE | IDLE | TC)),
+            TDR => self.put(value as u8, now)?,
             ISR | RDR => {}
             _ => return Ok(false),
         }
@@ -245,7 +274,7 @@ mod tests {
     fn a_receiver_nobody_reads_keeps_the_first_bytes_and_says_that_it_lost_some() {
         for (cr1, depth) in [(0, 1), (FIFOEN, 8)] {
             let (mut uart, mut wire) = line(cr1 | RXNE);
-            wire.sent.extend(b"0123456789");
+            wire.sent.extend(b"0123456789".map(|byte| (byte, true)));
             uart.listen(0, &wire);
             let (last, overruns) = run(&mut uart, &mut wire);
             assert_eq!((last, overruns), (11 * 1844, 10 - depth), "ten bytes, and one of silence");

@@ -5,7 +5,7 @@ use crate::common::{Bench, PERIOD};
 use anyhow::{Result, bail};
 use board_emulator_test::{Latch, exception};
 use estimator_core::*;
-use protocol::{Faults, Mode, Reply, Request};
+use protocol::{Faults, Mode, References, Reply, Request};
 
 /// 20 mV or 20.48 codes a tick.
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
@@ -28,16 +28,21 @@ fn excited() -> Result<Bench> {
 
 /// Sends voltages as fast as they are taken, and waits until the last has been put out; the ticks that found none meanwhile.
 fn refer(bench: &mut Bench, volts: &[f32]) -> Result<u32> {
+    let ask = |bench: &mut Bench, first, references, go| match bench.ask(Request::Refer {
+        first,
+        references,
+        go,
+        hold: false,
+    })? {
+        Reply::Referred { next, starved } => Ok((next, starved)),
+        other => bail!("{other:?}"),
+    };
+    let (begin, _) = ask(bench, 0, References::new(), false)?;
     let (mut sent, mut ticks_without) = (0, 0);
     while sent < volts.len() {
         let references = volts[sent..].iter().take(64).copied().collect();
-        match bench.ask(Request::Refer { references, go: true, hold: false })? {
-            Reply::Referred { taken, starved } => {
-                sent += usize::from(taken);
-                ticks_without = starved;
-            }
-            other => bail!("{other:?}"),
-        }
+        let (next, starved) = ask(bench, begin + sent as u32, references, true)?;
+        (sent, ticks_without) = ((next - begin) as usize, starved);
         bench.run(0.01)?;
     }
     // The queue takes 255 ticks.

@@ -79,8 +79,8 @@ fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
     let mut sent = 0;
     while sent < references.len() {
         let references = references[sent..].iter().take(64).copied().collect();
-        match bench.ask(Request::Refer { references, go: true, hold: true })? {
-            Reply::Referred { taken, starved: 0 } => sent += usize::from(taken),
+        match bench.ask(Request::Refer { first: sent as u32, references, go: true, hold: true })? {
+            Reply::Referred { next, starved: 0 } => sent = next as usize,
             other => bail!("{name}: {other:?}"),
         }
         bench.run(0.01)?;

@@ -60,8 +60,8 @@ fn a_drive_rests_and_its_mode_ends_but_where_it_is_to_stay() -> Result<()> {
         bench.restart()?;
         bench.does(Request::SetMode(Mode::Follow))?;
         let references = [30.0; 64].iter().copied().collect();
-        let reply = bench.ask(Request::Refer { references, go: true, hold })?;
-        ensure!(reply == Reply::Referred { taken: 64, starved: 0 }, "{reply:?}");
+        let reply = bench.ask(Request::Refer { first: 0, references, go: true, hold })?;
+        ensure!(reply == Reply::Referred { next: 64, starved: 0 }, "{reply:?}");
         bench.run(0.5)?;
         let away = bench.board.output();
         bench.run(LEASE)?;

@@ -8,6 +8,7 @@ mod faults;
 mod flood;
 mod follow;
 mod leases;
+mod line;
 mod linearise;
 mod log;
 mod power_cut;

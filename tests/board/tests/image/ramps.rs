@@ -32,8 +32,8 @@ fn driven((mode, reference): (Mode, f32)) -> Result<(Bench, usize)> {
     bench.does(Request::SetMode(mode))?;
     let start = bench.board.record().outputs.len();
     let references = [reference; 64].iter().copied().collect();
-    let reply = bench.ask(Request::Refer { references, go: true, hold: true })?;
-    ensure!(reply == Reply::Referred { taken: 64, starved: 0 }, "{reply:?}");
+    let reply = bench.ask(Request::Refer { first: 0, references, go: true, hold: true })?;
+    ensure!(reply == Reply::Referred { next: 64, starved: 0 }, "{reply:?}");
     bench.run(0.1)?;
     assert!(bench.board.output() > Some(REST + 1000), "{:?}", bench.board.output());
     Ok((bench, start))

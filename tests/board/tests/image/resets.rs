@@ -19,6 +19,9 @@ const NVIC_ISPR0: u32 = 0xE000_E200;
 const TIM2: u32 = 28;
 /// Memory behind the image's.
 const SPARE: u32 = 0x2001_F000;
+/// The stack and, above it, the variables, as memory.x has them.
+const STACK: std::ops::Range<u32> = 0x2000_0000..0x2000_D000;
+const STATICS: std::ops::Range<u32> = 0x2000_D000..0x2001_8000;
 /// Nothing is there.
 const NOWHERE: u32 = 0x6000_0000;
 
@@ -57,6 +60,28 @@ fn a_tick_that_stops_is_the_watchdogs_to_end() -> Result<()> {
         bench.run(0.5)?;
         assert!(bench.health()?.ticks > 900, "it ticks again");
     }
+    Ok(())
+}
+
+#[test]
+fn a_stack_that_grows_too_large_spoils_nothing_else_and_ends_in_a_fault() -> Result<()> {
+    let (mut bench, _) = running()?;
+    // `movs r0, #0xA5; 1: push {r0}; b 1b`, in memory that the image does not use.
+    bench.board.poke(SPARE, 0xB401_20A5)?;
+    bench.board.poke(SPARE + 4, 0xBF00_E7FD)?;
+    bench.board.jump(SPARE);
+    let pushed = |board: &Board, words: std::ops::Range<u32>| -> Result<usize> {
+        let words = words.step_by(4).map(|at| board.peek(at)).collect::<Result<Vec<_>>>()?;
+        Ok(words.into_iter().filter(|&word| word == 0xA5).count())
+    };
+    let before = pushed(&bench.board, STATICS)?;
+    let clock = bench.board.clock();
+    assert_eq!(bench.board.run(1.0)?, Stop::Lockup, "there is no stack for a handler");
+    assert_eq!(valid_since(&bench.board, clock + CORE_HZ as u64 / 2_000), 0, "VALID has died");
+    assert!(pushed(&bench.board, STACK)? > 1_000, "it has grown");
+    assert_eq!(pushed(&bench.board, STATICS)?, before, "and stayed away from the variables");
+    bench.reboot(Reset::Watchdog)?;
+    assert_eq!(bench.health()?.reset, ResetCause::WATCHDOG | ResetCause::PIN);
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 
 use crate::common::{Bench, CONVERSION, PERIOD, valid, valid_since};
 use anyhow::Result;
-use board_emulator_test::{Pin, Port, Reset, Stop, exception};
+use board_emulator_test::{Board, Pin, Port, Reset, Stop, exception};
 use protocol::{Mode, Reply, Request};
 
 const LAMP: Pin = Pin { port: Port::A, number: 5 };
@@ -151,6 +151,11 @@ fn the_lamp_tells_good_paused_and_faulty_apart() -> Result<()> {
     bench.does(Request::SetMode(Mode::Estimate))?;
     bench.board.feed(|_| 65_520);
     bench.run(0.1)?;
+    // Begun between two changes, a second ends between two.
+    let changes = |board: &Board| board.record().edges[&LAMP].len();
+    let before = changes(&bench.board);
+    bench.board.run_until(1.0, |board| changes(board) > before)?;
+    bench.run(0.05)?;
     assert_eq!(blinks(&mut bench)?, 10);
     Ok(())
 }

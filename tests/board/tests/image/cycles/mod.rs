@@ -5,8 +5,8 @@
 //! Every line that begins with `cycles: ` is JSON; `cargo xtask cycles` prints them.
 
 mod largest;
-mod shapes;
-mod tables;
+pub mod shapes;
+pub mod tables;
 
 use crate::common::{Bench, push};
 use anyhow::{Result, bail, ensure};
@@ -26,8 +26,6 @@ fn running(table: &Admitted) -> Result<Bench> {
     let mut bench = Bench::started()?;
     bench.push(table)?;
     bench.restart()?;
-    // A first tick may take long enough to lose bytes of the line.
-    bench.run(0.01)?;
     ensure!(bench.table()? == *table, "the stored table is used");
     Ok(bench)
 }
@@ -84,14 +82,9 @@ fn follow(table: &Admitted) -> Result<Measured> {
     while sent < SHAPES * TICKS {
         let references =
             (sent..SHAPES * TICKS).take(64).map(|tick| low + (high - low) * (1.2 * shape(tick) - 0.1)).collect();
-        match bench.ask_or_stop(Request::Refer { references, go: true, hold: true })? {
-            Ok(Reply::Referred { taken, .. }) => sent += u32::from(taken),
-            Ok(other) => bail!("{other:?}"),
-            // Ticks that take long lose bytes of the line. A frame that has lost its end spoils the next one.
-            Err(_) => {
-                sent += 64;
-                bench.board.send(&[0]);
-            }
+        match bench.ask(Request::Refer { first: sent, references, go: true, hold: true })? {
+            Reply::Referred { next, .. } => sent = next,
+            other => bail!("{other:?}"),
         }
         bench.run(0.035)?;
     }
@@ -99,7 +92,7 @@ fn follow(table: &Admitted) -> Result<Measured> {
 }
 
 /// The displacements (µm) long after the drive has come to the ends of its voltages.
-fn way(table: &Admitted) -> (f32, f32) {
+pub fn way(table: &Admitted) -> (f32, f32) {
     let limits = table.drive.expect("it drives").limits;
     let inverse = || table.inverse::<f32>(&limits).expect("it drives");
     let (mut low, mut high) = (inverse(), inverse());

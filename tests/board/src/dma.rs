@@ -1,0 +1,312 @@
+//! DMA1 with the DMAMUX before it (RM0440), as far as LPUART1 needs them: bytes from its receiver to memory, once or round and
+//! round, and from memory to its transmitter, once.
+//!
+//! A request is served at once: what the bus costs is not modelled. Memory behind the core's back is: received bytes are in
+//! memory before the next instruction, and a block to be sent is read as a whole when its channel is switched on, so that what
+//! the firmware changes in it later does not show. Refused is what the manual does not promise: a channel that is switched on
+//! again amid its block, and registers written while the channel is on.
+
+use std::{collections::VecDeque, mem, ops::Range};
+
+use anyhow::{Result, ensure};
+
+use crate::{
+    field,
+    memory::{RAM, RAM_SIZE},
+};
+
+/// Channels of DMA1.
+const CHANNELS: usize = 8;
+const ISR: u32 = 0x00;
+const IFCR: u32 = 0x04;
+/// The first channel's registers, and what the next one's lie behind them.
+const FIRST: u32 = 0x08;
+const STRIDE: u32 = 0x14;
+const CCR: u32 = 0x00;
+const CNDTR: u32 = 0x04;
+const CPAR: u32 = 0x08;
+const CMAR: u32 = 0x0C;
+
+const EN: u32 = 1 << 0;
+const FROM_MEMORY: u32 = 1 << 4;
+const CIRC: u32 = 1 << 5;
+const MINC: u32 = 1 << 7;
+/// Peripheral increment, sizes other than a byte, memory to memory.
+const REFUSED: u32 = 1 << 6 | 0xF << 8 | 1 << 14;
+/// Flags of a channel in ISR, at the places of their enables in CCR; the lowest is any of them.
+const ANY: u32 = 1 << 0;
+const COMPLETE: u32 = 1 << 1;
+const HALF: u32 = 1 << 2;
+
+/// LPUART1's data registers and requests.
+const RECEIVE: (u32, u32) = (0x4000_8024, 34);
+const TRANSMIT: (u32, u32) = (0x4000_8028, 35);
+
+#[derive(Clone, Default)]
+struct Channel {
+    control: u32,
+    left: u32,
+    peripheral: u32,
+    memory: u32,
+    /// DMAMUX_CxCR.
+    request: u32,
+    /// Transfers of a block.
+    block: u32,
+    flags: u32,
+    /// Of a block to be sent, what is left; read at its start.
+    bytes: VecDeque<u8>,
+}
+
+impl Channel {
+    fn on(&self) -> bool {
+        self.control & EN != 0
+    }
+
+    fn switch_on(&mut self) -> Result<()> {
+        let &mut Self { control, left, peripheral, memory, request, block, .. } = self;
+        ensure!(control & REFUSED == 0 && control & MINC != 0, "CCR = {control:#x}: only bytes are modelled");
+        ensure!(
+            left == block && left > 0,
+            "a channel with {left} of {block} transfers left is switched on: not promised to go on"
+        );
+        let (register, id) = if control & FROM_MEMORY == 0 { RECEIVE } else { TRANSMIT };
+        ensure!(
+            (peripheral, request & 0x7F) == (register, id) && request & 1 << 16 == 0,
+            "request {request:#x} for {peripheral:#x}: only LPUART1's are modelled"
+        );
+        ensure!(
+            control & FROM_MEMORY == 0 || control & CIRC == 0,
+            "a block that is sent round and round is not modelled"
+        );
+        let (from, to) = (u64::from(memory), u64::from(memory) + u64::from(left));
+        ensure!((RAM..=RAM + RAM_SIZE).contains(&from) && to <= RAM + RAM_SIZE, "DMA at {memory:#x}: not modelled");
+        Ok(())
+    }
+
+    /// A transfer is done: the memory's address that it was of.
+    fn step(&mut self) -> u32 {
+        let address = self.memory + self.block - self.left;
+        self.left -= 1;
+        if self.left == self.block / 2 {
+            self.flags |= HALF | ANY;
+        }
+        if self.left == 0 {
+            self.flags |= COMPLETE | ANY;
+            if self.control & CIRC != 0 {
+                self.left = self.block;
+            }
+        }
+        address
+    }
+}
+
+#[derive(Default)]
+pub struct Dma {
+    channels: [Channel; CHANNELS],
+    /// Where a block is to be read that will be sent, and by which channel.
+    wanted: Option<(usize, Range<u32>)>,
+    /// Bytes on their way to memory.
+    stored: Vec<(u32, u8)>,
+}
+
+impl Dma {
+    fn ready(&mut self, direction: u32) -> Option<&mut Channel> {
+        let goes =
+            |channel: &&mut Channel| channel.on() && channel.control & FROM_MEMORY == direction && channel.left > 0;
+        self.channels.iter_mut().find(goes)
+    }
+
+    /// Whether a channel waits for what the receiver has.
+    pub fn receives(&mut self) -> bool {
+        self.ready(0).is_some()
+    }
+
+    /// A byte that the receiver has, on its way to memory.
+    pub fn receive(&mut self, byte: u8) {
+        if let Some(channel) = self.ready(0) {
+            let address = channel.step();
+            self.stored.push((address, byte));
+        }
+    }
+
+    /// The next byte for the transmitter.
+    pub fn transmit(&mut self) -> Option<u8> {
+        let channel = self.ready(FROM_MEMORY)?;
+        let byte = channel.bytes.pop_front()?;
+        channel.step();
+        Some(byte)
+    }
+
+    /// Bytes that are to be in memory before the core looks again.
+    pub fn stored(&mut self) -> Vec<(u32, u8)> {
+        mem::take(&mut self.stored)
+    }
+
+    /// Whether there are any.
+    pub fn stores(&self) -> bool {
+        !self.stored.is_empty()
+    }
+
+    /// The block that a channel is to send; [`Dma::load`] hands it over.
+    pub fn wanted(&self) -> Option<Range<u32>> {
+        self.wanted.as_ref().map(|(_, block)| block.clone())
+    }
+
+    pub fn load(&mut self, bytes: Vec<u8>) {
+        if let Some((channel, _)) = self.wanted.take() {
+            self.channels[channel].bytes = bytes.into();
+        }
+    }
+
+    /// The interrupt line of a channel, counted from 1.
+    pub fn interrupt(&self, channel: usize) -> bool {
+        let Channel { flags, control, .. } = self.channels[channel - 1];
+        flags & control & (COMPLETE | HALF) != 0
+    }
+
+    pub fn read(&self, offset: u32) -> Option<u32> {
+        if offset == ISR {
+            let flags = self.channels.iter().enumerate();
+            return Some(flags.fold(0, |all, (channel, Channel { flags, .. })| all | flags << (4 * channel)));
+        }
+        let (channel, register) = place(offset)?;
+        let channel = &self.channels[channel];
+        Some(match register {
+            CCR => channel.control,
+            CNDTR => channel.left,
+            CPAR => channel.peripheral,
+            CMAR => channel.memory,
+            _ => return None,
+        })
+    }
+
+    pub fn write(&mut self, offset: u32, value: u32) -> Result<bool> {
+        if offset == IFCR {
+            for (at, channel) in self.channels.iter_mut().enumerate() {
+                let cleared = field(value, 4 * at as u32, 4);
+                channel.flags &= if cleared & ANY == 0 { !cleared } else { 0 };
+                if channel.flags == ANY {
+                    channel.flags = 0;
+                }
+            }
+            return Ok(true);
+        }
+        let Some((at, register)) = place(offset) else { return Ok(false) };
+        let channel = &mut self.channels[at];
+        if register == CCR {
+            let was_on = channel.on();
+            ensure!(!was_on || value & EN == 0 || value == channel.control, "CCR = {value:#x} while the channel is on");
+            channel.control = value;
+            if !was_on && channel.on() {
+                channel.switch_on()?;
+                if value & FROM_MEMORY != 0 {
+                    self.wanted = Some((at, channel.memory..channel.memory + channel.left));
+                }
+            }
+            return Ok(true);
+        }
+        ensure!(!channel.on(), "{value:#x} is written to {offset:#x} while the channel is on");
+        match register {
+            CNDTR => (channel.left, channel.block) = (value & 0xFFFF, value & 0xFFFF),
+            CPAR => channel.peripheral = value,
+            CMAR => channel.memory = value,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// DMAMUX's registers.
+    pub fn read_mux(&self, offset: u32) -> Option<u32> {
+        self.channels.get(offset as usize / 4).map(|channel| channel.request)
+    }
+
+    pub fn write_mux(&mut self, offset: u32, value: u32) -> bool {
+        let Some(channel) = self.channels.get_mut(offset as usize / 4) else { return false };
+        channel.request = value;
+        true
+    }
+}
+
+/// The channel and the register of it at an offset.
+fn place(offset: u32) -> Option<(usize, u32)> {
+    let behind = offset.checked_sub(FIRST)?;
+    let channel = (behind / STRIDE) as usize;
+    (channel < CHANNELS).then_some((channel, behind % STRIDE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MEMORY: u32 = RAM as u32 + 0x100;
+    const HTIE: u32 = HALF;
+    const TCIE: u32 = COMPLETE;
+
+    /// DMA1 with its second channel set up for four bytes, off.
+    fn dma(peripheral: (u32, u32), control: u32) -> Dma {
+        let mut dma = Dma::default();
+        assert!(dma.write_mux(4, peripheral.1));
+        for (register, value) in [(CPAR, peripheral.0), (CMAR, MEMORY), (CNDTR, 4), (CCR, MINC | control)] {
+            assert!(dma.write(FIRST + STRIDE + register, value).unwrap());
+        }
+        dma
+    }
+
+    fn on(dma: &mut Dma) -> Result<bool> {
+        let control = dma.read(FIRST + STRIDE + CCR).unwrap();
+        dma.write(FIRST + STRIDE + CCR, control | EN)
+    }
+
+    #[test]
+    fn a_ring_goes_round_and_says_where_it_is() {
+        let mut dma = dma(RECEIVE, CIRC | HTIE | TCIE);
+        assert!(!dma.receives());
+        on(&mut dma).unwrap();
+        let mut left = Vec::new();
+        for byte in 0..6 {
+            assert!(dma.receives());
+            dma.receive(byte);
+            left.push((dma.read(FIRST + STRIDE + CNDTR).unwrap(), dma.interrupt(2), dma.read(ISR).unwrap() >> 4));
+            dma.write(IFCR, (HALF | COMPLETE) << 4).unwrap();
+            assert!(!dma.interrupt(2));
+        }
+        let (half, complete) = (HALF | ANY, COMPLETE | ANY);
+        let expected =
+            [(3, false, 0), (2, true, half), (1, false, 0), (4, true, complete), (3, false, 0), (2, true, half)];
+        assert_eq!(left, expected);
+        let at = |offset| MEMORY + offset;
+        assert_eq!(dma.stored(), [(at(0), 0), (at(1), 1), (at(2), 2), (at(3), 3), (at(0), 4), (at(1), 5)]);
+        assert!(!dma.stores());
+    }
+
+    #[test]
+    fn a_block_is_sent_once() {
+        let mut dma = dma(TRANSMIT, FROM_MEMORY | TCIE);
+        on(&mut dma).unwrap();
+        assert_eq!(dma.wanted(), Some(MEMORY..MEMORY + 4));
+        dma.load(vec![1, 2, 3, 4]);
+        assert!(!dma.receives());
+        let sent: Vec<u8> = std::iter::from_fn(|| dma.transmit()).collect();
+        assert_eq!((sent, dma.interrupt(2), dma.wanted()), (vec![1, 2, 3, 4], true, None));
+    }
+
+    #[test]
+    fn what_is_not_promised_is_refused() {
+        let mut halted = dma(RECEIVE, CIRC);
+        on(&mut halted).unwrap();
+        assert!(halted.write(FIRST + STRIDE + CNDTR, 4).is_err(), "the channel is on");
+        halted.receive(1);
+        halted.write(FIRST + STRIDE + CCR, MINC | CIRC).unwrap();
+        let resumed = on(&mut halted).unwrap_err().to_string();
+        assert!(resumed.contains("3 of 4 transfers left"), "{resumed}");
+        for (peripheral, control) in [
+            (RECEIVE, 1 << 8),
+            (RECEIVE, 1 << 14),
+            ((RECEIVE.0, 35), 0),
+            (RECEIVE, FROM_MEMORY),
+            (TRANSMIT, FROM_MEMORY | CIRC),
+        ] {
+            assert!(on(&mut dma(peripheral, control)).is_err(), "{peripheral:x?} {control:#x}");
+        }
+    }
+}
