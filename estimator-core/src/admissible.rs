@@ -31,6 +31,21 @@ pub enum Inadmissible<T: Real = f32> {
         /// The displacement that can be reached, µm.
         reach: Range<T>,
     },
+    /// Voltages that swing with the model's resonance draw the displacement out of its limits.
+    #[error(
+        "unbounded: the resonance swings to {} … {} µm, beyond the limits: widen them, or raise the damping",
+        reach.min,
+        reach.max
+    )]
+    Rings {
+        /// The displacement that can be reached, µm.
+        reach: Range<T>,
+    },
+    /// The model's resonance is not damped as far as the number type can tell.
+    #[error(
+        "unstable: the resonance must lie below half the tick rate and lose 1/4096 a tick: raise damping, or set both to 0"
+    )]
+    Undamped,
     /// The recursion has no bound at all.
     #[error("unstable: the recursion has no bound")]
     NoBound,
