@@ -83,7 +83,7 @@ impl<T: Real> Estimator<T> {
     pub fn new(table: &Admitted) -> Self {
         let voltage_zero = T::of(table.voltage_zero_v);
         let voltage_range = table.voltage_range_v.of();
-        let deadband = T::of(table.deadband_v);
+        let deadband = T::of(table.retreat_v());
         Self {
             adc: table.adc,
             dac: table.dac,

@@ -24,7 +24,7 @@
 use super::recursion::solve_in_time;
 use super::{Discretisation, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
-use crate::extremum::Tracker;
+use crate::extremum::{Tracker, between_codes};
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
@@ -98,6 +98,10 @@ impl Published for NarxParameters {
 
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Narx<T> {
         Narx::build(self, discretisation.sample_period)
+    }
+
+    fn between_codes(self, step: f32) -> Self {
+        Self { deadband_v: between_codes(self.deadband_v, step), ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {

@@ -16,6 +16,7 @@ pub use digest::Digest;
 pub use error::TableError;
 
 use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration, DriveLimits};
+use crate::extremum::between_codes;
 use crate::interval::IntervalParameters;
 use crate::inverse::{Inverse, InverseContext, NoInverse};
 use crate::math::Real;
@@ -50,7 +51,8 @@ pub struct Table {
     pub sample_period_us: u32,
     /// Discretisation.
     pub scheme: Scheme,
-    /// Retreat from the running extreme that counts as a reversal, V.
+    /// Retreat from the running extreme that counts as a reversal, V; to the model it stands midway between the two numbers of
+    /// codes that it lies between ([`retreat_v`](Self::retreat_v)), as a deadband among its parameters does.
     pub deadband_v: f32,
     /// Amplifier voltage that the model calls 0, V.
     pub voltage_zero_v: f32,
@@ -160,11 +162,16 @@ impl Table {
 
     /// The model in the number type `T`.
     pub fn engine<T: Real>(&self) -> Engine<T> {
-        self.parameters.build(&Discretisation {
+        self.parameters.between_codes(self.adc.gain_v_per_code).build(&Discretisation {
             sample_period: self.sample_period(),
             scheme: self.scheme,
-            deadband: T::of(self.deadband_v),
+            deadband: T::of(self.retreat_v()),
         })
+    }
+
+    /// Retreat that counts as a reversal, V: `deadband_v` [between two numbers of codes](between_codes) of the ADC.
+    pub fn retreat_v(&self) -> f32 {
+        between_codes(self.deadband_v, self.adc.gain_v_per_code)
     }
 
     /// Tick, s.
