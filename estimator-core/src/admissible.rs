@@ -46,6 +46,14 @@ pub enum Inadmissible<T: Real = f32> {
         "unstable: the resonance must lie below half the tick rate and lose 1/4096 a tick: raise damping, or set both to 0"
     )]
     Undamped,
+    /// Two runs of the same voltages need not come together, and then the rounding decides where they are.
+    #[error(
+        "unstable: a tick may make a difference {by} times as large, not 4095/4096 at most: a lower degree, or narrower limits_um"
+    )]
+    Spreads {
+        /// What a tick may make of a difference at most.
+        by: T,
+    },
     /// The recursion has no bound at all.
     #[error("unstable: the recursion has no bound")]
     NoBound,

@@ -76,7 +76,7 @@ pub fn parameters(model: Model) -> Parameters {
             displacement_centre_um: 10.0,
             displacement_scale_um: 20.0,
             deadband_v: 0.1,
-            coefficients: list((0..39).map(|i| if i == 0 { 0.5 } else { 0.01 })),
+            coefficients: list((0..39).map(|i| if i == 0 { 0.3 } else { 0.01 })),
             limits_um: Range { min: -20.0, max: 30.0 },
         }),
         Model::GeneralisedPrandtlIshlinskii => {

@@ -19,7 +19,9 @@
 //! at the centres (0).
 //!
 //! **Bound.** The clamp, so that a run is bounded whatever the coefficients. A table must also have a stable linear
-//! part.
+//! part, and be proven to contract (`contraction.rs`): what two runs of the same voltages differ by dies out.
+
+mod contraction;
 
 use super::recursion::solve_in_time;
 use super::{Discretisation, Published, Recursion};
@@ -310,7 +312,8 @@ impl<T: Real> Recursion<T> for Narx<T> {
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
-        within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
+        let reach = within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)?;
+        if self.contracts(voltage) { Ok(reach) } else { Err(Inadmissible::Spreads { by: self.contraction(voltage) }) }
     }
 
     /// None: the polynomial need neither rise with the newest voltage nor have stable zeros.
