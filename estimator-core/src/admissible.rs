@@ -1,7 +1,7 @@
 //! What must hold before a parameter set may run: a recursion that is stable, and bounded by the displacement limits.
 //!
 //! How that is shown is each model's own ([`Recursion::bound`](crate::Recursion::bound)): the Voigt family by interval
-//! arithmetic over its voltages and extrema, the others by their structure.
+//! arithmetic over its voltages and extrema, the others by their structure, a resonance by the sum of its answers (`resonance.rs`), NARX by its clamp and a contraction.
 
 use crate::math::Real;
 use crate::range::Range;
@@ -23,7 +23,7 @@ pub enum Inadmissible<T: Real = f32> {
     },
     /// Some voltage and some memory draw the displacement out of its limits.
     #[error(
-        "unbounded: some sequence of reversals draws the displacement to {} … {} µm, beyond its limits",
+        "unbounded: some sequence of reversals draws the displacement to {} … {} µm, beyond its limits: widen them",
         reach.min,
         reach.max
     )]

@@ -9,11 +9,12 @@
 //! rounding whether a retreat of just so many counts, and so a table's is taken [between two](between_codes).
 
 use crate::math::Real;
+use num_traits::float::FloatCore;
 
 /// The deadband (V) that stands midway between two numbers of codes and counts the same retreats of whole codes as reversals:
 /// `(⌊deadband/step⌋ + ½)·step`, with `step` the volts of a code. An `f32` in every number type, as both of them are in a table.
 pub fn between_codes(deadband: f32, step: f32) -> f32 {
-    ((deadband / step).floor() + 0.5) * step
+    (FloatCore::floor(deadband / step) + 0.5) * step
 }
 
 /// Voltage (V) and displacement (µm) at a direction reversal.

@@ -18,7 +18,7 @@ const STRETCHES: usize = 4;
 const GENES: usize = 4;
 const EVALUATIONS: usize = 1_000;
 /// What an `f32` may be off by, of the limits' span, as `precision.rs` of the core has it.
-const APART: f64 = 2e-5;
+const APART: f64 = 2e-6;
 
 /// The codes that a point of the unit cube stands for.
 fn codes(at: &[f64], full_scale: u16) -> impl Iterator<Item = AdcCode> {
