@@ -1,7 +1,7 @@
 //! What must hold before a parameter set may run: a recursion that is stable, and bounded by the displacement limits.
 //!
 //! How that is shown is each model's own ([`Recursion::bound`](crate::Recursion::bound)): the Voigt family by interval
-//! arithmetic over its voltages and extrema, the others by their structure.
+//! arithmetic over its voltages and extrema, the others by their structure, a resonance by the sum of its answers (`resonance.rs`), NARX by its clamp and a contraction.
 
 use crate::math::Real;
 use crate::range::Range;
@@ -23,13 +23,26 @@ pub enum Inadmissible<T: Real = f32> {
     },
     /// Some voltage and some memory draw the displacement out of its limits.
     #[error(
-        "unbounded: some sequence of reversals draws the displacement to {} … {} µm, beyond its limits",
+        "unbounded: some sequence of reversals draws the displacement to {} … {} µm, beyond its limits: widen them",
         reach.min,
         reach.max
     )]
     Unbounded {
         /// The displacement that can be reached, µm.
         reach: Range<T>,
+    },
+    /// The model's resonance is not damped as far as the number type can tell.
+    #[error(
+        "unstable: the resonance must lie below half the tick rate and lose 1/4096 a tick: raise damping, or set both to 0"
+    )]
+    Undamped,
+    /// Two runs of the same voltages need not come together, and then the rounding decides where they are.
+    #[error(
+        "unstable: a tick may make a difference {by} times as large, not 4095/4096 at most: a lower degree, or narrower limits_um"
+    )]
+    Spreads {
+        /// What a tick may make of a difference at most.
+        by: T,
     },
     /// The recursion has no bound at all.
     #[error("unstable: the recursion has no bound")]

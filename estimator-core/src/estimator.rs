@@ -59,8 +59,9 @@ pub struct Estimate<T> {
 pub struct Estimator<T: Real> {
     adc: AdcCalibration,
     dac: DacCalibration,
-    /// Of codes, relative to the model's zero, V.
-    voltage: Line<T>,
+    /// Of codes, relative to the model's zero, V: an `f32` in every number type, so that the reference sees the very voltages
+    /// that the target sees.
+    voltage: Line<f32>,
     voltage_zero: T,
     voltage_range: Range<T>,
     limits: Range<T>,
@@ -82,11 +83,11 @@ impl<T: Real> Estimator<T> {
     pub fn new(table: &Admitted) -> Self {
         let voltage_zero = T::of(table.voltage_zero_v);
         let voltage_range = table.voltage_range_v.of();
-        let deadband = T::of(table.deadband_v);
+        let deadband = T::of(table.retreat_v());
         Self {
             adc: table.adc,
             dac: table.dac,
-            voltage: table.adc.line(voltage_zero),
+            voltage: table.adc.line(table.voltage_zero_v),
             voltage_zero,
             voltage_range,
             limits: table.displacement_limits_um.of(),
@@ -173,7 +174,7 @@ impl<T: Real> Estimator<T> {
     /// One tick: the code of this tick's conversion in, the displacement at the next tick out.
     #[inline]
     pub fn tick(&mut self, code: AdcCode) -> Estimate<T> {
-        self.advance(self.voltage.at(code), self.adc.saturated(code))
+        self.advance(T::of(self.voltage.at(code)), self.adc.saturated(code))
     }
 
     /// One tick with the amplifier's voltage in V.

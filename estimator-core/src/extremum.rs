@@ -4,8 +4,18 @@
 //! recorded then is the pair at the running extreme (the last tick at which the voltage stood there), not the pair at
 //! the tick of detection. A constant voltage is no reversal, neither is the first movement away from the start; before
 //! the first reversal both values are 0.
+//!
+//! A voltage that comes from a converter retreats by whole codes. A deadband of a whole number of codes would leave it to the
+//! rounding whether a retreat of just so many counts, and so a table's is taken [between two](between_codes).
 
 use crate::math::Real;
+use num_traits::float::FloatCore;
+
+/// The deadband (V) that stands midway between two numbers of codes and counts the same retreats of whole codes as reversals:
+/// `(⌊deadband/step⌋ + ½)·step`, with `step` the volts of a code. An `f32` in every number type, as both of them are in a table.
+pub fn between_codes(deadband: f32, step: f32) -> f32 {
+    (FloatCore::floor(deadband / step) + 0.5) * step
+}
 
 /// Voltage (V) and displacement (µm) at a direction reversal.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -118,6 +128,25 @@ mod tests {
             let reversal = tracker.update(v, i as f64).then(|| tracker.last());
             reversal.map(|at| (at.voltage, at.displacement))
         })
+    }
+
+    #[test]
+    fn a_deadband_between_codes_counts_the_same_retreats_at_every_voltage() {
+        let step = 44.0 / 4095.0f32;
+        assert_eq!([0.0, 0.9, 1.0, 3.1].map(|codes| between_codes(codes * step, step) / step), [0.5, 0.5, 1.5, 3.5]);
+        // A retreat of three codes from every code, by what an f32 makes of it.
+        let volts = |code: u16| -22.0f32 + step * f32::from(code);
+        let seen = |deadband: f32| {
+            let is_seen = |&top: &u16| {
+                let mut tracker = Tracker::new(deadband);
+                [top - 9, top, top - 3].map(|code| tracker.update(volts(code), 0.0)).contains(&true)
+            };
+            (9..4095).filter(is_seen).count()
+        };
+        assert_eq!(seen(between_codes(3.0 * step, step)), 0);
+        assert_eq!(seen(between_codes(2.0 * step, step)), 4095 - 9);
+        // As it is written, the rounding decides.
+        assert!((1..4095 - 9).contains(&seen(3.0 * step)));
     }
 
     #[test]

@@ -32,6 +32,8 @@ pub trait Real: FloatCore + Debug + Display + Send + Sync + 'static {
     fn sqrt(self) -> Self;
     /// The value of a number of the parameter table.
     fn of(value: f32) -> Self;
+    /// The nearest `f32`: what the target would have.
+    fn single(self) -> f32;
     /// Towards zero, saturating at 0 and `u32::MAX`; 0 for NaN. One instruction of the target, unlike the same to `u16`.
     fn to_u32_saturating(self) -> u32;
 
@@ -87,6 +89,11 @@ impl Real for f32 {
     }
 
     #[inline]
+    fn single(self) -> f32 {
+        self
+    }
+
+    #[inline]
     fn to_u32_saturating(self) -> u32 {
         self as u32
     }
@@ -112,6 +119,11 @@ impl Real for f64 {
     #[inline]
     fn of(value: f32) -> Self {
         value.into()
+    }
+
+    #[inline]
+    fn single(self) -> f32 {
+        self as f32
     }
 
     #[inline]

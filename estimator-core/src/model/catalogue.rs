@@ -79,6 +79,11 @@ macro_rules! models {
                 match self { $(Self::$model(of) => of.check(),)* }
             }
 
+            /// As [`Published::between_codes`].
+            pub(crate) fn between_codes(self, step: f32) -> Self {
+                match self { $(Self::$model(of) => Self::$model(of.between_codes(step)),)* }
+            }
+
             /// As [`Published::delay_ticks`].
             pub fn delay_ticks(&self) -> f32 {
                 match self { $(Self::$model(of) => of.delay_ticks(),)* }

@@ -45,6 +45,13 @@ pub trait Published: Copy {
     /// The coefficients. Checks nothing.
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Self::Coefficients<T>;
 
+    /// The same where the voltage comes from a converter whose codes are `step` volts apart: a deadband among the parameters is
+    /// taken [between two numbers of codes](crate::extremum::between_codes).
+    #[must_use]
+    fn between_codes(self, _step: f32) -> Self {
+        self
+    }
+
     /// Checks every parameter by itself and beside the others; whether the recursion is stable and bounded is
     /// [`Recursion::bound`]'s.
     ///

@@ -20,7 +20,7 @@
 use super::relaxation::{Relaxation, Relaxed};
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
-use crate::extremum::Tracker;
+use crate::extremum::{Tracker, between_codes};
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
@@ -54,6 +54,10 @@ impl Published for VoigtChainParameters {
 
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> VoigtChain<T> {
         VoigtChain::build(self, discretisation.sample_period)
+    }
+
+    fn between_codes(self, step: f32) -> Self {
+        Self { deadband_v: between_codes(self.deadband_v, step), ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {

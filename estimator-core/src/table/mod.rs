@@ -16,10 +16,11 @@ pub use digest::Digest;
 pub use error::TableError;
 
 use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration, DriveLimits};
+use crate::extremum::between_codes;
 use crate::interval::IntervalParameters;
 use crate::inverse::{Inverse, InverseContext, NoInverse};
 use crate::math::Real;
-use crate::model::{Discretisation, Engine, Model, Parameters, Process, Scheme};
+use crate::model::{Discretisation, Engine, GeneralisedPrandtlIshlinskii, Model, Parameters, Process, Scheme};
 use crate::range::Range;
 use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
@@ -50,7 +51,8 @@ pub struct Table {
     pub sample_period_us: u32,
     /// Discretisation.
     pub scheme: Scheme,
-    /// Retreat from the running extreme that counts as a reversal, V.
+    /// Retreat from the running extreme that counts as a reversal, V; to the model it stands midway between the two numbers of
+    /// codes that it lies between ([`retreat_v`](Self::retreat_v)), as a deadband among its parameters does.
     pub deadband_v: f32,
     /// Amplifier voltage that the model calls 0, V.
     pub voltage_zero_v: f32,
@@ -95,6 +97,16 @@ const OFFSET_RULE: Rule = "the DAC's offset_code must lie within a million codes
 const LARGEST_VOLTAGE_V: f32 = 1e5;
 
 impl Admitted {
+    /// How far voltages in step with the model's resonance could make the displacement swing, µm, where that is beyond the
+    /// limits: the estimate is then held at them, and says so ([`Status::CLAMPED`](crate::Status::CLAMPED)). Every other table
+    /// stays within its limits by itself.
+    pub fn rings(&self) -> Option<Range> {
+        let Parameters::GeneralisedPrandtlIshlinskii(parameters) = &self.parameters else { return None };
+        let reach =
+            GeneralisedPrandtlIshlinskii::build(parameters, self.sample_period()).reach(self.voltage_range_v)?;
+        (reach.intersection(self.displacement_limits_um) != reach).then_some(reach)
+    }
+
     /// The inverse of the model, at rest, within limits that may be other than the table's own.
     ///
     /// # Errors
@@ -160,11 +172,16 @@ impl Table {
 
     /// The model in the number type `T`.
     pub fn engine<T: Real>(&self) -> Engine<T> {
-        self.parameters.build(&Discretisation {
+        self.parameters.between_codes(self.adc.gain_v_per_code).build(&Discretisation {
             sample_period: self.sample_period(),
             scheme: self.scheme,
-            deadband: T::of(self.deadband_v),
+            deadband: T::of(self.retreat_v()),
         })
+    }
+
+    /// Retreat that counts as a reversal, V: `deadband_v` [between two numbers of codes](between_codes) of the ADC.
+    pub fn retreat_v(&self) -> f32 {
+        between_codes(self.deadband_v, self.adc.gain_v_per_code)
     }
 
     /// Tick, s.

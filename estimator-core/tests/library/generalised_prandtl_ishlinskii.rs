@@ -41,7 +41,7 @@ const RINGING: GeneralisedPrandtlIshlinskiiParameters =
     GeneralisedPrandtlIshlinskiiParameters { resonance_hz: 300.0, damping: 0.05, ..PLAIN };
 
 fn any() -> impl Strategy<Value = GeneralisedPrandtlIshlinskiiParameters> {
-    prop::sample::select(vec![PLAIN, MOVING, AHEAD, SATURATED])
+    prop::sample::select(vec![PLAIN, MOVING, AHEAD, SATURATED, RINGING])
 }
 
 fn voltages() -> impl Strategy<Value = Vec<f64>> {

@@ -117,7 +117,7 @@ fn a_delay_and_a_resonance_are_left_out_and_come_late() {
     rings.tick_volts(LIMITS.rest_v.into());
     for k in 0..4_000 {
         let reached = rings.tick_volts(free.tick(wanted(k)).voltage).displacement;
-        assert!(k < 1_000 || (reached - wanted(k)).abs() < 1.2e-2, "tick {k}: {reached} {}", wanted(k));
+        assert!(k < 1_000 || (reached - wanted(k)).abs() < 1.5e-2, "tick {k}: {reached} {}", wanted(k));
     }
     for k in 0..2_000 {
         let commanded = inverse.tick(wanted(k));

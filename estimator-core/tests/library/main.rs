@@ -13,6 +13,7 @@ mod maxwell_slip;
 mod models;
 mod narx;
 mod prandtl_ishlinskii;
+mod precision;
 mod preisach;
 mod published;
 mod table;

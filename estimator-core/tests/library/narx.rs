@@ -245,6 +245,28 @@ fn what_breaks_a_rule_is_refused_and_still_builds() {
     }
 }
 
+/// By hand: y' = 0.5 y + 0.1 v·y − 0.2 y·y_ext, over v of −1 … 1, y and y_ext of −2.5 … 2.5.
+#[test]
+fn the_contraction_is_the_sum_of_the_derivatives_and_what_spreads_is_refused_with_a_remedy() {
+    let mut coefficients = [0.0f32; 10];
+    (coefficients[0], coefficients[4], coefficients[7]) = (0.5, 0.1, -0.2);
+    let p = NarxParameters { degree: 2, with_displacement_extremum: true, ..linear(List::of(coefficients), 1, 1) };
+    assert_eq!((p.check(), p.count()), (Ok(()), 10));
+    let model = Narx::<f32>::build(&p, 5e-4);
+    let range = Range { min: 0.0, max: 100.0 };
+    let contraction = model.contraction(range);
+    assert!((contraction - (0.5 + 0.1 + 0.2 * 2.5 + 0.2 * 2.5)).abs() < 1e-6, "{contraction}");
+    let limits = Range { min: -40.0, max: 60.0 };
+    let refused = model.bound(range, limits).unwrap_err().to_string();
+    assert!(refused.contains("times as large") && refused.contains("narrower limits_um"), "{refused}");
+    let narrow = NarxParameters { limits_um: Range { min: -5.0, max: 25.0 }, ..p };
+    assert!(Narx::<f32>::build(&narrow, 5e-4).bound(range, limits).is_ok());
+    // A stable linear part is not enough: ŷ stays, or falls, by what the rounding says.
+    let oscillates = linear(List::of([1.9, -0.95, 0.1, 0.0]), 2, 1);
+    assert_eq!(oscillates.check(), Ok(()));
+    assert!(Narx::<f32>::build(&oscillates, 5e-4).bound(range, limits).is_err());
+}
+
 #[test]
 fn survives_the_wire() {
     laws::survives_the_wire(linear(List::of([0.9, 0.1, 0.0]), 1, 1));
@@ -269,6 +291,40 @@ proptest! {
         let reach = model.reach(Range { min: 0.0, max: 100.0 }).unwrap();
         prop_assert_eq!(reach, p.limits_um);
         laws::stays_within(reach, 0.0, &model, voltages, start)?;
+    }
+
+    /// The bound on the contraction is above every difference quotient, and two runs of what is admitted come together.
+    #[test]
+    fn what_contracts_forgets_where_it_began(
+        orders in (1u8..=3, 1u8..=3, 1u8..=3),
+        extrema in (any::<bool>(), any::<bool>()),
+        (scale, coefficients) in (0.0f32..0.3, prop::collection::vec(-1f32..1.0, 39)),
+        voltages in prop::collection::vec(0f64..100.0, 100..101),
+        starts in (-40.0f64..60.0, -40.0f64..60.0),
+    ) {
+        let base = linear(List::of([]), orders.0, orders.1);
+        let p = NarxParameters {
+            degree: orders.2,
+            with_voltage_extremum: extrema.0,
+            with_displacement_extremum: extrema.1,
+            ..base
+        };
+        let p = NarxParameters { coefficients: List::collect(coefficients[..p.count()].iter().map(|c| c * scale)).unwrap(), ..p };
+        let model = Narx::<f64>::build(&p, 5e-4);
+        let range = Range { min: 0.0, max: 100.0 };
+        let contraction = model.contraction(range);
+        let bound = model.bound(range, Range { min: -40.0, max: 60.0 });
+        prop_assert_eq!(bound.is_ok(), contraction <= 4095.0 / 4096.0);
+        let (mut one, mut other) = (model.begin(voltages[0], Some(starts.0)), model.begin(voltages[0], Some(starts.1)));
+        let mut apart = std::collections::VecDeque::from([(starts.0 - starts.1).abs(); 3]);
+        let mut largest = apart[0];
+        for voltage in voltages {
+            let now = (model.step(&mut one, voltage) - model.step(&mut other, voltage)).abs();
+            let before = if extrema.1 { largest } else { apart.iter().take(orders.0.into()).copied().fold(0.0, f64::max) };
+            prop_assert!(now <= contraction * before + 1e-9, "{} µm apart after {}, with {}", now, before, contraction);
+            apart.push_front(now);
+            largest = largest.max(now);
+        }
     }
 
     /// Jury's criterion beside the roots themselves.

@@ -138,9 +138,10 @@ impl Problem {
         self.stroke
     }
 
-    /// The widest displacement limits that a table may have, rounded inwards, µm.
-    pub fn widest_limits(&self) -> Range {
-        let Range { min, max } = self.limits_at(1.0);
+    /// The tightest displacement limits that are tried, rounded inwards, µm.
+    pub fn tight_limits(&self) -> Range {
+        let [tightest, ..] = LIMIT_STEPS;
+        let Range { min, max } = self.limits_at(tightest);
         Range { min: (min as f32).next_up(), max: (max as f32).next_down() }
     }
 

@@ -79,7 +79,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     let mut notes = vec![
         "The thesis's table is Mohammadzaheri et al. (2012) and does not print the polynomial's degree; here it is \
          the one of 1 to 3 that simulates the modelling logs best. Coefficients follow from one-step prediction by \
-         least squares. A run is clamped to the table's limits, and a structure whose linear part is unstable is \
+         least squares. A run is clamped to the table's limits, and a polynomial that is not proven to contract is \
          refused, so that none can diverge as the printed 8.0331 µm seems to have."
             .to_owned(),
     ];

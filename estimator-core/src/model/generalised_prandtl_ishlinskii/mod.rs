@@ -17,7 +17,8 @@
 //!   log can tell. It follows the hysteretic part: domains go on switching, the lattice does not.
 //! - **Rate dependence** is the amplifier's, a delay and a first-order lag whose rate is limited, and the mechanism's, a
 //!   resonance. Lag and resonance are exact for an input that runs straight within a tick. The bound of the displacement is
-//!   the resonance's input's: what swings beyond is left to the table's limits.
+//!   that of the resonance's input; how far any sequence of inputs makes it swing beyond is known (`resonance.rs`), and where
+//!   that is more than the table's limits, it is held at them.
 //!
 //! With everything but the slopes fixed the displacement is linear in them.
 
@@ -214,8 +215,18 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         u
     }
 
-    /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
+    /// What the displacement (µm) can be for voltages of this range (V), the resonance's worst swing included; `None` where that
+    /// is not damped.
     pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
+        let still = self.still(voltage);
+        match &self.resonance {
+            Some(resonance) => resonance.reach(still),
+            None => Some(still),
+        }
+    }
+
+    /// What drives the resonance, µm: the displacement where there is none.
+    fn still(&self, voltage: Range<T>) -> Range<T> {
         // An input seen ahead of time may lie past the range.
         let applied = if self.ahead > T::zero() { voltage.hull(self.foreseen) } else { voltage };
         // Plays and creep may begin anywhere in the span, too.
@@ -229,11 +240,10 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         let driven =
             Range { min: hysteretic(reach.min, self.rest_memory), max: hysteretic(reach.max, -self.rest_memory) };
         let crept = T::one() + self.creep_gain;
-        let sound = self.resonance.is_none_or(|resonance| resonance.sound());
-        sound.then(|| Range {
+        Range {
             min: self.offset + self.reversible.at(reach.min) + crept * driven.min,
             max: self.offset + self.reversible.at(reach.max) + crept * driven.max,
-        })
+        }
     }
 }
 
@@ -283,7 +293,9 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
-        within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
+        within(self.still(voltage), limits)?;
+        // What swings beyond is the clamp's: limits that held the worst of a light damping would be many strokes wide.
+        self.reach(voltage).map(|reach| reach.intersection(limits)).ok_or(Inadmissible::Undamped)
     }
 
     /// The displacement a tick later then needs no voltage that is foreseen. (The inverse of a lag that takes its input to run

@@ -12,7 +12,8 @@
 //! of it. The rectangles A·(p + q) of the 22 places cover the plane's n²/2 cells at most twice, so the smallest area is
 //! at most n²/88 cells, and the displacement changes by at most that many times the largest density. What remains is
 //! again the memory of some history. Areas, not masses, decide, so that the memory (and with it the columns of the
-//! identification) does not depend on the densities. Such a tick costs up to 24 interpolations and 22 divisions.
+//! identification) does not depend on the densities. Which pair is merged hangs on the last bit of a voltage, and so places are
+//! `f32` in every number type: reference and target remember and forget the same. Such a tick costs up to 24 interpolations and 22 divisions.
 
 use super::everett::Everett;
 use crate::math::Real;
@@ -24,7 +25,7 @@ pub const REVERSALS: usize = 24;
 /// A voltage, in units of the grid, and the displacement there, µm above negative saturation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Reversal<T> {
-    pub at: T,
+    pub at: f32,
     pub displacement: T,
 }
 
@@ -42,7 +43,7 @@ impl<T: Real> PreisachState<T> {
     }
 
     fn floor() -> Reversal<T> {
-        Reversal { at: T::zero(), displacement: T::zero() }
+        Reversal { at: 0.0, displacement: T::zero() }
     }
 
     /// Reversals that are remembered now.
@@ -61,7 +62,7 @@ impl<T: Real> PreisachState<T> {
 
     /// Takes a voltage (units of the grid, 0…n); returns the displacement (µm) above negative saturation.
     #[inline]
-    pub(super) fn go(&mut self, everett: &Everett<T>, at: T) -> T {
+    pub(super) fn go(&mut self, everett: &Everett<T>, at: f32) -> T {
         if at == self.now.at {
             return self.now.displacement;
         }
@@ -75,19 +76,19 @@ impl<T: Real> PreisachState<T> {
 
     /// Where the branch from the last of the first `count` reversals is at this voltage.
     #[inline]
-    fn branch(&self, everett: &Everett<T>, count: usize, at: T) -> Reversal<T> {
+    fn branch(&self, everett: &Everett<T>, count: usize, at: f32) -> Reversal<T> {
         let from = count.checked_sub(1).and_then(|last| self.reversals.get(last)).copied().unwrap_or(Self::floor());
         let displacement = if count.is_multiple_of(2) {
-            from.displacement + everett.between(at, from.at)
+            from.displacement + everett.between(T::of(at), T::of(from.at))
         } else {
-            from.displacement - everett.between(from.at, at)
+            from.displacement - everett.between(T::of(from.at), T::of(at))
         };
         Reversal { at, displacement }
     }
 
-    fn wipe(&mut self, at: T) {
+    fn wipe(&mut self, at: f32) {
         while let Some(last) = self.reversals.len().checked_sub(1) {
-            let older = last.checked_sub(1).and_then(|index| self.reversals.get(index)).map_or(T::zero(), |r| r.at);
+            let older = last.checked_sub(1).and_then(|index| self.reversals.get(index)).map_or(0.0, |r| r.at);
             let passed = if self.rising() { at >= older } else { at <= older };
             if !passed {
                 return;
@@ -99,7 +100,7 @@ impl<T: Real> PreisachState<T> {
 
     #[cold]
     fn forget(&mut self, everett: &Everett<T>) {
-        let mut smallest: Option<(usize, T, T)> = None;
+        let mut smallest: Option<(usize, f32, f32)> = None;
         let points = || self.points().map(|point| point.at);
         let between = points().zip(points().skip(2)).zip(points().skip(4));
         for (index, (((before, middle), after), (first, second))) in

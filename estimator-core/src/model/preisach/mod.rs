@@ -81,9 +81,9 @@ impl Published for PreisachParameters {
 /// Coefficients of the model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Preisach<T> {
-    lower: T,
+    lower: f32,
     /// Cells per V.
-    scale: T,
+    scale: f32,
     offset: T,
     everett: Everett<T>,
 }
@@ -92,22 +92,22 @@ impl<T: Real> Preisach<T> {
     /// Coefficients of a set without a [fault](PreisachParameters::check). The model has no time in it: the sample
     /// period (s) is not used.
     pub fn build(parameters: &PreisachParameters, _sample_period: T) -> Self {
-        let everett = Everett::build(&parameters.densities_um);
-        let lower = T::of(parameters.lower_v);
-        let scale = everett.end() / (T::of(parameters.upper_v) - lower);
+        let everett = Everett::<T>::build(&parameters.densities_um);
+        let lower = parameters.lower_v;
+        let scale = everett.end().single() / (parameters.upper_v - lower);
         Self { lower, scale, offset: T::of(parameters.offset_um), everett }
     }
 
     /// The Everett function (µm) from `low` to `high`, V: what a rise between them adds.
     pub fn everett(&self, high: T, low: T) -> T {
         let (high, low) = (self.place(high), self.place(low));
-        if low < high { self.everett.between(high, low) } else { T::zero() }
+        if low < high { self.everett.between(T::of(high), T::of(low)) } else { T::zero() }
     }
 
-    /// A voltage in units of the grid, 0…n; 0 for NaN.
+    /// A voltage in units of the grid, 0…n; 0 for NaN. An `f32` in every number type, see `memory.rs`.
     #[inline]
-    fn place(&self, voltage: T) -> T {
-        Range { min: T::zero(), max: self.everett.end() }.clamp((voltage - self.lower) * self.scale)
+    fn place(&self, voltage: T) -> f32 {
+        Range { min: 0.0, max: self.everett.end().single() }.clamp((voltage.single() - self.lower) * self.scale)
     }
 
     /// What the displacement (µm) can be for voltages of this range (V).
@@ -117,9 +117,9 @@ impl<T: Real> Preisach<T> {
     pub fn reach(&self, voltage: Range<T>) -> Range<T> {
         let end = self.everett.end();
         let total = self.everett.between(end, T::zero());
-        let rounding = T::of(256.0) * T::epsilon() * (self.offset.abs() + total);
-        let always = self.everett.between(self.place(voltage.min), T::zero());
-        let never = self.everett.between(end, self.place(voltage.max));
+        let rounding = T::of(256.0 * f32::EPSILON) * (self.offset.abs() + total);
+        let always = self.everett.between(T::of(self.place(voltage.min)), T::zero());
+        let never = self.everett.between(end, T::of(self.place(voltage.max)));
         Range { min: self.offset + always - rounding, max: self.offset + (total - never) + rounding }
     }
 }
@@ -130,12 +130,13 @@ impl<T: Real> Recursion<T> for Preisach<T> {
     /// From negative saturation up to a peak and back to this voltage; the peak is the one that gives the displacement,
     /// or, where that is not known, the mean of what the lowest and the highest peak give.
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
-        let (at, end) = (self.place(voltage), self.everett.end());
+        let (place, end) = (self.place(voltage), self.everett.end());
+        let at = T::of(place);
         let after = |peak: T| self.offset + (self.everett.between(peak, T::zero()) - self.everett.between(peak, at));
         let displacement = displacement.unwrap_or((after(at) + after(end)) * T::of(0.5));
         let mut state = PreisachState::saturated();
-        state.go(&self.everett, solve(displacement, at, end, after));
-        state.go(&self.everett, at);
+        state.go(&self.everett, solve(displacement, at, end, after).single());
+        state.go(&self.everett, place);
         state
     }
 
@@ -166,9 +167,9 @@ impl<T: Real> Linear<T> for Preisach<T> {
                 let mut up = T::zero();
                 for (index, (from, to)) in state.points().zip(state.points().skip(1)).enumerate() {
                     up = if index.is_multiple_of(2) {
-                        up + Everett::part(row, column, to.at, from.at)
+                        up + Everett::part(row, column, T::of(to.at), T::of(from.at))
                     } else {
-                        up - Everett::part(row, column, from.at, to.at)
+                        up - Everett::part(row, column, T::of(from.at), T::of(to.at))
                     };
                 }
                 each(up);

@@ -76,7 +76,7 @@ pub fn parameters(model: Model) -> Parameters {
             displacement_centre_um: 10.0,
             displacement_scale_um: 20.0,
             deadband_v: 0.1,
-            coefficients: list((0..39).map(|i| if i == 0 { 0.5 } else { 0.01 })),
+            coefficients: list((0..39).map(|i| if i == 0 { 0.3 } else { 0.01 })),
             limits_um: Range { min: -20.0, max: 30.0 },
         }),
         Model::GeneralisedPrandtlIshlinskii => {
@@ -86,7 +86,7 @@ pub fn parameters(model: Model) -> Parameters {
                 slew_v_per_s: 30_000.0,
                 lag_s: 1e-3,
                 resonance_hz: 400.0,
-                damping: 0.05,
+                damping: 0.1,
                 reversible_um_per_v: list((0..9).map(|i| 0.1 + 0.005 * i as f32)),
                 envelope_um_per_v: list((0..9).map(|i| 0.12 - 0.01 * i as f32)),
                 half_widths_v: list((1..16).map(|i| 3.3 * i as f32)),

@@ -52,8 +52,9 @@ fn of(inputs: BlackBoxInputs, degree: u8) -> [AnyFamily; RIDGES.len()] {
     })
 }
 
-/// The regressors of a slow movement are nearly alike, and what predicts one step best is often unstable.
-const RIDGES: [f64; 3] = [1e-9, 1e-6, 1e-4];
+/// The regressors of a slow movement are nearly alike, and what predicts one step best is often unstable, or not proven to
+/// contract.
+const RIDGES: [f64; 6] = [1e-9, 1e-6, 1e-4, 1e-2, 0.1, 1.0];
 
 impl super::Family for Family {
     type Found = Parameters;
@@ -64,7 +65,7 @@ impl super::Family for Family {
 
     fn project(&self, _values: &[f64], problem: &Problem) -> Option<Parameters> {
         let (voltage, stroke) = (problem.training_voltages(), problem.stroke());
-        let limits = problem.widest_limits();
+        let limits = problem.tight_limits();
         let base = NarxParameters {
             output_order: self.output_order,
             input_order: self.output_order,

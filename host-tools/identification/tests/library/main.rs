@@ -1,5 +1,6 @@
 //! The library from outside, by what is public of it.
 
+mod adversary;
 mod baseline;
 mod character;
 mod cost;

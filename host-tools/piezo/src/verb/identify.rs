@@ -194,11 +194,7 @@ fn verdict(outcome: &Outcome) -> Vec<String> {
             training.mae_percent
         ));
     }
-    let limits = candidate.table.displacement_limits_um;
-    sentences.push(format!(
-        "Proven: stable at every voltage, and within {:.2} … {:.2} µm of the model's zero for any sequence of voltages.",
-        limits.min, limits.max
-    ));
+    sentences.push(remedy::proven(&candidate.table));
     sentences.push(format!("{}.", zeros(&outcome.context.recipe)));
     sentences.push(format!("On the board {}.", bench::time(&candidate.table)));
     sentences

@@ -30,7 +30,7 @@ fn generalised_prandtl_ishlinskii() -> Parameters {
         slew_v_per_s: 300.0,
         lag_s: 1e-3,
         resonance_hz: 300.0,
-        damping: 0.05,
+        damping: 0.3,
         reversible_um_per_v: list([5.0; 9]),
         envelope_um_per_v: list([20.0; 9]),
         half_widths_v: list((1..16).map(|i| 0.12 * i as f32)),

@@ -19,12 +19,14 @@
 //! at the centres (0).
 //!
 //! **Bound.** The clamp, so that a run is bounded whatever the coefficients. A table must also have a stable linear
-//! part.
+//! part, and be proven to contract (`contraction.rs`): what two runs of the same voltages differ by dies out.
+
+mod contraction;
 
 use super::recursion::solve_in_time;
 use super::{Discretisation, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
-use crate::extremum::Tracker;
+use crate::extremum::{Tracker, between_codes};
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
@@ -98,6 +100,10 @@ impl Published for NarxParameters {
 
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Narx<T> {
         Narx::build(self, discretisation.sample_period)
+    }
+
+    fn between_codes(self, step: f32) -> Self {
+        Self { deadband_v: between_codes(self.deadband_v, step), ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {
@@ -306,7 +312,8 @@ impl<T: Real> Recursion<T> for Narx<T> {
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
-        within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
+        let reach = within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)?;
+        if self.contracts(voltage) { Ok(reach) } else { Err(Inadmissible::Spreads { by: self.contraction(voltage) }) }
     }
 
     /// None: the polynomial need neither rise with the newest voltage nor have stable zeros.
