@@ -1,7 +1,7 @@
 /* The estimator and its inverse, as a program for a Cortex-M uses them.
  *
  * Here the codes and the wishes are made up and what comes out is printed, so that it can be compared with the host's to
- * the last bit (tests/cortex_m.rs). In yours, begin() runs once after the start; on_tick() is the interrupt of a timer with
+ * the last bit (tests/cortex_m/main.rs). In yours, begin() runs once after the start; on_tick() is the interrupt of a timer with
  * the table's sample period, in which the ADC has converted. */
 
 #include "piezo_estimator.h"

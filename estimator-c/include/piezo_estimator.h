@@ -3,7 +3,8 @@
  * Made from estimator-c/src; a test compares. examples/tick.c uses it.
  *
  * Memory is the caller's: a PiezoEstimator or PiezoInverse is static, or begins as {0}. Nothing is allocated or global.
- * Every function returns a PiezoResult, and writes its results only where that is PIEZO_RESULT_OK. The functions whose
+ * Every function returns a PiezoResult, and writes its results, but for a reason, only where that is
+ * PIEZO_RESULT_OK. The functions whose
  * names end in tick, tick_volts or release may be called from an interrupt, never while another function works on the same
  * structure. The stack must have PIEZO_BEGIN_STACK_BYTES free for piezo_table_read and those that begin. */
 
@@ -162,8 +163,8 @@ PiezoResult piezo_estimator_begin(struct PiezoEstimator *estimator,
                                   const uint8_t *record,
                                   size_t length);
 
-// One tick with the code of an ADC with the table's calibration. May be called from
-// an interrupt.
+// One tick with the code of an ADC with the table's calibration. May be called from an
+// interrupt.
 //
 // # Safety
 // `estimator` points to an initialised structure that nobody else uses, and `estimate` to a structure.
@@ -226,7 +227,8 @@ PiezoResult piezo_inverse_release(struct PiezoInverse *inverse, struct PiezoComm
 // `reason` takes what is wrong, in English, cut to `size` bytes with its final NUL, and "" where nothing is; it may be null.
 //
 // # Safety
-// `record` points to `length` bytes, `table` to a structure or is null, and `reason` to `size` bytes or is null.
+// `record` points to `length` bytes, no more than a signed `ptrdiff_t` counts, `table` to a structure or is null, and `reason` to
+// `size` bytes or is null, none of which are the record's.
 PiezoResult piezo_table_read(const uint8_t *record,
                              size_t length,
                              struct PiezoTable *table,

@@ -1,7 +1,7 @@
 //! The estimator for C.
 
 use crate::PiezoResult;
-use crate::memory::{bytes, get, memory, put, write};
+use crate::memory::{Out, bytes, get, memory, put};
 use crate::result::result;
 use estimator_core::{AdcCode, Estimate, Estimator, Status, Table};
 
@@ -88,8 +88,8 @@ pub unsafe extern "C" fn piezo_estimator_begin(
     })
 }
 
-/// One tick with the code of an ADC with the table's calibration. May be called from
-/// an interrupt.
+/// One tick with the code of an ADC with the table's calibration. May be called from an
+/// interrupt.
 ///
 /// # Safety
 /// `estimator` points to an initialised structure that nobody else uses, and `estimate` to a structure.
@@ -100,10 +100,12 @@ pub unsafe extern "C" fn piezo_estimator_tick(
     estimate: *mut PiezoEstimate,
 ) -> PiezoResult {
     result(|| {
+        let out = Out::of(estimate)?;
         // SAFETY: as the caller promises.
         let given = unsafe { get(estimator) }?.tick(AdcCode(adc_code));
         // SAFETY: as the caller promises.
-        unsafe { write(estimate, given.into()) }
+        unsafe { out.write(given.into()) };
+        Ok(())
     })
 }
 
@@ -119,10 +121,12 @@ pub unsafe extern "C" fn piezo_estimator_tick_volts(
 ) -> PiezoResult {
     result(|| {
         finite(voltage_v)?;
+        let out = Out::of(estimate)?;
         // SAFETY: as the caller promises.
         let given = unsafe { get(estimator) }?.tick_volts(voltage_v);
         // SAFETY: as the caller promises.
-        unsafe { write(estimate, given.into()) }
+        unsafe { out.write(given.into()) };
+        Ok(())
     })
 }
 

@@ -1,7 +1,7 @@
 //! The inverse for C: the amplifier voltage for a wanted displacement.
 
 use crate::PiezoResult;
-use crate::memory::{bytes, get, memory, put, write};
+use crate::memory::{Out, bytes, get, memory, put};
 use crate::result::result;
 use estimator_core::{Commanded, DriveLimits, Inverse, Range, Table};
 
@@ -92,10 +92,12 @@ pub unsafe extern "C" fn piezo_inverse_tick(
 ) -> PiezoResult {
     result(|| {
         crate::estimator::finite(displacement_um)?;
+        let out = Out::of(command)?;
         // SAFETY: as the caller promises.
         let commanded = unsafe { get(inverse) }?.tick(displacement_um);
         // SAFETY: as the caller promises.
-        unsafe { write(command, commanded.into()) }
+        unsafe { out.write(commanded.into()) };
+        Ok(())
     })
 }
 
@@ -106,9 +108,11 @@ pub unsafe extern "C" fn piezo_inverse_tick(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn piezo_inverse_release(inverse: *mut PiezoInverse, command: *mut PiezoCommand) -> PiezoResult {
     result(|| {
+        let out = Out::of(command)?;
         // SAFETY: as the caller promises.
         let commanded = unsafe { get(inverse) }?.release();
         // SAFETY: as the caller promises.
-        unsafe { write(command, commanded.into()) }
+        unsafe { out.write(commanded.into()) };
+        Ok(())
     })
 }

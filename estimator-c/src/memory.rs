@@ -1,6 +1,7 @@
 //! Memory that a C program gives for a value of Rust.
 
 use crate::PiezoResult;
+use core::ptr::NonNull;
 
 /// What `begun` says once there is a value. Memory of zeros, as static memory is in C, has none.
 pub(crate) const BEGUN: u32 = 0x505A_4547;
@@ -53,17 +54,23 @@ pub(crate) unsafe fn get<'a, M: Memory>(memory: *mut M) -> Result<&'a mut M::Val
     Ok(unsafe { &mut *M::room(memory) })
 }
 
-/// Writes a result for the caller.
-///
-/// # Safety
-/// The pointer is null, or points to memory for a `T`.
-pub(crate) unsafe fn write<T>(out: *mut T, value: T) -> Result<(), PiezoResult> {
-    if out.is_null() {
-        return Err(PiezoResult::Null);
+/// Where a result goes.
+pub(crate) struct Out<T>(NonNull<T>);
+
+impl<T> Out<T> {
+    /// Refuses a null pointer: before anything is done whose result would then be lost.
+    pub(crate) fn of(out: *mut T) -> Result<Self, PiezoResult> {
+        NonNull::new(out).map(Self).ok_or(PiezoResult::Null)
     }
-    // SAFETY: the caller's promise.
-    unsafe { out.write(value) };
-    Ok(())
+
+    /// Writes the result.
+    ///
+    /// # Safety
+    /// The pointer points to memory for a `T`.
+    pub(crate) unsafe fn write(self, value: T) {
+        // SAFETY: the caller's promise.
+        unsafe { self.0.write(value) };
+    }
 }
 
 /// The bytes of the caller.

@@ -1,7 +1,7 @@
 //! What a C program must know of a parameter table before it begins with it.
 
 use crate::PiezoResult;
-use crate::memory::{bytes, write};
+use crate::memory::{Out, bytes};
 use crate::result::result;
 use core::fmt::{self, Write};
 use core::slice;
@@ -37,7 +37,8 @@ pub struct PiezoTable {
 /// `reason` takes what is wrong, in English, cut to `size` bytes with its final NUL, and "" where nothing is; it may be null.
 ///
 /// # Safety
-/// `record` points to `length` bytes, `table` to a structure or is null, and `reason` to `size` bytes or is null.
+/// `record` points to `length` bytes, no more than a signed `ptrdiff_t` counts, `table` to a structure or is null, and `reason` to
+/// `size` bytes or is null, none of which are the record's.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn piezo_table_read(
     record: *const u8,
@@ -57,7 +58,9 @@ pub unsafe extern "C" fn piezo_table_read(
     };
     result(|| {
         // SAFETY: as the caller promises.
-        let record = unsafe { bytes(record, length) }?;
+        let record = unsafe { bytes(record, length) }.inspect_err(|_| {
+            let _ = write!(Text(reason), "the record's pointer is null");
+        })?;
         let admitted = Table::parse(record).inspect_err(|error| {
             // Text that does not fit is cut.
             let _ = write!(Text(reason), "{error}");
@@ -73,8 +76,11 @@ pub unsafe extern "C" fn piezo_table_read(
             has_drive: admitted.drive.is_some(),
             has_interval: admitted.interval.is_some(),
         };
-        // SAFETY: as the caller promises.
-        if table.is_null() { Ok(()) } else { unsafe { write(table, facts) } }
+        if let Ok(out) = Out::of(table) {
+            // SAFETY: as the caller promises.
+            unsafe { out.write(facts) };
+        }
+        Ok(())
     })
 }
 

@@ -11,10 +11,16 @@ fn record(name: &str) -> Vec<u8> {
     table_files::record(&table)
 }
 
-fn zeroed<T>() -> Box<T> {
-    // SAFETY: used with the structures of C only, of which zeros are a value.
-    unsafe { Box::new(MaybeUninit::zeroed().assume_init()) }
+/// A structure of C as static memory has it.
+trait Zeros: Sized {
+    fn zeros() -> Box<Self> {
+        // SAFETY: the structures below are integers, of which zeros are a value.
+        unsafe { Box::new(MaybeUninit::zeroed().assume_init()) }
+    }
 }
+
+impl Zeros for PiezoEstimator {}
+impl Zeros for PiezoInverse {}
 
 const NOTHING: PiezoEstimate = PiezoEstimate { displacement_um: 0.0, half_width_um: 0.0, dac_code: 0, status: 0 };
 
@@ -47,7 +53,7 @@ fn a_record_is_refused_with_the_reason() {
         let (found, words) = read(&record, 200);
         assert_eq!(found, result);
         assert!(words.contains(reason), "{words}");
-        let mut estimator = zeroed();
+        let mut estimator = PiezoEstimator::zeros();
         // SAFETY: the pointers are those of a slice and of a box.
         assert_eq!(unsafe { piezo_estimator_begin(&mut *estimator, record.as_ptr(), record.len()) }, result);
         let mut estimate = NOTHING;
@@ -68,7 +74,7 @@ fn a_reason_is_cut_to_its_room() {
 fn null_is_refused() {
     let record = record("voigt");
     let (start, length) = (record.as_ptr(), record.len());
-    let (mut estimator, mut inverse) = (zeroed(), zeroed());
+    let (mut estimator, mut inverse) = (PiezoEstimator::zeros(), PiezoInverse::zeros());
     // SAFETY: the pointers are those of a slice, of boxes, or null, which the functions take.
     unsafe {
         assert_eq!(piezo_table_read(null(), 0, null_mut(), null_mut(), 0), PiezoResult::Null);
@@ -77,7 +83,13 @@ fn null_is_refused() {
         assert_eq!(piezo_inverse_begin(null_mut(), start, length, null()), PiezoResult::NoInverse);
         assert_eq!(piezo_inverse_begin(&mut *inverse, null(), length, null()), PiezoResult::Null);
         assert_eq!(piezo_estimator_begin(&mut *estimator, start, length), PiezoResult::Ok);
+        let mut twin = PiezoEstimator::zeros();
+        assert_eq!(piezo_estimator_begin(&mut *twin, start, length), PiezoResult::Ok);
         assert_eq!(piezo_estimator_tick(&mut *estimator, 1, null_mut()), PiezoResult::Null);
+        let (mut after, mut alone) = (NOTHING, NOTHING);
+        assert_eq!(piezo_estimator_tick(&mut *estimator, 9000, &mut after), PiezoResult::Ok);
+        assert_eq!(piezo_estimator_tick(&mut *twin, 9000, &mut alone), PiezoResult::Ok);
+        assert_eq!(after.displacement_um, alone.displacement_um, "what is refused is no tick");
         assert_eq!(piezo_estimator_restart(null_mut()), PiezoResult::Null);
     }
 }
@@ -85,7 +97,7 @@ fn null_is_refused() {
 #[test]
 fn no_number_that_is_none_gets_in() {
     let record = record("generalised-prandtl-ishlinskii");
-    let mut estimator = zeroed();
+    let mut estimator = PiezoEstimator::zeros();
     let mut estimate = NOTHING;
     // SAFETY: the pointers are those of a slice and of a box.
     unsafe {
@@ -103,7 +115,7 @@ fn no_number_that_is_none_gets_in() {
 fn an_inverse_needs_limits_that_keep_their_rules() {
     let (gpi, narx) = (record("generalised-prandtl-ishlinskii"), record("narx"));
     let limits = PiezoDriveLimits { voltage_min_v: 0.0, voltage_max_v: 3.0, rest_v: 0.0, slew_v_per_s: 100.0 };
-    let mut inverse = zeroed();
+    let mut inverse = PiezoInverse::zeros();
     let mut begin = |record: &[u8], limits: Option<PiezoDriveLimits>| {
         let limits = limits.as_ref().map_or(null(), std::ptr::from_ref);
         // SAFETY: the pointers are those of a slice, of a box, of a reference, or null, which the function takes.

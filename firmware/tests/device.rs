@@ -337,6 +337,40 @@ fn references_that_come_twice_are_taken_once_and_none_behind_a_gap() {
     assert_eq!(refer(40, 1, true), (41, 7));
 }
 
+/// A host that dies behind a frame of which a part found no room leaves nothing on the way that is held.
+#[test]
+fn the_displacement_is_held_once_the_last_reference_is_in() {
+    let (mut tick, link) = started(Startup::new(Some(&driving()), &FACTS, false));
+    let mut bench = Bench::still(Some(driving()), link);
+    bench.device.queues.commands.enqueue(Command::SetMode(Mode::Follow)).unwrap();
+    let mut clock = 0;
+    let mut run = |ticks| {
+        for _ in 0..ticks {
+            tick.sample(triangle(clock).into(), clock.wrapping_mul(PERIOD));
+            clock += 1;
+        }
+    };
+    run(1);
+    let mut taken = 0;
+    let refer = |bench: &mut Bench, first: u32| {
+        let references = (first..300).take(64).map(|k| k as f32 * 1e-3).collect();
+        let last = first + 64 >= 300;
+        match bench.ask(Request::Refer { first, references, go: last, hold: last }) {
+            Reply::Referred { next, .. } => next,
+            reply => panic!("{reply:?}"),
+        }
+    };
+    for _ in 0..5 {
+        taken = refer(&mut bench, taken);
+    }
+    assert!((236..300).contains(&taken), "the queue is full within the last frame: {taken}");
+    run(60);
+    assert!(!bench.device.telemetry.holding.load(Relaxed), "references are missing");
+    assert_eq!(refer(&mut bench, taken), 300);
+    run(1);
+    assert!(bench.device.telemetry.holding.load(Relaxed));
+}
+
 #[test]
 fn the_dac_is_not_rewired_by_a_table_alone() {
     let push = |table: &Admitted, rewired| Request::Push { record: record(table), while_estimating: true, rewired };

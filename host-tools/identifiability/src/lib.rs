@@ -6,7 +6,8 @@
 //! nₑ = n / (1 + 2 Σ_k ρ_k)          ρ the errors' autocorrelation, until it first falls below 0
 //! ```
 //!
-//! (Seber and Wild, *Nonlinear Regression*, 1989, ch. 2 and 6; Geyer, *Statistical Science* 7(4), 1992, for where the sum ends.)
+//! (Seber and Wild, *Nonlinear Regression*, 1989, ch. 2 and 6.) That one nₑ holds for all takes the derivatives to be as slow as
+//! the errors, which those of a loop are whose error repeats with it.
 //! A model's single numbers say little: those of neighbouring plays stand in for one another, and no log tells them apart. What the
 //! actuator does in an experiment is told by all of them together, and is what a user means. D takes every number to be known
 //! to its own size beforehand, so that what the logs do not see has a large standard error, and not an infinite one.
@@ -19,7 +20,7 @@ mod numbers;
 
 pub use experiment::Experiment;
 
-use estimator_core::{Admitted, Range};
+use estimator_core::{Admitted, Range, Table};
 use nalgebra::{DMatrix, DVector};
 use numbers::{Number, numbers};
 use rayon::prelude::*;
@@ -31,6 +32,12 @@ use validation::Run;
 const READINGS: usize = 20_000;
 /// Change of a number, of its size.
 const STEP: f64 = 1e-3;
+/// What of a condition can be told in f64, by its square.
+const WORST_CONDITION: f64 = 1e8;
+/// Products of errors that are summed at a time, at most.
+const PRODUCTS: usize = 100_000_000;
+/// Every how many readings are looked at where that does not suffice.
+const THINNED: usize = 10;
 /// What is known to this part of the stroke is determined.
 const OF_STROKE: f64 = 0.005;
 
@@ -45,7 +52,10 @@ pub struct Determination {
     pub rms_um: f64,
     /// Numbers of the model that were looked at.
     pub numbers: usize,
-    /// Largest by smallest singular value of the readings' derivatives by the numbers, each of its own size.
+    /// Numbers that could not be moved without breaking a rule; what they are uncertain by is missing.
+    pub held: usize,
+    /// Largest by smallest singular value of the readings' derivatives by the numbers, each of its own size; 10⁸ where two
+    /// cannot be told apart at all.
     pub condition: f64,
     /// What the actuator does, experiment by experiment.
     pub found: Vec<Found>,
@@ -67,14 +77,16 @@ pub struct Found {
 /// What the training sessions determine of a table that was identified from them; `None` where they have no two readings, or
 /// the model no number that a log could tell.
 pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determination> {
-    // Neither an interval nor a drive has a part in it.
-    let table = estimator_core::Table { interval: None, drive: None, ..**table }.admit().ok()?;
+    // Neither an interval nor a drive has a part in it, and limits must not keep a number from moving.
+    let limits = table.displacement_limits_um;
+    let room = Range { min: limits.min - limits.span(), max: limits.max + limits.span() };
+    let table = Table { interval: None, drive: None, displacement_limits_um: room, ..**table }.admit().ok()?;
     let errors: Vec<Vec<f64>> = sessions.iter().map(|session| judged(errors(&table, session), session)).collect();
     let readings: usize = errors.iter().map(Vec::len).sum();
     let squares: f64 = errors.iter().flatten().map(|error| error * error).sum();
     let effective: f64 = errors.iter().map(|errors| effective(errors)).sum();
     let voltages = Range::of_values(sessions.iter().flat_map(|session| session.voltage.iter().copied()));
-    let numbers = numbers(&table);
+    let (numbers, held) = numbers(&table);
     if readings < 2 || numbers.is_empty() || squares <= 0.0 || voltages.span() <= 0.0 {
         return None;
     }
@@ -114,7 +126,8 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
         effective_readings: effective,
         rms_um: (squares / readings as f64).sqrt(),
         numbers: numbers.len(),
-        condition: (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt(),
+        held,
+        condition: (eigenvalues.max() / eigenvalues.min()).abs().sqrt().min(WORST_CONDITION),
         found: found.collect(),
     })
 }
@@ -129,19 +142,29 @@ fn judged(mut errors: Vec<f64>, session: &Session) -> Vec<f64> {
     errors
 }
 
-/// nₑ of one session.
+/// nₑ of one session. Errors that are still alike after as many readings as can be correlated in a moment are looked at
+/// every tenth reading.
 fn effective(errors: &[f64]) -> f64 {
     let count = errors.len() as f64;
     let variance: f64 = errors.iter().map(|error| error * error).sum();
     if variance <= 0.0 {
         return count;
     }
-    let correlation = |lag: usize| {
+    let lags = (PRODUCTS / errors.len()).clamp(1, errors.len());
+    let mut sum = 0.0;
+    for lag in 1..lags {
         let products = errors.iter().zip(&errors[lag..]).map(|(a, b)| a * b);
-        products.sum::<f64>() / variance
-    };
-    let sum: f64 = (1..errors.len()).map(correlation).take_while(|&correlation| correlation > 0.0).sum();
-    count / (1.0 + 2.0 * sum)
+        let correlation = products.sum::<f64>() / variance;
+        if correlation <= 0.0 {
+            return count / (1.0 + 2.0 * sum);
+        }
+        sum += correlation;
+    }
+    if lags < errors.len() {
+        effective(&errors.iter().copied().step_by(THINNED).collect::<Vec<f64>>())
+    } else {
+        count / (1.0 + 2.0 * sum)
+    }
 }
 
 #[cfg(test)]
@@ -158,5 +181,8 @@ mod tests {
         assert!((200.0..=600.0).contains(&effective(&repeated)), "{}", effective(&repeated));
         assert!(effective(&[1.0; 50]) < 2.0);
         assert_eq!(effective(&[0.0; 5]), 5.0);
+        // A drift over a million readings is one, and found in no time.
+        let drift: Vec<f64> = (0..1_000_000).map(|n| f64::from(n) - 5e5).collect();
+        assert!(effective(&drift) < 10.0);
     }
 }

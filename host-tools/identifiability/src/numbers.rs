@@ -6,8 +6,19 @@ use serde_json::Value;
 use crate::STEP;
 
 /// How a model is laid out before anything is fitted: no log has told these.
-const LAID_OUT: [&str; 7] =
-    ["span_v", "memory_v", "half_widths_v", "thresholds_v", "dead_zones_um", "creep_times_s", "voltage_centre_v"];
+const LAID_OUT: [&str; 11] = [
+    "span_v",
+    "memory_v",
+    "half_widths_v",
+    "thresholds_v",
+    "dead_zones_um",
+    "creep_times_s",
+    "voltage_centre_v",
+    "deadband_v",
+    "limits_um",
+    "lower_v",
+    "upper_v",
+];
 /// A delay is known beforehand to some ticks, however small it is.
 const TICKS: (&str, f64) = ("delay_ticks", 1.0);
 
@@ -20,12 +31,15 @@ pub struct Number {
 }
 
 /// Every number of a table that a log could have told: those that are not 0, for that says that a stage is not there, and that
-/// can be a little other without breaking a rule.
-pub fn numbers(table: &Admitted) -> Vec<Number> {
-    let Ok(parameters) = serde_json::to_value(table.parameters) else { return Vec::new() };
+/// can be a little other without breaking a rule; and how many could not.
+pub fn numbers(table: &Admitted) -> (Vec<Number>, usize) {
+    let Ok(parameters) = serde_json::to_value(table.parameters) else { return (Vec::new(), 0) };
     let mut found = Vec::new();
     leaves(&parameters, "", String::new(), &mut found);
-    found.iter().filter_map(|(pointer, size)| number(table, &parameters, pointer, *size)).collect()
+    let numbers: Vec<Number> =
+        found.iter().filter_map(|(pointer, size)| number(table, &parameters, pointer, *size)).collect();
+    let held = found.len() - numbers.len();
+    (numbers, held)
 }
 
 /// Where numbers are, as JSON pointers, and their sizes: in a list the mean, where the number itself is smaller.

@@ -2,8 +2,16 @@
 
 use identifiability::{Determination, Experiment, Found};
 
+/// What the lines of [`determination`] are.
+pub const DETERMINED: &str =
+    "\nWhat the training says of the actuator, ± a standard error, as if the model were right:";
+
 /// What it says, a line each: what it is of, the number with its standard error, and what to record where that is too large.
-pub fn determination(of: &Determination) -> Vec<(String, String)> {
+pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
+    let Some(of) = of else {
+        let nothing = "nothing: it fits without an error, or has nothing that a log could tell".to_owned();
+        return vec![("The training".to_owned(), nothing)];
+    };
     let worth = format!(
         "{} readings with an error of {:.3} µm, which repeat one another and are worth {:.0}",
         of.readings, of.rms_um, of.effective_readings

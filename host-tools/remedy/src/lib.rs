@@ -13,7 +13,7 @@ mod proven;
 
 pub use bench::{complaint, stopped};
 pub use bits::{Meaning, faults, remarks, status};
-pub use determination::determination;
+pub use determination::{DETERMINED, determination};
 pub use device::{board, refusal};
 pub use doubt::{doubt, doubt_json};
 pub use identification::{mismatch, reason};

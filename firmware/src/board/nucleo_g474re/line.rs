@@ -100,6 +100,9 @@ impl Read for Receiver {
         poll_fn(|context| {
             self.ring.set_waker(context.waker());
             PAUSED.register(context.waker());
+            // The driver's handler, which comes after `Pause`, takes a pause that begins between the two for its own, and ends
+            // this interrupt.
+            critical_section::with(|_| pac::LPUART1.cr1().modify(|w| w.set_idleie(true)));
             count_errors();
             match self.ring.read(buffer) {
                 Ok((0, _)) if !buffer.is_empty() => Poll::Pending,
@@ -134,7 +137,6 @@ pub fn start(
     let mut ring =
         unsafe { ReadableRingBuffer::new(Channel::new(ours, Irqs), request, data, RING.take(), Default::default()) };
     ring.start();
-    pac::LPUART1.cr1().modify(|w| w.set_idleie(true));
     pac::LPUART1.cr3().modify(|w| w.set_dmar(true));
     (transmitter, Receiver { ring, _uart: receiver })
 }

@@ -72,7 +72,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let (outcome, interval) = with_interval(outcome, &job.search, arguments.devices)?;
     let training: Vec<_> = outcome.problem.training().collect();
     let determination = identifiability::determination(&outcome.candidate().table, &training);
-    let determined = determination.as_ref().map_or_else(Vec::new, remedy::determination);
+    let determined = remedy::determination(determination.as_ref());
     let mut verdict = verdict(&outcome);
     verdict.push(beside(interval.as_ref(), arguments.devices));
     write(&folder, arguments, job.cost, &outcome, &verdict, &determined)?;
@@ -218,7 +218,7 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
     }
     out("");
     verdict.iter().for_each(|sentence| out(sentence));
-    out("\nWhat the training says of the actuator, ± a standard error, as if the model were right:");
+    out(remedy::DETERMINED);
     determined.iter().for_each(|(what, found)| out(&format!("  {what:<46} {found}")));
     out("\nWhen not to trust it:");
     outcome.doubts.iter().for_each(|doubt| out(&format!("- {}", remedy::doubt(doubt))));
