@@ -1,5 +1,6 @@
 //! What can be wrong on a device.
 
+use crate::mode::Mode;
 use serde::{Deserialize, Serialize};
 
 bitflags::bitflags! {
@@ -42,4 +43,14 @@ impl Faults {
         .union(Self::SETPOINT)
         .union(Self::NO_TABLE)
         .union(Self::TABLE_FALLBACK);
+
+    /// The faults with which a mode is not entered: none where the output rests or shows the estimate, and where it drives
+    /// those of [`Faults::UNSAFE`] that concern the mode.
+    pub const fn against(mode: Mode) -> Self {
+        match mode {
+            Mode::Estimate | Mode::Pil | Mode::Pause => Self::empty(),
+            Mode::Follow | Mode::Excite => Self::UNSAFE.difference(Self::SETPOINT),
+            Mode::Linearise => Self::UNSAFE,
+        }
+    }
 }

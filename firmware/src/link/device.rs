@@ -230,7 +230,11 @@ impl<F: NorFlash> Device<'_, F> {
         if mode == Mode::Linearise && drive.is_none_or(|drive| drive.setpoint.is_none()) {
             return Err(Refusal::NoSetpoint);
         }
-        if mode.drives() && self.telemetry.faults().intersects(Faults::UNSAFE) {
+        if mode == Mode::Linearise && self.telemetry.linearises() {
+            // It follows its set-point, or waits for that: it neither leaves it nor waits longer.
+            return Ok(());
+        }
+        if self.telemetry.faults().intersects(Faults::against(mode)) {
             return Err(Refusal::Faulty);
         }
         let epoch = self.telemetry.epoch.load(Relaxed);
