@@ -519,6 +519,30 @@ fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_t
 }
 
 #[test]
+fn without_its_crystal_a_device_estimates_and_drives_nothing_and_says_so() {
+    let facts = Facts { clock_good: false, ..FACTS };
+    for table in [compiled(), driving(), linearising(true)] {
+        let safe = Drive::rest(&table).unwrap_or(table.dac.code(0.0f32));
+        let start = || started(Startup::new(Some(&table), &facts, false));
+        let (mut tick, mut link) = start();
+        for mode in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Pil] {
+            link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+            for k in 0..3_000 {
+                assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), safe, "{mode:?}, tick {k}");
+                assert!(!tick.valid(), "{mode:?}, tick {k}");
+            }
+        }
+        let mut bench = Bench::of(Some(table), start());
+        bench.until(Faults::CLOCK | Faults::SAFE_OUTPUT);
+        let drives = table.drive.is_some();
+        let refusal = if drives { Refusal::Faulty } else { Refusal::NoDrive };
+        assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Refused(refusal));
+        assert_eq!(bench.ask(Request::SetZero { at_um: 0.0 }), Reply::Refused(Refusal::TooSoon));
+        resets(&mut bench);
+    }
+}
+
+#[test]
 fn a_reset_ends_even_where_the_output_never_comes_to_its_safe_code() {
     // The drive's rest is another code.
     let startup = Startup { safe: SAFE, ..Startup::new(Some(&driving()), &FACTS, false) };

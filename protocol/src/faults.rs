@@ -29,6 +29,8 @@ bitflags::bitflags! {
         /// While the set-point is followed, its input has stood at an end of the ADC's range, or given one and the same code: a
         /// controller that is off, an open wire, or a wrong divider.
         const SETPOINT = 1 << 9;
+        /// The crystal did not start: the chip's own oscillator, up to 2 % off, clocks the device, which estimates nothing.
+        const CLOCK = 1 << 10;
     }
 }
 
@@ -41,6 +43,7 @@ impl Faults {
         .union(Self::SUPPLY)
         .union(Self::AMPLIFIER)
         .union(Self::SETPOINT)
+        .union(Self::CLOCK)
         .union(Self::NO_TABLE)
         .union(Self::TABLE_FALLBACK);
 

@@ -9,6 +9,7 @@ mod doubt;
 mod identification;
 mod log;
 mod paste;
+mod supply;
 
 pub use bench::{complaint, stopped};
 pub use bits::{Meaning, faults, remarks, status};
@@ -17,6 +18,7 @@ pub use device::{board, refusal};
 pub use doubt::{doubt, doubt_json};
 pub use identification::{mismatch, reason};
 pub use paste::quoted;
+pub use supply::supply;
 
 use std::error::Error;
 
