@@ -42,6 +42,9 @@ pub struct Drive {
     full_scale: u16,
     state: State,
     answer: Answer,
+    /// The rest's code, and the one that was commanded last.
+    rest: DacCode,
+    last: DacCode,
 }
 
 impl Drive {
@@ -51,7 +54,8 @@ impl Drive {
         // Cannot fail: the table was admitted with it.
         let inverse = table.inverse(&calibration.limits).ok()?;
         let answer = Answer::new(table.adc, &calibration.limits);
-        Some(Self { inverse, calibration, full_scale: table.dac.full_scale, state: State::Waiting, answer })
+        let (full_scale, rest) = (table.dac.full_scale, Self::rest(table)?);
+        Some(Self { inverse, calibration, full_scale, state: State::Waiting, answer, rest, last: rest })
     }
 
     /// The code of the rest voltage.
@@ -94,6 +98,16 @@ impl Drive {
     /// Whether a reference is followed, of either kind.
     pub fn following(&self) -> bool {
         matches!(self.state, State::Following { .. })
+    }
+
+    /// Whether nothing is followed until [`restart`](Self::restart).
+    pub fn stopped(&self) -> bool {
+        matches!(self.state, State::Stopped { .. })
+    }
+
+    /// Whether the rest voltage was commanded last.
+    pub fn rests(&self) -> bool {
+        self.last == self.rest
     }
 
     /// Whether a reference is followed that is to be held for ever.
@@ -142,7 +156,8 @@ impl Drive {
     fn command(&mut self, commanded: Commanded<f32>) -> (DacCode, Status) {
         self.answer.commanded(commanded.voltage);
         let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
-        (self.calibration.code(commanded.voltage, self.full_scale), status)
+        self.last = self.calibration.code(commanded.voltage, self.full_scale);
+        (self.last, status)
     }
 
     /// Whether the amplifier is not where it was commanded to.

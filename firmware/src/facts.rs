@@ -30,6 +30,10 @@ pub struct Facts {
     pub supply_mv: Option<u16>,
     /// Measures it, mV, while the ticks go on: gives what the call before has begun, and begins anew.
     pub measure_supply: fn() -> Option<u16>,
+    /// The level of the chip's brown-out reset, where it has one ([`protocol::Health::brown_out_level`]).
+    pub brown_out_level: Option<u8>,
+    /// Whether the ticks are as far apart as they should be: where the crystal did not start, nobody knows.
+    pub clock_good: bool,
     /// Whether so many mV are within tolerance.
     pub supply_good: fn(u16) -> bool,
     /// Uncorrectable flash words met so far.

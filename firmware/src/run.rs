@@ -115,7 +115,7 @@ fn log_start(source: &TableSource) {
 
 #[cfg(feature = "on-target")]
 fn log_faults(faults: Faults) {
-    defmt::warn!("faults {=u16:#012b}", faults.bits());
+    defmt::warn!("faults {=u16:#013b}", faults.bits());
 }
 
 /// The host's tests have no log.

@@ -1,15 +1,15 @@
 //! The set-point: the displacement that a controller wants by a voltage of its own, at a third channel of the ADC.
 //!
 //! A controller that is switched on after the board, or a wire that is plugged in later, must not move the amplifier on its
-//! way there. So nothing is wanted until everything has been sound for [`CALM_TICKS`] without a break. From then on each
-//! code is a displacement, but one near an end of the ADC's range, which is none: the last one is held, until the watch
-//! ([`crate::watch`]) calls it a fault.
+//! way there. So nothing is wanted until the voltage has been at rest and everything sound for [`CALM_TICKS`] without a
+//! break. From then on each code is a displacement, but one near an end of the ADC's range, which is none: the last one is
+//! held, until the watch ([`crate::watch`]) calls it a fault.
 
 use crate::rate::TICK_HZ;
 use crate::watch::{Ends, SATURATED};
 use estimator_core::{AdcCode, Admitted, SetpointCalibration};
 
-/// How long everything must have been sound before a set-point is followed: 1 s.
+/// How long everything must have been sound, and the voltage at rest, before a set-point is followed: 1 s.
 pub const CALM_TICKS: u32 = TICK_HZ;
 /// A set-point at an end of its range is a fault within this time, so that it comes before the set-point is followed. One that
 /// does not change shows later.
@@ -20,7 +20,7 @@ const _: () = assert!(SATURATED < CALM_TICKS);
 pub struct Setpoint {
     calibration: SetpointCalibration,
     ends: Ends,
-    /// Ticks that everything has been sound for, at most [`CALM_TICKS`].
+    /// Ticks at rest that everything has been sound for, at most [`CALM_TICKS`].
     calm: u32,
 }
 
@@ -42,15 +42,15 @@ impl Setpoint {
     }
 
     /// What is wanted at a tick, µm relative to the model's zero, where that can be said; `sound` says that nothing else is
-    /// wrong.
-    pub fn wanted(&mut self, code: AdcCode, sound: bool) -> Option<f32> {
+    /// wrong, `rests` that the voltage is at rest, which matters before the set-point is followed only.
+    pub fn wanted(&mut self, code: AdcCode, sound: bool, rests: bool) -> Option<f32> {
         let plausible = !self.ends.near(code);
         if !sound {
             self.calm = 0;
             return None;
         }
         if self.calm < CALM_TICKS {
-            self.calm = if plausible { self.calm + 1 } else { 0 };
+            self.calm = if plausible && rests { self.calm + 1 } else { 0 };
             return None;
         }
         plausible.then(|| self.calibration.displacement(code))

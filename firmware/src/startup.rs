@@ -27,9 +27,10 @@ pub struct Startup {
 
 impl Startup {
     /// The start with a table, or without one. `fallback` says that the stored table could not be used. After failures in a
-    /// row nothing is driven, whatever the table says, and the output stays at the safe code of the starts before.
+    /// row nothing is driven, whatever the table says, and the output stays at the safe code of the starts before. With ticks
+    /// that come no one knows how often nothing is estimated or driven either.
     pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
-        let estimator = table.map(Estimator::new);
+        let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
         let degraded = facts.restarts.too_many();
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
         // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts
@@ -40,11 +41,12 @@ impl Startup {
         let safe = facts.restarts.safe.filter(|_| degraded).unwrap_or(safe);
         // Then the table is not the one that the output is wired for: a drive would rest at its own code, not at the safe
         // one, and move there.
-        let driving = table.filter(|_| !degraded);
+        let driving = table.filter(|_| !degraded && facts.clock_good);
         let stride = driving.and_then(Drive::stride).unwrap_or(Stride::JUMP);
         let mut faults = Faults::empty();
         faults.set(Faults::TABLE_FALLBACK, fallback);
-        faults.set(Faults::NO_TABLE, estimator.is_none());
+        faults.set(Faults::NO_TABLE, table.is_none());
+        faults.set(Faults::CLOCK, !facts.clock_good);
         let setpoint = driving.and_then(Setpoint::new);
         // A device that has just failed drives nothing by itself: what it did may be what made it fail.
         let calm = facts.restarts.count == 0 && !faults.intersects(Faults::UNSAFE);

@@ -46,6 +46,8 @@ pub struct Telemetry {
     pub may_be_told: AtomicBool,
     /// Whether a reference is followed that is to be held for ever.
     pub holding: AtomicBool,
+    /// Whether, in a mode that drives, nothing is followed until a mode is set.
+    pub(crate) stopped: AtomicBool,
     /// The analogue supply, mV; 0 where it is not known. Written by the main loop, as is whether it is out of tolerance.
     supply_mv: AtomicU16,
     supply_bad: AtomicBool,
@@ -91,6 +93,7 @@ impl Telemetry {
             epoch: AtomicU32::new(0),
             may_be_told: AtomicBool::new(false),
             holding: AtomicBool::new(false),
+            stopped: AtomicBool::new(false),
             supply_mv: AtomicU16::new(0),
             supply_bad: AtomicBool::new(false),
             setpoint: AtomicU32::new(0),
@@ -184,6 +187,11 @@ impl Telemetry {
     pub fn mode(&self) -> Mode {
         // Nothing but `set_mode` writes the number.
         Mode::from_number(self.mode.load(Relaxed)).unwrap_or_default()
+    }
+
+    /// Whether the set-point is followed, or will be as soon as everything is sound.
+    pub fn linearises(&self) -> bool {
+        self.mode() == Mode::Linearise && !self.stopped.load(Relaxed)
     }
 
     /// What is added to the model's displacement, µm; 0 where nothing was told.

@@ -167,7 +167,7 @@ impl<'q> Tick<'q> {
                     drive.stop();
                 }
                 let next = match (setpoint, &mut self.startup.setpoint) {
-                    (Some(code), Some(wants)) => wants.wanted(code, sound),
+                    (Some(code), Some(wants)) => wants.wanted(code, sound, drive.rests()),
                     _ if drive.takes_references() => self.queues.references.dequeue(),
                     _ => None,
                 };
@@ -176,6 +176,7 @@ impl<'q> Tick<'q> {
                 }
                 let (code, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
                 self.telemetry.holding.store(drive.holding(), Relaxed);
+                self.telemetry.stopped.store(drive.stopped(), Relaxed);
                 Output { code, safe: !drive.following(), status }
             }
             Some(drive) => Output { code: drive.release(), safe: true, status },
@@ -243,6 +244,7 @@ impl<'q> Tick<'q> {
             }
         }
         self.telemetry.holding.store(false, Relaxed);
+        self.telemetry.stopped.store(false, Relaxed);
         self.telemetry.set_mode(mode);
     }
 

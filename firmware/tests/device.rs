@@ -10,7 +10,7 @@ use embassy_futures::block_on;
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Timer};
 use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
-use estimator_core::{Admitted, DacCode, IntervalParameters, Table};
+use estimator_core::{AdcCode, Admitted, DacCode, IntervalParameters, Table};
 use firmware::boot::{self, Chosen};
 use firmware::drive::Drive;
 use firmware::link::{Device, Taken};
@@ -18,11 +18,11 @@ use firmware::queues::Command;
 use firmware::restarts::{Restarts, TOO_MANY};
 use firmware::startup::Startup;
 use firmware::table::TABLE;
-use firmware::{Facts, Tick};
+use firmware::{Conversion, Facts, Tick};
 use parameter_store::{ParameterStore, RamFlash};
 use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU16};
 
 type Flash = RamFlash<&'static mut [u8]>;
 
@@ -49,16 +49,39 @@ impl Bench {
     }
 
     /// A device that has this tick.
-    fn of(table: Option<Admitted>, (mut tick, rest): (Tick<'static>, LinkEnd)) -> Self {
+    fn of(table: Option<Admitted>, tick: (Tick<'static>, LinkEnd)) -> Self {
+        Self::with(table, tick, |k, _| triangle(k).into())
+    }
+
+    /// A device that follows a set-point from its start on, whose controller gives this code, but for noise, and whose amplifier
+    /// does what it is told.
+    fn controlled(code: Arc<AtomicU16>) -> Self {
+        let table = linearising(true);
+        let tick = started(Startup::new(Some(&table), &FACTS, false));
+        Self::with(Some(table), tick, move |k, dac| {
+            let noise = (k % 2) as u16;
+            let AdcCode(monitor) = table.adc.code(table.drive.unwrap().voltage::<f32>(dac));
+            let setpoint = Some(AdcCode(code.load(Relaxed) + noise));
+            Conversion { monitor: AdcCode(monitor + noise), sensor: None, setpoint }
+        })
+    }
+
+    /// A device whose converter gives this, by the tick's number and what the DAC puts out.
+    fn with(
+        table: Option<Admitted>,
+        (mut tick, rest): (Tick<'static>, LinkEnd),
+        conversion: impl Fn(u32, DacCode) -> Conversion + Send + 'static,
+    ) -> Self {
         rest.telemetry.set_supply(FACTS.supply_mv, FACTS.supply_good);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
+        let mut dac = rest.telemetry.safe();
         std::thread::spawn(move || {
             for k in 0.. {
                 if stopped.load(Relaxed) {
                     return;
                 }
-                tick.sample(triangle(k).into(), k.wrapping_mul(PERIOD));
+                dac = tick.sample(conversion(k, dac), k.wrapping_mul(PERIOD));
                 std::thread::sleep(std::time::Duration::from_micros(50));
             }
         });
@@ -82,6 +105,18 @@ impl Bench {
             frames_refused: 4,
             read_errors: 5,
             referred: Taken::default(),
+        }
+    }
+
+    /// Until these faults are there, or these alone where there are none.
+    fn until(&self, faults: Faults) {
+        let started = std::time::Instant::now();
+        let now = || self.device.telemetry.faults();
+        // Before the first tick nothing is known to be wrong.
+        std::thread::sleep(TICKS);
+        while if faults.is_empty() { !now().is_empty() } else { !now().contains(faults) } {
+            assert!(started.elapsed().as_secs() < 20, "{faults:?} do not come, there are {:?}", now());
+            std::thread::sleep(TICKS);
         }
     }
 
@@ -440,6 +475,46 @@ fn a_set_point_is_followed_where_board_and_table_have_one_and_for_as_long_as_nob
     assert_eq!(bench.ask(push(&linearising(true), false)), Reply::Refused(Refusal::Estimating));
 }
 
+#[test]
+fn a_device_that_is_asked_again_for_its_set_point_goes_on_as_it_was() {
+    let linearise = Request::SetMode(Mode::Linearise);
+    let code = Arc::new(AtomicU16::new(0));
+    let mut bench = Bench::controlled(code.clone());
+    let goes_on = |bench: &mut Bench| {
+        let epoch = bench.device.telemetry.epoch.load(Relaxed);
+        assert_eq!(bench.ask(linearise.clone()), Reply::Done);
+        std::thread::sleep(TICKS);
+        assert_eq!(bench.device.telemetry.epoch.load(Relaxed), epoch, "nothing has changed");
+    };
+    bench.until(Faults::SETPOINT | Faults::SAFE_OUTPUT);
+    goes_on(&mut bench);
+    code.store(32_760, Relaxed);
+    bench.until(Faults::empty());
+    assert_eq!(bench.ask(Request::Stream(true)), Reply::Done);
+    goes_on(&mut bench);
+    assert!(bench.device.telemetry.faults().is_empty(), "it follows");
+    assert!(bench.device.telemetry.streaming.load(Relaxed), "what is streamed goes on");
+}
+
+#[test]
+fn a_fault_of_the_set_point_refuses_the_set_point_alone() {
+    for mode in [Mode::Follow, Mode::Excite] {
+        let code = Arc::new(AtomicU16::new(32_760));
+        let mut bench = Bench::controlled(code.clone());
+        bench.until(Faults::empty());
+        code.store(0, Relaxed);
+        bench.until(Faults::SETPOINT | Faults::SAFE_OUTPUT);
+        assert_eq!(bench.ask(Request::SetMode(Mode::Linearise)), Reply::Refused(Refusal::Faulty));
+        assert_eq!((bench.ask(Request::SetMode(mode)), bench.device.telemetry.mode()), (Reply::Done, mode));
+        // What concerns every drive refuses every one.
+        (0..2).for_each(|_| bench.device.telemetry.set_supply(Some(3000), FACTS.supply_good));
+        bench.until(Faults::SUPPLY);
+        for mode in [Mode::Follow, Mode::Excite, Mode::Linearise] {
+            assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Refused(Refusal::Faulty), "{mode:?}");
+        }
+    }
+}
+
 /// Asks for a reset and brings the output to rest, which must end within ten seconds.
 fn resets(bench: &mut Bench) {
     assert!(matches!(bench.ask(Request::Reset), Reply::Resetting { .. }));
@@ -475,6 +550,30 @@ fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_t
     }
     assert_eq!(bench.ask(Request::Reset), Reply::Resetting { in_ms: 0 });
     resets(&mut bench);
+}
+
+#[test]
+fn without_its_crystal_a_device_estimates_and_drives_nothing_and_says_so() {
+    let facts = Facts { clock_good: false, ..FACTS };
+    for table in [compiled(), driving(), linearising(true)] {
+        let safe = Drive::rest(&table).unwrap_or(table.dac.code(0.0f32));
+        let start = || started(Startup::new(Some(&table), &facts, false));
+        let (mut tick, mut link) = start();
+        for mode in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Pil] {
+            link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+            for k in 0..3_000 {
+                assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), safe, "{mode:?}, tick {k}");
+                assert!(!tick.valid(), "{mode:?}, tick {k}");
+            }
+        }
+        let mut bench = Bench::of(Some(table), start());
+        bench.until(Faults::CLOCK | Faults::SAFE_OUTPUT);
+        let drives = table.drive.is_some();
+        let refusal = if drives { Refusal::Faulty } else { Refusal::NoDrive };
+        assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Refused(refusal));
+        assert_eq!(bench.ask(Request::SetZero { at_um: 0.0 }), Reply::Refused(Refusal::TooSoon));
+        resets(&mut bench);
+    }
 }
 
 #[test]

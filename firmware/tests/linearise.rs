@@ -4,7 +4,7 @@ mod common;
 
 use common::driven::{Bench, REST, STRIDE};
 use common::{FACTS, SETPOINT, linearising, started};
-use estimator_core::{AdcCode, DacCode};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Table};
 use firmware::drive::REFERENCE_TIMEOUT_TICKS;
 use firmware::restarts::Restarts;
 use firmware::setpoint::CALM_TICKS;
@@ -25,7 +25,11 @@ struct Controlled {
 
 impl Controlled {
     fn new(at_start: bool, facts: &Facts, fallback: bool) -> Self {
-        let (tick, link) = started(Startup::new(Some(&linearising(at_start)), facts, fallback));
+        Self::of(&linearising(at_start), facts, fallback)
+    }
+
+    fn of(table: &Admitted, facts: &Facts, fallback: bool) -> Self {
+        let (tick, link) = started(Startup::new(Some(table), facts, fallback));
         link.telemetry.streaming.store(true, std::sync::atomic::Ordering::Relaxed);
         Self { bench: Bench { tick, link, k: 0, dac: REST }, wants: code(30.0) }
     }
@@ -114,6 +118,27 @@ fn a_fault_that_begins_as_it_would_set_out_keeps_it_waiting() {
         assert!(dac == REST && faults.contains(Faults::SAFE_OUTPUT), "tick {tick}: {dac:?} {faults:?}");
     }
     assert!(device.run(HOLD + CALM_TICKS + 1_000).0.0 > REST.0 + 500, "once all is sound it sets out");
+}
+
+#[test]
+fn it_sets_out_from_rest_however_long_the_way_there_takes() {
+    let table = linearising(true);
+    let drive = table.drive.unwrap();
+    // A code in four ticks.
+    let limits = DriveLimits { slew_v_per_s: 0.5, ..drive.limits };
+    let slow = Table { drive: Some(DriveCalibration { limits, ..drive }), ..*table }.admit().unwrap();
+    let mut device = Controlled::of(&slow, &FACTS, false);
+    let (high, _) = device.run(5 * CALM_TICKS);
+    assert!(high.0 > REST.0 + 4 * STRIDE, "{high:?}");
+    device.bench.set(Mode::Pause);
+    device.run(10);
+    device.bench.set(Mode::Linearise);
+    let codes: Vec<DacCode> = (0..6 * CALM_TICKS).map(|_| device.step().0).collect();
+    let arrives = codes.iter().position(|&code| code == REST).expect("it goes to rest first");
+    assert!(arrives > CALM_TICKS as usize, "{arrives}: the way takes longer than the wait");
+    assert!(codes[..arrives].windows(2).all(|pair| pair[1] <= pair[0]), "straight there");
+    let leaves = codes[arrives..].iter().position(|&code| code != REST).expect("it sets out again");
+    assert!(leaves >= CALM_TICKS as usize, "{leaves} ticks at rest");
 }
 
 #[test]

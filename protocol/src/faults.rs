@@ -1,5 +1,6 @@
 //! What can be wrong on a device.
 
+use crate::mode::Mode;
 use serde::{Deserialize, Serialize};
 
 bitflags::bitflags! {
@@ -28,6 +29,8 @@ bitflags::bitflags! {
         /// While the set-point is followed, its input has stood at an end of the ADC's range, or given one and the same code: a
         /// controller that is off, an open wire, or a wrong divider.
         const SETPOINT = 1 << 9;
+        /// The crystal did not start: the chip's own oscillator, up to 2 % off, clocks the device, which estimates nothing.
+        const CLOCK = 1 << 10;
     }
 }
 
@@ -40,6 +43,17 @@ impl Faults {
         .union(Self::SUPPLY)
         .union(Self::AMPLIFIER)
         .union(Self::SETPOINT)
+        .union(Self::CLOCK)
         .union(Self::NO_TABLE)
         .union(Self::TABLE_FALLBACK);
+
+    /// The faults with which a mode is not entered: none where the output rests or shows the estimate, and where it drives
+    /// those of [`Faults::UNSAFE`] that concern the mode.
+    pub const fn against(mode: Mode) -> Self {
+        match mode {
+            Mode::Estimate | Mode::Pil | Mode::Pause => Self::empty(),
+            Mode::Follow | Mode::Excite => Self::UNSAFE.difference(Self::SETPOINT),
+            Mode::Linearise => Self::UNSAFE,
+        }
+    }
 }

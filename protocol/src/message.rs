@@ -67,7 +67,8 @@ pub enum Request {
         /// What is added to the displacement from now on, µm; no larger than the span of the table's displacement limits.
         by_um: f32,
     },
-    /// Change what the tick does; the estimate starts anew, from rest, samples are counted from 0, and streaming ends.
+    /// Change what the tick does; the estimate starts anew, from rest, samples are counted from 0, and streaming ends. To a
+    /// device that follows its set-point, or waits for that, [`Mode::Linearise`] says nothing new and changes nothing.
     /// → [`Reply::Done`]
     SetMode(Mode),
     /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]

@@ -22,7 +22,7 @@ pub enum Mode {
     /// table knows yet.
     Excite,
     /// As [`Mode::Follow`], but each tick's reference is what the set-point's channel of the ADC says by the table's calibration,
-    /// and no host is needed: the mode lasts. It waits at rest until everything has been sound for a second. A fault while it
+    /// and no host is needed: the mode lasts. It goes to rest and waits there until everything has been sound for a second. A fault while it
     /// drives, the set-point's own among them, sends it back to rest, and there it stays until the mode is set again.
     Linearise,
 }

@@ -35,6 +35,7 @@ fn everything_is_said_in_words() {
         bias_um: -0.4125,
         bias_age_ticks: Some(24_000),
         supply_mv: Some(3298),
+        brown_out_level: Some(0),
         ..health
     });
     let text = printed(&line);
@@ -43,7 +44,8 @@ fn everything_is_said_in_words() {
         "from the firmware image, since no table is stored",
         "1.0 % of its time, at most 2.0 %",
         "zeroed 12 s ago, bias -0.412 µm",
-        "3.298 V",
+        "Supply   3.298 V; the chip is reset below about 1.7 V only (BOR_LEV = 0)",
+        "-ob BOR_LEV=4",
         "now: the DAC stands at its safe value",
         "earlier: the ADC gives one and the same code",
         "3 ticks: the voltage left the range",

@@ -52,6 +52,8 @@ fn it_is_entered_shown_and_left() {
     let monitor = said(&asks(&device, &["monitor", "--seconds", "1.5"]).success());
     assert!(monitor.contains("where the set-point at its ADC wants"), "{monitor}");
     let port = format!("tcp:{}", device.address());
+    let again = said(&asks(&device, &["linearise"]).success());
+    assert!(again.contains("follows the set-point"), "{again}");
     let left = json(piezo().args(["linearise", "--stop", "--json", "--port", &port]));
     assert_eq!(left["mode"], "Estimate");
     let again = said(&asks(&device, &["linearise", "--stop"]).code(2));
@@ -60,9 +62,12 @@ fn it_is_entered_shown_and_left() {
 
 #[test]
 fn what_keeps_it_waiting_is_said_with_its_remedy() {
-    let waits = said(&asks(&controlled(0, Some(SETPOINT)), &["linearise"]).code(1));
-    for part in ["waits at rest", "the set-point stands at an end", "is the controller on"] {
-        assert!(waits.contains(part), "{part:?} is missing in\n{waits}");
+    let device = controlled(0, Some(SETPOINT));
+    for _ in 0..2 {
+        let waits = said(&asks(&device, &["linearise"]).code(1));
+        for part in ["waits at rest", "the set-point stands at an end", "is the controller on"] {
+            assert!(waits.contains(part), "{part:?} is missing in\n{waits}");
+        }
     }
 }
 
@@ -94,9 +99,9 @@ fn a_table_says_what_a_set_point_wants_where_it_drives() {
     let lonely = said(&emit(&["--setpoint-span", "-5:45"]).code(2));
     assert!(lonely.contains("--drive-span and --drive-slew say how it drives"), "{lonely}");
     let drive = ["--adc-full-scale", "65520", "--drive-span", "0:4", "--drive-range", "0.3:3.6", "--drive-slew", "40"];
-    let unsaid = said(&emit(&[&drive[..], &["--linearise"]].concat()).code(2));
+    let unsaid = said(&emit(&[&drive[..], &["--linearise", "at-start"]].concat()).code(2));
     assert!(unsaid.contains("--setpoint-span says it"), "{unsaid}");
-    emit(&[&drive[..], &["--setpoint-span", "-5:45", "--linearise"]].concat()).success();
+    emit(&[&drive[..], &["--setpoint-span", "-5:45", "--linearise", "at-start"]].concat()).success();
     // What is not said again stays, also for an ADC of another scale.
     let other = folder.path().join("other");
     let again =
@@ -106,4 +111,15 @@ fn a_table_says_what_a_set_point_wants_where_it_drives() {
     let setpoint = table.drive.unwrap().setpoint.unwrap();
     assert!((setpoint.gain_um_per_code * 4095.0 - 50.0).abs() < 1e-4, "{setpoint:?}");
     assert_eq!((setpoint.offset_um, setpoint.at_start), (-5.0, true));
+    // Another span says nothing of when it is followed, and when it is followed nothing of the span.
+    for (options, said) in [
+        (["--setpoint-span", "-2:18"], (-2.0, true)),
+        (["--linearise", "on-request"], (-2.0, false)),
+        (["--setpoint-span", "-3:17"], (-3.0, false)),
+    ] {
+        piezo().args(["emit", text(&other.join("table.toml")), "--out", text(&other)]).args(options).assert().success();
+        let (_, table) = TableFile::load(&other.join("table.toml")).unwrap();
+        let setpoint = table.drive.unwrap().setpoint.unwrap();
+        assert_eq!((setpoint.offset_um, setpoint.at_start), said, "{options:?}");
+    }
 }

@@ -1,4 +1,5 @@
-//! ST's NUCLEO-G474RE: STM32G474RE at 170 MHz from the board's 24 MHz crystal.
+//! ST's NUCLEO-G474RE: STM32G474RE at 170 MHz from the board's 24 MHz crystal; where that does not start, from the chip's own
+//! oscillator, to say so over the link.
 //!
 //! | what | where |
 //! |---|---|
@@ -123,9 +124,10 @@ async fn main(_spawner: Spawner) {
     let restarts = unsafe { restarts::count(reset) };
     // With its reset values, half a second: a crystal that does not start must not be waited for for ever.
     pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::START));
-    let p = clocks::start();
+    let (p, clock_good) = clocks::start();
+    let options = pac::FLASH.optr().read();
     // Otherwise a page is 4 KiB, both parameter pages are one, and an erase stops the code.
-    assert!(pac::FLASH.optr().read().dbank(), "the flash is not in dual-bank mode: set the option bit DBANK");
+    assert!(options.dbank(), "the flash is not in dual-bank mode: set the option bit DBANK");
     // Cannot fail: this is the only call.
     let mut core = cortex_m::Peripherals::take().expect("the core's peripherals are taken once");
     core.DCB.enable_trace();
@@ -168,6 +170,8 @@ async fn main(_spawner: Spawner) {
         keep_safe: |code| unsafe { restarts::keep_safe(code) },
         supply_mv: Some(supply_mv),
         measure_supply: || Some(supply::measure()),
+        brown_out_level: Some(options.bor_lev()),
+        clock_good,
         supply_good: supply::good,
         flash_errors: failure::flash_errors,
         line_errors: line::errors,

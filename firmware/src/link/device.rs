@@ -143,6 +143,7 @@ impl<F: NorFlash> Device<'_, F> {
             bias_um: telemetry.bias_um(),
             bias_age_ticks: telemetry.bias_age_ticks(),
             supply_mv: telemetry.supply_mv(),
+            brown_out_level: self.facts.brown_out_level,
             setpoint: telemetry.setpoint().map(|AdcCode(code)| code),
         }
     }
@@ -230,7 +231,11 @@ impl<F: NorFlash> Device<'_, F> {
         if mode == Mode::Linearise && drive.is_none_or(|drive| drive.setpoint.is_none()) {
             return Err(Refusal::NoSetpoint);
         }
-        if mode.drives() && self.telemetry.faults().intersects(Faults::UNSAFE) {
+        if mode == Mode::Linearise && self.telemetry.linearises() {
+            // It follows its set-point, or waits for that: it neither leaves it nor waits longer.
+            return Ok(());
+        }
+        if self.telemetry.faults().intersects(Faults::against(mode)) {
             return Err(Refusal::Faulty);
         }
         let epoch = self.telemetry.epoch.load(Relaxed);

@@ -30,6 +30,8 @@ pub const FACTS: Facts = Facts {
     keep_safe: |_| {},
     supply_mv: Some(3301),
     measure_supply: || Some(3301),
+    brown_out_level: Some(4),
+    clock_good: true,
     supply_good: |mv| mv > 3135,
     flash_errors: || 3,
     line_errors: || 0,

@@ -19,7 +19,7 @@ pub struct DriveOptions {
     pub drive_rest: Option<f64>,
     /// Displacement that a controller wants by the set-point's code 0 and by its full scale, µm relative to the model's zero.
     pub setpoint_span: Option<Span>,
-    /// Whether the device follows the set-point of itself after a start.
+    /// Whether the device follows the set-point of itself after a start; where that is not said, it is as it was.
     pub linearise: Option<bool>,
 }
 
@@ -89,7 +89,7 @@ impl DriveOptions {
             drive.setpoint = Some(SetpointCalibration {
                 gain_um_per_code: ((span.full - span.zero) / f64::from(now.adc)) as f32,
                 offset_um: span.zero as f32,
-                at_start: false,
+                at_start: drive.setpoint.is_some_and(|before| before.at_start),
             });
         }
         if let (Some(at_start), Some(setpoint)) = (self.linearise, &mut drive.setpoint) {

@@ -81,11 +81,15 @@ pub fn bias(health: &Health, tick_us: u32) -> String {
     format!("zeroed {oldest}{age} ago, bias {:+.3} µm", health.bias_um)
 }
 
-const FAULTS: [(Faults, &str); 10] = [
+const FAULTS: [(Faults, &str); 11] = [
     (Faults::NO_TABLE, "there is no table that it can run, so nothing is estimated"),
     (
         Faults::TABLE_FALLBACK,
         "the stored table cannot be used or was not read, so the one of the firmware image is, which may be another actuator's: the output stays safe",
+    ),
+    (
+        Faults::CLOCK,
+        "the board's crystal did not start: the chip's own oscillator, up to 2 % off, clocks it, and nothing is estimated or driven",
     ),
     (Faults::SUPPLY, "the analogue supply, the converters' reference, is or was out of tolerance"),
     (Faults::ADC_SATURATED, "the ADC stands at an end of its range, or comes too near it too often"),

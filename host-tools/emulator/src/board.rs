@@ -88,6 +88,8 @@ fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
         keep_safe: |_| {},
         supply_mv: None,
         measure_supply: || None,
+        brown_out_level: None,
+        clock_good: true,
         supply_good: |_| true,
         flash_errors: || 0,
         line_errors: || 0,

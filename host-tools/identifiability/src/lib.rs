@@ -173,12 +173,16 @@ mod tests {
 
     #[test]
     fn readings_that_repeat_each_other_count_once() {
-        // Independent by their signs; then each ten times.
-        let signs: Vec<f64> =
-            (0u32..400).map(|n| if n.wrapping_mul(2_654_435_761) >> 31 == 0 { 1.0 } else { -1.0 }).collect();
+        // Independent signs; then each ten times.
+        let mut random = 1u32;
+        let mut sign = || {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            if random >> 31 == 0 { 1.0 } else { -1.0 }
+        };
+        let signs: Vec<f64> = (0..2000).map(|_| sign()).collect();
         let repeated: Vec<f64> = signs.iter().flat_map(|&sign| [sign; 10]).collect();
-        assert!((200.0..=400.0).contains(&effective(&signs)), "{}", effective(&signs));
-        assert!((200.0..=600.0).contains(&effective(&repeated)), "{}", effective(&repeated));
+        assert!((1400.0..=2000.0).contains(&effective(&signs)), "{}", effective(&signs));
+        assert!((1000.0..=2600.0).contains(&effective(&repeated)), "{}", effective(&repeated));
         assert!(effective(&[1.0; 50]) < 2.0);
         assert_eq!(effective(&[0.0; 5]), 5.0);
         // A drift over a million readings is one, and found in no time.

@@ -27,12 +27,13 @@ fn of<T: PartialEq + Copy>(remedies: &[(T, &'static str)], bit: T) -> &'static s
     remedies.iter().find(|(other, _)| *other == bit).map_or("report it", |(_, remedy)| remedy)
 }
 
-const FAULTS: [(Faults, &str); 10] = [
+const FAULTS: [(Faults, &str); 11] = [
     (Faults::NO_TABLE, "give it one: piezo push"),
     (
         Faults::TABLE_FALLBACK,
         "piezo info says why; store it again: piezo push. After failures in a row, piezo reset reads the store again",
     ),
+    (Faults::CLOCK, "piezo reset looks for the crystal again; if it does not start then either, replace the board"),
     (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, and mend the supply"),
     (
         Faults::ADC_SATURATED,

@@ -10,6 +10,7 @@ mod identification;
 mod log;
 mod paste;
 mod proven;
+mod supply;
 
 pub use bench::{complaint, stopped};
 pub use bits::{Meaning, faults, remarks, status};
@@ -19,6 +20,7 @@ pub use doubt::{doubt, doubt_json};
 pub use identification::{mismatch, reason};
 pub use paste::quoted;
 pub use proven::proven;
+pub use supply::supply;
 
 use std::error::Error;
 

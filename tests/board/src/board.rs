@@ -231,6 +231,22 @@ impl Board {
         (machine.bench.corrupt, machine.flash.corrupt) = (true, true);
     }
 
+    /// The crystal stops, and does not start again before [`Board::mend_crystal`] and a reset.
+    pub fn break_crystal(&mut self) {
+        self.machine_mut().break_crystal();
+    }
+
+    /// From the next reset on the crystal starts again.
+    pub fn mend_crystal(&mut self) {
+        self.machine_mut().bench.no_crystal = false;
+    }
+
+    /// The level of the brown-out reset (BOR_LEV) is another from the next start on, as if a probe had written the option bytes.
+    pub fn set_brown_out_level(&mut self, level: u8) {
+        let machine = self.machine_mut();
+        machine.bench.options = Some(machine.flash.options & !(7 << 8) | u32::from(level & 7) << 8);
+    }
+
     /// Bank 2 of the flash.
     #[must_use]
     pub fn contents(&self) -> &Contents {

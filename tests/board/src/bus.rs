@@ -196,7 +196,7 @@ impl Machine {
     }
 
     /// The registers that make the clocks have been written.
-    fn clocks_change(&mut self, now: u64) -> Result<()> {
+    pub(crate) fn clocks_change(&mut self, now: u64) -> Result<()> {
         self.clocks.hold(self.rcc.holds_power(), self.rcc.holds_flash());
         self.clocks.check(self.rcc.speeds()?, now)?;
         let clocks = self.rcc.timer_clocks()?;

@@ -43,7 +43,7 @@ const REFUSED: u32 = 1 << 2 | 1 << 15 | 1 << 17 | 1 << 18 | 7 << 27;
 const ECCD: u32 = 1 << 31;
 const BANK_2: u32 = 1 << 21;
 
-/// Option bytes as delivered: dual bank, no protection, software watchdogs.
+/// Option bytes as delivered: dual bank, no protection, software watchdogs, brown-out reset at 1.7 V.
 const DELIVERED: u32 = 0xFFEF_F8AA;
 const ERASE: u64 = microseconds(22_000);
 const PROGRAM: u64 = microseconds(82);
@@ -58,12 +58,24 @@ pub struct Flash {
     half: Option<(u32, u32)>,
     /// ECCR tells neither bank nor address of an error.
     pub corrupt: bool,
+    /// The option bytes.
+    pub options: u32,
     running: Option<(Operation, u64)>,
 }
 
 impl Flash {
     pub fn new(contents: Contents) -> Self {
-        Self { contents, status: 0, control: 0xC000_0000, ecc: 0, key: 0, half: None, corrupt: false, running: None }
+        Self {
+            contents,
+            status: 0,
+            control: 0xC000_0000,
+            ecc: 0,
+            key: 0,
+            half: None,
+            corrupt: false,
+            options: DELIVERED,
+            running: None,
+        }
     }
 
     /// The clock at which the operation that runs ends.
@@ -104,7 +116,7 @@ impl Flash {
             SR => self.status | if self.running.is_some() { BSY } else { 0 },
             CR => self.control,
             ECCR => self.ecc,
-            OPTR => DELIVERED,
+            OPTR => self.options,
             _ => return None,
         })
     }

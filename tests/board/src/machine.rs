@@ -5,7 +5,7 @@ use std::{collections::HashMap, mem};
 use anyhow::{Error, Result};
 
 use crate::{
-    NEVER,
+    CORE_HZ, NEVER,
     adc::{Adc, Inputs},
     board::Stop,
     clock::Clock,
@@ -37,6 +37,10 @@ pub struct Bench {
     pub record: Record,
     /// What a flash error leaves in ECCR is corrupt.
     pub corrupt: bool,
+    /// The crystal does not oscillate.
+    pub no_crystal: bool,
+    /// FLASH_OPTR, where it is not as delivered.
+    pub options: Option<u32>,
     /// Power goes during the operation that makes the record of them this long.
     pub cut: Option<(usize, Tear)>,
     /// Records what a handler executes, where a test asks for it.
@@ -84,6 +88,8 @@ pub struct Machine {
     pub(crate) plain: HashMap<u32, u32>,
     /// The clock at which CYCCNT was 0.
     pub(crate) cycles: u64,
+    /// What an instruction takes beyond [`Bench::slowness`] since the crystal has stopped, in [`PARTS`] of a clock.
+    lag: u64,
 }
 
 impl Machine {
@@ -110,8 +116,11 @@ impl Machine {
             watchdog: Watchdog::new(),
             plain: HashMap::new(),
             cycles: 0,
+            lag: 0,
         };
         machine.flash.corrupt = machine.bench.corrupt;
+        machine.flash.options = machine.bench.options.unwrap_or(machine.flash.options);
+        machine.rcc.broken = machine.bench.no_crystal;
         machine.listen();
         machine
     }
@@ -126,6 +135,20 @@ impl Machine {
         self.flash.stop(tear);
         let (bench, contents) = (mem::take(&mut self.bench), mem::take(&mut self.flash.contents));
         *self = Self::new(self.clock, self.skipped, bench, contents, Rcc::new(cause, self.rcc.reset_flags()));
+    }
+
+    /// The crystal stops, now and at the next starts.
+    pub fn break_crystal(&mut self) {
+        self.bench.no_crystal = true;
+        if !self.rcc.break_crystal() {
+            self.end = Some(Ok(Stop::Lockup));
+        } else if self.rcc.crystal_failed() {
+            self.lag = PARTS * u64::from(CORE_HZ) / u64::from(RESET.core) - PARTS;
+            if let Err(error) = self.clocks_change(self.clock) {
+                self.refuse(&error);
+            }
+        }
+        self.look_at = 0;
     }
 
     /// The host has put bytes on the wire.
@@ -205,7 +228,7 @@ impl Machine {
 
     /// An instruction is executed.
     pub(crate) fn execute(&mut self) {
-        self.bench.owed += self.bench.slowness;
+        self.bench.owed += self.bench.slowness + self.lag;
         let more = self.bench.owed / PARTS;
         self.bench.owed %= PARTS;
         self.clock += 1 + more;
@@ -221,7 +244,7 @@ impl Machine {
     /// Makes happen what is due, and says what the core is to do before its next instruction.
     pub fn look(&mut self) -> Look {
         self.fire();
-        self.nvic.update(self.lines(), self.flash.double_error());
+        self.nvic.update(self.lines(), self.flash.double_error() || self.rcc.crystal_failed());
         self.look_at = self.due().min(self.deadline);
         if self.end.is_some() || self.clock >= self.deadline {
             return Look::Stop;

@@ -1,7 +1,8 @@
 //! RCC, reset and clock control (RM0440): ready bits, reset flags, and the frequencies that the registers ask for.
 //!
-//! Oscillators are ready at once. HSE has the NUCLEO's 24 MHz. Time runs at 170 MHz from the start, also while the firmware
-//! still runs on HSI16. A reset of a single peripheral does nothing but with PWR and the flash's interface. A peripheral without its clock is dead.
+//! Oscillators are ready at once, but for a crystal that is broken. HSE has the NUCLEO's 24 MHz. Time runs at 170 MHz from the
+//! start, also while the firmware still runs on HSI16; only what follows on the crystal's end is as slow as that. Where the clock
+//! security system is on, a crystal that stops is switched off with the PLL behind it, HSI16 takes over, and CSSF raises NMI. A reset of a single peripheral does nothing but with PWR and the flash's interface. A peripheral without its clock is dead.
 
 use anyhow::{Result, bail, ensure};
 
@@ -23,6 +24,8 @@ const APB1ENR1: usize = 0x58;
 const APB1ENR2: usize = 0x5C;
 const CCIPR: usize = 0x88;
 const BDCR: usize = 0x90;
+const CIFR: usize = 0x1C;
+const CICR: usize = 0x20;
 const CSR: usize = 0x94;
 const CRRCR: usize = 0x98;
 const END: usize = 0xA0;
@@ -55,23 +58,36 @@ impl Reset {
     }
 }
 
-pub struct Rcc([u32; END / 4]);
+/// CR: HSE and PLL on, ready; the clock security system.
+const HSEON: u32 = 1 << 16;
+const HSERDY: u32 = 1 << 17;
+const CSSON: u32 = 1 << 19;
+const PLLON: u32 = 1 << 24;
+const PLLRDY: u32 = 1 << 25;
+/// CIFR: the crystal has failed.
+const CSSF: u32 = 1 << 8;
+
+pub struct Rcc {
+    registers: [u32; END / 4],
+    /// The crystal does not oscillate, whatever it is told.
+    pub broken: bool,
+}
 
 impl Rcc {
     /// After `reset`, which came when the flags were `earlier`: they stay until the firmware removes them or power goes.
     pub fn new(reset: Reset, earlier: u32) -> Self {
-        let mut rcc = Self([0; END / 4]);
+        let mut rcc = Self { registers: [0; END / 4], broken: false };
         let kept = if reset == Reset::PowerOn { 0 } else { earlier };
         for (offset, value) in
             [(CR, 0x500), (CFGR, 5), (PLLCFGR, 0x1000), (AHB1ENR, 0x100), (CSR, kept | reset.flags())]
         {
-            rcc.0[offset / 4] = value;
+            rcc.registers[offset / 4] = value;
         }
         rcc
     }
 
     fn get(&self, offset: usize) -> u32 {
-        self.0[offset / 4]
+        self.registers[offset / 4]
     }
 
     pub fn reset_flags(&self) -> u32 {
@@ -80,7 +96,7 @@ impl Rcc {
 
     pub fn read(&self, offset: u32) -> Option<u32> {
         let offset = offset as usize;
-        let value = *self.0.get(offset / 4)?;
+        let value = *self.registers.get(offset / 4)?;
         // The bits that follow others: a ready bit its oscillator's, SWS the switch SW.
         let (from, by) = match offset {
             CR => (0x0101_0000, 1),
@@ -91,19 +107,52 @@ impl Rcc {
         let mut value = value & !(from << by) | (value & from) << by;
         if offset == CR {
             value = value & !(1 << 10) | (value & 1 << 8) << 2;
+            if self.broken {
+                value &= !if self.by_crystal() { HSERDY | PLLRDY } else { HSERDY };
+            }
         }
         Some(value)
     }
 
     pub fn write(&mut self, offset: u32, value: u32) -> bool {
         let offset = offset as usize;
-        let Some(register) = self.0.get_mut(offset / 4) else { return false };
+        let Some(register) = self.registers.get_mut(offset / 4) else { return false };
         *register = match offset {
             CSR if value & RMVF != 0 => value & !(FLAGS | RMVF),
             CSR => value & !FLAGS | *register & FLAGS,
+            CIFR => *register,
             _ => value,
         };
+        if offset == CICR {
+            self.registers[CIFR / 4] &= !value;
+        }
         true
+    }
+
+    /// Whether the PLL's source is the crystal.
+    fn by_crystal(&self) -> bool {
+        self.get(PLLCFGR) & 3 == 3
+    }
+
+    /// The crystal stops. Whether the core goes on.
+    pub fn break_crystal(&mut self) -> bool {
+        self.broken = true;
+        let (on, switch) = (self.get(CR), self.get(CFGR) & 3);
+        let used = switch == 2 || switch == 3 && self.by_crystal();
+        if on & HSEON == 0 || on & CSSON == 0 {
+            return !used;
+        }
+        self.registers[CR / 4] &= !if self.by_crystal() { HSEON | PLLON } else { HSEON };
+        self.registers[CIFR / 4] |= CSSF;
+        if used {
+            self.registers[CFGR / 4] = self.get(CFGR) & !3 | 1;
+        }
+        true
+    }
+
+    /// The line to NMI.
+    pub fn crystal_failed(&self) -> bool {
+        self.get(CIFR) & CSSF != 0
     }
 
     /// The PLL's outputs P and R.
@@ -220,6 +269,24 @@ mod tests {
         assert_eq!(rcc.read(CSR as u32), Some(0x3C00_0003), "LSI on keeps them");
         rcc.write(CSR as u32, RMVF | 1);
         assert_eq!(rcc.read(CSR as u32), Some(3));
+    }
+
+    #[test]
+    fn a_crystal_that_stops_is_an_nmi_where_it_is_watched_and_the_core_s_end_elsewhere() {
+        for watched in [true, false] {
+            let mut rcc = Rcc::new(Reset::PowerOn, 0);
+            rcc.write(PLLCFGR as u32, 3 | 5 << 4 | 85 << 8 | 1 << 24);
+            rcc.write(CR as u32, 0x500 | HSEON | PLLON | if watched { CSSON } else { 0 });
+            assert_eq!(rcc.read(CR as u32).map(|value| value & (HSERDY | PLLRDY)), Some(HSERDY | PLLRDY));
+            rcc.write(CFGR as u32, 3);
+            assert_eq!((rcc.break_crystal(), rcc.crystal_failed()), (watched, watched));
+            assert_eq!(rcc.read(CR as u32).map(|value| value & (HSERDY | PLLRDY)), Some(0));
+            if watched {
+                assert_eq!(rcc.speeds().unwrap(), RESET);
+                rcc.write(CICR as u32, CSSF);
+                assert!(!rcc.crystal_failed());
+            }
+        }
     }
 
     #[test]

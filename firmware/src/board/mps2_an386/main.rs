@@ -66,6 +66,8 @@ async fn main(_spawner: Spawner) {
         keep_safe: |code| unsafe { restarts::keep_safe(code) },
         supply_mv: None,
         measure_supply: || None,
+        brown_out_level: None,
+        clock_good: true,
         supply_good: |_| true,
         flash_errors: || 0,
         line_errors: || 0,

@@ -7,6 +7,10 @@
 //! does the rest behind it. What it then takes the clocks to be stays true for all but the core itself: when the core goes to
 //! twice, the buses' dividers do, too, so that the timers keep their 85 MHz; ADC and LPUART run on the system clock,
 //! which is 170 MHz throughout.
+//!
+//! A crystal that does not start leaves the chip at the same speed by its own oscillator, 16 MHz / 4 · 85 / 2, so that the link
+//! is there to say so; one that stops later is the clock security system's: the hardware goes on at 16 MHz, and its NMI
+//! ([`super::failure`]) ends the run.
 
 use embassy_stm32::pac::{self, flash::vals::Latency};
 use embassy_stm32::rcc::{
@@ -21,31 +25,60 @@ use super::CORE_HZ;
 /// PWR_CR5's R1MODE: range 1 without boost.
 const R1MODE: u32 = 1 << 8;
 
-/// Brings the chip to 170 MHz.
-pub fn start() -> Peripherals {
+/// The chip's own oscillator, to within 2 %.
+const OWN_HZ: u32 = 16_000_000;
+/// How long a crystal may take to start, ms: fifty times what is usual, and a fifth of what the watchdog waits.
+const STARTS_WITHIN_MS: u32 = 100;
+
+/// Brings the chip to 170 MHz, and says whether by the crystal.
+pub fn start() -> (Peripherals, bool) {
     let mut config = Config::default();
     // The cycle counter must go on while the core sleeps, or lost ticks would not be seen.
     config.enable_debug_during_sleep = true;
     // At 16 MHz: this resets PWR, so that boost cannot be switched on before.
     let mut p = embassy_stm32::init(config);
     pac::PWR.cr5().modify(|w| w.0 &= !R1MODE);
-    rcc::reinit(half_speed(), &mut p.RCC);
+    let crystal = crystal_starts();
+    rcc::reinit(half_speed(crystal), &mut p.RCC);
     full_speed();
-    p
+    (p, crystal)
+}
+
+/// Switches the crystal on, and has it watched from its start on. The driver would wait for ever for one that does not start.
+fn crystal_starts() -> bool {
+    const POLLS_A_MS: u32 = 100;
+    pac::RCC.cr().modify(|w| w.set_hseon(true));
+    for _ in 0..STARTS_WITHIN_MS * POLLS_A_MS {
+        if pac::RCC.cr().read().hserdy() {
+            pac::RCC.cr().modify(|w| w.set_csson(true));
+            return true;
+        }
+        cortex_m::asm::delay(OWN_HZ / 1_000 / POLLS_A_MS);
+    }
+    pac::RCC.cr().modify(|w| w.set_hseon(false));
+    false
+}
+
+/// The core's clock as it is: that of [`start`], or the own oscillator's where the crystal has stopped.
+pub fn core_hz() -> u32 {
+    if pac::RCC.cfgr().read().sws() == Sysclk::PLL1_R { CORE_HZ } else { OWN_HZ }
+}
+
+/// Whether the crystal has stopped; not any more after this.
+pub fn crystal_stopped() -> bool {
+    let stopped = pac::RCC.cifr().read().cssf();
+    if stopped {
+        pac::RCC.cicr().write(|w| w.set_cssc(true));
+    }
+    stopped
 }
 
 /// The system clock at 170 MHz, the core at 85, the timers at 85.
-fn half_speed() -> rcc::Config {
+fn half_speed(crystal: bool) -> rcc::Config {
     let mut config = rcc::Config::new();
-    config.hse = Some(Hse { freq: Hertz(24_000_000), mode: HseMode::Oscillator });
-    config.pll = Some(Pll {
-        source: PllSource::HSE,
-        prediv: PllPreDiv::DIV6,
-        mul: PllMul::MUL85,
-        divp: None,
-        divq: None,
-        divr: Some(PllRDiv::DIV2),
-    });
+    config.hse = crystal.then_some(Hse { freq: Hertz(24_000_000), mode: HseMode::Oscillator });
+    let (source, prediv) = if crystal { (PllSource::HSE, PllPreDiv::DIV6) } else { (PllSource::HSI, PllPreDiv::DIV4) };
+    config.pll = Some(Pll { source, prediv, mul: PllMul::MUL85, divp: None, divq: None, divr: Some(PllRDiv::DIV2) });
     config.sys = Sysclk::PLL1_R;
     config.boost = true;
     config.ahb_pre = AHBPrescaler::DIV2;

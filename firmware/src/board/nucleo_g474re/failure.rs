@@ -10,7 +10,7 @@ use estimator_core::DacCode;
 use firmware::last_words;
 use firmware::rate::TICK_HZ;
 
-use super::{CORE_HZ, TELEMETRY};
+use super::{TELEMETRY, clocks};
 
 /// Whether the parameter store is being read.
 pub static READING_STORE: AtomicBool = AtomicBool::new(false);
@@ -40,7 +40,7 @@ fn output_safe() {
     }
     for DacCode(code) in TELEMETRY.ramp(DacCode(shown)) {
         if TELEMETRY.drives() {
-            cortex_m::asm::delay(CORE_HZ / TICK_HZ);
+            cortex_m::asm::delay(clocks::core_hz() / TICK_HZ);
             pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::RESET));
         }
         put_out(code);
@@ -65,11 +65,17 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     SCB::sys_reset()
 }
 
+/// The crystal has stopped, or the flash cannot correct a word. The first ends the run as any failure does, at the speed of the
+/// chip's own oscillator: no tick comes any more, the output goes to its safe value, and the next start looks for the crystal.
+///
 /// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
 /// which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names bank 2, where the
 /// store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic would then come back at every start.
 #[exception]
 unsafe fn NonMaskableInt() {
+    if clocks::crystal_stopped() {
+        panic!("the crystal has stopped");
+    }
     let state = pac::FLASH.eccr().read();
     if !(state.eccd() && (state.bk_ecc() || READING_STORE.load(Relaxed))) {
         panic!("non-maskable interrupt, flash ECC state {:#010x}", state.0);

@@ -1,5 +1,6 @@
 //! The DAC as the amplifier's input.
 
+use super::choice::{Choice, choice};
 use super::number::span;
 use ::calibration::drive::DriveOptions;
 use ::calibration::span::Span;
@@ -26,15 +27,20 @@ pub struct DriveArgs {
     /// first larger than the second where the input inverts. The device can then follow it (piezo linearise).
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "µm:µm")]
     pub setpoint_span: Option<Span>,
-    /// Follow the set-point after every start, without a host.
-    #[arg(long)]
-    pub linearise: bool,
+    /// When to follow the set-point. Without it as the table or board.toml says, and on request where neither does.
+    #[arg(long, value_name = "WHEN", value_parser = choice(WHEN))]
+    pub linearise: Option<bool>,
 }
+
+/// Whether the set-point is followed of itself after a start.
+const WHEN: [Choice<bool>; 2] = [
+    (true, "at-start", "After every start, without a host"),
+    (false, "on-request", "When piezo linearise asks for it"),
+];
 
 impl From<&DriveArgs> for DriveOptions {
     fn from(arguments: &DriveArgs) -> Self {
         let &DriveArgs { drive_span, drive_slew, drive_range, drive_rest, setpoint_span, linearise } = arguments;
-        let linearise = linearise.then_some(true);
         Self { drive_span, drive_slew, drive_range, drive_within: None, drive_rest, setpoint_span, linearise }
     }
 }

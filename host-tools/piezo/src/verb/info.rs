@@ -97,9 +97,7 @@ fn lines(found: &Found) -> Vec<String> {
         let wanted = of_table.map_or("not calibrated".to_owned(), wanted);
         lines.push(format!("Setpoint {wanted}, code {code}"));
     }
-    if let Some(millivolt) = health.supply_mv {
-        lines.push(format!("Supply   {:.3} V", f64::from(millivolt) * 1e-3));
-    }
+    lines.extend(remedy::supply(health).map(|supply| format!("Supply   {supply}")));
     let drives = matches!(table, Some((Ok(table), _)) if table.drive.is_some());
     // One that drives the amplifier is at rest whenever nothing is followed: that is no fault.
     let rests = drives && health.faults == Faults::SAFE_OUTPUT && !health.mode.drives();

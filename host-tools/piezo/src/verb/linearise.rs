@@ -5,12 +5,12 @@ use super::device::checksum;
 use super::print::out;
 use crate::option::link::PortOption;
 use anyhow::{Context, Result, ensure};
+use bench::set_out;
 use clap::Args;
-use device_link::{Client, LinkError, table, words};
+use device_link::{Client, table, words};
 use estimator_core::{AdcCode, SetpointCalibration, Table};
 use protocol::{Faults, Health, Mode};
 use serde_json::json;
-use std::time::{Duration, Instant};
 
 /// Arguments of `piezo linearise`.
 #[derive(Args, Debug)]
@@ -26,10 +26,6 @@ pub struct Linearise {
     pub port: PortOption,
 }
 
-/// How long to wait for the device to follow; it looks at its inputs for a second first.
-const PATIENCE: Duration = Duration::from_secs(5);
-const POLL: Duration = Duration::from_millis(50);
-
 /// Runs the verb; it succeeds where the device follows the set-point, or has left it.
 pub fn run(arguments: &Linearise) -> Result<bool> {
     let port = &arguments.port.port;
@@ -42,29 +38,16 @@ pub fn run(arguments: &Linearise) -> Result<bool> {
         tell(arguments, &health, None, "leaves the set-point; its voltage goes to rest at the drive's slew rate")?;
         return Ok(true);
     }
-    client.set_mode(Mode::Linearise)?;
+    let health = set_out(&mut client)?;
     let setpoint = setpoint(&mut client)?;
-    let health = followed(&mut client)?;
     let follows = !health.faults.contains(Faults::SAFE_OUTPUT);
     let what = if follows {
         "follows the set-point, until `piezo linearise --stop`, a fault or a reset"
     } else {
-        "waits at rest: it follows the set-point once everything has been sound for a second"
+        "waits at rest, or is on its way there: it follows the set-point once everything has been sound there for a second"
     };
     tell(arguments, &health, Some(setpoint), what)?;
     Ok(follows)
-}
-
-/// How the device is as soon as it follows the set-point, or when it has had time enough to.
-fn followed(client: &mut Client) -> Result<Health, LinkError> {
-    let start = Instant::now();
-    loop {
-        let health = client.health()?;
-        if !health.faults.contains(Faults::SAFE_OUTPUT) || start.elapsed() > PATIENCE {
-            return Ok(health);
-        }
-        std::thread::sleep(POLL);
-    }
 }
 
 /// What the set-point's codes stand for by the table in use.

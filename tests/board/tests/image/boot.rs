@@ -3,8 +3,10 @@
 use crate::common::{Bench, PERIOD, VALID, triangle, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Board, Conversion, Image, Pin, Port, Reset, Stop};
-use protocol::{Faults, ResetCause};
+use protocol::{Faults, Request, ResetCause};
 
+/// Clocks of 16 MHz in the 100 ms that a crystal is waited for.
+const PATIENCE: u64 = 1_600_000;
 /// A register of GPIOA.
 const AFRL: u32 = 0x4800_0020;
 
@@ -158,6 +160,49 @@ fn a_supply_that_sags_is_a_fault_within_70_ms_and_until_a_second_after() -> Resu
     let record = bench.board.record();
     assert!(record.lost_triggers == 0 && record.conversions.iter().all(|conversion| !conversion.late));
     assert_eq!(health.missed, 0);
+    Ok(())
+}
+
+#[test]
+fn the_level_of_the_brown_out_reset_is_told_and_never_written() -> Result<()> {
+    let mut bench = Bench::started()?;
+    assert_eq!(bench.health()?.brown_out_level, Some(0), "as delivered");
+    bench.board.set_brown_out_level(4);
+    bench.reboot(Reset::PowerOn)?;
+    assert_eq!(bench.health()?.brown_out_level, Some(4));
+    Ok(())
+}
+
+#[test]
+fn a_crystal_that_does_not_start_leaves_a_device_that_says_so_and_estimates_nothing() -> Result<()> {
+    let mut bench = Bench::started()?;
+    let safe = bench.table()?.dac.code(0.0f32).0;
+    for cause in [Reset::PowerOn, Reset::Pin, Reset::Software] {
+        bench.board.break_crystal();
+        let first = bench.board.record().outputs.len();
+        bench.board.reboot(cause)?;
+        let clock = bench.board.clock();
+        bench.start()?;
+        let started = bench.board.clock();
+        assert!(started - clock > PATIENCE, "{cause:?}: it has waited for the crystal");
+        bench.run(1.0)?;
+        let health = bench.health()?;
+        assert_eq!((health.faults, health.missed), (Faults::CLOCK | Faults::SAFE_OUTPUT, 0), "{cause:?}");
+        assert!(health.ticks.abs_diff(2000) < 20, "{cause:?}: {} ticks", health.ticks);
+        assert!(bench.board.record().outputs[first..].iter().all(|latch| latch.code == safe), "{cause:?}");
+        assert_eq!(valid_since(&bench.board, started), 0, "{cause:?}: VALID is silent");
+        bench.does(Request::Stream(true))?;
+        bench.run(0.1)?;
+        let samples = std::mem::take(&mut bench.samples);
+        assert!(!samples.is_empty(), "{cause:?}");
+        for sample in samples.iter().flat_map(|batch| &batch.samples) {
+            assert!(sample.faults.contains(Faults::CLOCK) && sample.displacement == 0.0, "{cause:?}: {sample:?}");
+        }
+        bench.board.mend_crystal();
+        bench.restart()?;
+        bench.run(0.1)?;
+        assert_eq!(bench.health()?.faults, Faults::empty(), "{cause:?}: it has started");
+    }
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use crate::common::{Bench, PERIOD, valid_since};
 use anyhow::{Result, ensure};
 use board_emulator_test::{Reset, Stop};
 use estimator_core::*;
-use protocol::{Faults, Mode, Reply, Request};
+use protocol::{Faults, Mode, Refusal, Reply, Request};
 
 /// 20 mV or 20.48 codes a tick.
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
@@ -126,6 +126,32 @@ fn an_amplifier_that_does_not_go_along() -> Result<()> {
         let health = bench.health()?;
         assert!(health.faults.contains(Faults::AMPLIFIER | Faults::SAFE_OUTPUT), "{name}: {health:?}");
         assert!(valid_since(&bench.board, clock + 240 * PERIOD) == 0, "{name}: VALID is silent");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_crystal_that_stops() -> Result<()> {
+    for way in WAYS {
+        let (mut bench, start) = driven(way)?;
+        let clock = bench.board.clock();
+        bench.board.break_crystal();
+        assert_eq!(bench.board.run(1.0)?, Stop::Reset(Reset::Software), "{way:?}");
+        went_to_rest(&format!("{way:?}, crystal"), &bench, start);
+        assert_eq!(valid_since(&bench.board, clock + PERIOD), 0, "{way:?}: VALID has died");
+        bench.reboot(Reset::Software)?;
+        bench.run(0.2)?;
+        let health = bench.health()?;
+        let words = health.last_words.unwrap_or_default();
+        assert!(words.contains("the crystal has stopped"), "{words}");
+        assert_eq!((health.faults, bench.board.output()), (Faults::CLOCK | Faults::SAFE_OUTPUT, Some(REST)), "{way:?}");
+        for mode in [Mode::Follow, Mode::Excite] {
+            assert_eq!(bench.ask(Request::SetMode(mode))?, Reply::Refused(Refusal::Faulty), "{way:?}");
+        }
+        bench.board.mend_crystal();
+        bench.restart()?;
+        bench.run(0.1)?;
+        assert_eq!(bench.health()?.faults, Faults::SAFE_OUTPUT, "{way:?}: it waits to be told");
     }
     Ok(())
 }
