@@ -2,14 +2,15 @@
 
 use estimator_core::{Admitted, Estimator, Range};
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// An experiment, from rest at the lower end of the training's voltages.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Experiment {
-    /// A triangle over the whole range at 1 Hz: how far the displacement goes.
+    /// A sine over the whole range at 1 Hz: how far the displacement goes.
     Stroke,
-    /// A triangle from the lower end: how far apart the two branches are at its middle voltage.
+    /// A sine from the lower end: how far apart the two branches are at its middle voltage.
     Width {
         /// How far it goes, as a part of the range.
         part: f64,
@@ -38,13 +39,10 @@ impl Experiment {
     pub(crate) fn run(self, table: &Admitted, voltages: Range<f64>) -> f64 {
         let mut actuator = Actuator::at_rest(table, voltages.min);
         match self {
-            Self::Stroke => {
-                let [low, _, top, _] = actuator.cycle(voltages, SLOW_HZ);
-                top - low
-            }
+            Self::Stroke => actuator.period(voltages, SLOW_HZ).0.span(),
             Self::Width { part, hz } => {
-                let [_, up, _, down] =
-                    actuator.cycle(Range { max: voltages.min + part * voltages.span(), ..voltages }, hz);
+                let voltages = Range { max: voltages.min + part * voltages.span(), ..voltages };
+                let (_, [up, down]) = actuator.period(voltages, hz);
                 down - up
             }
             Self::Creep => {
@@ -74,16 +72,26 @@ impl Actuator {
         actuator
     }
 
-    /// Displacements in the second period of a triangle: at its lower end, at the middle of the rise, at the top and at the
-    /// middle of the fall. The first wipes out the start.
-    fn cycle(&mut self, voltages: Range<f64>, hz: f64) -> [f64; 4] {
-        let (low, middle, top) = (voltages.min, voltages.middle(), voltages.max);
-        let mut quarter = |from, to| self.ramp(from, to, 0.25 / hz);
-        quarter(low, middle);
-        quarter(middle, top);
-        quarter(top, middle);
-        let bottom = quarter(middle, low);
-        [bottom, quarter(low, middle), quarter(middle, top), quarter(top, middle)]
+    /// Displacements in the second period of a sine from its lower end: all, and at the middle of the rise and of the fall. The
+    /// first period wipes out the start.
+    fn period(&mut self, voltages: Range<f64>, hz: f64) -> (Range<f64>, [f64; 2]) {
+        let ticks = (0.5 / hz / self.tick_s).round().max(2.0) as u32;
+        let mut half = |begin: f64| {
+            let (mut passed, mut at_middle) = (Range::empty(), 0.0);
+            for tick in 1..=ticks {
+                let phase = PI * (begin + f64::from(tick) / f64::from(ticks));
+                let displacement = self.tick(voltages.middle() - 0.5 * voltages.span() * phase.cos());
+                passed = passed.include(displacement);
+                if tick == ticks / 2 {
+                    at_middle = displacement;
+                }
+            }
+            (passed, at_middle)
+        };
+        half(0.0);
+        half(1.0);
+        let ((rise, up), (fall, down)) = (half(0.0), half(1.0));
+        (rise.hull(fall), [up, down])
     }
 
     /// Goes from a voltage to another; returns the displacement there, µm. At least one tick.
@@ -91,9 +99,12 @@ impl Actuator {
         let ticks = (duration_s / self.tick_s).round().max(1.0) as u32;
         let mut displacement = 0.0;
         for tick in 1..=ticks {
-            let voltage = from + (to - from) * f64::from(tick) / f64::from(ticks);
-            displacement = self.estimator.tick_volts(voltage + self.voltage_zero).displacement;
+            displacement = self.tick(from + (to - from) * f64::from(tick) / f64::from(ticks));
         }
         displacement
+    }
+
+    fn tick(&mut self, voltage: f64) -> f64 {
+        self.estimator.tick_volts(voltage + self.voltage_zero).displacement
     }
 }

@@ -1,7 +1,7 @@
 //! What recordings determine of an actuator, and what they do not: what a table says of it, with standard errors.
 //!
 //! ```text
-//! Σ⁻¹ = nₑ/(n·s²)·JᵀJ + D⁻²        J = ∂ŷ/∂θ at the training's readings, s their mean square error
+//! Σ⁻¹ = nₑ/(n·s²)·JᵀJ + D⁻²        J = ∂ŷ/∂θ at the training's readings, s = √(π/2) times their mean absolute error
 //! se(φ)² = ∇φᵀ Σ ∇φ                 φ what the actuator does in an experiment, by the table
 //! nₑ = n / (1 + 2 Σ_k ρ_k)          ρ the errors' autocorrelation, until it first falls below 0
 //! ```
@@ -26,6 +26,7 @@ use numbers::{Number, numbers};
 use rayon::prelude::*;
 use recordings::session::Session;
 use serde::Serialize;
+use std::f64::consts::FRAC_PI_2;
 use validation::Run;
 
 /// Readings that are looked at, at most: more say the same.
@@ -48,8 +49,8 @@ pub struct Determination {
     pub readings: usize,
     /// As many independent readings would say as much.
     pub effective_readings: f64,
-    /// Root mean square error in training, µm.
-    pub rms_um: f64,
+    /// Mean absolute error in training, µm: a few readings that are far off, as at an unknown start, count once.
+    pub mae_um: f64,
     /// Numbers of the model that were looked at.
     pub numbers: usize,
     /// Numbers that could not be moved without breaking a rule; what they are uncertain by is missing.
@@ -83,11 +84,11 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     let table = Table { interval: None, drive: None, displacement_limits_um: room, ..**table }.admit().ok()?;
     let errors: Vec<Vec<f64>> = sessions.iter().map(|session| judged(errors(&table, session), session)).collect();
     let readings: usize = errors.iter().map(Vec::len).sum();
-    let squares: f64 = errors.iter().flatten().map(|error| error * error).sum();
+    let absolute: f64 = errors.iter().flatten().map(|error| error.abs()).sum();
     let effective: f64 = errors.iter().map(|errors| effective(errors)).sum();
     let voltages = Range::of_values(sessions.iter().flat_map(|session| session.voltage.iter().copied()));
     let (numbers, held) = numbers(&table);
-    if readings < 2 || numbers.is_empty() || squares <= 0.0 || voltages.span() <= 0.0 {
+    if readings < 2 || numbers.is_empty() || absolute <= 0.0 || voltages.span() <= 0.0 {
         return None;
     }
     let every = readings.div_ceil(READINGS);
@@ -109,7 +110,8 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     let looked_at = changes.first()?.0.len();
     let read = DMatrix::from_fn(looked_at, numbers.len(), |reading, number| changes[number].0[reading]);
     let information = read.tr_mul(&read);
-    let weight = effective / looked_at as f64 / (squares / readings as f64);
+    let mae_um = absolute / readings as f64;
+    let weight = effective / looked_at as f64 / (FRAC_PI_2 * mae_um * mae_um);
     let precision = &information * weight + DMatrix::identity(numbers.len(), numbers.len());
     let precision = precision.cholesky()?;
     let eigenvalues = information.symmetric_eigenvalues();
@@ -124,7 +126,7 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     Some(Determination {
         readings,
         effective_readings: effective,
-        rms_um: (squares / readings as f64).sqrt(),
+        mae_um,
         numbers: numbers.len(),
         held,
         condition: (eigenvalues.max() / eigenvalues.min()).abs().sqrt().min(WORST_CONDITION),

@@ -81,7 +81,7 @@ fn noise_and_repetition_count() {
     let stroke = |of: &Determination| error(of, Experiment::Stroke);
     assert!((2.5..=4.1).contains(&(stroke(&loud) / stroke(&quiet))), "{} {}", stroke(&loud), stroke(&quiet));
     assert!((1.6..=2.5).contains(&(stroke(&loud) / stroke(&long))), "{} {}", stroke(&loud), stroke(&long));
-    assert!((loud.rms_um - 0.04).abs() < 0.002 && loud.effective_readings > 0.3 * loud.readings as f64, "{loud:#?}");
+    assert!((loud.mae_um - 0.04).abs() < 0.002 && loud.effective_readings > 0.3 * loud.readings as f64, "{loud:#?}");
 }
 
 #[test]

@@ -13,14 +13,21 @@ pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
         return vec![("The training".to_owned(), nothing)];
     };
     let worth = format!(
-        "{} readings with an error of {:.3} µm, which repeat one another and are worth {:.0}",
-        of.readings, of.rms_um, of.effective_readings
+        "{} readings, {:.3} µm off on average, which repeat one another and are worth {:.0}",
+        of.readings, of.mae_um, of.effective_readings
     );
     let found = of.found.iter().map(|found| {
         let Found { experiment, value_um, standard_error_um, determined } = *found;
         let (what, record) = words(experiment);
-        let record = if determined { String::new() } else { format!("; not well known: record {record}") };
-        (what, format!("{value_um:.2} ± {standard_error_um:.2} µm{record}"))
+        let by_model = format!("{value_um:.2} ± {standard_error_um:.2} µm");
+        let said = match (determined, standard_error_um > 0.0) {
+            (_, false) => "this model has none".to_owned(),
+            (true, _) => by_model,
+            (false, _) => {
+                format!("the logs do not tell ({by_model} by the model alone): record {record}, or more of it")
+            }
+        };
+        (what, said)
     });
     std::iter::once(("The training".to_owned(), worth)).chain(found).collect()
 }
@@ -28,12 +35,12 @@ pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
 /// What is read off an experiment, and what recording would tell it.
 fn words(experiment: Experiment) -> (String, String) {
     match experiment {
-        Experiment::Stroke => ("Stroke over its voltages, at 1 Hz".to_owned(), "more cycles".to_owned()),
+        Experiment::Stroke => ("Stroke over its voltages, sine of 1 Hz".to_owned(), "more cycles".to_owned()),
         Experiment::Width { part: 1.0, hz } => {
-            (format!("Width of that loop, at {hz} Hz"), format!("the full range at {hz} Hz"))
+            (format!("Width of the full loop, sine of {hz} Hz"), format!("the full range at {hz} Hz"))
         }
         Experiment::Width { part, hz } => (
-            format!("Width of a loop of {part} of it, at {hz} Hz"),
+            format!("Width of a loop of {:.0} % of the range, {hz} Hz", 100.0 * part),
             format!("swings of {:.0} % of the range", 100.0 * part),
         ),
         Experiment::Creep => {
