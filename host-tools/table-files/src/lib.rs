@@ -26,7 +26,7 @@ pub struct TableFile {
     #[serde(default)]
     pub doubts: Vec<String>,
     /// What the training determined of the actuator, with standard errors, in words.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub determined: Vec<String>,
     /// The parameter table itself.
     pub table: Table,
