@@ -22,6 +22,14 @@ fn linear(coefficients: List<40>, output_order: u8, input_order: u8) -> NarxPara
     }
 }
 
+/// Of these orders and degree, with v_ext and y_ext or not, and as many of the coefficients as that has, times `scale`.
+fn scaled(orders: (u8, u8, u8), extrema: (bool, bool), coefficients: &[f32], scale: f32) -> NarxParameters {
+    let mut p = linear(List::of([]), orders.0, orders.1);
+    (p.degree, p.with_voltage_extremum, p.with_displacement_extremum) = (orders.2, extrema.0, extrema.1);
+    p.coefficients = List::collect(coefficients[..p.count()].iter().map(|c| c * scale)).unwrap();
+    p
+}
+
 fn row(model: &Narx<f64>, state: &NarxState<f64>) -> Vec<f64> {
     let mut row = Vec::new();
     model.row(state, |monomial| row.push(monomial));
@@ -303,17 +311,7 @@ proptest! {
         voltages in prop::collection::vec(0f64..100.0, 300..301),
         starts in (-40.0f64..60.0, -40.0f64..60.0),
     ) {
-        let base = linear(List::of([]), orders.0, orders.1);
-        let of = |scale: f32| {
-            let p = NarxParameters {
-                degree: orders.2,
-                with_voltage_extremum: extrema.0,
-                with_displacement_extremum: extrema.1,
-                ..base
-            };
-            let coefficients = coefficients[..p.count()].iter().map(|c| c * scale);
-            NarxParameters { coefficients: List::collect(coefficients).unwrap(), ..p }
-        };
+        let of = |scale: f32| scaled(orders, extrema, &coefficients, scale);
         let range = Range { min: 0.0, max: 100.0 };
         // The contraction is proportional to the coefficients: a share of what is just admitted, or more.
         let p = of(share / Narx::<f64>::build(&of(1.0), 5e-4).contraction(range) as f32);
