@@ -1,7 +1,8 @@
 //! What must hold before a parameter set may run: a recursion that is stable, and bounded by the displacement limits.
 //!
 //! How that is shown is each model's own ([`Recursion::bound`](crate::Recursion::bound)): the Voigt family by interval
-//! arithmetic over its voltages and extrema, the others by their structure, a resonance by the sum of its answers (`resonance.rs`), NARX by its clamp and a contraction.
+//! arithmetic over its voltages and extrema, the others by their structure, a resonance by the
+//! sum of its answers (`resonance.rs`), NARX by its clamp and a contraction.
 
 use crate::math::Real;
 use crate::range::Range;
@@ -36,6 +37,12 @@ pub enum Inadmissible<T: Real = f32> {
         "unstable: the resonance must lie below half the tick rate and lose 1/4096 a tick: raise damping, or set both to 0"
     )]
     Undamped,
+    /// The model's resonance is so slow that what an `f32` rounds in a tick would add up to a displacement.
+    #[error(
+        "the resonance lies below a 400th of the tick rate, where rounding outweighs it; what moves that slowly is creep: set resonance_hz \
+         and damping to 0 and describe it by creep_times_s and creep_gains, or take a longer tick"
+    )]
+    Slow,
     /// Two runs of the same voltages need not come together, and then the rounding decides where they are.
     #[error(
         "unstable: a tick may make a difference {by} times as large, not 4095/4096 at most: a lower degree, or narrower limits_um"

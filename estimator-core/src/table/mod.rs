@@ -103,7 +103,7 @@ impl Admitted {
     pub fn rings(&self) -> Option<Range> {
         let Parameters::GeneralisedPrandtlIshlinskii(parameters) = &self.parameters else { return None };
         let reach =
-            GeneralisedPrandtlIshlinskii::build(parameters, self.sample_period()).reach(self.voltage_range_v)?;
+            GeneralisedPrandtlIshlinskii::build(parameters, self.sample_period()).reach(self.voltage_range_v).ok()?;
         (reach.intersection(self.displacement_limits_um) != reach).then_some(reach)
     }
 

@@ -2,8 +2,8 @@
 
 use crate::laws;
 use estimator_core::{
-    GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, List, Published, Range, Real, Recursion,
-    solve,
+    GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, Inadmissible, List, Published, Range, Real,
+    Recursion, solve,
 };
 use proptest::prelude::*;
 
@@ -195,16 +195,23 @@ fn every_rule_has_its_fault() {
     for (parameters, rule) in broken {
         assert!(parameters.check().is_err_and(|broken| broken.contains(rule)), "{rule}: {:?}", parameters.check());
     }
-    for (resonance_hz, damping) in [(1e30, 0.05), (1e-40, 0.05), (1500.0, 0.05), (300.0, 1e-9)] {
+    use Inadmissible::{Slow, Undamped};
+    let reach = |parameters: &GeneralisedPrandtlIshlinskiiParameters| {
+        GeneralisedPrandtlIshlinskii::<f32>::build(parameters, TICK as f32).reach(Range { min: 0.0, max: 100.0 })
+    };
+    let unsound = [
+        (1e30, 0.05, Undamped),
+        (1500.0, 0.05, Undamped),
+        (300.0, 1e-9, Undamped),
+        (1e-40, 0.05, Slow),
+        (0.1, 0.95, Slow),
+        (4.9, 0.5, Slow),
+    ];
+    for (resonance_hz, damping, why) in unsound {
         let unsound = GeneralisedPrandtlIshlinskiiParameters { resonance_hz, damping, ..PLAIN };
         assert_eq!(unsound.check(), Ok(()));
-        let reach =
-            GeneralisedPrandtlIshlinskii::<f32>::build(&unsound, TICK as f32).reach(Range { min: 0.0, max: 100.0 });
-        assert_eq!(reach, None, "{resonance_hz} Hz, {damping}");
+        assert_eq!(reach(&unsound), Err(why), "{resonance_hz} Hz, {damping}");
     }
-    assert!(
-        GeneralisedPrandtlIshlinskii::<f32>::build(&RINGING, TICK as f32)
-            .reach(Range { min: 0.0, max: 100.0 })
-            .is_some()
-    );
+    assert!(Inadmissible::<f32>::Slow.to_string().contains("creep_times_s"));
+    assert!(reach(&RINGING).is_ok());
 }

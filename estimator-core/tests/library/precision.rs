@@ -1,5 +1,5 @@
 //! What an `f32` is off by: every model in the target's number type beside the reference in `f64`, over codes that make
-//! hysteresis memories decide: retreats of just the deadband, memories that overflow, swings that shrink a code at a time.
+//! hysteresis memories decide: retreats of just the deadband, memories that overflow, swings that shrink a code at a time, sawtooths.
 #![cfg(not(feature = "micromath"))]
 
 use crate::common::VOIGT;
@@ -62,8 +62,9 @@ fn varied(parameters: Parameters, random: &mut Random) -> Parameters {
         }
         Parameters::GeneralisedPrandtlIshlinskii(of) => {
             Parameters::GeneralisedPrandtlIshlinskii(GeneralisedPrandtlIshlinskiiParameters {
-                resonance_hz: random.between(50.0, 990.0),
-                damping: random.between(0.003, 0.6),
+                // From the slowest that is admitted, a 400th of the tick rate.
+                resonance_hz: 5.0 * 198.0f32.powf(random.next()),
+                damping: random.between(0.003, 0.95),
                 delay_ticks: random.between(-1.0, 8.0),
                 slew_v_per_s: if random.next() < 0.5 { 0.0 } else { 30_000.0 },
                 ..of
@@ -136,7 +137,7 @@ fn codes(full_scale: u16, deadband: u16, random: &mut Random) -> Vec<AdcCode> {
     while codes.len() < TICKS {
         let middle = random.between(0.2, 0.8) * f32::from(full_scale);
         let radius = random.between(0.01, 0.3) * f32::from(full_scale);
-        let kind = random.below(5);
+        let kind = random.below(6);
         for k in 0..100u16 {
             let k = f32::from(k);
             let sign = if k % 2.0 == 0.0 { 1.0 } else { -1.0 };
@@ -149,7 +150,9 @@ fn codes(full_scale: u16, deadband: u16, random: &mut Random) -> Vec<AdcCode> {
                     let back = f32::from(deadband) + f32::from(random.below(3)) - 1.0;
                     inside(middle + 3.0 * k + if sign > 0.0 { 0.0 } else { -back - 3.0 })
                 }
-                3 => inside(random.next() * f32::from(full_scale)),
+                // A sawtooth of a few ticks: what rounds one way piles up.
+                3 => inside(middle + radius * (2.0 * (k % 7.0) / 6.0 - 1.0)),
+                4 => inside(random.next() * f32::from(full_scale)),
                 _ => inside(middle + radius * (0.7 * k).sin()),
             });
         }

@@ -197,7 +197,8 @@ impl Job {
         }
         let held_out: Vec<Log> = held_out.into_iter().chain(rests.into_iter().map(|(_, rest)| rest)).collect();
         Ok(Prepared {
-            problem: Problem::new(learnt_from, validation, self.conditions),
+            problem: Problem::new(learnt_from, validation, self.conditions)
+                .read_by(&self.calibration, recipe.voltage_zero_v),
             context: TableContext {
                 recipe,
                 calibration: self.calibration.clone(),

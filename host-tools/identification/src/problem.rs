@@ -6,6 +6,8 @@ use crate::cost::Cost;
 use crate::search::space::Extent;
 use crate::simulation::mean_error;
 use crate::trial::Trial;
+use calibration::CalibrationOptions;
+use estimator_core::extremum::between_codes;
 use estimator_core::{Discretisation, Inadmissible, Process, Range, Scheme};
 use recordings::session::Session;
 
@@ -72,6 +74,17 @@ impl Problem {
             voltage_range,
             stroke,
         }
+    }
+
+    /// With the retreat that its table will count as a reversal: between two numbers of codes of the ADC, as
+    /// [`Table::retreat_v`](estimator_core::Table::retreat_v) has it, so that what is fitted is what runs. `voltage_zero`: what
+    /// the sessions' voltages are measured from, V.
+    #[must_use]
+    pub fn read_by(self, calibration: &CalibrationOptions, voltage_zero: f64) -> Self {
+        let (adc, _) = calibration.calibration(self.voltage_range, voltage_zero, self.stroke);
+        let between = between_codes(self.deadband as f32, adc.gain_v_per_code);
+        // A span without a width is refused with the table.
+        if between.is_finite() { Self { deadband: between.into(), ..self } } else { self }
     }
 
     /// The same conditions with other sessions, at the same tick.

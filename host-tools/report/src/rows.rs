@@ -186,7 +186,7 @@ pub fn table(table: &Table) -> Vec<ParameterRow> {
         ),
         ("Voltage range", range(volts.min, volts.max, "V")),
         ("Displacement limits", range(limits.min, limits.max, "µm")),
-        ("Reversal deadband", quantity(table.deadband_v.into(), "V")),
+        ("Reversal deadband", quantity(table.retreat_v().into(), "V")),
         ("Voltage zero", quantity(table.voltage_zero_v.into(), "V")),
         ("Displacement zero", quantity(table.displacement_zero_um.into(), "µm")),
     ];

@@ -23,7 +23,7 @@ impl Observed {
         let mut estimator = Estimator::<f64>::new(table);
         let mut displacement = session.displacement.first().copied().unwrap_or(0.0);
         estimator.start_at(displacement);
-        let mut tracker = Tracker::new(f64::from(table.deadband_v));
+        let mut tracker = Tracker::new(f64::from(table.retreat_v()));
         let mut behind = LAGS.map(|lag| (Lag::build(lag, session.tick_s), [Relaxed::at(0.0); 2]));
         let (mut residual, mut terms) = (Vec::new(), LAGS.map(|_| [Vec::new(), Vec::new()]));
         let mut measured = session.instants.iter().zip(&session.displacement).skip(1).peekable();

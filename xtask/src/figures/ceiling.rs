@@ -14,7 +14,7 @@ const CEILINGS: [(&str, u64); 12] = [
     ("duhem", 354),
     ("bouc-wen", 457),
     ("preisach", 6305),
-    ("narx", 2334),
+    ("narx", 17857),
     ("generalised-prandtl-ishlinskii", 5765),
 ];
 const ROOM_PERCENT: u64 = 2;

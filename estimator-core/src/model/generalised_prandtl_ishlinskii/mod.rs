@@ -215,13 +215,15 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         u
     }
 
-    /// What the displacement (µm) can be for voltages of this range (V), the resonance's worst swing included; `None` where that
-    /// is not damped.
-    pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
+    /// What the displacement (µm) can be for voltages of this range (V), the resonance's worst swing included.
+    ///
+    /// # Errors
+    /// An `f32` cannot compute the resonance.
+    pub fn reach(&self, voltage: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         let still = self.still(voltage);
         match &self.resonance {
             Some(resonance) => resonance.reach(still),
-            None => Some(still),
+            None => Ok(still),
         }
     }
 
@@ -295,7 +297,7 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(self.still(voltage), limits)?;
         // What swings beyond is the clamp's: limits that held the worst of a light damping would be many strokes wide.
-        self.reach(voltage).map(|reach| reach.intersection(limits)).ok_or(Inadmissible::Undamped)
+        self.reach(voltage).map(|reach| reach.intersection(limits))
     }
 
     /// The displacement a tick later then needs no voltage that is foreseen. (The inverse of a lag that takes its input to run

@@ -19,7 +19,8 @@
 //! at the centres (0).
 //!
 //! **Bound.** The clamp, so that a run is bounded whatever the coefficients. A table must also have a stable linear
-//! part, and be proven to contract (`contraction.rs`): what two runs of the same voltages differ by dies out.
+//! part, and be proven to contract (`contraction.rs`): what two runs of the same voltages differ by dies out; with y_ext
+//! among the inputs it never grows, and shrinks where the voltage goes on to reverse.
 
 mod contraction;
 

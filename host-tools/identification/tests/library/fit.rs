@@ -1,10 +1,11 @@
 //! A fit is the best in the norm that it minimises, and keeps to its budget.
 
-use estimator_core::Model;
+use calibration::CalibrationOptions;
+use estimator_core::{Model, Parameters};
 use identification::cost::{Cost, Feedback, Norm};
 use identification::search::Optimiser;
-use identification::{Conditions, Fit, Identification, Problem, SearchOptions, identify};
-use recordings::prepare::Recipe;
+use identification::{Conditions, Fit, Identification, Job, ModelChoice, Problem, SearchOptions, Trial, identify};
+use recordings::prepare::{AutoOr, PrepareOptions, Recipe};
 use recordings::rig::{EXCITATIONS, Rig};
 
 /// The rig's 10 Hz logs.
@@ -71,4 +72,36 @@ fn evaluations_are_counted_without_a_budget_too() {
     let one = 2 * 8 * 4 + 1;
     let evaluations: Vec<usize> = found.iter().map(|fit| fit.evaluations).collect();
     assert_eq!(evaluations, [one, 2 * one + 1, 2 * 5]);
+}
+
+/// With an ADC so coarse that its codes decide what a reversal is.
+#[test]
+fn what_was_fitted_with_is_what_the_table_runs_with() {
+    let rig = Rig { duration: 0.3, ..Rig::default() };
+    for (model, adc_full_scale) in [(Model::VoltageExtremum, 255), (Model::VoltageExtremum, 4095), (Model::Narx, 255)] {
+        let conditions = Conditions { deadband: Some(0.3), ..Conditions::default() };
+        let outcome = Job {
+            training: EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).collect(),
+            held_out: Vec::new(),
+            hold_out: 0.0,
+            prepare: PrepareOptions { delay: AutoOr::Given(0.0), ..PrepareOptions::default() },
+            model: ModelChoice::Is(model),
+            conditions,
+            calibration: CalibrationOptions { adc_full_scale: Some(adc_full_scale), ..CalibrationOptions::default() },
+            cost: Feedback::Simulation.into(),
+            search: SearchOptions { evaluations: 40, ..SearchOptions::default() },
+        }
+        .run(&mut |_, _| ())
+        .unwrap();
+        let table = outcome.candidate().table;
+        let (fitted, code) = (outcome.problem.deadband, f64::from(table.adc.gain_v_per_code));
+        assert!((fitted - 0.3).abs() <= 0.5 * code && fitted != 0.3, "{model}: {fitted} V, codes of {code} V");
+        let runs = table.engine::<f64>();
+        assert_eq!(f64::from(table.retreat_v()), fitted, "{model}");
+        let as_fitted = Trial::model(&table.parameters, &outcome.problem.discretisation());
+        assert_eq!(runs, as_fitted, "{model}");
+        if let Parameters::Narx(of) = table.parameters {
+            assert_eq!(f64::from(of.deadband_v), fitted);
+        }
+    }
 }
