@@ -77,8 +77,10 @@ proptest! {
     fn single_precision_follows(parameters in any(), voltages in voltages()) {
         let single: Vec<f32> = voltages.iter().map(|&v| v as f32).collect();
         let exact: Vec<f64> = single.iter().map(|&v| v.into()).collect();
+        // micromath's exp makes other coefficients of the f32.
+        let near = if cfg!(feature = "micromath") { 1e-2 } else { 1e-4 };
         for (a, b) in run(&parameters, &single, None).into_iter().zip(run(&parameters, &exact, None)) {
-            prop_assert!((f64::from(a) - b).abs() < 1e-4, "{a} {b}");
+            prop_assert!((f64::from(a) - b).abs() < near, "{a} {b}");
         }
     }
 
