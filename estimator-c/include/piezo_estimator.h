@@ -48,7 +48,7 @@ enum PiezoResult
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // As asked.
+  // All went as asked, and the results are written.
   PIEZO_RESULT_OK = 0,
   // A pointer is null.
   PIEZO_RESULT_NULL = 1,

@@ -6,7 +6,7 @@ use estimator_core::{NoInverse, TableError};
 #[repr(u32)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PiezoResult {
-    /// As asked.
+    /// All went as asked, and the results are written.
     Ok = 0,
     /// A pointer is null.
     Null = 1,

@@ -338,19 +338,25 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
     }
 }
 
-#[test]
-fn references_that_come_twice_are_taken_once_and_none_behind_a_gap() {
+/// A device that follows, and what runs so many of its ticks.
+fn following() -> (Bench, impl FnMut(u32)) {
     let (mut tick, link) = started(Startup::new(Some(&driving()), &FACTS, false));
     let mut bench = Bench::still(Some(driving()), link);
     bench.device.queues.commands.enqueue(Command::SetMode(Mode::Follow)).unwrap();
-    let mut clock = 0;
-    let mut run = |ticks| {
+    let mut clock = 0u32;
+    let mut run = move |ticks: u32| {
         for _ in 0..ticks {
             tick.sample(triangle(clock).into(), clock.wrapping_mul(PERIOD));
             clock += 1;
         }
     };
     run(1);
+    (bench, run)
+}
+
+#[test]
+fn references_that_come_twice_are_taken_once_and_none_behind_a_gap() {
+    let (mut bench, mut run) = following();
     let mut refer = |first, count, go| {
         let references = (first..first + count).map(|k| k as f32 * 1e-3).collect();
         match bench.ask(Request::Refer { first, references, go, hold: false }) {
@@ -375,17 +381,7 @@ fn references_that_come_twice_are_taken_once_and_none_behind_a_gap() {
 /// A host that dies behind a frame of which a part found no room leaves nothing on the way that is held.
 #[test]
 fn the_displacement_is_held_once_the_last_reference_is_in() {
-    let (mut tick, link) = started(Startup::new(Some(&driving()), &FACTS, false));
-    let mut bench = Bench::still(Some(driving()), link);
-    bench.device.queues.commands.enqueue(Command::SetMode(Mode::Follow)).unwrap();
-    let mut clock = 0;
-    let mut run = |ticks| {
-        for _ in 0..ticks {
-            tick.sample(triangle(clock).into(), clock.wrapping_mul(PERIOD));
-            clock += 1;
-        }
-    };
-    run(1);
+    let (mut bench, mut run) = following();
     let mut taken = 0;
     let refer = |bench: &mut Bench, first: u32| {
         let references = (first..300).take(64).map(|k| k as f32 * 1e-3).collect();

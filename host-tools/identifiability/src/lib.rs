@@ -65,7 +65,7 @@ pub struct Determination {
 /// What the actuator does in an experiment, by the table.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Found {
-    /// The experiment.
+    /// What was done to the table's actuator.
     pub experiment: Experiment,
     /// What is read off it, µm.
     pub value_um: f64,
