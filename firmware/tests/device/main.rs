@@ -1,0 +1,102 @@
+//! What the device answers.
+
+mod bench;
+#[path = "../common/mod.rs"]
+mod common;
+mod references;
+mod resets;
+mod set_point;
+mod tables;
+
+use bench::{Bench, TICKS, push};
+use common::{compiled, driving, other, record};
+use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+use estimator_core::{Admitted, IntervalParameters, Table};
+use protocol::{Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
+
+#[test]
+fn it_says_who_and_how_it_is() {
+    let mut bench = Bench::new(Some(compiled()));
+    let Reply::Identity(identity) = bench.ask(Request::Identify) else { panic!() };
+    assert_eq!((&*identity.board, identity.tick_us, identity.adc_full_scale), ("bench", 500, 65_520));
+    assert_eq!(identity.model, "Voigt (4.8)");
+    assert_eq!(identity.source, TableSource::Compiled { reason: text("no table is stored") });
+    let checksum = |table: &Admitted| estimator_core::record::checksum(&record(table)).unwrap();
+    assert_eq!(identity.table_crc, checksum(&compiled()));
+    assert_ne!(identity.table_crc, checksum(&other()));
+    let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
+    assert_eq!((health.reset, health.supply_mv, health.flash_errors), (ResetCause::WATCHDOG, Some(3301), 3));
+    assert_eq!((health.frames_refused, health.line_errors), (4, 5));
+    assert_eq!(health.last_words.unwrap(), "panicked");
+    assert_eq!(bench.ask(Request::Forget), Reply::Done);
+    let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
+    assert_eq!((health.frames_refused, health.line_errors, health.last_words), (0, 0, None));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done, "which takes a tick");
+    assert_eq!(bench.ask(Request::Reset), Reply::Resetting { in_ms: 0 }, "it drives nothing");
+    let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
+    assert!(health.ticks > 0);
+    let mut empty = Bench::new(None);
+    assert_eq!(empty.ask(Request::Pull), Reply::Refused(Refusal::NoTable));
+    assert_eq!(empty.ask(push(&compiled(), false)), Reply::Done, "without a table nothing is estimated");
+}
+
+/// The compiled table with an interval that is told an hour after the start at the earliest.
+fn late() -> Admitted {
+    let mut spread_um = [0.0; TRIANGLE];
+    (0..PLAYS).for_each(|row| spread_um[row * (row + 3) / 2] = 0.2);
+    let interval = IntervalParameters {
+        memory_um: [0.0; SPANS],
+        misfit_um: 0.1,
+        rate_ticks: 1.0,
+        spread_um,
+        prototypes: [[0; PLAYS]; PROTOTYPES],
+        prototype_um: 0.01,
+        untrained_um: 0.1,
+        gain: 0.02,
+        drift_um: 0.05,
+        earliest_s: 3_600.0,
+    };
+    Table { interval: Some(interval), ..*compiled() }.admit().expect("every part of the interval has a size")
+}
+
+#[test]
+fn the_bias_is_told_only_where_something_is_estimated_and_in_reason() {
+    let span_um = compiled().displacement_limits_um.span();
+    type Tell = fn(f32) -> Request;
+    let ways: [Tell; 2] = [|at_um| Request::SetZero { at_um }, |by_um| Request::ShiftBias { by_um }];
+    for tell in ways {
+        let mut early = Bench::new(Some(late()));
+        std::thread::sleep(TICKS);
+        assert_eq!(early.ask(tell(0.0)), Reply::Refused(Refusal::TooSoon), "it has not run for an hour");
+        let mut bench = Bench::new(Some(compiled()));
+        std::thread::sleep(TICKS);
+        assert_eq!(bench.ask(tell(-span_um)), Reply::Done);
+        for odd in [f32::NAN, f32::NEG_INFINITY, 1.01 * span_um] {
+            assert_eq!(bench.ask(tell(odd)), Reply::Refused(Refusal::BeyondSpan { span_um }));
+        }
+        assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
+        assert_eq!(bench.ask(tell(0.0)), Reply::Refused(Refusal::NotEstimating));
+        assert_eq!(Bench::new(None).ask(tell(0.0)), Reply::Refused(Refusal::NotEstimating));
+        let mut excited = Bench::new(Some(driving()));
+        assert_eq!(excited.ask(Request::SetMode(Mode::Excite)), Reply::Done);
+        std::thread::sleep(TICKS);
+        assert_eq!(excited.ask(tell(1.0)), Reply::Done, "the sensor beside it says where it is");
+    }
+}
+
+#[test]
+fn health_has_the_bias_and_its_age() {
+    let mut bench = Bench::new(Some(compiled()));
+    let bias = |bench: &mut Bench| {
+        std::thread::sleep(TICKS);
+        let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
+        (health.bias_um, health.bias_age_ticks)
+    };
+    assert_eq!(bias(&mut bench), (0.0, None));
+    assert_eq!(bench.ask(Request::ShiftBias { by_um: 1.5 }), Reply::Done);
+    let (um, age) = bias(&mut bench);
+    assert!(um == 1.5 && age.is_some(), "{um} {age:?}");
+    assert!(bias(&mut bench).1 > age, "it grows old");
+    assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done);
+    assert_eq!(bias(&mut bench), (0.0, None));
+}

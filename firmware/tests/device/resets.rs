@@ -1,0 +1,86 @@
+//! How a device starts after what went wrong, and how it ends.
+
+use crate::bench::{Bench, TICKS};
+use crate::common::{FACTS, PERIOD, SAFE, compiled, driving, linearising, started, triangle};
+use embassy_futures::block_on;
+use embassy_futures::select::{Either, select};
+use embassy_time::{Duration, Timer};
+use estimator_core::DacCode;
+use firmware::Facts;
+use firmware::drive::Drive;
+use firmware::queues::Command;
+use firmware::restarts::{Restarts, TOO_MANY};
+use firmware::startup::Startup;
+use protocol::{Faults, Mode, Refusal, Reply, Request};
+
+/// Asks for a reset and brings the output to rest, which must end within ten seconds.
+fn resets(bench: &mut Bench) {
+    assert!(matches!(bench.ask(Request::Reset), Reply::Resetting { .. }));
+    let rested = block_on(select(bench.device.rest(), Timer::after(Duration::from_secs(10))));
+    assert!(matches!(rested, Either::First(())), "the reset never comes");
+}
+
+#[test]
+fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_that_is_asked_for_ends() {
+    let kept = DacCode(1234);
+    assert_ne!(Drive::rest(&driving()), Some(kept));
+    let facts = Facts { restarts: Restarts { count: TOO_MANY, safe: Some(kept) }, ..FACTS };
+    let start = || started(Startup::new(Some(&driving()), &facts, true));
+
+    let (mut tick, mut link) = start();
+    for (k, mode) in
+        [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Pause, Mode::Pil].into_iter().enumerate()
+    {
+        link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+        link.queues.commands.enqueue(Command::Go { hold: true }).unwrap();
+        link.queues.references.enqueue(20.0).unwrap();
+        link.queues.fed.enqueue(triangle(700)).unwrap();
+        for k in (0..3_000).map(|tick| 3_000 * k as u32 + tick) {
+            assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), kept, "{mode:?}, tick {k}");
+        }
+    }
+    assert_eq!((link.telemetry.safe(), link.telemetry.drives()), (kept, false));
+
+    let mut bench = Bench::of(Some(driving()), start());
+    std::thread::sleep(TICKS);
+    for mode in [Mode::Follow, Mode::Excite] {
+        assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Refused(Refusal::Faulty));
+    }
+    assert_eq!(bench.ask(Request::Reset), Reply::Resetting { in_ms: 0 });
+    resets(&mut bench);
+}
+
+#[test]
+fn without_its_crystal_a_device_estimates_and_drives_nothing_and_says_so() {
+    let facts = Facts { clock_good: false, ..FACTS };
+    for table in [compiled(), driving(), linearising(true)] {
+        let safe = Drive::rest(&table).unwrap_or(table.dac.code(0.0f32));
+        let start = || started(Startup::new(Some(&table), &facts, false));
+        let (mut tick, mut link) = start();
+        for mode in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Pil] {
+            link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+            for k in 0..3_000 {
+                assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), safe, "{mode:?}, tick {k}");
+                assert!(!tick.valid(), "{mode:?}, tick {k}");
+            }
+        }
+        let mut bench = Bench::of(Some(table), start());
+        bench.until(Faults::CLOCK | Faults::SAFE_OUTPUT);
+        let drives = table.drive.is_some();
+        let refusal = if drives { Refusal::Faulty } else { Refusal::NoDrive };
+        assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Refused(refusal));
+        assert_eq!(bench.ask(Request::SetZero { at_um: 0.0 }), Reply::Refused(Refusal::TooSoon));
+        resets(&mut bench);
+    }
+}
+
+#[test]
+fn a_reset_ends_even_where_the_output_never_comes_to_its_safe_code() {
+    // The drive's rest is another code.
+    let startup = Startup { safe: SAFE, ..Startup::new(Some(&driving()), &FACTS, false) };
+    let mut bench = Bench::of(Some(driving()), started(startup));
+    std::thread::sleep(TICKS);
+    assert!(bench.device.telemetry.ticks_to_safe() > 0);
+    resets(&mut bench);
+    assert!(bench.device.telemetry.ticks_to_safe() > 0);
+}

@@ -1,0 +1,116 @@
+//! Which tables are stored, and which one a device starts with.
+
+use crate::bench::{Bench, Flash, flash, push};
+use crate::common::{FACTS, compiled, driving, other, record, too_long};
+use embassy_futures::block_on;
+use estimator_core::{Admitted, Table};
+use firmware::Facts;
+use firmware::boot::{self, Chosen};
+use firmware::restarts::{Restarts, TOO_MANY};
+use firmware::table::TABLE;
+use parameter_store::ParameterStore;
+use protocol::{Mode, Refusal, Reply, Request, TableSource, text};
+
+#[test]
+fn a_table_is_written_when_nothing_is_estimated_or_when_told_to() {
+    let mut bench = Bench::new(Some(compiled()));
+    assert_eq!(bench.ask(push(&other(), false)), Reply::Refused(Refusal::Estimating));
+    assert_eq!(
+        bench.ask(Request::Erase { while_estimating: false, rewired: false }),
+        Reply::Refused(Refusal::Estimating)
+    );
+    assert_eq!(bench.stored(), None);
+    assert_eq!(bench.ask(push(&other(), true)), Reply::Done);
+    assert_eq!(bench.stored(), Some(record(&other()).to_vec()));
+    assert_eq!(bench.ask(Request::Pull), Reply::Table(record(&compiled())), "it is used from the next reset on");
+    for mode in [Mode::Pause, Mode::Pil] {
+        assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Done);
+        assert_eq!(bench.ask(push(&compiled(), false)), Reply::Done);
+        assert_eq!(bench.stored(), Some(record(&compiled()).to_vec()));
+        assert_eq!(bench.ask(Request::Erase { while_estimating: false, rewired: false }), Reply::Done);
+        assert_eq!(bench.stored(), None);
+    }
+}
+
+#[test]
+fn what_it_cannot_run_is_refused_and_the_old_table_stays() {
+    let mut bench = Bench::new(Some(compiled()));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
+    assert_eq!(bench.ask(push(&other(), false)), Reply::Done);
+    let change = |edit: fn(&mut Table)| {
+        let mut table = *compiled();
+        edit(&mut table);
+        record(&table.admit().expect("still admissible"))
+    };
+    let mut corrupt = record(&compiled());
+    corrupt[40] ^= 1;
+    let refused = [
+        (corrupt, "corrupt"),
+        (record(&compiled())[..60].iter().copied().collect(), "truncated"),
+        (Default::default(), "truncated"),
+        (change(|table| table.adc.full_scale = 4095), "an ADC up to 4095, not 65520"),
+        (change(|table| table.dac.full_scale = 65_535), "a DAC up to 65535, not 4095"),
+        (change(|table| table.sample_period_us = 400), "a tick of 400 µs, not 500 µs"),
+        (record(&too_long()), "driving takes up to 106500 cycles a tick, 125 % of its time, not 60 % at most"),
+    ];
+    for (bad, why) in refused {
+        match bench.ask(Request::Push { record: bad, while_estimating: false, rewired: false }) {
+            Reply::Refused(Refusal::Table(reason)) => assert!(reason.contains(why), "{reason} / {why}"),
+            reply => panic!("{why}: {reply:?}"),
+        }
+        assert_eq!(bench.stored(), Some(record(&other()).to_vec()));
+    }
+}
+
+#[test]
+fn the_dac_is_not_rewired_by_a_table_alone() {
+    let push = |table: &Admitted, rewired| Request::Push { record: record(table), while_estimating: true, rewired };
+    let erase = |rewired| Request::Erase { while_estimating: true, rewired };
+    let (mut plain, mut drives) = (Bench::new(Some(compiled())), Bench::new(Some(driving())));
+    for (bench, table) in [(&mut plain, driving()), (&mut drives, compiled())] {
+        assert_eq!(bench.ask(push(&table, false)), Reply::Refused(Refusal::Rewired));
+        assert_eq!(bench.stored(), None);
+        assert_eq!(bench.ask(push(&table, true)), Reply::Done);
+    }
+    assert_eq!(plain.ask(erase(false)), Reply::Done, "the compiled table has no drive either");
+    assert_eq!(drives.ask(erase(false)), Reply::Refused(Refusal::Rewired));
+    assert_eq!(drives.ask(erase(true)), Reply::Done);
+}
+
+#[test]
+fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_why() {
+    let choose = |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, &FACTS));
+    let mut store = flash(vec![0xFF; 4096]);
+    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    assert_eq!((table, source), (Some(compiled()), TableSource::Compiled { reason: text("no table is stored") }));
+    assert!(!fallback, "nothing was lost");
+    for _ in 0..30 {
+        block_on(store.store(&record(&compiled()))).unwrap();
+        block_on(store.store(&record(&other()))).unwrap();
+    }
+    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    assert_eq!((table, source, fallback), (Some(other()), TableSource::Stored, false));
+
+    let failing = Facts { restarts: Restarts { count: TOO_MANY, safe: None }, ..FACTS };
+    let Chosen { table, source, fallback } = block_on(boot::choose(&mut store, TABLE, &failing));
+    let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
+    assert!(fallback && table == Some(compiled()) && reason.contains("failed 3 times"), "{reason}");
+
+    // As an older firmware may have left it.
+    block_on(store.store(&record(&too_long()))).unwrap();
+    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
+    assert!(fallback && table == Some(compiled()) && reason.contains("takes up to 106500 cycles"), "{reason}");
+
+    block_on(store.store(b"PZTB\x63\x00\x00\x00and more")).unwrap();
+    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
+    assert!(fallback && table == Some(compiled()) && reason.contains("format version 99"), "{reason}");
+
+    let Chosen { table, source, fallback } = choose(&mut store, Table { deadband_v: f32::NAN, ..TABLE });
+    let TableSource::None { stored, compiled } = source else { panic!("{source:?}") };
+    assert!(
+        fallback && table.is_none() && stored.contains("format version 99") && compiled.contains("deadband_v"),
+        "{compiled}"
+    );
+}
