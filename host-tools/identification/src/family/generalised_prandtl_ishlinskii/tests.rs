@@ -1,0 +1,77 @@
+//! What is solved for, beside the model that is made of it.
+
+use super::*;
+use crate::Conditions;
+use estimator_core::{Discretisation, Process, Scheme};
+
+/// A rest at 10 V, sines of growing amplitude about it and a staircase; every `every`-th tick has a reading, of some µm.
+fn session(every: usize) -> Session {
+    let voltage: Vec<f64> = (0..4_000)
+        .map(|k| {
+            let t = f64::from(k) * 5e-4;
+            if k < 100 {
+                10.0
+            } else if t < 1.5 {
+                10.0 + 12.0 * t * libm::sin(20.0 * t)
+            } else {
+                (f64::from(k / 200)) % 7.0
+            }
+        })
+        .collect();
+    let instants: Vec<u32> = (0..4_000).step_by(every).collect();
+    let displacement = instants.iter().map(|&k| 0.15 * voltage[k as usize]).collect();
+    Session::new("log".into(), voltage, instants, displacement, 5e-4)
+}
+
+/// The columns of the fit, weighed, are the displacement of the model that is made of it, to what an input that is seen
+/// ahead of the voltage and readings apart cost.
+#[test]
+fn what_is_found_is_what_the_model_runs() {
+    let problem = Problem::new(vec![session(1)], vec![], Conditions::default());
+    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
+    let family = Family::new(Extra::Resonance, courses.clone(), &problem);
+    let values = family.values(&[3.4, 2.0, 0.5, 0.02, 0.03, 0.4, 8.0, 500.0, 0.1]).unwrap();
+    let sessions: Vec<&Session> = problem.training().collect();
+    let mut solution = family.solve(&values, &problem).unwrap();
+    solution.reversible = vec![0.5, 0.1, 0.4, 0.0, 0.3, 0.2, 0.6, 0.1];
+    solution.envelope = vec![1.0, 3.0, 0.0, 2.0, 5.0, 0.0, 1.0, 2.0];
+    let found = family.parameters(&values, family.law(&values), &solution).unwrap();
+    let discretisation =
+        Discretisation { sample_period: 5e-4, scheme: Scheme::ForwardEuler, deadband: problem.deadband };
+    let mut model = found.build::<f64>(&discretisation);
+    let displaced: Vec<f64> = sessions[0].voltage.iter().map(|&v| model.step(v, None)).collect();
+    let weighed = family.weighed(values.law);
+    let creep = family.creep(values.creep);
+    let stages = family.stages(&values, &weighed, &creep);
+    let coefficients = [&solution.reversible[..], &solution.envelope].concat();
+    let stroke = Range::of_values(displaced.iter().copied()).span();
+    stages.walk(sessions[0], &courses[0], |index, columns, input| {
+        let sum: f64 = columns.iter().zip(&coefficients).map(|(c, w)| c * w).sum();
+        let expected = solution.offset + sum + family.least_slope() * (input - family.span.min);
+        // The model gives the displacement of the next tick.
+        if let Some(found) = index.checked_sub(1).and_then(|before| displaced.get(before)) {
+            assert!((found - expected).abs() < 2e-3 * stroke, "reading {index}: {found} µm, not {expected} µm");
+        }
+    });
+}
+/// Readings that are passed over change the displacement by little more than a straight line in place of an arc does.
+#[test]
+fn a_course_of_few_readings_gives_the_columns_of_the_whole() {
+    let session = session(1);
+    let problem = Problem::new(vec![session.clone()], vec![], Conditions::default());
+    let [whole, few] = [4_000, 500].map(|most| Course::within(most, &session, problem.deadband));
+    assert!(whole.corners.is_empty(), "every reading is stepped at");
+    assert!(few.readings.len() < 1_000 && few.corners.len() > 5, "{} and {}", few.readings.len(), few.corners.len());
+    let family = Family::new(Extra::Nothing, Arc::new([]), &problem);
+    let values = family.values(&[3.4, 2.0, 0.5, 0.02, 0.03, 0.4]).unwrap();
+    let (plays, creep) = (family.weighed(values.law), family.creep(values.creep));
+    let stages = family.stages(&values, &plays, &creep);
+    let mut sums = vec![0.0; session.instants.len()];
+    stages.walk(&session, &whole, |index, columns, _| sums[index] = columns.iter().sum());
+    let stroke = Range::of_values(sums.iter().copied()).span();
+    let mut worst = 0.0;
+    stages.walk(&session, &few, |index, columns, _| {
+        worst = f64::max(worst, (columns.iter().sum::<f64>() - sums[index]).abs() / stroke);
+    });
+    assert!((1e-9..5e-3).contains(&worst), "{worst} of the stroke");
+}

@@ -1,0 +1,103 @@
+//! Logs without flaws, and with flaws put in.
+
+use super::*;
+use plants::{CATALOGUE, Plant, Waveform};
+use recordings::rig::{EXCITATIONS, Rig};
+
+fn log() -> Log {
+    Rig { duration: 0.5, ..Rig::default() }.log(EXCITATIONS[1])
+}
+
+fn changed(change: impl Fn(usize, f64, f64) -> (f64, f64)) -> Log {
+    let mut log = log();
+    let displacement = log.displacement.take().unwrap();
+    let changed = log.voltage.iter().zip(&displacement).enumerate().map(|(row, (&v, &y))| change(row, v, y));
+    let (voltage, displacement): (Vec<f64>, Vec<f64>) = changed.unzip();
+    Log { voltage, displacement: Some(displacement), ..log }
+}
+
+#[test]
+fn logs_as_they_should_be_have_none() {
+    for seed in 1..=20 {
+        for excitation in EXCITATIONS {
+            let log = Rig { duration: 0.5, seed, ..Rig::default() }.log(excitation);
+            assert_eq!(flaws(&log), [], "{} of seed {seed}", excitation.name);
+        }
+    }
+}
+
+/// Stairs, holds and noise among them.
+#[test]
+fn devices_of_other_classes_have_none_either() {
+    for (seed, kind) in (1u32..).zip(CATALOGUE) {
+        let plant = Plant::drawn(kind, seed.into());
+        let amplitude = 0.8 * plant.full_v;
+        for waveform in [
+            Waveform::Sine { amplitude, hertz: 100.0, offset: 0.0 },
+            Waveform::AmplitudeModulated { amplitude, hertz: 5.0, swell_hz: 0.5 },
+            Waveform::Staircase { amplitude, steps: 6, hold_s: 0.1 },
+            Waveform::Multisine { amplitude, from_hz: 1.0, to_hz: 40.0, tones: 12 },
+        ] {
+            let log = plant.log("log", &waveform, 2.0, seed.into());
+            assert_eq!(flaws(&log), [], "{} on {waveform:?}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn spikes_are_found_one_by_one() {
+    let spiky = changed(|row, v, y| (v, if [300, 700, 701].contains(&row) { y + 20.0 } else { y }));
+    let found = flaws(&spiky);
+    let rows = |flaw: &Flaw| {
+        let Stretch { from_s, to_s } = flaw.at();
+        [from_s, to_s].map(|time| (time / spiky.sample_period).round() as usize)
+    };
+    assert_eq!(found.iter().map(rows).collect::<Vec<_>>(), [[300, 300], [700, 701]]);
+    assert!(found.iter().all(|flaw| matches!(flaw, Flaw::Spike { leap_um, .. } if (leap_um - 20.0).abs() < 1.0)));
+}
+
+#[test]
+fn a_sensor_that_stands_still_or_is_cut_off_is_found_and_so_is_a_voltage() {
+    let stopped = changed(|row, v, y| (v, if (200..500).contains(&row) { 1.25 } else { y }));
+    assert!(matches!(flaws(&stopped)[..], [Flaw::Frozen { voltage_v, .. }] if voltage_v > 10.0));
+    let top = ends(&log().displacement.unwrap()).1;
+    let beyond = changed(|_, v, y| (v, y.min(0.6 * top)));
+    assert!(flaws(&beyond).iter().all(|flaw| matches!(flaw, Flaw::Frozen { .. })) && !flaws(&beyond).is_empty());
+    let cut = changed(|_, v, y| (v.min(12.0), y));
+    let found = flaws(&cut);
+    assert!(!found.is_empty() && found.iter().all(|flaw| matches!(flaw, Flaw::Clipped { voltage_v: 12.0, .. })));
+}
+
+#[test]
+fn a_hold_after_which_the_actuator_rings_is_none() {
+    let rings = |row: usize| 40.0 - 40.0 * libm::exp(-(row as f64) / 60.0) * libm::cos(row as f64 * 0.3);
+    let rows = 0..4000;
+    let voltage = rows.clone().map(|row| if row % 1000 < 500 { 100.0 } else { 0.0 }).collect();
+    let step = |row: usize| if row % 1000 < 500 { rings(row % 1000) } else { 40.0 - rings(row % 1000 - 500) };
+    let ringing = Log { voltage, displacement: Some(rows.map(step).collect()), ..log() };
+    assert_eq!(flaws(&ringing), []);
+}
+
+#[test]
+fn what_is_left_out_is_what_was_measured_there() {
+    let spiky = changed(|row, v, y| (v, if row == 300 { y + 20.0 } else { y }));
+    let flaws = flaws(&spiky);
+    assert_eq!(sound(&spiky, &flaws).voltage.len(), spiky.voltage.len() - 1);
+    let recipe = recordings::prepare::PrepareOptions::default().resolve(std::slice::from_ref(&spiky));
+    let whole = recipe.session(&spiky).unwrap();
+    let mut session = Session { lead_in: 100, ..whole.clone() };
+    let left_out = leave_out(&mut session, &flaws, 0.0);
+    assert!((1..=3).contains(&left_out), "{left_out}");
+    assert_eq!(session.instants.len() + left_out, whole.instants.len());
+    assert_eq!((session.instants.len(), &session.voltage), (session.displacement.len(), &whole.voltage));
+    let largest = |session: &Session| ends(&session.displacement).1;
+    assert!(largest(&whole) - largest(&session) > 10.0);
+    // Of a log that is nothing but flaws nothing is left out.
+    let all = [Flaw::Frozen { at: Stretch { from_s: 0.0, to_s: 1e3 }, voltage_v: 1.0 }];
+    assert_eq!(leave_out(&mut session.clone(), &all, 0.0), 0);
+    // A late sensor shows the spike later than the tick that it stands at.
+    let late = recordings::prepare::Recipe { delay_ticks: 20, ..recipe };
+    let mut session = late.session(&spiky).unwrap();
+    assert!(leave_out(&mut session, &flaws, 20.0 * late.tick_s()) > 0);
+    assert!(largest(&whole) - largest(&session) > 10.0);
+}
