@@ -30,13 +30,13 @@ impl Brief {
 }
 
 impl Identification<'_> {
-    /// Every model of the catalogue by a [`Brief`] search of the method for the models beyond the Voigt family.
-    pub fn brief(&self, progress: Progress<'_>) -> Vec<Fit> {
+    /// Each of these models by a [`Brief`] search of the method for the models beyond the Voigt family.
+    pub fn brief(&self, models: &[Model], progress: Progress<'_>) -> Vec<Fit> {
         let Brief { of_a_number, of_voigt } = Brief::of(self.options);
-        let others: Vec<Model> = Model::ALL.into_iter().filter(|model| !model.is_voigt()).collect();
+        let (family, others): (Vec<Model>, Vec<Model>) = models.iter().partition(|model| model.is_voigt());
         let options = SearchOptions { evaluations: of_a_number, ..self.options.clone() };
         let search = |budget| Identification { options: &options, budget, ..*self };
-        let mut fits = search(Some(of_voigt as usize)).run(&Model::VOIGT_FAMILY, progress);
+        let mut fits = search(Some(of_voigt as usize)).run(&family, progress);
         fits.extend(search(None).run(&others, progress));
         fits
     }

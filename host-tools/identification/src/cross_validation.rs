@@ -254,7 +254,7 @@ mod tests {
         let options = SearchOptions { evaluations: 30, ..SearchOptions::default() };
         let search =
             Identification { problem: &problem, cost: Feedback::Simulation.into(), options: &options, budget: None };
-        let mut fits = search.brief(&mut |_, _| ());
+        let mut fits = search.brief(&Model::ALL, &mut |_, _| ());
         assert_eq!(fits.len(), Model::ALL.len());
         // The rig is of the Voigt family, beside which no other model has a chance here: let two of the others be tried.
         fits.retain(|fit| matches!(fit.model, Model::Voigt | Model::BoucWen | Model::MaxwellSlip));

@@ -64,7 +64,7 @@ impl Identification<'_> {
             let fits = self.run(&with_contained(model, self.options.start), progress);
             return Choice { fits, model: Some(model), reason: Reason::AskedFor };
         }
-        let mut fits = self.brief(progress);
+        let mut fits = self.brief(&Model::ALL, progress);
         let least = eligible(self.problem, &fits).into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         let Some(least) = least.map(|fit| (fit.model, fit.cost)) else {
             return Choice { fits, model: None, reason: Reason::LeastInTraining };

@@ -27,6 +27,8 @@ pub struct Bench {
     pub say: Say,
     /// Seeds of devices and searches where an item is over several.
     pub seeds: u32,
+    /// Models that are learnt where an item learns them on many devices.
+    pub models: Vec<Model>,
     found: Vec<Attempt>,
 }
 
@@ -63,7 +65,7 @@ impl Bench {
         if prepared.problem.validation().next().is_none() {
             return Err(ThesisError::NothingHeldOut);
         }
-        Ok(Self { job, prepared, rig, say, seeds: QUICK_SEEDS, found: Vec::new() })
+        Ok(Self { job, prepared, rig, say, seeds: QUICK_SEEDS, models: Model::ALL.to_vec(), found: Vec::new() })
     }
 
     /// The thesis's logs from a rig: what is modelled, what is held out.

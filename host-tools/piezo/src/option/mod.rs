@@ -36,7 +36,7 @@ pub use cost::CostArgs;
 pub use excitation::ExcitationArgs;
 pub use fitting::Fitting;
 pub use logs::LogOptions;
-pub use model::{model_choice, models};
+pub use model::{asked, model_choice, models};
 pub use number::{finite, limit, not_negative, positive, span};
 pub use overwrite::Overwrite;
 pub use prepare::{DECIMATIONS, PrepareArgs};

@@ -2,7 +2,7 @@
 
 use super::identify::zeros;
 use super::print::{out, progress};
-use crate::option::{Fitting, OPTIMISERS, Overwrite, STARTS, choice, models};
+use crate::option::{Fitting, OPTIMISERS, Overwrite, STARTS, asked, choice, models};
 use crate::output::{self, PAGE};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -65,12 +65,7 @@ pub fn run(arguments: &Compare) -> Result<bool> {
     let Compare { optimiser, start, seed, .. } = *arguments;
     let job = arguments.fitting.job(SearchOptions { optimiser, start, seed, ..SearchOptions::default() })?;
     let budget = arguments.budget as usize;
-    let mut models = Vec::new();
-    for model in if arguments.models.is_empty() { &Model::ALL[..] } else { &arguments.models[..] } {
-        if !models.contains(model) {
-            models.push(*model);
-        }
-    }
+    let models = asked(&arguments.models);
     let bar = progress(compare::generations(&job, &models));
     let mut matrix = compare::run(&job, &models, budget, remedy::sentence, &mut |model, cost| {
         bar.set_prefix(model.to_string());

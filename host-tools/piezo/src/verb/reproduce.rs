@@ -3,12 +3,13 @@
 
 use super::identify::zeros;
 use super::print::{out, progress};
-use crate::option::{LogOptions, Overwrite, PrepareArgs, SearchArgs, choice, limit};
+use crate::option::{LogOptions, Overwrite, PrepareArgs, SearchArgs, asked, choice, limit, models};
 use crate::output::{self, PAGE};
 use ::calibration::CalibrationOptions;
 use anyhow::{Result, ensure};
 use clap::Args;
 use clap::builder::TypedValueParser;
+use estimator_core::Model;
 use identification::cost::Feedback;
 use identification::{Conditions, Job, ModelChoice};
 use recordings::Role;
@@ -49,6 +50,9 @@ pub struct Reproduce {
     /// Seeds of devices and searches that `elsewhere` takes medians over; 10 for figures to rely on, some minutes.
     #[arg(long, default_value_t = QUICK_SEEDS, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub seeds: u32,
+    /// Models that `elsewhere` learns, separated by commas; all where none is named.
+    #[arg(long, value_name = "MODEL,…", value_delimiter = ',', value_parser = models())]
+    pub models: Vec<Model>,
     /// Reading of the logs.
     #[command(flatten)]
     pub files: LogOptions,
@@ -79,13 +83,14 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
     let length =
         items.iter().map(|item| item.generations(&job.search, arguments.seeds)).sum::<u64>() + job.generations_before();
     let bar = progress(length);
-    let mut step = |model: estimator_core::Model, best: f64| {
+    let mut step = |model: Model, best: f64| {
         bar.set_prefix(model.to_string());
         bar.set_message(format!("{best:.4} µm"));
         bar.inc(1);
     };
     let mut bench = Bench::new(job, rig, remedy::sentence, &mut step)?;
     bench.seeds = arguments.seeds;
+    bench.models = asked(&arguments.models);
     let sections = thesis::run(&mut bench, &items, &mut step)?;
     bar.finish_and_clear();
     let facts = facts(&bench);

@@ -1,4 +1,4 @@
-//! Learning a subject with every model, and judging what came of it.
+//! Learning a subject with models, and judging what came of it.
 
 use super::bootstrap::blocks;
 use super::noise::floor_um;
@@ -45,15 +45,15 @@ pub struct Errors {
     pub blocks: Vec<f64>,
 }
 
-/// Learns every model and the straight line, and judges each on every trial.
+/// Learns each of these models and the straight line, and judges each on every trial.
 ///
 /// # Errors
 /// A recording cannot be prepared or scored. A model that finds nothing is judged with no errors.
-pub fn learn(subject: &Subject) -> Result<Vec<Judged>, ThesisError> {
+pub fn learn(subject: &Subject, models: &[Model]) -> Result<Vec<Judged>, ThesisError> {
     let Prepared { problem, context, .. } = subject.job.prepare(&mut |_, _| ())?;
     let identification =
         Identification { problem: &problem, cost: subject.job.cost, options: &subject.job.search, budget: None };
-    let fits = identification.brief(&mut |_, _| ());
+    let fits = identification.brief(models, &mut |_, _| ());
     let line = StraightLine::fit(problem.training());
     let mut judged = Vec::new();
     let trials: Vec<(&Trial, Session)> = subject

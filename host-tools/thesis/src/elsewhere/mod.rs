@@ -24,10 +24,9 @@ use summary::{Range, Row, rows};
 /// Seeds where nothing else is said: a look, not a result.
 pub const QUICK_SEEDS: u32 = 1;
 
-/// Steps of the progress bar for each seed.
+/// Steps of the progress bar for each seed: one a subject.
 pub fn generations(_search: &SearchOptions) -> u64 {
-    let subjects = 2 * plants::CATALOGUE.len() + 2;
-    (subjects * Model::ALL.len()) as u64
+    2 * plants::CATALOGUE.len() as u64 + 2
 }
 
 /// Learns on each subject and judges.
@@ -47,10 +46,11 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     let mut judged: Vec<Judged> = Vec::new();
     // As many at a time as there are threads: what is done is told in between.
     for some in subjects.chunks(rayon::current_num_threads().max(1)) {
-        let found: Vec<Result<Vec<Judged>, ThesisError>> = some.par_iter().map(learn).collect();
+        let found: Vec<Result<Vec<Judged>, ThesisError>> =
+            some.par_iter().map(|subject| learn(subject, &bench.models)).collect();
         for of_one in found {
             judged.extend(of_one?);
-            Model::ALL.into_iter().for_each(|model| progress(model, 0.0));
+            bench.models.last().into_iter().for_each(|&model| progress(model, 0.0));
         }
     }
     let rows = rows(&judged);
@@ -169,7 +169,7 @@ mod tests {
         let mut job = small().job;
         job.search.evaluations = 4;
         let devices: Vec<Subject> = plants(&job, 1).take(4).chain([thesis_rig(&job, 1)]).collect();
-        let judged: Vec<Judged> = devices.iter().flat_map(|subject| learn(subject).unwrap()).collect();
+        let judged: Vec<Judged> = devices.iter().flat_map(|subject| learn(subject, &Model::ALL).unwrap()).collect();
         let rows = rows(&judged);
         for part in rows.chunk_by(|a, b| (&a.subject, &a.condition) == (&b.subject, &b.condition)) {
             assert_eq!(part.len(), Model::ALL.len() + 1, "{:?}", part[0]);

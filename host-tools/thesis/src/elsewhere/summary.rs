@@ -83,7 +83,7 @@ pub struct Row {
     pub different_from_best: Option<bool>,
 }
 
-/// A row for each model under each condition, in the order of the subjects and conditions, the nearest model first.
+/// A row for each model that was learnt under each condition, in the order of the subjects and conditions, the nearest model first.
 pub fn rows(judged: &[Judged]) -> Vec<Row> {
     let mut conditions: Vec<(&str, &str)> = Vec::new();
     for one in judged {
@@ -107,8 +107,11 @@ fn of_condition(judged: &[Judged], (subject, condition): (&str, &str)) -> Vec<Ro
     let here = || judged.iter().filter(move |one| one.subject == subject && one.condition == condition);
     let of_model = |model: Option<Model>| here().filter(|one| one.model == model).collect::<Vec<_>>();
     let models = Model::ALL.into_iter().map(Some).chain([None]);
-    let mut all: Vec<(Row, Vec<&Judged>)> =
-        models.map(|model| (of_model(model), model)).map(|(of, model)| (row(&of, model), of)).collect();
+    let mut all: Vec<(Row, Vec<&Judged>)> = models
+        .map(|model| (of_model(model), model))
+        .filter(|(of, _)| !of.is_empty())
+        .map(|(of, model)| (row(&of, model), of))
+        .collect();
     let median = |row: &Row| row.without_offset_um.map_or(f64::INFINITY, |range| range.median);
     all.sort_by(|a, b| median(&a.0).total_cmp(&median(&b.0)));
     if let Some(((best, its), others)) = all.split_first_mut() {
