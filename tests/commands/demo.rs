@@ -31,7 +31,7 @@ fn identifies_the_measured_log_and_says_how_good_it_is() {
     }
     let found = result["determination"]["found"].as_array().unwrap();
     assert_eq!(found.len(), 6);
-    let known = |index: usize| (number(&found[index], "/standard_error_um"), found[index]["determined"] == true);
+    let known = |index: usize| (number(&found[index], "/standard_error_um"), found[index]["told"] == "well");
     let (stroke, half) = (known(0), known(2));
     assert!(stroke.1 && stroke.0 < 0.2, "the stroke was recorded: {stroke:?}");
     assert!(!half.1 && half.0 > 2.0 * known(1).0, "a smaller loop was not: {half:?}");

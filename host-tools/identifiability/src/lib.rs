@@ -39,8 +39,10 @@ const WORST_CONDITION: f64 = 1e8;
 const PRODUCTS: usize = 100_000_000;
 /// Every how many readings are looked at where that does not suffice.
 const THINNED: usize = 10;
-/// What is known to this part of the stroke is determined.
+/// What is known to this part of the stroke is told well.
 const OF_STROKE: f64 = 0.005;
+/// What the logs leave of the standard error that there was before them, at most, where they tell something.
+const LEFT: f64 = 0.1;
 
 /// What the training logs determine.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -71,8 +73,22 @@ pub struct Found {
     pub value_um: f64,
     /// Its standard error, µm.
     pub standard_error_um: f64,
-    /// Whether that is at most half a percent of the stroke.
-    pub determined: bool,
+    /// The same before any log, where every number is known to its own size, µm.
+    pub before_um: f64,
+    /// How much of it is the logs' and not the model's.
+    pub told: Told,
+}
+
+/// How much logs tell of an experiment.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Told {
+    /// The standard error is at most half a percent of the stroke.
+    Well,
+    /// It is more, and at most a tenth of what it was before them.
+    Partly,
+    /// What is known is mostly what the model takes for granted.
+    Not,
 }
 
 /// What the training sessions determine of a table that was identified from them; `None` where they have no two readings, or
@@ -120,8 +136,15 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
         let gradient = DVector::from_iterator(numbers.len(), changes.iter().map(|(_, results)| results[index]));
         let standard_error_um = gradient.dot(&precision.solve(&gradient)).max(0.0).sqrt();
         let value_um = before[index];
-        let determined = standard_error_um <= OF_STROKE * stroke;
-        Found { experiment, value_um, standard_error_um, determined }
+        let before_um = gradient.norm();
+        let told = if standard_error_um <= OF_STROKE * stroke {
+            Told::Well
+        } else if standard_error_um <= LEFT * before_um {
+            Told::Partly
+        } else {
+            Told::Not
+        };
+        Found { experiment, value_um, standard_error_um, before_um, told }
     });
     Some(Determination {
         readings,

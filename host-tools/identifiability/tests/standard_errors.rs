@@ -1,7 +1,7 @@
 //! Standard errors are small where the readings say something, and large where they do not.
 
 use estimator_core::{Admitted, Table};
-use identifiability::{Determination, Experiment, determination};
+use identifiability::{Determination, Experiment, Told, determination};
 use recordings::session::Session;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -69,8 +69,11 @@ fn what_was_recorded_is_known_and_what_was_not_is_not() {
         assert!(before > 2.0 * error(&alone, FULL), "{experiment:?} was not in {before:.4} µm");
     }
     let loud = of(&major, 0.3);
-    let undetermined = |experiment| loud.found.iter().any(|found| found.experiment == experiment && !found.determined);
-    assert!(undetermined(HALF) && undetermined(FAST) && !undetermined(FULL), "{loud:#?}");
+    let told = |experiment| loud.found.iter().find(|found| found.experiment == experiment).unwrap().told;
+    assert_eq!((told(FULL), told(HALF)), (Told::Well, Told::Partly), "{loud:#?}");
+    assert_ne!(told(FAST), Told::Well, "{loud:#?}");
+    let hardly = of(&major, 3.0);
+    assert!(hardly.found.iter().any(|found| found.experiment == HALF && found.told == Told::Not), "{hardly:#?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What the training determines of an actuator, in words.
 
-use identifiability::{Determination, Experiment, Found};
+use identifiability::{Determination, Experiment, Found, Told};
 
 /// What the lines of [`determination`] are.
 pub const DETERMINED: &str =
@@ -17,15 +17,14 @@ pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
         of.readings, of.mae_um, of.effective_readings
     );
     let found = of.found.iter().map(|found| {
-        let Found { experiment, value_um, standard_error_um, determined } = *found;
+        let Found { experiment, value_um, standard_error_um, told, .. } = *found;
         let (what, record) = words(experiment);
         let by_model = format!("{value_um:.2} ± {standard_error_um:.2} µm");
-        let said = match (determined, standard_error_um > 0.0) {
-            (_, false) => "this model has none".to_owned(),
-            (true, _) => by_model,
-            (false, _) => {
-                format!("the logs do not tell ({by_model} by the model alone): record {record}, or more of it")
-            }
+        let said = match told {
+            _ if standard_error_um <= 0.0 => "this model has none".to_owned(),
+            Told::Well => by_model,
+            Told::Partly => format!("{by_model}; to narrow it, record {record}, or more of it"),
+            Told::Not => format!("{by_model}, hardly by these logs: record {record}, or more of it"),
         };
         (what, said)
     });
