@@ -82,7 +82,16 @@ fn session(error: &BenchError) -> String {
             let (path, port) = (quoted(&path.display().to_string()), typed("--port"));
             format!("{error}: bring it back:\n    piezo push {path} --reset{port}")
         }
-        BenchError::Occupied { .. } => format!("{error}: choose another --out"),
+        BenchError::Occupied { path } => match path.parent() {
+            Some(folder) if verb("train") && bench::session(folder).is_ok_and(|session| session.complete) => {
+                format!(
+                    "{error}, which is whole: choose another --out, or learn from it:\n    {}{}",
+                    identify(folder),
+                    typed("--board")
+                )
+            }
+            _ => format!("{error}: choose another --out"),
+        },
         BenchError::BeyondDrive { range_v, .. } => {
             format!("{error}: --drive-to {}:{} at most", range_v.min, range_v.max)
         }
@@ -112,6 +121,12 @@ fn session(error: &BenchError) -> String {
         BenchError::Nothing(_) => format!("{error}: choose a longer --seconds"),
         _ => error.of_another().map_or_else(|| error.to_string(), super::told),
     }
+}
+
+/// The command that identifies a table from the logs of a session in a folder, but for the board's file.
+pub fn identify(folder: &Path) -> String {
+    let folder = quoted(&folder.display().to_string());
+    format!("piezo identify {folder}/[0-9][0-9]-*.csv --validate-on {folder}/held-out.csv --out {folder}/model")
 }
 
 fn another(error: &AnotherBoard) -> String {

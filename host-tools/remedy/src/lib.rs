@@ -12,7 +12,7 @@ mod paste;
 mod proven;
 mod supply;
 
-pub use bench::{complaint, stopped};
+pub use bench::{complaint, identify, stopped};
 pub use bits::{Meaning, faults, remarks, status};
 pub use determination::{DETERMINED, determination};
 pub use device::{board, refusal};

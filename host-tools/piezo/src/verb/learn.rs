@@ -5,7 +5,7 @@ use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, positive};
 use crate::{Cli, Verb};
 use anyhow::{Context, Result};
-use bench::{Session, session};
+use bench::{BenchError, Session, session};
 use clap::{Args, Parser};
 use device_link::interrupt::Interrupt;
 use remedy::quoted;
@@ -37,7 +37,8 @@ pub struct Learn {
     pub excitation: ExcitationArgs,
 }
 
-/// Runs the verb; `false` where a part says so, and what follows that is not begun.
+/// Runs the verb; `false` where a part says so, and what follows that is not begun. Run again, it goes on behind a session that
+/// is whole: the sensor need not come back for what was not learnt or not installed.
 pub fn run(arguments: &Learn) -> Result<bool> {
     // Ctrl-C in a part that does not look for it, as identify, ends before the next one, which may move the actuator.
     let interrupt = Interrupt::watch()?;
@@ -55,10 +56,16 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     // The proof stays within what was typed, too.
     let range = excitation.range.map(|range| format!("--range={}:{}", range.zero, range.full));
     train.extend(range.clone());
-    if !part(train)? {
+    let proof = arguments.out.join("proof");
+    if proof.exists() {
+        return Err(BenchError::Occupied { path: proof }.into());
+    }
+    if session(&arguments.out).is_ok_and(|session| session.complete) {
+        out(&format!("{folder} has a whole session, which is learnt from: nothing is recorded"));
+    } else if !part(train)? {
         return Ok(false);
     }
-    let Session { logs, held_out } = session(&arguments.out)?;
+    let Session { logs, held_out, .. } = session(&arguments.out)?;
     let mut identify = words(&["identify"]);
     identify.extend(logs.into_iter().map(path).collect::<Result<Vec<_>>>()?);
     identify.extend(words(&["--board", &board, "--out", &model]));
@@ -66,7 +73,7 @@ pub fn run(arguments: &Learn) -> Result<bool> {
         identify.extend(["--validate-on".to_owned(), path(log)?]);
     }
     identify.extend(arguments.identify.iter().cloned());
-    let proof = path(arguments.out.join("proof"))?;
+    let proof = path(proof)?;
     let seconds = arguments.proof_seconds.to_string();
     // Another draw than the training's, which nothing has seen.
     let other = excitation.seed.wrapping_add(1).to_string();

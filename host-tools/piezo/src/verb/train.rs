@@ -11,7 +11,7 @@ use clap::Args;
 use device_link::interrupt::Interrupt;
 use recordings::prepare::PrepareOptions;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `piezo train`.
 #[derive(Args, Debug)]
@@ -135,17 +135,12 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
     match &trained.ended {
         Some(why) => out(&format!("FAILED: it ended before its time: {}", ended(why))),
         None if arguments.of_learn => {}
-        None => out(&format!("Next:\n\n    {}", identify_by(&arguments.out, &arguments.board.board))),
+        None => {
+            let board = remedy::quoted(&arguments.board.board.display().to_string());
+            out(&format!("Next:\n\n    {} --board {board}", remedy::identify(&arguments.out)));
+        }
     }
     Ok(())
-}
-
-/// The command that identifies a table from the logs in a folder.
-fn identify_by(folder: &Path, board: &Path) -> String {
-    let [folder, board] = [folder, board].map(|path| remedy::quoted(&path.display().to_string()));
-    format!(
-        "piezo identify {folder}/[0-9][0-9]-*.csv --validate-on {folder}/held-out.csv --board {board} --out {folder}/model"
-    )
 }
 
 fn ended(why: &Ended) -> String {
