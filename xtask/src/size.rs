@@ -42,6 +42,8 @@ const RESTART: &str = "tick_restart";
 pub const LOG: &str = "tests/data/picma-p885-1hz.csv";
 /// The table it is counted with, on the measured log.
 const TABLE: &str = "tests/data/table/table.toml";
+/// Ticks of it that are counted.
+const TICKS: &str = "8000";
 /// A table of every model, by its name.
 const TABLES: &str = "tests/data/table/models";
 
@@ -79,7 +81,7 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Flash, RAM, and the tick's instructions with the thesis's model over the whole log.
+/// Flash, RAM, and the tick's instructions with the thesis's model.
 ///
 /// # Errors
 /// See [`run`].
@@ -89,7 +91,7 @@ pub fn figures(sh: &Shell, piezo: &Path) -> Result<Value> {
     let folder = TempDir::new()?;
     let out = folder.path();
     cmd!(sh, "{piezo} emit {TABLE} --adc-full-scale 65520 --out {out}").read()?;
-    let counts = bench.instructions(&out.join("table.toml"), &[])?;
+    let counts = bench.instructions(&out.join("table.toml"))?;
     Ok(json!({
         "flash_bytes": board.flash_bytes,
         "ram_bytes": board.ram_bytes,
@@ -104,7 +106,7 @@ impl Counts {
     }
 }
 
-/// What the tick of every model takes over the first four seconds of the log, with the tables that were identified on it.
+/// What the tick of every model takes, with the tables that were identified on the log.
 ///
 /// # Errors
 /// See [`run`].
@@ -113,7 +115,7 @@ pub fn models(sh: &Shell, piezo: &Path) -> Result<Value> {
     let mut figures = Map::new();
     for model in Model::ALL {
         let name = model.name();
-        let counts = bench.instructions(Path::new(&format!("{TABLES}/{name}.toml")), &["--limit", "8000"])?;
+        let counts = bench.instructions(Path::new(&format!("{TABLES}/{name}.toml")))?;
         figures.insert(name.to_owned(), json!({ "max": counts.max, "mean": counts.mean() }));
     }
     Ok(Value::Object(figures))
@@ -138,8 +140,8 @@ impl<'a> Bench<'a> {
         Ok(Self { sh, piezo, image, plugin })
     }
 
-    /// The instructions of the tick while a table runs on the measured log.
-    fn instructions(&self, table: &Path, log: &[&str]) -> Result<Counts> {
+    /// The instructions of the tick while a table runs on the first four seconds of the measured log: four periods.
+    fn instructions(&self, table: &Path) -> Result<Counts> {
         let (sh, piezo) = (self.sh, self.piezo);
         let folder = TempDir::new()?;
         let counts = folder.path().join("counts.json");
@@ -149,7 +151,7 @@ impl<'a> Bench<'a> {
         let qemu = Qemu::start(qemu::command(&self.image, &qemu::socket(port)).args(["-plugin", &plugin]))?;
         cmd!(sh, "{piezo} push {table} --reset --port {link}").read()?;
         let report: Value =
-            serde_json::from_str(&cmd!(sh, "{piezo} pil {table} {LOG} {log...} --json --port {link}").read()?)?;
+            serde_json::from_str(&cmd!(sh, "{piezo} pil {table} {LOG} --limit {TICKS} --json --port {link}").read()?)?;
         qemu.quit()?;
         let stretches: Vec<Counts> =
             fs::read_to_string(counts)?.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
