@@ -40,6 +40,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         write("store", &k.to_string(), &events[31 * k..])?;
         write("link", &k.to_string(), &events[37 * k..])?;
     }
+    // Longer than a frame may be.
+    write("frame", "overlong", &[1; 2_000])?;
+    // The power fails between the two pages of an erase.
+    let records = [[&pick(0, 3)[..], &[200, 0, 7, 0]].concat(), [&pick(0, 3)[..], &[90, 1, 8, 0]].concat()].concat();
+    for after in 0..3 {
+        let erase = [&pick(1, 3)[..], &[1, after, 0, 0, 0, 0, 0]].concat();
+        write("store", &format!("erase-{after}"), &[&records[..], &erase].concat())?;
+    }
     for (table, mode) in [(1, 3), (1, 4), (2, 5)] {
         write("link", &format!("driving-{table}-{mode}"), &driving(table, mode))?;
     }
