@@ -33,6 +33,8 @@ pub const HALF_WIDTHS: [f32; PLAYS] = [0.04, 0.075, 0.14, 0.26, 0.48, 0.9];
 pub const SPANS: usize = 9;
 /// Prototypes of where the training's plays stood.
 pub const PROTOTYPES: usize = 24;
+/// None of a table's numbers may be larger: their squares are then numbers of an `f32`, too, whatever the voltage does.
+pub const LARGEST: f32 = 1e6;
 /// Numbers of a lower triangle of that many rows.
 pub const TRIANGLE: usize = PLAYS * (PLAYS + 1) / 2;
 
@@ -71,13 +73,15 @@ pub struct IntervalParameters {
 }
 
 impl IntervalParameters {
-    /// Whether every number is finite and none is negative that may not be.
+    /// Whether every number is finite, none is negative that may not be, and none is beyond [`LARGEST`].
     ///
     /// # Errors
     /// The rule that is broken.
     pub fn check(&self) -> Result<(), Rule> {
         let positive = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite() && *number >= 0.0);
         let finite = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite());
+        let small = |numbers: &[f32]| numbers.iter().all(|number| number.abs() <= LARGEST);
+        let Self { misfit_um, rate_ticks, prototype_um, untrained_um, gain, drift_um, earliest_s, .. } = *self;
         rule::check([
             ("interval.memory_um must be 0 or positive", positive(&self.memory_um)),
             ("interval.misfit_um must be positive", positive(&[self.misfit_um]) && self.misfit_um > 0.0),
@@ -88,6 +92,11 @@ impl IntervalParameters {
             ("interval.gain must be 0 or positive", positive(&[self.gain])),
             ("interval.drift_um must be 0 or positive", positive(&[self.drift_um])),
             ("interval.earliest_s must be 0 or positive", positive(&[self.earliest_s])),
+            ("interval: no number may lie beyond a million", {
+                small(&self.memory_um)
+                    && small(&self.spread_um)
+                    && small(&[misfit_um, rate_ticks, prototype_um, untrained_um, gain, drift_um, earliest_s])
+            }),
         ])
     }
 }

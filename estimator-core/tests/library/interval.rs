@@ -2,8 +2,10 @@
 
 use crate::common::interval as parameters;
 use crate::common::models::table_of;
-use estimator_core::interval::{Interval, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
-use estimator_core::{Admitted, Estimator, IntervalParameters, Model, Range, Status, Table, TableError};
+use estimator_core::interval::{Interval, LARGEST, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+use estimator_core::{
+    Admitted, DacCalibration, Estimator, IntervalParameters, Model, Range, Status, Table, TableError,
+};
 
 fn table(interval: IntervalParameters) -> Table {
     Table { interval: Some(interval), ..table_of(Model::GeneralisedPrandtlIshlinskii) }
@@ -187,4 +189,32 @@ fn numbers_that_are_none_are_refused() {
     refused(|p| p.untrained_um = -0.1);
     refused(|p| p.gain = -0.1);
     refused(|p| p.earliest_s = f32::NAN);
+}
+
+/// Their squares would be infinite, and two infinities no number.
+#[test]
+fn numbers_so_large_that_the_half_width_would_overflow_are_refused() {
+    let of = |largest: f32| IntervalParameters {
+        memory_um: [0.0, largest, 0.0, largest, 0.0, largest, 0.0, largest, 0.0],
+        misfit_um: largest,
+        rate_ticks: largest,
+        spread_um: [-largest; TRIANGLE],
+        prototypes: [[i8::MAX; PLAYS]; PROTOTYPES],
+        prototype_um: largest,
+        untrained_um: largest,
+        gain: largest,
+        drift_um: largest,
+        earliest_s: 0.0,
+    };
+    let limits = Range { min: -LARGEST, max: LARGEST };
+    let widest = Table { displacement_limits_um: limits, ..table(of(LARGEST)) };
+    let dac = DacCalibration { gain_codes_per_um: 1e-3, ..widest.dac };
+    let mut estimator = Estimator::<f32>::new(&Table { dac, drive: None, ..widest }.admit().unwrap());
+    estimator.start_at(-LARGEST);
+    for volts in [-20.0, 80.0, -20.0, 30.0, 80.0] {
+        let half = estimator.tick_volts(volts).half_width.unwrap();
+        assert!(half.is_finite() && half >= LARGEST, "{half}");
+    }
+    let error = table(of(1.01 * LARGEST)).admit().unwrap_err().to_string();
+    assert!(error.contains("beyond a million"), "{error}");
 }

@@ -24,10 +24,11 @@ pub use supply::supply;
 
 use std::error::Error;
 
-/// An error and what caused it, each with its remedy, as one sentence.
+/// An error and what caused it, each with its remedy, as one sentence. What it quotes of a file changes nothing of a terminal.
 pub fn sentence(error: &(dyn Error + 'static)) -> String {
     let chain = std::iter::successors(Some(error), |&error| error.source());
-    chain.map(told).collect::<Vec<_>>().join(": ")
+    let sentence = chain.map(told).collect::<Vec<_>>().join(": ");
+    sentence.chars().map(|c| if c.is_control() && c != '\n' && c != '\t' { '?' } else { c }).collect()
 }
 
 /// One error of a chain.
@@ -37,4 +38,19 @@ fn told(error: &(dyn Error + 'static)) -> String {
         .or_else(|| device::told(error))
         .or_else(|| bench::told(error));
     found.unwrap_or_else(|| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use table_files::TableFile;
+
+    #[test]
+    fn no_escape_sequence_of_a_file_gets_through() {
+        let error = TableFile::parse(Path::new("a.toml"), "a = \u{1b}]0;b\u{7}\u{9b}1m").unwrap_err();
+        let said = sentence(&error);
+        assert!(said.starts_with("a.toml: is no table.toml: ") && said.contains("]0;b"), "{said}");
+        assert!(!said.chars().any(|c| c.is_control() && c != '\n'), "{said:?}");
+    }
 }

@@ -122,10 +122,18 @@ impl TableFile {
     pub fn load(path: &Path) -> Result<(Self, Admitted), TableFileError> {
         let text = file::read_text(path, MOST_BYTES)
             .map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
-        let file: Self = toml::from_str(&text)
+        Self::parse(path, &text)
+    }
+
+    /// Reads and admits a table from a file's text, which comes with a program or was read before.
+    ///
+    /// # Errors
+    /// It is no table, or is refused.
+    pub fn parse(path: &Path, text: &str) -> Result<(Self, Admitted), TableFileError> {
+        let file: Self = toml::from_str(text)
             .map_err(|error| TableFileError::NoTable { path: path.to_owned(), error: Box::new(error) })?;
         let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.to_owned(), source })?;
-        if let Some(field) = toml::from_str(&text).ok().and_then(|value| not_finite(&value)) {
+        if let Some(field) = toml::from_str(text).ok().and_then(|value| not_finite(&value)) {
             return Err(TableFileError::NotFinite { path: path.to_owned(), field });
         }
         Ok((file, admitted))

@@ -1,0 +1,49 @@
+//! A file of any content as a log: read, or refused by an error that names the file.
+
+use recordings::log::{MINIMUM_ROWS, ReadOptions, read_bytes};
+use std::path::Path;
+
+/// What a file may be called; the readers go by its content.
+const EXTENSIONS: [&str; 7] = ["csv", "dat", "txt", "lvm", "tdms", "mat", "csv.gz"];
+/// What may be said of its columns.
+const COLUMNS: [&str; 4] =
+    ["", "voltage=1,displacement=2", "time=1,voltage=2,displacement=3", "voltage=2:mV,displacement=1"];
+/// No error needs more characters.
+const LONGEST: usize = 4_000;
+
+/// The first byte chooses the file's name and what is said of it; the rest is its content.
+///
+/// # Panics
+/// What is read breaks a promise, or an error says not enough or too much.
+pub fn check(bytes: &[u8]) {
+    let Some((&choice, content)) = bytes.split_first() else { return };
+    let of = |shift: u8, count: usize| usize::from(choice >> shift) % count;
+    let columns = COLUMNS[of(3, COLUMNS.len())];
+    let options = ReadOptions {
+        columns: (!columns.is_empty()).then(|| columns.parse().expect("it is of the form that is asked for")),
+        sample_rate: (choice & 0x20 != 0).then_some(2_000.0),
+        displacement_required: choice & 0x40 == 0,
+        voltage_required: choice & 0x80 == 0,
+        ..ReadOptions::default()
+    };
+    let path = Path::new("logs").join(format!("measured.{}", EXTENSIONS[of(0, 8) % EXTENSIONS.len()]));
+    match read_bytes(&path, content, &options) {
+        Ok(log) => {
+            let rows = log.voltage.len();
+            assert!(log.sample_period.is_finite() && log.sample_period > 0.0, "{} s", log.sample_period);
+            assert!(log.voltage.iter().all(|volts| volts.is_finite()));
+            let displacement = log.displacement.unwrap_or_default();
+            assert!(displacement.iter().all(|um| um.is_finite()));
+            if options.voltage_required {
+                assert!(rows >= MINIMUM_ROWS && (displacement.is_empty() || displacement.len() == rows));
+            }
+        }
+        Err(error) => said(&error.to_string(), &path),
+    }
+}
+
+/// What an error says is of that file, and no longer than can be read.
+pub(crate) fn said(error: &str, path: &Path) {
+    assert!(error.starts_with(&path.display().to_string()), "{error}");
+    assert!(error.chars().count() <= LONGEST, "{} characters", error.chars().count());
+}

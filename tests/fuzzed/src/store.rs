@@ -1,0 +1,110 @@
+//! Writes, erases, cuts of the power and flipped bits, in any order: the store gives the record that was written last, and never
+//! one that was not written.
+
+use crate::torn_flash::{Chip, Cut, Flash, PAGE};
+use arbitrary::{Arbitrary, Unstructured};
+use embassy_futures::block_on;
+use parameter_store::{MAX_RECORD, ParameterStore};
+use std::cell::RefCell;
+
+/// Most steps of an input, so that each is quick.
+const STEPS: usize = 40;
+
+#[derive(Debug, Arbitrary)]
+enum Step {
+    Store { length: u16, fill: u8, cut: Option<Cut> },
+    Erase { cut: Option<Cut> },
+    Flip { at: u16, bit: u8 },
+}
+
+/// What the flash may give, by all that has happened to it.
+struct Known {
+    /// Every record that was ever handed to the store.
+    written: Vec<Vec<u8>>,
+    /// The one that it gives.
+    newest: Option<Vec<u8>>,
+    /// Pages with more in them than whole writes and erases have left: one more flipped bit may make a record whole again.
+    doubtful: [bool; 2],
+}
+
+/// Bytes as steps.
+///
+/// # Panics
+/// The store gives what it should not, or fails where nothing keeps it from working.
+pub fn check(bytes: &[u8]) {
+    let mut input = Unstructured::new(bytes);
+    let chip = Chip::new();
+    let mut known = Known { written: Vec::new(), newest: None, doubtful: [false; 2] };
+    for _ in 0..STEPS {
+        if input.is_empty() {
+            break;
+        }
+        let Ok(step) = Step::arbitrary(&mut input) else { return };
+        match step {
+            Step::Store { length, fill, cut } => known.store(&chip, length, fill, cut),
+            Step::Erase { cut } => known.erase(&chip, cut),
+            Step::Flip { at, bit } => known.flip(&chip, at, bit),
+        }
+    }
+}
+
+fn store(chip: &RefCell<Chip>) -> ParameterStore<Flash<'_>> {
+    ParameterStore::new(Flash(chip), 0..2 * PAGE as u32).expect("the pages fit")
+}
+
+fn load(chip: &RefCell<Chip>) -> Option<Vec<u8>> {
+    block_on(store(chip).load()).expect("the flash reads").map(<[u8]>::to_vec)
+}
+
+impl Known {
+    fn store(&mut self, chip: &RefCell<Chip>, length: u16, fill: u8, cut: Option<Cut>) {
+        let mut record = vec![fill; usize::from(length) % (MAX_RECORD + 1)];
+        // No two are equal, but for those too short to say which they are.
+        let number = self.written.len().to_le_bytes();
+        record.iter_mut().zip(number).for_each(|(byte, of)| *byte ^= of);
+        self.written.push(record.clone());
+        let before = chip.borrow().memory;
+        chip.borrow_mut().cut(cut);
+        let done = block_on(store(chip).store(&record));
+        let dark = chip.borrow().dark();
+        chip.borrow_mut().cut(None);
+        assert_eq!(done.is_ok(), !dark, "{done:?}");
+        let found = load(chip);
+        let old_or_new =
+            if dark { found == self.newest || found.as_ref() == Some(&record) } else { found == Some(record) };
+        assert!(old_or_new, "after a write: {found:?}");
+        for (page, doubtful) in self.doubtful.iter_mut().enumerate() {
+            let bytes = page * PAGE..(page + 1) * PAGE;
+            if before[bytes.clone()] != chip.borrow().memory[bytes] {
+                *doubtful = dark;
+            }
+        }
+        self.newest = found;
+    }
+
+    fn erase(&mut self, chip: &RefCell<Chip>, cut: Option<Cut>) {
+        chip.borrow_mut().cut(cut);
+        let done = block_on(store(chip).erase());
+        let dark = chip.borrow().dark();
+        chip.borrow_mut().cut(None);
+        assert_eq!(done.is_ok(), !dark, "{done:?}");
+        let found = load(chip);
+        assert!(found.is_none() || dark && found == self.newest, "after an erase: {found:?}");
+        self.doubtful = [dark; 2];
+        self.newest = found;
+    }
+
+    fn flip(&mut self, chip: &RefCell<Chip>, at: u16, bit: u8) {
+        let at = usize::from(at) % (2 * PAGE);
+        let page = at / PAGE;
+        let holds = |record: &Vec<u8>| chip.borrow().memory[page * PAGE + 8..].starts_with(record);
+        let elsewhere = self.newest.as_ref().is_some_and(|newest| !holds(newest));
+        chip.borrow_mut().memory[at] ^= 1 << (bit % 8);
+        let found = load(chip);
+        assert!(found.as_ref().is_none_or(|found| self.written.contains(found)), "never written: {found:?}");
+        let untouched = elsewhere && !self.doubtful[page];
+        assert!(!untouched || found == self.newest, "a bit of the other page was flipped: {found:?}");
+        self.doubtful[page] = true;
+        self.newest = found;
+    }
+}
