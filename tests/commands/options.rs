@@ -2,7 +2,7 @@
 
 use super::logs::{rig, write};
 use super::{MEASURED, json, number, piezo, refused, text};
-use estimator_core::Scheme;
+use estimator_core::{Parameters, Scheme};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -154,6 +154,29 @@ const HARDLY_SEARCHED: [&str; 14] = [
     "--devices",
     "0",
 ];
+
+/// At one frequency the lag is what somebody says, and the error hardly tells.
+#[test]
+fn a_lag_that_is_stated_is_kept_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let late = |ms: &str| {
+        let out = folder.path().join(ms);
+        let mut command = piezo();
+        command.args(["identify", MEASURED, "--model", "generalised-prandtl-ishlinskii", "--lag", ms, "--json"]);
+        command.args(["--evaluations", "60", "--devices", "0", "--out"]).arg(&out);
+        let result = json(&mut command);
+        let doubts = result["doubts"].as_array().unwrap();
+        assert!(doubts.iter().any(|doubt| doubt["doubt"] == "single-frequency" && doubt["lag_said"] == true));
+        let (_, table) = TableFile::load(&out.join("table.toml")).unwrap();
+        let Parameters::GeneralisedPrandtlIshlinskii(of) = table.parameters else { panic!("{table:?}") };
+        0.5 * f64::from(of.delay_ticks) + 1e3 * f64::from(of.lag_s)
+    };
+    for ms in [11.0, 14.0] {
+        let found = late(&ms.to_string());
+        assert!((found - ms).abs() < 0.1 * ms, "{found} ms, not {ms} ms");
+    }
+    refused(&["identify", MEASURED, "--lag", "-3", "--out", text(folder.path())], &["--lag"]);
+}
 
 #[test]
 fn a_model_that_finds_nothing_admissible_does_not_take_the_others_along() {

@@ -27,6 +27,7 @@ pub mod faults;
 mod faulty_line;
 mod file_flash;
 mod plant;
+mod readings;
 mod serial_line;
 
 pub use bench::{Bench, Meters};
@@ -39,3 +40,4 @@ pub use firmware::rate::TICK_US;
 /// The table of the firmware image, by which the device estimates where none is stored.
 pub use firmware::table::TABLE;
 pub use plant::{Plant, amplifier, triangle};
+pub use readings::Readings;

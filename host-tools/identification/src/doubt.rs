@@ -71,7 +71,10 @@ pub enum Doubt {
         reversals: usize,
     },
     /// All half cycles last about the same.
-    SingleFrequency,
+    SingleFrequency {
+        /// Somebody says what the lag is.
+        lag_said: bool,
+    },
     /// All swings are about as large.
     SingleAmplitude {
         /// The model has terms that need several.

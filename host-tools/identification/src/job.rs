@@ -233,7 +233,7 @@ impl Job {
             let why = failed.into_iter().find(|(failed, _)| *failed == model);
             return Err(why.map_or(JobError::NothingFound, |(model, source)| JobError::Failed { model, source }));
         };
-        let mut doubts = [of_logs, doubts(&candidates[chosen], &character, self.cost)].concat();
+        let mut doubts = [of_logs, doubts(&candidates[chosen], &character, self.cost, self.conditions.lag_s)].concat();
         doubts.extend(delay_at_bound);
         if !self.calibration.stated() {
             doubts.push(Doubt::CalibrationAssumed);

@@ -20,6 +20,8 @@ pub struct Conditions {
     pub deadband: Option<f64>,
     /// How wide the displacement limits may be, as a multiple of the training stroke.
     pub limit: f64,
+    /// What the displacement as it is read lags behind the voltage, s, where a data sheet or a step says so.
+    pub lag_s: Option<f64>,
     /// What a log's [flaws](log_survey::Flaw) hold is left out of what is fitted to and judged by.
     pub repair: bool,
 }
@@ -27,7 +29,7 @@ pub struct Conditions {
 impl Default for Conditions {
     /// The thesis's scheme, limits of twice the stroke, logs as they are.
     fn default() -> Self {
-        Self { scheme: Scheme::ForwardEuler, deadband: None, limit: 2.0, repair: false }
+        Self { scheme: Scheme::ForwardEuler, deadband: None, limit: 2.0, lag_s: None, repair: false }
     }
 }
 
@@ -38,6 +40,8 @@ pub struct Problem {
     pub scheme: Scheme,
     /// Retreat that counts as a reversal, V.
     pub deadband: f64,
+    /// What the displacement as it is read lags behind the voltage, s, where somebody says so.
+    pub lag_s: Option<f64>,
     training: Vec<Session>,
     validation: Vec<Session>,
     limit: f64,
@@ -62,6 +66,7 @@ impl Problem {
         Self {
             scheme: conditions.scheme,
             deadband: conditions.deadband.unwrap_or_else(|| log_survey::deadband(&training, voltage.span())),
+            lag_s: conditions.lag_s,
             extent: Extent {
                 voltage: largest(voltage),
                 displacement: largest(stroke),
@@ -94,6 +99,7 @@ impl Problem {
             scheme: self.scheme,
             deadband: Some(self.deadband),
             limit: self.limit,
+            lag_s: self.lag_s,
             ..Conditions::default()
         };
         Self::new(training, validation, conditions)

@@ -25,7 +25,7 @@ const SINGLE_PRECISION: f64 = 1e-4;
 const TRANSIENT: f64 = 2.0;
 
 /// Every doubt about a candidate, gravest first.
-pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost) -> Vec<Doubt> {
+pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: Option<f64>) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     let model = candidate.table.model();
     let in_chain =
@@ -75,7 +75,8 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost) -> Vec<D
         doubts.push(Doubt::SingleAmplitude { extremum_terms });
     }
     if character.single_frequency() {
-        doubts.push(Doubt::SingleFrequency);
+        let keeps_to_it = matches!(candidate.table.parameters, Parameters::GeneralisedPrandtlIshlinskii(_));
+        doubts.push(Doubt::SingleFrequency { lag_said: keeps_to_it && lag_s.is_some() });
     }
     for comparison in &candidate.held_out {
         if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {

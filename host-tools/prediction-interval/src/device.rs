@@ -70,6 +70,11 @@ impl Device {
         Self { scale: problem.stroke().span() / moved.span(), ..device }
     }
 
+    /// What it lags behind the voltage, s.
+    pub fn lag_s(&self) -> f64 {
+        self.plant.lag_s
+    }
+
     /// The displacements (µm) at ticks with these voltages (V), after others that it went to, each for so many s.
     pub fn respond(&self, past: &[(f64, f64)], voltage: &[f64]) -> Vec<f64> {
         let mut command = vec![0.0];

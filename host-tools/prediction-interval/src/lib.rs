@@ -80,7 +80,9 @@ fn judged(
         Device::drawn(number, context.seed, problem, late_s(&candidate.table.parameters, problem.extent().tick));
     let sessions =
         |sessions: &mut dyn Iterator<Item = &Session>| sessions.map(|session| device.session(session)).collect();
-    let theirs = problem.of(sessions(&mut problem.training()), sessions(&mut problem.validation()));
+    let mut theirs = problem.of(sessions(&mut problem.training()), sessions(&mut problem.validation()));
+    // Where somebody says what the actuator's lag is, a device's is known, too.
+    theirs.lag_s = problem.lag_s.map(|_| device.lag_s());
     let Ok(learnt) = again(&theirs, candidate, context, search) else { return Vec::new() };
     let seed = (u64::from(context.seed) << 20) + u64::from(number);
     let own_um = CERTAIN * misfit(&learnt);

@@ -53,10 +53,13 @@ pub fn doubt(doubt: &Doubt) -> String {
             "hysteresis needs at least {FEW_REVERSALS} reversals of the voltage, and the training logs have {reversals}: record \
              several cycles"
         ),
-        Doubt::SingleFrequency => {
+        Doubt::SingleFrequency { lag_said: false } => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
-             frequencies the estimate may be wrong; record several"
+             frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet"
                 .to_owned()
+        }
+        Doubt::SingleFrequency { lag_said: true } => {
+            "the training logs have a single frequency: at others the estimate may be wrong; record several".to_owned()
         }
         Doubt::SingleAmplitude { extremum_terms: true } => {
             "the training logs have a single amplitude, which teaches a single loop: the extremum terms are not \
@@ -167,7 +170,8 @@ mod tests {
             Doubt::UnmetCondition { condition: DuhemCondition::Rising },
             Doubt::UnmetCondition { condition: DuhemCondition::Lagging },
             Doubt::FewReversals { reversals: 2 },
-            Doubt::SingleFrequency,
+            Doubt::SingleFrequency { lag_said: false },
+            Doubt::SingleFrequency { lag_said: true },
             Doubt::SingleAmplitude { extremum_terms: true },
             Doubt::SingleAmplitude { extremum_terms: false },
             Doubt::Drift { offset_um: -0.2 },

@@ -2,7 +2,7 @@
 //! conditions.
 
 use super::choice::{Choice, choice};
-use super::number::limit;
+use super::number::{limit, positive};
 use super::{CostArgs, LogOptions, PrepareArgs};
 use ::calibration::CalibrationOptions;
 use anyhow::{Result, ensure};
@@ -49,6 +49,10 @@ pub struct Fitting {
     /// standard deviations of that noise, and 0.083 % of the logs' voltage span at least.
     #[arg(long, hide_short_help = true, value_name = "V", allow_negative_numbers = true)]
     pub deadband: Option<f64>,
+    /// What the displacement as it is read lags behind the voltage, amplifier and sensor included, ms, as a data sheet or a step
+    /// says. Logs of one frequency do not tell it from hysteresis. The generalised Prandtl–Ishlinskii model keeps to it.
+    #[arg(long, display_order = BEHIND, value_name = "MS", value_parser = positive, allow_negative_numbers = true)]
+    pub lag: Option<f64>,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
     #[arg(long, hide_short_help = true, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
     pub limit: f64,
@@ -76,6 +80,7 @@ impl Fitting {
                 scheme: self.scheme,
                 deadband: self.deadband,
                 limit: self.limit,
+                lag_s: self.lag.map(|ms| 1e-3 * ms),
                 repair: self.repair,
             },
             calibration: CalibrationOptions::default(),

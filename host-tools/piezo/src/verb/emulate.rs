@@ -11,7 +11,7 @@ use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::pages;
 use device_link::table::to_record;
-use emulator::{Emulator, FileFlash, PAGES, TICK_US};
+use emulator::{Emulator, FileFlash, PAGES, Readings, TICK_US};
 use parameter_store::RamFlash;
 use plants::{Density, Kind};
 use protocol::Uid;
@@ -112,10 +112,10 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
             (None, false) => "was there, and says how it is wired".to_owned(),
         }
     ));
-    let mut shown = Shown::default();
+    let mut readings = Readings::default();
     while !interrupt.wanted() {
         std::thread::sleep(LOOK);
-        if arguments.wired.is_some() && shown.anew(meters.voltage(), meters.displacement()) {
+        if arguments.wired.is_some() && readings.still_anew(meters.voltage(), meters.displacement()) {
             let (volts, um) = (meters.voltage(), display_um + meters.displacement());
             out(&format!("multimeter at the amplifier's output: {volts:.4} V; the sensor's display: {um:.4} µm"));
         }
@@ -124,33 +124,8 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
     Ok(true)
 }
 
-/// How often the instruments are looked at, how many times they must show the same, and what that is, V and µm.
+/// How often the instruments are looked at.
 const LOOK: Duration = Duration::from_millis(50);
-const STILL: u32 = 5;
-const SAME_V: f64 = 0.05;
-const SAME_UM: f64 = 2e-3;
-
-/// What was seen of the instruments, V and µm.
-#[derive(Default)]
-struct Shown {
-    last: (f64, f64),
-    times: u32,
-    shown: Option<f64>,
-}
-
-impl Shown {
-    /// Whether a voltage stands still, and what it moves with it, that is another than the one that was shown last.
-    fn anew(&mut self, volts: f64, um: f64) -> bool {
-        let same = (volts - self.last.0).abs() < SAME_V && (um - self.last.1).abs() < SAME_UM;
-        self.times = if same { self.times + 1 } else { 0 };
-        self.last = (volts, um);
-        let anew = self.times >= STILL && self.shown.is_none_or(|shown| (volts - shown).abs() > SAME_V);
-        if anew {
-            self.shown = Some(volts);
-        }
-        anew
-    }
-}
 
 /// Another actuator is beside another board.
 fn uid(seed: u64) -> Uid {

@@ -38,6 +38,9 @@ const FLOOR: f64 = 1e-3;
 const WORTH: f64 = 20.0;
 /// Mean of the exponential prior of delay and lag, s: at a single frequency they do what hysteresis does.
 const LATE: f64 = 2e-3;
+/// Where somebody says what they are together, the prior is normal, with this part of it for a standard deviation, and half a
+/// tick at least.
+const SAID: f64 = 0.05;
 
 /// What the model has besides hysteresis, creep and lag.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -87,11 +90,13 @@ struct Values {
 }
 
 impl Values {
-    /// Minus twice the logarithm of the prior, for each of the periods that a recording is worth.
-    fn unlikely(&self, tick: f64) -> f64 {
+    /// Minus twice the logarithm of the prior, for each of the periods that a recording is worth. `said_s`: what delay and lag are
+    /// together, where somebody says so.
+    fn unlikely(&self, tick: f64, said_s: Option<f64>) -> f64 {
         let [fast, slow] = self.creep.map(libm::log);
         let square = |x: f64| x * x;
-        let late = (self.delay_ticks * tick + self.lag_s) / LATE / WORTH;
+        let late_s = self.delay_ticks * tick + self.lag_s;
+        let late = said_s.map_or(late_s / LATE, |said| square((late_s - said) / (SAID * said).max(0.5 * tick))) / WORTH;
         let law = 0.06 * square(libm::log(self.law) + 0.8);
         let creep = 0.03 * square(fast - slow) + 0.025 * (square(fast + 4.0) + square(slow + 4.0));
         late + law + creep + 0.02 * square(self.rest_memory)
@@ -244,7 +249,7 @@ impl super::Family for Family {
         let values = self.values(values)?;
         let solution = self.solve(&values, problem)?;
         let found = self.parameters(&values, self.law(&values), &solution)?;
-        Some((found, libm::exp(0.5 * (solution.total + values.unlikely(self.tick)))))
+        Some((found, libm::exp(0.5 * (solution.total + values.unlikely(self.tick, problem.lag_s)))))
     }
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
