@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! held = ticks with |e| ≤ ±, a ± that was stated, and neither the voltage nor the estimate at a limit, of all
-//! PASS = mean |e| ≤ most  and, where the table states a ±,  held ≥ 95 %
+//! PASS = mean |e| ≤ most  and, where the table states a ±,  held ≥ 90 %
 //! ```
 //!
+//! The ± says 95 %, over recordings and devices; of one recording, whose errors are all of one piece, nine tenths are asked.
 //! A ± however wide holds the sensor; so the mean error must be small beside it in any case.
 
 use estimator_core::Status;
@@ -14,6 +15,8 @@ use validation::Figures;
 
 /// How often the table's ± says that it holds the sensor, %.
 pub const STATED_PERCENT: f64 = 95.0;
+/// How often it must hold it in one recording, %.
+const ENOUGH_PERCENT: f64 = 90.0;
 /// The mean absolute error that passes where nothing else is asked for, % of the stroke.
 pub const MOST_PERCENT: f64 = 2.0;
 
@@ -79,7 +82,7 @@ impl Verdict {
     pub fn of(figures: &Figures, shares: &Shares, most_percent: Option<f64>) -> Self {
         let (mae_percent, held_percent) = (figures.mae_percent, shares.held_percent);
         let most_percent = most_percent.unwrap_or(MOST_PERCENT);
-        let held = held_percent.is_none_or(|held| held >= STATED_PERCENT);
+        let held = held_percent.is_none_or(|held| held >= ENOUGH_PERCENT);
         Self { passed: held && mae_percent <= most_percent, held_percent, mae_percent, most_percent }
     }
 }
@@ -89,7 +92,11 @@ impl fmt::Display for Verdict {
         let Self { passed, held_percent, mae_percent, most_percent } = self;
         write!(f, "{}: ", if *passed { "PASS" } else { "FAIL" })?;
         if let Some(held) = held_percent {
-            write!(f, "the table's ± holds the sensor {held:.1} % of the time, it says {STATED_PERCENT} %; ")?;
+            write!(
+                f,
+                "the table's ± holds the sensor {held:.1} % of the time, it says {STATED_PERCENT} %, and {ENOUGH_PERCENT} % are \
+                 asked of one recording; "
+            )?;
         }
         write!(f, "the mean absolute error is {mae_percent:.2} % of the stroke, {most_percent} % are allowed")
     }
@@ -99,14 +106,14 @@ impl fmt::Display for Verdict {
 mod tests {
     use super::*;
 
-    /// A hundred ticks over 10 µm, off by so much (µm), with this ±, and what the board says of the first ten.
+    /// A hundred ticks over 10 µm, off by so much (µm), with this ±, and what the board says of the first eleven.
     fn verdict(off_um: f64, half_width_um: impl Fn(usize) -> Option<f64>, odd: Status, most: Option<f64>) -> Verdict {
         let instants: Vec<Instant> = (0..100)
             .map(|k| Instant {
                 estimate_um: 0.1 * k as f64 + off_um,
                 sensor_um: 0.1 * k as f64,
                 half_width_um: half_width_um(k),
-                status: if k < 10 { odd } else { Status::empty() },
+                status: if k < 11 { odd } else { Status::empty() },
             })
             .collect();
         let (estimates, sensor): (Vec<f64>, Vec<f64>) =
@@ -124,7 +131,11 @@ mod tests {
         assert!(!said.passed, "a ± that holds anything");
         assert!(said.to_string().starts_with("FAIL: the table's ± holds the sensor 100.0 %"), "{said}");
         assert!(verdict(1.0, wide, sound, Some(15.0)).passed);
-        assert!(!verdict(0.1, |k| (k >= 10).then_some(5.0), sound, None).passed, "a tenth of the ticks state no ±");
+        assert!(
+            !verdict(0.1, |k| (k >= 11).then_some(5.0), sound, None).passed,
+            "more than a tenth of the ticks state no ±"
+        );
+        assert!(verdict(0.1, |k| (k >= 10).then_some(5.0), sound, None).passed, "a tenth may be outside");
         for odd in [Status::CLAMPED, Status::VOLTAGE_OUT_OF_RANGE] {
             assert!(!verdict(0.1, wide, odd, None).passed, "{odd:?}");
         }
