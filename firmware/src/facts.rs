@@ -27,15 +27,15 @@ pub struct Facts {
     /// Keeps the DAC's safe code for the starts after.
     pub keep_safe: fn(DacCode),
     /// Analogue supply at boot, mV, where the board can measure it.
-    pub supply_mv: Option<u16>,
+    pub supply_mv: Option<f32>,
     /// Measures it, mV, while the ticks go on: gives what the call before has begun, and begins anew.
-    pub measure_supply: fn() -> Option<u16>,
+    pub measure_supply: fn() -> Option<f32>,
     /// The level of the chip's brown-out reset, where it has one ([`protocol::Health::brown_out_level`]).
     pub brown_out_level: Option<u8>,
     /// Whether the ticks are as far apart as they should be: where the crystal did not start, nobody knows.
     pub clock_good: bool,
     /// Whether so many mV are within tolerance.
-    pub supply_good: fn(u16) -> bool,
+    pub supply_good: fn(f32) -> bool,
     /// Uncorrectable flash words met so far.
     pub flash_errors: fn() -> u32,
     /// Errors of the serial line so far that its driver does not report by itself.

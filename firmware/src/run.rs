@@ -70,7 +70,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
         referred: Taken::default(),
     };
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
-    telemetry.set_supply(facts.supply_mv, facts.supply_good);
+    telemetry.supply.take(facts.supply_mv, facts.supply_good);
     (board.start)(tick);
     // Begins the first measurement; what it gives is from before.
     (facts.measure_supply)();
@@ -89,7 +89,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
                 (facts.forget_restarts)();
             }
             Timer::after(WATCHDOG).await;
-            telemetry.set_supply((facts.measure_supply)(), facts.supply_good);
+            telemetry.supply.take((facts.measure_supply)(), facts.supply_good);
             if telemetry.faults() != faults {
                 faults = telemetry.faults();
                 log_faults(faults);

@@ -4,6 +4,7 @@ use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::ramp::Stride;
 use crate::setpoint::Setpoint;
+use crate::supply::Correction;
 use estimator_core::{Admitted, DacCode, Estimator};
 use protocol::Faults;
 
@@ -11,6 +12,8 @@ use protocol::Faults;
 pub struct Startup {
     /// The estimator; without it the DAC stays at its safe code.
     pub estimator: Option<Estimator<f32>>,
+    /// What makes up for a supply that is off; without a table nobody knows which code is 0 V, and codes stay as they are.
+    pub correction: Option<Correction>,
     /// The drive, where the DAC drives the amplifier.
     pub drive: Option<Drive>,
     /// What a controller wants of it, where the table says which displacements its codes stand for.
@@ -31,6 +34,7 @@ impl Startup {
     /// that come no one knows how often nothing is estimated or driven either.
     pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
         let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
+        let correction = table.map(|table| Correction::new(&table.adc));
         let degraded = facts.restarts.too_many();
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
         // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts
@@ -51,6 +55,7 @@ impl Startup {
         // A device that has just failed drives nothing by itself: what it did may be what made it fail.
         let calm = facts.restarts.count == 0 && !faults.intersects(Faults::UNSAFE);
         let linearises = calm && facts.has_setpoint && setpoint.as_ref().is_some_and(Setpoint::at_start);
-        Self { estimator, drive: driving.and_then(Drive::new), setpoint, linearises, safe, stride, faults }
+        let drive = driving.and_then(Drive::new);
+        Self { estimator, correction, drive, setpoint, linearises, safe, stride, faults }
     }
 }

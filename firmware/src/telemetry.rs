@@ -1,7 +1,8 @@
 //! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`] and
-//! [`Telemetry::set_supply`], and nothing interrupts it, so plain loads and stores are enough.
+//! the supply, and nothing interrupts it, so plain loads and stores are enough.
 
 use crate::ramp::{Ramp, Stride};
+use crate::supply::Supply;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
 use estimator_core::{AdcCode, DacCode, Status};
 use protocol::{Faults, Mode};
@@ -48,13 +49,10 @@ pub struct Telemetry {
     pub holding: AtomicBool,
     /// Whether, in a mode that drives, nothing is followed until a mode is set.
     pub(crate) stopped: AtomicBool,
-    /// The analogue supply, mV; 0 where it is not known. Written by the main loop, as is whether it is out of tolerance.
-    supply_mv: AtomicU16,
-    supply_bad: AtomicBool,
+    /// The analogue supply.
+    pub supply: Supply,
     /// The set-point's code, and one more; 0 where there is none.
     setpoint: AtomicU32,
-    /// Whether the last measurement was within tolerance; none was yet at the start.
-    supply_was_good: AtomicBool,
     /// Bits of the bias, µm.
     bias: AtomicU32,
     /// Ticks since the bias was told, and one more; 0 where it was not since the estimate began.
@@ -94,10 +92,8 @@ impl Telemetry {
             may_be_told: AtomicBool::new(false),
             holding: AtomicBool::new(false),
             stopped: AtomicBool::new(false),
-            supply_mv: AtomicU16::new(0),
-            supply_bad: AtomicBool::new(false),
+            supply: Supply::new(),
             setpoint: AtomicU32::new(0),
-            supply_was_good: AtomicBool::new(false),
             bias: AtomicU32::new(0),
             told: AtomicU32::new(0),
             faults: AtomicU16::new(0),
@@ -141,22 +137,6 @@ impl Telemetry {
         self.ramp(DacCode(self.dac.load(Relaxed))).ticks()
     }
 
-    /// The analogue supply when it was measured last, mV; `None` where it cannot be.
-    pub fn supply_mv(&self) -> Option<u16> {
-        Some(self.supply_mv.load(Relaxed)).filter(|mv| *mv > 0)
-    }
-
-    /// Takes what the supply was found to be (mV), and whether that is within tolerance. Nothing is known to be wrong with one
-    /// that cannot be measured. A measurement that is out of tolerance alone, after a good one, may be a disturbance: the next
-    /// one decides. The first of all is believed.
-    pub fn set_supply(&self, mv: Option<u16>, good: fn(u16) -> bool) {
-        self.supply_mv.store(mv.unwrap_or(0), Relaxed);
-        let is_good = mv.is_none_or(good);
-        let was_good = self.supply_was_good.load(Relaxed);
-        self.supply_bad.store(!is_good && !was_good, Relaxed);
-        self.supply_was_good.store(is_good, Relaxed);
-    }
-
     /// The code that was read last at the set-point; `None` where the board has no such channel.
     pub fn setpoint(&self) -> Option<AdcCode> {
         // The code of a u16.
@@ -166,11 +146,6 @@ impl Telemetry {
     #[inline]
     pub(crate) fn set_setpoint(&self, code: Option<AdcCode>) {
         self.setpoint.store(code.map_or(0, |AdcCode(code)| u32::from(code) + 1), Relaxed);
-    }
-
-    #[inline]
-    pub(crate) fn supply_bad(&self) -> bool {
-        self.supply_bad.load(Relaxed)
     }
 
     /// What is wrong now.

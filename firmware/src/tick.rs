@@ -14,6 +14,7 @@ use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
 use crate::setpoint::Setpoint;
 use crate::startup::Startup;
+use crate::supply::Correction;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch};
 use core::sync::atomic::Ordering::Relaxed;
@@ -76,7 +77,7 @@ impl<'q> Tick<'q> {
         };
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
-        faults.set(Faults::SUPPLY, self.telemetry.supply_bad());
+        faults.set(Faults::SUPPLY, self.telemetry.supply.bad());
         let (dac, faults) = match conversion {
             Some(conversion) => self.estimate(conversion, missed, faults),
             None => (self.safe_output(), faults | Faults::SAFE_OUTPUT),
@@ -95,13 +96,20 @@ impl<'q> Tick<'q> {
 
     fn estimate(&mut self, conversion: Conversion, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
         let Conversion { monitor, sensor, .. } = conversion;
+        let code = self.corrected(monitor);
         let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
-            Some(estimator) => tick_sample(estimator, monitor),
+            Some(estimator) => tick_sample(estimator, code),
             None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
         };
         let may_be_told = self.startup.estimator.as_ref().is_some_and(Estimator::may_be_told);
         self.telemetry.may_be_told.store(may_be_told, Relaxed);
+        if code != monitor && (monitor.0 == 0 || monitor.0 >= self.adc_full_scale) {
+            // An end of the range says so whatever has become of it.
+            status |= Status::ADC_SATURATED;
+        }
         let setpoint = self.setpoint(conversion);
+        // Of the code as it was read: that shows the converter's ends and whether it stands still, and is off by as much as the
+        // DAC's voltage that the amplifier answers.
         let (mut faults, sound) = self.supervise(monitor, setpoint, status, missed, faults);
         let output = self.output(dac, setpoint, sound);
         status |= output.status;
@@ -112,7 +120,7 @@ impl<'q> Tick<'q> {
         self.telemetry.count(status);
         faults.set(Faults::SAFE_OUTPUT, output.safe);
         self.stream(Sample {
-            code: monitor.0,
+            code: code.0,
             sensor: sensor.map(|AdcCode(code)| code),
             displacement,
             half_width,
@@ -122,6 +130,14 @@ impl<'q> Tick<'q> {
         });
         self.number = self.number.wrapping_add(1);
         (output.code, faults)
+    }
+
+    /// The monitor's code as it would be at the supply that the table is made for. Fed codes are what they are.
+    fn corrected(&mut self, monitor: AdcCode) -> AdcCode {
+        match &mut self.startup.correction {
+            Some(correction) if self.mode != Mode::Pil => correction.tick(self.telemetry.supply.off(), monitor),
+            _ => monitor,
+        }
     }
 
     /// The set-point's code, where it is followed. One that does not come is as good as one at an end of the range.
@@ -216,6 +232,7 @@ impl<'q> Tick<'q> {
         if let Some(estimator) = &mut self.startup.estimator {
             tick_restart(estimator);
         }
+        self.startup.correction.as_mut().map(Correction::restart);
         self.telemetry.set_bias(None);
     }
 

@@ -162,7 +162,7 @@ fn every_way_out_is_a_ramp() {
         ("follow", |device| device.bench.set(Mode::Follow)),
         ("excite", |device| device.bench.set(Mode::Excite)),
         ("supply", |device| {
-            (0..2).for_each(|_| device.bench.link.telemetry.set_supply(Some(3000), |_| false));
+            (0..2).for_each(|_| device.bench.link.telemetry.supply.take(Some(3000.0), |_| false));
         }),
         ("monitor", |device| {
             for _ in 0..SATURATED + 200 {

@@ -121,7 +121,7 @@ fn a_supply_out_of_tolerance_is_a_fault_until_a_second_after() {
     let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
     let mut k = 0;
     let mut safe_ticks = |mv, ticks| {
-        link.telemetry.set_supply(mv, |mv| mv > 3135);
+        link.telemetry.supply.take(mv, |mv| mv > 3135.0);
         (0..ticks)
             .filter(|_| {
                 k += 1;
@@ -129,19 +129,19 @@ fn a_supply_out_of_tolerance_is_a_fault_until_a_second_after() {
             })
             .count()
     };
-    assert_eq!(safe_ticks(Some(3300), 500), 0);
-    assert_eq!(safe_ticks(Some(3100), 500), 0, "one alone may be a disturbance");
-    assert_eq!(safe_ticks(Some(3300), 500), 0);
-    assert_eq!(safe_ticks(Some(3100), 40), 0);
-    assert_eq!(safe_ticks(Some(3100), 500), 500, "two in a row are none");
-    assert_eq!(safe_ticks(Some(3300), 4_000), HOLD as usize);
+    assert_eq!(safe_ticks(Some(3300.0), 500), 0);
+    assert_eq!(safe_ticks(Some(3100.0), 500), 0, "one alone may be a disturbance");
+    assert_eq!(safe_ticks(Some(3300.0), 500), 0);
+    assert_eq!(safe_ticks(Some(3100.0), 40), 0);
+    assert_eq!(safe_ticks(Some(3100.0), 500), 500, "two in a row are none");
+    assert_eq!(safe_ticks(Some(3300.0), 4_000), HOLD as usize);
     assert_eq!(safe_ticks(None, 500), 0, "what cannot be measured is not known to be wrong");
 }
 
 #[test]
 fn a_supply_out_of_tolerance_at_the_start_is_believed_at_once() {
     let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
-    link.telemetry.set_supply(Some(3100), |mv| mv > 3135);
+    link.telemetry.supply.take(Some(3100.0), |mv| mv > 3135.0);
     assert!((0..100).all(|k| tick.sample(triangle(k).into(), k * PERIOD) == SAFE));
 }
 

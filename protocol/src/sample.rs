@@ -11,10 +11,11 @@ pub const MAX_BATCH: usize = 32;
 /// What one tick read, estimated and put out.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Sample {
-    /// What the converter read ([`estimator_core::AdcCode`]); the table's calibration makes volts of it.
+    /// What the converter read ([`estimator_core::AdcCode`]), corrected for the supply where the board measures it;
+    /// the table's calibration makes volts of it.
     pub code: u16,
-    /// What the converter read at the displacement sensor, on the same scale; `None` where the board has no such channel, and
-    /// where the code was fed ([`crate::Mode::Pil`]).
+    /// What the converter read at the displacement sensor, on the same scale, not corrected; `None` where the board has
+    /// no such channel, and where the code was fed ([`crate::Mode::Pil`]).
     pub sensor: Option<u16>,
     /// Displacement at the next tick, µm relative to the zero; 0 where nothing was estimated.
     pub displacement: f32,

@@ -143,9 +143,12 @@ async fn main(_spawner: Spawner) {
 
     let oversampling = AdcConfig { oversampling_ratio: Some(SIXTEENFOLD), ..AdcConfig::default() };
     let mut adc = Adc::new(p.ADC1, oversampling);
+    // The regular conversions begin anew where the injected ones come between: so it is where both are oversampled.
+    pac::ADC1.cfgr2().modify(|w| {
+        w.set_rovse(true);
+        w.set_jovse(true);
+    });
     let supply_mv = supply::at_start(&mut adc);
-    // The driver oversamples regular conversions only.
-    pac::ADC1.cfgr2().modify(|w| w.set_jovse(true));
     let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
     watchdog.unleash();
 

@@ -142,7 +142,7 @@ impl<F: NorFlash> Device<'_, F> {
             flash_errors: (self.facts.flash_errors)(),
             bias_um: telemetry.bias_um(),
             bias_age_ticks: telemetry.bias_age_ticks(),
-            supply_mv: telemetry.supply_mv(),
+            supply_mv: telemetry.supply.mv(),
             brown_out_level: self.facts.brown_out_level,
             setpoint: telemetry.setpoint().map(|AdcCode(code)| code),
         }

@@ -63,7 +63,7 @@ impl Bench {
         (mut tick, rest): (Tick<'static>, LinkEnd),
         conversion: impl Fn(u32, DacCode) -> Conversion + Send + 'static,
     ) -> Self {
-        rest.telemetry.set_supply(FACTS.supply_mv, FACTS.supply_good);
+        rest.telemetry.supply.take(FACTS.supply_mv, FACTS.supply_good);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         let mut dac = rest.telemetry.safe();

@@ -55,7 +55,7 @@ fn a_fault_of_the_set_point_refuses_the_set_point_alone() {
         assert_eq!(bench.ask(Request::SetMode(Mode::Linearise)), Reply::Refused(Refusal::Faulty));
         assert_eq!((bench.ask(Request::SetMode(mode)), bench.device.telemetry.mode()), (Reply::Done, mode));
         // What concerns every drive refuses every one.
-        (0..2).for_each(|_| bench.device.telemetry.set_supply(Some(3000), FACTS.supply_good));
+        (0..2).for_each(|_| bench.device.telemetry.supply.take(Some(3000.0), FACTS.supply_good));
         bench.until(Faults::SUPPLY);
         for mode in [Mode::Follow, Mode::Excite, Mode::Linearise] {
             assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Refused(Refusal::Faulty), "{mode:?}");

@@ -83,7 +83,7 @@ impl Default for Inputs {
             setpoint: Box::new(|_| 0),
             converted: 0,
             pin: None,
-            reference: 1505,
+            reference: 24_000,
         }
     }
 }

@@ -191,7 +191,7 @@ impl Board {
         self.machine_mut().bench.inputs.setpoint = Box::new(codes);
     }
 
-    /// Sets ADC1's code of the internal reference: 1655 × 3.0 V / supply.
+    /// Sets ADC1's code of the internal reference: 16 × 1650 × 3.0 V / supply.
     pub fn set_reference(&mut self, code: u16) {
         self.machine_mut().bench.inputs.reference = code;
     }

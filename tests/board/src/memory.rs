@@ -17,7 +17,7 @@ const SYSTEM: u64 = 0x1FFF_0000;
 /// Up to the option bytes; nothing lies between them and RAM, where a stack could grow into.
 const SYSTEM_SIZE: u64 = 32 << 10;
 /// A factory word of the system memory: the internal reference's code at 3.0 V.
-const VREFINT_CALIBRATION: (u64, u16) = (0x1FFF_75AA, 1655);
+const VREFINT_CALIBRATION: (u64, u16) = (0x1FFF_75AA, 1650);
 /// The chip's unique number.
 const UID: (u64, [u8; 12]) = (0x1FFF_7590, *b"board-tests\0");
 /// Where registers are: peripherals, GPIO, ADC and DAC, the core.

@@ -5,14 +5,16 @@ use core::ptr::addr_of;
 use embassy_stm32::adc::{Adc, SampleTime};
 use embassy_stm32::pac;
 use embassy_stm32::peripherals::ADC1;
+use firmware::supply::MADE_FOR_MV;
 
 use super::CORE_HZ;
 
-/// What converters, divider and calibration are made for, mV, and how far off it may be: 5 %.
-const MADE_FOR_MV: u16 = 3300;
-const TOLERANCE_MV: u16 = 165;
+/// How far off what everything is made for it may be, mV: 5 %.
+const TOLERANCE_MV: f32 = 165.0;
 /// Supply at which the factory calibrated, mV.
-const CALIBRATED_MV: u32 = 3000;
+const CALIBRATED_MV: f32 = 3000.0;
+/// Conversions that a code is the sum of; the factory's is of one.
+const ADDED_UP: f32 = 16.0;
 
 unsafe extern "C" {
     /// A symbol of memory.x: its address is meant.
@@ -20,12 +22,12 @@ unsafe extern "C" {
 }
 
 /// Whether so many mV are within tolerance.
-pub fn good(mv: u16) -> bool {
-    mv.abs_diff(MADE_FOR_MV) <= TOLERANCE_MV
+pub fn good(mv: f32) -> bool {
+    (mv - MADE_FOR_MV).abs() <= TOLERANCE_MV
 }
 
 /// Measures it before the injected conversions go on, mV.
-pub fn at_start(adc: &mut Adc<'static, ADC1>) -> u16 {
+pub fn at_start(adc: &mut Adc<'static, ADC1>) -> f32 {
     let mut reference = adc.enable_vrefint();
     // Its buffer needs 12 µs.
     cortex_m::asm::delay(CORE_HZ / 50_000);
@@ -34,16 +36,15 @@ pub fn at_start(adc: &mut Adc<'static, ADC1>) -> u16 {
 
 /// Measures it while they go on, which come first, mV: of the conversion that the call before has begun. The reference is still
 /// the one regular channel.
-pub fn measure() -> u16 {
+pub fn measure() -> f32 {
     let code = pac::ADC1.dr().read().rdata();
     pac::ADC1.cr().modify(|w| w.set_adstart(true));
     in_mv(code)
 }
 
 /// The supply at which the reference gives this code, mV.
-fn in_mv(code: u16) -> u16 {
+fn in_mv(code: u16) -> f32 {
     // SAFETY: the factory's calibration word, in read-only memory.
     let calibration = unsafe { addr_of!(__vrefint_calibration).read_volatile() };
-    let mv = CALIBRATED_MV * u32::from(calibration) / u32::from(code.max(1));
-    mv.min(u16::MAX.into()) as u16
+    CALIBRATED_MV * ADDED_UP * f32::from(calibration) / f32::from(code.max(1))
 }

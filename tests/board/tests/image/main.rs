@@ -16,5 +16,6 @@ mod ramps;
 mod resets;
 mod sensor;
 mod store;
+mod supply;
 mod timing;
 mod valid;
