@@ -2,7 +2,7 @@
 //!
 //! The monitor comes through a divider that adds a part of the supply, so that both signs of a voltage fit. That part's code is
 //! the same at every supply; what the voltage adds to it goes down as the supply goes up. So the distance from the code of 0 V
-//! is what is scaled. The set-point and the DAC are left as they are: a supply that is off makes too little of the one and too
+//! is what is scaled. The set-point and the DAC are left as they are: a supply that is too high makes too little of the one and too
 //! much of the other. So is the sensor's code: no table says what it is without the sensor's voltage.
 
 use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU16, Ordering::Relaxed};
@@ -13,9 +13,12 @@ pub const MADE_FOR_MV: f32 = 3300.0;
 /// Furthest off that is corrected, as a part of [`MADE_FOR_MV`]; a code times that fits 32 bits. A board calls less than that a
 /// fault.
 const FURTHEST: f32 = 0.1;
+/// Furthest that the code of 0 V is taken to be from the range, in ranges: far enough for any divider, and a code's distance
+/// times what is off still fits 32 bits.
+const BEYOND: f32 = 3.0;
 /// Bits of what a measurement is kept in beyond those that a code is scaled with.
 const FINER: u32 = 8;
-/// A measurement counts for this part, the ones before for the rest: those of 20 ms each settle in some 70 ms.
+/// A measurement counts for a part of so many, the ones before for the rest: those of 20 ms each settle in some 70 ms.
 const SMOOTHED: i32 = 4;
 
 /// What is known of the supply. The main loop writes it, the tick reads.
@@ -44,7 +47,7 @@ impl Supply {
         }
     }
 
-    /// When it was measured last, mV; `None` where it cannot be.
+    /// The supply when it was measured last, mV; `None` where it cannot be.
     pub fn mv(&self) -> Option<u16> {
         Some(self.mv.load(Relaxed)).filter(|mv| *mv > 0)
     }
@@ -81,7 +84,7 @@ impl Supply {
 /// The monitor's code as it would be at [`MADE_FOR_MV`].
 #[derive(Clone, Debug)]
 pub struct Correction {
-    /// The code of 0 V.
+    /// The code of 0 V, which may lie beyond the range.
     zero: i32,
     full_scale: i32,
     /// How far off the supply is taken to be, in 65,536ths; `None` before the first tick of an estimate.
@@ -89,10 +92,12 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// For codes of this calibration. Where no code is 0 V, the end of the range that is nearest counts as such.
+    /// For codes of this calibration.
     pub fn new(adc: &AdcCalibration) -> Self {
-        let AdcCode(zero) = adc.code(0.0f32);
-        Self { zero: zero.into(), full_scale: adc.full_scale.into(), off: None }
+        let full_scale = f32::from(adc.full_scale);
+        let gain = if adc.invert { -adc.gain_v_per_code } else { adc.gain_v_per_code };
+        let zero = (-adc.offset_v / gain).clamp(-BEYOND * full_scale, (1.0 + BEYOND) * full_scale);
+        Self { zero: zero as i32, full_scale: adc.full_scale.into(), off: None }
     }
 
     /// The estimate begins anew: the next tick may scale as it likes.

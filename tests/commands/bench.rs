@@ -65,7 +65,7 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     }
     assert!(out.join("held-out.csv").is_file() && !out.join("proof.csv").exists());
     // Again, it has nothing left to do. A second session does not mix its logs with those of the first.
-    refused(&learn, &["proof: is there already", "choose another --out"]);
+    refused(&learn, &["proof: is there already", "choose another --out, or prove again: `piezo prove --out`"]);
     let train = ["train", "--minutes", "0.7", "--up-to", "20", "--port", port, "--board", board, "--out", text(&out)];
     let identify = format!("--out {}/model --board {board}", text(&out));
     refused(&train, &["which is whole: choose another --out, or learn from it", &identify]);
@@ -73,7 +73,7 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     std::fs::remove_dir_all(out.join("proof")).unwrap();
     let printed = piezo().args(&learn).assert().success().get_output().stdout.clone();
     let printed = String::from_utf8(printed).unwrap();
-    assert!(printed.contains("has a whole session, which is learnt from: nothing is recorded"), "{printed}");
+    assert!(printed.contains("has a whole session, which is learnt from as it is: nothing is recorded"), "{printed}");
     assert!(!printed.contains("$ piezo train") && printed.contains("PASS: "), "{printed}");
     // What it has left is in use: it proves again, on another draw, and is told from a table that is not good enough.
     let again = ["--seconds", "8", "--up-to", "20", "--seed", "9", "--json", "--board", board, "--port", port];

@@ -146,6 +146,7 @@ fn what_was_learnt_is_judged_on_what_was_not() {
     }
     refused(&["reproduce", "elsewhere", "--logs", super::MEASURED], &["--logs"]);
     refused(&["reproduce", "elsewhere", "--seeds", "0"], &["--seeds"]);
+    refused(&["reproduce", "errors", "--models", "voigt"], &["--models is for `elsewhere`"]);
 }
 
 #[test]

@@ -33,6 +33,8 @@ pub fn unoccupied(folder: &Path) -> Result<(), BenchError> {
 pub struct Session {
     /// It did not end before its time.
     pub complete: bool,
+    /// What its voltages were drawn with.
+    pub seed: u64,
     /// To be learnt from.
     pub logs: Vec<PathBuf>,
     /// To prove with.
@@ -52,17 +54,18 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     #[derive(Deserialize)]
     struct Described {
         complete: bool,
+        seed: u64,
         logs: Vec<Log>,
     }
     let path = folder.join(SESSION);
     let failed = |source| BenchError::Log { path: path.clone(), source };
     let text = std::fs::read_to_string(&path).map_err(failed)?;
-    let Described { complete, logs } =
+    let Described { complete, seed, logs } =
         toml::from_str(&text).map_err(|error| failed(std::io::Error::new(ErrorKind::InvalidData, error)))?;
     let (held_out, learnt): (Vec<Log>, Vec<Log>) = logs.into_iter().partition(|log| log.held_out);
     // They lie beside it, wherever it was moved to.
     let paths = |logs: Vec<Log>| logs.iter().filter_map(|of| Some(folder.join(of.log.file_name()?))).collect();
-    Ok(Session { complete, logs: paths(learnt), held_out: paths(held_out) })
+    Ok(Session { complete, seed, logs: paths(learnt), held_out: paths(held_out) })
 }
 
 /// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a tick.

@@ -17,6 +17,8 @@ const FAR: f64 = 1.5;
 const DIVERGED: f64 = 10.0;
 /// beyond this fraction of the stroke.
 const DIVERGED_STROKE: f64 = 0.1;
+/// Parts of a lag that was said by which the found one may differ.
+const LAG: f64 = 0.1;
 /// A constant offset beyond this fraction of the held-out error.
 const DRIFT: f64 = 0.5;
 /// f32 may differ from f64 by this fraction of the stroke.
@@ -75,8 +77,8 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
         doubts.push(Doubt::SingleAmplitude { extremum_terms });
     }
     if character.single_frequency() {
-        let keeps_to_it = matches!(candidate.table.parameters, Parameters::GeneralisedPrandtlIshlinskii(_));
-        doubts.push(Doubt::SingleFrequency { lag_said: keeps_to_it && lag_s.is_some() });
+        let lag_said = lag_s.is_some_and(|said| kept(said, candidate));
+        doubts.push(Doubt::SingleFrequency { lag_said });
     }
     for comparison in &candidate.held_out {
         if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {
@@ -94,6 +96,14 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
 }
 
 /// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded all the same.
+/// Whether a table has the lag that was said, s.
+fn kept(said: f64, candidate: &Candidate) -> bool {
+    let Parameters::GeneralisedPrandtlIshlinskii(of) = &candidate.table.parameters else { return false };
+    let tick = candidate.table.sample_period::<f64>();
+    let found = f64::from(of.delay_ticks) * tick + f64::from(of.lag_s);
+    (found - said).abs() <= (LAG * said).max(tick)
+}
+
 fn unmet_condition(parameters: &Parameters) -> Option<Doubt> {
     let Parameters::Duhem(of) = parameters else { return None };
     of.unmet_condition().map(|condition| Doubt::UnmetCondition { condition })

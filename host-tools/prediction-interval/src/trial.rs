@@ -37,6 +37,8 @@ const JUMPS: [usize; 2] = [1, 4];
 const GAIN: f64 = 0.01;
 /// A reversal is a retreat by so much of the voltage's span.
 const LARGE: f64 = 0.25;
+/// A log with so many of them has a frequency; one with fewer is a step or a rest.
+const OFTEN: usize = 3;
 
 /// Parts of a half-width whose gains are found; which of them is that of the plays that moved.
 pub const PARTS: usize = 5;
@@ -114,13 +116,13 @@ fn voltage(number: usize, problem: &Problem, draw: &mut ChaCha8Rng) -> Vec<f64> 
     let frequencies: Vec<f64> = problem.training().map(|session| frequency(&session.voltage, tick_s)).collect();
     let which = even(Range { min: 0.0, max: frequencies.len() as f64 }) as usize;
     // A jump is as fast as a voltage can be; what jumps is as slow as the slowest of the training.
-    let slowest = frequencies.iter().copied().fold(f64::INFINITY, f64::min);
+    let slowest = slowest(problem, &frequencies);
     let of_training = if JUMPS.contains(&number) { slowest } else { frequencies.get(which).copied().unwrap_or(1.0) };
     let hertz = of_training * log_even(&mut even, FREQUENCY);
     let amplitude = half * even(AMPLITUDE);
     let offset = range.middle() + (half - amplitude) * even(Range { min: -1.0, max: 1.0 });
     let duration_s = LENGTH_S.clamp(PERIODS / hertz).min(MOST * tick_s);
-    // Every fourth recording is as the training was.
+    // Those behind the waveforms are as the training was.
     let waveform = match number {
         0 => Waveform::AmplitudeModulated { amplitude, hertz, swell_hz: hertz / 5.0 },
         1 => Waveform::Staircase { amplitude, steps: 5, hold_s: 0.05 / hertz },
@@ -142,11 +144,23 @@ fn again(problem: &Problem, which: usize) -> Vec<f64> {
     problem.training().nth(which).map_or(Vec::new(), |session| session.voltage.iter().copied().take(ticks).collect())
 }
 
+/// The least of the training logs' frequencies, Hz: of those that turn often enough to have one, where there are any.
+fn slowest(problem: &Problem, frequencies: &[f64]) -> f64 {
+    let periodic = problem.training().map(|session| turns(&session.voltage) >= OFTEN);
+    let least = |of: &mut dyn Iterator<Item = f64>| of.fold(f64::INFINITY, f64::min);
+    let of_periodic = least(&mut frequencies.iter().zip(periodic).filter(|(_, is)| *is).map(|(hertz, _)| *hertz));
+    if of_periodic.is_finite() { of_periodic } else { least(&mut frequencies.iter().copied()) }
+}
+
+/// Large reversals of a voltage.
+fn turns(voltage: &[f64]) -> usize {
+    let span = Range::of_values(voltage.iter().copied()).span();
+    reversals(voltage, LARGE * span).len()
+}
+
 /// Frequency of a voltage by its reversals, Hz.
 fn frequency(voltage: &[f64], tick_s: f64) -> f64 {
-    let span = Range::of_values(voltage.iter().copied()).span();
-    let turns = reversals(voltage, LARGE * span).len().max(1) as f64;
-    turns / 2.0 / (voltage.len().max(1) as f64 * tick_s)
+    turns(voltage).max(1) as f64 / 2.0 / (voltage.len().max(1) as f64 * tick_s)
 }
 
 /// The estimates beside the truth, after each telling.

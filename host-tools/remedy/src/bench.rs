@@ -90,6 +90,9 @@ fn session(error: &BenchError) -> String {
                     typed("--board")
                 )
             }
+            _ if verb("learn") => {
+                format!("{error}: choose another --out, or prove again: `piezo prove --out` another folder")
+            }
             _ => format!("{error}: choose another --out"),
         },
         BenchError::BeyondDrive { range_v, .. } => {

@@ -55,7 +55,8 @@ pub fn doubt(doubt: &Doubt) -> String {
         ),
         Doubt::SingleFrequency { lag_said: false } => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
-             frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet"
+             frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet, which the generalised Prandtl–Ishlinskii \
+             model keeps to"
                 .to_owned()
         }
         Doubt::SingleFrequency { lag_said: true } => {

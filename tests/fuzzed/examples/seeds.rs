@@ -33,7 +33,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             write("record", &format!("{k}-{name}"), &[&payload[..], &events].concat())?;
         }
     }
-    for (model, converter) in (0..12).flat_map(|model| [0, 1, 7, 0x65, 0xE4].map(|converter| (model, converter))) {
+    for (model, converter) in
+        (0..Model::ALL.len() as u8).flat_map(|model| [0, 1, 7, 0x65, 0xE4].map(|converter| (model, converter)))
+    {
         write("precision", &format!("{model}-{converter}"), &[&[model, converter, 80, 40], &events[..]].concat())?;
     }
     for k in 0..8 {

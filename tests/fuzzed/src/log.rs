@@ -11,12 +11,12 @@ const COLUMNS: [&str; 4] =
 /// No error needs more characters.
 const LONGEST: usize = 4_000;
 
-/// The first byte chooses the file's name and what is said of it; the rest is its content.
+/// The first byte chooses the file's name and what is said of it; the rest is its content. Whether a log was read.
 ///
 /// # Panics
 /// What is read breaks a promise, or an error says not enough or too much.
-pub fn check(bytes: &[u8]) {
-    let Some((&choice, content)) = bytes.split_first() else { return };
+pub fn check(bytes: &[u8]) -> bool {
+    let Some((&choice, content)) = bytes.split_first() else { return false };
     let of = |shift: u8, count: usize| usize::from(choice >> shift) % count;
     let columns = COLUMNS[of(3, COLUMNS.len())];
     let options = ReadOptions {
@@ -37,8 +37,12 @@ pub fn check(bytes: &[u8]) {
             if options.voltage_required {
                 assert!(rows >= MINIMUM_ROWS && (displacement.is_empty() || displacement.len() == rows));
             }
+            true
         }
-        Err(error) => said(&error.to_string(), &path),
+        Err(error) => {
+            said(&error.to_string(), &path);
+            false
+        }
     }
 }
 

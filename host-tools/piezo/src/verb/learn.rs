@@ -61,11 +61,11 @@ pub fn run(arguments: &Learn) -> Result<bool> {
         return Err(BenchError::Occupied { path: proof }.into());
     }
     if session(&arguments.out).is_ok_and(|session| session.complete) {
-        out(&format!("{folder} has a whole session, which is learnt from: nothing is recorded"));
+        out(&format!("{folder} has a whole session, which is learnt from as it is: nothing is recorded"));
     } else if !part(train)? {
         return Ok(false);
     }
-    let Session { logs, held_out, .. } = session(&arguments.out)?;
+    let Session { logs, held_out, seed, .. } = session(&arguments.out)?;
     let mut identify = words(&["identify"]);
     identify.extend(logs.into_iter().map(path).collect::<Result<Vec<_>>>()?);
     identify.extend(words(&["--board", &board, "--out", &model]));
@@ -76,7 +76,7 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     let proof = path(proof)?;
     let seconds = arguments.proof_seconds.to_string();
     // Another draw than the training's, which nothing has seen.
-    let other = excitation.seed.wrapping_add(1).to_string();
+    let other = seed.wrapping_add(1).to_string();
     let another = arguments.board.another_board.then_some("--another-board");
     let link: Vec<&str> = ["--board", &board, "--port", &port].into_iter().chain(another).collect();
     let prove = ["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other];

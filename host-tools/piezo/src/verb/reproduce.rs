@@ -75,6 +75,8 @@ fn items() -> impl TypedValueParser<Value = Item> {
 /// Runs the verb.
 pub fn run(arguments: &Reproduce) -> Result<bool> {
     let items = Item::asked(&arguments.items);
+    let elsewhere = items.contains(&Item::Elsewhere);
+    ensure!(elsewhere || arguments.models.is_empty(), "--models is for `elsewhere`, which is not asked for");
     let folder = arguments.out.as_deref().map(output::to_folder).transpose()?;
     if let Some(folder) = &arguments.out {
         arguments.overwrite.of(&folder.join("reproduce.html"), PAGE)?;
