@@ -77,8 +77,7 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
         doubts.push(Doubt::SingleAmplitude { extremum_terms });
     }
     if character.single_frequency() {
-        let lag_said = lag_s.is_some_and(|said| kept(said, candidate));
-        doubts.push(Doubt::SingleFrequency { lag_said });
+        doubts.push(Doubt::SingleFrequency { lag_said: lag_s.is_some_and(|said| kept(said, candidate)) });
     }
     for comparison in &candidate.held_out {
         if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {
