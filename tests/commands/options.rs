@@ -162,7 +162,7 @@ fn a_lag_that_is_stated_is_kept_to() {
     let late = |ms: &str| {
         let out = folder.path().join(ms);
         let mut command = piezo();
-        command.args(["identify", MEASURED, "--model", "generalised-prandtl-ishlinskii", "--lag", ms, "--json"]);
+        command.args(["identify", MEASURED, "--lag", ms, "--json"]);
         command.args(["--evaluations", "60", "--devices", "0", "--out"]).arg(&out);
         let result = json(&mut command);
         let doubts = result["doubts"].as_array().unwrap();

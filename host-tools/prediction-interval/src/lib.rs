@@ -26,7 +26,7 @@ use trial::{PARTS, recordings};
 /// Devices that are simulated where nobody says how many.
 pub const DEVICES: u32 = 12;
 
-/// Half-width for a deviation of 1 of what is off in any case; the same of a simulated device and of the actuator.
+/// Half-width for a deviation of 1 of what is off in any case.
 const CERTAIN: f64 = 2.0;
 /// What no log can tell a model to be off less than, of the stroke.
 const LEAST: f64 = 0.004;
@@ -85,8 +85,7 @@ fn judged(
     theirs.lag_s = problem.lag_s.map(|_| device.lag_s());
     let Ok(learnt) = again(&theirs, candidate, context, search) else { return Vec::new() };
     let seed = (u64::from(context.seed) << 20) + u64::from(number);
-    let own_um = CERTAIN * misfit(&learnt);
-    recordings(&device, &learnt.table, &unscaled(&theirs, &learnt), &theirs, own_um, seed)
+    recordings(&device, &learnt.table, &unscaled(&theirs, &learnt), &theirs, seed)
 }
 
 /// The same model learnt from a device's sessions.

@@ -55,8 +55,7 @@ pub fn doubt(doubt: &Doubt) -> String {
         ),
         Doubt::SingleFrequency { lag_said: false } => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
-             frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet, which the generalised Prandtl–Ishlinskii \
-             model keeps to"
+             frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet"
                 .to_owned()
         }
         Doubt::SingleFrequency { lag_said: true } => {

@@ -5,6 +5,7 @@ use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choic
 use crate::output::{self, FACES, Held, PAGE, PICTURE};
 use anyhow::{Context, Result};
 use clap::Args;
+use estimator_core::Model;
 use identifiability::Determination;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
@@ -61,7 +62,12 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let calibration = arguments.calibration.options()?;
     let drive = &calibration.drive;
     drive.require(drive.drive_span.is_some(), drive.setpoint_span.is_some())?;
-    let job = Job { model: arguments.model, calibration, ..arguments.fitting.job((&arguments.search).into())? };
+    let model = match (arguments.model, arguments.fitting.lag) {
+        // A model that keeps to no lag must not win for that.
+        (ModelChoice::Auto, Some(_)) => ModelChoice::Is(Model::GeneralisedPrandtlIshlinskii),
+        (model, _) => model,
+    };
+    let job = Job { model, calibration, ..arguments.fitting.job((&arguments.search).into())? };
     let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
         bar.set_prefix(model.to_string());
