@@ -19,7 +19,7 @@ pub struct Cut {
     seed: u32,
 }
 
-/// Two pages.
+/// The memory of both pages, and the power that it has.
 pub struct Chip {
     pub memory: [u8; 2 * PAGE],
     cut: Option<Cut>,
