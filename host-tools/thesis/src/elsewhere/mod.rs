@@ -50,7 +50,9 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
             some.par_iter().map(|subject| learn(subject, &bench.models)).collect();
         for of_one in found {
             judged.extend(of_one?);
-            bench.models.last().into_iter().for_each(|&model| progress(model, 0.0));
+            if let Some(&model) = bench.models.last() {
+                progress(model, 0.0);
+            }
         }
     }
     let rows = rows(&judged);

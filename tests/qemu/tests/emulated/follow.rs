@@ -15,7 +15,9 @@ fn followed(board: &Board) -> Value {
 #[test]
 fn a_trajectory_is_followed_at_the_device_s_pace() {
     let board = Board::power_on();
-    let wanted: String = (0..2000)
+    // Little longer than the device's queue of references lasts: QEMU puts out a sample's every byte by itself, and on two slow
+    // cores its host cannot send references as fast as they are used up. Whole trajectories are the native device's and the board's.
+    let wanted: String = (0..250)
         .map(|k| {
             let t = f64::from(k) * 1e-3;
             format!("{t:.3},{:.4}\n", 15.0 + 8.0 * (t * 9.0).sin())
@@ -32,23 +34,12 @@ fn a_trajectory_is_followed_at_the_device_s_pace() {
     let complaint = board.refuses("push", &push);
     assert!(complaint.contains("--rewired"), "{complaint}");
     board.does("push", &[&push[..], &["--rewired"]].concat());
-    // The emulated clock does not wait for a host that is busy with something else; the verb says so and fails then. Beside this
-    // test others keep the machine busy for a minute or two, and a try takes some three seconds.
-    let mut report = followed(&board);
-    for _ in 1..15 {
-        if report["starved"] != 0 {
-            report = followed(&board);
-        }
-    }
-    if report["starved"] != 0 {
-        // Loudly: what follows was not checked. What the device does at its own pace, the native device's and the board's tests hold.
-        eprintln!("NOT CHECKED: the machine is too busy for a trajectory in QEMU: {report:#}");
-        assert_eq!(report["stopped"], Value::Array(Vec::new()), "{report:#}");
-        return;
-    }
-    assert_eq!((&report["ticks"], &report["stopped"]), (&Value::from(4001), &Value::Array(Vec::new())), "{report:#}");
+    // The emulated clock does not wait for a host that is busy with something else; the verb says so and fails then.
+    let report =
+        (0..40).map(|_| followed(&board)).find(|report| report["starved"] == 0).expect("not busy all the time");
+    assert_eq!((&report["ticks"], &report["stopped"]), (&Value::from(501), &Value::Array(Vec::new())), "{report:#}");
     let log = fs::read_to_string(board.folder.path().join("followed.csv")).unwrap();
-    assert_eq!(log.lines().count(), 4001);
+    assert_eq!(log.lines().count(), 501);
     // The planned voltages are those that the device put out, to half a code of 4.4 V/4095.
     let plan = ["feedforward", "wanted.csv", "--out", "planned.csv"];
     let planned = board.reads("feedforward", &[table.to_str().unwrap(), plan[1], plan[2], plan[3], "--json"]);
@@ -60,7 +51,7 @@ fn a_trajectory_is_followed_at_the_device_s_pace() {
     };
     let (planned, driven) = (column("planned.csv", 1), column("followed.csv", 4));
     // Once on the way. A row's DAC stands for the reference two ticks before it; a plan is a tick ahead of what is wanted.
-    let worst = planned[approach + 299..approach + 3900]
+    let worst = planned[approach + 299..approach + 480]
         .iter()
         .zip(&driven[300..])
         .map(|(a, b)| (a - b).abs())
