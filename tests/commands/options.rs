@@ -2,7 +2,7 @@
 
 use super::logs::{rig, write};
 use super::{MEASURED, json, number, piezo, refused, text};
-use estimator_core::{Parameters, Scheme};
+use estimator_core::{Parameters, Published, Scheme};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -169,7 +169,7 @@ fn a_lag_that_is_stated_is_kept_to() {
         assert!(doubts.iter().any(|doubt| doubt["doubt"] == "single-frequency" && doubt["lag_said"] == true));
         let (_, table) = TableFile::load(&out.join("table.toml")).unwrap();
         let Parameters::GeneralisedPrandtlIshlinskii(of) = table.parameters else { panic!("{table:?}") };
-        0.5 * f64::from(of.delay_ticks) + 1e3 * f64::from(of.lag_s)
+        0.5 * f64::from(of.delay_ticks()) + 1e3 * f64::from(of.lag_s)
     };
     for ms in [11.0, 14.0] {
         let found = late(&ms.to_string());

@@ -5,7 +5,7 @@ use crate::character::Character;
 use crate::cost::{Cost, Norm};
 use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::Trace;
-use estimator_core::{AdcCode, DacCode, Parameters, Range};
+use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
 
 /// More reversals than this multiple of the large ones are noise.
 const NOISY: usize = 3;
@@ -99,7 +99,7 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
 fn kept(said: f64, candidate: &Candidate) -> bool {
     let Parameters::GeneralisedPrandtlIshlinskii(of) = &candidate.table.parameters else { return false };
     let tick = candidate.table.sample_period::<f64>();
-    let found = f64::from(of.delay_ticks) * tick + f64::from(of.lag_s);
+    let found = f64::from(of.delay_ticks()) * tick + f64::from(of.lag_s);
     (found - said).abs() <= (LAG * said).max(tick)
 }
 

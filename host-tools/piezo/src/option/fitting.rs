@@ -51,7 +51,7 @@ pub struct Fitting {
     pub deadband: Option<f64>,
     /// What the displacement lags behind the voltage, amplifier and sensor included but for what --delay says, ms, as a data sheet
     /// or a step has it. Logs of one frequency do not tell it from hysteresis. The generalised Prandtl–Ishlinskii model alone keeps
-    /// to it, and is what `--model auto` then takes.
+    /// to it, and is what `identify` then takes where no model is named.
     #[arg(long, display_order = BEHIND, value_name = "MS", value_parser = positive, allow_negative_numbers = true)]
     pub lag: Option<f64>,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
