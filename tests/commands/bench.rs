@@ -54,6 +54,9 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     assert!(String::from_utf8(info).unwrap().contains("no model: a straight line for measuring"));
     refused(&["zero", "--port", port], &["no model", "piezo train"]);
     let learn = [&["learn", "--port", port, "--board", board, "--out", text(&out)], &short[..], &search[..]].concat();
+    // What identify would not understand is refused before anything moves.
+    refused(&[&learn[..], &["--modle", "voigt"]].concat(), &["unexpected argument '--modle'"]);
+    assert!(!out.exists());
     let printed = piezo().args(&learn).assert().success().get_output().stdout.clone();
     let printed = String::from_utf8(printed).unwrap();
     for part in ["the device has, as before, no model", "bit-exact", "PASS: the table's ± holds the sensor"] {

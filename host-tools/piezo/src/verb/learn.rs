@@ -56,6 +56,14 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     // The proof stays within what was typed, too.
     let range = excitation.range.map(|range| format!("--range={}:{}", range.zero, range.full));
     train.extend(range.clone());
+    let identify = |logs: Vec<String>, held_out: Vec<String>| {
+        let held_out = held_out.into_iter().flat_map(|log| ["--validate-on".to_owned(), log]);
+        let where_to = words(&["--board", &board, "--out", &model]);
+        let parts = [words(&["identify"]), logs, where_to, held_out.collect(), arguments.identify.clone()];
+        parts.concat()
+    };
+    // What stands behind `--` is understood before anything moves.
+    parse(identify(words(&["log.csv"]), Vec::new()))?;
     let proof = arguments.out.join("proof");
     if proof.exists() {
         return Err(BenchError::Occupied { path: proof }.into());
@@ -66,13 +74,8 @@ pub fn run(arguments: &Learn) -> Result<bool> {
         return Ok(false);
     }
     let Session { logs, held_out, seed, .. } = session(&arguments.out)?;
-    let mut identify = words(&["identify"]);
-    identify.extend(logs.into_iter().map(path).collect::<Result<Vec<_>>>()?);
-    identify.extend(words(&["--board", &board, "--out", &model]));
-    for log in held_out {
-        identify.extend(["--validate-on".to_owned(), path(log)?]);
-    }
-    identify.extend(arguments.identify.iter().cloned());
+    let paths = |logs: Vec<PathBuf>| logs.into_iter().map(path).collect::<Result<Vec<_>>>();
+    let identify = identify(paths(logs)?, paths(held_out)?);
     let proof = path(proof)?;
     let seconds = arguments.proof_seconds.to_string();
     // Another draw than the training's, which nothing has seen.
@@ -96,6 +99,11 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
+/// A command without the program's name, as if it were typed.
+fn parse(words: Vec<String>) -> Result<Cli> {
+    Ok(Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?)
+}
+
 /// Runs a command as if it were typed; `false` where it says so, or was not begun.
 fn part(words: Vec<String>, interrupt: &Interrupt) -> Result<bool> {
     let typed = words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
@@ -104,7 +112,7 @@ fn part(words: Vec<String>, interrupt: &Interrupt) -> Result<bool> {
         return Ok(false);
     }
     out(&format!("\n$ piezo {typed}"));
-    let mut part = Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?;
+    let mut part = parse(words)?;
     match &mut part.verb {
         Verb::Train(train) => train.of_learn = true,
         Verb::Install(install) => install.of_learn = true,
