@@ -145,8 +145,13 @@ fn several_logs_stand_in_one_file_each_by_its_name() {
     }
     let people = piezo().args(["validate", TABLE, MEASURED, OTHER_DAY]).assert().success().get_output().stdout.clone();
     let people = String::from_utf8(people).unwrap();
-    for line in ["picma-p885-1hz  f32, one cycle", "picma-p885-session2  f32, cold", "all  f32, no offset"] {
-        assert!(people.lines().any(|printed| printed.starts_with(line)), "{line} is missing in {people}");
+    let mut printed = people.lines();
+    for line in ["picma-p885-1hz", "  f32, one cycle", "picma-p885-session2", "  f32, cold", "all", "  f32, no offset"]
+    {
+        assert!(
+            printed.any(|printed| printed.starts_with(line)),
+            "{line} is missing, or in its wrong place, in {people}"
+        );
     }
 }
 

@@ -148,20 +148,24 @@ MIL, SIL         told the sensor's first reading, and nothing after it
 cold             told nothing, as a device that is switched on: at rest for long at the first voltage
 settled          the same from where reversals lie half of the table's voltage range apart
 one cycle        cold; its mean error over the voltage's first full cycle is taken off, what follows is scored
-no offset        cold; its own mean error is taken off, which no device knows: what zeroing could do at best";
+no offset        cold; its own mean error over all that is scored is taken off, which no device knows beforehand";
 
-/// The lines of a log, or of all.
+/// The lines of a log, or of all, under its name.
 fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figures>) {
-    out(&row(&format!("{name}  f64 (MIL)"), mil));
-    out(&row(&format!("{name}  f32 (SIL)"), &told.first_reading));
-    out(&row(&format!("{name}  f32, cold"), &told.nothing));
-    if let Some(settled) = settled {
-        out(&row(&format!("{name}  f32, settled"), settled));
+    out(name);
+    let lines = [
+        ("  f64 (MIL)", Some(mil)),
+        ("  f32 (SIL)", Some(&told.first_reading)),
+        ("  f32, cold", Some(&told.nothing)),
+        ("  f32, settled", settled),
+        ("  f32, one cycle", told.one_cycle.as_ref()),
+        ("  f32, no offset", Some(&told.offset)),
+    ];
+    for (line, figures) in lines {
+        if let Some(figures) = figures {
+            out(&row(line, figures));
+        }
     }
-    if let Some(cycle) = &told.one_cycle {
-        out(&row(&format!("{name}  f32, one cycle"), cycle));
-    }
-    out(&row(&format!("{name}  f32, no offset"), &told.offset));
 }
 
 /// A log's lines and what is to be said of it.
@@ -207,7 +211,7 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
 /// How the interval since something was told did, in words.
 fn held(since: &str, interval: &Coverage) -> String {
     format!(
-        "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average (a constant that were known beforehand: {:.3} µm)",
+        "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average (the smallest constant that holds as often: {:.3} µm)",
         interval.covered_percent, interval.half_width_um, interval.best_constant_um
     )
 }
