@@ -12,9 +12,7 @@ use crate::conversion::Conversion;
 use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
-use crate::setpoint::Setpoint;
 use crate::startup::Startup;
-use crate::supply::Correction;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch};
 use core::sync::atomic::Ordering::Relaxed;
@@ -232,7 +230,9 @@ impl<'q> Tick<'q> {
         if let Some(estimator) = &mut self.startup.estimator {
             tick_restart(estimator);
         }
-        self.startup.correction.as_mut().map(Correction::restart);
+        if let Some(correction) = &mut self.startup.correction {
+            correction.restart();
+        }
         self.telemetry.set_bias(None);
     }
 
@@ -253,7 +253,9 @@ impl<'q> Tick<'q> {
         while self.queues.fed.dequeue().is_some() {}
         while self.queues.references.dequeue().is_some() {}
         self.restart();
-        self.startup.setpoint.as_mut().map(Setpoint::restart);
+        if let Some(setpoint) = &mut self.startup.setpoint {
+            setpoint.restart();
+        }
         if let Some(drive) = &mut self.startup.drive {
             drive.restart();
             if mode == Mode::Linearise {
