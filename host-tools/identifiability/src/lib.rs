@@ -20,7 +20,7 @@ mod numbers;
 
 pub use experiment::Experiment;
 
-use estimator_core::{Admitted, Range, Table};
+use estimator_core::{Admitted, Range, Status, Table};
 use nalgebra::{DMatrix, DVector};
 use numbers::{Number, numbers};
 use rayon::prelude::*;
@@ -47,11 +47,11 @@ const LEFT: f64 = 0.1;
 /// What the training logs determine.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Determination {
-    /// Readings of the training.
+    /// Readings of the training, behind starts that nobody knows.
     pub readings: usize,
     /// As many independent readings would say as much.
     pub effective_readings: f64,
-    /// Mean absolute error in training, µm: a few readings that are far off, as at an unknown start, count once.
+    /// Mean absolute error there, without a constant of each session's, µm: a few readings that are far off count once.
     pub mae_um: f64,
     /// Numbers of the model that were looked at.
     pub numbers: usize,
@@ -98,7 +98,7 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     let limits = table.displacement_limits_um;
     let room = Range { min: limits.min - limits.span(), max: limits.max + limits.span() };
     let table = Table { interval: None, drive: None, displacement_limits_um: room, ..**table }.admit().ok()?;
-    let errors: Vec<Vec<f64>> = sessions.iter().map(|session| judged(errors(&table, session), session)).collect();
+    let errors: Vec<Vec<f64>> = sessions.iter().map(|session| errors(&table, session)).collect();
     let readings: usize = errors.iter().map(Vec::len).sum();
     let absolute: f64 = errors.iter().flatten().map(|error| error.abs()).sum();
     let effective: f64 = errors.iter().map(|errors| effective(errors)).sum();
@@ -115,8 +115,11 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
         .par_iter()
         .map(|Number { changed, step }| {
             let read = sessions.iter().zip(&errors).flat_map(|(session, errors)| {
-                let changes = judged(self::errors(changed, session), session);
-                changes.into_iter().zip(errors).map(|(after, before)| (after - before) / step).collect::<Vec<f64>>()
+                self::errors(changed, session)
+                    .into_iter()
+                    .zip(errors)
+                    .map(|(after, before)| (after - before) / step)
+                    .collect::<Vec<f64>>()
             });
             let read = read.step_by(every).collect();
             let results = experiments.iter().zip(&before);
@@ -157,14 +160,16 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     })
 }
 
+/// What the estimates are off by where that is the model's: behind what is only run through, and behind a start that nobody
+/// knows, where a swing wipes that out; without the session's constant, which is drift, and the sensor's zero.
 fn errors(table: &Admitted, session: &Session) -> Vec<f64> {
-    Run::of::<f64>(table, session, None, None).errors(session)
-}
-
-/// Without those that are only run through.
-fn judged(mut errors: Vec<f64>, session: &Session) -> Vec<f64> {
-    errors.drain(..session.lead_in.min(errors.len()));
-    errors
+    let run = Run::of::<f64>(table, session, None, None);
+    let not_settled = run.status.iter().take_while(|status| status.contains(Status::NOT_SETTLED)).count();
+    let errors = run.errors(session);
+    let from = if not_settled < errors.len() { session.lead_in.max(not_settled) } else { session.lead_in };
+    let judged = &errors[from.min(errors.len())..];
+    let constant = judged.iter().sum::<f64>() / judged.len().max(1) as f64;
+    judged.iter().map(|error| error - constant).collect()
 }
 
 /// nₑ of one session. Errors that are still alike after as many readings as can be correlated in a moment are looked at

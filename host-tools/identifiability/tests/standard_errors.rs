@@ -88,6 +88,17 @@ fn noise_and_repetition_count() {
 }
 
 #[test]
+fn a_start_that_nobody_knows_is_no_error_of_the_model() {
+    let known = session(&sines(1.0, 1.0, 6), 0.02);
+    // Until the voltage has gone down from the top once the displacement is lower, as that of an actuator that nothing had marked.
+    let reading = known.instants.len() / 12;
+    let mut unmarked = known.clone();
+    unmarked.displacement[..reading].iter_mut().for_each(|displacement| *displacement -= 2.0);
+    let of = |session: &Session| determination(&table(), &[session]).expect("there is something to tell");
+    assert_eq!(of(&unmarked), of(&known));
+}
+
+#[test]
 fn nothing_is_said_of_what_has_no_errors() {
     let still = session(&vec![1.0; 4000], 0.0);
     assert_eq!(determination(&table(), &[&still]), None);

@@ -13,7 +13,7 @@ pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
         return vec![("The training".to_owned(), nothing)];
     };
     let worth = format!(
-        "{} readings, {:.3} µm off on average, which repeat one another and are worth {:.0}",
+        "{} readings, {:.3} µm off on average but for an offset of each log's; neighbours repeat one another, and they say as much as {:.0} that do not",
         of.readings, of.mae_um, of.effective_readings
     );
     let found = of.found.iter().map(|found| {
