@@ -104,8 +104,7 @@ pub fn prepare(error: &PrepareError) -> String {
              decimation and --delay take; at least {need} are needed (is the sample rate right?)"
         ),
         PrepareError::NotAMultiple { log, log_hz, tick_hz } => format!(
-            "{log}: {log_hz} Hz is no multiple of the tick rate, {tick_hz} Hz: use --decimate interpolate, or another \
-             --tick-us"
+            "{log}: {log_hz} Hz is no multiple of the tick rate, {tick_hz} Hz: use --decimate every, or another --tick-us"
         ),
         PrepareError::TooLong { log, ticks, tick_us, most } => format!(
             "{log}: {ticks:.0} ticks of {tick_us} µs, more than {most:.0}: is the sample rate right? Else use a longer \

@@ -120,6 +120,7 @@ fn span(session: &Session) -> f64 {
 mod tests {
     use super::super::bench::tests::small;
     use super::*;
+    use recordings::prepare::Decimation;
 
     #[test]
     fn the_seven_sampling_times_stand_beside_the_printed_errors() {
@@ -139,6 +140,7 @@ mod tests {
     #[test]
     fn a_tick_that_the_logs_cannot_be_brought_to_is_a_row_with_a_reason() {
         let mut bench = small();
+        bench.job.prepare.decimate = Decimation::Average;
         for log in bench.job.training.iter_mut().chain(&mut bench.job.held_out) {
             log.sample_period = 1.0 / 9_000.0;
         }

@@ -42,10 +42,9 @@ pub struct PrepareArgs {
 }
 
 /// How a log faster than the tick is reduced.
-pub const DECIMATIONS: [Choice<Decimation>; 3] = [
-    (Decimation::Every, "every", "Every n-th sample"),
-    (Decimation::Average, "average", "The mean of each n samples"),
-    (Decimation::Interpolate, "interpolate", "Linear interpolation; the rates need be no multiples"),
+pub const DECIMATIONS: [Choice<Decimation>; 2] = [
+    (Decimation::Every, "every", "The sample at each tick, interpolated linearly where the rates are no multiples"),
+    (Decimation::Average, "average", "The mean of each n samples; the rates must be multiples"),
 ];
 
 options!(PrepareArgs => PrepareOptions {

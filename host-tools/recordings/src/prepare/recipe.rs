@@ -44,8 +44,10 @@ pub enum PrepareError {
         /// Samples needed.
         need: usize,
     },
-    /// Faster than the tick by no whole number.
-    #[error("{log}: {log_hz} Hz is no multiple of the tick rate, {tick_hz} Hz: interpolate, or use another tick")]
+    /// Faster than the tick by no whole number, and means were asked for.
+    #[error(
+        "{log}: {log_hz} Hz is no multiple of the tick rate, {tick_hz} Hz, and has no means there: take the sample at each tick"
+    )]
     NotAMultiple {
         /// Name of the log.
         log: String,

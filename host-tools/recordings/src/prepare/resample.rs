@@ -1,7 +1,7 @@
 //! Bringing samples to the tick.
 //!
-//! A log faster than the tick loses samples: every n-th stays (the thesis took every fifth), or the mean of each n, or a
-//! linear interpolation where the rates are no multiples. A log slower than the tick keeps all its displacements, each at
+//! A log faster than the tick loses samples: every n-th stays (the thesis took every fifth), or the mean of each n. Where the
+//! rates are no multiples, what stays is interpolated linearly. A log slower than the tick keeps all its displacements, each at
 //! the nearest tick, and has its voltage interpolated linearly in between.
 
 use serde::{Deserialize, Serialize};
@@ -10,12 +10,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Decimation {
-    /// Every n-th sample.
+    /// The sample at each tick: every n-th, or between two where the rates are no multiples.
     Every,
-    /// The mean of each n samples.
+    /// The mean of each n samples; the rates must be multiples.
     Average,
-    /// Linear interpolation; the rates need be no multiples.
-    Interpolate,
 }
 
 /// Samples at the tick.
@@ -28,8 +26,8 @@ pub struct AtTick {
     pub displacement: Vec<f64>,
 }
 
-/// `ratio` is the log's sample period over the tick. `None` when the log is faster than the tick by no whole number and
-/// `decimation` does not interpolate.
+/// `ratio` is the log's sample period over the tick. `None` when the log is faster than the tick by no whole number, of which
+/// there is no mean.
 pub fn to_tick(voltage: &[f64], displacement: &[f64], ratio: f64, decimation: Decimation) -> Option<AtTick> {
     let rows = voltage.len();
     // Half a sample of drift over the whole log is what "a multiple" may hide.
@@ -42,20 +40,17 @@ pub fn to_tick(voltage: &[f64], displacement: &[f64], ratio: f64, decimation: De
         instants: (0..displacement.len() as u32).collect(),
         displacement,
     };
-    if decimation == Decimation::Interpolate {
-        let ticks = ((rows - 1) as f64 * ratio) as usize;
-        let at = |samples: &[f64]| (0..=ticks).map(|tick| interpolated(samples, tick as f64 / ratio)).collect();
-        return Some(every(at(voltage), at(displacement)));
-    }
     let n = (1.0 / ratio).round();
     if (n * ratio - 1.0).abs() > close {
-        return None;
+        let ticks = ((rows - 1) as f64 * ratio) as usize;
+        let at = |samples: &[f64]| (0..=ticks).map(|tick| interpolated(samples, tick as f64 / ratio)).collect();
+        return (decimation == Decimation::Every).then(|| every(at(voltage), at(displacement)));
     }
     let n = n as usize;
     let reduced = |samples: &[f64]| -> Vec<f64> {
         match decimation {
             Decimation::Average => samples.chunks_exact(n).map(|chunk| chunk.iter().sum::<f64>() / n as f64).collect(),
-            _ => samples.iter().step_by(n).copied().collect(),
+            Decimation::Every => samples.iter().step_by(n).copied().collect(),
         }
     };
     Some(every(reduced(voltage), reduced(displacement)))
@@ -99,10 +94,10 @@ mod tests {
     }
 
     #[test]
-    fn odd_rates_need_interpolation() {
+    fn odd_rates_are_interpolated_and_have_no_mean() {
         let rows = ramp(100);
-        assert!(to_tick(&rows, &rows, 2.0 / 3.0, Decimation::Every).is_none());
-        let at_tick = to_tick(&rows, &rows, 2.0 / 3.0, Decimation::Interpolate).unwrap();
+        assert!(to_tick(&rows, &rows, 2.0 / 3.0, Decimation::Average).is_none());
+        let at_tick = to_tick(&rows, &rows, 2.0 / 3.0, Decimation::Every).unwrap();
         assert_eq!(at_tick.displacement.len(), 67);
         assert!((at_tick.displacement[2] - 3.0).abs() < 1e-12 && (at_tick.voltage[1] - 1.5).abs() < 1e-12);
     }
