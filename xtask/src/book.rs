@@ -189,7 +189,10 @@ fn missing(sh: &Shell, word: &str, files: &BTreeSet<PathBuf>) -> Result<Option<S
         return Ok(Some(format!("`{path}` is not in the repository")));
     }
     let lost = match test {
-        Some(test) => !sh.read_file(path)?.contains(&format!("fn {test}(")),
+        Some(test) => {
+            let keyword = if path.ends_with(".py") { "def" } else { "fn" };
+            !sh.read_file(path)?.contains(&format!("{keyword} {test}("))
+        }
         None => false,
     };
     Ok(lost.then(|| format!("`{word}`: {path} has no such function")))

@@ -11,6 +11,7 @@ mod embedded;
 mod emulate;
 mod figures;
 mod image;
+mod python;
 mod qemu;
 mod root;
 mod rules;

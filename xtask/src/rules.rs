@@ -7,8 +7,8 @@ use xshell::{Shell, cmd};
 
 /// The folder of the host's crates.
 const HOST: &str = "host-tools";
-/// The command line, and the crate of the sentences that name its options; the others are libraries, which know of none.
-const COMMAND_LINE: [&str; 2] = ["piezo", "remedy"];
+/// The command line, and the crates of the sentences that name its options; the others are libraries, which know of none.
+const COMMAND_LINE: [&str; 3] = ["piezo", "remedy", "findings"];
 /// What starts another program, with that program's flags.
 const STARTS_ANOTHER: &str = "host-tools/device-link/src/probe.rs";
 /// Most lines of a crate's sources.

@@ -10,8 +10,8 @@ use crate::{
     embedded::{self, Board, TARGET},
     figures,
     image::Image,
-    rules,
-    tool::{self, ARM_GCC, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, QEMU, Tool},
+    python, rules,
+    tool::{self, ARM_GCC, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, PYTHON, QEMU, Tool},
 };
 
 /// One check.
@@ -27,7 +27,7 @@ pub struct Step {
 }
 
 /// Every check, the quick ones first.
-pub const STEPS: [Step; 12] = [
+pub const STEPS: [Step; 13] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], run: fmt },
     Step {
         name: "rules",
@@ -61,6 +61,12 @@ pub const STEPS: [Step; 12] = [
         about: "a program in C, linked with the static library, gives the host's bits on a Cortex-M4F in QEMU",
         tools: &[&EMBEDDED, &QEMU, &ARM_GCC],
         run: c,
+    },
+    Step {
+        name: "python",
+        about: "the wheel, installed where nothing else is, gives the program's numbers to Python and to a notebook",
+        tools: &[&PYTHON],
+        run: |sh| python::check(sh, &built_piezo(sh)?),
     },
     Step {
         name: "board",

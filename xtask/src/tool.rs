@@ -6,7 +6,7 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail, ensure};
-use xshell::Shell;
+use xshell::{Shell, cmd};
 
 use crate::{embedded, root};
 
@@ -90,6 +90,17 @@ pub const LIBCLANG: Tool = Tool {
     },
 };
 
+/// Python, with what makes environments of it.
+pub const PYTHON: Tool = Tool {
+    name: "python",
+    find: python,
+    source: Source::Package {
+        debian: "python3-venv",
+        elsewhere: "install Python 3.11 or newer as python3, with its modules venv and ensurepip",
+        variable: None,
+    },
+};
+
 /// Gets those of the tools that are missing, and says of each what there is.
 ///
 /// # Errors
@@ -159,6 +170,15 @@ impl Source {
 fn program(name: &str) -> Result<String> {
     let path = which::which(name).with_context(|| format!("no {name} on PATH"))?;
     Ok(path.display().to_string())
+}
+
+/// A Python that the pinned packages run on, and that makes environments.
+fn python(sh: &Shell) -> Result<String> {
+    const ASKED: &str =
+        "import ensurepip, sys, venv; assert sys.version_info >= (3, 11), sys.version; print(sys.executable)";
+    let path = which::which("python3").context("no python3 on PATH")?;
+    let found = cmd!(sh, "{path} -c {ASKED}").quiet().ignore_stderr().read();
+    found.with_context(|| format!("{} is older than 3.11, or has no module venv or ensurepip", path.display()))
 }
 
 /// The browser's path: `$CHROME`, or the first of the usual names on `PATH`.

@@ -35,6 +35,15 @@ pub fn limits(range_v: Range, rest: Option<f64>, slew: f64) -> DriveLimits {
     DriveLimits { range_v, rest_v, slew_v_per_s: slew as f32 }
 }
 
+/// The limits that a plan keeps: what is stated, else the table's drive's, else all that its model was identified on, at rest at
+/// 0 V or next to it. `None` where nobody says how fast the voltage may change, V/s.
+pub fn planned(table: &Table, range: Option<Span>, rest: Option<f64>, slew: Option<f64>) -> Option<DriveLimits> {
+    let drive = table.drive.map(|drive| drive.limits);
+    let range = range.map(ordered).or(drive.map(|drive| drive.range_v)).unwrap_or_else(|| identified_on(table));
+    let rest = rest.or(drive.map(|drive| range.clamp(drive.rest_v).into()));
+    Some(limits(range, rest, slew.or(drive.map(|drive| drive.slew_v_per_s.into()))?))
+}
+
 /// A range from its ends in either order.
 pub fn ordered(span: Span) -> Range {
     Range { min: span.zero.min(span.full) as f32, max: span.zero.max(span.full) as f32 }

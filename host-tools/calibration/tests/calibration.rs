@@ -1,5 +1,6 @@
 //! Converters by what is stated of them, and by what is assumed.
 
+use ::calibration::drive::{identified_on, planned};
 use ::calibration::span::Span;
 use ::calibration::{CalibrationOptions, converter_mismatches};
 use estimator_core::{AdcCode, DacCode, Range};
@@ -45,4 +46,17 @@ fn converters_that_do_not_fit_are_told() {
     assert_eq!(fits((0.0, 2.0), (-8.0, 52.0)), 1);
     assert_eq!(fits((-1.0, 4.0), (-1.0, 40.0)), 1);
     assert_eq!(fits((-1.0, 4.0), (10.0, 52.0)), 2, "no safe value, and not all of the limits");
+}
+
+#[test]
+fn a_plan_keeps_what_is_stated_else_what_the_table_s_drive_may() {
+    let table = |path: &str| TableFile::load(path.as_ref()).unwrap().1;
+    let plain = table("../../tests/data/table/table.toml");
+    assert_eq!(planned(&plain, None, None, None), None, "nobody says how fast");
+    let limits = planned(&plain, None, None, Some(100.0)).unwrap();
+    assert_eq!((limits.range_v, limits.rest_v, limits.slew_v_per_s), (identified_on(&plain), 0.0, 100.0));
+    let drives = table("../../tests/data/table/generalised-prandtl-ishlinskii/table.toml");
+    assert_eq!(planned(&drives, None, None, None), drives.drive.map(|drive| drive.limits));
+    let narrow = planned(&drives, Some(Span { zero: 2.0, full: 1.0 }), None, Some(7.0)).unwrap();
+    assert_eq!((narrow.range_v, narrow.rest_v, narrow.slew_v_per_s), (Range { min: 1.0, max: 2.0 }, 1.0, 7.0));
 }

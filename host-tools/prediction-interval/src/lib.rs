@@ -16,7 +16,7 @@ use device::Device;
 use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{IntervalParameters, Parameters};
 use gains::gains;
-use identification::{Candidate, CandidateError, Identification, Problem, SearchOptions, TableContext};
+use identification::{Candidate, CandidateError, Identification, Outcome, Problem, SearchOptions, TableContext};
 use rayon::prelude::*;
 use recordings::session::Session;
 use spread::learnt;
@@ -66,6 +66,22 @@ pub fn calibrate(
     let own_um = CERTAIN * misfit(candidate);
     (!judged.is_empty())
         .then(|| Calibration { parameters: scaled(unscaled(problem, candidate), gains(&judged), own_um), own_um })
+}
+
+/// What was found, with an interval in the chosen table, and where its width comes from; without one where [`calibrate`] has none.
+///
+/// # Errors
+/// The interval breaks a rule.
+pub fn with_interval(
+    mut outcome: Outcome,
+    search: &SearchOptions,
+    devices: u32,
+    progress: impl Fn() + Sync,
+) -> Result<(Outcome, Option<Calibration>), CandidateError> {
+    let chosen = outcome.candidate();
+    let interval = calibrate(&outcome.problem, chosen, &outcome.context, search, devices, progress);
+    outcome.candidates[outcome.chosen] = chosen.clone().with_interval(interval.map(|of| of.parameters))?;
+    Ok((outcome, interval))
 }
 
 /// What the table of a device is off on its recordings; none where nothing could be learnt.

@@ -3,23 +3,18 @@
 
 mod bench;
 mod bits;
-mod determination;
 mod device;
-mod doubt;
 mod identification;
 mod log;
 mod paste;
-mod proven;
 mod supply;
 
 pub use bench::{complaint, identify, stopped};
 pub use bits::{Meaning, faults, remarks, status};
-pub use determination::{DETERMINED, determination};
 pub use device::{board, refusal};
-pub use doubt::{doubt, doubt_json};
-pub use identification::{mismatch, reason};
+pub use findings::{DETERMINED, determination, doubt, doubt_json, proven, reason};
+pub use identification::mismatch;
 pub use paste::quoted;
-pub use proven::proven;
 pub use supply::supply;
 
 use std::error::Error;

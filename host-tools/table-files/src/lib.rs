@@ -169,6 +169,22 @@ impl TableFile {
     }
 }
 
+/// Reads and admits a table from one of its faces, a table.toml or the record in a table.bin, which has nothing but the table.
+///
+/// # Errors
+/// The file cannot be read, is neither, or is refused.
+pub fn read(path: &Path) -> Result<(Option<TableFile>, Admitted), TableFileError> {
+    if path.extension().is_none_or(|extension| extension != "bin") {
+        let (file, admitted) = TableFile::load(path)?;
+        return Ok((Some(file), admitted));
+    }
+    let bytes =
+        file::read(path, MOST_BYTES).map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
+    let admitted = Table::parse(&bytes)
+        .map_err(|error| TableFileError::Refused { path: path.to_owned(), source: error.into() })?;
+    Ok((None, admitted))
+}
+
 /// The binary record of a table.
 pub fn record(table: &Admitted) -> Vec<u8> {
     let mut buffer = [0; MAX_LENGTH];

@@ -68,7 +68,7 @@ pub struct Fitting {
 impl Fitting {
     /// The job, with its logs read: the choice of a model left to it, converters assumed.
     pub fn job(&self, search: SearchOptions) -> Result<Job> {
-        let hold_out = self.hold_out.unwrap_or(if self.validate_on.is_empty() { 0.5 } else { 0.0 });
+        let hold_out = findings::hold_out(self.hold_out, !self.validate_on.is_empty());
         ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
         ensure!(self.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
         Ok(Job {

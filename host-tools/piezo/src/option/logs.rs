@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use clap::Args;
-use recordings::log::{Columns, Log, ReadOptions, Sensitivity, read};
+use recordings::log::{Columns, Log, ReadOptions, Sensitivity, read, twins};
 use std::path::{Path, PathBuf};
 
 /// What the user says about log files.
@@ -44,10 +44,8 @@ impl LogOptions {
     /// Reads every log; refuses none and the same file twice.
     pub fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<Log>> {
         let logs: Vec<Log> = paths.iter().map(|path| self.read(path)).collect::<Result<_>>()?;
-        for (index, log) in logs.iter().enumerate() {
-            if let Some(twin) = logs[..index].iter().find(|other| other.sha256 == log.sha256) {
-                bail!("{}: holds the same bytes as {}: name each log once", log.path.display(), twin.path.display());
-            }
+        if let Some([log, twin]) = twins(&logs) {
+            bail!("{}: holds the same bytes as {}: name each log once", log.path.display(), twin.path.display());
         }
         Ok(logs)
     }

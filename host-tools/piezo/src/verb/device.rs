@@ -1,12 +1,12 @@
 //! What the verbs that talk to a device have in common.
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Result, anyhow, ensure};
 use device_link::{Address, Client};
 use estimator_core::table::Board;
-use estimator_core::{Admitted, Table, record};
+use estimator_core::{Admitted, record};
 use protocol::{Health, Mode};
 use std::path::Path;
-use table_files::{MOST_BYTES, TableFile};
+use table_files::TableFile;
 
 /// An error where the device does anything but estimate.
 pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
@@ -23,13 +23,7 @@ pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
 /// Reads a table to be written to a device: a table.toml, or the record in a table.bin; refuses one that lies beside a face of
 /// another table.
 pub fn load(path: &Path) -> Result<Admitted> {
-    let table = if path.extension().is_none_or(|extension| extension != "bin") {
-        TableFile::load(path)?.1
-    } else {
-        let bytes =
-            recordings::file::read(path, MOST_BYTES).with_context(|| format!("{}: cannot be read", path.display()))?;
-        Table::parse(&bytes).with_context(|| format!("{}: is refused", path.display()))?
-    };
+    let (_, table) = table_files::read(path)?;
     table_files::agree(path, &table)?;
     Ok(table)
 }

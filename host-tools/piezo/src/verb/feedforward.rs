@@ -5,10 +5,10 @@ use super::print::out;
 use crate::option::{LogOptions, Overwrite};
 use crate::option::{not_negative, span};
 use crate::output;
-use ::calibration::drive::{identified_on, limits, ordered};
+use ::calibration::drive::{identified_on, planned};
 use ::calibration::span::Span;
 use ::feedforward::{Plan, Trajectory, approach, near, plan, reach};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
 use recordings::log::{Displacement, write_csv};
@@ -100,14 +100,8 @@ pub fn caveats(table: &Admitted, limits: &DriveLimits) -> [String; 2] {
 }
 
 fn stated(arguments: &Feedforward, table: &Admitted) -> Result<DriveLimits> {
-    let drive = table.drive.map(|drive| drive.limits);
-    let range = arguments.range.map(ordered).or(drive.map(|drive| drive.range_v));
-    let range = range.unwrap_or_else(|| identified_on(table));
-    let Some(slew) = arguments.slew.or(drive.map(|drive| f64::from(drive.slew_v_per_s))) else {
-        bail!("how fast may the voltage change? --slew V/s (the table has no drive that says it)");
-    };
-    let rest = arguments.rest.or(drive.map(|drive| range.clamp(drive.rest_v).into()));
-    Ok(limits(range, rest, slew))
+    planned(table, arguments.range, arguments.rest, arguments.slew)
+        .context("how fast may the voltage change? --slew V/s (the table has no drive that says it)")
 }
 
 fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &Plan, begins: usize) -> Result<bool> {

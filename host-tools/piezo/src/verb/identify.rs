@@ -5,18 +5,16 @@ use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choic
 use crate::output::{self, FACES, Held, PAGE, PICTURE};
 use anyhow::{Context, Result};
 use clap::Args;
-use estimator_core::Model;
 use identifiability::Determination;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
-use identification::{Candidate, Job, ModelChoice, Outcome, SearchOptions, StraightLine};
+use identification::{Candidate, Job, ModelChoice, Outcome, StraightLine};
 use prediction_interval::Calibration;
 use recordings::Role;
 use recordings::prepare::Recipe;
 use report::Report;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use table_files::TableFile;
 
 /// Arguments of `piezo identify`.
 #[derive(Args, Debug)]
@@ -62,12 +60,8 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let calibration = arguments.calibration.options()?;
     let drive = &calibration.drive;
     drive.require(drive.drive_span.is_some(), drive.setpoint_span.is_some())?;
-    let model = match (arguments.model, arguments.fitting.lag) {
-        // A model that keeps to no lag must not win for that.
-        (ModelChoice::Auto, Some(_)) => ModelChoice::Is(Model::GeneralisedPrandtlIshlinskii),
-        (model, _) => model,
-    };
-    let job = Job { model, calibration, ..arguments.fitting.job((&arguments.search).into())? };
+    let mut job = Job { calibration, ..arguments.fitting.job((&arguments.search).into())? };
+    job.model = findings::model(arguments.model, job.conditions.lag_s);
     let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
         bar.set_prefix(model.to_string());
@@ -75,31 +69,23 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    let (outcome, interval) = with_interval(outcome, &job.search, arguments.devices)?;
+    let bar = progress(arguments.devices.into());
+    bar.set_prefix("interval");
+    let (outcome, interval) =
+        prediction_interval::with_interval(outcome, &job.search, arguments.devices, || bar.inc(1))?;
+    bar.finish_and_clear();
     let training: Vec<_> = outcome.problem.training().collect();
     let determination = identifiability::determination(&outcome.candidate().table, &training);
     let determined = remedy::determination(determination.as_ref());
     let mut verdict = verdict(&outcome);
     verdict.push(beside(interval.as_ref(), arguments.devices));
-    write(&folder, arguments, job.cost, &outcome, &verdict, &determined)?;
+    write(&folder, arguments, &job, &outcome, &verdict, &determined)?;
     if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict, determination.as_ref())?)?);
     } else {
         summary(arguments, &outcome, &verdict, &determined);
     }
     Ok(true)
-}
-
-/// The same with an interval in the chosen table.
-fn with_interval(mut outcome: Outcome, search: &SearchOptions, devices: u32) -> Result<(Outcome, Option<Calibration>)> {
-    let bar = progress(devices.into());
-    bar.set_prefix("interval");
-    let chosen = outcome.candidate();
-    let interval =
-        prediction_interval::calibrate(&outcome.problem, chosen, &outcome.context, search, devices, || bar.inc(1));
-    bar.finish_and_clear();
-    outcome.candidates[outcome.chosen] = chosen.clone().with_interval(interval.map(|of| of.parameters))?;
-    Ok((outcome, interval))
 }
 
 /// The interval in words.
@@ -121,35 +107,23 @@ fn beside(interval: Option<&Calibration>, devices: u32) -> String {
 fn write(
     folder: &Held,
     arguments: &Identify,
-    cost: Cost,
+    job: &Job,
     outcome: &Outcome,
     verdict: &[String],
     determined: &[(String, String)],
 ) -> Result<()> {
     let candidate = outcome.candidate();
-    let doubts: Vec<String> = outcome.doubts.iter().map(remedy::doubt).collect();
-    let file = TableFile {
-        tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
-        doubts: doubts.clone(),
-        determined: determined.iter().map(|(what, found)| format!("{what}: {found}")).collect(),
-        table: *candidate.table,
-        recipe: outcome.context.recipe.clone(),
-        cost: Some(cost.feedback),
-        norm: Some(cost.norm),
-        feedback_weight: cost.feedback_weight,
-        search: Some((&arguments.search).into()),
-        logs: outcome.logs.clone(),
-    };
+    let file = findings::table_file(outcome, job.cost, &job.search, determined);
     let names: Vec<&str> =
         outcome.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
     let html = report::render(&Report {
         title: &names.join(", "),
         verdict,
-        doubts: &doubts,
+        doubts: &file.doubts,
         chosen: candidate,
         candidates: &outcome.candidates,
         straight_line: outcome.straight_line.as_ref(),
-        facts: &[determined, &facts(arguments, cost, outcome)].concat(),
+        facts: &[determined, &facts(arguments, job.cost, outcome)].concat(),
     })?;
     let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
     let title = format!("{}: {}", shown.name, candidate.table.model());

@@ -40,7 +40,7 @@ pub use measurement_files::{Place, Quantity, Unit, UnknownUnit};
 pub use number::Number;
 pub use read_options::ReadOptions;
 pub use reading::{Chosen, Reading, Row};
-pub use recorded::Log;
+pub use recorded::{Log, twins};
 use recording::Recording;
 pub use sensitivity::{Sensitivity, SensitivityError};
 pub use write::{Displacement, write_csv};

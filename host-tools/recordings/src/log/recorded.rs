@@ -61,6 +61,14 @@ impl Log {
     }
 }
 
+/// A log that holds the same bytes as one before it, and that one.
+pub fn twins(logs: &[Log]) -> Option<[&Log; 2]> {
+    logs.iter().enumerate().find_map(|(index, log)| {
+        let before = logs[..index].iter().find(|before| before.sha256 == log.sha256)?;
+        Some([log, before])
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,18 @@
+//! What stands around an identification, for whoever starts one, the program or a script in Python: what is meant where a
+//! request leaves something unsaid, what was found in the words that the user reads, and the file that is made of it.
+//!
+//! The words name the program's options, as those of `remedy` do, which hands them on.
+
+mod determination;
+mod doubt;
+mod proven;
+mod reason;
+mod table_file;
+mod unsaid;
+
+pub use determination::{DETERMINED, determination};
+pub use doubt::{doubt, doubt_json};
+pub use proven::proven;
+pub use reason::reason;
+pub use table_file::table_file;
+pub use unsaid::{hold_out, model};

@@ -1,0 +1,64 @@
+"""What is identified is what the program identifies."""
+
+import signal
+import threading
+from pathlib import Path
+
+import piezo_estimator as pz
+import pytest
+from conftest import LOG, TABLE, piezo, piezo_json
+
+
+def test_the_table_is_the_program_s_to_the_last_byte(tmp_path: Path) -> None:
+    found = pz.identify([pz.read_log(LOG)], model="prandtl-ishlinskii", devices=2, evaluations=40)
+    theirs = tmp_path / "program"
+    said = piezo_json(
+        *("identify", LOG, "--model", "prandtl-ishlinskii", "--devices", "2", "--evaluations", "40", "--out", theirs)
+    )
+    ours = tmp_path / "python"
+    found.table.write(ours)
+    for face in ("table.toml", "table.rs", "table.bin"):
+        assert (ours / face).read_bytes() == (theirs / face).read_bytes(), face
+    assert found.table.record() == (ours / "table.bin").read_bytes()
+    assert found.reason == said["reason"] and found.held_out is not None
+    assert found.held_out.mae_um == said["candidates"][-1]["held_out"]["mae_um"]
+    assert found.candidates[-1][0] == found.table.model == "prandtl-ishlinskii"
+    assert found.doubts == found.table.doubts and any("single frequency" in doubt for doubt in found.doubts)
+    assert found.determined[0][0] == "The training" and found.table.has_interval
+
+
+@pytest.mark.parametrize("told", ["nothing", "first-reading", "one-cycle", "offset"])
+def test_validate_has_the_program_s_figures(told: str) -> None:
+    figures = pz.validate(pz.Table.read(TABLE), pz.read_log(LOG), told=told, from_s=10.0)  # type: ignore[arg-type]
+    expected = piezo_json("validate", TABLE, LOG, "--from", "10")["all"]["told"][told.replace("-", "_")]
+    names = [name for name in dir(figures) if not name.startswith("_")]
+    assert len(names) == 9 and {name: getattr(figures, name) for name in names}.items() <= expected.items()
+
+
+def test_control_c_ends_a_search() -> None:
+    log = pz.read_log(LOG)
+    # A shell has what it starts in the background ignore it, and Python leaves that so.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    threading.Timer(0.5, signal.raise_signal, [signal.SIGINT]).start()
+    with pytest.raises(KeyboardInterrupt):
+        pz.identify([log], model="enhanced", devices=0)
+
+
+def test_a_request_that_makes_no_sense_is_refused_in_words() -> None:
+    log = pz.read_log(LOG)
+    for wrong, words in [
+        ({"hold_out": 1.5}, "between 0 and 1"),
+        ({"model": "magic"}, "not \"magic\""),
+        ({"delay_ms": -1.0}, "0 or positive"),
+        ({"tick_us": 1}, "tick_us must lie between"),
+        ({"voltage_scale": 0.0}, "voltage_scale"),
+        ({"adc_span": (1.0, 1.0)}, "adc_span"),
+        ({"displacement_scale": -1.0}, "falls while the voltage rises"),
+        ({"validate_on": [log]}, "same bytes"),
+    ]:
+        with pytest.raises(pz.PiezoError, match=words):
+            pz.identify([log], **wrong)  # type: ignore[arg-type]
+    with pytest.raises(pz.PiezoError, match="name each log once"):
+        pz.identify([log, log])
+    with pytest.raises(pz.PiezoError):
+        pz.identify([])
