@@ -11,7 +11,8 @@ const STAND: usize = 400;
 
 /// Half the largest difference (µm) of the two extreme memories that an actuator can start with, by the span of voltage since
 /// the start in eighths of the table's range. They are those of a rise from the lowest voltage and of a fall from the highest;
-/// every other lies between them. What is left after a sweep of the whole range is creep, and no memory of hysteresis.
+/// every other lies between them. What is left after a sweep of the whole range is creep, and no memory of hysteresis. Both have
+/// rested in the middle: rested at opposite ends, they would have crept apart, against what their memories differ by.
 pub fn start_memory(table: &Admitted) -> [f32; SPANS] {
     let range: Range<f64> = table.voltage_range_v.of();
     let at = |eighth: usize| range.min + range.span() * eighth as f64 / (SPANS - 1) as f64;
@@ -21,7 +22,7 @@ pub fn start_memory(table: &Admitted) -> [f32; SPANS] {
             // Up to one end and then to the other, so that every span is met.
             let path: Vec<f64> = [ramp(start, far), ramp(far, near)].concat();
             let [low, high] = [[range.max, range.min], [range.min, range.max]]
-                .map(|[first, second]| displacements(table, &[first, second, start], &path));
+                .map(|[first, second]| displacements(table, &[range.middle(), first, second, start], &path));
             let mut swept = Range::point(start);
             for ((&voltage, low), high) in path.iter().zip(low).zip(high) {
                 let before = eighths(swept, range);
