@@ -16,6 +16,7 @@ mod linearise;
 mod logs;
 mod manual;
 mod mistakes;
+mod monitor;
 mod options;
 mod pil;
 mod record;

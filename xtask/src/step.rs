@@ -76,8 +76,8 @@ pub const STEPS: [Step; 13] = [
     },
     Step {
         name: "browser",
-        about: "the HTML report is sound in a browser, on a phone's width and a desktop's",
-        tools: &[&CHROMIUM],
+        about: "the HTML report, and the live scope of a device at 2 kHz, are sound in a browser on a phone's width and a desktop's",
+        tools: &[&CHROMIUM, &EMBEDDED, &QEMU],
         run: browser,
     },
     Step {
@@ -183,7 +183,9 @@ fn board(sh: &Shell) -> Result<()> {
 }
 
 fn browser(sh: &Shell) -> Result<()> {
-    let by_name = ["checks", "report"].map(|test| format!("--test={test}"));
+    let by_name = ["checks", "report", "scope"].map(|test| format!("--test={test}"));
     let tests = tests(sh).args(by_name).args(["--", "--nocapture"]);
-    Ok(tests.env("CHROME", tool::chromium()?).env("PIEZO", built_piezo(sh)?).run()?)
+    let tests =
+        tests.env("CHROME", tool::chromium()?).env("FIRMWARE_IMAGE_MPS2", embedded::image(sh, Board::Mps2An386)?);
+    Ok(tests.env("PIEZO", built_piezo(sh)?).run()?)
 }

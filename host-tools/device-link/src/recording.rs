@@ -77,6 +77,57 @@ pub enum End {
     Link(LinkError),
 }
 
+/// A recording under way, which takes the frames of samples as they come: for who has other uses of them, too.
+#[derive(Debug)]
+pub struct Recorder<W> {
+    wish: Wish,
+    log: W,
+    numbers: Numbers,
+    recording: Recording,
+}
+
+impl<W: Write> Recorder<W> {
+    /// Begins a log, by its header.
+    ///
+    /// # Errors
+    /// The log cannot be written, here and below.
+    pub fn begin(wish: Wish, mut log: W) -> io::Result<Self> {
+        writeln!(log, "{}", if wish.sensor.is_some() { HEADER_WITH_SENSOR } else { HEADER })?;
+        Ok(Self { wish, log, numbers: Numbers::default(), recording: Recording::default() })
+    }
+
+    /// Writes the next frame; or says why it is not written, and nothing after it may be.
+    pub fn take(&mut self, samples: &Samples) -> io::Result<Option<End>> {
+        let recording = &mut self.recording;
+        match self.numbers.take(samples) {
+            Continuity::Contiguous => {}
+            Continuity::Gap(ticks) if self.wish.allow_gaps => {
+                recording.lost += u64::from(ticks);
+                recording.ticks += u64::from(ticks);
+                recording.next = None;
+            }
+            Continuity::Gap(ticks) => return Ok(Some(End::Gap { ticks })),
+            Continuity::Restarted => return Ok(Some(End::Restarted)),
+        }
+        if self.wish.sensor.is_some() && samples.samples.iter().any(|sample| sample.sensor.is_none()) {
+            return Ok(Some(End::NoSensor));
+        }
+        write(samples, &self.wish, recording, &mut self.log)?;
+        Ok(None)
+    }
+
+    /// What is recorded so far.
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// Ends it; what was recorded, and the log, all of which is handed to whatever it is written to.
+    pub fn finish(mut self) -> io::Result<(Recording, W)> {
+        self.log.flush()?;
+        Ok((self.recording, self.log))
+    }
+}
+
 /// Records until enough is there, `enough` says so, or something ends it.
 ///
 /// # Errors
@@ -87,12 +138,11 @@ pub fn record(
     log: &mut impl Write,
     mut enough: impl FnMut(&Recording) -> bool,
 ) -> io::Result<(Recording, End)> {
-    let mut recording = Recording::default();
-    let mut numbers = Numbers::default();
+    let mut recorder = Recorder::begin(*wish, log)?;
     let mut silence = Duration::ZERO;
-    writeln!(log, "{}", if wish.sensor.is_some() { HEADER_WITH_SENSOR } else { HEADER })?;
     let end = loop {
-        if wish.ticks.is_some_and(|ticks| recording.ticks >= ticks) || enough(&recording) {
+        let recording = recorder.recording();
+        if wish.ticks.is_some_and(|ticks| recording.ticks >= ticks) || enough(recording) {
             break End::Complete;
         }
         let samples = match client.samples(LOOK) {
@@ -105,23 +155,11 @@ pub fn record(
             Err(error) => break End::Link(error),
         };
         silence = Duration::ZERO;
-        match numbers.take(&samples) {
-            Continuity::Contiguous => {}
-            Continuity::Gap(ticks) if wish.allow_gaps => {
-                recording.lost += u64::from(ticks);
-                recording.ticks += u64::from(ticks);
-                recording.next = None;
-            }
-            Continuity::Gap(ticks) => break End::Gap { ticks },
-            Continuity::Restarted => break End::Restarted,
+        if let Some(end) = recorder.take(&samples)? {
+            break end;
         }
-        if wish.sensor.is_some() && samples.samples.iter().any(|sample| sample.sensor.is_none()) {
-            break End::NoSensor;
-        }
-        write(&samples, wish, &mut recording, log)?;
     };
-    log.flush()?;
-    Ok((recording, end))
+    Ok((recorder.finish()?.0, end))
 }
 
 fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut impl Write) -> io::Result<()> {

@@ -90,9 +90,14 @@ impl Window {
         self.lost
     }
 
+    /// The last sample.
+    pub fn last(&self) -> Option<&Sample> {
+        self.samples.back()
+    }
+
     /// The last ADC code.
     pub fn code(&self) -> Option<u16> {
-        self.samples.back().map(|sample| sample.code)
+        self.last().map(|sample| sample.code)
     }
 
     /// Displacement, µm.

@@ -98,8 +98,11 @@ enum Verb {
     /// Who the device is, which table it runs, how it is, and what to do about it.
     #[command(after_help = "Example: piezo info --port /dev/ttyACM0")]
     Info(info::Info),
-    /// Displacement, voltage and faults, live.
-    #[command(after_help = "Example: piezo monitor --port /dev/ttyACM0")]
+    /// Displacement, voltage and faults, live: in the terminal, in a browser, in another program that plots.
+    #[command(after_help = "Examples:
+  piezo monitor --port /dev/ttyACM0
+  piezo monitor --web --board board.toml --port /dev/ttyACM0
+  piezo monitor --udp 127.0.0.1:9870 --format plotjuggler --port /dev/ttyACM0")]
     Monitor(monitor::Monitor),
     /// Calls the displacement of now, or the mean over one cycle of the voltage, 0 or what it is known to be.
     #[command(after_help = "Examples:

@@ -10,9 +10,19 @@
     return mark.getTotalLength() > 0 && (style.stroke !== "none" || style.fill !== "none")
       && mark.getClientRects().length > 0;
   };
-  const plots = [...document.querySelectorAll("figure svg")].map((svg) => ({
-    box: box(svg),
-    marks: [...svg.querySelectorAll("path, polyline")].filter(drawn).length,
+  // A canvas has pixels for marks: those that neither grid nor letter explains, which are grey and pale.
+  const coloured = (canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let at = 0; at < data.length; at += 4) {
+      const [least, most] = [Math.min(data[at], data[at + 1], data[at + 2]), Math.max(data[at], data[at + 1], data[at + 2])];
+      if (data[at + 3] > 200 && (most - least > 60 || most < 60)) count += 1;
+    }
+    return count;
+  };
+  const plots = [...document.querySelectorAll("figure svg, figure canvas")].filter((plot) => plot.checkVisibility()).map((plot) => ({
+    box: box(plot),
+    marks: plot instanceof HTMLCanvasElement ? coloured(plot) : [...plot.querySelectorAll("path, polyline")].filter(drawn).length,
   }));
 
   // An SVG's text shrinks with its drawing, whatever its font-size says.

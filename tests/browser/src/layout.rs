@@ -23,7 +23,7 @@ pub(crate) struct Layout {
 struct Plot {
     #[serde(rename = "box")]
     extent: Extent,
-    /// Curves that leave a trace.
+    /// Curves that leave a trace; of a canvas its coloured pixels.
     marks: usize,
 }
 

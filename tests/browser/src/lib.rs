@@ -1,4 +1,4 @@
-//! What an HTML report must hold to in a browser: drawn, legible, sound, and complete in one file.
+//! What an HTML page must hold to in a browser: drawn, legible, sound, and complete in one file.
 //!
 //! [`inspect`] opens a page at a given width and lists what is wrong with it, in sentences. The page needs no help: it is
 //! any URL, so that the checks themselves can be tested on pages made to fail them.
@@ -18,8 +18,6 @@ pub use page::{Page, Viewport};
 /// The browser failed, not the page.
 pub fn inspect<'b>(browser: &'b mut Browser, url: &str, viewport: Viewport) -> Result<(Page<'b>, Vec<String>)> {
     let mut page = Page::open(browser, url, viewport)?;
-    let layout = page.layout()?;
-    let mut faults = page.troubles()?;
-    faults.extend(layout.faults(viewport));
+    let faults = page.faults(viewport)?;
     Ok((page, faults))
 }

@@ -1,6 +1,9 @@
 //! A page open in the browser, and what it complained of while it loaded.
 
-use std::mem;
+use std::{
+    mem, thread,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context, Result, bail, ensure};
 use base64::prelude::{BASE64_STANDARD, Engine as _};
@@ -31,6 +34,8 @@ pub struct Page<'b> {
     session: String,
 }
 
+/// How often [`Page::until`] looks.
+const LOOK: Duration = Duration::from_millis(50);
 /// What [`Page::troubles`] has the page log to find the end of what it reported before.
 const END: &str = "report-browser-test: end";
 
@@ -73,13 +78,42 @@ impl<'b> Page<'b> {
     }
 
     /// The value of an expression, or of what it promises.
-    fn evaluate(&mut self, expression: &str) -> Result<Value> {
+    ///
+    /// # Errors
+    /// It throws, or the browser fails.
+    pub fn evaluate(&mut self, expression: &str) -> Result<Value> {
         let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let mut answer = self.call("Runtime.evaluate", parameters)?;
         if let Some(thrown) = answer.get("exceptionDetails") {
             bail!("{}", thrown["exception"]["description"]);
         }
         Ok(mem::take(&mut answer["result"]["value"]))
+    }
+
+    /// Waits until an expression is true.
+    ///
+    /// # Errors
+    /// It does not come true in time, it throws, or the browser fails.
+    pub fn until(&mut self, expression: &str, patience: Duration) -> Result<()> {
+        let start = Instant::now();
+        while self.evaluate(&format!("Boolean({expression})"))? != Value::Bool(true) {
+            if start.elapsed() > patience {
+                bail!("{expression} is not so; the page says: {}", self.evaluate("document.body.innerText")?);
+            }
+            thread::sleep(LOOK);
+        }
+        Ok(())
+    }
+
+    /// Everything that is wrong with the page as it is now.
+    ///
+    /// # Errors
+    /// The browser's, not the page's.
+    pub fn faults(&mut self, viewport: Viewport) -> Result<Vec<String>> {
+        let layout = self.layout()?;
+        let mut faults = self.troubles()?;
+        faults.extend(layout.faults(viewport));
+        Ok(faults)
     }
 
     /// Measures the page.
@@ -150,7 +184,8 @@ fn trouble(event: &Value, own_url: &str) -> Option<String> {
         }
         "Network.requestWillBeSent" => {
             let url = words(&of["request"]["url"]);
-            let leaves = url != own_url && !url.starts_with("data:");
+            // What lies below a page in a folder of its own is its own, too.
+            let leaves = !url.starts_with(own_url) && !url.starts_with("data:");
             leaves.then(|| format!("request that leaves the file: {url}"))
         }
         _ => None,

@@ -90,11 +90,16 @@ impl Board {
         }
     }
 
+    /// What `--port` is told to reach it.
+    pub fn address(&self) -> String {
+        format!("tcp:127.0.0.1:{}", self.port)
+    }
+
     /// Runs `piezo VERB --port … ARGUMENTS`.
     pub fn piezo(&self, verb: &str, arguments: &[&str]) -> Output {
         Command::new(from_environment("PIEZO"))
             .arg(verb)
-            .args(["--port", &format!("tcp:127.0.0.1:{}", self.port)])
+            .args(["--port", &self.address()])
             .args(arguments)
             .current_dir(self.folder.path())
             .output()

@@ -63,6 +63,24 @@ impl Replacement {
         self.file.persist(self.target).map_err(|error| error.error)?;
         Ok(())
     }
+
+    /// Puts what was written to the first of these paths at which nothing is, in the target's folder, and says which: for what must
+    /// never be written over anything, whoever put it there meanwhile.
+    ///
+    /// # Errors
+    /// Something is at each; whatever the operating system says.
+    pub fn commit_to_free(self, paths: impl IntoIterator<Item = PathBuf>) -> io::Result<PathBuf> {
+        self.sync()?;
+        let mut file = self.file;
+        for path in paths {
+            match file.persist_noclobber(&path) {
+                Ok(_) => return Ok(path),
+                Err(error) if error.error.kind() == ErrorKind::AlreadyExists => file = error.file,
+                Err(error) => return Err(error.error),
+            }
+        }
+        Err(ErrorKind::AlreadyExists.into())
+    }
 }
 
 impl Write for Replacement {
@@ -131,5 +149,23 @@ mod tests {
         assert_eq!(fs::read_to_string(at("log.csv")).unwrap(), "of another program");
         assert!(at(".piezo-notes.txt").exists());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+    }
+
+    #[test]
+    fn what_is_there_is_kept_and_the_next_free_name_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["1.csv", "2.csv", "3.csv"].map(|name| folder.path().join(name));
+        let write = |contents: &str| {
+            let mut file = Replacement::of(&names[0]).unwrap();
+            file.write_all(contents.as_bytes()).unwrap();
+            file
+        };
+        let file = write("ours");
+        fs::write(&names[0], "another's").unwrap();
+        fs::create_dir(&names[1]).unwrap();
+        assert_eq!(file.commit_to_free(names.clone()).unwrap(), names[2]);
+        assert_eq!(fs::read_to_string(&names[0]).unwrap(), "another's");
+        assert_eq!(fs::read_to_string(&names[2]).unwrap(), "ours");
+        assert_eq!(write("late").commit_to_free(names).unwrap_err().kind(), ErrorKind::AlreadyExists);
     }
 }

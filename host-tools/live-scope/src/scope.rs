@@ -1,0 +1,305 @@
+//! The device's end of the page: takes what is streamed, sends the page what it draws, and does what its buttons ask for.
+//!
+//! A link that fails ends nothing: what was recorded is kept, the page says why, and the device is looked for every second.
+
+use crate::column::Columns;
+use crate::datagrams::Datagrams;
+use crate::device::Device;
+use crate::feed::Feed;
+use crate::log::Log;
+use crate::message::{self, Facts, State, Words, three};
+use crate::server::{Asked, Server, Wish};
+use device_link::window::Window;
+use device_link::{LinkError, words};
+use protocol::{Faults, Health, Samples};
+use remedy::sentence;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Length of the page's columns, µs.
+const COLUMN_US: u32 = 5000;
+/// Longest wait for samples before a button is looked at.
+const LOOK: Duration = Duration::from_millis(10);
+/// How often the page is sent columns.
+const COLUMNS: Duration = Duration::from_millis(50);
+/// How often it is sent the state.
+const STATE: Duration = Duration::from_millis(200);
+/// How often the device is asked how it is.
+const HEALTH: Duration = Duration::from_secs(2);
+/// How long the device may take to do what it has said it does.
+const TOLD: Duration = Duration::from_secs(1);
+/// How often a device that is gone is looked for.
+const AGAIN: Duration = Duration::from_secs(1);
+
+/// What outlasts a link.
+pub struct Scope<'s> {
+    server: &'s Server,
+    /// Where recordings go.
+    folder: PathBuf,
+    datagrams: Option<Datagrams>,
+    log: Option<Log>,
+    recorded: Option<String>,
+}
+
+impl<'s> Scope<'s> {
+    /// A scope on this server's page, which records into a folder and sends the same samples elsewhere, too, where that is wanted.
+    pub fn new(server: &'s Server, folder: &Path, datagrams: Option<Datagrams>) -> Self {
+        // Named whole, so that who reads the page finds it. Where the operating system knows of no folder, it will say so itself.
+        let folder = std::path::absolute(folder).unwrap_or(folder.to_owned());
+        Self { server, folder, datagrams, log: None, recorded: None }
+    }
+
+    /// Writes the next frame; a recording that it ends is kept.
+    fn write(&mut self, samples: &Samples) {
+        let Some(log) = &mut self.log else { return };
+        match log.take(samples) {
+            Ok(None) => {}
+            Ok(Some(why)) => self.end_log(Some(&why)),
+            Err(error) => {
+                self.recorded = Some(format!("{}: cannot be written: {error}", log.path().display()));
+                self.log = None;
+            }
+        }
+    }
+
+    /// Ends the recording that is under way, if one is; says so on the page.
+    fn end_log(&mut self, why: Option<&str>) {
+        let Some(log) = self.log.take() else { return };
+        let path = log.path().display().to_string();
+        let kept = log.finish().unwrap_or_else(|error| format!("{path}: cannot be written: {error}"));
+        self.recorded = Some(why.map_or(kept.clone(), |why| format!("{why}; {kept}")));
+    }
+
+    fn begin_log(&mut self, device: &Device) -> Result<String, String> {
+        if let Some(log) = &self.log {
+            return Err(format!("{} is being recorded", log.path().display()));
+        }
+        let log = Log::begin(&self.folder, device.recording())
+            .map_err(|error| format!("{}: no recording can be written there: {error}", self.folder.display()))?;
+        let said = format!("recording into {}", log.path().display());
+        (self.log, self.recorded) = (Some(log), None);
+        Ok(said)
+    }
+
+    fn send<T: serde::Serialize>(&self, name: &'static str, message: &T) {
+        // Cannot fail: the messages are numbers and words.
+        let json = serde_json::to_string(message).expect("a message is JSON");
+        match name {
+            "columns" => self.server.subscribers().send(name, &json),
+            _ => self.server.subscribers().send_state(name, &json),
+        }
+    }
+}
+
+/// Shows a device until it is `over`, and hands it back; where its link fails, the next that `reopen` finds, and nothing where it
+/// finds none by then.
+pub fn run(
+    device: Device,
+    scope: &mut Scope<'_>,
+    reopen: &mut dyn FnMut() -> Result<Device, String>,
+    over: &dyn Fn() -> bool,
+) -> Option<Device> {
+    let mut found = Ok(device);
+    let last = loop {
+        match found {
+            Ok(device) => match Link::new(device, scope).and_then(|mut link| link.show(scope, over).map(|()| link)) {
+                Ok(link) => break Some(link.device),
+                Err(error) => {
+                    scope.end_log(Some("the link failed"));
+                    found = Err(sentence(&error));
+                }
+            },
+            Err(why) => {
+                if !wait(scope, &why, over) {
+                    break None;
+                }
+                found = reopen();
+            }
+        }
+    };
+    scope.end_log(None);
+    last
+}
+
+/// Says why there is nothing to be seen, for a second; `false` when it is over.
+fn wait(scope: &Scope<'_>, why: &str, over: &dyn Fn() -> bool) -> bool {
+    let state = State { gone: Some(why.to_owned()), recorded: scope.recorded.clone(), ..State::default() };
+    scope.send("state", &state);
+    let until = Instant::now() + AGAIN;
+    while Instant::now() < until {
+        if over() {
+            return false;
+        }
+        std::thread::sleep(LOOK);
+        if let Some(asked) = scope.server.asked() {
+            asked.answer(Err(why.to_owned()));
+        }
+    }
+    true
+}
+
+/// A link that is up.
+struct Link {
+    device: Device,
+    feed: Feed,
+    columns: Columns,
+    pending: message::Columns,
+    window: Window,
+    health: Health,
+    rate: f64,
+}
+
+impl Link {
+    fn new(mut device: Device, scope: &mut Scope<'_>) -> Result<Self, LinkError> {
+        let health = device.client.health()?;
+        device.client.stream(true)?;
+        if let Some(datagrams) = &mut scope.datagrams {
+            datagrams.restart(device.feed());
+        }
+        let length = device.ticks_in(COLUMN_US);
+        scope.send("device", &facts(&device, length));
+        Ok(Self {
+            feed: device.feed(),
+            columns: Columns::new(length),
+            pending: message::Columns::default(),
+            window: device.window(),
+            health,
+            rate: 0.0,
+            device,
+        })
+    }
+
+    fn show(&mut self, scope: &mut Scope<'_>, over: &dyn Fn() -> bool) -> Result<(), LinkError> {
+        let start = Instant::now();
+        let (mut columns, mut state, mut health) = (start, start, start);
+        let (mut second, mut before) = (start, 0);
+        while !over() {
+            if let Some(samples) = self.device.client.samples(LOOK)? {
+                self.take(&samples, scope);
+            }
+            if let Some(asked) = scope.server.asked() {
+                self.obey(asked, scope);
+                // What it has done is seen at once.
+                state = start;
+            }
+            if columns.elapsed() >= COLUMNS && !self.pending.columns.is_empty() {
+                scope.send("columns", &std::mem::take(&mut self.pending));
+                columns = Instant::now();
+            }
+            if second.elapsed().as_secs_f64() >= 1.0 {
+                let received = self.window.received();
+                self.rate = (received - before) as f64 / second.elapsed().as_secs_f64();
+                (second, before) = (Instant::now(), received);
+                if self.rate == 0.0 {
+                    self.window.clear();
+                }
+            }
+            if health.elapsed() >= HEALTH {
+                self.health = self.device.client.health()?;
+                // One that was restarted streams to nobody.
+                if self.rate == 0.0 {
+                    self.device.client.stream(true)?;
+                }
+                health = Instant::now();
+            }
+            if state.elapsed() >= STATE || state == start {
+                scope.send("state", &self.state(scope));
+                state = Instant::now();
+            }
+        }
+        self.device.client.stream(false)
+    }
+
+    fn take(&mut self, samples: &Samples, scope: &mut Scope<'_>) {
+        let Self { feed, columns, pending, window, .. } = self;
+        window.take(samples);
+        feed.take(samples, |tick| {
+            if let Some(column) = columns.take(tick) {
+                pending.push(&column);
+            }
+        });
+        scope.write(samples);
+        if let Some(datagrams) = &mut scope.datagrams {
+            datagrams.take(samples);
+        }
+    }
+
+    fn obey(&mut self, asked: Asked, scope: &mut Scope<'_>) {
+        let done = match asked.wish {
+            Wish::Zero(at) => self.zero(at),
+            Wish::Record(true) => scope.begin_log(&self.device),
+            Wish::Record(false) => {
+                scope.end_log(None);
+                Ok(scope.recorded.clone().unwrap_or("nothing is being recorded".to_owned()))
+            }
+        };
+        asked.answer(done);
+    }
+
+    /// Calls the displacement of now `at`, µm.
+    fn zero(&mut self, at: f64) -> Result<String, String> {
+        let told = |error: LinkError| sentence(&error);
+        bench::require_model(&self.device.table).map_err(|error| sentence(&error))?;
+        let before = self.device.client.health().map_err(told)?.bias_age_ticks;
+        self.device.client.set_zero(at as f32).map_err(told)?;
+        let start = Instant::now();
+        loop {
+            self.health = self.device.client.health().map_err(told)?;
+            let age = self.health.bias_age_ticks;
+            if age.is_some_and(|age| before.is_none_or(|before| age < before)) {
+                return Ok(format!("called {at} µm; {}", self.bias()));
+            }
+            if start.elapsed() > TOLD {
+                return Err("the estimate began anew meanwhile, and forgot it: ask again".to_owned());
+            }
+            std::thread::sleep(LOOK);
+        }
+    }
+
+    fn bias(&self) -> String {
+        words::bias(&self.health, self.device.identity.tick_us)
+    }
+
+    fn state(&self, scope: &Scope<'_>) -> State {
+        let faults = self.window.faults();
+        // One that drives the amplifier is at rest whenever nothing is followed: that is no fault.
+        let rests = self.device.table.drive.is_some() && faults == Faults::SAFE_OUTPUT && !self.health.mode.drives();
+        let faults = if rests { Faults::empty() } else { faults };
+        let faults = remedy::faults(faults).map(|meaning| (meaning, true));
+        let status = remedy::status(self.window.status()).map(|meaning| (meaning, false));
+        let sensor = self.device.sensor;
+        State {
+            gone: None,
+            displacement_um: self.window.displacement().map(three),
+            half_width_um: self.window.half_width(),
+            voltage_v: self.window.voltage().map(three),
+            sensor_um: sensor.and_then(|sensor| sensor.um(self.window.last()?)).map(|um| um as f32),
+            rate: self.rate,
+            lost: self.window.lost(),
+            words: faults
+                .chain(status)
+                .map(|(meaning, fault)| Words { what: meaning.what, remedy: meaning.remedy, fault })
+                .collect(),
+            mode: words::mode(self.health.mode).to_owned(),
+            bias: self.bias(),
+            recording: scope
+                .log
+                .as_ref()
+                .map(|log| message::Recording { file: log.path().display().to_string(), seconds: log.seconds() }),
+            recorded: scope.recorded.clone(),
+        }
+    }
+}
+
+fn facts(device: &Device, length: u32) -> Facts {
+    let Device { identity, table, sensor, .. } = device;
+    Facts {
+        board: format!("{}, firmware {} ({})", identity.board, identity.firmware, identity.git),
+        table: bench::describe(table).into_iter().next().unwrap_or_default(),
+        ticks_per_second: device.ticks_in(1_000_000),
+        column_s: f64::from(length * identity.tick_us) * 1e-6,
+        sensor: sensor.is_some(),
+        interval: table.interval.is_some(),
+        no_zero: bench::require_model(table).err().map(|error| sentence(&error)),
+    }
+}
