@@ -1,13 +1,14 @@
 //! What recordings determine of an actuator, and what they do not: what a table says of it, with standard errors.
 //!
 //! ```text
-//! Σ⁻¹ = nₑ/(n·s²)·JᵀJ + D⁻²        J = ∂ŷ/∂θ at the training's readings, s = √(π/2) times their mean absolute error
+//! Σ⁻¹ = Σ_b nₑ/(n·s²)·JᵀJ + D⁻²    J = ∂ŷ/∂θ at the readings of block b, s = √(π/2) times their mean absolute error
 //! se(φ)² = ∇φᵀ Σ ∇φ                 φ what the actuator does in an experiment, by the table
 //! nₑ = n / (1 + 2 Σ_k ρ_k)          ρ the errors' autocorrelation, until it first falls below 0
 //! ```
 //!
 //! (Seber and Wild, *Nonlinear Regression*, 1989, ch. 2 and 6.) That one nₑ holds for all takes the derivatives to be as slow as
-//! the errors, which those of a loop are whose error repeats with it.
+//! the errors, which those of a loop are whose error repeats with it. A session's blocks are its start, which nobody knows, and
+//! what follows; each has its own noise, as in the fit, and a constant of the session's, for drift and the sensor's zero, says nothing.
 //! A model's single numbers say little: those of neighbouring plays stand in for one another, and no log tells them apart. What the
 //! actuator does in an experiment is told by all of them together, and is what a user means. D takes every number to be known
 //! to its own size beforehand, so that what the logs do not see has a large standard error, and not an infinite one.
@@ -39,6 +40,8 @@ const WORST_CONDITION: f64 = 1e8;
 const PRODUCTS: usize = 100_000_000;
 /// Every how many readings are looked at where that does not suffice.
 const THINNED: usize = 10;
+/// A block is not believed to be quieter than this part of what follows the starts.
+const QUIET: f64 = 0.1;
 /// What is known to this part of the stroke is told well.
 const OF_STROKE: f64 = 0.005;
 /// What the logs leave of the standard error that there was before them, at most, where they tell something.
@@ -47,11 +50,11 @@ const LEFT: f64 = 0.1;
 /// What the training logs determine.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Determination {
-    /// Readings of the training, behind starts that nobody knows.
+    /// Readings of the training.
     pub readings: usize,
     /// As many independent readings would say as much.
     pub effective_readings: f64,
-    /// Mean absolute error there, without a constant of each session's, µm: a few readings that are far off count once.
+    /// Mean absolute error behind the starts, without a constant of each session's, µm: a few readings that are far off count once.
     pub mae_um: f64,
     /// Numbers of the model that were looked at.
     pub numbers: usize,
@@ -98,30 +101,36 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     let limits = table.displacement_limits_um;
     let room = Range { min: limits.min - limits.span(), max: limits.max + limits.span() };
     let table = Table { interval: None, drive: None, displacement_limits_um: room, ..**table }.admit().ok()?;
-    let errors: Vec<Vec<f64>> = sessions.iter().map(|session| errors(&table, session)).collect();
-    let readings: usize = errors.iter().map(Vec::len).sum();
-    let absolute: f64 = errors.iter().flatten().map(|error| error.abs()).sum();
-    let effective: f64 = errors.iter().map(|errors| effective(errors)).sum();
+    let judged: Vec<Judged> = sessions.iter().map(|session| Judged::of(&table, session)).collect();
+    let readings: usize = judged.iter().map(|judged| judged.errors.len()).sum();
+    let settled: Vec<f64> = judged.iter().flat_map(|judged| &judged.errors[judged.start..]).copied().collect();
+    let mae_um = mean_absolute(&settled);
+    let effective: f64 = judged.iter().flat_map(Judged::blocks).map(effective).sum();
     let voltages = Range::of_values(sessions.iter().flat_map(|session| session.voltage.iter().copied()));
     let (numbers, held) = numbers(&table);
-    if readings < 2 || numbers.is_empty() || absolute <= 0.0 || voltages.span() <= 0.0 {
+    if readings < 2 || numbers.is_empty() || mae_um <= 0.0 || voltages.span() <= 0.0 {
         return None;
     }
     let every = readings.div_ceil(READINGS);
     let experiments = Experiment::all();
     let before: Vec<f64> = experiments.iter().map(|experiment| experiment.run(&table, voltages)).collect();
-    // Of each number the change of the readings, and of the experiments' results, for as much as itself.
+    let weights: Vec<Vec<f64>> = judged.iter().map(|judged| judged.weights(every, QUIET * mae_um)).collect();
+    // Of each number the change of the readings, each by its weight, and of the experiments' results, for as much as itself.
     let changes: Vec<(Vec<f64>, Vec<f64>)> = numbers
         .par_iter()
         .map(|Number { changed, step }| {
-            let read = sessions.iter().zip(&errors).flat_map(|(session, errors)| {
-                self::errors(changed, session)
+            let read = sessions.iter().zip(&judged).zip(&weights).flat_map(|((session, before), weights)| {
+                let after = Judged::of(changed, session).errors;
+                let change = |(after, before): (f64, &f64)| (after - before) / step;
+                let changes: Vec<f64> = after.into_iter().zip(&before.errors).map(change).collect();
+                changes
                     .into_iter()
-                    .zip(errors)
-                    .map(|(after, before)| (after - before) / step)
+                    .step_by(every)
+                    .zip(weights)
+                    .map(|(change, weight)| change * weight)
                     .collect::<Vec<f64>>()
             });
-            let read = read.step_by(every).collect();
+            let read = read.collect();
             let results = experiments.iter().zip(&before);
             (read, results.map(|(experiment, before)| (experiment.run(changed, voltages) - before) / step).collect())
         })
@@ -129,9 +138,7 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     let looked_at = changes.first()?.0.len();
     let read = DMatrix::from_fn(looked_at, numbers.len(), |reading, number| changes[number].0[reading]);
     let information = read.tr_mul(&read);
-    let mae_um = absolute / readings as f64;
-    let weight = effective / looked_at as f64 / (FRAC_PI_2 * mae_um * mae_um);
-    let precision = &information * weight + DMatrix::identity(numbers.len(), numbers.len());
+    let precision = &information + DMatrix::identity(numbers.len(), numbers.len());
     let precision = precision.cholesky()?;
     let eigenvalues = information.symmetric_eigenvalues();
     let stroke = before.first().copied()?.abs();
@@ -160,19 +167,53 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     })
 }
 
-/// What the estimates are off by where that is the model's: behind what is only run through, and behind a start that nobody
-/// knows, where a swing wipes that out; without the session's constant, which is drift, and the sensor's zero.
-fn errors(table: &Admitted, session: &Session) -> Vec<f64> {
-    let run = Run::of::<f64>(table, session, None, None);
-    let not_settled = run.status.iter().take_while(|status| status.contains(Status::NOT_SETTLED)).count();
-    let errors = run.errors(session);
-    let from = if not_settled < errors.len() { session.lead_in.max(not_settled) } else { session.lead_in };
-    let judged = &errors[from.min(errors.len())..];
-    let constant = judged.iter().sum::<f64>() / judged.len().max(1) as f64;
-    judged.iter().map(|error| error - constant).collect()
+/// What the estimates are off by on a session, µm, without a constant of its own.
+struct Judged {
+    errors: Vec<f64>,
+    /// So many of them belong to the start, until a swing has wiped out what nobody knows.
+    start: usize,
 }
 
-/// nₑ of one session. Errors that are still alike after as many readings as can be correlated in a moment are looked at
+impl Judged {
+    /// Of a table, behind what is only run through.
+    fn of(table: &Admitted, session: &Session) -> Self {
+        let run = Run::of::<f64>(table, session, None, None);
+        let not_settled = run.status.iter().take_while(|status| status.contains(Status::NOT_SETTLED)).count();
+        let mut errors = run.errors(session);
+        errors.drain(..session.lead_in.min(errors.len()));
+        let start = not_settled.saturating_sub(session.lead_in);
+        // A voltage that never swings far has no other part.
+        let start = if start < errors.len() { start } else { 0 };
+        let settled = &errors[start..];
+        let constant = settled.iter().sum::<f64>() / settled.len().max(1) as f64;
+        errors.iter_mut().for_each(|error| *error -= constant);
+        Self { errors, start }
+    }
+
+    fn blocks(&self) -> [&[f64]; 2] {
+        let (start, settled) = self.errors.split_at(self.start);
+        [start, settled]
+    }
+
+    /// √(nₑ/(n·s²)) of every so many readings, by the noise of their block, which is at least `quietest` µm.
+    fn weights(&self, every: usize, quietest: f64) -> Vec<f64> {
+        let weight = |block: &[f64]| {
+            let noise = mean_absolute(block).max(quietest);
+            (effective(block) / block.len().max(1) as f64 * every as f64 / FRAC_PI_2).sqrt() / noise
+        };
+        let [start, settled] = self.blocks().map(weight);
+        (0..self.errors.len())
+            .step_by(every)
+            .map(|reading| if reading < self.start { start } else { settled })
+            .collect()
+    }
+}
+
+fn mean_absolute(errors: &[f64]) -> f64 {
+    errors.iter().map(|error| error.abs()).sum::<f64>() / errors.len().max(1) as f64
+}
+
+/// nₑ of one block. Errors that are still alike after as many readings as can be correlated in a moment are looked at
 /// every tenth reading.
 fn effective(errors: &[f64]) -> f64 {
     let count = errors.len() as f64;
