@@ -70,11 +70,11 @@ impl StraightLine {
         v + (displacement - y) / self.gain_um_per_v
     }
 
-    /// Its errors on a session, as those of a table ([`compare`](crate::validate::compare)): at the measured instants
-    /// after the first.
+    /// Its errors on a session, where those of a table are ([`compare`](crate::validate::compare)).
     pub fn errors(&self, session: &Session) -> Figures {
-        let estimated: Vec<f64> = voltages(session).map(|voltage| self.displacement(voltage)).collect();
-        Figures::of(&estimated, session.displacement.get(1..).unwrap_or_default())
+        let judged = session.lead_in.max(1);
+        let estimated = voltages(session).skip(judged - 1).map(|voltage| self.displacement(voltage));
+        Figures::of(&estimated.collect::<Vec<f64>>(), session.displacement.get(judged..).unwrap_or_default())
     }
 }
 

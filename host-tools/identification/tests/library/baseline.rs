@@ -33,6 +33,15 @@ fn errors_of_a_known_ripple_are_its_own() {
     }
 }
 
+#[test]
+fn what_is_only_run_through_is_not_judged() {
+    let line = StraightLine::fit(std::iter::once(&session(2001, 1, |_| 0.0))).unwrap();
+    let mut halves = session(2001, 1, |k| if k < 1000 { 5.0 } else { 0.03 });
+    halves.lead_in = 1000;
+    let errors = line.errors(&halves);
+    assert!((errors.mae_um - 0.03).abs() < 1e-12 && (errors.max_um - 0.03).abs() < 1e-12, "{errors:?}");
+}
+
 /// Two logs with other offsets: the mean of them, although one is ten times as long.
 #[test]
 fn each_session_weighs_the_same() {
