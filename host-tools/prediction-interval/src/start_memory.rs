@@ -66,3 +66,32 @@ fn displacements(table: &Admitted, past: &[f64], path: &[f64]) -> Vec<f64> {
     }
     path.iter().map(|&voltage| model.step(voltage, None)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimator_core::list::List;
+    use estimator_core::{Parameters, Table};
+    use std::path::Path;
+
+    #[test]
+    fn creep_undoes_nothing_of_what_two_starts_differ_by() {
+        let path = "../../tests/data/table/models/generalised-prandtl-ishlinskii.toml";
+        let (_, creeps) = table_files::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap();
+        let Parameters::GeneralisedPrandtlIshlinskii(mut parameters) = creeps.parameters else { panic!("{path}") };
+        parameters.creep_gains = List::collect(parameters.creep_gains.iter().map(|_| 0.0)).unwrap();
+        let parameters = Parameters::GeneralisedPrandtlIshlinskii(parameters);
+        let limits = creeps.displacement_limits_um;
+        let room = Range { min: limits.min - limits.span(), max: limits.max + limits.span() };
+        let stands = Table { parameters, displacement_limits_um: room, ..*creeps }.admit().unwrap();
+        let (creeping, standing) = (start_memory(&creeps), start_memory(&stands));
+        // Half a range wipes out most of it.
+        for eighth in 0..4 {
+            let ratio = creeping[eighth] / standing[eighth];
+            assert!(
+                (0.7..1.3).contains(&ratio),
+                "after {eighth} eighths of the range: {creeping:?}, without creep {standing:?}"
+            );
+        }
+    }
+}
