@@ -35,6 +35,8 @@ pub enum Command {
     SameDay,
     /// `piezo validate` of its table on another session of the same actuator, zeroed in a rest.
     OtherDay,
+    /// The same, told the first reading and never zeroed.
+    OtherDayUnzeroed,
     /// `piezo reproduce errors tracking`, which identifies each model once for both.
     Reproduce,
     /// `cargo xtask size`.
@@ -48,7 +50,14 @@ pub enum Command {
 /// Every command, in rows that run side by side: what computes, and what an emulator does, which is one thread. A row has one
 /// emulator at a time, since two could choose the same port.
 const ROWS: [&[Command]; 2] = [
-    &[Command::Identify, Command::Validate, Command::SameDay, Command::OtherDay, Command::Reproduce],
+    &[
+        Command::Identify,
+        Command::Validate,
+        Command::SameDay,
+        Command::OtherDay,
+        Command::OtherDayUnzeroed,
+        Command::Reproduce,
+    ],
     &[Command::Size, Command::SizeModels, Command::Cycles],
 ];
 
@@ -99,7 +108,7 @@ impl<'sh> Printed<'sh> {
         if let Some(value) = self.values.borrow().get(&command) {
             return Ok(Rc::clone(value));
         }
-        if matches!(command, Command::Validate | Command::SameDay | Command::OtherDay) {
+        if matches!(command, Command::Validate | Command::SameDay | Command::OtherDay | Command::OtherDayUnzeroed) {
             // Its table.
             self.by(Command::Identify)?;
         }
@@ -127,13 +136,10 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
     let start = Instant::now();
     let printed = match command {
         Command::Identify => json(cmd!(sh, "{piezo} identify {LOG} --out {demo}")),
-        Command::Validate => json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).arg(LOG)),
-        Command::SameDay => {
-            json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).args([LOG, "--zero-at", "20.1"]))
-        }
-        Command::OtherDay => {
-            json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).args([OTHER_DAY, "--zero-at", "24"]))
-        }
+        Command::Validate => validated(sh, piezo, demo, LOG, &[]),
+        Command::SameDay => validated(sh, piezo, demo, LOG, &["--zero-at", "20.1"]),
+        Command::OtherDay => validated(sh, piezo, demo, OTHER_DAY, &["--zero-at", "24"]),
+        Command::OtherDayUnzeroed => validated(sh, piezo, demo, OTHER_DAY, &[]),
         Command::Reproduce => json(cmd!(sh, "{piezo} reproduce errors tracking")),
         Command::Size => size::figures(sh, piezo),
         Command::SizeModels => size::models(sh, piezo),
@@ -141,6 +147,11 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
     };
     println!("{command:?}: {:.1} s", start.elapsed().as_secs_f64());
     printed.with_context(|| format!("{command:?}"))
+}
+
+/// What `piezo validate` prints of the identified table and a log.
+fn validated(sh: &Shell, piezo: &Path, demo: &Path, log: &str, zero: &[&str]) -> Result<Value> {
+    json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).arg(log).args(zero))
 }
 
 fn json(command: Cmd<'_>) -> Result<Value> {

@@ -9,7 +9,7 @@ use crate::cycles::LEVELS;
 use super::{
     ceiling,
     command::{
-        Command::{self, Cycles, Identify, OtherDay, Reproduce, SameDay, Size, SizeModels, Validate},
+        Command::{self, Cycles, Identify, OtherDay, OtherDayUnzeroed, Reproduce, SameDay, Size, SizeModels, Validate},
         Printed, bytes,
     },
     document::{Content, Table},
@@ -26,7 +26,7 @@ pub struct Figure {
 }
 
 /// Every figure.
-pub const FIGURES: [Figure; 14] = [
+pub const FIGURES: [Figure; 15] = [
     Figure {
         name: "picture",
         file: Some("book/src/estimate.svg"),
@@ -37,6 +37,7 @@ pub const FIGURES: [Figure; 14] = [
     stated("settled-after-s", |printed| value(printed, Validate, "/logs/0/cold/settled_after_s", 2)),
     stated("settled-mae-um", |printed| value(printed, Validate, "/logs/0/cold/settled/mae_um", 3)),
     stated("told-mae-um", |printed| value(printed, Validate, "/all/sil/mae_um", 3)),
+    stated("other-day-unzeroed-um", |printed| value(printed, OtherDayUnzeroed, "/all/sil/mae_um", 2)),
     stated("interval", intervals),
     stated("thesis", |printed| thesis(&printed.by(Reproduce)?["errors"])),
     stated("tracking", |printed| tracking(&printed.by(Reproduce)?["tracking"])),
