@@ -49,7 +49,7 @@ pub fn describe(table: &Admitted) -> Vec<String> {
 pub fn time(table: &Table) -> String {
     let cycles = table.cycles();
     format!(
-        "a tick takes at most {} cycles, {:.0} % of the board's {}; observed, not proven",
+        "a tick takes at most {} cycles, {:.0} % of the board's {}; observed in an emulator, not proven",
         cycles.most,
         cycles.percent(),
         cycles.period

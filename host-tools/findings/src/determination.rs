@@ -13,7 +13,7 @@ pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
         return vec![("The training".to_owned(), nothing)];
     };
     let worth = format!(
-        "{} readings, {:.3} µm off on average but for an offset of each log's; neighbours repeat one another, and they say as much as {:.0} that do not",
+        "{} readings, {:.3} µm off on average without each log's own offset; neighbours repeat one another, so they count as {:.0} independent ones",
         of.readings, of.mae_um, of.effective_readings
     );
     let found = of.found.iter().map(|found| {

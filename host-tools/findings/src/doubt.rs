@@ -35,7 +35,8 @@ pub fn doubt(doubt: &Doubt) -> String {
              estimator does, {simulation_um:.3} µm: use --cost simulation"
         ),
         Doubt::Transient { log, until_s } => format!(
-            "{log} fits far worse in its first {until_s:.3} s than later, as a start-up transient does: cut it off \
+            "{log} fits far worse in its first {until_s:.3} s than later, as a start-up transient does: look at it in the \
+             report. A start from rest is worth keeping, since creep and memory begin there; what is no measurement cut off \
              with --skip-start"
         ),
         Doubt::UnmetCondition { condition } => format!(

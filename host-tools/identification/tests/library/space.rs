@@ -38,9 +38,10 @@ fn the_simpler_model_is_a_candidate_of_the_richer() {
 }
 
 #[test]
-fn an_exponential_sigmoid_is_no_bound_but_every_other_end_is() {
+fn a_limit_of_the_model_is_no_bound_but_every_other_end_is() {
     let gene = |name| Gene { name, meaning: "", unit: "", min: 1e-4, max: 2.0, scale: Scale::Linear };
     assert!(!gene("curvature").undetermined(1e-4) && gene("curvature").undetermined(2.0));
+    assert!(!gene("memory").undetermined(1e-4) && !gene("memory").undetermined(2.0));
     assert!(gene("p").undetermined(1e-4) && gene("p").undetermined(1.999) && !gene("p").undetermined(1.0));
 }
 

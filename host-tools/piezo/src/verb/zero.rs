@@ -103,7 +103,9 @@ pub fn run(arguments: &Zero) -> Result<bool> {
         )),
     }
     out(&format!("The device: {}", words::bias(&health, identity.tick_us)));
-    out("The bias lasts until the device is restarted or paused, runs pil, or has had a fault.");
+    out(
+        "The bias lasts until the device is restarted, its mode is set (follow, train, prove, pil, a pause), or it has had a fault.",
+    );
     Ok(true)
 }
 

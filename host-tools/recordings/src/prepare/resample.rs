@@ -10,7 +10,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Decimation {
-    /// The sample at each tick: every n-th, or between two where the rates are no multiples.
+    /// The sample at each tick: every n-th, or between two where the rates are no multiples. Tables called the latter
+    /// `interpolate`.
+    #[serde(alias = "interpolate")]
     Every,
     /// The mean of each n samples; the rates must be multiples.
     Average,
@@ -78,6 +80,8 @@ fn interpolated(samples: &[f64], row: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde::de::IntoDeserializer;
+    use serde::de::value::{Error, StrDeserializer};
 
     fn ramp(rows: u32) -> Vec<f64> {
         (0..rows).map(f64::from).collect()
@@ -100,6 +104,16 @@ mod tests {
         let at_tick = to_tick(&rows, &rows, 2.0 / 3.0, Decimation::Every).unwrap();
         assert_eq!(at_tick.displacement.len(), 67);
         assert!((at_tick.displacement[2] - 3.0).abs() < 1e-12 && (at_tick.voltage[1] - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_table_that_says_interpolate_is_read() {
+        let named = |name: &'static str| {
+            let name: StrDeserializer<'_, Error> = name.into_deserializer();
+            Decimation::deserialize(name)
+        };
+        assert_eq!(named("interpolate"), Ok(Decimation::Every));
+        assert!(named("some").is_err());
     }
 
     #[test]
