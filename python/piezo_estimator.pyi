@@ -41,8 +41,11 @@ class Table:
     @staticmethod
     def read(path: _Path) -> Table:
         """Reads and admits a table.toml, or the record in a table.bin. Warns where it lies beside a face of another table."""
-    def write(self, folder: _Path) -> None:
-        """Writes table.toml, table.rs and table.bin into a folder, all or none; the folder is made where there is none."""
+    def write(self, folder: _Path, *, force: bool = False) -> None:
+        """Writes table.toml, table.rs and table.bin into a folder, all or none; the folder is made where there is none.
+
+        A file of such a name that is no former face of a table is refused, or lost with force.
+        """
     def record(self) -> bytes:
         """The record, as table.bin and the board's flash hold it."""
     def prepare(self, log: Log) -> Session:
