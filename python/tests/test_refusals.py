@@ -93,6 +93,10 @@ def test_arrays_that_are_none_change_nothing() -> None:
         estimator.run(np.zeros((2, 2)))
     with pytest.raises((TypeError, ValueError)):
         estimator.run("volts")  # type: ignore[arg-type]
+    with pytest.raises(pz.PiezoError, match="complex"):
+        estimator.run(np.array([1.0 + 1.0j]))
+    with pytest.raises(pz.PiezoError, match="complex"):
+        estimator.run([1.0, 1.0j])  # type: ignore[list-item]
     with pytest.raises(TypeError):
         # As a uint16 it would be code 0.
         estimator.run_codes(np.array([65536], dtype=np.int32))
