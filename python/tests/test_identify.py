@@ -38,10 +38,16 @@ def test_validate_has_the_program_s_figures(told: str) -> None:
 def test_control_c_ends_a_search() -> None:
     log = pz.read_log(LOG)
     # A shell has what it starts in the background ignore it, and Python leaves that so.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    threading.Timer(0.5, signal.raise_signal, [signal.SIGINT]).start()
-    with pytest.raises(KeyboardInterrupt):
-        pz.identify([log], model="enhanced", devices=0)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    stop = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            stop.start()
+            # Hours, if nothing ended it.
+            pz.identify([log], model="enhanced", devices=0, evaluations=1_000_000)
+    finally:
+        stop.cancel()
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_request_that_makes_no_sense_is_refused_in_words() -> None:
