@@ -41,8 +41,11 @@ class Table:
     @staticmethod
     def read(path: _Path) -> Table:
         """Reads and admits a table.toml, or the record in a table.bin. Warns where it lies beside a face of another table."""
-    def write(self, folder: _Path) -> None:
-        """Writes table.toml, table.rs and table.bin into a folder, all or none; the folder is made where there is none."""
+    def write(self, folder: _Path, *, force: bool = False) -> None:
+        """Writes table.toml, table.rs and table.bin into a folder, all or none; the folder is made where there is none.
+
+        A file of such a name that is no former face of a table is refused, or lost with force.
+        """
     def record(self) -> bytes:
         """The record, as table.bin and the board's flash hold it."""
     def prepare(self, log: Log) -> Session:
@@ -98,7 +101,8 @@ class Estimator:
     def set_zero(self, at_um: float = 0.0) -> None:
         """Calls the displacement of now at_um, where a stop, a gauge or rest tells it; the interval is relative to it.
 
-        Refused before the first tick, and while an actuator that moved then is on its way.
+        Refused as a device does: beyond the span of the table's limits, before the first tick, and while an actuator that moved
+        then is on its way.
         """
     def start_at(self, displacement_um: float) -> bool:
         """Starts anew from a known displacement, um; whether it lay within the table's limits, the nearest of which it becomes."""
@@ -132,7 +136,7 @@ class Inverse:
     def release(
         self, ticks: int
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.bool_]]:
-        """So many ticks towards the rest voltage, as fast as the limits allow."""
+        """So many ticks, at most 100 000 000, towards the rest voltage, as fast as the limits allow."""
     def restart(self) -> None:
         """Starts anew, long at rest at the rest voltage."""
     @property

@@ -33,6 +33,15 @@ pub struct Identified {
     determined: Vec<(String, String)>,
 }
 
+#[pymethods]
+impl Identified {
+    fn __repr__(&self) -> String {
+        let Table { admitted, .. } = self.table.get();
+        let (model, name, doubts) = (admitted.model().name(), table_files::name(admitted), self.doubts.len());
+        format!("<Identified {model}, {name}, {doubts} doubts>")
+    }
+}
+
 /// A number, or "auto".
 #[derive(FromPyObject)]
 pub enum Delay {
@@ -157,9 +166,14 @@ fn identified(py: Python<'_>, outcome: &Outcome, job: &Job) -> PyResult<Identifi
     })
 }
 
-/// The logs, none of them twice.
+/// The logs, each with voltage and displacement, and none of them twice.
 fn whole(logs: &[PyRef<'_, Log>]) -> PyResult<Vec<recordings::log::Log>> {
     let logs: Vec<_> = logs.iter().map(|log| log.0.clone()).collect();
+    for log in &logs {
+        let path = log.path.display();
+        require(log.displacement.is_some(), &format!("{path}: holds no displacement, which is to be learnt"))?;
+        require(!log.voltage.is_empty(), &format!("{path}: holds no voltage, which is to be learnt from"))?;
+    }
     match twins(&logs) {
         None => Ok(logs),
         Some([log, twin]) => {

@@ -14,6 +14,7 @@ mod identify;
 mod inverse;
 mod log;
 mod table;
+mod ticks;
 
 use pyo3::prelude::*;
 

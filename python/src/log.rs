@@ -60,8 +60,7 @@ impl Log {
     /// Time of each sample since the first, s.
     #[getter]
     fn time_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let count = self.0.voltage.len().max(self.0.displacement.as_ref().map_or(0, Vec::len));
-        PyArray1::from_iter(py, (0..count).map(|sample| sample as f64 * self.0.sample_period))
+        PyArray1::from_iter(py, (0..self.samples()).map(|sample| sample as f64 * self.0.sample_period))
     }
 
     /// Voltage of each sample, V; empty where the log has none.
@@ -83,7 +82,14 @@ impl Log {
     }
 
     fn __repr__(&self) -> String {
-        format!("<Log {}, {:.3} s>", self.0.name, self.0.duration())
+        format!("<Log {}, {:.3} s>", self.0.name, self.samples() as f64 * self.0.sample_period)
+    }
+}
+
+impl Log {
+    /// Samples of either quantity.
+    fn samples(&self) -> usize {
+        self.0.voltage.len().max(self.0.displacement.as_ref().map_or(0, Vec::len))
     }
 }
 
@@ -126,5 +132,15 @@ impl Session {
     #[getter]
     fn displacement_um<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.session.displacement)
+    }
+
+    fn __repr__(&self) -> String {
+        let session::Session { name, voltage, instants, tick_s, .. } = &self.session;
+        format!(
+            "<Session {name}, {} ticks of {} µs, {} instants>",
+            voltage.len(),
+            (1e6 * tick_s).round(),
+            instants.len()
+        )
     }
 }

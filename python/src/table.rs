@@ -1,14 +1,14 @@
 //! Parameter tables.
 
-use crate::error::{PiezoError, refused};
+use crate::error::{PiezoError, refused, require};
 use crate::log::{Log, Session};
 use estimator_core::{Admitted, Range};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use recordings::file::Held;
+use recordings::file::{Held, may_be_replaced};
 use std::ffi::CString;
 use std::path::PathBuf;
-use table_files::TableFile;
+use table_files::{FACES, TableFile};
 
 /// A parameter table that was admitted: stable, and proven to stay within its limits.
 #[pyclass(frozen, module = "piezo_estimator")]
@@ -38,10 +38,21 @@ impl Table {
         Ok(Self { admitted, file })
     }
 
-    /// Writes table.toml, table.rs and table.bin into a folder, all or none; the folder is made where there is none.
-    fn write(&self, folder: PathBuf) -> PyResult<()> {
-        let file = self.toml("all that table.toml says")?;
-        Held::of(&folder).map_err(refused)?.write_all(file.faces().map_err(refused)?).map_err(refused)
+    /// Writes table.toml, table.rs and table.bin into a folder, all or none; the folder is made where there is none. A file of
+    /// such a name that is no former face of a table is refused, or lost with `force`.
+    #[pyo3(signature = (folder, *, force=false))]
+    fn write(&self, folder: PathBuf, force: bool) -> PyResult<()> {
+        let faces = self.toml("all that table.toml says")?.faces().map_err(refused)?;
+        let held = Held::of(&folder).map_err(refused)?;
+        for (name, known_by) in FACES {
+            let path = folder.join(name);
+            let unreadable = |error| PiezoError::new_err(format!("{}: cannot be read ({error})", path.display()));
+            let free = force || may_be_replaced(&path, known_by).map_err(unreadable)?;
+            let words =
+                "is there already, and no former face of a table: name another folder, or lose it with force=True";
+            require(free, &format!("{}: {words}", path.display()))?;
+        }
+        held.write_all(faces).map_err(refused)
     }
 
     /// The record, as table.bin and the board's flash hold it.

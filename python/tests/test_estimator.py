@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import piezo_estimator as pz
+import pytest
 from conftest import LOG, TABLE, piezo, piezo_json
 
 
@@ -87,4 +88,40 @@ def test_an_interval_begins_with_a_zero_that_may_be_told() -> None:
     estimator.set_zero(5.0)
     displacement, half_width, _ = estimator.run(volts[-1:])
     assert np.isfinite(half_width).all() and abs(displacement[0] - 5.0) < 0.5
+    assert estimator.bias_um != 0.0
+
+
+def test_arrays_of_any_stride_and_type_are_the_same_numbers() -> None:
+    table = pz.Table.read(TABLE)
+    volts = table.prepare(pz.read_log(LOG)).volts[:1000].astype(np.float32)
+    packed = np.zeros(1000, dtype=[("at", np.uint8), ("volts", np.float32), ("code", np.uint16)])
+    packed["volts"], packed["code"] = volts, 65 * np.arange(1000)
+    expected = pz.Estimator(table).run(volts)[0].tobytes()
+    for same in (
+        np.repeat(volts, 2)[::2],
+        volts[::-1].copy()[::-1],
+        np.column_stack([volts, -volts])[:, 0],
+        np.asfortranarray(np.stack([volts, -volts]))[0],
+        packed["volts"],
+        volts.astype(float),
+        volts.astype(">f4"),
+        volts.tolist(),
+    ):
+        assert pz.Estimator(table).run(same)[0].tobytes() == expected
+    codes = packed["code"].copy()
+    by_code = pz.Estimator(table).run_codes(codes)[0].tobytes()
+    for same_codes in (np.repeat(codes, 2)[::2], codes[::-1].copy()[::-1], packed["code"]):
+        assert pz.Estimator(table).run_codes(same_codes)[0].tobytes() == by_code
+
+
+def test_a_zero_beyond_the_span_of_the_limits_is_refused_as_by_a_device() -> None:
+    table = pz.Table.read(TABLE)
+    estimator = pz.Estimator(table)
+    estimator.run(np.zeros(8000))
+    low, high = table.displacement_limits_um
+    for beyond in (high - low + 1.0, low - high - 1.0):
+        with pytest.raises(pz.PiezoError, match="the span of the table's displacement limits"):
+            estimator.set_zero(beyond)
+    assert estimator.bias_um == 0.0
+    estimator.set_zero(high)
     assert estimator.bias_um != 0.0

@@ -1,12 +1,15 @@
 """What is identified is what the program identifies."""
 
+import ast
+import inspect
+import re
 import signal
 import threading
 from pathlib import Path
 
 import piezo_estimator as pz
 import pytest
-from conftest import LOG, TABLE, piezo, piezo_json
+from conftest import LOG, PYTHON, TABLE, piezo, piezo_json
 
 
 def test_the_table_is_the_program_s_to_the_last_byte(tmp_path: Path) -> None:
@@ -25,6 +28,8 @@ def test_the_table_is_the_program_s_to_the_last_byte(tmp_path: Path) -> None:
     assert found.candidates[-1][0] == found.table.model == "prandtl-ishlinskii"
     assert found.doubts == found.table.doubts and any("single frequency" in doubt for doubt in found.doubts)
     assert found.determined[0][0] == "The training" and found.table.has_interval
+    assert repr(found).startswith(f"<Identified prandtl-ishlinskii, {found.table.checksum}, ")
+    assert repr(found.table.prepare(pz.read_log(LOG))).startswith("<Session picma-p885-1hz, ")
 
 
 @pytest.mark.parametrize("told", ["nothing", "first-reading", "one-cycle", "offset"])
@@ -38,10 +43,16 @@ def test_validate_has_the_program_s_figures(told: str) -> None:
 def test_control_c_ends_a_search() -> None:
     log = pz.read_log(LOG)
     # A shell has what it starts in the background ignore it, and Python leaves that so.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    threading.Timer(0.5, signal.raise_signal, [signal.SIGINT]).start()
-    with pytest.raises(KeyboardInterrupt):
-        pz.identify([log], model="enhanced", devices=0)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    stop = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            stop.start()
+            # Hours, if nothing ended it.
+            pz.identify([log], model="enhanced", devices=0, evaluations=1_000_000)
+    finally:
+        stop.cancel()
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_request_that_makes_no_sense_is_refused_in_words() -> None:
@@ -62,3 +73,36 @@ def test_a_request_that_makes_no_sense_is_refused_in_words() -> None:
         pz.identify([log, log])
     with pytest.raises(pz.PiezoError):
         pz.identify([])
+
+
+@pytest.mark.parametrize("missing", ["displacement", "voltage"])
+def test_a_log_without_a_quantity_tells_its_length_and_is_not_learnt_from(missing: str, tmp_path: Path) -> None:
+    half = tmp_path / "half.csv"
+    name = {"displacement": "voltage_V", "voltage": "displacement_um"}[missing]
+    half.write_text("\n".join([f"time_s,{name}", *(f"{k / 200},{k % 7}" for k in range(40))]))
+    log = pz.read_log(half, displacement_required=False, voltage_required=False)
+    assert repr(log) == "<Log half, 0.200 s>"
+    with pytest.raises(pz.PiezoError, match=f"half.csv: holds no {missing}"):
+        pz.identify([log])
+
+
+def test_defaults_are_those_of_the_program_and_of_the_stubs() -> None:
+    said = {name: of.default for name, of in inspect.signature(pz.identify).parameters.items()}
+    assert len(said) == 19 and said.pop("logs") is inspect.Parameter.empty
+    (stub,) = [
+        node
+        for node in ast.parse((PYTHON / "piezo_estimator.pyi").read_text()).body
+        if isinstance(node, ast.FunctionDef) and node.name == "identify"
+    ]
+    defaults = [ast.literal_eval(default) for default in stub.args.kw_defaults if default is not None]
+    assert said == dict(zip((keyword.arg for keyword in stub.args.kwonlyargs), defaults, strict=True))
+    options = re.split(r"^ +(?:-\w, )?--", piezo("identify", "--help"), flags=re.MULTILINE)
+    program = {option.split()[0].replace("-", "_"): re.search(r"\[default: (.*)\]", option) for option in options[1:]}
+    of_python = {"delay": "delay_ms", "skip_start": "skip_start_s", "skip_end": "skip_end_s"}
+    compared = 0
+    for option, default in program.items():
+        name = of_python.get(option, option)
+        if default is not None and name in said:
+            assert default[1] == (said[name] if isinstance(said[name], str) else f"{said[name]:g}"), option
+            compared += 1
+    assert compared == 10

@@ -1,5 +1,8 @@
 """The inverse over arrays leads the model where it is wanted."""
 
+import signal
+import threading
+
 import numpy as np
 import numpy.typing as npt
 import piezo_estimator as pz
@@ -31,6 +34,28 @@ def test_it_goes_on_from_where_it_was_and_back_to_rest() -> None:
     cut = np.concatenate([parts.run(part)[0] for part in np.array_split(wanted(), 3)])
     assert expected.tobytes() == cut.tobytes()
     assert whole.release(4000)[0][-1] == np.float32(whole.rest_v)
+
+
+def test_no_more_ticks_than_there_is_memory_for_are_asked_for() -> None:
+    inverse = pz.Inverse(pz.Table.read(TABLE))
+    for many in (100_000_001, 10**15):
+        with pytest.raises(pz.PiezoError, match="at most 100000000"):
+            inverse.release(many)
+
+
+def test_control_c_ends_a_run_and_takes_it_back() -> None:
+    table = pz.Table.read(TABLE)
+    inverse, untouched = pz.Inverse(table), pz.Inverse(table)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    stop = threading.Timer(0.2, signal.raise_signal, [signal.SIGINT])
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            stop.start()
+            inverse.release(100_000_000)
+    finally:
+        stop.cancel()
+        signal.signal(signal.SIGINT, before)
+    assert inverse.run(wanted())[0].tobytes() == untouched.run(wanted())[0].tobytes()
 
 
 def test_without_a_drive_somebody_must_say_how_fast() -> None:

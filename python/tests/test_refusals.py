@@ -38,6 +38,19 @@ def test_a_table_beside_the_face_of_another_is_read_with_a_warning(tmp_path: Pat
         pz.Table.read(tmp_path / "table.toml")
 
 
+@pytest.mark.parametrize("face", ["table.toml", "table.rs", "table.bin"])
+def test_a_table_is_not_written_over_a_stranger_s_file(face: str, tmp_path: Path) -> None:
+    table, stranger = pz.Table.read(TABLE), tmp_path / face
+    stranger.write_text("wages")
+    with pytest.raises(pz.PiezoError, match=f"{face}: is there already, .* force=True"):
+        table.write(tmp_path)
+    assert [file.read_text() for file in tmp_path.iterdir()] == ["wages"]
+    table.write(tmp_path, force=True)
+    assert (tmp_path / "table.bin").read_bytes() == table.record()
+    # A former face is.
+    table.write(tmp_path)
+
+
 def test_a_record_does_not_say_how_logs_are_prepared() -> None:
     table = pz.Table.read(TABLE.with_name("table.bin"))
     assert table.model == "generalised-prandtl-ishlinskii" and table.doubts == []
@@ -80,6 +93,10 @@ def test_arrays_that_are_none_change_nothing() -> None:
         estimator.run(np.zeros((2, 2)))
     with pytest.raises((TypeError, ValueError)):
         estimator.run("volts")  # type: ignore[arg-type]
+    with pytest.raises(pz.PiezoError, match="complex"):
+        estimator.run(np.array([1.0 + 1.0j]))
+    with pytest.raises(pz.PiezoError, match="complex"):
+        estimator.run([1.0, 1.0j])  # type: ignore[list-item]
     with pytest.raises(TypeError):
         # As a uint16 it would be code 0.
         estimator.run_codes(np.array([65536], dtype=np.int32))

@@ -2,36 +2,22 @@
 
 use crate::option::Overwrite;
 use anyhow::{Context, Result, bail, ensure};
+use recordings::file::may_be_replaced;
 pub use recordings::file::{Held, Replacement, write};
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::Path;
+pub use table_files::{FACES, RECORD};
 
-/// By what a former result is known, near its beginning: the faces of a table, a page, a picture.
-pub const FACES: [(&str, &str); 3] =
-    [("table.toml", "# Parameter table of a piezo actuator"), ("table.rs", "// Made by `piezo emit`"), RECORD];
-/// The binary record of a table.
-pub const RECORD: (&str, &str) = ("table.bin", "PZTB");
 /// What a page of this program has near its beginning.
 pub const PAGE: &str = "<meta name=\"generator\" content=\"piezo\">";
 /// What a picture of this program has near its beginning.
 pub const PICTURE: &str = "class=\"figure\" role=\"img\"";
-/// Where a result says by then what it is, bytes.
-const NEAR: u64 = 512;
-
 impl Overwrite {
     /// Refuses to write over a file that does not say near its beginning that it is a former result of the kind.
     pub fn of(self, path: &Path, known_by: &str) -> Result<()> {
-        // What cannot be read, or is no regular file, is refused when it comes to writing.
-        if self.force || !path.is_file() {
-            return Ok(());
-        }
-        let mut start = Vec::new();
-        std::fs::File::open(path)
-            .and_then(|file| file.take(NEAR).read_to_end(&mut start))
-            .with_context(|| format!("{}: cannot be read", path.display()))?;
-        let former = start.is_empty() || String::from_utf8_lossy(&start).contains(known_by);
+        let free = || may_be_replaced(path, known_by).with_context(|| format!("{}: cannot be read", path.display()));
         ensure!(
-            former,
+            self.force || free()?,
             "{}: is there already, and no former result of this kind: name another with --out, or lose it with --force",
             path.display()
         );

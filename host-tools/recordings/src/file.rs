@@ -66,6 +66,23 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not text"))
 }
 
+/// Where a result says by then what it is, bytes.
+const NEAR: u64 = 512;
+
+/// Whether nothing is lost where a result is written here: nothing is there, or an empty file, or one that says near its beginning
+/// that it is a former result of the kind. What is no regular file is refused when it comes to writing.
+///
+/// # Errors
+/// It cannot be read.
+pub fn may_be_replaced(path: &Path, known_by: &str) -> io::Result<bool> {
+    if !path.is_file() {
+        return Ok(true);
+    }
+    let mut start = Vec::new();
+    std::fs::File::open(path)?.take(NEAR).read_to_end(&mut start)?;
+    Ok(start.is_empty() || String::from_utf8_lossy(&start).contains(known_by))
+}
+
 /// Writes a file whole or not at all.
 ///
 /// # Errors
@@ -178,6 +195,19 @@ mod tests {
         assert_eq!(fs::read_to_string(at("locked")).unwrap(), "old");
         assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
         assert_eq!(names(folder.path()), ["dangling", "device", "locked"]);
+    }
+
+    #[test]
+    fn only_what_is_known_as_a_former_result_may_be_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("ours"), "# A result\n1.0").unwrap();
+        fs::write(at("empty"), "").unwrap();
+        fs::write(at("strange"), "wages").unwrap();
+        fs::write(at("late"), format!("{}# A result", " ".repeat(512))).unwrap();
+        let may = ["ours", "empty", "missing", "strange", "late"]
+            .map(|name| may_be_replaced(&at(name), "# A result").unwrap());
+        assert_eq!(may, [true, true, true, false, false]);
     }
 
     #[test]

@@ -6,6 +6,11 @@ use estimator_core::{Admitted, record::checksum};
 use recordings::file;
 use std::path::{Path, PathBuf};
 
+/// The faces' names, and by what each is known near its beginning.
+pub const FACES: [(&str, &str); 3] =
+    [("table.toml", "# Parameter table of a piezo actuator"), ("table.rs", "// Made by `piezo emit`"), RECORD];
+/// The binary record of a table.
+pub const RECORD: (&str, &str) = ("table.bin", "PZTB");
 /// Ends of the faces' names.
 const ENDS: [&str; 3] = ["toml", "rs", "bin"];
 /// How the line of `table.rs` that has the checksum begins.
@@ -79,7 +84,7 @@ fn says(face: &Path) -> Option<String> {
     }
     let bytes = file::read(face, super::MOST_BYTES).ok()?;
     if face.extension()? == "bin" {
-        return bytes.starts_with(b"PZTB").then(|| format!("{:08x}", checksum(&bytes).unwrap_or_default()));
+        return bytes.starts_with(RECORD.1.as_bytes()).then(|| format!("{:08x}", checksum(&bytes).unwrap_or_default()));
     }
     let text = String::from_utf8(bytes).ok()?;
     text.lines().find_map(|line| line.strip_prefix(LINE)).map(|rest| rest.trim_end_matches('.').to_owned())

@@ -5,7 +5,7 @@ mod constant;
 mod faces;
 
 pub use constant::rust_source;
-pub use faces::{OtherFace, agree, name};
+pub use faces::{FACES, OtherFace, RECORD, agree, name};
 
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::{Admitted, Table, TableError};
