@@ -22,6 +22,7 @@ mod scope;
 pub mod server;
 mod subscribers;
 pub mod terminal;
+mod unread;
 
 pub use column::{Column, Columns, Extent};
 pub use datagrams::{Datagrams, Format, UnknownReceiver};
