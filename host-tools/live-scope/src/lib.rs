@@ -29,5 +29,5 @@ pub use datagrams::{Datagrams, Format, UnknownReceiver};
 pub use device::Device;
 pub use feed::{Feed, Tick};
 pub use page::PAGE;
-pub use scope::{Scope, run};
+pub use scope::{Ended, Scope, run};
 pub use server::{Server, ServerError};
