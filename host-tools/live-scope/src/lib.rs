@@ -13,6 +13,7 @@ mod column;
 mod datagrams;
 mod device;
 mod feed;
+mod figures;
 mod guard;
 mod http;
 mod log;
