@@ -3,14 +3,16 @@
 use super::{piezo, refused, text};
 use emulator::Emulator;
 use serde_json::Value;
-use std::net::UdpSocket;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpStream, UdpSocket};
+use std::path::Path;
+use std::process::Stdio;
 use std::time::Duration;
 
 /// What `monitor --udp` sends in a second, and what it prints meanwhile.
 fn sent(options: &[&str]) -> (Vec<String>, String) {
     let device = Emulator::new().start().unwrap();
     let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
-    receiver.set_read_timeout(Some(Duration::from_millis(500))).unwrap();
     let (to, port) = (receiver.local_addr().unwrap().to_string(), format!("tcp:{}", device.address()));
     let reads = std::thread::spawn(move || {
         let (mut datagrams, mut buffer) = (Vec::new(), [0; 2048]);
@@ -66,9 +68,58 @@ fn the_page_s_address_is_one_line_and_what_is_wrong_is_named() {
     refused(&["--web", "192.0.2.1:80"], &["192.0.2.1:80", "no page can be served there"]);
     refused(&["--udp", "nowhere"], &["nowhere", "no address"]);
     refused(&["--udp", "127.0.0.1:1", "--every", "0"], &["--every"]);
+    refused(&["--udp", "127.0.0.1:1", "--every", "2001"], &["--every", "2000"]);
     refused(&["--every", "5"], &["--udp"]);
     refused(&["--web", "--json"], &["--json"]);
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("missing");
     refused(&["--web", "--out", text(&missing)], &["missing", "is no folder", "--out"]);
+}
+
+/// What `monitor --web` says in the end of a recording that is under way then, after `meanwhile`; whether it ends well.
+fn recorded(folder: &Path, meanwhile: impl FnOnce()) -> (bool, String) {
+    let device = Emulator::new().start().unwrap();
+    let port = format!("tcp:{}", device.address());
+    let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_piezo"))
+        .args(["monitor", "--web", "--seconds", "5", "--out", text(folder), "--port", &port])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(process.stdout.take().unwrap());
+    let mut line = String::new();
+    said.read_line(&mut line).unwrap();
+    let url = line.split(' ').find_map(|word| word.strip_prefix("http://")).unwrap();
+    let (host, path) = url.split_once('/').unwrap();
+    let mut stream = TcpStream::connect(host).unwrap();
+    let body = r#"{"on": true}"#;
+    let head = format!("POST /{path}record HTTP/1.1\r\nHost: {host}\r\nContent-Length: {}\r\n\r\n", body.len());
+    stream.write_all((head + body).as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    meanwhile();
+    let mut rest = String::new();
+    said.read_to_string(&mut rest).unwrap();
+    process.stderr.take().unwrap().read_to_string(&mut rest).unwrap();
+    (process.wait().unwrap().success(), rest)
+}
+
+#[test]
+fn what_becomes_of_a_recording_at_the_end_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let (well, said) = recorded(folder.path(), || {});
+    assert!(well && said.contains("recording-1.csv holds "), "{said}");
+    assert!(folder.path().join("recording-1.csv").is_file());
+}
+
+/// Elsewhere a folder with an open file in it stays.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_recording_that_is_not_there_in_the_end_is_a_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    let gone = folder.path().join("gone");
+    std::fs::create_dir(&gone).unwrap();
+    let (well, said) = recorded(&gone, || std::fs::remove_dir_all(&gone).unwrap());
+    assert!(!well && said.contains("recording-1.csv: cannot be written"), "{said}");
 }

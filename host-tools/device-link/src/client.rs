@@ -82,6 +82,11 @@ impl Client {
         Ok((client, identity))
     }
 
+    /// Where the device is.
+    pub fn address(&self) -> &Address {
+        &self.address
+    }
+
     /// Frames that came damaged.
     pub fn damaged(&self) -> u32 {
         self.damaged

@@ -19,7 +19,7 @@ pub const HEADER: &str = "time_s,voltage_V,estimated_displacement_um";
 pub const HEADER_WITH_SENSOR: &str = "time_s,voltage_V,displacement_um,estimate_um";
 
 /// A stream that gives nothing for so long has ended.
-const SILENCE: Duration = Duration::from_secs(2);
+pub const SILENCE: Duration = Duration::from_secs(2);
 /// How often the wish to end is looked at.
 const LOOK: Duration = Duration::from_millis(100);
 
@@ -119,6 +119,16 @@ impl<W: Write> Recorder<W> {
     /// What is recorded so far.
     pub fn recording(&self) -> &Recording {
         &self.recording
+    }
+
+    /// Hands all that was recorded to whatever the log is written to.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.log.flush()
+    }
+
+    /// The log as it stands, also of one that cannot be written any more.
+    pub fn into_log(self) -> W {
+        self.log
     }
 
     /// Ends it; what was recorded, and the log, all of which is handed to whatever it is written to.

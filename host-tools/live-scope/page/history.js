@@ -11,7 +11,7 @@ class History {
 
   push(columns, points) {
     for (const column of columns) this.columns.push(column);
-    for (const of of points) this.points.push(of);
+    for (const ofColumn of points) this.points.push(ofColumn);
     // Seldom, since it moves all that is left.
     if (this.columns.length > 1.25 * this.most) {
       this.columns.splice(0, this.columns.length - this.most);
@@ -60,7 +60,8 @@ class History {
       const [time, gap, voltage, displacement, halfWidth, sensor, error] = this.columns[index];
       // Groups stay what they are while time goes on; a column's beginning is a multiple of its length, but for rounding.
       const own = Math.floor((time + 0.5 * this.columnSeconds) / group);
-      if (gap && current !== null) begin(Math.max(own * group, merged.seconds[merged.seconds.length - 1]));
+      // Between the two, since the plot needs times that increase; after a gap a column begins anywhere.
+      if (gap && current !== null) begin((merged.seconds[merged.seconds.length - 1] + time) / 2);
       if (own !== current || gap) begin(time);
       current = own;
       extend(merged.voltage, voltage);

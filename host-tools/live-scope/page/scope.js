@@ -74,6 +74,7 @@
     }
     return least <= largest ? padded(least, largest) : [0, 1];
   };
+  const LOOP = 2;
   const draw = () => {
     const span = Number(at("span").value), start = Math.max(history.first, history.last - span);
     const merged = history.merged(start, plots[0].bbox.width / devicePixelRatio);
@@ -85,7 +86,7 @@
       [negative, merged.halfWidth, ...merged.error],
     ];
     plots.forEach((made, index) => {
-      if (index === 2) {
+      if (index === LOOP) {
         made.pieces = history.pieces(start);
         [made.view.across, made.view.up] = [extent(made.pieces, 0), extent(made.pieces, 1)];
         made.setData([made.view.across]);
@@ -94,6 +95,7 @@
         made.setData([merged.seconds, ...data[index]]);
       }
     });
+    // What is drawn, for tests of the page.
     window.scope = { history, merged, drawn: (window.scope?.drawn ?? 0) + 1 };
   };
   let before = 0;
@@ -148,7 +150,7 @@
     at("voltage").textContent = number(v?.[0], 4);
     at("voltages").textContent = v ? `last second ${number(v[1], 4)} … ${number(v[2], 4)} V` : "";
     at("sensor").textContent = number(of.sensor_um, 3);
-    at("error").textContent = y && of.sensor_um !== null ? `estimate less sensor ${number(y[0] - of.sensor_um, 3)} µm` : "";
+    at("error").textContent = of.error_um === null ? "" : `estimate less sensor ${number(of.error_um, 3)} µm`;
     document.querySelectorAll(".interval").forEach((element) => { element.hidden = half === null; });
     words(of);
     at("rate").textContent = of.gone ? "" : `${of.rate.toFixed(0)} samples a second,`;

@@ -42,6 +42,8 @@ pub struct Datagrams {
     to: SocketAddr,
     format: Format,
     feed: Feed,
+    /// Ticks of a column.
+    length: u32,
     columns: Columns,
     /// This machine's time at the first tick, s since 1970.
     start: Option<f64>,
@@ -69,12 +71,12 @@ impl Datagrams {
         let any: SocketAddr =
             if to.is_ipv4() { (Ipv4Addr::UNSPECIFIED, 0).into() } else { (Ipv6Addr::UNSPECIFIED, 0).into() };
         let socket = UdpSocket::bind(any).map_err(unknown)?;
-        Ok(Self { socket, to, format, feed, columns: Columns::new(length), start: None })
+        Ok(Self { socket, to, format, feed, length, columns: Columns::new(length), start: None })
     }
 
     /// Sends the ticks of a frame.
     pub fn take(&mut self, samples: &Samples) {
-        let Self { socket, to, format, feed, columns, start } = self;
+        let Self { socket, to, format, feed, columns, start, .. } = self;
         feed.take(samples, |tick| {
             let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
             let start = *start.get_or_insert(now - tick.seconds);
@@ -86,9 +88,9 @@ impl Datagrams {
         });
     }
 
-    /// Takes up another link to the device, whose samples count from anywhere.
+    /// Takes up another link to the device, whose samples count from anywhere; what is left of a column is not sent.
     pub fn restart(&mut self, feed: Feed) {
-        (self.feed, self.start) = (feed, None);
+        (self.feed, self.columns, self.start) = (feed, Columns::new(self.length), None);
     }
 }
 
@@ -101,7 +103,7 @@ fn datagrams(column: &Column, format: Format, start: f64) -> Vec<String> {
 }
 
 fn line(column: &Column, start: f64, (name, unit, of): &Quantity) -> Option<String> {
-    let point = |tick: &Tick| Some(format!("{:.1}:{}", 1e3 * (start + tick.seconds), of(tick)?));
+    let point = |tick: &Tick| Some(format!("{:.3}:{}", 1e3 * (start + tick.seconds), of(tick)?));
     let points: Vec<String> = column.extremes.iter().filter_map(point).collect();
     (!points.is_empty()).then(|| format!("{name}:{}§{unit}\n", points.join(";")))
 }
@@ -119,15 +121,15 @@ mod tests {
     use serde_json::Value;
     use std::time::Duration;
 
-    /// What arrives of 41 samples of 500 µs, one of which leaps, in columns of 20.
-    fn received(format: Format) -> Vec<String> {
-        let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
-        receiver.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
-        let adc =
-            estimator_core::AdcCalibration { gain_v_per_code: 0.01, offset_v: 0.0, invert: false, full_scale: 4095 };
-        let address = receiver.local_addr().unwrap().to_string();
-        let mut datagrams = Datagrams::to(&address, format, 20, Feed::new(adc, None, 500)).unwrap();
-        let sample = |number: u16| Sample {
+    const CALIBRATION: estimator_core::AdcCalibration =
+        estimator_core::AdcCalibration { gain_v_per_code: 0.01, offset_v: 0.0, invert: false, full_scale: 4095 };
+
+    fn feed() -> Feed {
+        Feed::new(CALIBRATION, None, 500)
+    }
+
+    fn frame(number: u16) -> Samples {
+        let sample = Sample {
             code: if number == 33 { 4000 } else { 100 + number },
             sensor: None,
             displacement: f32::from(number),
@@ -136,9 +138,16 @@ mod tests {
             status: Default::default(),
             faults: Default::default(),
         };
-        for number in 0..41 {
-            datagrams.take(&Samples { first: number.into(), samples: [sample(number)].into_iter().collect() });
-        }
+        Samples { first: number.into(), samples: [sample].into_iter().collect() }
+    }
+
+    /// What arrives, in columns of 20, of what `sends`.
+    fn received(format: Format, sends: impl FnOnce(&mut Datagrams)) -> Vec<String> {
+        let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
+        receiver.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
+        let address = receiver.local_addr().unwrap().to_string();
+        let mut datagrams = Datagrams::to(&address, format, 20, feed()).unwrap();
+        sends(&mut datagrams);
         let mut buffer = [0; 2000];
         std::iter::from_fn(|| {
             let (length, _) = receiver.recv_from(&mut buffer).ok()?;
@@ -147,9 +156,14 @@ mod tests {
         .collect()
     }
 
+    /// 41 samples of 500 µs, one of which leaps.
+    fn leaps(datagrams: &mut Datagrams) {
+        (0..41).for_each(|number| datagrams.take(&frame(number)));
+    }
+
     #[test]
     fn teleplot_is_sent_a_line_a_quantity_with_the_glitch_in_it() {
-        let received = received(Format::Teleplot);
+        let received = received(Format::Teleplot, leaps);
         assert_eq!(received.len(), 2, "{received:?}");
         let lines: Vec<(&str, &str, &str)> = received[1]
             .lines()
@@ -169,13 +183,13 @@ mod tests {
             .collect();
         assert!(points.iter().any(|(_, value)| *value == 40.0), "{points:?}");
         // Tick 20 and tick 33.
-        assert!((points[1].0 - points[0].0 - 6.5).abs() < 0.11 && points[0].0 > 1e12, "{points:?}");
+        assert!((points[1].0 - points[0].0 - 6.5).abs() < 0.002 && points[0].0 > 1e12, "{points:?}");
     }
 
     #[test]
     fn plotjuggler_is_sent_an_object_a_tick_with_its_time() {
         let received: Vec<Value> =
-            received(Format::PlotJuggler).iter().map(|text| serde_json::from_str(text).unwrap()).collect();
+            received(Format::PlotJuggler, leaps).iter().map(|text| serde_json::from_str(text).unwrap()).collect();
         let times: Vec<f64> = received.iter().map(|object| object["timestamp"].as_f64().unwrap()).collect();
         assert!(times.is_sorted() && times[0] > 1e9, "{times:?}");
         let glitch = received.iter().find(|object| object["piezo"]["voltage_V"] == 40.0).expect("the glitch");
@@ -184,6 +198,26 @@ mod tests {
             (&json!(32.0), &json!(0.5))
         );
         assert!(received.len() < 12 && glitch["piezo"].get("sensor_um").is_none(), "{received:?}");
+    }
+
+    #[test]
+    fn another_link_s_ticks_come_after_those_of_the_one_before() {
+        let sent = received(Format::PlotJuggler, |datagrams| {
+            // Half a column of it is left.
+            (0..30).for_each(|number| datagrams.take(&frame(number)));
+            // The 15 ms that they take of a device.
+            std::thread::sleep(Duration::from_millis(15));
+            datagrams.restart(feed());
+            (30..71).for_each(|number| datagrams.take(&frame(number)));
+        });
+        let sent: Vec<Value> = sent.iter().map(|text| serde_json::from_str(text).unwrap()).collect();
+        let of =
+            |field: fn(&Value) -> &Value| sent.iter().map(|tick| field(tick).as_f64().unwrap()).collect::<Vec<_>>();
+        let (times, voltages) = (of(|tick| &tick["timestamp"]), of(|tick| &tick["piezo"]["voltage_V"]));
+        assert!(times.is_sorted(), "{times:?}");
+        // The first link's column of 20 ends at code 119, the next begins with code 131.
+        assert!(voltages.iter().any(|&volt| volt < 1.2) && voltages.iter().any(|&volt| volt > 1.3), "{voltages:?}");
+        assert!(!voltages.iter().any(|&volt| volt > 1.195 && volt < 1.305), "half a column was sent: {voltages:?}");
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! A recording that the page began: the log of `device_link::recording`, in a file of its own.
 
-use device_link::recording::{End, Recorder, Wish};
+use device_link::recording::{End, Recorder, SILENCE, Wish};
 use protocol::Samples;
 use recordings::file::Replacement;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// More recordings than anybody makes in a folder.
 const MOST: u32 = 100_000;
@@ -12,8 +13,40 @@ const MOST: u32 = 100_000;
 /// A recording under way. Dropped, it leaves nothing.
 pub struct Log {
     path: PathBuf,
-    recorder: Recorder<BufWriter<Replacement>>,
+    /// Of its name.
+    number: u32,
+    recorder: Recorder<BufWriter<Disk>>,
     tick_us: u32,
+    /// When the last frame came.
+    heard: Instant,
+}
+
+/// What it is written to; in tests a disk that is full after so many bytes.
+struct Disk {
+    file: Replacement,
+    #[cfg(test)]
+    room: usize,
+}
+
+impl Write for Disk {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        #[cfg(test)]
+        let bytes = &bytes[..bytes.len().min(self.room)];
+        #[cfg(test)]
+        if bytes.is_empty() {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        let written = self.file.write(bytes)?;
+        #[cfg(test)]
+        {
+            self.room -= written;
+        }
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 impl Log {
@@ -22,10 +55,15 @@ impl Log {
     /// # Errors
     /// It cannot be written, here and below.
     pub fn begin(folder: &Path, wish: Wish) -> io::Result<Self> {
-        let free = names(folder, 1).find(|path| !path.exists() && !path.is_symlink());
-        let path = free.ok_or(io::ErrorKind::AlreadyExists)?;
-        let recorder = Recorder::begin(wish, BufWriter::new(Replacement::of(&path)?))?;
-        Ok(Self { path, recorder, tick_us: wish.tick_us })
+        let free = names(folder, 1).find(|(_, path)| !path.exists() && !path.is_symlink());
+        let (number, path) = free.ok_or(io::ErrorKind::AlreadyExists)?;
+        let disk = Disk {
+            file: Replacement::of(&path)?,
+            #[cfg(test)]
+            room: usize::MAX,
+        };
+        let recorder = Recorder::begin(wish, BufWriter::new(disk))?;
+        Ok(Self { path, number, recorder, tick_us: wish.tick_us, heard: Instant::now() })
     }
 
     /// Where it will be, unless another program makes a file there meanwhile: then it is the next that is free.
@@ -38,37 +76,58 @@ impl Log {
         (self.recorder.recording().ticks * u64::from(self.tick_us)) as f64 / 1e6
     }
 
+    /// A sentence where no samples come any more.
+    pub fn silence(&self) -> Option<String> {
+        (self.heard.elapsed() >= SILENCE).then(|| why(&End::Silence))
+    }
+
     /// Takes the next frame; a sentence where the recording must end before it.
     pub fn take(&mut self, samples: &Samples) -> io::Result<Option<String>> {
-        Ok(self.recorder.take(samples)?.map(|end| match end {
-            End::Gap { ticks } => {
-                format!("{ticks} samples were lost: is the cable sound, and this machine not too busy?")
-            }
-            End::Restarted => "the device was restarted, or its mode set".to_owned(),
-            End::NoSensor => "the device reads no sensor, although it should".to_owned(),
-            // These are not of a frame.
-            End::Complete | End::Silence | End::Link(_) => "it is complete".to_owned(),
-        }))
+        self.heard = Instant::now();
+        Ok(self.recorder.take(samples)?.map(|end| why(&end)))
     }
 
     /// Ends it, in its place; a sentence of what there is.
-    pub fn finish(self) -> io::Result<String> {
+    ///
+    /// # Errors
+    /// A sentence of what cannot be written, and where what was written is.
+    pub fn finish(self) -> Result<String, String> {
         let seconds = self.seconds();
-        let sensor = self.recorder.recording();
-        let rows = sensor.rows;
-        let (_, file) = self.recorder.finish()?;
+        let Self { path, number, mut recorder, .. } = self;
+        let rows = recorder.recording().rows;
         if rows == 0 {
-            return Ok(format!("ended before the first sample: {} is not written", self.path.display()));
+            return Ok(format!("ended before the first sample: {} is not written", path.display()));
         }
-        let file = file.into_inner().map_err(|error| error.into_error())?;
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let path = file.commit_to_free(names(folder, 1))?;
-        Ok(format!("{} holds {rows} samples, {seconds:.3} s", path.display()))
+        let flushed = recorder.flush();
+        // What has not been handed to the disk by now cannot be.
+        let (mut disk, _) = recorder.into_log().into_parts();
+        let cut = if flushed.is_err() { disk.file.cut_to_lines() } else { Ok(()) };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let put = disk.file.commit_to_free(names(folder, number).map(|(_, path)| path));
+        let cannot = |error: &io::Error| format!("{}: cannot be written: {error}", path.display());
+        match (put, flushed.and(cut)) {
+            (Ok(path), Ok(())) => Ok(format!("{} holds {rows} samples, {seconds:.3} s", path.display())),
+            (Ok(kept), Err(error)) => {
+                Err(format!("{}; {} holds what was written until then", cannot(&error), kept.display()))
+            }
+            (Err(error), _) => Err(cannot(&error)),
+        }
     }
 }
 
-fn names(folder: &Path, first: u32) -> impl Iterator<Item = PathBuf> + '_ {
-    (first..MOST).map(|number| folder.join(format!("recording-{number}.csv")))
+/// Why a recording ends.
+fn why(end: &End) -> String {
+    match end {
+        End::Gap { ticks } => format!("{ticks} samples were lost: is the cable sound, and this machine not too busy?"),
+        End::Restarted => "the device was restarted, or its mode set".to_owned(),
+        End::NoSensor => "the device reads no sensor, although it should".to_owned(),
+        // The rest are no end of a recording that lasts until somebody has enough: its link is the page's.
+        End::Silence | End::Complete | End::Link(_) => "the device sends no samples any more".to_owned(),
+    }
+}
+
+fn names(folder: &Path, first: u32) -> impl Iterator<Item = (u32, PathBuf)> + '_ {
+    (first..MOST).map(|number| (number, folder.join(format!("recording-{number}.csv"))))
 }
 
 #[cfg(test)]
@@ -124,5 +183,46 @@ mod tests {
         let said = begun(folder.path()).finish().unwrap();
         assert!(said.contains("before the first sample"), "{said}");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn the_name_that_was_announced_is_kept_where_one_before_it_is_free_by_then() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = folder.path().join("recording-1.csv");
+        fs::write(&first, "mine").unwrap();
+        let mut log = begun(folder.path());
+        assert_eq!(log.take(&samples(0)).unwrap(), None);
+        fs::remove_file(first).unwrap();
+        let announced = log.path().to_owned();
+        let said = log.finish().unwrap();
+        assert!(announced.exists() && said.starts_with(&announced.display().to_string()), "{said}");
+    }
+
+    #[test]
+    fn a_disk_that_is_full_keeps_the_lines_that_it_has() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut log = begun(folder.path());
+        let disk = Disk { file: Replacement::of(log.path()).unwrap(), room: 60 };
+        let wish = Wish { calibration: TABLE.adc, sensor: None, tick_us: 500, ticks: None, allow_gaps: false };
+        log.recorder = Recorder::begin(wish, BufWriter::with_capacity(8, disk)).unwrap();
+        let path = log.path().to_owned();
+        let failed = (0..100).find_map(|number| log.take(&samples(4 * number)).err());
+        assert!(failed.is_some_and(|error| error.kind() == io::ErrorKind::StorageFull));
+        let said = log.finish().unwrap_err();
+        assert!(said.contains("cannot be written") && said.contains("recording-1.csv holds what was"), "{said}");
+        let kept = fs::read_to_string(path).unwrap();
+        assert!(
+            kept.len() <= 60 && kept.ends_with('\n') && kept.lines().all(|line| line.matches(',').count() == 2),
+            "{kept}"
+        );
+    }
+
+    #[test]
+    fn who_falls_silent_is_heard_of_no_more() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut log = begun(folder.path());
+        assert_eq!(log.silence(), None);
+        log.heard = Instant::now().checked_sub(SILENCE).unwrap();
+        assert!(log.silence().is_some_and(|why| why.contains("no samples")));
     }
 }

@@ -1,7 +1,6 @@
 //! What the page is sent, as JSON.
 
 use crate::column::{Column, Extent};
-use device_link::window;
 use serde::Serialize;
 
 /// Who is shown.
@@ -11,8 +10,6 @@ pub struct Facts {
     pub board: String,
     /// Of the table, in a line.
     pub table: String,
-    /// Ticks in a second.
-    pub ticks_per_second: u32,
     /// Length of a column, s.
     pub column_s: f64,
     /// Whether there is a sensor.
@@ -65,17 +62,19 @@ impl Columns {
 pub struct State {
     /// Why there is nothing to be seen, where there is not.
     pub gone: Option<String>,
-    /// Last, least and largest estimate of the last second, µm.
+    /// Estimate of the last tick, and least and largest of the last second, µm.
     pub displacement_um: Option<[f32; 3]>,
-    /// Half-width of the last estimate, µm.
+    /// Half-width of the last tick's estimate, µm.
     pub half_width_um: Option<f32>,
-    /// Last, least and largest voltage of the last second, V.
+    /// Of the last tick, and least and largest voltage of the last second, V.
     pub voltage_v: Option<[f32; 3]>,
-    /// What the sensor showed last, µm.
+    /// What the sensor showed at the last tick, µm.
     pub sensor_um: Option<f32>,
+    /// Estimate less sensor of the last tick, µm.
+    pub error_um: Option<f32>,
     /// Samples of the last second.
     pub rate: f64,
-    /// Samples lost since the start.
+    /// Samples lost since the start, over all links.
     pub lost: u64,
     /// What is so, and what to do about it; nothing where all is well.
     pub words: Vec<Words>,
@@ -107,9 +106,4 @@ pub struct Recording {
     pub file: String,
     /// How long it is.
     pub seconds: f64,
-}
-
-/// Last, least, largest.
-pub fn three(of: window::Extent) -> [f32; 3] {
-    [of.last, of.min, of.max]
 }

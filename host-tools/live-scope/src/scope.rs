@@ -5,9 +5,10 @@
 use crate::column::Columns;
 use crate::datagrams::Datagrams;
 use crate::device::Device;
-use crate::feed::Feed;
+use crate::feed::{Feed, Tick};
+use crate::figures::{facts, figures};
 use crate::log::Log;
-use crate::message::{self, Facts, State, Words, three};
+use crate::message::{self, State, Words};
 use crate::server::{Asked, Server, Wish};
 use device_link::window::Window;
 use device_link::{LinkError, words};
@@ -39,6 +40,16 @@ pub struct Scope<'s> {
     datagrams: Option<Datagrams>,
     log: Option<Log>,
     recorded: Option<String>,
+    /// Samples lost over the links before.
+    lost: u64,
+}
+
+/// What there is at the end.
+pub struct Ended {
+    /// The device, unless its link had failed.
+    pub device: Option<Device>,
+    /// What became of the recording that was under way, if one was: a sentence, an error where it is not all there.
+    pub recorded: Option<Result<String, String>>,
 }
 
 impl<'s> Scope<'s> {
@@ -46,7 +57,7 @@ impl<'s> Scope<'s> {
     pub fn new(server: &'s Server, folder: &Path, datagrams: Option<Datagrams>) -> Self {
         // Named whole, so that who reads the page finds it. Where the operating system knows of no folder, it will say so itself.
         let folder = std::path::absolute(folder).unwrap_or(folder.to_owned());
-        Self { server, folder, datagrams, log: None, recorded: None }
+        Self { server, folder, datagrams, log: None, recorded: None, lost: 0 }
     }
 
     /// Writes the next frame; a recording that it ends is kept.
@@ -54,20 +65,17 @@ impl<'s> Scope<'s> {
         let Some(log) = &mut self.log else { return };
         match log.take(samples) {
             Ok(None) => {}
-            Ok(Some(why)) => self.end_log(Some(&why)),
-            Err(error) => {
-                self.recorded = Some(format!("{}: cannot be written: {error}", log.path().display()));
-                self.log = None;
-            }
+            Ok(Some(why)) => drop(self.end_log(Some(&why))),
+            Err(error) => drop(self.end_log(Some(&error.to_string()))),
         }
     }
 
-    /// Ends the recording that is under way, if one is; says so on the page.
-    fn end_log(&mut self, why: Option<&str>) {
-        let Some(log) = self.log.take() else { return };
-        let path = log.path().display().to_string();
-        let kept = log.finish().unwrap_or_else(|error| format!("{path}: cannot be written: {error}"));
+    /// Ends the recording that is under way, if one is; says so on the page, and here, an error where it is not all there.
+    fn end_log(&mut self, why: Option<&str>) -> Option<Result<String, String>> {
+        let finished = self.log.take()?.finish();
+        let (Ok(kept) | Err(kept)) = &finished;
         self.recorded = Some(why.map_or(kept.clone(), |why| format!("{why}; {kept}")));
+        Some(finished)
     }
 
     fn begin_log(&mut self, device: &Device) -> Result<String, String> {
@@ -91,19 +99,19 @@ impl<'s> Scope<'s> {
     }
 }
 
-/// Shows a device until it is `over`, and hands it back; where its link fails, the next that `reopen` finds, and nothing where it
-/// finds none by then.
+/// Shows a device until it is `over`, and hands it back; where its link fails, the next that `reopen` finds, and none where it finds
+/// none by then.
 pub fn run(
     device: Device,
     scope: &mut Scope<'_>,
     reopen: &mut dyn FnMut() -> Result<Device, String>,
     over: &dyn Fn() -> bool,
-) -> Option<Device> {
+) -> Ended {
     let mut found = Ok(device);
-    let last = loop {
+    let device = loop {
         match found {
-            Ok(device) => match Link::new(device, scope).and_then(|mut link| link.show(scope, over).map(|()| link)) {
-                Ok(link) => break Some(link.device),
+            Ok(device) => match Link::new(device, scope).and_then(|link| link.run(scope, over)) {
+                Ok(device) => break Some(device),
                 Err(error) => {
                     scope.end_log(Some("the link failed"));
                     found = Err(sentence(&error));
@@ -117,8 +125,7 @@ pub fn run(
             }
         }
     };
-    scope.end_log(None);
-    last
+    Ended { device, recorded: scope.end_log(None) }
 }
 
 /// Says why there is nothing to be seen, for a second; `false` when it is over.
@@ -145,6 +152,8 @@ struct Link {
     columns: Columns,
     pending: message::Columns,
     window: Window,
+    /// The last tick, where the last second has one.
+    last: Option<Tick>,
     health: Health,
     rate: f64,
 }
@@ -163,10 +172,18 @@ impl Link {
             columns: Columns::new(length),
             pending: message::Columns::default(),
             window: device.window(),
+            last: None,
             health,
             rate: 0.0,
             device,
         })
+    }
+
+    /// Shows the device until it is over, and hands it back.
+    fn run(mut self, scope: &mut Scope<'_>, over: &dyn Fn() -> bool) -> Result<Device, LinkError> {
+        let shown = self.show(scope, over);
+        scope.lost += self.window.lost();
+        shown.map(|()| self.device)
     }
 
     fn show(&mut self, scope: &mut Scope<'_>, over: &dyn Fn() -> bool) -> Result<(), LinkError> {
@@ -182,6 +199,9 @@ impl Link {
                 // What it has done is seen at once.
                 state = start;
             }
+            if let Some(why) = scope.log.as_ref().and_then(Log::silence) {
+                scope.end_log(Some(&why));
+            }
             if columns.elapsed() >= COLUMNS && !self.pending.columns.is_empty() {
                 scope.send("columns", &std::mem::take(&mut self.pending));
                 columns = Instant::now();
@@ -192,6 +212,7 @@ impl Link {
                 (second, before) = (Instant::now(), received);
                 if self.rate == 0.0 {
                     self.window.clear();
+                    self.last = None;
                 }
             }
             if health.elapsed() >= HEALTH {
@@ -211,9 +232,10 @@ impl Link {
     }
 
     fn take(&mut self, samples: &Samples, scope: &mut Scope<'_>) {
-        let Self { feed, columns, pending, window, .. } = self;
+        let Self { feed, columns, pending, window, last, .. } = self;
         window.take(samples);
         feed.take(samples, |tick| {
+            *last = Some(*tick);
             if let Some(column) = columns.take(tick) {
                 pending.push(&column);
             }
@@ -229,8 +251,8 @@ impl Link {
             Wish::Zero(at) => self.zero(at),
             Wish::Record(true) => scope.begin_log(&self.device),
             Wish::Record(false) => {
-                scope.end_log(None);
-                Ok(scope.recorded.clone().unwrap_or("nothing is being recorded".to_owned()))
+                let before = scope.recorded.clone().unwrap_or("nothing is being recorded".to_owned());
+                scope.end_log(None).unwrap_or(Ok(before))
             }
         };
         asked.answer(done);
@@ -240,13 +262,17 @@ impl Link {
     fn zero(&mut self, at: f64) -> Result<String, String> {
         let told = |error: LinkError| sentence(&error);
         bench::require_model(&self.device.table).map_err(|error| sentence(&error))?;
-        let before = self.device.client.health().map_err(told)?.bias_age_ticks;
+        let before = self.device.client.health().map_err(told)?;
+        if let Some(why) = words::not_estimating(before.mode, self.device.client.address()) {
+            return Err(why);
+        }
         self.device.client.set_zero(at as f32).map_err(told)?;
         let start = Instant::now();
         loop {
             self.health = self.device.client.health().map_err(told)?;
-            let age = self.health.bias_age_ticks;
-            if age.is_some_and(|age| before.is_none_or(|before| age < before)) {
+            // A zero since then is younger than that; the one before is not.
+            let since = self.health.ticks.wrapping_sub(before.ticks);
+            if self.health.bias_age_ticks.is_some_and(|age| age <= since) {
                 return Ok(format!("called {at} µm; {}", self.bias()));
             }
             if start.elapsed() > TOLD {
@@ -267,15 +293,10 @@ impl Link {
         let faults = if rests { Faults::empty() } else { faults };
         let faults = remedy::faults(faults).map(|meaning| (meaning, true));
         let status = remedy::status(self.window.status()).map(|meaning| (meaning, false));
-        let sensor = self.device.sensor;
         State {
             gone: None,
-            displacement_um: self.window.displacement().map(three),
-            half_width_um: self.window.half_width(),
-            voltage_v: self.window.voltage().map(three),
-            sensor_um: sensor.and_then(|sensor| sensor.um(self.window.last()?)).map(|um| um as f32),
             rate: self.rate,
-            lost: self.window.lost(),
+            lost: scope.lost + self.window.lost(),
             words: faults
                 .chain(status)
                 .map(|(meaning, fault)| Words { what: meaning.what, remedy: meaning.remedy, fault })
@@ -287,19 +308,7 @@ impl Link {
                 .as_ref()
                 .map(|log| message::Recording { file: log.path().display().to_string(), seconds: log.seconds() }),
             recorded: scope.recorded.clone(),
+            ..figures(&self.window, self.last.as_ref())
         }
-    }
-}
-
-fn facts(device: &Device, length: u32) -> Facts {
-    let Device { identity, table, sensor, .. } = device;
-    Facts {
-        board: format!("{}, firmware {} ({})", identity.board, identity.firmware, identity.git),
-        table: bench::describe(table).into_iter().next().unwrap_or_default(),
-        ticks_per_second: device.ticks_in(1_000_000),
-        column_s: f64::from(length * identity.tick_us) * 1e-6,
-        sensor: sensor.is_some(),
-        interval: table.interval.is_some(),
-        no_zero: bench::require_model(table).err().map(|error| sentence(&error)),
     }
 }

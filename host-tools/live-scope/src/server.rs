@@ -13,6 +13,7 @@ use crate::guard::{Guard, Refusal};
 use crate::http::{self, Request, Status};
 use crate::page::PAGE;
 use crate::subscribers::Subscribers;
+use crate::unread::{Unread, Until};
 use serde::Deserialize;
 use std::io::{self, BufReader, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
@@ -20,13 +21,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Where the page is served where nothing else is said: to nobody but this machine, at a free port.
 pub const HERE: &str = "127.0.0.1:0";
-/// Most connections at once.
+/// Most connections at once whose request has not come yet, and most requests of the page's readers that are answered.
 const MOST: usize = 32;
-/// How long a request may take to come, or an answer to be taken.
+/// How long a request may take to come, from first to last, or an answer to be taken.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// How long a button waits for what it asked for.
 const DONE: Duration = Duration::from_secs(5);
@@ -61,6 +62,8 @@ pub enum Wish {
 pub struct Asked {
     /// What is wished.
     pub wish: Wish,
+    /// When it was wished.
+    at: Instant,
     answer: SyncSender<Result<String, String>>,
 }
 
@@ -77,7 +80,9 @@ struct Shared {
     guard: Guard,
     subscribers: Subscribers,
     asked: SyncSender<Asked>,
-    connections: AtomicUsize,
+    unread: Unread,
+    /// Requests that are being answered to who knows the secret.
+    admitted: AtomicUsize,
     over: AtomicBool,
 }
 
@@ -108,7 +113,8 @@ impl Server {
             guard,
             subscribers: Subscribers::default(),
             asked: sender,
-            connections: AtomicUsize::new(0),
+            unread: Unread::default(),
+            admitted: AtomicUsize::new(0),
             over: AtomicBool::new(false),
         });
         let thread = {
@@ -131,9 +137,9 @@ impl Server {
         self.loopback
     }
 
-    /// What a page has asked for, if one has.
+    /// What a page has asked for, if one has and still waits for it.
     pub fn asked(&self) -> Option<Asked> {
-        self.asked.try_recv().ok()
+        self.asked.try_iter().find(|asked| asked.at.elapsed() < DONE)
     }
 
     /// Who is sent what happens.
@@ -175,10 +181,8 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             Ok((stream, _)) => {
                 let shared = shared.clone();
                 let serve = move || {
-                    let before = shared.connections.fetch_add(1, Ordering::Relaxed);
                     // A browser that goes away while it is answered has no need of the rest.
-                    let _ = serve(stream, &shared, before < MOST);
-                    shared.connections.fetch_sub(1, Ordering::Relaxed);
+                    let _ = serve(stream, &shared);
                 };
                 // Where there can be no more threads, the connection ends here.
                 let _ = std::thread::Builder::new().name("page's request".to_owned()).spawn(serve);
@@ -188,15 +192,32 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     }
 }
 
-fn serve(mut stream: TcpStream, shared: &Shared, room: bool) -> io::Result<()> {
+/// One of those that are answered, until it is dropped.
+struct Admitted<'s>(&'s AtomicUsize);
+
+impl<'s> Admitted<'s> {
+    /// `None` where there are too many.
+    fn to(count: &'s AtomicUsize) -> Option<Self> {
+        let before = count.fetch_add(1, Ordering::Relaxed);
+        // Dropped, it counts itself no more.
+        Some(Self(count)).filter(|_| before < MOST)
+    }
+}
+
+impl Drop for Admitted<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
     stream.set_nonblocking(false)?;
     stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    if !room {
-        return say(&mut stream, Status::Busy, "too many connections: close some of the pages");
-    }
-    let Some(request) = http::read(&mut BufReader::new(&stream))? else {
+    let place = shared.unread.enter(&stream, MOST)?;
+    let read = http::read(&mut BufReader::new(Until { stream: &stream, end: Instant::now() + PATIENCE }))?;
+    drop(place);
+    let Some(request) = read else {
         return say(&mut stream, Status::Bad, "this is no request of the page");
     };
     match shared.guard.admit(&request) {
@@ -205,19 +226,28 @@ fn serve(mut stream: TcpStream, shared: &Shared, room: bool) -> io::Result<()> {
         Err(Refusal::Secret) => {
             say(&mut stream, Status::NotFound, "nothing is here: open the whole address that piezo monitor has printed")
         }
-        Ok(path) => match (request.method.as_str(), path) {
-            ("GET", "") => http::answer(&mut stream, Status::Ok, "text/html", PAGE),
-            ("GET", "events") => events(stream, shared),
-            ("POST", wish) => {
-                let (status, said) = match ask(wish, &request, shared) {
-                    Ok(Ok(said)) => (Status::Ok, said),
-                    Ok(Err(said)) => (Status::Conflict, said),
-                    Err(status) => (status, "this is nothing that the page asks for".to_owned()),
-                };
-                say(&mut stream, status, &said)
-            }
-            _ => say(&mut stream, Status::NotFound, "nothing is here"),
-        },
+        Ok(path) => {
+            let Some(_admitted) = Admitted::to(&shared.admitted) else {
+                return say(&mut stream, Status::Busy, "too many connections: close some of the pages");
+            };
+            answer(path, &request, stream, shared)
+        }
+    }
+}
+
+fn answer(path: &str, request: &Request, mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
+    match (request.method.as_str(), path) {
+        ("GET", "") => http::answer(&mut stream, Status::Ok, "text/html", PAGE),
+        ("GET", "events") => events(stream, shared),
+        ("POST", wish) => {
+            let (status, said) = match ask(wish, request, shared) {
+                Ok(Ok(said)) => (Status::Ok, said),
+                Ok(Err(said)) => (Status::Conflict, said),
+                Err(status) => (status, "this is nothing that the page asks for".to_owned()),
+            };
+            say(&mut stream, status, &said)
+        }
+        _ => say(&mut stream, Status::NotFound, "nothing is here"),
     }
 }
 
@@ -261,9 +291,30 @@ fn ask(path: &str, request: &Request, shared: &Shared) -> Result<Result<String, 
     };
     let wish = wish.map_err(|_| Status::Bad)?;
     let (answer, done) = sync_channel(1);
-    let busy = || Err("the device is busy: look whether it was done, and ask again if not".to_owned());
-    if shared.asked.try_send(Asked { wish, answer }).is_err() {
-        return Ok(busy());
+    if shared.asked.try_send(Asked { wish, at: Instant::now(), answer }).is_err() {
+        return Ok(Err("it was not done, since the device is busy with another wish: ask again".to_owned()));
     }
-    Ok(done.recv_timeout(DONE).unwrap_or_else(|_| busy()))
+    let unknown =
+        || Err("the device is busy, and whether it was done is unknown: look, and ask again if not".to_owned());
+    Ok(done.recv_timeout(DONE).unwrap_or_else(|_| unknown()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wish_that_nobody_waits_for_any_more_is_forgotten() {
+        let server = Server::start(HERE).unwrap();
+        let wish = |at| {
+            let (answer, done) = sync_channel(1);
+            server.shared.asked.try_send(Asked { wish: Wish::Zero(7.0), at, answer }).map_err(|_| "full").unwrap();
+            done
+        };
+        let now = Instant::now();
+        let done = wish(now.checked_sub(DONE).unwrap());
+        assert!(server.asked().is_none() && done.recv().is_err());
+        let _waits = wish(now);
+        assert!(server.asked().is_some_and(|asked| asked.wish == Wish::Zero(7.0)));
+    }
 }

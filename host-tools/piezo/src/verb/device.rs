@@ -1,22 +1,18 @@
 //! What the verbs that talk to a device have in common.
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, anyhow, bail};
 use device_link::{Address, Client};
 use estimator_core::table::Board;
 use estimator_core::{Admitted, record};
-use protocol::{Health, Mode};
+use protocol::Health;
 use std::path::Path;
 use table_files::TableFile;
 
 /// An error where the device does anything but estimate.
 pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
-    // A reset may lead back to the set-point.
-    let verb = if health.mode == Mode::Linearise { "linearise --stop" } else { "reset" };
-    ensure!(
-        health.mode == Mode::Estimate,
-        "{port}: the device {}; make it estimate again: piezo {verb} --port {port}",
-        device_link::words::mode(health.mode)
-    );
+    if let Some(why) = device_link::words::not_estimating(health.mode, port) {
+        bail!(why);
+    }
     Ok(())
 }
 

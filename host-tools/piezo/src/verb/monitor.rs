@@ -7,7 +7,7 @@ use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::{choice, not_negative};
-use anyhow::{Result, ensure};
+use anyhow::{Error, Result, ensure};
 use bench::BoardFacts;
 use clap::Args;
 use device_link::interrupt::Interrupt;
@@ -45,7 +45,7 @@ pub struct Monitor {
     /// What the datagrams are for.
     #[arg(long, value_parser = choice(FORMATS), default_value = "teleplot", requires = "udp")]
     pub format: Format,
-    /// Of so many ticks send those at which a quantity is least or largest; 1 sends all.
+    /// Of so many ticks, at most a second's, send those at which a quantity is least or largest; 1 sends all.
     #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..), requires = "udp")]
     pub every: u32,
     /// What the board's wires stand for: a board.toml. Where it says a sensor_span, page and datagrams have the sensor, too.
@@ -82,6 +82,8 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
     if bench::is_line(&device.table) {
         eprintln!("piezo: careful: {}", bench::NO_MODEL);
     }
+    let second = device.ticks_in(1_000_000);
+    ensure!(arguments.udp.is_none() || arguments.every <= second, "--every: at most {second}, the ticks of a second");
     let send = |to: &String| Datagrams::to(to, arguments.format, arguments.every, device.feed());
     let datagrams = arguments.udp.as_ref().map(send).transpose()?;
     let end =
@@ -95,8 +97,11 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
         out(&format!("The scope is at {} until Ctrl-C", server.url()));
         let mut scope = Scope::new(&server, &arguments.out, datagrams);
         let mut again = || open(arguments, span).map_err(|error| remedy::sentence(error.as_ref()));
-        let last = live_scope::run(device, &mut scope, &mut again, &over);
-        last.iter().for_each(|device| note_damage(&device.client));
+        let ended = live_scope::run(device, &mut scope, &mut again, &over);
+        ended.device.iter().for_each(|device| note_damage(&device.client));
+        if let Some(recorded) = ended.recorded {
+            out(&recorded.map_err(Error::msg)?);
+        }
         return Ok(true);
     }
     let window = device.window();

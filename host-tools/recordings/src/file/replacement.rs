@@ -4,13 +4,17 @@
 
 use fs4::{FileExt, TryLockError};
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// How the name of such a file starts, and how many characters follow.
 const PREFIX: &str = ".piezo-";
 const RANDOM: usize = 6;
+/// How the name of one starts that could not be put in its place.
+const KEPT: &str = "piezo-kept-";
+/// Longer than a line of any text that is written here, bytes.
+const LONGEST_LINE: u64 = 4096;
 
 /// A file that is written beside its target and then takes the target's place. Dropped before that, it leaves nothing.
 pub struct Replacement {
@@ -64,23 +68,76 @@ impl Replacement {
         Ok(())
     }
 
+    /// Cuts off what follows the last line feed: a line that could not be written whole.
+    ///
+    /// # Errors
+    /// Whatever the operating system says.
+    pub fn cut_to_lines(&mut self) -> io::Result<()> {
+        let file = self.file.as_file_mut();
+        let length = file.seek(SeekFrom::End(0))?;
+        let start = length.saturating_sub(LONGEST_LINE);
+        file.seek(SeekFrom::Start(start))?;
+        let mut tail = Vec::new();
+        file.read_to_end(&mut tail)?;
+        let kept = tail.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        file.set_len(start + kept as u64)
+    }
+
     /// Puts what was written to the first of these paths at which nothing is, in the target's folder, and says which: for what must
-    /// never be written over anything, whoever put it there meanwhile.
+    /// never be written over anything, whoever put it there meanwhile. Where that cannot be done what was written is kept beside
+    /// them, and the error says under which name.
     ///
     /// # Errors
     /// Something is at each; whatever the operating system says.
     pub fn commit_to_free(self, paths: impl IntoIterator<Item = PathBuf>) -> io::Result<PathBuf> {
-        self.sync()?;
+        if let Err(error) = self.sync() {
+            return Err(kept(self.file, &error));
+        }
         let mut file = self.file;
         for path in paths {
-            match file.persist_noclobber(&path) {
+            let error = match file.persist_noclobber(&path) {
                 Ok(_) => return Ok(path),
-                Err(error) if error.error.kind() == ErrorKind::AlreadyExists => file = error.file,
-                Err(error) => return Err(error.error),
+                Err(error) => error,
+            };
+            file = error.file;
+            if error.error.kind() == ErrorKind::AlreadyExists {
+                continue;
+            }
+            // Not every file system can rename or link without writing over what is there.
+            match copy(file.path(), &path) {
+                Ok(()) => return Ok(path),
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(kept(file, &error)),
             }
         }
-        Err(ErrorKind::AlreadyExists.into())
+        Err(kept(file, &ErrorKind::AlreadyExists.into()))
     }
+}
+
+/// Copies a file to where nothing is; where that fails, nothing is there.
+fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    let mut source = File::open(from)?;
+    let mut target = File::create_new(to)?;
+    io::copy(&mut source, &mut target).and_then(|_| target.sync_all()).inspect_err(|_| {
+        // What is left of it is said by the error that follows.
+        let _ = fs::remove_file(to);
+    })
+}
+
+/// Keeps what was written, under a name that is not swept; the error says which.
+fn kept(file: NamedTempFile, why: &io::Error) -> io::Error {
+    let random = file.path().file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_prefix(PREFIX));
+    let name = file.path().with_file_name(format!("{KEPT}{}", random.unwrap_or_default()));
+    let (open, path) = match file.keep() {
+        Ok(there) => there,
+        Err(error) => return io::Error::new(why.kind(), format!("{why}, and what was written is lost: {error}")),
+    };
+    let path = if !name.exists() && fs::rename(&path, &name).is_ok() { name } else { path };
+    // Its lock ends with it: not before its name is one that is not swept.
+    drop(open);
+    // The folder itself may be gone.
+    let said = if path.exists() { format!("kept in {}", path.display()) } else { "lost".to_owned() };
+    io::Error::new(why.kind(), format!("{why}; what was written is {said}"))
 }
 
 impl Write for Replacement {
@@ -167,5 +224,30 @@ mod tests {
         assert_eq!(fs::read_to_string(&names[0]).unwrap(), "another's");
         assert_eq!(fs::read_to_string(&names[2]).unwrap(), "ours");
         assert_eq!(write("late").commit_to_free(names).unwrap_err().kind(), ErrorKind::AlreadyExists);
+    }
+
+    #[test]
+    fn what_finds_no_place_is_kept_and_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut file = Replacement::of(&folder.path().join("log.csv")).unwrap();
+        file.write_all(b"1,2\n3,4\n5,").unwrap();
+        file.cut_to_lines().unwrap();
+        let error = file.commit_to_free([folder.path().join("missing/log.csv")]).unwrap_err().to_string();
+        let (_, path) = error.split_once("what was written is kept in ").unwrap();
+        // The next program sweeps it no more than a stranger's.
+        drop(Replacement::of(&folder.path().join("other.csv")).unwrap());
+        assert_eq!(fs::read_to_string(path).unwrap(), "1,2\n3,4\n", "{error}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_copy_writes_over_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let [from, to] = ["from", "to"].map(|name| folder.path().join(name));
+        fs::write(&from, "ours").unwrap();
+        copy(&from, &to).unwrap();
+        fs::write(&from, "again").unwrap();
+        assert_eq!(copy(&from, &to).unwrap_err().kind(), ErrorKind::AlreadyExists);
+        assert_eq!(fs::read_to_string(&to).unwrap(), "ours");
     }
 }
