@@ -1,6 +1,5 @@
 //! What a device reports, in plain words.
 
-use super::port::Address;
 use estimator_core::Status;
 use protocol::{Faults, Health, Identity, Mode, ResetCause, TableSource, Text};
 use serde::Serializer;
@@ -23,15 +22,6 @@ pub fn list(said: impl Iterator<Item = &'static str>) -> String {
 /// The names of the status bits, for machines.
 pub fn serialize_status<S: Serializer>(status: &Status, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(status.iter_names().map(|(name, _)| name))
-}
-
-/// Why a device that does not estimate cannot be told anything, and what makes it estimate again; `None` where it does.
-pub fn not_estimating(mode: Mode, port: &Address) -> Option<String> {
-    // A reset may lead back to the set-point.
-    let verb = if mode == Mode::Linearise { "linearise --stop" } else { "reset" };
-    let said =
-        || format!("{port}: the device {}; make it estimate again: piezo {verb} --port {port}", self::mode(mode));
-    (mode != Mode::Estimate).then(said)
 }
 
 /// Why a device started.

@@ -263,7 +263,7 @@ impl Link {
         let told = |error: LinkError| sentence(&error);
         bench::require_model(&self.device.table).map_err(|error| sentence(&error))?;
         let before = self.device.client.health().map_err(told)?;
-        if let Some(why) = words::not_estimating(before.mode, self.device.client.address()) {
+        if let Some(why) = remedy::not_estimating(before.mode, self.device.client.address()) {
             return Err(why);
         }
         self.device.client.set_zero(at as f32).map_err(told)?;

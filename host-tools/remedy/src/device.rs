@@ -2,7 +2,6 @@
 
 use super::bits::{Meaning, faults, status};
 use super::paste::with;
-use device_link::LinkError;
 use device_link::cycle::CycleError;
 use device_link::pil::FeedError;
 use device_link::play::PlayError;
@@ -11,8 +10,9 @@ use device_link::probe::ProbeError;
 use device_link::stlink::Plugged;
 use device_link::table::RunningTableError;
 use device_link::write::WriteError;
+use device_link::{Address, LinkError, words};
 use estimator_core::table::Misfit;
-use protocol::{Refusal, VERSION};
+use protocol::{Mode, Refusal, VERSION};
 use std::error::Error;
 use std::path::Path;
 
@@ -59,6 +59,15 @@ pub(super) fn too_long(drives: bool) -> &'static str {
     } else {
         "identify with another --model"
     }
+}
+
+/// Why a device that does not estimate cannot be told anything, and what makes it estimate again; `None` where it does.
+pub fn not_estimating(mode: Mode, port: &Address) -> Option<String> {
+    // A reset may lead back to the set-point.
+    let verb = if mode == Mode::Linearise { "linearise --stop" } else { "reset" };
+    let does = words::mode(mode);
+    let said = || format!("{port}: the device {does}; make it estimate again: piezo {verb} --port {port}");
+    (mode != Mode::Estimate).then(said)
 }
 
 /// Why a device refuses, with its remedy.

@@ -11,7 +11,7 @@ mod supply;
 
 pub use bench::{complaint, identify, stopped};
 pub use bits::{Meaning, faults, remarks, status};
-pub use device::{board, refusal};
+pub use device::{board, not_estimating, refusal};
 pub use findings::{DETERMINED, determination, doubt, doubt_json, proven, reason};
 pub use identification::mismatch;
 pub use paste::quoted;

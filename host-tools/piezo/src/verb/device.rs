@@ -10,7 +10,7 @@ use table_files::TableFile;
 
 /// An error where the device does anything but estimate.
 pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
-    if let Some(why) = device_link::words::not_estimating(health.mode, port) {
+    if let Some(why) = remedy::not_estimating(health.mode, port) {
         bail!(why);
     }
     Ok(())
