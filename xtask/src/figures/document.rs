@@ -88,6 +88,17 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
+/// Whether two texts are the same but for numbers that differ by no more than this part of the larger one.
+pub fn alike(stated: &str, printed: &str, slack: f64) -> bool {
+    let number = |word: &str| word.replace(',', "").parse::<f64>().ok();
+    let same = |(a, b): (&str, &str)| {
+        let near = |(a, b): (f64, f64)| (a - b).abs() <= slack * a.abs().max(b.abs());
+        a == b || number(a).zip(number(b)).is_some_and(near)
+    };
+    let (stated, printed) = (stated.split_whitespace(), printed.split_whitespace());
+    stated.clone().count() == printed.clone().count() && stated.zip(printed).all(same)
+}
+
 impl Content {
     /// What should stand in the place of `body`.
     ///
@@ -145,6 +156,18 @@ mod tests {
 
     fn document(text: &str) -> Document {
         Document { path: "README.md".into(), text: text.to_owned() }
+    }
+
+    #[test]
+    fn numbers_may_differ_by_the_slack_and_words_not_at_all() {
+        let stated = "| `voigt` | 5,334 | 22 |";
+        assert!(alike(stated, "| `voigt` | 5,320 | 22 |", 0.03) && alike(stated, stated, 0.0));
+        for other in
+            ["| `voigt` | 5,520 | 22 |", "| `duhem` | 5,334 | 22 |", "| `voigt` | 5,334 |", "| `voigt` | – | 22 |"]
+        {
+            assert!(!alike(stated, other, 0.03), "{other}");
+        }
+        assert!(!alike(stated, "| `voigt` | 5,320 | 22 |", 0.0));
     }
 
     #[test]

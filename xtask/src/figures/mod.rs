@@ -19,7 +19,7 @@ use crate::{
     tool::{self, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, QEMU, Tool},
 };
 use command::{Printed, bytes};
-use document::{Content, Document};
+use document::{Content, Document, alike};
 use list::{FIGURES, Figure};
 
 /// What the commands need beyond cargo.
@@ -138,6 +138,9 @@ fn in_document(document: &mut Document, figure: &Figure, content: &Content, wron
         let at = format!("{}:{}: figure `{}`", document.path.display(), place.line, place.name);
         let found = &document.text[place.body.clone()];
         let expected = content.written(found).with_context(|| at.clone())?;
+        if figure.slack > 0.0 && alike(found, &expected, figure.slack) {
+            continue;
+        }
         let [there, here] = [found, expected.as_str()].map(|text| text.lines().collect::<Vec<_>>());
         let missing = here.iter().filter(|line| !there.contains(line));
         let surplus = there.iter().filter(|line| !here.contains(line));
