@@ -8,20 +8,20 @@ use crate::feed::Tick;
 /// Least and largest.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Extent {
-    /// Least.
+    /// The smallest value of the column's ticks.
     pub min: f32,
-    /// Largest.
+    /// The largest value of the column's ticks.
     pub max: f32,
 }
 
-/// A column.
+/// What a column of ticks has of each quantity.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Column {
     /// Of its first tick, since the feed's first, s.
     pub seconds: f64,
     /// Whether a tick is missing within it or right before it.
     pub gap: bool,
-    /// V.
+    /// The amplifier's voltage, V.
     pub voltage_v: Extent,
     /// Estimated, µm.
     pub displacement_um: Extent,

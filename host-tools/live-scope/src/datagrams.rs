@@ -19,9 +19,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// What the lines are for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Format {
-    /// Teleplot.
+    /// Lines as Teleplot reads them.
     Teleplot,
-    /// PlotJuggler.
+    /// JSON objects as PlotJuggler reads them.
     PlotJuggler,
 }
 

@@ -14,7 +14,7 @@ pub struct Tick {
     pub seconds: f64,
     /// Whether the tick before it is missing.
     pub after_gap: bool,
-    /// V.
+    /// The amplifier's voltage, V.
     pub voltage_v: f32,
     /// Estimated, µm.
     pub displacement_um: f32,

@@ -45,7 +45,7 @@ pub enum Status {
     Conflict,
     /// Too many ask.
     Busy,
-    /// Done.
+    /// What was asked for was done, or follows.
     Ok,
 }
 

@@ -50,7 +50,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Adds one.
+    /// Adds a column and its points of the loop.
     pub fn push(&mut self, column: &Column) {
         self.columns.push(column.into());
         self.points.push(column.extremes.iter().flat_map(|tick| [tick.voltage_v, tick.displacement_um]).collect());
