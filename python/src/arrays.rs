@@ -22,7 +22,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Numbers {
 }
 
 impl Numbers {
-    /// The numbers.
+    /// The numbers, in the order of the array.
     ///
     /// # Errors
     /// One of them is not finite; what it is called stands before its index.

@@ -47,7 +47,7 @@ impl Identified {
 pub enum Delay {
     /// Given, ms.
     Given(f64),
-    /// A word.
+    /// A word, of which "auto" alone is known.
     Word(String),
 }
 

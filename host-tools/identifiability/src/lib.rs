@@ -121,14 +121,8 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
         .map(|Number { changed, step }| {
             let read = sessions.iter().zip(&judged).zip(&weights).flat_map(|((session, before), weights)| {
                 let after = Judged::of(changed, session).errors;
-                let change = |(after, before): (f64, &f64)| (after - before) / step;
-                let changes: Vec<f64> = after.into_iter().zip(&before.errors).map(change).collect();
-                changes
-                    .into_iter()
-                    .step_by(every)
-                    .zip(weights)
-                    .map(|(change, weight)| change * weight)
-                    .collect::<Vec<f64>>()
+                let both = after.into_iter().zip(&before.errors).step_by(every).zip(weights);
+                both.map(|((after, before), weight)| (after - before) / step * weight).collect::<Vec<f64>>()
             });
             let read = read.collect();
             let results = experiments.iter().zip(&before);
