@@ -61,7 +61,7 @@ fn the_seed_decides_and_the_number_of_threads_does_not() {
         let out = tempfile::tempdir().unwrap();
         let short = [
             "--generations",
-            "15",
+            "5",
             "--rounds",
             "2",
             "--model",

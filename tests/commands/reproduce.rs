@@ -112,9 +112,7 @@ fn what_section_6_2_recommends_is_tried_on_every_model_and_with_every_method() {
 fn what_was_learnt_is_judged_on_what_was_not() {
     let run = || {
         let mut command = piezo();
-        command
-            .args(["reproduce", "elsewhere", "--models", "voigt,enhanced,generalised-prandtl-ishlinskii,voigt"])
-            .args(SHORTEST);
+        command.args(["reproduce", "elsewhere", "--models", "voigt,enhanced,voigt"]).args(SHORTEST);
         command
     };
     let result = json(run().arg("--json"));
@@ -125,7 +123,9 @@ fn what_was_learnt_is_judged_on_what_was_not() {
     }
     for condition in rows.chunk_by(|a, b| (&a["subject"], &a["condition"]) == (&b["subject"], &b["condition"])) {
         // Those that were named, each once, and the straight line.
-        assert_eq!(condition.len(), 4, "{condition:?}");
+        assert_eq!(condition.len(), 3, "{condition:?}");
+        // A recording of each of the catalogue's devices.
+        assert!(condition[0]["subject"] != subjects[2] || number(&condition[0], "/recordings") > 1.0, "{condition:?}");
     }
     let stack = |condition: &str| {
         let row = rows.iter().find(|row| {
@@ -140,8 +140,6 @@ fn what_was_learnt_is_judged_on_what_was_not() {
     for row in rows {
         let median = |name: &str| row[name]["median"].as_f64();
         assert_eq!(row["found"] == 0, median("told_nothing_um").is_none(), "{row}");
-        let chosen = row["model"] == "generalised-prandtl-ishlinskii";
-        assert_eq!(row["interval_um"].is_null() || row["coverage_percent"].is_null(), !chosen, "{row}");
         assert!(row["searched"].as_u64() > Some(0), "{row}");
     }
     refused(&["reproduce", "elsewhere", "--logs", super::MEASURED], &["--logs"]);
