@@ -5,7 +5,6 @@ mod baseline;
 mod brief;
 mod candidate;
 mod character;
-pub mod compare;
 pub mod cost;
 mod cross_validation;
 mod delay;

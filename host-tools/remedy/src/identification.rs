@@ -4,7 +4,7 @@ use super::log::prepare;
 use super::paste::quoted;
 use ::calibration::ConverterMismatch;
 use ::calibration::drive::SetpointMismatch;
-use identification::compare::CompareError;
+use comparison::ComparisonError;
 use identification::cost::UnusedWeight;
 use identification::validate::{Bound, ScopeError};
 use identification::{CandidateError, JobError};
@@ -78,10 +78,10 @@ fn candidate(error: &CandidateError) -> String {
     }
 }
 
-fn compare(error: &CompareError) -> String {
+fn compare(error: &ComparisonError) -> String {
     match error {
-        CompareError::Job(error) => job(error),
-        CompareError::NothingHeldOut => format!("{error}: use --hold-out or --validate-on"),
+        ComparisonError::Job(error) => job(error),
+        ComparisonError::NothingHeldOut => format!("{error}: use --hold-out or --validate-on"),
     }
 }
 

@@ -4,8 +4,8 @@ use super::error::ReportError;
 use super::number::{number, quantity};
 use super::rows::Cell;
 use askama::Template;
+use comparison::{Errors, Judgement, Matrix, Row};
 use identification::StraightLine;
-use identification::compare::{Errors, Judgement, Matrix, Row};
 use identification::validate::Figures;
 
 /// What the page says.

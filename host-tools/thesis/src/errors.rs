@@ -3,8 +3,8 @@
 
 use super::bench::{Attempt, Bench, cost_name};
 use crate::error::ThesisError;
+use comparison::Say;
 use estimator_core::Model;
-use identification::compare::Say;
 use identification::cost::Feedback;
 use identification::validate::Figures;
 use identification::{Progress, SearchOptions, StraightLine};

@@ -6,8 +6,8 @@ use crate::option::{Fitting, OPTIMISERS, Overwrite, STARTS, asked, choice, model
 use crate::output::{self, PAGE};
 use anyhow::{Context, Result};
 use clap::Args;
+use comparison::{Instructions, Judgement, Matrix, Row};
 use estimator_core::Model;
-use identification::compare::{self, Instructions, Judgement, Matrix, Row};
 use identification::cost::Cost;
 use identification::search::Optimiser;
 use identification::validate::Figures;
@@ -66,8 +66,8 @@ pub fn run(arguments: &Compare) -> Result<bool> {
     let job = arguments.fitting.job(SearchOptions { optimiser, start, seed, ..SearchOptions::default() })?;
     let budget = arguments.budget as usize;
     let models = asked(&arguments.models);
-    let bar = progress(compare::generations(&job, &models));
-    let mut matrix = compare::run(&job, &models, budget, remedy::sentence, &mut |model, cost| {
+    let bar = progress(comparison::generations(&job, &models));
+    let mut matrix = comparison::run(&job, &models, budget, remedy::sentence, &mut |model, cost| {
         bar.set_prefix(model.to_string());
         bar.set_message(format!("{cost:.4} µm"));
         bar.inc(1);

@@ -2,16 +2,16 @@
 //! evaluations, and judged by its simulation errors (µm) on logs that decided nothing. Zeros and delay are decided
 //! once, from the training data.
 
-use crate::validate::{Comparison, Figures};
-use crate::{
+use estimator_core::Model;
+use identification::{
     Candidate, Doubt, Fit, Identification, Job, JobError, Prepared, Problem, Progress, StraightLine, with_contained,
 };
-use estimator_core::Model;
 use recordings::LogUse;
 use recordings::prepare::Recipe;
 use recordings::session::Session;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
+use validation::{Comparison, Figures};
 
 /// What came of a comparison.
 #[derive(Clone, Debug, Serialize)]
@@ -146,7 +146,7 @@ pub fn generations(job: &Job, models: &[Model]) -> u64 {
 
 /// Why models cannot be compared.
 #[derive(Debug, thiserror::Error)]
-pub enum CompareError {
+pub enum ComparisonError {
     /// The logs cannot be prepared.
     #[error(transparent)]
     Job(#[from] JobError),
@@ -169,10 +169,10 @@ pub fn run(
     budget: usize,
     say: Say,
     progress: Progress<'_>,
-) -> Result<Matrix, CompareError> {
+) -> Result<Matrix, ComparisonError> {
     let Prepared { problem, context, logs, of_logs, delay_at_bound } = job.prepare(progress)?;
     if problem.validation().next().is_none() {
-        return Err(CompareError::NothingHeldOut);
+        return Err(ComparisonError::NothingHeldOut);
     }
     let mut found: Vec<(Fit, f64)> = Vec::new();
     for group in searches(job, models) {
