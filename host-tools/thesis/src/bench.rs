@@ -70,12 +70,7 @@ impl Bench {
 
     /// The thesis's logs from a rig: what is modelled, what is held out.
     pub fn logs_of(rig: &Rig) -> (Vec<Log>, Vec<Log>) {
-        let log = |excitation: recordings::rig::Excitation| Log {
-            // In place of the bytes of a file.
-            sha256: format!("rig {} {}", rig.seed, excitation.name),
-            ..rig.log(excitation)
-        };
-        EXCITATIONS.into_iter().map(log).partition(|log| log.name != VALIDATION)
+        EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).partition(|log| log.name != VALIDATION)
     }
 
     /// Preparation of the rig's logs, whose zeros are known.

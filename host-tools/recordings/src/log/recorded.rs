@@ -10,7 +10,7 @@ pub struct Log {
     pub name: String,
     /// The file as the caller named it.
     pub path: PathBuf,
-    /// SHA-256 of the file's bytes, in lower-case hexadecimal.
+    /// SHA-256 of the file's bytes, in lower-case hexadecimal; of a simulated log, what it is a simulation of.
     pub sha256: String,
     /// Time of the first sample since the file's first, s: 0 unless the log was cut.
     pub start_s: f64,
