@@ -10,7 +10,27 @@
 //!               └─ refuses what is truncated, corrupt, of another version, not finite, or not admissible
 //! ```
 //!
-//! Equation, table and page numbers are those of the thesis "An Evolutionary Approach to Physics-based Modelling of
+//! An estimate, from the bytes that `piezo identify` writes as `table.bin`:
+//!
+//! ```
+//! use estimator_core::{AdcCode, Estimate, Estimator, Status, Table};
+//!
+//! # fn main() -> Result<(), estimator_core::TableError> {
+//! let table = Table::parse(include_bytes!("../../tests/data/table/table.bin"))?;
+//! let mut estimator = Estimator::<f32>::new(&table);
+//! // Each tick of the table's `sample_period_us`: what the ADC converted.
+//! for code in [20_000, 20_010, 20_030, 20_060].map(AdcCode) {
+//!     let Estimate { displacement, half_width, dac, status } = estimator.tick(code);
+//!     assert!(table.displacement_limits_um.contains(displacement) && dac.0 <= table.dac.full_scale);
+//!     // The voltage has not turned yet: where the actuator stood before the first tick still counts. Nor has anybody told where
+//!     // it stands, so that how far the estimate may be off is not known.
+//!     assert!(status.contains(Status::NOT_SETTLED) && half_width.is_none());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `examples/tick.rs` runs a table over voltages of a file. Equation, table and page numbers are those of the thesis "An Evolutionary Approach to Physics-based Modelling of
 //! Piezoelectric Actuators". Units are µm, V and s throughout; a field that differs says so in its name.
 #![cfg_attr(not(test), no_std)]
 

@@ -7,7 +7,28 @@
 //! ```
 //!
 //! Every message travels in a frame of its own ([`frame`]): versioned, CRC-checked, delimited so that either side finds
-//! its feet again after noise. Requests may be sent again when no reply comes: only [`Request::Feed`],
+//! its feet again after noise. A request goes out as bytes, and what comes in is taken byte by byte:
+//!
+//! ```
+//! use protocol::{Deframer, Reply, Request, ToDevice, ToHost, encode, frame::MAX_FRAME};
+//!
+//! // The host asks.
+//! let mut buffer = [0; MAX_FRAME];
+//! let asked = ToDevice { sequence: 7, request: Request::Forget };
+//! let line = encode(&asked, &mut buffer).expect("no request is longer than a frame");
+//!
+//! // The device hears, a damaged frame first.
+//! let mut deframer = Deframer::new();
+//! let heard: Vec<_> = [0x55, 0x00].iter().chain(line).filter_map(|&byte| deframer.push::<ToDevice>(byte)).collect();
+//! assert!(heard[0].is_err());
+//! assert_eq!(heard[1], Ok(asked));
+//!
+//! // And answers.
+//! let reply = ToHost::Reply { to: 7, reply: Reply::Done };
+//! assert_eq!(encode(&reply, &mut buffer).and_then(|line| line.last()), Some(&0));
+//! ```
+//!
+//! `examples/ask.rs` is a whole host in forty lines. Requests may be sent again when no reply comes: only [`Request::Feed`],
 //! [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time.
 #![cfg_attr(not(test), no_std)]
 

@@ -1,5 +1,39 @@
 //! Parameter identification: the model error as a cost (Eq. 4.1), minimised by the genetic algorithm or, of what a
 //! model is not linear in, by another method; and what a table found so is good for.
+//!
+//! A [`Job`] is the whole of it. Here, plays are identified on two logs of a simulated actuator and judged on one that decided
+//! nothing:
+//!
+//! ```
+//! use calibration::CalibrationOptions;
+//! use estimator_core::Model;
+//! use identification::cost::{Cost, Feedback};
+//! use identification::{Conditions, Job, ModelChoice, SearchOptions};
+//! use recordings::prepare::PrepareOptions;
+//! use recordings::rig::{EXCITATIONS, Rig};
+//!
+//! # fn main() -> Result<(), identification::JobError> {
+//! let [sine, faster_sine, _, triangle, ..] = EXCITATIONS.map(|excitation| Rig::default().log(excitation));
+//! let job = Job {
+//!     training: vec![sine, faster_sine],
+//!     held_out: vec![triangle],
+//!     hold_out: 0.0,
+//!     prepare: PrepareOptions::default(),
+//!     model: ModelChoice::Is(Model::PrandtlIshlinskii),
+//!     conditions: Conditions::default(),
+//!     calibration: CalibrationOptions::default(),
+//!     cost: Cost::from(Feedback::Simulation),
+//!     search: SearchOptions { evaluations: 10, ..SearchOptions::DEFAULT },
+//! };
+//! let outcome = job.run(&mut |_model, _cost_um| ())?;
+//! let errors = outcome.candidate().held_out_figures().expect("a log was held out");
+//! let straight_line = outcome.straight_line.as_ref().expect("the voltage moves");
+//! assert!(errors.mae_um < 0.5 * straight_line.held_out.expect("a log was held out").mae_um);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `examples/identify.rs` does the same with a file of yours, and writes the table; `examples/own_model.rs` adds a model.
 
 mod baseline;
 mod brief;

@@ -1,0 +1,47 @@
+//! A log in, a parameter table out: `identify log.csv table.bin`.
+//!
+//! What is learnt from the first half of the log is judged on the second. `piezo identify` does more: it calibrates the ± beside
+//! the estimate, says what the log did not determine, and draws it all.
+//!
+//!     cargo run --release --package identification --example identify -- tests/data/picma-p885-1hz.csv table.bin
+
+use calibration::CalibrationOptions;
+use estimator_core::record::MAX_LENGTH;
+use identification::cost::{Cost, Feedback};
+use identification::{Conditions, Job, ModelChoice, SearchOptions};
+use recordings::log::{self, ReadOptions};
+use recordings::prepare::PrepareOptions;
+use std::error::Error;
+use std::path::PathBuf;
+use std::{env, fs};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut paths = env::args_os().skip(1).map(PathBuf::from);
+    let (Some(log), Some(out)) = (paths.next(), paths.next()) else { return Err("identify log.csv table.bin".into()) };
+    let job = Job {
+        training: vec![log::read(&log, &ReadOptions::default())?],
+        held_out: Vec::new(),
+        hold_out: 0.5,
+        prepare: PrepareOptions::default(),
+        model: ModelChoice::Auto,
+        conditions: Conditions::default(),
+        calibration: CalibrationOptions::default(),
+        cost: Cost::from(Feedback::Simulation),
+        search: SearchOptions::DEFAULT,
+    };
+    let outcome = job.run(&mut |model, cost_um| eprintln!("{model}: {cost_um:.4} µm"))?;
+    let chosen = outcome.candidate();
+    for candidate in &outcome.candidates {
+        if let Some(errors) = candidate.held_out_figures() {
+            let mark = if candidate.table.model() == chosen.table.model() { "chosen" } else { "" };
+            println!("{:<32} {:7.3} µm {mark}", candidate.table.model().to_string(), errors.mae_um);
+        }
+    }
+    for doubt in &outcome.doubts {
+        println!("doubt: {doubt:?}");
+    }
+    let mut record = [0; MAX_LENGTH];
+    let length = chosen.table.encode(&mut record).ok_or("the table does not fit into a record")?;
+    fs::write(out, &record[..length])?;
+    Ok(())
+}
