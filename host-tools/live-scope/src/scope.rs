@@ -93,6 +93,7 @@ impl<'s> Scope<'s> {
         // Cannot fail: the messages are numbers and words.
         let json = serde_json::to_string(message).expect("a message is JSON");
         match name {
+            "device" => self.server.subscribers().begin(name, &json),
             "columns" => self.server.subscribers().send(name, &json),
             _ => self.server.subscribers().send_state(name, &json),
         }
