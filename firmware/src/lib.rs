@@ -16,6 +16,7 @@
 pub mod answer;
 pub mod boot;
 pub mod conversion;
+pub mod correction;
 pub mod drive;
 pub mod facts;
 pub mod last_words;

@@ -1,10 +1,10 @@
 //! What the tick starts with, as the boot has decided.
 
+use crate::correction::Correction;
 use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::ramp::Stride;
 use crate::setpoint::Setpoint;
-use crate::supply::Correction;
 use estimator_core::{Admitted, DacCode, Estimator};
 use protocol::Faults;
 
@@ -12,8 +12,8 @@ use protocol::Faults;
 pub struct Startup {
     /// The estimator; without it the DAC stays at its safe code.
     pub estimator: Option<Estimator<f32>>,
-    /// What makes up for a supply that is off; without a table nobody knows which code is 0 V, and codes stay as they are.
-    pub correction: Option<Correction>,
+    /// What makes up for a supply that is off, of what is read.
+    pub correction: Correction,
     /// The drive, where the DAC drives the amplifier.
     pub drive: Option<Drive>,
     /// What a controller wants of it, where the table says which displacements its codes stand for.
@@ -34,7 +34,7 @@ impl Startup {
     /// that come no one knows how often nothing is estimated or driven either.
     pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
         let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
-        let correction = table.map(|table| Correction::new(&table.adc));
+        let correction = Correction::new(facts.interface.adc_full_scale, table);
         let degraded = facts.restarts.too_many();
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
         // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts

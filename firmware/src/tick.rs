@@ -9,9 +9,11 @@
 //! it at tick k + 1, and the displacement a tick after that.
 
 use crate::conversion::Conversion;
+use crate::correction::Read;
 use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
+use crate::setpoint::Wish;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch};
@@ -36,7 +38,7 @@ pub struct Tick<'q> {
     valid: bool,
 }
 
-/// What the DAC is given.
+/// What the DAC is to have.
 struct Output {
     code: DacCode,
     /// The code is the safe one, or one on the way there.
@@ -59,31 +61,34 @@ impl<'q> Tick<'q> {
         tick
     }
 
-    /// One tick: the codes just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
+    /// One tick: the codes just converted in, what the DAC is to be given for its next trigger out. `now` is the cycle counter.
     pub fn sample(&mut self, conversion: Conversion, now: u32) -> DacCode {
         add(&self.telemetry.ticks, 1);
-        self.telemetry.set_setpoint(conversion.setpoint);
         self.telemetry.age_bias();
         let missed = self.missed(now);
         if let Some(command) = self.queues.commands.dequeue() {
             self.obey(command);
         }
-        let conversion = match self.mode {
-            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise => Some(conversion),
-            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from),
+        let read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
+        self.telemetry.set_setpoint(read.corrected.setpoint);
+        let read = match self.mode {
+            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise => Some(read),
+            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
             Mode::Pause => None,
         };
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
         faults.set(Faults::SUPPLY, self.telemetry.supply.bad());
-        let (dac, faults) = match conversion {
-            Some(conversion) => self.estimate(conversion, missed, faults),
-            None => (self.safe_output(), faults | Faults::SAFE_OUTPUT),
+        let (given, faults) = match read {
+            Some(read) => self.estimate(read, missed, faults),
+            None => {
+                let code = self.safe_output();
+                (self.give(code).0, faults | Faults::SAFE_OUTPUT)
+            }
         };
         self.telemetry.set_faults(faults);
-        self.telemetry.set_dac(dac);
         self.valid = faults.is_empty();
-        dac
+        given
     }
 
     /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick. Where it
@@ -92,9 +97,9 @@ impl<'q> Tick<'q> {
         self.valid
     }
 
-    fn estimate(&mut self, conversion: Conversion, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
-        let Conversion { monitor, sensor, .. } = conversion;
-        let code = self.corrected(monitor);
+    fn estimate(&mut self, read: Read, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
+        let Read { conversion: Conversion { monitor, .. }, corrected } = read;
+        let code = corrected.monitor;
         let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
             Some(estimator) => tick_sample(estimator, code),
             None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
@@ -105,21 +110,24 @@ impl<'q> Tick<'q> {
             // An end of the range says so whatever has become of it.
             status |= Status::ADC_SATURATED;
         }
-        let setpoint = self.setpoint(conversion);
-        // Of the code as it was read: that shows the converter's ends and whether it stands still, and is off by as much as the
-        // DAC's voltage that the amplifier answers.
-        let (mut faults, sound) = self.supervise(monitor, setpoint, status, missed, faults);
+        let setpoint = self.setpoint(read);
+        let (mut faults, sound) = self.supervise(read, setpoint.map(|wish| wish.read), status, missed, faults);
         let output = self.output(dac, setpoint, sound);
         status |= output.status;
-        if self.startup.drive.is_some() {
+        let (given, beyond) = self.give(output.code);
+        let drives = self.startup.drive.is_some();
+        if drives {
             // The DAC shows no displacement.
             status.remove(Status::DAC_SATURATED);
+        }
+        if beyond && !output.safe {
+            status |= if drives { Status::OUT_OF_REACH } else { Status::DAC_SATURATED };
         }
         self.telemetry.count(status);
         faults.set(Faults::SAFE_OUTPUT, output.safe);
         self.stream(Sample {
             code: code.0,
-            sensor: sensor.map(|AdcCode(code)| code),
+            sensor: corrected.sensor.map(|AdcCode(code)| code),
             displacement,
             half_width,
             dac: output.code.0,
@@ -127,26 +135,25 @@ impl<'q> Tick<'q> {
             faults,
         });
         self.number = self.number.wrapping_add(1);
-        (output.code, faults)
+        (given, faults)
     }
 
-    /// The monitor's code as it would be at the supply that the table is made for. Fed codes are what they are.
-    fn corrected(&mut self, monitor: AdcCode) -> AdcCode {
-        match &mut self.startup.correction {
-            Some(correction) if self.mode != Mode::Pil => correction.tick(self.telemetry.supply.off(), monitor),
-            _ => monitor,
-        }
+    /// What the DAC is given for a code, and whether that is too little.
+    fn give(&self, code: DacCode) -> (DacCode, bool) {
+        self.telemetry.set_dac(code);
+        self.telemetry.given.tick(&self.telemetry.supply, code)
     }
 
     /// The set-point's code, where it is followed. One that does not come is as good as one at an end of the range.
-    fn setpoint(&self, conversion: Conversion) -> Option<AdcCode> {
-        (self.mode == Mode::Linearise).then(|| conversion.setpoint.unwrap_or(AdcCode(0)))
+    fn setpoint(&self, Read { conversion, corrected }: Read) -> Option<Wish> {
+        let at = |conversion: Conversion| conversion.setpoint.unwrap_or(AdcCode(0));
+        (self.mode == Mode::Linearise).then(|| Wish { read: at(conversion), corrected: at(corrected) })
     }
 
     /// Adds the faults that last to this tick's, and says whether the output may be anything but the safe one.
     fn supervise(
         &mut self,
-        monitor: AdcCode,
+        Read { conversion: Conversion { monitor, .. }, corrected }: Read,
         setpoint: Option<AdcCode>,
         status: Status,
         missed: Option<u32>,
@@ -157,8 +164,10 @@ impl<'q> Tick<'q> {
             return (faults, false);
         }
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
-        let astray = self.mode.drives() && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(monitor));
+        let drive = self.startup.drive.as_ref().filter(|_| self.mode.drives());
+        let astray = drive.is_some_and(|drive| drive.astray(corrected.monitor));
         let (missed, others) = (missed.is_some(), faults & Faults::SUPPLY);
+        // Codes as they were read show the converter's ends, and whether it stands still.
         match self.watch.update(Seen { monitor, setpoint, status, missed, astray, others }) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
             FaultState::Recovered => {
@@ -172,7 +181,7 @@ impl<'q> Tick<'q> {
 
     /// The output of a tick whose estimate would be the code `estimated`, and whose set-point has the code `setpoint`; where not
     /// `sound`, the safe one.
-    fn output(&mut self, estimated: DacCode, setpoint: Option<AdcCode>, sound: bool) -> Output {
+    fn output(&mut self, estimated: DacCode, setpoint: Option<Wish>, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
             Some(drive) if self.mode.drives() => {
@@ -181,7 +190,7 @@ impl<'q> Tick<'q> {
                     drive.stop();
                 }
                 let next = match (setpoint, &mut self.startup.setpoint) {
-                    (Some(code), Some(wants)) => wants.wanted(code, sound, drive.rests()),
+                    (Some(wish), Some(wants)) => wants.wanted(wish, sound, drive.rests()),
                     _ if drive.takes_references() => self.queues.references.dequeue(),
                     _ => None,
                 };
@@ -230,9 +239,7 @@ impl<'q> Tick<'q> {
         if let Some(estimator) = &mut self.startup.estimator {
             tick_restart(estimator);
         }
-        if let Some(correction) = &mut self.startup.correction {
-            correction.restart();
-        }
+        self.startup.correction.restart();
         self.telemetry.set_bias(None);
     }
 

@@ -195,7 +195,7 @@ async fn main(_spawner: Spawner) {
             // The pin, analogue since reset, stays high-impedance until the output register holds the safe code: the driver
             // switches a channel on before it can be given a code, so this one starts without the pin.
             let mut dac = DacChannel::new_triggered_internal::<_, Ch1, _>(dac1, dma, TIM6_TRGO, Irqs);
-            let safe = || Value::Bit12Right(TELEMETRY.safe().0);
+            let safe = || Value::Bit12Right(TELEMETRY.safe_given().0);
             dac.set(safe());
             dac.set_mode(Mode::NormalExternalBuffered);
             clocks::tell_dac();
