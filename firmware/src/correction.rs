@@ -8,9 +8,9 @@
 //!
 //! What the DAC is given is scaled whole and the other way round: its pin has the voltage that its code would give.
 
-use crate::Conversion;
 use crate::ramp::Stride;
 use crate::supply::Supply;
+use crate::{Conversion, Facts};
 use core::sync::atomic::{AtomicI32, AtomicU16, Ordering::Relaxed};
 use estimator_core::{AdcCode, Admitted, DacCode};
 
@@ -107,7 +107,9 @@ impl Correction {
 /// What the DAC is given for its codes. The tick is the only writer, but for [`begin`](Self::begin).
 #[derive(Debug, Default)]
 pub struct Given {
+    /// In the board's parts of a code, as all that is given.
     full_scale: AtomicU16,
+    parts: AtomicU16,
     /// How far the supply is taken to be short, in 65,536ths of itself.
     short: AtomicI32,
 }
@@ -115,34 +117,37 @@ pub struct Given {
 impl Given {
     /// Codes are given as they are, up to any.
     pub const fn new() -> Self {
-        Self { full_scale: AtomicU16::new(u16::MAX), short: AtomicI32::new(0) }
+        Self { full_scale: AtomicU16::new(u16::MAX), parts: AtomicU16::new(1), short: AtomicI32::new(0) }
     }
 
-    /// Of a DAC with this largest code, at a supply that has just been measured for the first time; before the first tick.
-    pub(crate) fn begin(&self, dac_full_scale: u16, supply: &Supply) {
-        self.full_scale.store(dac_full_scale, Relaxed);
+    /// Of a board's DAC, at a supply that has just been measured for the first time; before the first tick.
+    pub(crate) fn begin(&self, facts: &Facts, supply: &Supply) {
+        self.parts.store(facts.dac_parts, Relaxed);
+        self.full_scale.store(facts.interface.dac_full_scale.saturating_mul(facts.dac_parts), Relaxed);
         self.short.store(supply.short(), Relaxed);
     }
 
-    /// One tick: goes towards what the supply is, and says what the DAC is given for a code, and whether that is too little:
-    /// the supply is too low for it.
+    /// One tick: goes towards what the supply is, and says what the DAC is given for parts of a code, and whether that is too
+    /// little: the supply is too low for it.
     #[inline]
-    pub(crate) fn tick(&self, supply: &Supply, DacCode(code): DacCode) -> (DacCode, bool) {
+    pub(crate) fn tick(&self, supply: &Supply, DacCode(parts): DacCode) -> (DacCode, bool) {
         let (short, full_scale) = (towards(self.short.load(Relaxed), supply.short()), self.full_scale.load(Relaxed));
         self.short.store(short, Relaxed);
-        let given = scaled(code, 0, short);
+        let given = scaled(parts, 0, short);
         (DacCode(within(given, full_scale)), given > full_scale.into())
     }
 
     /// What the DAC is given for a code at the last tick: what its pin then has is what the code stands for.
     pub fn of(&self, DacCode(code): DacCode) -> DacCode {
-        DacCode(within(scaled(code, 0, self.short.load(Relaxed)), self.full_scale.load(Relaxed)))
+        let parts = code.saturating_mul(self.parts.load(Relaxed));
+        DacCode(within(scaled(parts, 0, self.short.load(Relaxed)), self.full_scale.load(Relaxed)))
     }
 
     /// How fast that may change where codes may change so fast.
     pub(crate) fn stride(&self, Stride(codes): Stride) -> Stride {
         // Positive: no supply is off by as much as itself.
-        let given = (u64::from(codes) * (65_536 + self.short.load(Relaxed)) as u64) >> 16;
+        let parts = u64::from(codes) * u64::from(self.parts.load(Relaxed));
+        let given = (parts * (65_536 + self.short.load(Relaxed)) as u64) >> 16;
         Stride(given.clamp(1, u32::MAX.into()) as u32)
     }
 }

@@ -110,7 +110,7 @@ impl Telemetry {
     /// Before the first tick: takes the supply at boot, from which on the DAC is given what it is to be at that.
     pub fn begin(&self, facts: &Facts) {
         self.supply.take(facts.supply_mv, facts.supply_good);
-        self.given.begin(facts.interface.dac_full_scale, &self.supply);
+        self.given.begin(facts, &self.supply);
     }
 
     /// How long a tick took, entry to exit, and how long it might have, cycles. The board's interrupt handler says so when
@@ -133,12 +133,12 @@ impl Telemetry {
         DacCode(self.safe.load(Relaxed))
     }
 
-    /// What the DAC is to be given for it, at the supply of now.
+    /// What the DAC is to be given for it, at the supply of now, in the board's parts of a code.
     pub fn safe_given(&self) -> DacCode {
         self.given.of(self.safe())
     }
 
-    /// The way from what the DAC has been given to what it is given for its safe code.
+    /// The way from what the DAC has been given to what it is given for its safe code, in the board's parts of a code.
     pub fn ramp(&self, from: DacCode) -> Ramp {
         let stride = if self.drives() { self.given.stride(self.stride()) } else { Stride::JUMP };
         Ramp::new(from, self.safe_given(), stride)

@@ -1,8 +1,8 @@
 //! The tick: what happens between a conversion and the next trigger, the same on every board and in every test.
 //!
-//! Contract. The timer's trigger starts the conversion and latches the DAC, both in hardware. The end of the conversion
-//! raises the highest-priority interrupt, which calls [`Tick::sample`] and writes the code it returns to the DAC, to be
-//! latched by the *next* trigger: whatever the tick's duration, the output has no jitter, as long as it is done in time.
+//! Contract. The timer's trigger starts the conversion and has the DAC put out what it was given, both in hardware. The end of the
+//! conversion raises the highest-priority interrupt, which calls [`Tick::sample`] and gives the DAC what it returns, to be
+//! put out from the *next* trigger on: whatever the tick's duration, the output has no jitter, as long as it is done in time.
 //! One tick is 500 µs, 85,000 cycles at 170 MHz. A tick that comes late or not at all, or is not done in time for its output,
 //! is counted, and the sample says so; the numbers of the samples skip ticks that did not come. No lock, no log, no allocation,
 //! no `f64`. Where the DAC drives the amplifier ([`Drive`]), the same holds of its voltage: the reference of tick k moves
@@ -14,6 +14,7 @@ use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
 use crate::setpoint::Wish;
+use crate::shaping::Codes;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch};
@@ -40,8 +41,8 @@ pub struct Tick<'q> {
 
 /// What the DAC is to have.
 struct Output {
-    code: DacCode,
-    /// The code is the safe one, or one on the way there.
+    codes: Codes,
+    /// It is the safe one, or on the way there.
     safe: bool,
     /// What following a reference adds to the tick's status.
     status: Status,
@@ -61,7 +62,8 @@ impl<'q> Tick<'q> {
         tick
     }
 
-    /// One tick: the codes just converted in, what the DAC is to be given for its next trigger out. `now` is the cycle counter.
+    /// One tick: the codes just converted in, what the DAC is to be given from its next trigger on out, in the
+    /// board's parts of a code. `now` is the cycle counter.
     pub fn sample(&mut self, conversion: Conversion, now: u32) -> DacCode {
         add(&self.telemetry.ticks, 1);
         self.telemetry.age_bias();
@@ -82,8 +84,8 @@ impl<'q> Tick<'q> {
         let (given, faults) = match read {
             Some(read) => self.estimate(read, missed, faults),
             None => {
-                let code = self.safe_output();
-                (self.give(code).0, faults | Faults::SAFE_OUTPUT)
+                let codes = self.safe_output();
+                (self.give(codes).0, faults | Faults::SAFE_OUTPUT)
             }
         };
         self.telemetry.set_faults(faults);
@@ -112,9 +114,10 @@ impl<'q> Tick<'q> {
         }
         let setpoint = self.setpoint(read);
         let (mut faults, sound) = self.supervise(read, setpoint.map(|wish| wish.read), status, missed, faults);
-        let output = self.output(dac, setpoint, sound);
+        let shown = self.startup.showing(displacement, dac);
+        let output = self.output(shown, setpoint, sound);
         status |= output.status;
-        let (given, beyond) = self.give(output.code);
+        let (given, beyond) = self.give(output.codes);
         let drives = self.startup.drive.is_some();
         if drives {
             // The DAC shows no displacement.
@@ -130,7 +133,7 @@ impl<'q> Tick<'q> {
             sensor: corrected.sensor.map(|AdcCode(code)| code),
             displacement,
             half_width,
-            dac: output.code.0,
+            dac: output.codes.code.0,
             status,
             faults,
         });
@@ -138,10 +141,10 @@ impl<'q> Tick<'q> {
         (given, faults)
     }
 
-    /// What the DAC is given for a code, and whether that is too little.
-    fn give(&self, code: DacCode) -> (DacCode, bool) {
+    /// What the DAC is given, and whether that is too little.
+    fn give(&self, Codes { code, parts }: Codes) -> (DacCode, bool) {
         self.telemetry.set_dac(code);
-        self.telemetry.given.tick(&self.telemetry.supply, code)
+        self.telemetry.given.tick(&self.telemetry.supply, parts)
     }
 
     /// The set-point's code, where it is followed. One that does not come is as good as one at an end of the range.
@@ -179,9 +182,9 @@ impl<'q> Tick<'q> {
         }
     }
 
-    /// The output of a tick whose estimate would be the code `estimated`, and whose set-point has the code `setpoint`; where not
+    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code `setpoint`; where not
     /// `sound`, the safe one.
-    fn output(&mut self, estimated: DacCode, setpoint: Option<Wish>, sound: bool) -> Output {
+    fn output(&mut self, estimated: Codes, setpoint: Option<Wish>, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
             Some(drive) if self.mode.drives() => {
@@ -197,14 +200,14 @@ impl<'q> Tick<'q> {
                 if next.is_none() && drive.following() {
                     add(&self.telemetry.starved, 1);
                 }
-                let (code, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
+                let (codes, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
                 self.telemetry.holding.store(drive.holding(), Relaxed);
                 self.telemetry.stopped.store(drive.stopped(), Relaxed);
-                Output { code, safe: !drive.following(), status }
+                Output { codes, safe: !drive.following(), status }
             }
-            Some(drive) => Output { code: drive.release(), safe: true, status },
-            None if sound => Output { code: estimated, safe: false, status },
-            None => Output { code: self.startup.safe, safe: true, status },
+            Some(drive) => Output { codes: drive.release(), safe: true, status },
+            None if sound => Output { codes: estimated, safe: false, status },
+            None => Output { codes: self.startup.at_safe(), safe: true, status },
         }
     }
 
@@ -230,9 +233,10 @@ impl<'q> Tick<'q> {
         Some(lost)
     }
 
-    /// The safe code, or one on the way to it.
-    fn safe_output(&mut self) -> DacCode {
-        self.startup.drive.as_mut().map_or(self.startup.safe, Drive::release)
+    /// The safe output, or one on the way to it.
+    fn safe_output(&mut self) -> Codes {
+        let safe = self.startup.at_safe();
+        self.startup.drive.as_mut().map_or(safe, Drive::release)
     }
 
     fn restart(&mut self) {
