@@ -90,6 +90,16 @@ impl DacCalibration {
         DacCode(nearest(exact, self.full_scale))
     }
 
+    /// The same line in parts of codes, for a converter that is given so many of them to a code; their largest fits 16 bits.
+    #[must_use]
+    pub fn finer(self, parts: u16) -> Self {
+        Self {
+            gain_codes_per_um: self.gain_codes_per_um * f32::from(parts),
+            offset_code: self.offset_code * f32::from(parts),
+            full_scale: self.full_scale.saturating_mul(parts),
+        }
+    }
+
     /// Whether the code says "that far, or farther".
     #[inline]
     pub fn saturated(&self, code: DacCode) -> bool {
@@ -132,6 +142,16 @@ impl DriveCalibration {
             (true, _) | (_, true) => code.saturating_add(1).min(full_scale),
             _ => code,
         })
+    }
+
+    /// The same line in parts of codes, for a converter that is given so many of them to a code.
+    #[must_use]
+    pub fn finer(self, parts: u16) -> Self {
+        Self {
+            gain_codes_per_v: self.gain_codes_per_v * f32::from(parts),
+            offset_code: self.offset_code * f32::from(parts),
+            ..self
+        }
     }
 
     /// The amplifier voltage (V) that a code stands for.

@@ -17,6 +17,7 @@
 use crate::answer::Answer;
 use crate::ramp::Stride;
 use crate::rate::TICK_HZ;
+use crate::shaping::Codes;
 use estimator_core::{AdcCode, Admitted, Commanded, DacCode, DriveCalibration, Inverse, Status};
 
 /// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be held: 1 s.
@@ -40,6 +41,9 @@ pub struct Drive {
     inverse: Inverse<f32>,
     calibration: DriveCalibration,
     full_scale: u16,
+    /// The same in parts of codes.
+    finer: DriveCalibration,
+    finer_full_scale: u16,
     state: State,
     answer: Answer,
     /// The rest's code, and the one that was commanded last.
@@ -48,14 +52,16 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The drive of a table that has one, waiting.
-    pub fn new(table: &Admitted) -> Option<Self> {
+    /// The drive of a table that has one, waiting, of a DAC that is given so many parts of a code.
+    pub fn new(table: &Admitted, dac_parts: u16) -> Option<Self> {
         let calibration = table.drive?;
         // Cannot fail: the table was admitted with it.
         let inverse = table.inverse(&calibration.limits).ok()?;
         let answer = Answer::new(table.adc, &calibration.limits);
         let (full_scale, rest) = (table.dac.full_scale, Self::rest(table)?);
-        Some(Self { inverse, calibration, full_scale, state: State::Waiting, answer, rest, last: rest })
+        let (finer, finer_full_scale) = (calibration.finer(dac_parts), table.dac.finer(dac_parts).full_scale);
+        let state = State::Waiting;
+        Some(Self { inverse, calibration, full_scale, finer, finer_full_scale, state, answer, rest, last: rest })
     }
 
     /// The code of the rest voltage.
@@ -115,9 +121,9 @@ impl Drive {
         matches!(self.state, State::Following { hold: true, .. })
     }
 
-    /// One tick: the code for the displacement that has come (µm), else for the last one, else on the way to rest; and whether
+    /// One tick: the codes for the displacement that has come (µm), else for the last one, else on the way to rest; and whether
     /// it is out of reach.
-    pub fn follow(&mut self, next: Option<f32>) -> (DacCode, Status) {
+    pub fn follow(&mut self, next: Option<f32>) -> (Codes, Status) {
         let Some(reference) = self.reference(next) else { return (self.release(), Status::empty()) };
         let commanded = tick_inverse(&mut self.inverse, reference);
         self.command(commanded)
@@ -125,7 +131,7 @@ impl Drive {
 
     /// As [`follow`](Self::follow), of the amplifier's voltage (V), which is out of reach where the range or the slew rate is in
     /// its way.
-    pub fn excite(&mut self, next: Option<f32>) -> (DacCode, Status) {
+    pub fn excite(&mut self, next: Option<f32>) -> (Codes, Status) {
         let Some(voltage) = self.reference(next) else { return (self.release(), Status::empty()) };
         let commanded = self.inverse.steer(voltage);
         self.command(commanded)
@@ -153,11 +159,11 @@ impl Drive {
         }
     }
 
-    fn command(&mut self, commanded: Commanded<f32>) -> (DacCode, Status) {
+    fn command(&mut self, commanded: Commanded<f32>) -> (Codes, Status) {
         self.answer.commanded(commanded.voltage);
         let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
         self.last = self.calibration.code(commanded.voltage, self.full_scale);
-        (self.last, status)
+        (Codes { code: self.last, parts: self.finer.code(commanded.voltage, self.finer_full_scale) }, status)
     }
 
     /// Whether the amplifier is not where it was commanded to.
@@ -166,7 +172,7 @@ impl Drive {
     }
 
     /// One tick towards the rest voltage.
-    pub fn release(&mut self) -> DacCode {
+    pub fn release(&mut self) -> Codes {
         let commanded = self.inverse.release();
         self.command(commanded).0
     }

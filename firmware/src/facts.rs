@@ -16,6 +16,8 @@ pub struct Facts {
     pub has_setpoint: bool,
     /// What the board asks of a table.
     pub interface: Board,
+    /// Into how many parts the board's DAC divides a code ([`crate::shaping`]): it is given so many to a code.
+    pub dac_parts: u16,
     /// Counts of the board's cycle counter from tick to tick.
     pub cycles_per_tick: u32,
     /// Why the board started.

@@ -16,6 +16,7 @@
 pub mod answer;
 pub mod boot;
 pub mod conversion;
+pub mod correction;
 pub mod drive;
 pub mod facts;
 pub mod last_words;
@@ -29,6 +30,7 @@ pub mod reading;
 pub mod restarts;
 pub mod run;
 pub mod setpoint;
+pub mod shaping;
 pub mod startup;
 pub mod supply;
 /// The parameter table of the image, made by `piezo emit --face rust`.

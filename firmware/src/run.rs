@@ -70,7 +70,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
         referred: Taken::default(),
     };
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
-    telemetry.supply.take(facts.supply_mv, facts.supply_good);
+    telemetry.begin(&facts);
     (board.start)(tick);
     // Begins the first measurement; what it gives is from before.
     (facts.measure_supply)();

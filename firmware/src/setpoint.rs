@@ -15,6 +15,15 @@ pub const CALM_TICKS: u32 = TICK_HZ;
 /// does not change shows later.
 const _: () = assert!(SATURATED < CALM_TICKS);
 
+/// A set-point's code.
+#[derive(Clone, Copy, Debug)]
+pub struct Wish {
+    /// As it was read, which shows whether it is one.
+    pub read: AdcCode,
+    /// As it would be were the supply not off.
+    pub corrected: AdcCode,
+}
+
 /// What is wanted.
 #[derive(Clone, Debug)]
 pub struct Setpoint {
@@ -43,8 +52,8 @@ impl Setpoint {
 
     /// What is wanted at a tick, µm relative to the model's zero, where that can be said; `sound` says that nothing else is
     /// wrong, `rests` that the voltage is at rest, which matters before the set-point is followed only.
-    pub fn wanted(&mut self, code: AdcCode, sound: bool, rests: bool) -> Option<f32> {
-        let plausible = !self.ends.near(code);
+    pub fn wanted(&mut self, Wish { read, corrected }: Wish, sound: bool, rests: bool) -> Option<f32> {
+        let plausible = !self.ends.near(read);
         if !sound {
             self.calm = 0;
             return None;
@@ -53,6 +62,6 @@ impl Setpoint {
             self.calm = if plausible && rests { self.calm + 1 } else { 0 };
             return None;
         }
-        plausible.then(|| self.calibration.displacement(code))
+        plausible.then(|| self.calibration.displacement(corrected))
     }
 }

@@ -1,19 +1,24 @@
 //! What the tick starts with, as the boot has decided.
 
+use crate::correction::Correction;
 use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::ramp::Stride;
 use crate::setpoint::Setpoint;
-use crate::supply::Correction;
-use estimator_core::{Admitted, DacCode, Estimator};
+use crate::shaping::Codes;
+use estimator_core::{Admitted, DacCalibration, DacCode, Estimator};
 use protocol::Faults;
 
 /// What the tick computes with, and where its output rests.
 pub struct Startup {
     /// The estimator; without it the DAC stays at its safe code.
     pub estimator: Option<Estimator<f32>>,
-    /// What makes up for a supply that is off; without a table nobody knows which code is 0 V, and codes stay as they are.
-    pub correction: Option<Correction>,
+    /// What the DAC is given for a displacement, where it shows that: in the board's parts of a code.
+    pub shows: DacCalibration,
+    /// How many of these a code has.
+    pub dac_parts: u16,
+    /// What makes up for a supply that is off, of what is read.
+    pub correction: Correction,
     /// The drive, where the DAC drives the amplifier.
     pub drive: Option<Drive>,
     /// What a controller wants of it, where the table says which displacements its codes stand for.
@@ -34,7 +39,7 @@ impl Startup {
     /// that come no one knows how often nothing is estimated or driven either.
     pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
         let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
-        let correction = table.map(|table| Correction::new(&table.adc));
+        let correction = Correction::new(facts.interface.adc_full_scale, table);
         let degraded = facts.restarts.too_many();
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
         // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts
@@ -55,7 +60,26 @@ impl Startup {
         // A device that has just failed drives nothing by itself: what it did may be what made it fail.
         let calm = facts.restarts.count == 0 && !faults.intersects(Faults::UNSAFE);
         let linearises = calm && facts.has_setpoint && setpoint.as_ref().is_some_and(Setpoint::at_start);
-        let drive = driving.and_then(Drive::new);
-        Self { estimator, correction, drive, setpoint, linearises, safe, stride, faults }
+        let drive = driving.and_then(|table| Drive::new(table, facts.dac_parts));
+        let dac_parts = facts.dac_parts;
+        // Without a table nothing is estimated, and it shows nothing but the safe code.
+        let nothing = DacCalibration {
+            gain_codes_per_um: 0.0,
+            offset_code: safe.0.into(),
+            full_scale: facts.interface.dac_full_scale,
+        };
+        let shows = table.map_or(nothing, |table| table.dac).finer(dac_parts);
+        Self { estimator, shows, dac_parts, correction, drive, setpoint, linearises, safe, stride, faults }
+    }
+
+    /// What the DAC has at its safe code.
+    pub fn at_safe(&self) -> Codes {
+        Codes { code: self.safe, parts: DacCode(self.safe.0.saturating_mul(self.dac_parts)) }
+    }
+
+    /// What the DAC has that shows a displacement (µm), whose code is this.
+    #[inline]
+    pub fn showing(&self, displacement: f32, code: DacCode) -> Codes {
+        Codes { code, parts: self.shows.code(displacement) }
     }
 }

@@ -1,6 +1,8 @@
 //! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`] and
 //! the supply, and nothing interrupts it, so plain loads and stores are enough.
 
+use crate::correction::Given;
+use crate::facts::Facts;
 use crate::ramp::{Ramp, Stride};
 use crate::supply::Supply;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
@@ -34,7 +36,7 @@ pub struct Telemetry {
     pub dropped: AtomicU32,
     /// The last tick was not done in time for its output.
     pub overdue: AtomicBool,
-    /// The code that the DAC was given last.
+    /// The DAC's code of the last tick.
     dac: AtomicU16,
     /// Its safe one, and how fast it may go there.
     safe: AtomicU16,
@@ -51,6 +53,8 @@ pub struct Telemetry {
     pub(crate) stopped: AtomicBool,
     /// The analogue supply.
     pub supply: Supply,
+    /// What the DAC is given for its codes, which is another than they are where the supply is off.
+    pub given: Given,
     /// The set-point's code, and one more; 0 where there is none.
     setpoint: AtomicU32,
     /// Bits of the bias, µm.
@@ -93,6 +97,7 @@ impl Telemetry {
             holding: AtomicBool::new(false),
             stopped: AtomicBool::new(false),
             supply: Supply::new(),
+            given: Given::new(),
             setpoint: AtomicU32::new(0),
             bias: AtomicU32::new(0),
             told: AtomicU32::new(0),
@@ -100,6 +105,12 @@ impl Telemetry {
             faults_seen: AtomicU16::new(0),
             mode: AtomicU8::new(0),
         }
+    }
+
+    /// Before the first tick: takes the supply at boot, from which on the DAC is given what it is to be at that.
+    pub fn begin(&self, facts: &Facts) {
+        self.supply.take(facts.supply_mv, facts.supply_good);
+        self.given.begin(facts, &self.supply);
     }
 
     /// How long a tick took, entry to exit, and how long it might have, cycles. The board's interrupt handler says so when
@@ -122,22 +133,32 @@ impl Telemetry {
         DacCode(self.safe.load(Relaxed))
     }
 
-    /// The way from a code of the DAC to the safe one.
+    /// What the DAC is to be given for it, at the supply of now, in the board's parts of a code.
+    pub fn safe_given(&self) -> DacCode {
+        self.given.of(self.safe())
+    }
+
+    /// The way from what the DAC has been given to what it is given for its safe code, in the board's parts of a code.
     pub fn ramp(&self, from: DacCode) -> Ramp {
-        Ramp::new(from, self.safe(), Stride(self.stride.load(Relaxed)))
+        let stride = if self.drives() { self.given.stride(self.stride()) } else { Stride::JUMP };
+        Ramp::new(from, self.safe_given(), stride)
     }
 
     /// Whether the DAC drives something, so that its code may not jump.
     pub fn drives(&self) -> bool {
-        Stride(self.stride.load(Relaxed)) != Stride::JUMP
+        self.stride() != Stride::JUMP
     }
 
-    /// Ticks from the code that the DAC was given last to the safe one.
+    /// Ticks from the DAC's last code to the safe one.
     pub fn ticks_to_safe(&self) -> u32 {
-        self.ramp(DacCode(self.dac.load(Relaxed))).ticks()
+        Ramp::new(DacCode(self.dac.load(Relaxed)), self.safe(), self.stride()).ticks()
     }
 
-    /// The code that was read last at the set-point; `None` where the board has no such channel.
+    fn stride(&self) -> Stride {
+        Stride(self.stride.load(Relaxed))
+    }
+
+    /// The code that was read last at the set-point, corrected for the supply; `None` where the board has no such channel.
     pub fn setpoint(&self) -> Option<AdcCode> {
         // The code of a u16.
         self.setpoint.load(Relaxed).checked_sub(1).map(|code| AdcCode(code as u16))

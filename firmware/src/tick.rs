@@ -1,17 +1,20 @@
 //! The tick: what happens between a conversion and the next trigger, the same on every board and in every test.
 //!
-//! Contract. The timer's trigger starts the conversion and latches the DAC, both in hardware. The end of the conversion
-//! raises the highest-priority interrupt, which calls [`Tick::sample`] and writes the code it returns to the DAC, to be
-//! latched by the *next* trigger: whatever the tick's duration, the output has no jitter, as long as it is done in time.
+//! Contract. The timer's trigger starts the conversion and has the DAC put out what it was given, both in hardware. The end of the
+//! conversion raises the highest-priority interrupt, which calls [`Tick::sample`] and gives the DAC what it returns, to be
+//! put out from the *next* trigger on: whatever the tick's duration, the output has no jitter, as long as it is done in time.
 //! One tick is 500 µs, 85,000 cycles at 170 MHz. A tick that comes late or not at all, or is not done in time for its output,
 //! is counted, and the sample says so; the numbers of the samples skip ticks that did not come. No lock, no log, no allocation,
 //! no `f64`. Where the DAC drives the amplifier ([`Drive`]), the same holds of its voltage: the reference of tick k moves
 //! it at tick k + 1, and the displacement a tick after that.
 
 use crate::conversion::Conversion;
+use crate::correction::Read;
 use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
+use crate::setpoint::Wish;
+use crate::shaping::Codes;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch};
@@ -36,10 +39,10 @@ pub struct Tick<'q> {
     valid: bool,
 }
 
-/// What the DAC is given.
+/// What the DAC is to have.
 struct Output {
-    code: DacCode,
-    /// The code is the safe one, or one on the way there.
+    codes: Codes,
+    /// It is the safe one, or on the way there.
     safe: bool,
     /// What following a reference adds to the tick's status.
     status: Status,
@@ -59,31 +62,35 @@ impl<'q> Tick<'q> {
         tick
     }
 
-    /// One tick: the codes just converted in, the code for the DAC's next trigger out. `now` is the cycle counter.
+    /// One tick: the codes just converted in, what the DAC is to be given from its next trigger on out, in the
+    /// board's parts of a code. `now` is the cycle counter.
     pub fn sample(&mut self, conversion: Conversion, now: u32) -> DacCode {
         add(&self.telemetry.ticks, 1);
-        self.telemetry.set_setpoint(conversion.setpoint);
         self.telemetry.age_bias();
         let missed = self.missed(now);
         if let Some(command) = self.queues.commands.dequeue() {
             self.obey(command);
         }
-        let conversion = match self.mode {
-            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise => Some(conversion),
-            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from),
+        let read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
+        self.telemetry.set_setpoint(read.corrected.setpoint);
+        let read = match self.mode {
+            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise => Some(read),
+            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
             Mode::Pause => None,
         };
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
         faults.set(Faults::SUPPLY, self.telemetry.supply.bad());
-        let (dac, faults) = match conversion {
-            Some(conversion) => self.estimate(conversion, missed, faults),
-            None => (self.safe_output(), faults | Faults::SAFE_OUTPUT),
+        let (given, faults) = match read {
+            Some(read) => self.estimate(read, missed, faults),
+            None => {
+                let codes = self.safe_output();
+                (self.give(codes).0, faults | Faults::SAFE_OUTPUT)
+            }
         };
         self.telemetry.set_faults(faults);
-        self.telemetry.set_dac(dac);
         self.valid = faults.is_empty();
-        dac
+        given
     }
 
     /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick. Where it
@@ -92,9 +99,9 @@ impl<'q> Tick<'q> {
         self.valid
     }
 
-    fn estimate(&mut self, conversion: Conversion, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
-        let Conversion { monitor, sensor, .. } = conversion;
-        let code = self.corrected(monitor);
+    fn estimate(&mut self, read: Read, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
+        let Read { conversion: Conversion { monitor, .. }, corrected } = read;
+        let code = corrected.monitor;
         let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
             Some(estimator) => tick_sample(estimator, code),
             None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
@@ -105,48 +112,51 @@ impl<'q> Tick<'q> {
             // An end of the range says so whatever has become of it.
             status |= Status::ADC_SATURATED;
         }
-        let setpoint = self.setpoint(conversion);
-        // Of the code as it was read: that shows the converter's ends and whether it stands still, and is off by as much as the
-        // DAC's voltage that the amplifier answers.
-        let (mut faults, sound) = self.supervise(monitor, setpoint, status, missed, faults);
-        let output = self.output(dac, setpoint, sound);
+        let setpoint = self.setpoint(read);
+        let (mut faults, sound) = self.supervise(read, setpoint.map(|wish| wish.read), status, missed, faults);
+        let shown = self.startup.showing(displacement, dac);
+        let output = self.output(shown, setpoint, sound);
         status |= output.status;
-        if self.startup.drive.is_some() {
+        let (given, beyond) = self.give(output.codes);
+        let drives = self.startup.drive.is_some();
+        if drives {
             // The DAC shows no displacement.
             status.remove(Status::DAC_SATURATED);
+        }
+        if beyond && !output.safe {
+            status |= if drives { Status::OUT_OF_REACH } else { Status::DAC_SATURATED };
         }
         self.telemetry.count(status);
         faults.set(Faults::SAFE_OUTPUT, output.safe);
         self.stream(Sample {
             code: code.0,
-            sensor: sensor.map(|AdcCode(code)| code),
+            sensor: corrected.sensor.map(|AdcCode(code)| code),
             displacement,
             half_width,
-            dac: output.code.0,
+            dac: output.codes.code.0,
             status,
             faults,
         });
         self.number = self.number.wrapping_add(1);
-        (output.code, faults)
+        (given, faults)
     }
 
-    /// The monitor's code as it would be at the supply that the table is made for. Fed codes are what they are.
-    fn corrected(&mut self, monitor: AdcCode) -> AdcCode {
-        match &mut self.startup.correction {
-            Some(correction) if self.mode != Mode::Pil => correction.tick(self.telemetry.supply.off(), monitor),
-            _ => monitor,
-        }
+    /// What the DAC is given, and whether that is too little.
+    fn give(&self, Codes { code, parts }: Codes) -> (DacCode, bool) {
+        self.telemetry.set_dac(code);
+        self.telemetry.given.tick(&self.telemetry.supply, parts)
     }
 
     /// The set-point's code, where it is followed. One that does not come is as good as one at an end of the range.
-    fn setpoint(&self, conversion: Conversion) -> Option<AdcCode> {
-        (self.mode == Mode::Linearise).then(|| conversion.setpoint.unwrap_or(AdcCode(0)))
+    fn setpoint(&self, Read { conversion, corrected }: Read) -> Option<Wish> {
+        let at = |conversion: Conversion| conversion.setpoint.unwrap_or(AdcCode(0));
+        (self.mode == Mode::Linearise).then(|| Wish { read: at(conversion), corrected: at(corrected) })
     }
 
     /// Adds the faults that last to this tick's, and says whether the output may be anything but the safe one.
     fn supervise(
         &mut self,
-        monitor: AdcCode,
+        Read { conversion: Conversion { monitor, .. }, corrected }: Read,
         setpoint: Option<AdcCode>,
         status: Status,
         missed: Option<u32>,
@@ -157,8 +167,10 @@ impl<'q> Tick<'q> {
             return (faults, false);
         }
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
-        let astray = self.mode.drives() && self.startup.drive.as_ref().is_some_and(|drive| drive.astray(monitor));
+        let drive = self.startup.drive.as_ref().filter(|_| self.mode.drives());
+        let astray = drive.is_some_and(|drive| drive.astray(corrected.monitor));
         let (missed, others) = (missed.is_some(), faults & Faults::SUPPLY);
+        // Codes as they were read show the converter's ends, and whether it stands still.
         match self.watch.update(Seen { monitor, setpoint, status, missed, astray, others }) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
             FaultState::Recovered => {
@@ -170,9 +182,9 @@ impl<'q> Tick<'q> {
         }
     }
 
-    /// The output of a tick whose estimate would be the code `estimated`, and whose set-point has the code `setpoint`; where not
+    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code `setpoint`; where not
     /// `sound`, the safe one.
-    fn output(&mut self, estimated: DacCode, setpoint: Option<AdcCode>, sound: bool) -> Output {
+    fn output(&mut self, estimated: Codes, setpoint: Option<Wish>, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
             Some(drive) if self.mode.drives() => {
@@ -181,21 +193,21 @@ impl<'q> Tick<'q> {
                     drive.stop();
                 }
                 let next = match (setpoint, &mut self.startup.setpoint) {
-                    (Some(code), Some(wants)) => wants.wanted(code, sound, drive.rests()),
+                    (Some(wish), Some(wants)) => wants.wanted(wish, sound, drive.rests()),
                     _ if drive.takes_references() => self.queues.references.dequeue(),
                     _ => None,
                 };
                 if next.is_none() && drive.following() {
                     add(&self.telemetry.starved, 1);
                 }
-                let (code, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
+                let (codes, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
                 self.telemetry.holding.store(drive.holding(), Relaxed);
                 self.telemetry.stopped.store(drive.stopped(), Relaxed);
-                Output { code, safe: !drive.following(), status }
+                Output { codes, safe: !drive.following(), status }
             }
-            Some(drive) => Output { code: drive.release(), safe: true, status },
-            None if sound => Output { code: estimated, safe: false, status },
-            None => Output { code: self.startup.safe, safe: true, status },
+            Some(drive) => Output { codes: drive.release(), safe: true, status },
+            None if sound => Output { codes: estimated, safe: false, status },
+            None => Output { codes: self.startup.at_safe(), safe: true, status },
         }
     }
 
@@ -221,18 +233,17 @@ impl<'q> Tick<'q> {
         Some(lost)
     }
 
-    /// The safe code, or one on the way to it.
-    fn safe_output(&mut self) -> DacCode {
-        self.startup.drive.as_mut().map_or(self.startup.safe, Drive::release)
+    /// The safe output, or one on the way to it.
+    fn safe_output(&mut self) -> Codes {
+        let safe = self.startup.at_safe();
+        self.startup.drive.as_mut().map_or(safe, Drive::release)
     }
 
     fn restart(&mut self) {
         if let Some(estimator) = &mut self.startup.estimator {
             tick_restart(estimator);
         }
-        if let Some(correction) = &mut self.startup.correction {
-            correction.restart();
-        }
+        self.startup.correction.restart();
         self.telemetry.set_bias(None);
     }
 

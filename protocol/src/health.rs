@@ -72,7 +72,8 @@ pub struct Health {
     /// The level of the brown-out reset by the chip's option bytes, BOR_LEV: 0 to 4 for about 1.7, 2.0, 2.2, 2.5 and 2.8 V;
     /// `None` where the board has none.
     pub brown_out_level: Option<u8>,
-    /// What the converter last read at the set-point ([`estimator_core::AdcCode`]); `None` where the board has no such channel.
+    /// What the converter last read at the set-point ([`estimator_core::AdcCode`]), corrected for the supply where the board
+    /// measures it; `None` where the board has no such channel.
     pub setpoint: Option<u16>,
 }
 

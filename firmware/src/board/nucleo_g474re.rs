@@ -6,12 +6,12 @@
 //! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, sixteenfold oversampling: codes up to 65,520 |
 //! | displacement sensor, through divider and clamp, if there is one | PA1 (A1), ADC1 channel 2, injected after it, likewise |
 //! | set-point of a controller, through divider and clamp, if there is one | PB0 (A3), ADC1 channel 15, injected last, likewise |
-//! | estimate, or the amplifier's input | PA4 (A2), DAC1 channel 1, 12 bits |
+//! | estimate, or the amplifier's input | PA4 (A2), DAC1 channel 1, 12 bits at 100 kHz, 16 bits behind a low-pass, by DMA1's channel 2 ([`output`]) |
 //! | high while the tick runs, for an oscilloscope | PA8 (D7) |
 //! | VALID: an edge at every good tick, for an interlock | PB10 (D6) |
 //! | lamp, button: [`firmware::panel`] | PA5 (LD2), PC13 (B1) |
 //! | link | LPUART1 on PA2, PA3, by DMA1's channels 1 and 3: the ST-Link's virtual COM port |
-//! | trigger of both converters | TIM6, 2 kHz |
+//! | trigger of the ADC, and of the DAC | TIM6, 2 kHz, and TIM7, 100 kHz |
 //! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
 //!
 //! Sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz a channel, 67.8 µs for all three, the monitor first; the interrupt follows. Every other interrupt has a
@@ -25,6 +25,8 @@ mod clocks;
 mod failure;
 #[path = "nucleo_g474re/line.rs"]
 mod line;
+#[path = "nucleo_g474re/output.rs"]
+mod output;
 #[path = "nucleo_g474re/supply.rs"]
 mod supply;
 
@@ -35,14 +37,13 @@ use cortex_m::peripheral::{DWT, SCB};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_stm32::adc::{Adc, AdcChannel as _, AdcConfig, Exten, InjectedAdc, SampleTime};
-use embassy_stm32::dac::{Ch1, DacChannel, Mode, Value};
 use embassy_stm32::flash::Flash;
-use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
+use embassy_stm32::gpio::{self, Input, Level, Pull, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::mode::Async;
 use embassy_stm32::pac::{self, timer::vals::Mms};
-use embassy_stm32::peripherals::{ADC1, DMA1_CH1, DMA1_CH2, DMA1_CH3, LPUART1, TIM6};
+use embassy_stm32::peripherals::{ADC1, DMA1_CH1, DMA1_CH2, DMA1_CH3, LPUART1};
 use embassy_stm32::time::Hertz;
+use embassy_stm32::timer::BasicInstance;
 use embassy_stm32::timer::low_level::{RoundTo, Timer};
 use embassy_stm32::triggers::TIM6_TRGO;
 use embassy_stm32::usart;
@@ -54,7 +55,9 @@ use estimator_core::table::Board;
 use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::reading::Watched;
+use firmware::shaping::PARTS;
 use firmware::{Conversion, Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
+use output::{AHEAD, Output};
 use protocol::{ResetCause, Uid};
 use static_cell::ConstStaticCell;
 
@@ -82,15 +85,15 @@ const WATCHDOG_US: u32 = 200_000;
 struct Armed {
     tick: Tick<'static>,
     adc: InjectedAdc<'static, ADC1, 3>,
-    dac: DacChannel<'static, Async>,
-    marker: Output<'static>,
-    valid: Output<'static>,
+    output: Output,
+    marker: gpio::Output<'static>,
+    valid: gpio::Output<'static>,
 }
 
 /// The board's own button and lamp.
 struct OnBoard {
     button: Input<'static>,
-    lamp: Output<'static>,
+    lamp: gpio::Output<'static>,
 }
 
 impl Front for OnBoard {
@@ -154,16 +157,18 @@ async fn main(_spawner: Spawner) {
 
     let flash_start = addr_of!(__flash_start) as u32;
     let pages = addr_of!(__parameters_start) as u32 - flash_start..addr_of!(__parameters_end) as u32 - flash_start;
-    let (tim6, dac1, dma, pa0, pa1, pb0) = (p.TIM6, p.DAC1, p.DMA1_CH2, p.PA0, p.PA1, p.PB0);
-    let marker = Output::new(p.PA8, Level::Low, Speed::High);
-    let valid = Output::new(p.PB10, Level::Low, Speed::Low);
+    let (tim6, tim7, dac1, dma, pa0, pa1, pb0) = (p.TIM6, p.TIM7, p.DAC1, p.DMA1_CH2, p.PA0, p.PA1, p.PB0);
+    let marker = gpio::Output::new(p.PA8, Level::Low, Speed::High);
+    let valid = gpio::Output::new(p.PB10, Level::Low, Speed::Low);
     // The board has the button's resistor.
-    let front = OnBoard { button: Input::new(p.PC13, Pull::None), lamp: Output::new(p.PA5, Level::Low, Speed::Low) };
+    let front =
+        OnBoard { button: Input::new(p.PC13, Pull::None), lamp: gpio::Output::new(p.PA5, Level::Low, Speed::Low) };
     let facts = Facts {
         name: "nucleo-g474re",
         uid: Some(Uid(embassy_stm32::uid::uid())),
         has_setpoint: true,
         interface: INTERFACE,
+        dac_parts: PARTS,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
         restarts,
@@ -190,28 +195,20 @@ async fn main(_spawner: Spawner) {
         front,
         feed_watchdog: || watchdog.pet(),
         start: |tick: Tick<'static>| {
-            // Before the converters listen: loading the prescaler is a trigger too.
-            let timer = trigger(tim6);
-            // The pin, analogue since reset, stays high-impedance until the output register holds the safe code: the driver
-            // switches a channel on before it can be given a code, so this one starts without the pin.
-            let mut dac = DacChannel::new_triggered_internal::<_, Ch1, _>(dac1, dma, TIM6_TRGO, Irqs);
-            let safe = || Value::Bit12Right(TELEMETRY.safe().0);
-            dac.set(safe());
-            dac.set_mode(Mode::NormalExternalBuffered);
-            clocks::tell_dac();
-            dac.enable();
-            // Once more, for a DAC that loads its output register when a code is written and at no other time.
-            dac.set(safe());
-            // The constructor chooses the trigger and leaves it off.
-            dac.set_triggering(true);
+            // Before the converter listens: loading the prescaler is a trigger too.
+            let timer = trigger(tim6, TICK_HZ);
             let channels = [pa0.degrade_adc(), pa1.degrade_adc(), pb0.degrade_adc()];
             let channels = channels.map(|channel| (channel, SampleTime::CYCLES47_5));
             // Its interrupt is that of the sequence's end.
             let adc = adc.setup_injected_conversions(channels, TIM6_TRGO, Exten::RISING_EDGE, true);
-            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, dac, marker, valid })));
+            let (output, ahead) = output::start(dac1, dma, tim7);
+            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, output, marker, valid })));
             // SAFETY: the handler below is ready, and no critical section masks by priority.
             unsafe { interrupt::ADC1_2.enable() };
-            timer.start();
+            critical_section::with(|_| {
+                ahead.start();
+                timer.start();
+            });
             // Dropped, it would stop.
             core::mem::forget(timer);
         },
@@ -232,7 +229,7 @@ async fn main(_spawner: Spawner) {
 fn ADC1_2() {
     static mut OWNED: Option<Armed> = None;
     let started = DWT::cycle_count();
-    let Some(Armed { tick, adc, dac, marker, valid }) = OWNED.as_mut() else {
+    let Some(Armed { tick, adc, output, marker, valid }) = OWNED.as_mut() else {
         // The first time: the request stays, so the handler is entered again at once.
         *OWNED = ARMED.lock(Cell::take);
         return;
@@ -240,25 +237,26 @@ fn ADC1_2() {
     marker.set_high();
     let [monitor, sensor, setpoint] = adc.read_injected_samples().map(AdcCode);
     let conversion = Conversion { monitor, sensor: Some(sensor), setpoint: Some(setpoint) };
-    dac.set(Value::Bit12Right(tick.sample(conversion, started).0));
-    let in_time = TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION);
+    // Otherwise DMA has lost a request, and brings nothing any more: the last code would stand.
+    assert!(output.put(tick.sample(conversion, started)), "the DAC's DMA has stopped");
+    let in_time = TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION - AHEAD);
     if in_time && tick.valid() {
         valid.toggle();
     }
     marker.set_low();
 }
 
-/// TIM6, not started, with its trigger output at exactly 2 kHz.
-fn trigger(tim6: Peri<'static, TIM6>) -> Timer<'static, TIM6> {
-    let timer = Timer::new(tim6);
-    timer.set_frequency(Hertz(TICK_HZ), RoundTo::Slower);
+/// A timer, not started, with its trigger output at exactly so many hertz.
+fn trigger<T: BasicInstance>(timer: Peri<'static, T>, hz: u32) -> Timer<'static, T> {
+    let timer = Timer::new(timer);
+    timer.set_frequency(Hertz(hz), RoundTo::Slower);
     // Loads the prescaler; without it the first period is too short.
     timer.generate_update_event();
     let registers = timer.regs_basic();
     registers.cr2().modify(|w| w.set_mms(Mms::UPDATE));
     // Of the registers, because `get_frequency` of embassy-stm32 0.6 divides by one count too few.
     let counts = (u32::from(registers.psc().read()) + 1) * (u32::from(registers.arr().read().arr()) + 1);
-    assert!(counts * TICK_HZ == timer.get_clock_frequency().0, "TIM6 does not reach {TICK_HZ} Hz: {counts} counts");
+    assert!(counts * hz == timer.get_clock_frequency().0, "a timer does not reach {hz} Hz: {counts} counts");
     timer
 }
 

@@ -81,6 +81,7 @@ fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
         uid: Some(uid),
         has_setpoint,
         interface: INTERFACE,
+        dac_parts: 1,
         cycles_per_tick: CYCLES_HZ / TICK_HZ,
         reset,
         restarts: Restarts::default(),

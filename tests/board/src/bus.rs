@@ -6,6 +6,7 @@ use crate::{
     NEVER,
     board::Stop,
     clock::{FLASH_ACR, PWR_CR5},
+    dac::TIM7_TRGO,
     machine::Machine,
     nvic::Written,
     rcc::Reset,
@@ -15,6 +16,7 @@ use crate::{
 // The peripherals with a model, by the 1 KiB that each has.
 const TIM5: u32 = 0x4000_0C00;
 const TIM6: u32 = 0x4000_1000;
+const TIM7: u32 = 0x4000_1400;
 const IWDG: u32 = 0x4000_3000;
 const LPUART1: u32 = 0x4000_8000;
 const DMA1: u32 = 0x4002_0000;
@@ -26,9 +28,9 @@ const ADC: u32 = 0x5000_0000;
 const DAC: u32 = 0x5000_0800;
 const SCS: u32 = 0xE000_E000;
 
-const MODELLED: [u32; 10] = [TIM5, TIM6, IWDG, LPUART1, DMA1, DMAMUX, RCC, FLASH, ADC, DAC];
+const MODELLED: [u32; 11] = [TIM5, TIM6, TIM7, IWDG, LPUART1, DMA1, DMAMUX, RCC, FLASH, ADC, DAC];
 /// Registers of 16 bits or less, which may be written without the rest of the word: prescalers, LPUART1_TDR.
-const SHORT: [u32; 3] = [TIM5 + 0x28, TIM6 + 0x28, LPUART1 + 0x28];
+const SHORT: [u32; 4] = [TIM5 + 0x28, TIM6 + 0x28, TIM7 + 0x28, LPUART1 + 0x28];
 
 const DWT_CTRL: u32 = 0xE000_1000;
 const DWT_CYCCNT: u32 = 0xE000_1004;
@@ -79,6 +81,7 @@ impl Machine {
         Ok(match address & !0x3FF {
             TIM5 => self.tim5.read(offset, self.clock),
             TIM6 => self.tim6.read(offset, self.clock),
+            TIM7 => self.tim7.read(offset, self.clock),
             LPUART1 => self.uart.read(offset),
             DMA1 => self.dma.read(offset),
             DMAMUX => self.dma.read_mux(offset),
@@ -156,6 +159,15 @@ impl Machine {
                 }
                 None => false,
             },
+            TIM7 => match self.tim7.write(offset, value, now)? {
+                Some(trigger) => {
+                    if trigger {
+                        self.convert(now, TIM7_TRGO);
+                    }
+                    true
+                }
+                None => false,
+            },
             IWDG => self.watchdog.write(offset, value, now)?,
             LPUART1 => {
                 self.rcc.check_uart()?;
@@ -166,6 +178,7 @@ impl Machine {
             DMA1 => {
                 let known = self.dma.write(offset, value)?;
                 self.transfer(now)?;
+                self.serve();
                 known
             }
             DMAMUX => self.dma.write_mux(offset, value),
@@ -202,6 +215,7 @@ impl Machine {
         let clocks = self.rcc.timer_clocks()?;
         self.tim5.clock_by(clocks, now);
         self.tim6.clock_by(clocks, now);
+        self.tim7.clock_by(clocks, now);
         Ok(())
     }
 

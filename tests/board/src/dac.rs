@@ -1,10 +1,13 @@
-//! DAC1, channel 1 (RM0440): holding register, output register, and what loads the one into the other: TIM6's trigger or, while
+//! DAC1, channel 1 (RM0440): holding register, output register, and what loads the one into the other: TIM6's or TIM7's trigger or, while
 //! the channel is on and untriggered, a write of the holding register. No other write does: the manual's words ("data written
 //! into DHR is transferred") leave open whether what was written before a change of TEN or EN counts, so here it does not;
 //! a channel that is switched off forgets its output. The pin is driven while the channel is on and its mode connects it.
 //!
-//! Loading takes no clock, and the output amplifier wakes soon (up to 7.5 µs on silicon). Other triggers load nothing. Waves,
-//! DMA, channel 2 and the other holding registers are plain memory.
+//! With DMAEN a trigger that loads asks for DMA, which brings what the next one loads. A trigger that comes before it was served
+//! flags an underrun: it loads what there is, and no further one asks.
+//!
+//! Loading takes no clock, and the output amplifier wakes soon (up to 7.5 µs on silicon). Other triggers load nothing. Waves, the underrun's
+//! interrupt, channel 2 and the other holding registers are plain memory.
 
 use anyhow::{Result, ensure};
 
@@ -13,12 +16,16 @@ use crate::{field, microseconds, record::Latch};
 const CR: u32 = 0x00;
 const DHR12R1: u32 = 0x08;
 const DOR1: u32 = 0x2C;
+const SR: u32 = 0x34;
 const MCR: u32 = 0x3C;
 
 const EN: u32 = 1 << 0;
 const TEN: u32 = 1 << 1;
-/// TSEL1: TIM6's TRGO.
-const TIM6_TRGO: u32 = 7;
+const DMAEN: u32 = 1 << 12;
+const DMAUDR: u32 = 1 << 13;
+/// TSEL1: which timer's TRGO.
+pub const TIM6_TRGO: u32 = 7;
+pub const TIM7_TRGO: u32 = 2;
 /// MODE1, its lower two bits: the one mode without the pin.
 const INTERNAL: u32 = 3;
 
@@ -34,18 +41,36 @@ pub struct Dac {
     mode: u32,
     holding: u16,
     output: u16,
+    /// A request for DMA waits.
+    requests: bool,
+    /// One came too late.
+    underrun: bool,
     /// The clock at which the output amplifier wakes, before it has.
     wakes: Option<u64>,
 }
 
 impl Dac {
-    /// TIM6's trigger.
-    pub fn trigger(&mut self, at: u64, outputs: &mut Vec<Latch>) {
+    /// A timer's trigger.
+    pub fn trigger(&mut self, at: u64, trigger: u32, outputs: &mut Vec<Latch>) {
         self.wake(at, outputs);
-        if self.control & (EN | TEN) == EN | TEN && field(self.control, 2, 4) == TIM6_TRGO {
+        if self.control & (EN | TEN) == EN | TEN && field(self.control, 2, 4) == trigger {
             self.output = self.holding;
             outputs.push(Latch { clock: at, code: self.output });
+            if self.control & DMAEN != 0 {
+                self.underrun |= self.requests;
+                self.requests = !self.underrun;
+            }
         }
+    }
+
+    /// Whether DMA is asked for the next code.
+    pub fn requests(&self) -> bool {
+        self.requests
+    }
+
+    /// The code that DMA brings.
+    pub fn take(&mut self, code: u16) {
+        (self.holding, self.requests) = (code & 0xFFF, false);
     }
 
     fn wake(&mut self, now: u64, outputs: &mut Vec<Latch>) {
@@ -63,6 +88,7 @@ impl Dac {
         Some(match offset {
             CR => self.control,
             DOR1 => self.output.into(),
+            SR => u32::from(self.underrun) * DMAUDR,
             MCR => self.mode,
             _ => return None,
         })
@@ -79,7 +105,9 @@ impl Dac {
                     _ => {}
                 }
                 self.control = value;
+                self.requests &= value & DMAEN != 0;
             }
+            SR => self.underrun &= value & DMAUDR == 0,
             DHR12R1 => {
                 self.holding = (value & 0xFFF) as u16;
                 if self.control & (EN | TEN) == EN {
@@ -119,7 +147,7 @@ mod tests {
         for (step, write) in (0..).zip(steps) {
             match *write {
                 Some((offset, value)) => assert!(dac.write(offset, value, step * WAKE, &mut outputs).unwrap()),
-                None => dac.trigger(step * WAKE, &mut outputs),
+                None => dac.trigger(step * WAKE, TIM6_TRGO, &mut outputs),
             }
         }
         outputs.into_iter().map(|Latch { clock, code }| (clock / WAKE, code)).collect()
@@ -162,8 +190,36 @@ mod tests {
         for (clock, (offset, value)) in (0..).zip([(CR, EN), (DHR12R1, 100), (CR, EN | TEN | TIM6_TRGO << 2)]) {
             dac.write(offset, value, clock, &mut outputs).unwrap();
         }
-        dac.trigger(2 * WAKE, &mut outputs);
+        dac.trigger(2 * WAKE, TIM6_TRGO, &mut outputs);
         assert_eq!(outputs, [WAKE, 2 * WAKE].map(|clock| Latch { clock, code: 100 }));
+    }
+
+    #[test]
+    fn dma_brings_what_the_next_trigger_loads_and_one_that_is_late_is_the_last() {
+        let (mut dac, mut outputs) = (fast(), Vec::new());
+        for (offset, value) in [(DHR12R1, 1), (CR, EN | TEN | DMAEN | TIM7_TRGO << 2)] {
+            dac.write(offset, value, 0, &mut Vec::new()).unwrap();
+        }
+        assert!(!dac.requests(), "a trigger asks");
+        for code in [2, 3] {
+            dac.trigger(WAKE, TIM6_TRGO, &mut outputs);
+            assert!(!dac.requests(), "another's trigger does not");
+            dac.trigger(WAKE, TIM7_TRGO, &mut outputs);
+            assert!(dac.requests());
+            dac.take(code);
+        }
+        for _ in 0..3 {
+            assert_eq!(dac.read(SR), Some(0));
+            dac.trigger(WAKE, TIM7_TRGO, &mut outputs);
+            if dac.read(SR) == Some(0) {
+                dac.trigger(WAKE, TIM7_TRGO, &mut outputs);
+            }
+            assert_eq!((dac.read(SR), dac.requests()), (Some(DMAUDR), false));
+            dac.write(SR, DMAUDR, WAKE, &mut outputs).unwrap();
+        }
+        let shown: Vec<u16> = outputs.iter().map(|latch| latch.code).collect();
+        assert_eq!(shown[..4], [0, 1, 2, 3]);
+        assert!(shown[4..].iter().all(|&code| code == 3));
     }
 
     #[test]

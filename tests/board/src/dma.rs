@@ -1,9 +1,9 @@
-//! DMA1 with the DMAMUX before it (RM0440), as far as LPUART1 needs them: bytes from its receiver to memory, once or round and
-//! round, and from memory to its transmitter, once.
+//! DMA1 with the DMAMUX before it (RM0440), as far as LPUART1 and DAC1 need them: bytes from the receiver to memory, once or round
+//! and round, from memory to the transmitter, once, and half-words from memory to the DAC, round and round.
 //!
 //! A request is served at once: what the bus costs is not modelled. Memory behind the core's back is: received bytes are in
 //! memory before the next instruction, and a block to be sent is read as a whole when its channel is switched on, so that what
-//! the firmware changes in it later does not show. Refused is what the manual does not promise: a channel that is switched on
+//! the firmware changes in it later does not show; a ring is read anew with every write of a register and every return of a handler. Refused is what the manual does not promise: a channel that is switched on
 //! again amid its block, and registers written while the channel is on.
 
 use std::{collections::VecDeque, mem, ops::Range};
@@ -31,8 +31,11 @@ const EN: u32 = 1 << 0;
 const FROM_MEMORY: u32 = 1 << 4;
 const CIRC: u32 = 1 << 5;
 const MINC: u32 = 1 << 7;
-/// Peripheral increment, sizes other than a byte, memory to memory.
-const REFUSED: u32 = 1 << 6 | 0xF << 8 | 1 << 14;
+/// Peripheral increment, memory to memory.
+const REFUSED: u32 = 1 << 6 | 1 << 14;
+/// Sizes of both ends, two bits each, the peripheral's first: half-words of memory, which a register is given as words.
+const SIZES: u32 = 8;
+const HALF_WORDS: u32 = 0b01_10;
 /// Flags of a channel in ISR, at the places of their enables in CCR; the lowest is any of them.
 const ANY: u32 = 1 << 0;
 const COMPLETE: u32 = 1 << 1;
@@ -41,6 +44,8 @@ const HALF: u32 = 1 << 2;
 /// LPUART1's data registers and requests.
 const RECEIVE: (u32, u32) = (0x4000_8024, 34);
 const TRANSMIT: (u32, u32) = (0x4000_8028, 35);
+/// DAC1's holding register and the request of its channel 1.
+const CONVERT: (u32, u32) = (0x5000_0808, 6);
 
 #[derive(Clone, Default)]
 struct Channel {
@@ -62,30 +67,45 @@ impl Channel {
         self.control & EN != 0
     }
 
+    /// Which request it serves; a synchronised one is none that is modelled.
+    fn id(&self) -> u32 {
+        self.request & (0x7F | 1 << 16)
+    }
+
+    /// Bytes of a transfer in memory.
+    fn size(&self) -> u32 {
+        1 << field(self.control, SIZES + 2, 2)
+    }
+
     fn switch_on(&mut self) -> Result<()> {
         let &mut Self { control, left, peripheral, memory, request, block, .. } = self;
-        ensure!(control & REFUSED == 0 && control & MINC != 0, "CCR = {control:#x}: only bytes are modelled");
+        ensure!(control & REFUSED == 0 && control & MINC != 0, "CCR = {control:#x}: not modelled");
         ensure!(
             left == block && left > 0,
             "a channel with {left} of {block} transfers left is switched on: not promised to go on"
         );
-        let (register, id) = if control & FROM_MEMORY == 0 { RECEIVE } else { TRANSMIT };
+        let (to, ring) = (control & FROM_MEMORY != 0, control & CIRC != 0);
+        let (wants, sizes) = match self.id() {
+            _ if !to => (RECEIVE, 0),
+            id if id == CONVERT.1 => (CONVERT, HALF_WORDS),
+            _ => (TRANSMIT, 0),
+        };
         ensure!(
-            (peripheral, request & 0x7F) == (register, id) && request & 1 << 16 == 0,
-            "request {request:#x} for {peripheral:#x}: only LPUART1's are modelled"
+            (peripheral, self.id()) == wants && field(control, SIZES, 4) == sizes,
+            "request {request:#x} for {peripheral:#x}, CCR = {control:#x}: only LPUART1's and DAC1's are modelled"
         );
         ensure!(
-            control & FROM_MEMORY == 0 || control & CIRC == 0,
-            "a block that is sent round and round is not modelled"
+            !to || ring == (wants == CONVERT),
+            "a block that is sent round and round, or is converted once, is not modelled"
         );
-        let (from, to) = (u64::from(memory), u64::from(memory) + u64::from(left));
+        let (from, to) = (u64::from(memory), u64::from(memory) + u64::from(left * self.size()));
         ensure!((RAM..=RAM + RAM_SIZE).contains(&from) && to <= RAM + RAM_SIZE, "DMA at {memory:#x}: not modelled");
         Ok(())
     }
 
     /// A transfer is done: the memory's address that it was of.
     fn step(&mut self) -> u32 {
-        let address = self.memory + self.block - self.left;
+        let address = self.memory + (self.block - self.left) * self.size();
         self.left -= 1;
         if self.left == self.block / 2 {
             self.flags |= HALF | ANY;
@@ -110,20 +130,19 @@ pub struct Dma {
 }
 
 impl Dma {
-    fn ready(&mut self, direction: u32) -> Option<&mut Channel> {
-        let goes =
-            |channel: &&mut Channel| channel.on() && channel.control & FROM_MEMORY == direction && channel.left > 0;
+    fn ready(&mut self, (_, request): (u32, u32)) -> Option<&mut Channel> {
+        let goes = |channel: &&mut Channel| channel.on() && channel.id() == request && channel.left > 0;
         self.channels.iter_mut().find(goes)
     }
 
     /// Whether a channel waits for what the receiver has.
     pub fn receives(&mut self) -> bool {
-        self.ready(0).is_some()
+        self.ready(RECEIVE).is_some()
     }
 
     /// A byte that the receiver has, on its way to memory.
     pub fn receive(&mut self, byte: u8) {
-        if let Some(channel) = self.ready(0) {
+        if let Some(channel) = self.ready(RECEIVE) {
             let address = channel.step();
             self.stored.push((address, byte));
         }
@@ -131,10 +150,31 @@ impl Dma {
 
     /// The next byte for the transmitter.
     pub fn transmit(&mut self) -> Option<u8> {
-        let channel = self.ready(FROM_MEMORY)?;
+        let channel = self.ready(TRANSMIT)?;
         let byte = channel.bytes.pop_front()?;
         channel.step();
         Some(byte)
+    }
+
+    /// The next code for the DAC.
+    pub fn convert(&mut self) -> Option<u16> {
+        let channel = self.ready(CONVERT)?;
+        let at = (channel.step() - channel.memory) as usize;
+        let half = channel.bytes.range(at..at + 2).copied().collect::<Vec<u8>>();
+        Some(u16::from_le_bytes([half[0], half[1]]))
+    }
+
+    /// The ring that is converted.
+    pub fn ring(&self) -> Option<Range<u32>> {
+        let ring = self.channels.iter().find(|channel| channel.on() && channel.id() == CONVERT.1)?;
+        Some(ring.memory..ring.memory + ring.block * ring.size())
+    }
+
+    /// What is in it.
+    pub fn see(&mut self, bytes: Vec<u8>) {
+        if let Some(channel) = self.ready(CONVERT) {
+            channel.bytes = bytes.into();
+        }
     }
 
     /// Bytes that are to be in memory before the core looks again.
@@ -200,7 +240,7 @@ impl Dma {
             if !was_on && channel.on() {
                 channel.switch_on()?;
                 if value & FROM_MEMORY != 0 {
-                    self.wanted = Some((at, channel.memory..channel.memory + channel.left));
+                    self.wanted = Some((at, channel.memory..channel.memory + channel.left * channel.size()));
                 }
             }
             return Ok(true);

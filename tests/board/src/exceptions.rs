@@ -11,6 +11,7 @@ use crate::{
     cpu::unmasked,
     exception::HARD_FAULT,
     machine::Look,
+    memory,
     nvic::Nvic,
     record::{Fault, Service},
 };
@@ -120,6 +121,7 @@ impl Board {
         let Some(handler) = self.core.handlers.pop().filter(|_| link == expected) else {
             bail!("exception return {link:#x} where {expected:#x} was due");
         };
+        memory::see_ring(&mut self.chip);
         let machine = self.machine_mut();
         let instructions = machine.instructions() - handler.began;
         let services = machine.bench.record.services.entry(handler.exception).or_default();

@@ -11,7 +11,7 @@ use crate::{
     clock::Clock,
     contents::{Contents, Tear},
     cycles::Meter,
-    dac::Dac,
+    dac::{Dac, TIM6_TRGO, TIM7_TRGO},
     dma::Dma,
     exception,
     flash::Flash,
@@ -82,6 +82,7 @@ pub struct Machine {
     pub(crate) gpio: [Gpio; 3],
     pub(crate) tim5: Timer,
     pub(crate) tim6: Timer,
+    pub(crate) tim7: Timer,
     pub(crate) uart: Uart,
     pub(crate) dma: Dma,
     pub(crate) watchdog: Watchdog,
@@ -111,6 +112,7 @@ impl Machine {
             gpio: Port::ALL.map(Gpio::new),
             tim5: Timer::new(u32::MAX, 4),
             tim6: Timer::new(0xFFFF, 0),
+            tim7: Timer::new(0xFFFF, 0),
             uart: Uart::new(),
             dma: Dma::default(),
             watchdog: Watchdog::new(),
@@ -140,6 +142,7 @@ impl Machine {
     /// The crystal stops, now and at the next starts.
     pub fn break_crystal(&mut self) {
         self.bench.no_crystal = true;
+        self.fire();
         if !self.rcc.break_crystal() {
             self.end = Some(Ok(Stop::Lockup));
         } else if self.rcc.crystal_failed() {
@@ -162,9 +165,17 @@ impl Machine {
 
     /// The clock of the next event.
     fn due(&self) -> u64 {
-        [self.tim5.due, self.tim6.due, self.adc.due(), self.uart.due(), self.flash.due(), self.watchdog.due]
-            .into_iter()
-            .fold(NEVER, u64::min)
+        [
+            self.tim5.due,
+            self.tim6.due,
+            self.tim7.due,
+            self.adc.due(),
+            self.uart.due(),
+            self.flash.due(),
+            self.watchdog.due,
+        ]
+        .into_iter()
+        .fold(NEVER, u64::min)
     }
 
     /// Everything that is due by now, in its order.
@@ -187,6 +198,9 @@ impl Machine {
         if self.adc.due() == at {
             self.bench.inputs.pin = self.dac.output();
             self.adc.advance(at, &mut self.bench.inputs, &self.rcc, &mut self.bench.record)?;
+        }
+        if self.tim7.due == at && self.tim7.advance(at) {
+            self.convert(at, TIM7_TRGO);
         }
         if self.tim6.due == at && self.tim6.advance(at) {
             self.trigger(at)?;
@@ -237,8 +251,23 @@ impl Machine {
 
     /// TIM6's TRGO.
     pub(crate) fn trigger(&mut self, at: u64) -> Result<()> {
-        self.dac.trigger(at, &mut self.bench.record.outputs);
+        self.convert(at, TIM6_TRGO);
         self.adc.trigger(at, &self.rcc, &mut self.bench.record)
+    }
+
+    /// A timer's trigger, at the DAC.
+    pub(crate) fn convert(&mut self, at: u64, trigger: u32) {
+        self.dac.trigger(at, trigger, &mut self.bench.record.outputs);
+        self.serve();
+    }
+
+    /// Serves the DAC's request for DMA.
+    pub(crate) fn serve(&mut self) {
+        if self.dac.requests()
+            && let Some(code) = self.dma.convert()
+        {
+            self.dac.take(code);
+        }
     }
 
     /// Makes happen what is due, and says what the core is to do before its next instruction.
@@ -256,6 +285,7 @@ impl Machine {
         [
             (self.flash.interrupt(), exception::FLASH),
             (self.dma.interrupt(1), exception::DMA1_CHANNEL1),
+            (self.dma.interrupt(2), exception::DMA1_CHANNEL2),
             (self.dma.interrupt(3), exception::DMA1_CHANNEL3),
             (self.adc.interrupt(), exception::ADC1_2),
             (self.tim5.interrupt(), exception::TIM5),

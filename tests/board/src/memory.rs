@@ -24,6 +24,15 @@ const UID: (u64, [u8; 12]) = (0x1FFF_7590, *b"board-tests\0");
 const REGISTERS: [(u32, u64); 4] =
     [(0x4000_0000, 512 << 10), (0x4800_0000, 64 << 10), (0x5000_0000, 512 << 10), (0xE000_0000, 1 << 20)];
 
+/// Lets DMA see what has been written to the ring that the DAC converts.
+pub fn see_ring(chip: &mut Unicorn<'_, Hooked>) {
+    if let Some(ring) = chip.get_data().machine.dma.ring() {
+        // Cannot fail: the channel's memory was looked at when it was switched on.
+        let bytes = chip.mem_read_as_vec(ring.start.into(), ring.len()).expect("DMA comes from RAM");
+        chip.get_data_mut().machine.dma.see(bytes);
+    }
+}
+
 /// Maps everything, with `flash` in bank 1.
 pub fn map(chip: &mut Chip, flash: &[u8]) -> Result<()> {
     chip.mem_map(Image::START.into(), flash.len() as u64, Prot::READ | Prot::EXEC)?;
@@ -49,6 +58,7 @@ pub fn map(chip: &mut Chip, flash: &[u8]) -> Result<()> {
                     let bytes = chip.mem_read_as_vec(block.start.into(), block.len()).expect("DMA comes from RAM");
                     chip.get_data_mut().machine.load_block(bytes);
                 }
+                see_ring(chip);
             }),
         )?;
     }

@@ -20,6 +20,8 @@ pub mod exception {
     pub const FLASH: u8 = 16 + 4;
     /// The interrupt of DMA1's channel 1.
     pub const DMA1_CHANNEL1: u8 = 16 + 11;
+    /// The interrupt of DMA1's channel 2.
+    pub const DMA1_CHANNEL2: u8 = 16 + 12;
     /// The interrupt of DMA1's channel 3.
     pub const DMA1_CHANNEL3: u8 = 16 + 13;
     /// ADC1's and ADC2's interrupt.

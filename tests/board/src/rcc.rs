@@ -237,6 +237,7 @@ impl Rcc {
         let (register, bit) = match base {
             0x4000_0C00 => (APB1ENR1, 3),
             0x4000_1000 => (APB1ENR1, 4),
+            0x4000_1400 => (APB1ENR1, 5),
             0x4000_7000 => (APB1ENR1, 28),
             0x4000_8000 => (APB1ENR2, 0),
             0x4002_0000 => (AHB1ENR, 0),

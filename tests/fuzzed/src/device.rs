@@ -29,6 +29,7 @@ const FACTS: Facts = Facts {
     uid: None,
     has_setpoint: true,
     interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
+    dac_parts: 1,
     cycles_per_tick: PERIOD,
     reset: ResetCause::empty(),
     restarts: Restarts { count: 0, safe: None },

@@ -56,6 +56,7 @@ async fn main(_spawner: Spawner) {
         uid: None,
         has_setpoint: false,
         interface: INTERFACE,
+        dac_parts: 1,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
         // SAFETY: once, before the tick and every task.

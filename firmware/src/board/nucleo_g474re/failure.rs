@@ -6,11 +6,10 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use embassy_stm32::pac;
-use estimator_core::DacCode;
 use firmware::last_words;
 use firmware::rate::TICK_HZ;
 
-use super::{TELEMETRY, clocks};
+use super::{TELEMETRY, clocks, output};
 
 /// Whether the parameter store is being read.
 pub static READING_STORE: AtomicBool = AtomicBool::new(false);
@@ -23,27 +22,18 @@ pub fn flash_errors() -> u32 {
 }
 
 /// The DAC to its safe value: where it drives the amplifier, no faster than the drive may, and at once elsewhere. The tick
-/// must not come any more. Before the DAC runs this does nothing: the registers have no clock, and read as 0.
+/// must not come any more. Before the DAC runs this does nothing.
 fn output_safe() {
-    let shown = pac::DAC1.dor(0).read().dor();
-    if !pac::DAC1.cr().read().en(0) {
-        return;
-    }
-    let put_out = |code| {
-        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
-        pac::DAC1.cr().modify(|w| w.set_ten(0, false));
-        // Once more: only what is written while no trigger is waited for is sure to go out.
-        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
-    };
+    let Some(shown) = output::hold() else { return };
     if TELEMETRY.drives() {
-        put_out(shown);
+        output::put_at_once(shown);
     }
-    for DacCode(code) in TELEMETRY.ramp(DacCode(shown)) {
+    for given in TELEMETRY.ramp(shown) {
         if TELEMETRY.drives() {
             cortex_m::asm::delay(clocks::core_hz() / TICK_HZ);
             pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::RESET));
         }
-        put_out(code);
+        output::put_at_once(given);
     }
 }
 

@@ -163,7 +163,7 @@ impl Found {
         let by_supply = Divider::off_by_supply(self.ends, SUPPLY);
         lines.push(format!(
             "A supply that is {} % off the one of the calibration: {:.1} mV at most, whatever the resistors; the firmware \
-             corrects the monitor's.",
+             corrects it.",
             100.0 * SUPPLY,
             1e3 * by_supply
         ));

@@ -1,6 +1,6 @@
 //! From power-on to the first estimates: pins and clocks, the DAC's first code, the supply, why the device started.
 
-use crate::common::{Bench, PERIOD, VALID, triangle, valid_since};
+use crate::common::{Bench, PARTS, PERIOD, VALID, shown, triangle, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Board, Conversion, Image, Pin, Port, Reset, Stop};
 use protocol::{Faults, Request, ResetCause};
@@ -76,7 +76,8 @@ fn the_dac_shows_its_safe_code_first_and_nothing_else_before_the_first_estimate(
         bench.run(0.01)?;
         let record = bench.board.record();
         let first = record.conversions.iter().find(|conversion| conversion.trigger > clock).map(|first| first.trigger);
-        let outputs = &record.outputs[before..];
+        let outputs = shown(record, before);
+        let safe = PARTS * safe;
         let early = outputs.iter().take_while(|latch| Some(latch.clock) <= first).collect::<Vec<_>>();
         println!(
             "{cause:?}: the pin is driven after {:.2} ms, the first estimate is out after {:.2} ms",

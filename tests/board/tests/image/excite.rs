@@ -1,19 +1,19 @@
 //! The DAC drives the amplifier to voltages, beside a sensor: every code within the slew rate, every sample with what both
 //! pins showed, and a way back to rest that never jumps.
 
-use crate::common::{Bench, PERIOD};
+use crate::common::{Bench, FULL, PARTS, PERIOD, shown};
 use anyhow::{Result, bail};
 use board_emulator_test::{Latch, exception};
 use estimator_core::*;
 use protocol::{Faults, Mode, References, Reply, Request};
 
-/// 20 mV or 20.48 codes a tick.
+/// 20 mV or 20.48 codes a tick, in parts of a code 327.68.
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
 const DRIVE: DriveCalibration =
-    DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
-const STRIDE: u16 = 21;
+    DriveCalibration { gain_codes_per_v: 1024.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
+const STRIDE: u16 = 328;
 /// Half a volt.
-const REST: u16 = 512;
+const REST: u16 = 512 * PARTS;
 
 /// A device in the mode, at rest, whose ADC reads the amplifier.
 fn excited() -> Result<Bench> {
@@ -51,7 +51,8 @@ fn refer(bench: &mut Bench, volts: &[f32]) -> Result<u32> {
 }
 
 /// Their codes, none further from the last than the slew rate allows.
-fn codes(outputs: &[Latch]) -> Vec<u16> {
+fn codes(bench: &Bench, start: usize) -> Vec<u16> {
+    let outputs = shown(bench.board.record(), start);
     let step = |pair: &[Latch]| pair[0].code.abs_diff(pair[1].code);
     let jump = outputs.windows(2).find(|pair| step(pair) > STRIDE || pair[1].clock - pair[0].clock != PERIOD);
     assert_eq!(jump, None, "faster than the slew rate, or off the trigger");
@@ -70,15 +71,16 @@ fn voltages_are_put_out_within_the_slew_rate_and_silence_ends_at_rest() -> Resul
     wanted.extend([100.0; 300]);
     wanted.extend([-100.0; 300]);
     assert_eq!(refer(&mut bench, &wanted)?, 0, "a voltage was waiting at every tick");
-    let shown = codes(&bench.board.record().outputs[start..]);
+    let shown = codes(&bench, start);
 
     let mut inverse = bench.table()?.inverse::<f32>(&LIMITS)?;
-    let expected: Vec<u16> = wanted.iter().map(|&volts| DRIVE.code(inverse.steer(volts).voltage, 4095).0).collect();
+    let expected: Vec<u16> =
+        wanted.iter().map(|&volts| DRIVE.finer(PARTS).code(inverse.steer(volts).voltage, FULL).0).collect();
     let moves = |codes: &[u16]| codes.iter().position(|&code| code != REST).expect("it moves");
     let (begins, first) = (moves(&expected), moves(&shown));
     let expected = &expected[begins..];
     assert!(shown[first..].starts_with(expected), "not the codes of the wanted voltages");
-    assert_eq!((expected.iter().max(), expected.last()), (Some(&DRIVE.code(3.6f32, 4095).0), Some(&0)));
+    assert_eq!((expected.iter().max(), expected.last()), (Some(&DRIVE.finer(PARTS).code(3.6f32, FULL).0), Some(&0)));
     let most = bench.board.instructions(exception::ADC1_2).skip(served).max();
     println!("driven to voltages, with a sensor: {} instructions in the tick's interrupt at most", most.unwrap_or(0));
 
@@ -94,7 +96,7 @@ fn voltages_are_put_out_within_the_slew_rate_and_silence_ends_at_rest() -> Resul
     bench.run(0.75)?;
     assert_eq!(bench.board.output(), Some(0), "it is held");
     bench.run(0.3)?;
-    assert_eq!(codes(&bench.board.record().outputs[start..]).last(), Some(&REST));
+    assert_eq!(codes(&bench, start).last(), Some(&REST));
     assert_eq!(bench.health()?.missed, 0);
     Ok(())
 }
@@ -107,7 +109,7 @@ fn a_saturated_monitor_ends_it_at_rest_whatever_comes() -> Result<()> {
     assert_eq!(bench.board.output(), Some(DRIVE.code(3.0f32, 4095).0));
     bench.board.feed(|n| 65_520 - (n % 2) as u16);
     refer(&mut bench, &[3.0; 400])?;
-    assert_eq!(codes(&bench.board.record().outputs[start..]).last(), Some(&REST));
+    assert_eq!(codes(&bench, start).last(), Some(&REST));
     let faults = bench.health()?.faults;
     assert!(faults.contains(Faults::ADC_SATURATED | Faults::SAFE_OUTPUT), "{faults:?}");
     Ok(())

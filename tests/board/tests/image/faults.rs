@@ -1,7 +1,7 @@
 //! What the ADC may bring: the DAC goes to its safe code when the codes cannot be believed, and follows them again when they
 //! have been good for a second.
 
-use crate::common::{Bench, VALID, triangle};
+use crate::common::{Bench, PARTS, VALID, shown, triangle};
 use anyhow::Result;
 use board_emulator_test::Record;
 use protocol::Faults;
@@ -15,20 +15,23 @@ fn safe_after(bench: &mut Bench, ticks: usize, codes: impl FnMut(u64) -> u16 + '
     let record = bench.board.record();
     valid_dies_with_the_output(record, first, safe);
     // The conversion of `first` began before, but shows the first code fed.
-    let shown = |trigger| {
-        let latch = record.outputs.partition_point(|latch| latch.clock < trigger);
-        record.outputs[latch].code == safe
+    let latches = shown(record, 0);
+    let is_safe = |trigger| {
+        let latch = latches.partition_point(|latch| latch.clock < trigger);
+        latches.get(latch).is_none_or(|latch| latch.code == PARTS * safe)
     };
     let triggers = record.conversions[first + 1..].iter().map(|conversion| conversion.trigger);
-    Ok(triggers.map(shown).take(ticks).collect())
+    Ok(triggers.map(is_safe).take(ticks - 1).collect())
 }
 
 /// From the conversion `first` on, the ticks whose code goes out as the estimate have an edge of VALID, the others none.
 fn valid_dies_with_the_output(record: &Record, first: usize, safe: u16) {
+    let latches = shown(record, 0);
     for pair in record.conversions[first..].windows(2) {
         let edges = record.edges[&VALID].iter().filter(|edge| (pair[0].end..pair[1].end).contains(&edge.clock)).count();
-        let latch = record.outputs.partition_point(|latch| latch.clock < pair[1].trigger);
-        assert_eq!(edges, usize::from(record.outputs[latch].code != safe), "{pair:?}");
+        let latch = latches.partition_point(|latch| latch.clock < pair[1].trigger);
+        let Some(latch) = latches.get(latch) else { break };
+        assert_eq!(edges, usize::from(latch.code != PARTS * safe), "{pair:?}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! The DAC drives the amplifier: references over the serial line in, and every DAC code is the one that the host's f32 inverse
 //! gives, in time for its tick, whichever the model.
 
-use crate::common::Bench;
+use crate::common::{Bench, FULL, PARTS, shown};
 use anyhow::{Result, bail, ensure};
 use board_emulator_test::exception;
 use estimator_core::*;
@@ -17,7 +17,7 @@ fn list<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> List<N> {
 
 /// The device's table with another model, driving an amplifier of 0 … 4 V.
 fn driving(table: &Admitted, parameters: Parameters) -> Result<Admitted> {
-    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
+    let drive = DriveCalibration { gain_codes_per_v: 1024.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
     let limits = Range { min: -50.0, max: 100.0 };
     let table = Table { parameters, displacement_limits_um: limits, drive: Some(drive), ..**table };
     Ok(table.admit()?)
@@ -72,7 +72,8 @@ fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
     // From end to end, which no voltage reaches in a tick.
     references.extend([24.0; 300]);
     references.extend([4.0; 300]);
-    let rest = table.drive.map(|drive| drive.code(LIMITS.rest_v, 4095).0);
+    let drive = table.drive.expect("it drives").finer(PARTS);
+    let rest = drive.code(LIMITS.rest_v, FULL).0;
     bench.does(Request::SetMode(Mode::Follow))?;
     let served = bench.board.instructions(exception::ADC1_2).count();
     let first = bench.board.record().outputs.len();
@@ -88,12 +89,11 @@ fn follows(name: &str, bench: &mut Bench, table: &Admitted) -> Result<()> {
     bench.run(0.2)?;
 
     let mut inverse = table.inverse::<f32>(&LIMITS)?;
-    let drive = table.drive.expect("it drives");
     let expected: Vec<u16> =
-        references.iter().map(|&reference| drive.code(inverse.tick(reference).voltage, 4095).0).collect();
-    let codes: Vec<u16> = bench.board.record().outputs[first..].iter().map(|latch| latch.code).collect();
-    let start = codes.iter().position(|&code| Some(code) != rest).expect("it moves");
-    let begins = expected.iter().position(|&code| Some(code) != rest).expect("it is to move");
+        references.iter().map(|&reference| drive.code(inverse.tick(reference).voltage, FULL).0).collect();
+    let codes: Vec<u16> = shown(bench.board.record(), first).iter().map(|latch| latch.code).collect();
+    let start = codes.iter().position(|&code| code != rest).expect("it moves");
+    let begins = expected.iter().position(|&code| code != rest).expect("it is to move");
     let found = &codes[start..][..expected.len() - begins];
     let wrong = found.iter().zip(&expected[begins..]).position(|(a, b)| a != b);
     assert_eq!(wrong, None, "{name}: reference of {}", expected.len());

@@ -1,6 +1,6 @@
 //! The box that linearises: a controller's set-point in by the third channel, the amplifier's command out by the DAC, no host.
 
-use crate::common::{Bench, PERIOD, valid_since};
+use crate::common::{Bench, FULL, PARTS, PERIOD, shown, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Reset, Stop};
 use estimator_core::*;
@@ -23,7 +23,7 @@ const CALM: f64 = 1.0;
 
 fn driving(at_start: bool) -> DriveCalibration {
     let setpoint = Some(SetpointCalibration { at_start, ..SETPOINT });
-    DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint }
+    DriveCalibration { gain_codes_per_v: 1024.0, offset_code: 0.0, limits: LIMITS, setpoint }
 }
 
 /// The code of a displacement that is wanted, µm.
@@ -54,10 +54,10 @@ type End = dyn Fn(&mut Bench, &Cell<Option<u16>>) -> Result<()>;
 
 /// From the latch `start` on no step is longer than the slew rate allows.
 fn never_jumps(name: &str, bench: &Bench, start: usize) {
-    for pair in bench.board.record().outputs[start..].windows(2) {
+    for pair in shown(bench.board.record(), start).windows(2) {
         let (step, ticks) =
             (pair[0].code.abs_diff(pair[1].code), (pair[1].clock - pair[0].clock) as f64 / PERIOD as f64);
-        assert!(step == 0 || step <= STRIDE && ticks > 0.95, "{name}: {pair:?}, {ticks} ticks");
+        assert!(step == 0 || step <= STRIDE * PARTS && ticks > 0.95, "{name}: {pair:?}, {ticks} ticks");
     }
 }
 
@@ -73,21 +73,22 @@ fn without_a_host_each_set_point_is_the_inverse_s_command_a_tick_later() -> Resu
     let swing = bench.board.record().outputs[start..].iter().map(|latch| latch.code);
     assert!(swing.clone().max() > Some(REST + 1000), "{:?}", swing.max());
 
-    let (mut inverse, drive) = (bench.table()?.inverse::<f32>(&LIMITS)?, driving(true));
+    let (mut inverse, drive) = (bench.table()?.inverse::<f32>(&LIMITS)?, driving(true).finer(PARTS));
     // The code that a sequence's set-point gives comes out with the trigger after it.
     let record = bench.board.record();
+    let latches = shown(record, start);
     let put_out = |n: usize| {
         let trigger = record.conversions[fed + n + LATENCY].trigger;
-        record.outputs.iter().find(|latch| latch.clock >= trigger).expect("one with each trigger").code
+        latches[latches.partition_point(|latch| latch.clock < trigger)].code
     };
     let from = record.conversions[fed..].partition_point(|conversion| conversion.trigger < record.outputs[start].clock);
-    let ticks = from..record.conversions.len() - fed - LATENCY;
-    let moves = ticks.clone().find(|&n| put_out(n) != REST).expect("it sets out");
+    let ticks = from..record.conversions.len() - fed - LATENCY - 1;
+    let moves = ticks.clone().find(|&n| put_out(n) != PARTS * REST).expect("it sets out");
     for n in moves..ticks.end.min(moves + 3_000) {
         let wanted = SETPOINT.displacement::<f32>(AdcCode(sine(n as u64)));
         assert_eq!(
             put_out(n),
-            drive.code(inverse.tick(wanted).voltage, 4095).0,
+            drive.code(inverse.tick(wanted).voltage, FULL).0,
             "sequence {n}, it sets out at {moves}"
         );
     }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::common::Bench;
+use crate::common::{Bench, EARLY, PARTS, shown};
 use anyhow::{Result, ensure};
 use board_emulator_test::{CORE_HZ, Reset, exception};
 use estimator_core::{Admitted, DacCalibration, Estimator, Table};
@@ -32,10 +32,11 @@ fn log_volts() -> Result<Vec<f64>> {
     Ok(session.voltage.iter().map(|volts| volts + recipe.voltage_zero_v).collect())
 }
 
-/// The DAC codes that a table's estimator gives for these ADC codes.
+/// What a table's estimator gives the DAC for these ADC codes, in parts of a code.
 fn predicted(table: &Admitted, codes: &[u16]) -> Vec<u16> {
-    let mut estimator = Estimator::<f32>::new(table);
-    codes.iter().map(|&code| estimator.tick(estimator_core::AdcCode(code)).dac.0).collect()
+    let (mut estimator, dac) = (Estimator::<f32>::new(table), table.dac.finer(PARTS));
+    let displacements = codes.iter().map(|&code| estimator.tick(estimator_core::AdcCode(code)).displacement);
+    displacements.map(|displacement| dac.code(displacement).0).collect()
 }
 
 /// Feeds the log to a device that starts anew, and compares.
@@ -56,12 +57,14 @@ fn follows_the_log(name: &str, mut bench: Bench) -> Result<()> {
     let record = bench.board.record();
     let triggers: Vec<u64> = record.conversions[earlier..].iter().map(|conversion| conversion.trigger).collect();
     ensure!(triggers.len() == ticks + 1, "{} conversions of {ticks}", triggers.len());
-    let latches = &record.outputs[record.outputs.partition_point(|latch| latch.clock < triggers[0])..];
+    let from = record.outputs.partition_point(|latch| latch.clock + EARLY < triggers[0]);
+    let latches = shown(record, from);
+    // The last has just begun.
     assert!(
-        latches.iter().map(|latch| latch.clock).eq(triggers.iter().copied()),
+        latches.iter().map(|latch| latch.clock).eq(triggers[..ticks].iter().copied()),
         "the DAC moves with the triggers alone"
     );
-    assert_eq!(latches[0].code, table.dac.code(0.0f32).0, "nothing is estimated before the first conversion");
+    assert_eq!(latches[0].code, PARTS * table.dac.code(0.0f32).0, "nothing is estimated before the first conversion");
     let wrong = latches[1..].iter().zip(&expected).position(|(latch, &code)| latch.code != code);
     assert_eq!(wrong, None, "tick of {ticks}; {} predicted", expected[wrong.unwrap_or(0)]);
     let distinct = expected.iter().collect::<std::collections::BTreeSet<_>>().len();

@@ -14,6 +14,7 @@ mod log;
 mod power_cut;
 mod ramps;
 mod resets;
+mod resolution;
 mod sensor;
 mod store;
 mod supply;

@@ -1,6 +1,6 @@
 //! Where the DAC drives the amplifier its voltage never jumps: whatever ends the drive, the code goes to rest at the slew rate.
 
-use crate::common::{Bench, PERIOD, valid_since};
+use crate::common::{Bench, PARTS, PERIOD, shown, valid_since};
 use anyhow::{Result, ensure};
 use board_emulator_test::{Reset, Stop};
 use estimator_core::*;
@@ -9,7 +9,7 @@ use protocol::{Faults, Mode, Refusal, Reply, Request};
 /// 20 mV or 20.48 codes a tick.
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
 const DRIVE: DriveCalibration =
-    DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
+    DriveCalibration { gain_codes_per_v: 1024.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
 const STRIDE: u16 = 21;
 /// Half a volt.
 const REST: u16 = 512;
@@ -18,6 +18,9 @@ const NOWHERE: u32 = 0x6000_0000;
 /// ICSR, with the bit that asks for an NMI: a panic.
 const ICSR: u32 = 0xE000_ED04;
 const NMIPENDSET: u32 = 1 << 31;
+
+/// The channel of DMA1 that brings the DAC's codes, whose bit 0 has it on.
+const DMA1_CCR2: u32 = 0x4002_001C;
 
 /// The modes that drive, and a reference far from rest: µm, V.
 const WAYS: [(Mode, f32); 2] = [(Mode::Follow, 30.0), (Mode::Excite, 3.0)];
@@ -41,15 +44,15 @@ fn driven((mode, reference): (Mode, f32)) -> Result<(Bench, usize)> {
 
 /// From the latch `start` on no step is longer than the slew rate allows, and the last code is rest.
 fn went_to_rest(name: &str, bench: &Bench, start: usize) {
-    let outputs = &bench.board.record().outputs[start..];
+    let outputs = shown(bench.board.record(), start);
     for pair in outputs.windows(2) {
         let (step, ticks) =
             (pair[0].code.abs_diff(pair[1].code), (pair[1].clock - pair[0].clock) as f64 / PERIOD as f64);
-        assert!(step == 0 || step <= STRIDE && ticks > 0.95, "{name}: {pair:?}, {ticks} ticks");
+        assert!(step == 0 || step <= STRIDE * PARTS && ticks > 0.95, "{name}: {pair:?}, {ticks} ticks");
     }
     let codes: Vec<u16> = outputs.iter().map(|latch| latch.code).collect();
-    assert!(codes.iter().max() > Some(&(REST + 1000)), "{name}: it was never away");
-    assert_eq!(codes.last(), Some(&REST), "{name}");
+    assert!(codes.iter().max() > Some(&(PARTS * (REST + 1000))), "{name}: it was never away");
+    assert_eq!(codes.last(), Some(&(PARTS * REST)), "{name}");
 }
 
 #[test]
@@ -81,10 +84,11 @@ fn a_reset_that_is_asked_for() -> Result<()> {
 }
 
 #[test]
-fn a_panic_and_a_hard_fault() -> Result<()> {
+fn a_panic_a_hard_fault_and_a_dac_that_gets_no_codes() -> Result<()> {
     type Failure = fn(&mut Bench) -> Result<()>;
-    let failures: [(&str, Failure); 2] = [
+    let failures: [(&str, Failure); 3] = [
         ("panic", |bench| bench.board.poke(ICSR, NMIPENDSET)),
+        ("DMA", |bench| bench.board.poke(DMA1_CCR2, 0)),
         ("hard fault", |bench| {
             bench.board.jump(NOWHERE);
             Ok(())
@@ -97,7 +101,8 @@ fn a_panic_and_a_hard_fault() -> Result<()> {
         assert_eq!(bench.board.run(0.5)?, Stop::Reset(Reset::Software), "{name}");
         went_to_rest(name, &bench, start);
         bench.reboot(Reset::Software)?;
-        assert!(bench.health()?.last_words.is_some(), "{name}");
+        let words = bench.health()?.last_words.unwrap_or_default();
+        assert!(words.contains(name), "{name}: {words}");
     }
     Ok(())
 }

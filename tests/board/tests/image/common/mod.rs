@@ -3,7 +3,7 @@
 pub mod noise;
 
 use anyhow::{Result, bail, ensure};
-use board_emulator_test::{Board, CORE_HZ, Edge, Image, Pin, Port, Reset, Stop};
+use board_emulator_test::{Board, CORE_HZ, Edge, Image, Latch, Pin, Port, Record as Recorded, Reset, Stop};
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::{AdcCode, Admitted, DacCode, Table};
 use protocol::frame::MAX_FRAME;
@@ -167,6 +167,36 @@ impl Bench {
         ensure!(stop == Stop::Reset(Reset::Software), "{stop:?}");
         self.reboot(Reset::Software)
     }
+}
+
+/// Parts of a code that the output has, and its largest code in them.
+pub const PARTS: u16 = 16;
+pub const FULL: u16 = 4095 * PARTS;
+/// Codes that the DAC puts out in a tick, and clocks by which the first may be earlier than the trigger.
+const CODES: usize = 50;
+pub const EARLY: u64 = 300;
+
+/// What a low-pass behind the pin shows, from the latch `start` on, in [`PARTS`] of a code: the mean of what is put out from each
+/// trigger to the next, at that trigger's clock. What is put out without triggers is there as it is; a tick that is not over is not.
+pub fn shown(record: &Recorded, start: usize) -> Vec<Latch> {
+    let mut triggers = record.conversions.iter().map(|conversion| conversion.trigger).peekable();
+    let mut ticks: Vec<(u64, Vec<u16>)> = Vec::new();
+    let mut trigger = None;
+    for &Latch { clock, code } in &record.outputs[start..] {
+        while let Some(next) = triggers.next_if(|&next| next <= clock + EARLY) {
+            trigger = Some(next);
+        }
+        let of = trigger.filter(|&of| clock < of + PERIOD).unwrap_or(clock);
+        match ticks.last_mut().filter(|(last, _)| *last == of) {
+            Some((_, codes)) => codes.push(code),
+            None => ticks.push((of, vec![code])),
+        }
+    }
+    ticks.pop_if(|(_, codes)| (3..CODES).contains(&codes.len()));
+    let mean = |codes: &[u16]| codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64;
+    // Of 50 codes the mean is what is wanted to a third of a part.
+    let parts = |codes: &[u16]| (mean(codes) * f64::from(PARTS)).round() as u16;
+    ticks.iter().map(|(clock, codes)| Latch { clock: *clock, code: parts(codes) }).collect()
 }
 
 /// The edges of VALID.

@@ -1,0 +1,148 @@
+//! The DAC's output, sixteen times as fine as its codes: TIM7 puts a code out every 10 µs, DMA brings them, and their mean over a
+//! tick is what the tick wants ([`firmware::shaping`]). A low-pass behind the pin shows the mean.
+//!
+//! Two halves of a ring are a tick's codes each. While one is put out, the tick fills the other. DMA fetches a code when the one
+//! before is put out, and waits with it in the holding register: two triggers lie between a code's place in the ring and the
+//! pin. So TIM7 runs two triggers ahead of TIM6, and a tick's codes begin with the next trigger of TIM6 to less than a
+//! microsecond. They must be in the ring when the last but one of the tick's own is put out: 10 µs before that trigger.
+//!
+//! A tick that does not come leaves the last two ticks' codes taking turns, until the watchdog's reset.
+
+use core::ptr::addr_of_mut;
+use core::sync::atomic::{Ordering::SeqCst, compiler_fence};
+
+use embassy_stm32::Peri;
+use embassy_stm32::dac::{Ch1, DacChannel, Dma, Mode, Value};
+use embassy_stm32::dma::{Channel, TransferOptions};
+use embassy_stm32::mode::Async;
+use embassy_stm32::pac;
+use embassy_stm32::peripherals::{DAC1, DMA1_CH2, TIM7};
+use embassy_stm32::timer::low_level::Timer;
+use embassy_stm32::triggers::TIM7_TRGO;
+use estimator_core::DacCode;
+use firmware::rate::TICK_HZ;
+use firmware::shaping::{PARTS, Shaper};
+
+use super::{CORE_HZ, Irqs, TELEMETRY, clocks, trigger};
+
+/// Codes of a tick.
+const CODES: u32 = 50;
+/// Words of them, two a word.
+const HALF: usize = CODES as usize / 2;
+/// How long before the next trigger a tick's codes must be in the ring, cycles: when the first of them is fetched.
+pub const AHEAD: u32 = CORE_HZ / TICK_HZ / CODES + 100;
+/// DMA1's channel, from 0.
+const CHANNEL: usize = 1;
+
+static mut RING: [u32; 2 * HALF] = [0; 2 * HALF];
+
+/// What puts the output out.
+pub struct Output {
+    shaper: Shaper,
+    /// Dropped, it would stop.
+    _dac: DacChannel<'static, Async>,
+}
+
+/// TIM7, which does not run yet.
+pub struct Ahead(Timer<'static, TIM7>);
+
+impl Ahead {
+    /// Starts it; it is two triggers ahead of what is started at once, before any interrupt.
+    pub fn start(self) {
+        self.0.start();
+        while 2 * CODES - u32::from(left()) < 2 {}
+        // Dropped, it would stop.
+        core::mem::forget(self.0);
+    }
+}
+
+/// The DAC on its pin, at what it is given for its safe code until TIM7 is started.
+pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri<'static, TIM7>) -> (Output, Ahead) {
+    // Before the DAC listens: loading the prescaler is a trigger too.
+    let timer = trigger(tim7, CODES * TICK_HZ);
+    let request = Dma::<DAC1, Ch1>::request(&*dma);
+    // SAFETY: the driver is given the channel, too, and never writes by it.
+    let ours = unsafe { dma.clone_unchecked() };
+    // The pin, analogue since reset, stays high-impedance until the output register holds the safe code: the driver
+    // switches a channel on before it can be given a code, so this one starts without the pin.
+    let mut dac = DacChannel::new_triggered_internal::<_, Ch1, _>(dac1, dma, TIM7_TRGO, Irqs);
+    let given = TELEMETRY.safe_given();
+    let safe = || Value::Bit12Right(nearest(given));
+    dac.set(safe());
+    dac.set_mode(Mode::NormalExternalBuffered);
+    clocks::tell_dac();
+    dac.enable();
+    // Once more, for a DAC that loads its output register when a code is written and at no other time.
+    dac.set(safe());
+    let mut shaper = Shaper::new();
+    fill(&mut shaper, given, 0);
+    fill(&mut shaper, given, 1);
+    let mut options = TransferOptions::default();
+    (options.circular, options.complete_transfer_ir) = (true, false);
+    let mut channel = Channel::new(ours, Irqs);
+    // SAFETY: the ring is the channel's and `fill`'s for ever. A half-word becomes a word on its way: the register takes no less.
+    let transfer = unsafe {
+        let codes = core::ptr::slice_from_raw_parts(addr_of_mut!(RING).cast::<u16>(), 4 * HALF);
+        channel.write_raw(request, codes, pac::DAC1.dhr12r(0).as_ptr().cast::<u32>(), options)
+    };
+    // Dropped, it would stop.
+    core::mem::forget(transfer);
+    pac::DAC1.cr().modify(|w| w.set_dmaen(0, true));
+    // The constructor chooses the trigger and leaves it off.
+    dac.set_triggering(true);
+    (Output { shaper, _dac: dac }, Ahead(timer))
+}
+
+impl Output {
+    /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code; says whether the last one's was.
+    #[inline]
+    pub fn put(&mut self, given: DacCode) -> bool {
+        // The half that is not being fetched from.
+        let half = usize::from(u32::from(left()) > CODES);
+        fill(&mut self.shaper, given, half);
+        !pac::DAC1.sr().read().dmaudr(0)
+    }
+}
+
+/// Fills a half of the ring, the first or the second.
+#[inline]
+fn fill(shaper: &mut Shaper, given: DacCode, which: usize) {
+    // SAFETY: a half of the ring, which DMA does not read now, and the core nowhere else.
+    let half = unsafe { &mut *addr_of_mut!(RING).cast::<[u32; HALF]>().add(which) };
+    shaper.fill(given, half);
+    // It is in memory long before DMA comes for it, as long as the compiler leaves it here.
+    compiler_fence(SeqCst);
+}
+
+/// What DMA has left to fetch until the ring begins anew.
+fn left() -> u16 {
+    pac::DMA1.ch(CHANNEL).ndtr().read().ndt()
+}
+
+/// The code that is nearest to what the DAC is given.
+fn nearest(DacCode(parts): DacCode) -> u16 {
+    // The largest has no parts.
+    (parts + PARTS / 2) / PARTS
+}
+
+/// Without the tick, which must not come any more: leaves the pin as it is, and says what that is; `None` where the DAC does not
+/// run.
+pub fn hold() -> Option<DacCode> {
+    // Before the DAC runs the registers have no clock, and read as 0.
+    if !pac::DAC1.cr().read().en(0) {
+        return None;
+    }
+    pac::DMA1.ch(CHANNEL).cr().modify(|w| w.set_en(false));
+    pac::DAC1.cr().modify(|w| w.set_dmaen(0, false));
+    let shown = pac::DAC1.dor(0).read().dor();
+    Some(DacCode(shown * PARTS))
+}
+
+/// After [`hold`]: puts this out at once.
+pub fn put_at_once(given: DacCode) {
+    let code = nearest(given);
+    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
+    pac::DAC1.cr().modify(|w| w.set_ten(0, false));
+    // Once more: only what is written while no trigger is waited for is sure to go out.
+    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
+}
