@@ -10,9 +10,10 @@ use protocol::Faults;
 
 /// Odd ticks in a row, near an end of the ADC's range, that are a fault: 10 ms.
 pub const SATURATED: u32 = TICK_HZ / 100;
-/// Ticks in a row with one and the same code that are a fault: 10 s. With sixteenfold oversampling the converter's own
-/// noise moves the code many times a second, whatever its input does.
-pub const STUCK: u32 = 10 * TICK_HZ;
+/// Ticks in a row with one and the same code that are a fault: 1 s. With sixteenfold oversampling the converter's own
+/// noise moves the code hundreds of times a second, whatever its input does; even where it is as little as 0.15 of a step rms,
+/// with the input amid the step, so many equal codes come once in a trillion.
+pub const STUCK: u32 = TICK_HZ;
 /// Odd ticks in a row, beyond the table's voltage range, that are a fault: 1 s.
 pub const OUT_OF_RANGE: u32 = TICK_HZ;
 /// Odd ticks in a row, with the amplifier not where the drive commands it, that are a fault: 100 ms.
