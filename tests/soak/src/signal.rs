@@ -16,7 +16,7 @@ const GLITCH: u32 = 9_973;
 pub fn code(tick: u32) -> AdcCode {
     let noise = mixed(tick);
     if tick % GLITCH == GLITCH - 1 {
-        return AdcCode(if noise % 2 == 0 { 0 } else { 65_520 });
+        return AdcCode(if noise.is_multiple_of(2) { 0 } else { 65_520 });
     }
     let (swing, phase) = (tick / PERIOD, i64::from(tick % PERIOD));
     let part = PARTS[swing as usize % PARTS.len()];
