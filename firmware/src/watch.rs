@@ -10,9 +10,12 @@ use protocol::Faults;
 
 /// Odd ticks in a row, near an end of the ADC's range, that are a fault: 10 ms.
 pub const SATURATED: u32 = TICK_HZ / 100;
-/// Ticks in a row with one and the same code that are a fault: 10 s. With sixteenfold oversampling the converter's own
-/// noise moves the code many times a second, whatever its input does.
-pub const STUCK: u32 = 10 * TICK_HZ;
+/// Ticks in a row with one and the same code that are a fault: 1 s. With sixteenfold oversampling the converter's own
+/// noise moves the code hundreds of times a second, whatever its input does; even where it is as little as 0.15 of a step rms,
+/// with the input amid the step, so many equal codes come once in a trillion.
+pub const STUCK: u32 = TICK_HZ;
+/// The same of the set-point: 10 s. A controller may hold it by right, and nothing is estimated of it.
+pub const SETPOINT_STUCK: u32 = 10 * TICK_HZ;
 /// Odd ticks in a row, beyond the table's voltage range, that are a fault: 1 s.
 pub const OUT_OF_RANGE: u32 = TICK_HZ;
 /// Odd ticks in a row, with the amplifier not where the drive commands it, that are a fault: 100 ms.
@@ -51,14 +54,16 @@ impl Ends {
 #[derive(Clone, Debug)]
 struct Channel {
     ends: Ends,
+    /// Ticks with one code that are too many.
+    stuck: u32,
     last: Option<AdcCode>,
     same: u32,
     saturated: u32,
 }
 
 impl Channel {
-    fn new(adc_full_scale: u16) -> Self {
-        Self { ends: Ends::new(adc_full_scale), last: None, same: 0, saturated: 0 }
+    fn new(adc_full_scale: u16, stuck: u32) -> Self {
+        Self { ends: Ends::new(adc_full_scale), stuck, last: None, same: 0, saturated: 0 }
     }
 
     /// Takes a code, and says whether the channel saturates, and whether it has stopped.
@@ -66,7 +71,7 @@ impl Channel {
     fn update(&mut self, code: AdcCode) -> (bool, bool) {
         self.same = if self.last == Some(code) { self.same.saturating_add(1) } else { 0 };
         self.last = Some(code);
-        (score(&mut self.saturated, self.ends.near(code), SATURATED), self.same >= STUCK)
+        (score(&mut self.saturated, self.ends.near(code), SATURATED), self.same >= self.stuck)
     }
 }
 
@@ -110,8 +115,8 @@ impl Watch {
     /// For an ADC with this largest code.
     pub fn new(adc_full_scale: u16) -> Self {
         Self {
-            monitor: Channel::new(adc_full_scale),
-            setpoint: Channel::new(adc_full_scale),
+            monitor: Channel::new(adc_full_scale, STUCK),
+            setpoint: Channel::new(adc_full_scale, SETPOINT_STUCK),
             out_of_range: 0,
             missed: 0,
             astray: 0,
@@ -230,9 +235,9 @@ mod tests {
         for end in [0, FULL / MARGIN, FULL - FULL / MARGIN, FULL] {
             assert_eq!(life_of(|k| with(k, end)), (SATURATED, Faults::SETPOINT, HOLD), "{end}");
         }
-        assert_eq!(life_of(|k| with(k, 7_000)), (STUCK + 1, Faults::SETPOINT, HOLD));
+        assert_eq!(life_of(|k| with(k, 7_000)), (SETPOINT_STUCK + 1, Faults::SETPOINT, HOLD));
         let mut watch = Watch::new(FULL);
         let unused = |k| seen((moving(k), GOOD, false, false));
-        assert!((0..2 * STUCK).all(|k| watch.update(unused(k)) == FaultState::Healthy));
+        assert!((0..2 * SETPOINT_STUCK).all(|k| watch.update(unused(k)) == FaultState::Healthy));
     }
 }

@@ -9,8 +9,17 @@ const REFERENCE_V: f64 = 3.3;
 fn it_says_what_to_buy_and_the_line_to_paste() {
     let printed = piezo().args(["divider", "--monitor", "0:10", "--amplifier", "-30:130"]).assert().success();
     let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
-    for part in ["R1 = ", "R2 = ", "R3 = ", "follower", "Resistors of 1 %", "adc_span = [", "--adc-span -", "1.12 µs"]
-    {
+    for part in [
+        "R1 = ",
+        "R2 = ",
+        "R3 = ",
+        "follower",
+        "Resistors of 1 %",
+        "adc_span = [",
+        "--adc-span -",
+        "1.12 µs",
+        "wire off",
+    ] {
         assert!(printed.contains(part), "{part:?} is missing in\n{printed}");
     }
     assert!(!printed.contains("amplify"), "{printed}");
@@ -41,6 +50,9 @@ fn what_it_prints_follows_from_its_resistors() {
         assert!((pin(high) - number(&found, "/pin_v/1")).abs() < 1e-9 && pin(high) <= 3.15, "{found}");
         let (zero, full) = (number(&found, "/codes_v/0"), number(&found, "/codes_v/1"));
         assert!(pin(zero).abs() < 1e-9 && (pin(full) - REFERENCE_V).abs() < 1e-9);
+        // Nothing flows through R1 any more.
+        let open = REFERENCE_V * g2 / (g2 + g3);
+        assert!((pin(number(&found, "/open_v")) - open).abs() < 1e-9, "{found}");
         // The line of board.toml: the same ends in the unit of what is measured.
         let scale = if field == "adc_span" { 10.0 } else { 3.0 };
         assert!((number(&found, &format!("/{field}/0")) - scale * zero).abs() < 1e-9, "{found}");

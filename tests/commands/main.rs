@@ -18,12 +18,14 @@ mod manual;
 mod mistakes;
 mod monitor;
 mod options;
+mod order;
 mod pil;
 mod record;
 mod recorded;
 mod reproduce;
 mod rig;
 mod sets;
+mod severed;
 mod validate;
 mod zero;
 

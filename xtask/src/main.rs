@@ -1,7 +1,8 @@
 //! `cargo xtask`: the chores of this repository.
 //!
 //! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts the
-//! firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes the documents' figures.
+//! firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes the documents' figures;
+//! `soak` has it stream for an hour.
 
 mod artifact;
 mod book;
@@ -16,6 +17,7 @@ mod qemu;
 mod root;
 mod rules;
 mod size;
+mod soak;
 mod step;
 mod stopwatch;
 mod tool;
@@ -48,6 +50,8 @@ enum Chore {
     Cycles(cycles::Arguments),
     /// Write the figures that documents state, from what the commands print, or compare them
     Figures(figures::Arguments),
+    /// Have the firmware stream for an hour of its own time, and compare every sample with the host's
+    Soak(soak::Arguments),
 }
 
 fn main() -> Result<ExitCode> {
@@ -62,5 +66,6 @@ fn main() -> Result<ExitCode> {
         Chore::Size(arguments) => size::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Cycles(arguments) => cycles::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Figures(arguments) => figures::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
+        Chore::Soak(arguments) => soak::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
     }
 }

@@ -103,7 +103,7 @@ fn fmt(sh: &Shell) -> Result<()> {
 /// What is checked on the host. The emulated board has a step of its own: it needs a compiler that not everybody has.
 /// Without default features, the firmware has no board, and is checked with the rest. Always the whole workspace: with
 /// another selection, cargo would choose other features of the same foreign crates, and build them once more.
-const HOST: [&str; 4] = ["--workspace", "--exclude", "board-emulator-test", "--no-default-features"];
+pub const HOST: [&str; 4] = ["--workspace", "--exclude", "board-emulator-test", "--no-default-features"];
 
 /// The core with its other arithmetic: only the core has code of that feature, the others hand it on. It is selected beside
 /// two programs, of which nothing is built, since they have no library: cargo then chooses the same features of foreign crates

@@ -95,6 +95,8 @@ const LARGEST_OFFSET_CODE: f32 = 1_048_576.0;
 const OFFSET_RULE: Rule = "the DAC's offset_code must lie within a million codes, so that an f32 tells two codes apart";
 /// Voltages beyond this (V) are refused: no amplifier for piezos reaches it.
 const LARGEST_VOLTAGE_V: f32 = 1e5;
+/// A range of voltages narrower than this (V) is refused: no converter sees it, and what is divided by it may be no number.
+const LEAST_VOLTAGES_V: f32 = 1e-6;
 
 impl Admitted {
     /// How far voltages in step with the model's resonance could make the displacement swing, µm, where that is beyond the
@@ -235,6 +237,7 @@ impl Table {
             ("voltage_range_v must lie within 100 kV", {
                 voltages.min.abs().max(voltages.max.abs()) <= LARGEST_VOLTAGE_V
             }),
+            ("voltage_range_v must be a microvolt wide at least", voltages.span() >= LEAST_VOLTAGES_V),
             ("deadband_v must lie between 0 and the voltage range", {
                 (0.0..self.voltage_range_v.span()).contains(&self.deadband_v)
             }),

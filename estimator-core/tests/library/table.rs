@@ -138,10 +138,12 @@ fn inadmissible_sets_are_refused() {
 
 #[test]
 fn numbers_out_of_range_are_refused_by_name() {
-    let cases: [(Table, &str); 17] = [
+    let cases: [(Table, &str); 18] = [
         (Table { sample_period_us: 0, ..table() }, "sample_period_us"),
         (Table { deadband_v: 41.0, ..table() }, "deadband_v"),
         (Table { voltage_range_v: Range { min: 1.0, max: 1.0 }, ..table() }, "voltage_range_v"),
+        // The interval counts voltages in half ranges.
+        (Table { voltage_range_v: Range { min: 1e-38, max: 2e-38 }, deadband_v: 0.0, ..table() }, "a microvolt wide"),
         (Table { displacement_limits_um: Range { min: -2e6, max: 1.0 }, ..table() }, "displacement_limits_um"),
         (Table { voltage_range_v: Range { min: -1.0, max: 2e5 }, ..table() }, "100 kV"),
         (Table { parameters: Parameters::Voigt(VoigtParameters { p: 9.0, ..VOIGT }), ..table() }, "p must"),

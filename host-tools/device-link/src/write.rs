@@ -29,7 +29,19 @@ pub enum WriteError {
     /// The device is estimating, and nothing was said about it.
     #[error("the device is estimating, and writing flash may cost ticks")]
     Estimating,
+    /// The link fails while flash is written.
+    #[error("{0} {UNSURE}")]
+    Unsure(LinkError),
+    /// The link fails when flash has been written.
+    #[error("{0} {WRITTEN}")]
+    Written(LinkError),
 }
+
+/// What is known where the reply to a write never came.
+pub const UNSURE: &str = "So it is not known whether the device has written its flash: it holds what it held before, or all that it was to \
+                          hold, and uses it from its next restart on.";
+/// What is known where a reply after that never came.
+pub const WRITTEN: &str = "What was to be written is written, and used from the next restart on.";
 
 impl Writing {
     /// Has `write` write as asked; returns the identity after the restart, where there was one.
@@ -58,9 +70,12 @@ impl Writing {
             false => Ok(()),
         };
         // What went wrong first is what is said.
-        written?;
-        resumed?;
-        if self.reset { Ok(Some(client.restart()?)) } else { Ok(None) }
+        written.map_err(|error| match error {
+            LinkError::Refused { .. } => WriteError::Link(error),
+            error => WriteError::Unsure(error),
+        })?;
+        resumed.map_err(WriteError::Written)?;
+        if self.reset { Ok(Some(client.restart().map_err(WriteError::Written)?)) } else { Ok(None) }
     }
 }
 
@@ -163,6 +178,27 @@ mod tests {
         let complaint = done.unwrap_err().to_string();
         assert!(complaint.contains("flash reports an error"), "{complaint}");
         assert!(source != TableSource::Stored && mode == Mode::Estimate);
+    }
+
+    #[test]
+    fn whether_it_is_stored_is_said_as_far_as_it_is_known() {
+        // Connecting takes two replies, the pause one, then the write.
+        for (options, from, says) in [
+            (Writing { pause: true, ..CAREFUL }, 2, None),
+            (Writing { pause: true, ..CAREFUL }, 3, Some(UNSURE)),
+            (Writing { pause: true, ..CAREFUL }, 4, Some(WRITTEN)),
+            (Writing { reset: true, ..CAREFUL }, 4, Some(WRITTEN)),
+        ] {
+            let device = Emulator::new().speed(8.0).start().unwrap();
+            let line = FaultyLine::to(device.address(), lose_replies(from..from + 20)).unwrap();
+            let (mut client, _) = Client::connect(&line.address().into()).unwrap();
+            let record = to_record(&TABLE.admit().unwrap());
+            let done = options.write(&mut client, |client, consent| client.push(record, consent));
+            let complaint = done.unwrap_err().to_string();
+            for known in [UNSURE, WRITTEN] {
+                assert_eq!(complaint.contains(known), says == Some(known), "{from}: {complaint}");
+            }
+        }
     }
 
     #[test]

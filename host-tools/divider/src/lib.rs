@@ -69,6 +69,12 @@ impl Divider {
         (self.source(0.0), self.source(REFERENCE_V))
     }
 
+    /// What the source's voltage seems to be where its wire is off, V; `None` where the node then floats.
+    pub fn open(&self) -> Option<f64> {
+        let [g2, g3] = [self.r2, self.r3].map(|r| r.map_or(0.0, f64::recip));
+        (g2 + g3 > 0.0).then(|| self.source(REFERENCE_V * g2 / (g2 + g3)))
+    }
+
     /// Part of the pin's range that the source's voltages, V, use.
     pub fn used(&self, (low, high): (f64, f64)) -> f64 {
         (self.pin(high) - self.pin(low)).abs() / (PIN_V.1 - PIN_V.0)
@@ -109,6 +115,9 @@ mod tests {
         let (zero, full) = divider.span();
         assert!((divider.source(1.65) - (zero + 0.5 * (full - zero))).abs() < 1e-12, "a code is a line");
         assert!((divider.impedance() - (1.0f64 / 20_000.0 + 1.0 / 6_040.0 + 1.0 / 8_660.0).recip()).abs() < 1e-9);
+        let open = divider.open().unwrap();
+        assert!((divider.pin(open) - REFERENCE_V * 8_660.0 / 14_700.0).abs() < 1e-12, "no current through R1");
+        assert_eq!(Divider { r2: None, r3: None, ..divider }.open(), None);
         let direct = Divider { r1: 100_000.0, r2: None, r3: Some(3_000.0) };
         assert!((direct.watts_in_r1(103.0) - 0.1).abs() < 1e-9, "100 V over 100 kΩ");
     }

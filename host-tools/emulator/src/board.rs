@@ -75,7 +75,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
     }
 }
 
-fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
+pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
     Facts {
         name: "emulated",
         uid: Some(uid),

@@ -29,6 +29,7 @@ mod file_flash;
 mod plant;
 mod readings;
 mod serial_line;
+pub mod signal;
 
 pub use bench::{Bench, Meters};
 pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES, UID};

@@ -17,8 +17,9 @@ use tempfile::TempDir;
 use xshell::{Cmd, Shell, cmd};
 
 use crate::{
-    cycles,
+    artifact, cycles,
     size::{self, LOG},
+    step::HOST,
 };
 
 /// Another session of the actuator whose log is identified from.
@@ -37,6 +38,8 @@ pub enum Command {
     OtherDay,
     /// The same, told the first reading and never zeroed.
     OtherDayUnzeroed,
+    /// The firmware's tick with its table and faults of the signal.
+    SignalFaults,
     /// `piezo reproduce errors tracking`, which identifies each model once for both.
     Reproduce,
     /// `cargo xtask size`.
@@ -56,6 +59,7 @@ const ROWS: [&[Command]; 2] = [
         Command::SameDay,
         Command::OtherDay,
         Command::OtherDayUnzeroed,
+        Command::SignalFaults,
         Command::Reproduce,
     ],
     &[Command::Size, Command::SizeModels, Command::Cycles],
@@ -108,7 +112,14 @@ impl<'sh> Printed<'sh> {
         if let Some(value) = self.values.borrow().get(&command) {
             return Ok(Rc::clone(value));
         }
-        if matches!(command, Command::Validate | Command::SameDay | Command::OtherDay | Command::OtherDayUnzeroed) {
+        if matches!(
+            command,
+            Command::Validate
+                | Command::SameDay
+                | Command::OtherDay
+                | Command::OtherDayUnzeroed
+                | Command::SignalFaults
+        ) {
             // Its table.
             self.by(Command::Identify)?;
         }
@@ -140,6 +151,7 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
         Command::SameDay => validated(sh, piezo, demo, LOG, &["--zero-at", "20.1"]),
         Command::OtherDay => validated(sh, piezo, demo, OTHER_DAY, &["--zero-at", "24"]),
         Command::OtherDayUnzeroed => validated(sh, piezo, demo, OTHER_DAY, &[]),
+        Command::SignalFaults => signal_faults(sh, piezo, demo),
         Command::Reproduce => json(cmd!(sh, "{piezo} reproduce errors tracking")),
         Command::Size => size::figures(sh, piezo),
         Command::SizeModels => size::models(sh, piezo),
@@ -152,6 +164,16 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
 /// What `piezo validate` prints of the identified table and a log.
 fn validated(sh: &Shell, piezo: &Path, demo: &Path, log: &str, zero: &[&str]) -> Result<Value> {
     json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).arg(log).args(zero))
+}
+
+/// What the firmware makes of faults of the signal, with the identified table on the board's converters.
+fn signal_faults(sh: &Shell, piezo: &Path, demo: &Path) -> Result<Value> {
+    let program = artifact::build(cmd!(sh, "cargo build {HOST...} --example signal_faults"), "signal_faults")?;
+    let (table, folder) = (demo.join("table.toml"), TempDir::new()?);
+    let board = folder.path();
+    cmd!(sh, "{piezo} emit {table} --adc-full-scale 65520 --out {board}").ignore_stderr().read()?;
+    let record = board.join("table.bin");
+    Ok(serde_json::from_str(&cmd!(sh, "{program} {record}").read()?)?)
 }
 
 fn json(command: Cmd<'_>) -> Result<Value> {

@@ -9,7 +9,10 @@ use crate::cycles::LEVELS;
 use super::{
     ceiling,
     command::{
-        Command::{self, Cycles, Identify, OtherDay, OtherDayUnzeroed, Reproduce, SameDay, Size, SizeModels, Validate},
+        Command::{
+            self, Cycles, Identify, OtherDay, OtherDayUnzeroed, Reproduce, SameDay, SignalFaults, Size, SizeModels,
+            Validate,
+        },
         Printed, bytes,
     },
     document::{Content, Table},
@@ -32,7 +35,7 @@ pub struct Figure {
 const OF_CYCLES: f64 = 0.03;
 
 /// Every figure.
-pub const FIGURES: [Figure; 15] = [
+pub const FIGURES: [Figure; 16] = [
     Figure {
         name: "picture",
         file: Some("book/src/estimate.svg"),
@@ -46,6 +49,7 @@ pub const FIGURES: [Figure; 15] = [
     stated("told-mae-um", |printed| value(printed, Validate, "/all/sil/mae_um", 3)),
     stated("other-day-unzeroed-um", |printed| value(printed, OtherDayUnzeroed, "/all/sil/mae_um", 2)),
     stated("interval", intervals),
+    stated("signal", |printed| signal(&*printed.by(SignalFaults)?)),
     stated("thesis", |printed| thesis(&printed.by(Reproduce)?["errors"])),
     stated("tracking", |printed| tracking(&printed.by(Reproduce)?["tracking"])),
     stated("models", models),
@@ -123,6 +127,40 @@ fn intervals(printed: &Printed<'_>) -> Result<Content> {
         "constant that holds as often, µm",
     ];
     table(1, &columns, rows.into_iter().map(row))
+}
+
+/// What the firmware makes of faults of the monitor's signal.
+fn signal(printed: &Value) -> Result<Content> {
+    let row = |row: &Value| -> Result<Vec<String>> {
+        let raised = |name: &str| -> Result<[String; 2]> {
+            let Some(raised) = row.get(name).filter(|raised| !raised.is_null()) else {
+                return Ok(["–"; 2].map(str::to_owned));
+            };
+            let bits = array(raised, "/bits")?.iter().filter_map(Value::as_str).map(|bit| format!("`{bit}`"));
+            Ok([bits.collect::<Vec<_>>().join(", "), thousands(whole(raised, "/tick")?)])
+        };
+        let stated = row["stated_um"].as_f64().map_or_else(|| "–".to_owned(), |um| fixed(um, 2));
+        let back = match row["back_after_ticks"].as_u64() {
+            Some(ticks) => thousands(ticks),
+            None if row["needs_zero"] == true => "needs a zero".to_owned(),
+            None => "not in 10 s".to_owned(),
+        };
+        let name = row["fault"].as_str().context("a fault has no name")?;
+        let error = fixed(number(row, "/worst_um")?, 2);
+        let rest = [error, stated, thousands(whole(row, "/silent_ticks")?), back];
+        Ok([vec![name.to_owned()], raised("flag")?.to_vec(), raised("lasting")?.to_vec(), rest.to_vec()].concat())
+    };
+    let columns = [
+        "flag",
+        "at tick",
+        "lasting fault",
+        "from tick",
+        "error µm",
+        "its ± µm",
+        "ticks beyond ±, unsaid",
+        "back after ticks",
+    ];
+    table(1, &columns, array(printed, "")?.iter().map(row))
 }
 
 /// Errors on the synthetic rig, beside those of the thesis.

@@ -107,6 +107,23 @@ impl Found {
         Some((at(zero), at(full)))
     }
 
+    /// What the firmware makes of a wire that is off.
+    fn open(&self) -> String {
+        let (low, high) = self.ends;
+        match self.divider.open() {
+            Some(volts) if (low..=high).contains(&volts) => format!(
+                "With the monitor's wire off, the pin is as at {volts:.3} V of it: where the DAC does not drive the amplifier, no flag \
+                 tells that from an actuator at rest."
+            ),
+            Some(volts) => format!(
+                "With the monitor's wire off, the pin is as at {volts:.3} V of it, beyond its range: the firmware calls that a \
+                 fault within a second."
+            ),
+            None => "With the monitor's wire off, the pin is as the follower's own input current has it: see to it."
+                .to_owned(),
+        }
+    }
+
     fn lines(&self) -> Vec<String> {
         let (divider, (low, high)) = (&self.divider, self.ends);
         let &Measured { source, of: (of, unit), field: (field, option), .. } = &self.measured;
@@ -167,6 +184,9 @@ impl Found {
             100.0 * SUPPLY,
             1e3 * by_supply
         ));
+        if source == "monitor" {
+            lines.push(self.open());
+        }
         let used = divider.used(self.ends);
         if used < HALF {
             lines.push(format!(
@@ -218,6 +238,7 @@ impl Found {
             "source_v": [low, high],
             "pin_v": [divider.pin(low), divider.pin(high)],
             "codes_v": divider.span(),
+            "open_v": divider.open(),
             "adc_full_scale": FULL_SCALE,
             "volts_a_code": divider.volts_a_code(),
             "unit": self.measured.of.1,

@@ -9,6 +9,7 @@ use clap::Args;
 use device_link::board;
 use device_link::table::to_record;
 use device_link::words;
+use device_link::write::WriteError;
 use protocol::TableSource;
 use serde_json::json;
 use std::path::PathBuf;
@@ -46,7 +47,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
             words::source(&identity.source)
         );
         ensure!(
-            client.pull()? == record,
+            client.pull().map_err(WriteError::Written)? == record,
             "after its restart the device runs another table than was pushed: push again"
         );
     }

@@ -1,0 +1,128 @@
+//! The flash decays: any bit of the pages flips, any word is torn. The store gives the newest record that is whole, never another,
+//! and none only where none is whole.
+
+use embassy_futures::block_on;
+use parameter_store::{ParameterStore, RamFlash};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const PAGE: usize = 2048;
+const WORD: usize = 8;
+/// Number and length before a record, and its checksum behind it.
+const AROUND: usize = 12;
+
+/// Two pages with a record in each.
+#[derive(Clone)]
+struct Pages {
+    memory: Vec<u8>,
+    /// The page of the newer record.
+    newest: usize,
+    old: Vec<u8>,
+    new: Vec<u8>,
+}
+
+fn record(number: usize) -> Vec<u8> {
+    (0..180 + number % 9).map(|i| (number * 31 + i) as u8).collect()
+}
+
+fn store(memory: &mut [u8]) -> ParameterStore<RamFlash<&mut [u8]>> {
+    ParameterStore::new(RamFlash::new(memory), 0..2 * PAGE as u32).unwrap()
+}
+
+fn load(memory: &[u8]) -> Option<Vec<u8>> {
+    let mut memory = memory.to_vec();
+    block_on(store(&mut memory).load()).unwrap().map(<[u8]>::to_vec)
+}
+
+impl Pages {
+    /// After so many writes, two at least.
+    fn written(writes: usize) -> Self {
+        let mut memory = vec![0xFF; 2 * PAGE];
+        (0..writes).for_each(|number| block_on(store(&mut memory).store(&record(number))).unwrap());
+        let [old, new] = [writes - 2, writes - 1].map(record);
+        let newest = (writes - 1) % 2;
+        let pages = Self { memory, newest, old, new };
+        assert_eq!(load(&pages.memory), Some(pages.new.clone()));
+        assert!(pages.memory[newest * PAGE + 8..].starts_with(&pages.new), "it is in the other page");
+        pages
+    }
+
+    fn both() -> [Self; 2] {
+        [Self::written(4), Self::written(5)]
+    }
+
+    /// What the store must give where these bytes are no longer what they were.
+    fn expected(&self, memory: &[u8]) -> Option<&Vec<u8>> {
+        let whole = |page: usize, record: &Vec<u8>| {
+            let bytes = page * PAGE..page * PAGE + record.len() + AROUND;
+            self.memory[bytes.clone()] == memory[bytes]
+        };
+        let (new, old) = (Some(&self.new), Some(&self.old));
+        new.filter(|new| whole(self.newest, new)).or(old.filter(|old| whole(1 - self.newest, old)))
+    }
+
+    /// Whatever has happened, the next record can be written.
+    fn can_be_written(mut memory: Vec<u8>) {
+        block_on(store(&mut memory).store(&record(77))).unwrap();
+        assert_eq!(load(&memory), Some(record(77)));
+    }
+}
+
+#[test]
+fn a_flipped_bit_anywhere_costs_no_more_than_the_record_that_it_is_in() {
+    for pages in Pages::both() {
+        let mut costs = 0;
+        for bit in 0..8 * 2 * PAGE {
+            let mut memory = pages.memory.clone();
+            memory[bit / 8] ^= 1 << (bit % 8);
+            let found = load(&memory);
+            assert!(found.is_some() && found.as_ref() == pages.expected(&memory), "bit {bit}: {found:?}");
+            costs += usize::from(found.as_ref() == Some(&pages.old));
+            if bit % 61 == 0 {
+                Pages::can_be_written(memory);
+            }
+        }
+        assert_eq!(costs, 8 * (pages.new.len() + AROUND), "bits of the newest record");
+    }
+}
+
+#[test]
+fn a_torn_word_anywhere_costs_no_more_than_the_record_that_it_is_in() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    for pages in Pages::both() {
+        for word in (0..2 * PAGE).step_by(WORD) {
+            let mut noise = [[0; WORD]; 4];
+            noise.iter_mut().for_each(|bytes| random.fill_bytes(bytes));
+            let mut half = [0xFF; WORD];
+            half[..WORD / 2].copy_from_slice(&pages.memory[word..word + WORD / 2]);
+            for torn in [[0; WORD], [0xFF; WORD], half].iter().chain(&noise) {
+                let mut memory = pages.memory.clone();
+                memory[word..word + WORD].copy_from_slice(torn);
+                let found = load(&memory);
+                assert!(found.is_some() && found.as_ref() == pages.expected(&memory), "{word:#x}: {torn:?}: {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn whatever_decays_in_both_pages_no_record_comes_that_was_not_written() {
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let both = Pages::both();
+    let mut lost = 0;
+    for _ in 0..20_000 {
+        let pages = &both[random.random_range(0..2)];
+        let mut memory = pages.memory.clone();
+        for _ in 0..random.random_range(1..=40) {
+            // Where the records are, most of the time.
+            let page = random.random_range(0..2) * PAGE;
+            let at =
+                page + if random.random_bool(0.9) { random.random_range(0..210) } else { random.random_range(0..PAGE) };
+            memory[at] ^= 1 << random.random_range(0..8);
+        }
+        let found = load(&memory);
+        assert_eq!(found.as_ref(), pages.expected(&memory));
+        lost += u32::from(found.is_none());
+    }
+    assert!((1_000..20_000).contains(&lost), "both records were hit {lost} times");
+}
