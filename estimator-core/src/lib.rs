@@ -30,7 +30,9 @@
 //! # }
 //! ```
 //!
-//! `examples/tick.rs` runs a table over voltages of a file. Equation, table and page numbers are those of the thesis "An Evolutionary Approach to Physics-based Modelling of
+//! `examples/tick.rs` runs a table over voltages of a file.
+//!
+//! Equation, table and page numbers are those of the thesis "An Evolutionary Approach to Physics-based Modelling of
 //! Piezoelectric Actuators". Units are µm, V and s throughout; a field that differs says so in its name.
 #![cfg_attr(not(test), no_std)]
 

@@ -73,7 +73,7 @@ pub struct Health {
     /// `None` where the board has none.
     pub brown_out_level: Option<u8>,
     /// What the converter last read at the set-point ([`estimator_core::AdcCode`]), corrected for the supply where the board
-    /// measures it; `None` where the board has no such channel.
+    /// measures it and the table has a set-point; `None` where the board has no such channel.
     pub setpoint: Option<u16>,
 }
 

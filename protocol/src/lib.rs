@@ -28,7 +28,7 @@
 //! assert_eq!(encode(&reply, &mut buffer).and_then(|line| line.last()), Some(&0));
 //! ```
 //!
-//! `examples/ask.rs` is a whole host in forty lines. Requests may be sent again when no reply comes: only [`Request::Feed`],
+//! `examples/ask.rs` is a whole host in some forty lines of code. Requests may be sent again when no reply comes: only [`Request::Feed`],
 //! [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time.
 #![cfg_attr(not(test), no_std)]
 

@@ -1,8 +1,8 @@
 //! `cargo xtask`: the chores of this repository.
 //!
 //! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts the
-//! firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes the documents' figures;
-//! `soak` has it stream for an hour.
+//! firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes the documents'
+//! figures; `soak` has it stream for an hour.
 
 mod artifact;
 mod book;

@@ -112,15 +112,13 @@ impl Found {
         let (low, high) = self.ends;
         match self.divider.open() {
             Some(volts) if (low..=high).contains(&volts) => format!(
-                "With the monitor's wire off, the pin is as at {volts:.3} V of it: where the DAC does not drive the amplifier, no flag \
-                 tells that from an actuator at rest."
+                "With the monitor's wire off, it reads as {volts:.3} V. Where the DAC does not drive the amplifier and the table's range \
+                 holds that voltage, no flag tells it from an actuator at rest."
             ),
             Some(volts) => format!(
-                "With the monitor's wire off, the pin is as at {volts:.3} V of it, beyond its range: the firmware calls that a \
-                 fault within a second."
+                "With the monitor's wire off, it reads as {volts:.3} V, which is beyond its range: a fault within a second."
             ),
-            None => "With the monitor's wire off, the pin is as the follower's own input current has it: see to it."
-                .to_owned(),
+            None => "With the monitor's wire off, the follower's input floats, and may read as any voltage.".to_owned(),
         }
     }
 
