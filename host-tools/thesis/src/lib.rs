@@ -6,6 +6,7 @@ mod added_term;
 mod bench;
 mod black_box;
 mod convergence;
+mod converters;
 mod elsewhere;
 mod error;
 mod errors;
@@ -20,6 +21,7 @@ mod range;
 mod rate;
 mod sampling_time;
 mod search;
+mod shapes;
 mod tracking;
 
 pub use bench::Bench;

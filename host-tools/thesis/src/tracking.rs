@@ -2,6 +2,8 @@
 //! What Table 3.1 calls reversibility is worth what it makes of the displacement.
 
 use super::bench::Bench;
+use super::converters::{ADC_INL_CODES, Converter, DAC_INL_CODES};
+use super::shapes::{SHAPES, Shape};
 use crate::error::ThesisError;
 use estimator_core::{Admitted, DriveLimits, Model, Range};
 use feedforward::{Trajectory, plan};
@@ -10,19 +12,7 @@ use identification::{Problem, Progress, SearchOptions, StraightLine};
 use recordings::rig::Rig;
 use report::{Grid, Section, shown};
 use serde::Serialize;
-use std::f64::consts::TAU;
-
-/// A trajectory: its name and its value at a time in s, −1 … 1 of half the training stroke about its middle.
-type Shape = (&'static str, fn(f64) -> f64);
-
-const SHAPES: [Shape; 6] = [
-    ("sine 1 Hz", |t| 0.7 * libm::sin(TAU * t)),
-    ("sine 10 Hz", |t| 0.7 * libm::sin(TAU * 10.0 * t)),
-    ("sine 50 Hz", |t| 0.4 * libm::sin(TAU * 50.0 * t)),
-    ("triangle 5 Hz", |t| 0.7 * triangle(5.0 * t)),
-    ("staircase", staircase),
-    ("shrinking 5 Hz", |t| 0.8 * (1.0 - 0.45 * t) * libm::sin(TAU * 5.0 * t)),
-];
+use std::convert::Infallible;
 
 /// Length of a trajectory, s.
 const SECONDS: f64 = 2.0;
@@ -31,20 +21,15 @@ const FROM: f64 = 0.5;
 /// Fastest change of the voltage, V/s.
 const SLEW: f32 = 20_000.0;
 
-/// −1 … 1, period 1, from 0 upwards.
-fn triangle(phase: f64) -> f64 {
-    let phase = (phase + 0.25).fract();
-    1.0 - 4.0 * (phase - 0.5).abs()
-}
-
-/// Steps of a fifth of a second, up and down, each taken in 10 ms.
-fn staircase(t: f64) -> f64 {
-    const LEVELS: [f64; 11] = [0.0, 0.3, 0.6, 0.2, -0.4, -0.7, -0.1, 0.5, 0.1, -0.3, 0.0];
-    let step = (t / 0.2).floor();
-    let level = |index: f64| LEVELS.get(index as usize).copied().unwrap_or(0.0);
-    let (from, to) = (level(step - 1.0), level(step));
-    let part = ((t - 0.2 * step) / 0.01).clamp(0.0, 1.0);
-    from + (to - from) * 0.5 * (1.0 - libm::cos(TAU * 0.5 * part))
+/// How well voltages from one source track.
+#[derive(Clone)]
+struct Judged {
+    /// Mean absolute error of each trajectory, nm.
+    mae_nm: Vec<f64>,
+    /// Mean of them through the board's converters, nm.
+    converted_nm: f64,
+    /// Largest error of the model itself at the voltages of its inverse, nm.
+    round_trip_nm: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -56,10 +41,39 @@ struct Row {
     mae_nm: Option<Vec<f64>>,
     /// Mean of them, of plain scaling's.
     of_scaling: Option<f64>,
+    /// Mean of them, nm.
+    mean_nm: Option<f64>,
+    /// The same through the board's converters, nm.
+    converted_nm: Option<f64>,
     /// Largest error of the model itself at the voltages of its inverse, nm.
     round_trip_nm: Option<f64>,
     /// Why there is no inverse.
     failed: Option<String>,
+}
+
+impl Row {
+    fn of(model: Option<Model>, found: Result<Judged, String>, plain: &Judged) -> Self {
+        let name = model.map_or("plain scaling".to_owned(), |model| model.to_string());
+        let (judged, failed) = match found {
+            Ok(judged) => (Some(judged), None),
+            Err(why) => (None, Some(why)),
+        };
+        let of = |number: fn(&Judged) -> f64| judged.as_ref().map(number);
+        Self {
+            model,
+            name,
+            of_scaling: judged.as_ref().map(|judged| mean(&judged.mae_nm) / mean(&plain.mae_nm)),
+            mean_nm: of(|judged| mean(&judged.mae_nm)),
+            converted_nm: of(|judged| judged.converted_nm),
+            round_trip_nm: judged.as_ref().and_then(|judged| judged.round_trip_nm),
+            mae_nm: judged.map(|judged| judged.mae_nm),
+            failed,
+        }
+    }
+}
+
+fn mean(errors: &[f64]) -> f64 {
+    errors.iter().sum::<f64>() / errors.len().max(1) as f64
 }
 
 /// Generations that it takes, for a progress bar.
@@ -87,62 +101,52 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         Trajectory((0..ticks).map(at).collect())
     };
     let trajectories: Vec<Trajectory> = SHAPES.iter().map(trajectory).collect();
-    let driven = |voltages: &[f64], wanted: &[f64]| mae_nm(&rig, voltages, wanted, tick_s);
-
-    let volts = scaling(problem);
-    let scaled = |wanted: &Trajectory| {
-        // It knows the trajectory ahead of time as the inverses do.
-        let voltages: Vec<f64> = (0..wanted.0.len()).map(|tick| volts(wanted.at(tick as f64 + 1.0))).collect();
-        driven(&voltages, &wanted.0)
+    let drive = Drive {
+        rig: &rig,
+        setpoint: Converter::adc(stroke),
+        voltage: Converter::dac(problem.training_voltages()),
+        tick_s,
+        trajectories: &trajectories,
     };
-    let plain: Vec<f64> = trajectories.iter().map(scaled).collect();
-    let mut rows = vec![Row {
-        model: None,
-        name: "plain scaling".to_owned(),
-        of_scaling: Some(1.0),
-        mae_nm: Some(plain.clone()),
-        round_trip_nm: None,
-        failed: None,
-    }];
+    let volts = scaling(problem);
+    let Ok(plain) = drive.judged(|wanted| {
+        // It knows the trajectory ahead of time as the inverses do.
+        let voltages = (0..wanted.0.len()).map(|tick| volts(wanted.at(tick as f64 + 1.0))).collect();
+        Ok::<_, Infallible>((voltages, None))
+    });
+    let mut rows = vec![Row::of(None, Ok(plain.clone()), &plain)];
     let limits = limits(problem);
     for model in Model::ALL {
         let Some(attempt) = bench.attempt(Feedback::Simulation, model) else { continue };
         let found = match &attempt.result {
-            Ok(candidate) => inverted(&candidate.table, &limits, &trajectories, tick_s, &driven),
+            Ok(candidate) => drive.judged(|wanted| inverted(&candidate.table, &limits, wanted, tick_s)),
             Err(why) => Err((bench.say)(why)),
         };
-        let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-        let name = model.to_string();
-        rows.push(match found {
-            Ok((errors, round_trip)) => Row {
-                model: Some(model),
-                name,
-                of_scaling: Some(mean(&errors) / mean(&plain)),
-                mae_nm: Some(errors),
-                round_trip_nm: Some(round_trip),
-                failed: None,
-            },
-            Err(why) => {
-                Row { model: Some(model), name, of_scaling: None, mae_nm: None, round_trip_nm: None, failed: Some(why) }
-            }
-        });
+        rows.push(Row::of(Some(model), found, &plain));
     }
     let mut table = Grid::new("Tracking: mean absolute error of the driven synthetic rig, nm.".to_owned())
         .words("voltages from", 27);
     for (name, _) in SHAPES {
         table = table.numbers(name, 8);
     }
-    table = table.numbers("mean, of scaling's", 8).numbers("round trip, MAX nm", 8);
+    table = table
+        .numbers("mean, of scaling's", 8)
+        .numbers("mean nm", 8)
+        .numbers("by the board", 8)
+        .numbers("round trip, MAX nm", 8);
     for row in &rows {
         let errors = (0..SHAPES.len()).map(|index| row.mae_nm.as_ref().and_then(|errors| errors.get(index)).copied());
         let cells = errors.map(|error| shown(error, 1));
-        let last = [shown(row.of_scaling, 3), shown(row.round_trip_nm, 2)];
+        let means = [row.mean_nm, row.converted_nm].map(|nm| shown(nm, 1));
+        let last = [shown(row.of_scaling, 3)].into_iter().chain(means).chain([shown(row.round_trip_nm, 2)]);
         table.row(std::iter::once(row.name.clone()).chain(cells).chain(last));
     }
     let mut notes = vec![format!(
         "Each voltage stands for a tick; judged from {FROM} s on, against the true displacement. Amplitudes are 40 to 80 % of half \
          the training stroke. Plain scaling: the line of least squares through the training logs, a tick ahead as the inverses are. Round trip: the identified model \
-         at the voltages of its own inverse."
+         at the voltages of its own inverse. By the board: the set-point read by its ADC (twelve bits, sixteenfold, {ADC_INL_CODES} codes of \
+         integral nonlinearity, over the stroke) and the voltage put out by its DAC (twelve bits, sixteenfold by noise shaping, \
+         {DAC_INL_CODES} codes, over the voltages of the training)."
     )];
     notes.extend(rows.iter().filter_map(|row| Some(format!("{}: {}.", row.name, row.failed.as_ref()?))));
     Ok(Section {
@@ -154,33 +158,56 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     })
 }
 
-/// Errors on the rig (nm, a trajectory each) and the largest of the round trips (nm).
+/// The rig, and the board before it.
+struct Drive<'a> {
+    rig: &'a Rig,
+    /// By which the set-point comes in, over the stroke.
+    setpoint: Converter,
+    /// By which the voltage goes out, over the training's.
+    voltage: Converter,
+    tick_s: f64,
+    trajectories: &'a [Trajectory],
+}
+
+impl Drive<'_> {
+    /// Judges what `voltages` makes of trajectories: a voltage a tick, and the largest error of its own model at them (nm), where it
+    /// has one.
+    fn judged<E>(&self, voltages: impl Fn(&Trajectory) -> Result<(Vec<f64>, Option<f64>), E>) -> Result<Judged, E> {
+        let (mut exact, mut converted, mut round_trip_nm) = (Vec::new(), Vec::new(), None);
+        for wanted in self.trajectories {
+            let (given, own) = voltages(wanted)?;
+            exact.push(self.mae_nm(&given, wanted));
+            round_trip_nm = own.map(|own| round_trip_nm.map_or(own, |most: f64| most.max(own))).or(round_trip_nm);
+            let setpoint = Trajectory(wanted.0.iter().map(|&um| self.setpoint.through(um)).collect());
+            let (given, _) = voltages(&setpoint)?;
+            let given: Vec<f64> = given.iter().map(|&volts| self.voltage.through(volts)).collect();
+            converted.push(self.mae_nm(&given, wanted));
+        }
+        Ok(Judged { mae_nm: exact, converted_nm: mean(&converted), round_trip_nm })
+    }
+
+    fn mae_nm(&self, voltages: &[f64], Trajectory(wanted): &Trajectory) -> f64 {
+        let displacement = self.rig.respond(voltages, (self.rig.fs * self.tick_s).round().max(1.0) as usize);
+        let errors = displacement.iter().zip(wanted).skip(first(self.tick_s)).map(|(y, r)| (y - r).abs());
+        1e3 * errors.sum::<f64>() / wanted.len().saturating_sub(first(self.tick_s)).max(1) as f64
+    }
+}
+
+/// Voltages by a table's inverse, and the largest error of its model at them, nm.
 fn inverted(
     table: &Admitted,
     limits: &DriveLimits,
-    trajectories: &[Trajectory],
+    wanted: &Trajectory,
     tick_s: f64,
-    driven: &dyn Fn(&[f64], &[f64]) -> f64,
-) -> Result<(Vec<f64>, f64), String> {
-    let (mut errors, mut round_trip) = (Vec::new(), 0.0f64);
-    for trajectory in trajectories {
-        let plan = plan(table, limits, trajectory).map_err(|error| error.to_string())?;
-        errors.push(driven(&plan.voltage, &trajectory.0));
-        let own = plan.round_trip(first(tick_s)).map_or(0.0, |own| own.max_um);
-        round_trip = round_trip.max(1e3 * own);
-    }
-    Ok((errors, round_trip))
+) -> Result<(Vec<f64>, Option<f64>), String> {
+    let plan = plan(table, limits, wanted).map_err(|error| error.to_string())?;
+    let own = plan.round_trip(first(tick_s)).map_or(0.0, |own| 1e3 * own.max_um);
+    Ok((plan.voltage, Some(own)))
 }
 
 /// The first tick that is judged.
 fn first(tick_s: f64) -> usize {
     (FROM / tick_s).round() as usize
-}
-
-fn mae_nm(rig: &Rig, voltages: &[f64], wanted: &[f64], tick_s: f64) -> f64 {
-    let displacement = rig.respond(voltages, (rig.fs * tick_s).round().max(1.0) as usize);
-    let errors = displacement.iter().zip(wanted).skip(first(tick_s)).map(|(y, r)| (y - r).abs());
-    1e3 * errors.sum::<f64>() / wanted.len().saturating_sub(first(tick_s)).max(1) as f64
 }
 
 /// All voltages of the training, from rest at 0 V.
@@ -210,16 +237,6 @@ fn scaling(problem: &Problem) -> impl Fn(f64) -> f64 + use<> {
 mod tests {
     use super::super::bench::tests::small;
     use super::*;
-
-    #[test]
-    fn shapes_stay_within_the_stroke_and_do_not_jump() {
-        assert_eq!([0.0, 0.25, 0.5, 0.75, 1.0].map(triangle), [0.0, 1.0, 0.0, -1.0, 0.0]);
-        for (name, shape) in SHAPES {
-            let values: Vec<f64> = (0..4000).map(|k| shape(f64::from(k) * 5e-4)).collect();
-            assert!(values.iter().all(|value| value.abs() <= 0.81), "{name}");
-            assert!(values.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.08), "{name}");
-        }
-    }
 
     #[test]
     fn inverses_track_better_than_scaling_and_the_black_box_has_none() {

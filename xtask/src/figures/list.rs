@@ -209,11 +209,12 @@ fn tracking(printed: &Value) -> Result<Content> {
             cells.push(fixed(number(row, &format!("/mae_nm/{index}"))?, 0));
         }
         cells.push(fixed(number(row, "/of_scaling")?, 3));
+        cells.extend([fixed(number(row, "/mean_nm")?, 0), fixed(number(row, "/converted_nm")?, 0)]);
         let round_trip = row["round_trip_nm"].as_f64();
         cells.push(round_trip.map_or_else(|| "–".to_owned(), |nm| fixed(nm, 2)));
         Ok(cells)
     };
-    let columns = [&SHAPES[..], &["mean, of scaling's", "round trip nm"]].concat();
+    let columns = [&SHAPES[..], &["mean, of scaling's", "mean", "by the board", "round trip"]].concat();
     table(1, &columns, inverted.map(row))
 }
 
