@@ -8,16 +8,19 @@
 
 use estimator_core::{Estimate, Estimator, Table};
 use std::error::Error;
+use std::path::PathBuf;
 use std::{env, fs};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut paths = env::args_os().skip(1);
+    let mut paths = env::args_os().skip(1).map(PathBuf::from);
     let (Some(table), Some(volts)) = (paths.next(), paths.next()) else {
         return Err("tick table.bin volts.csv".into());
     };
     let table = Table::parse(&fs::read(table)?)?;
     let mut estimator = Estimator::<f32>::new(&table);
-    for (index, line) in fs::read_to_string(volts)?.lines().enumerate() {
+    let lines = fs::read_to_string(&volts).map_err(|error| format!("{}: {error}", volts.display()))?;
+    println!("{:>8} {:>9} {:>7} status", "V", "µm", "± µm");
+    for (index, line) in lines.lines().enumerate() {
         let wrong = |error| format!("line {}, {line:?}: {error}", index + 1);
         let (volts, known) = line.split_once(',').map_or((line, None), |(volts, known)| (volts, Some(known)));
         let voltage = volts.trim().parse().map_err(wrong)?;

@@ -1,7 +1,7 @@
 //! A log in, a parameter table out: `identify log.csv table.bin`.
 //!
 //! What is learnt from the first half of the log is judged on the second. `piezo identify` does more: it calibrates the ± beside
-//! the estimate, says what the log did not determine, and draws it all.
+//! the estimate, says what the log did not determine, puts the doubts in words, and draws it all.
 //!
 //!     cargo run --release --package identification --example identify -- tests/data/picma-p885-1hz.csv table.bin
 
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         cost: Cost::from(Feedback::Simulation),
         search: SearchOptions::DEFAULT,
     };
-    let outcome = job.run(&mut |model, cost_um| eprintln!("{model}: {cost_um:.4} µm"))?;
+    let outcome = job.run(&mut |_model, _cost_um| ())?;
     let chosen = outcome.candidate();
     for candidate in &outcome.candidates {
         if let Some(errors) = candidate.held_out_figures() {
