@@ -69,12 +69,16 @@ fn validate_says_which_logs_the_table_was_trained_on() {
     let part = ["/logs/0/trained_on_s/0", "/logs/0/trained_on_s/1"].map(|pointer| number(&report, pointer));
     assert!(part[0] == 0.0 && (part[1] - 0.25).abs() < 1e-9, "half of half a second: {part:?}");
     assert_eq!(report.pointer("/logs/1/trained_on_s"), Some(&Value::Null));
-    assert!(people.contains("trained on"), "{people}");
+    assert!(people.contains("trained on a part of what is scored: 0.00 … 0.25 s of this log"), "{people}");
+    let rest = piezo().arg("validate").arg(&table).arg(&trained).args(["--from", "0.25"]).assert().success();
+    let rest = String::from_utf8(rest.get_output().stdout.clone()).unwrap();
+    assert!(rest.contains("trained on 0.00 … 0.25 s of this log; nothing of that is scored here"), "{rest}");
     let (_, people) = validate(&table, &[&unseen]);
     assert!(!people.contains("trained on"), "{people}");
 
     let (table, trained) = sin10(folder.path(), &["--validate-on", text(&held_out)]);
-    let (report, _) = validate(&table, &[&held_out, &trained]);
+    let (report, people) = validate(&table, &[&held_out, &trained]);
+    assert!(people.contains("trained on all that is scored: 0.00 … 0.50 s of this log"), "{people}");
     assert_eq!(report.pointer("/logs/0/trained_on_s"), Some(&Value::Null), "it was held out");
     assert!((number(&report, "/logs/1/trained_on_s/1") - 0.5).abs() < 1e-9, "the whole log");
 }

@@ -195,9 +195,13 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
     }
     out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
     if let Some((from, to)) = trained_on {
-        out(&format!(
-            "    the table was trained on {from:.2} … {to:.2} s of this log: these errors prove nothing there"
-        ));
+        let scored = comparison.scored_s;
+        let (share, says) = match (from < scored.1 && scored.0 < to, from <= scored.0 && scored.1 <= to) {
+            (false, _) => ("", "nothing of that is scored here"),
+            (true, false) => ("a part of what is scored: ", "these errors prove nothing there"),
+            (true, true) => ("all that is scored: ", "these errors prove nothing"),
+        };
+        out(&format!("    the table was trained on {share}{from:.2} … {to:.2} s of this log; {says}"));
     }
     if log.displacement_estimated {
         out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
