@@ -11,8 +11,9 @@ use protocol::Faults;
 /// Odd ticks in a row, near an end of the ADC's range, that are a fault: 10 ms.
 pub const SATURATED: u32 = TICK_HZ / 100;
 /// Ticks in a row with one and the same code that are a fault: 1 s. With sixteenfold oversampling the converter's own
-/// noise moves the code hundreds of times a second, whatever its input does; even where it is as little as 0.15 of a step rms,
-/// with the input amid the step, so many equal codes come once in a trillion.
+/// noise moves the code hundreds of times a second, whatever its input does; even where it is as little as
+/// 0.15 of a step rms (one of 12 bits, of a single conversion), with the input in the middle of a step, so many equal codes come
+/// once in a trillion.
 pub const STUCK: u32 = TICK_HZ;
 /// The same of the set-point: 10 s. A controller may hold it by right, and nothing is estimated of it.
 pub const SETPOINT_STUCK: u32 = 10 * TICK_HZ;

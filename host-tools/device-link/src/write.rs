@@ -4,6 +4,7 @@ use crate::client::{Client, WriteConsent};
 use crate::error::LinkError;
 use crate::table;
 use protocol::{Identity, Mode};
+use std::fmt::Display;
 
 /// How flash is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -30,11 +31,14 @@ pub enum WriteError {
     #[error("the device is estimating, and writing flash may cost ticks")]
     Estimating,
     /// The link fails while flash is written.
-    #[error("{0} {UNSURE}")]
+    #[error("{}", sentences(.0, UNSURE))]
     Unsure(LinkError),
-    /// The link fails when flash has been written.
-    #[error("{0} {WRITTEN}")]
+    /// The link fails when flash has been written, and the device has not restarted.
+    #[error("{}", sentences(.0, WRITTEN))]
     Written(LinkError),
+    /// The link fails when flash has been written, while the device restarts.
+    #[error("{}", sentences(.0, RESTARTING))]
+    Restarting(LinkError),
 }
 
 /// What is known where the reply to a write never came.
@@ -42,6 +46,15 @@ pub const UNSURE: &str = "So it is not known whether the device has written its 
                           hold, and uses it from its next restart on.";
 /// What is known where a reply after that never came.
 pub const WRITTEN: &str = "What was to be written is written, and used from the next restart on.";
+/// What is known where the device was then asked to restart, and no reply came.
+pub const RESTARTING: &str = "What was to be written is written; whether the device has restarted is not known.";
+
+/// What went wrong and what is known: two sentences, also where the first comes without its full stop.
+pub fn sentences(wrong: &impl Display, known: &str) -> String {
+    let wrong = wrong.to_string();
+    let stop = if wrong.ends_with(['.', '?', '!']) { "" } else { "." };
+    format!("{wrong}{stop} {known}")
+}
 
 impl Writing {
     /// Has `write` write as asked; returns the identity after the restart, where there was one.
@@ -75,7 +88,13 @@ impl Writing {
             error => WriteError::Unsure(error),
         })?;
         resumed.map_err(WriteError::Written)?;
-        if self.reset { Ok(Some(client.restart().map_err(WriteError::Written)?)) } else { Ok(None) }
+        if !self.reset {
+            return Ok(None);
+        }
+        client.restart().map(Some).map_err(|error| match error {
+            LinkError::Refused { .. } => WriteError::Written(error),
+            error => WriteError::Restarting(error),
+        })
     }
 }
 
@@ -89,13 +108,16 @@ fn estimating(client: &mut Client) -> Result<bool, LinkError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::port::PortError;
     use crate::table::to_record;
-    use crate::{Client, table};
+    use crate::{Address, Client, table};
     use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
     use emulator::faults::lose_replies;
     use emulator::{Emulator, FaultyLine, TABLE};
     use parameter_store::RamFlash;
-    use protocol::{Mode, TableSource};
+    use protocol::{Mode, Refusal, TableSource};
+    use std::io::ErrorKind;
+    use std::net::SocketAddr;
 
     const CAREFUL: Writing =
         Writing { while_estimating: false, pause: false, reset: false, dry_run: false, rewired: false };
@@ -187,7 +209,7 @@ mod tests {
             (Writing { pause: true, ..CAREFUL }, 2, None),
             (Writing { pause: true, ..CAREFUL }, 3, Some(UNSURE)),
             (Writing { pause: true, ..CAREFUL }, 4, Some(WRITTEN)),
-            (Writing { reset: true, ..CAREFUL }, 4, Some(WRITTEN)),
+            (Writing { reset: true, ..CAREFUL }, 4, Some(RESTARTING)),
         ] {
             let device = Emulator::new().speed(8.0).start().unwrap();
             let line = FaultyLine::to(device.address(), lose_replies(from..from + 20)).unwrap();
@@ -195,9 +217,27 @@ mod tests {
             let record = to_record(&TABLE.admit().unwrap());
             let done = options.write(&mut client, |client, consent| client.push(record, consent));
             let complaint = done.unwrap_err().to_string();
-            for known in [UNSURE, WRITTEN] {
+            for known in [UNSURE, WRITTEN, RESTARTING] {
                 assert_eq!(complaint.contains(known), says == Some(known), "{from}: {complaint}");
             }
+        }
+    }
+
+    #[test]
+    fn whatever_goes_wrong_what_is_known_is_a_sentence_of_its_own() {
+        let port = || Address::from(SocketAddr::from(([127, 0, 0, 1], 1)));
+        for (error, ends) in [
+            (LinkError::Port(PortError::Busy { port: "COM3".to_owned() }), "a monitor) first. "),
+            (LinkError::Broken { port: port(), error: ErrorKind::UnexpectedEof.into() }, "the emulator running? "),
+            (LinkError::Silent { port: port() }, "connected to it? "),
+            (LinkError::Version { port: port(), found: 0 }, "the firmware is older. "),
+            (LinkError::Unknown { port: port() }, "whether it was done. "),
+            (LinkError::Refused { port: port(), refusal: Box::new(Refusal::NoDrive) }, ". "),
+            (LinkError::Confused { port: port() }, "from the same sources. "),
+        ] {
+            let said = WriteError::Unsure(error).to_string();
+            let wrong = said.strip_suffix(UNSURE).unwrap();
+            assert!(wrong.ends_with(ends) && !wrong.ends_with(".. "), "{said}");
         }
     }
 

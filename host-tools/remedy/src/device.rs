@@ -9,7 +9,7 @@ use device_link::port::PortError;
 use device_link::probe::ProbeError;
 use device_link::stlink::Plugged;
 use device_link::table::RunningTableError;
-use device_link::write::{UNSURE, WRITTEN, WriteError};
+use device_link::write::{RESTARTING, UNSURE, WRITTEN, WriteError, sentences};
 use device_link::{Address, LinkError, words};
 use estimator_core::table::Misfit;
 use protocol::{Mode, Refusal, VERSION};
@@ -164,11 +164,15 @@ fn running(error: &RunningTableError) -> String {
     }
 }
 
+/// Where that is not known.
+const INFO: &str = "`piezo info` says which table is in use.";
+
 fn write(error: &WriteError) -> String {
     match error {
         WriteError::Link(error) => link(error),
-        WriteError::Unsure(error) => format!("{} {UNSURE} `piezo info` says which table is in use.", link(error)),
-        WriteError::Written(error) => format!("{} {WRITTEN}", link(error)),
+        WriteError::Unsure(error) => format!("{} {INFO}", sentences(&link(error), UNSURE)),
+        WriteError::Written(error) => sentences(&link(error), WRITTEN),
+        WriteError::Restarting(error) => format!("{} {INFO}", sentences(&link(error), RESTARTING)),
         WriteError::Estimating => format!(
             "{error}: --pause interrupts the estimate, --reset restarts the device after it, --while-estimating writes all \
              the same"

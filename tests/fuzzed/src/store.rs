@@ -19,14 +19,16 @@ enum Step {
 
 /// What the flash may give, by all that has happened to it.
 struct Known {
-    /// Every record that was ever handed to the store.
-    written: Vec<Vec<u8>>,
+    /// How many records were handed to the store.
+    written: usize,
     /// The one that it gives.
     newest: Option<Vec<u8>>,
     /// Pages with more in them than whole writes and erases have left: one more flipped bit may make a record whole again.
     doubtful: [bool; 2],
-    /// A bit has flipped by itself.
-    decayed: bool,
+    /// The record that was written into each page, or begun, since it was last erased whole.
+    held: [Option<Vec<u8>>; 2],
+    /// Pages in which a bit has flipped by itself since then.
+    decayed: [bool; 2],
 }
 
 /// Bytes as steps.
@@ -36,7 +38,7 @@ struct Known {
 pub fn check(bytes: &[u8]) {
     let mut input = Unstructured::new(bytes);
     let chip = Chip::new();
-    let mut known = Known { written: Vec::new(), newest: None, doubtful: [false; 2], decayed: false };
+    let mut known = Known { written: 0, newest: None, doubtful: [false; 2], held: [None, None], decayed: [false; 2] };
     for _ in 0..STEPS {
         if input.is_empty() {
             break;
@@ -62,13 +64,14 @@ impl Known {
     fn store(&mut self, chip: &RefCell<Chip>, length: u16, fill: u8, cut: Option<Cut>) {
         let mut record = vec![fill; usize::from(length) % (MAX_RECORD + 1)];
         // No two are equal, but for those too short to say which they are.
-        let number = self.written.len().to_le_bytes();
+        let number = self.written.to_le_bytes();
         record.iter_mut().zip(number).for_each(|(byte, of)| *byte ^= of);
-        self.written.push(record.clone());
+        self.written += 1;
         let before = chip.borrow().memory;
         chip.borrow_mut().cut(cut);
         let done = block_on(store(chip).store(&record));
         let dark = chip.borrow().dark();
+        self.forget(chip, Some(&record));
         chip.borrow_mut().cut(None);
         assert_eq!(done.is_ok(), !dark, "{done:?}");
         let found = load(chip);
@@ -91,6 +94,7 @@ impl Known {
         chip.borrow_mut().cut(cut);
         let done = block_on(store(chip).erase());
         let dark = chip.borrow().dark();
+        self.forget(chip, None);
         chip.borrow_mut().cut(None);
         assert_eq!(done.is_ok(), !dark, "{done:?}");
         let found = load(chip);
@@ -100,9 +104,16 @@ impl Known {
         self.newest = found;
     }
 
-    /// Whether a record may have come back: an erase that is cut may set the very bits again by which a page had decayed.
+    /// Forgets what the pages held that were erased whole; this record was then written, or begun.
+    fn forget(&mut self, chip: &RefCell<Chip>, written: Option<&Vec<u8>>) {
+        for page in (0..2).filter(|&page| chip.borrow().erased[page]) {
+            (self.held[page], self.decayed[page]) = (written.cloned(), false);
+        }
+    }
+
+    /// Whether a record may have come back: an erase that is cut may set the very bits again by which its page had decayed.
     fn mended(&self, found: Option<&Vec<u8>>) -> bool {
-        self.decayed && found.is_some_and(|found| self.written.contains(found))
+        found.is_some() && (0..2).any(|page| self.decayed[page] && self.held[page].as_ref() == found)
     }
 
     fn flip(&mut self, chip: &RefCell<Chip>, at: u16, bit: u8) {
@@ -112,11 +123,11 @@ impl Known {
         let elsewhere = self.newest.as_ref().is_some_and(|newest| !holds(newest));
         chip.borrow_mut().memory[at] ^= 1 << (bit % 8);
         let found = load(chip);
-        assert!(found.as_ref().is_none_or(|found| self.written.contains(found)), "never written: {found:?}");
+        assert!(found.is_none() || self.held.contains(&found), "in no page: {found:?}");
         let untouched = elsewhere && !self.doubtful[page];
         assert!(!untouched || found == self.newest, "a bit of the other page was flipped: {found:?}");
         self.doubtful[page] = true;
-        self.decayed = true;
+        self.decayed[page] = true;
         self.newest = found;
     }
 }

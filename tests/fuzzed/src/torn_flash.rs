@@ -24,6 +24,8 @@ pub struct Chip {
     pub memory: [u8; 2 * PAGE],
     cut: Option<Cut>,
     dark: bool,
+    /// Pages that were erased whole since the last cut was set.
+    pub erased: [bool; 2],
 }
 
 /// The pages as a flash, which others look at meanwhile.
@@ -40,13 +42,14 @@ impl NorFlashError for PowerLost {
 
 impl Chip {
     pub fn new() -> RefCell<Self> {
-        RefCell::new(Self { memory: [0xFF; 2 * PAGE], cut: None, dark: false })
+        RefCell::new(Self { memory: [0xFF; 2 * PAGE], cut: None, dark: false, erased: [false; 2] })
     }
 
     /// Has the power fail; `None` for never.
     pub fn cut(&mut self, cut: Option<Cut>) {
         self.cut = cut;
         self.dark = false;
+        self.erased = [false; 2];
     }
 
     /// Whether it has failed.
@@ -109,7 +112,12 @@ impl NorFlash for Flash<'_> {
     const ERASE_SIZE: usize = PAGE;
 
     async fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerLost> {
-        (from as usize..to as usize).step_by(PAGE).try_for_each(|page| self.0.borrow_mut().operate(page, &[0xFF; PAGE]))
+        (from as usize..to as usize).step_by(PAGE).try_for_each(|start| {
+            let mut chip = self.0.borrow_mut();
+            chip.operate(start, &[0xFF; PAGE])?;
+            chip.erased[start / PAGE] = true;
+            Ok(())
+        })
     }
 
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerLost> {

@@ -5,21 +5,24 @@
 
 mod signal;
 
-use device_link::{Client, LinkError};
-use emulator::{Conversion, Emulator, EmulatorError, TABLE};
+use device_link::{Address, Client, LinkError};
+use emulator::{Conversion, EmulatedDevice, Emulator, EmulatorError, TABLE};
 use estimator_core::table::TableError;
 use estimator_core::{AdcCode, DacCode, Estimate, Estimator};
+use protocol::Samples;
 use protocol::sample::MAX_BATCH;
 use signal::code;
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
 /// Seconds of the device in a second, where this machine is fast enough; beyond that the link could not carry every sample away.
 const SPEED: f64 = 12.0;
 /// How long the stream may be silent.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Codes by which it is found which tick of the converter a sample is of, and how far it is looked for.
-const CODES: usize = 64;
+/// Codes by which it is found which tick of the converter a sample is of: so many at least, since one or two may occur often, and
+/// no more than are of use. And how far it is looked for.
+const CODES: RangeInclusive<usize> = 8..=64;
 const FARTHEST: u32 = 1_000_000;
 
 /// What came of a soak.
@@ -35,7 +38,8 @@ pub struct Soak {
     pub dropped: u32,
     /// Frames that came damaged, with the samples in them.
     pub damaged: u32,
-    /// Samples of which a bit of the code, the displacement, the DAC's code or the status is not the host's.
+    /// Samples of which a bit of the code, the displacement, its ±, the DAC's code or the status is not the host's, or that have a
+    /// fault: the converter gives no cause for one.
     pub different: u32,
     /// Ticks that the device calls late or lost.
     pub late: u32,
@@ -63,36 +67,58 @@ pub enum SoakError {
     /// What came is not what the converter read.
     #[error("the first samples are of no tick of the converter")]
     Strange,
+    /// What came is of ticks that have come already, or of earlier ones.
+    #[error("samples of tick {first} came behind those of the ticks before {next}")]
+    Reordered {
+        /// The tick of the first of them.
+        first: u32,
+        /// The tick that was to come next.
+        next: u32,
+    },
+}
+
+/// Starts the device that is soaked.
+///
+/// # Errors
+/// It does not start.
+pub fn device() -> Result<EmulatedDevice, EmulatorError> {
+    let mut read = 0;
+    let plant = move |_: DacCode| -> Conversion {
+        read += 1;
+        code(read - 1).into()
+    };
+    Emulator::new().speed(SPEED).plant(plant).start()
 }
 
 impl Soak {
     /// Has a device stream so many ticks.
     ///
     /// # Errors
-    /// The device does not start, or its stream ends.
+    /// The device does not start, or its stream ends or comes in another order.
     pub fn of(ticks: u32) -> Result<Self, SoakError> {
-        let mut read = 0;
-        let device = Emulator::new()
-            .speed(SPEED)
-            .plant(move |_: DacCode| -> Conversion {
-                read += 1;
-                code(read - 1).into()
-            })
-            .start()?;
-        let (mut client, _) = Client::connect(&device.address().into())?;
+        let device = device()?;
+        Self::at(&device.address().into(), ticks)
+    }
+
+    /// Has the [`device`] at an address stream so many ticks; it has been started for this.
+    ///
+    /// # Errors
+    /// Its stream ends or comes in another order.
+    pub fn at(address: &Address, ticks: u32) -> Result<Self, SoakError> {
+        let (mut client, _) = Client::connect(address)?;
         client.stream(true)?;
         let (start, mut soak) = (Instant::now(), Self::default());
-        let mut host: Option<Host> = None;
+        let mut begun: Vec<Samples> = Vec::new();
+        while begun.iter().map(|batch| batch.samples.len()).sum::<usize>() < *CODES.start() {
+            begun.push(next(&mut client)?);
+        }
+        let codes: Vec<u16> = begun.iter().flat_map(|batch| &batch.samples).map(|sample| sample.code).collect();
+        let mut host = Host::new(begun[0].first, &codes)?;
+        let mut begun = begun.into_iter();
         while soak.ticks < ticks {
-            let batch = client.samples(PATIENCE)?.ok_or(SoakError::Silent)?;
-            let host = match &mut host {
-                Some(host) => host,
-                none => {
-                    let codes: Vec<u16> = batch.samples.iter().map(|sample| sample.code).collect();
-                    none.insert(Host::new(batch.first, &codes)?)
-                }
-            };
-            let gap = batch.first.wrapping_sub(host.next);
+            let batch = begun.next().map_or_else(|| next(&mut client), Ok)?;
+            let reordered = SoakError::Reordered { first: batch.first, next: host.next };
+            let gap = batch.first.checked_sub(host.next).ok_or(reordered)?;
             host.skip(gap);
             soak.missing += gap;
             for sample in &batch.samples {
@@ -100,7 +126,9 @@ impl Soak {
                 let same = sample.code == code
                     && sample.displacement.to_bits() == estimate.displacement.to_bits()
                     && sample.dac == estimate.dac.0
-                    && sample.status == estimate.status;
+                    && sample.half_width.map(f32::to_bits) == estimate.half_width.map(f32::to_bits)
+                    && sample.status == estimate.status
+                    && sample.faults.is_empty();
                 soak.different += u32::from(!same);
                 soak.flagged += u32::from(!sample.status.is_empty());
             }
@@ -130,6 +158,10 @@ impl fmt::Display for Soak {
     }
 }
 
+fn next(client: &mut Client) -> Result<Samples, SoakError> {
+    client.samples(PATIENCE)?.ok_or(SoakError::Silent)
+}
+
 /// The host's own estimator, tick by tick as the device's.
 struct Host {
     estimator: Estimator<f32>,
@@ -142,7 +174,7 @@ struct Host {
 impl Host {
     /// Up to the first sample, which has this number.
     fn new(first: u32, codes: &[u16]) -> Result<Self, SoakError> {
-        let codes = &codes[..codes.len().min(CODES)];
+        let codes = &codes[..codes.len().min(*CODES.end())];
         let here = |at: &u32| (*at..).zip(codes).all(|(at, found)| code(at).0 == *found);
         let found = (first..first.saturating_add(FARTHEST)).find(here).ok_or(SoakError::Strange)?;
         let estimator = Estimator::new(&TABLE.admit()?);

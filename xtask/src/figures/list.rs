@@ -4,18 +4,15 @@ use anyhow::{Context, Result, ensure};
 use estimator_core::Model;
 use serde_json::Value;
 
-use crate::cycles::LEVELS;
-
 use super::{
-    ceiling,
     command::{
         Command::{
-            self, Cycles, Identify, OtherDay, OtherDayUnzeroed, Reproduce, SameDay, SignalFaults, Size, SizeModels,
-            Validate,
+            self, Cycles, Identify, OtherDay, OtherDayUnzeroed, Reproduce, SameDay, SignalFaults, Size, Validate,
         },
         Printed, bytes,
     },
     document::{Content, Table},
+    firmware::{cycles, models, signal, tick},
 };
 
 /// A figure, or a table of them.
@@ -129,40 +126,6 @@ fn intervals(printed: &Printed<'_>) -> Result<Content> {
     table(1, &columns, rows.into_iter().map(row))
 }
 
-/// What the firmware makes of faults of the monitor's signal.
-fn signal(printed: &Value) -> Result<Content> {
-    let row = |row: &Value| -> Result<Vec<String>> {
-        let raised = |name: &str| -> Result<[String; 2]> {
-            let Some(raised) = row.get(name).filter(|raised| !raised.is_null()) else {
-                return Ok(["–"; 2].map(str::to_owned));
-            };
-            let bits = array(raised, "/bits")?.iter().filter_map(Value::as_str).map(|bit| format!("`{bit}`"));
-            Ok([bits.collect::<Vec<_>>().join(", "), thousands(whole(raised, "/tick")?)])
-        };
-        let stated = row["stated_um"].as_f64().map_or_else(|| "–".to_owned(), |um| fixed(um, 2));
-        let back = match row["back_after_ticks"].as_u64() {
-            Some(ticks) => thousands(ticks),
-            None if row["needs_zero"] == true => "needs a zero".to_owned(),
-            None => "not in 10 s".to_owned(),
-        };
-        let name = row["fault"].as_str().context("a fault has no name")?;
-        let error = fixed(number(row, "/worst_um")?, 2);
-        let rest = [error, stated, thousands(whole(row, "/silent_ticks")?), back];
-        Ok([vec![name.to_owned()], raised("flag")?.to_vec(), raised("lasting")?.to_vec(), rest.to_vec()].concat())
-    };
-    let columns = [
-        "flag",
-        "at tick",
-        "lasting fault",
-        "from tick",
-        "error µm",
-        "its ± µm",
-        "ticks beyond ±, unsaid",
-        "back after ticks",
-    ];
-    table(1, &columns, array(printed, "")?.iter().map(row))
-}
-
 /// Errors on the synthetic rig, beside those of the thesis.
 fn thesis(printed: &Value) -> Result<Content> {
     let rows = array(printed, "")?;
@@ -218,49 +181,6 @@ fn tracking(printed: &Value) -> Result<Content> {
     table(1, &columns, inverted.map(row))
 }
 
-/// What a tick of each model takes.
-fn models(printed: &Printed<'_>) -> Result<Content> {
-    let ticks = printed.by(SizeModels)?;
-    let row = |model: Model| -> Result<Vec<String>> {
-        let name = model.name();
-        let most = whole(&ticks, &format!("/{name}/max"))?;
-        ceiling::check(name, most)?;
-        let mean = number(&ticks, &format!("/{name}/mean"))?;
-        Ok(vec![format!("`{name}`"), thousands(most), thousands(mean.round() as u64)])
-    };
-    table(1, &["instructions, most", "mean"], Model::ALL.into_iter().map(row))
-}
-
-/// Instructions of a tick with the thesis's model.
-fn tick(printed: &Value) -> Result<Content> {
-    let most = whole(printed, "/instructions_per_tick/max")?;
-    let mean = number(printed, "/instructions_per_tick/mean")?;
-    Ok(Content::Value(format!("{} at most, {} on average", thousands(most), fixed(mean, 1))))
-}
-
-/// Cycles of the tick's interrupt on the board, with each model.
-fn cycles(printed: &Value) -> Result<Content> {
-    let row = |row: &Value| -> Result<Vec<String>> {
-        let what = if row["drives"] == true { "drive" } else { "estimate" };
-        let name = row["model"].as_str().context("a row has no model")?;
-        let mut cells = vec![format!("`{name}`"), what.to_owned()];
-        if row["refused"] == true {
-            cells.extend(["–"; 4].map(str::to_owned));
-        } else {
-            cells.push(thousands(whole(row, "/most_instructions")?));
-            for level in LEVELS {
-                cells.push(thousands(whole(row, &format!("/most_cycles/{level}"))?));
-            }
-        }
-        let refused = if row["refused"] == true { ", refused" } else { "" };
-        cells.push(thousands(whole(row, "/stated")?));
-        cells.push(format!("{}{refused}", fixed(number(row, "/percent")?, 0)));
-        Ok(cells)
-    };
-    let columns = ["instructions", LEVELS[0], LEVELS[1], LEVELS[2], "stated", "% of a tick"];
-    table(2, &columns, array(printed, "")?.iter().map(row))
-}
-
 fn value(printed: &Printed<'_>, command: Command, pointer: &str, digits: usize) -> Result<Content> {
     Ok(Content::Value(fixed(number(&*printed.by(command)?, pointer)?, digits)))
 }
@@ -271,7 +191,7 @@ fn kilobytes(printed: &Printed<'_>, pointer: &str, step: f64) -> Result<Content>
     Ok(Content::Value(fixed((1e-3 * bytes / step).round() * step, 0)))
 }
 
-fn table(keys: usize, columns: &[&str], rows: impl Iterator<Item = Result<Vec<String>>>) -> Result<Content> {
+pub fn table(keys: usize, columns: &[&str], rows: impl Iterator<Item = Result<Vec<String>>>) -> Result<Content> {
     let columns = columns.iter().map(|&column| column.to_owned()).collect();
     Ok(Content::Table(Table { keys, columns, rows: rows.collect::<Result<_>>()? }))
 }
@@ -280,24 +200,24 @@ fn model(name: &Value) -> Result<Model> {
     serde_json::from_value(name.clone()).with_context(|| format!("{name} is no model"))
 }
 
-fn array<'v>(value: &'v Value, pointer: &str) -> Result<&'v Vec<Value>> {
+pub fn array<'v>(value: &'v Value, pointer: &str) -> Result<&'v Vec<Value>> {
     value.pointer(pointer).and_then(Value::as_array).with_context(|| format!("no array at {pointer:?} of the JSON"))
 }
 
-fn number(value: &Value, pointer: &str) -> Result<f64> {
+pub fn number(value: &Value, pointer: &str) -> Result<f64> {
     value.pointer(pointer).and_then(Value::as_f64).with_context(|| format!("no number at {pointer} of the JSON"))
 }
 
-fn whole(value: &Value, pointer: &str) -> Result<u64> {
+pub fn whole(value: &Value, pointer: &str) -> Result<u64> {
     value.pointer(pointer).and_then(Value::as_u64).with_context(|| format!("no whole number at {pointer} of the JSON"))
 }
 
-fn fixed(number: f64, digits: usize) -> String {
+pub fn fixed(number: f64, digits: usize) -> String {
     format!("{number:.digits$}")
 }
 
 /// With commas between thousands.
-fn thousands(number: u64) -> String {
+pub fn thousands(number: u64) -> String {
     let digits = number.to_string();
     let groups = digits.as_bytes().rchunks(3).rev().map(|group| group.iter().map(|&digit| char::from(digit)).collect());
     groups.collect::<Vec<String>>().join(",")

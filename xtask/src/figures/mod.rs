@@ -3,6 +3,7 @@
 mod ceiling;
 mod command;
 mod document;
+mod firmware;
 mod list;
 
 use std::{

@@ -9,7 +9,6 @@ use clap::Args;
 use device_link::board;
 use device_link::table::to_record;
 use device_link::words;
-use device_link::write::WriteError;
 use protocol::TableSource;
 use serde_json::json;
 use std::path::PathBuf;
@@ -47,7 +46,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
             words::source(&identity.source)
         );
         ensure!(
-            client.pull().map_err(WriteError::Written)? == record,
+            client.pull()? == record,
             "after its restart the device runs another table than was pushed: push again"
         );
     }
