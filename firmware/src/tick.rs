@@ -182,8 +182,8 @@ impl<'q> Tick<'q> {
         }
     }
 
-    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code `setpoint`; where not
-    /// `sound`, the safe one.
+    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code `setpoint`;
+    /// where not `sound`, the safe one.
     fn output(&mut self, estimated: Codes, setpoint: Option<Wish>, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
