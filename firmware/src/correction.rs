@@ -144,10 +144,12 @@ impl Given {
     }
 
     /// How fast that may change where codes may change so fast.
+    #[inline]
     pub(crate) fn stride(&self, Stride(codes): Stride) -> Stride {
+        let parts = codes.saturating_mul(self.parts.load(Relaxed).into());
         // Positive: no supply is off by as much as itself.
-        let parts = u64::from(codes) * u64::from(self.parts.load(Relaxed));
-        let given = (parts * (65_536 + self.short.load(Relaxed)) as u64) >> 16;
-        Stride(given.clamp(1, u32::MAX.into()) as u32)
+        let supply = (65_536 + self.short.load(Relaxed)) as u32;
+        let given = (u64::from(parts) * u64::from(supply)) >> 16;
+        Stride(u32::try_from(given).unwrap_or(u32::MAX).max(1))
     }
 }

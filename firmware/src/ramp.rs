@@ -15,6 +15,15 @@ impl Stride {
         // Saturates at the ends, and NaN is 0.
         Self(((codes * 65_536.0) as u32).max(1))
     }
+
+    /// The code on the way from one to another that is no further from the first than this, and than `more` beyond, which is for
+    /// what rounding makes of both.
+    #[inline]
+    pub fn limit(self, DacCode(from): DacCode, DacCode(to): DacCode, more: u16) -> DacCode {
+        // Of a jump it is the whole range.
+        let most = ((self.0 >> 16) as u16).saturating_add(more);
+        DacCode(to.clamp(from.saturating_sub(most), from.saturating_add(most)))
+    }
 }
 
 /// The codes of the way, one a tick, the safe one last.
@@ -57,6 +66,17 @@ impl Iterator for Ramp {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_within_the_stride_is_reached_and_what_is_beyond_is_not() {
+        let stride = Stride::of(20.48);
+        for (from, to, limited) in
+            [(100, 120, 120), (100, 121, 121), (100, 122, 121), (100, 0, 79), (5, 0, 0), (5, 9_999, 26)]
+        {
+            assert_eq!(stride.limit(DacCode(from), DacCode(to), 1), DacCode(limited), "{from} to {to}");
+        }
+        assert_eq!(Stride::JUMP.limit(DacCode(0), DacCode(65_520), 1), DacCode(65_520));
+    }
 
     #[test]
     fn no_step_is_longer_than_the_stride_and_the_last_code_is_the_safe_one() {

@@ -2,8 +2,8 @@
 //! between them.
 //!
 //! First-order noise shaping: what a code is off by is carried over to the next one, so that the mean of many is what is
-//! wanted to a part of a code, and what they are off by lies at frequencies that the low-pass stops. A wish that stands still is made of its two
-//! neighbours and no other code.
+//! wanted to a part of a code, and what they are off by lies at frequencies that the low-pass stops. A wish that stands still is
+//! made of its two neighbours and no other code.
 //! S. R. Norsworthy, R. Schreier, G. C. Temes, Delta-Sigma Data Converters, IEEE Press 1997, chapter 1.
 
 use estimator_core::DacCode;
@@ -24,7 +24,7 @@ pub struct Codes {
 /// What the codes so far are short of what was wanted.
 #[derive(Clone, Debug, Default)]
 pub struct Shaper {
-    /// Codes put out, less their lower half; 65,536ths of a code are carried over.
+    /// The last code in the upper half-word; in the lower, what is carried over to the next, in 65,536ths of a code.
     carried: u32,
 }
 
@@ -43,7 +43,7 @@ impl Shaper {
         for word in words {
             let first = step + (carried & 0xFFFF);
             carried = step + (first & 0xFFFF);
-            *word = carried & 0xFFFF_0000 | first >> 16;
+            *word = (carried & 0xFFFF_0000) | (first >> 16);
         }
         self.carried = carried;
     }

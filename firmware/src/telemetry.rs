@@ -140,8 +140,16 @@ impl Telemetry {
 
     /// The way from what the DAC has been given to what it is given for its safe code, in the board's parts of a code.
     pub fn ramp(&self, from: DacCode) -> Ramp {
-        let stride = if self.drives() { self.given.stride(self.stride()) } else { Stride::JUMP };
-        Ramp::new(from, self.safe_given(), stride)
+        Ramp::new(from, self.safe_given(), self.stride_given())
+    }
+
+    /// Most that what the DAC is given may change in a tick, at the supply of now, in the board's parts of a code.
+    #[inline]
+    pub fn stride_given(&self) -> Stride {
+        match self.stride() {
+            Stride::JUMP => Stride::JUMP,
+            stride => self.given.stride(stride),
+        }
     }
 
     /// Whether the DAC drives something, so that its code may not jump.

@@ -5,16 +5,16 @@
 //! put out from the *next* trigger on: whatever the tick's duration, the output has no jitter, as long as it is done in time.
 //! One tick is 500 µs, 85,000 cycles at 170 MHz. A tick that comes late or not at all, or is not done in time for its output,
 //! is counted, and the sample says so; the numbers of the samples skip ticks that did not come. No lock, no log, no allocation,
-//! no `f64`. Where the DAC drives the amplifier ([`Drive`]), the same holds of its voltage: the reference of tick k moves
+//! no `f64`. Where the DAC drives the amplifier ([`crate::drive`]), the same holds of its voltage: the reference of tick k moves
 //! it at tick k + 1, and the displacement a tick after that.
+
+mod output;
 
 use crate::conversion::Conversion;
 use crate::correction::Read;
-use crate::drive::Drive;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
 use crate::setpoint::Wish;
-use crate::shaping::Codes;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch};
@@ -37,15 +37,6 @@ pub struct Tick<'q> {
     /// Cycle counter at the last tick.
     last: Option<u32>,
     valid: bool,
-}
-
-/// What the DAC is to have.
-struct Output {
-    codes: Codes,
-    /// It is the safe one, or on the way there.
-    safe: bool,
-    /// What following a reference adds to the tick's status.
-    status: Status,
 }
 
 impl<'q> Tick<'q> {
@@ -141,12 +132,6 @@ impl<'q> Tick<'q> {
         (given, faults)
     }
 
-    /// What the DAC is given, and whether that is too little.
-    fn give(&self, Codes { code, parts }: Codes) -> (DacCode, bool) {
-        self.telemetry.set_dac(code);
-        self.telemetry.given.tick(&self.telemetry.supply, parts)
-    }
-
     /// The set-point's code, where it is followed. One that does not come is as good as one at an end of the range.
     fn setpoint(&self, Read { conversion, corrected }: Read) -> Option<Wish> {
         let at = |conversion: Conversion| conversion.setpoint.unwrap_or(AdcCode(0));
@@ -182,35 +167,6 @@ impl<'q> Tick<'q> {
         }
     }
 
-    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code `setpoint`; where not
-    /// `sound`, the safe one.
-    fn output(&mut self, estimated: Codes, setpoint: Option<Wish>, sound: bool) -> Output {
-        let status = Status::empty();
-        match &mut self.startup.drive {
-            Some(drive) if self.mode.drives() => {
-                // What waits at rest for a set-point goes on waiting.
-                if !sound && (setpoint.is_none() || drive.following()) {
-                    drive.stop();
-                }
-                let next = match (setpoint, &mut self.startup.setpoint) {
-                    (Some(wish), Some(wants)) => wants.wanted(wish, sound, drive.rests()),
-                    _ if drive.takes_references() => self.queues.references.dequeue(),
-                    _ => None,
-                };
-                if next.is_none() && drive.following() {
-                    add(&self.telemetry.starved, 1);
-                }
-                let (codes, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
-                self.telemetry.holding.store(drive.holding(), Relaxed);
-                self.telemetry.stopped.store(drive.stopped(), Relaxed);
-                Output { codes, safe: !drive.following(), status }
-            }
-            Some(drive) => Output { codes: drive.release(), safe: true, status },
-            None if sound => Output { codes: estimated, safe: false, status },
-            None => Output { codes: self.startup.at_safe(), safe: true, status },
-        }
-    }
-
     fn stream(&mut self, sample: Sample) {
         if self.telemetry.streaming.load(Relaxed)
             && self.queues.samples.enqueue(Numbered { tick: self.number, sample }).is_err()
@@ -231,12 +187,6 @@ impl<'q> Tick<'q> {
         let lost = ((elapsed + self.period / 2) / self.period).saturating_sub(1);
         add(&self.telemetry.missed, lost.max(1));
         Some(lost)
-    }
-
-    /// The safe output, or one on the way to it.
-    fn safe_output(&mut self) -> Codes {
-        let safe = self.startup.at_safe();
-        self.startup.drive.as_mut().map_or(safe, Drive::release)
     }
 
     fn restart(&mut self) {

@@ -237,7 +237,7 @@ fn ADC1_2() {
     marker.set_high();
     let [monitor, sensor, setpoint] = adc.read_injected_samples().map(AdcCode);
     let conversion = Conversion { monitor, sensor: Some(sensor), setpoint: Some(setpoint) };
-    // Otherwise DMA has lost a request, and brings nothing any more: the last code would stand.
+    // Otherwise DMA has lost a request or gets none any more, and the last code would stand; or it is out of step with the ticks.
     assert!(output.put(tick.sample(conversion, started)), "the DAC's DMA has stopped");
     let in_time = TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION - AHEAD);
     if in_time && tick.valid() {

@@ -3,10 +3,12 @@
 //!
 //! Two halves of a ring are a tick's codes each. While one is put out, the tick fills the other. DMA fetches a code when the one
 //! before is put out, and waits with it in the holding register: two triggers lie between a code's place in the ring and the
-//! pin. So TIM7 runs two triggers ahead of TIM6, and a tick's codes begin with the next trigger of TIM6 to less than a
-//! microsecond. They must be in the ring when the last but one of the tick's own is put out: 10 µs before that trigger.
+//! pin. So TIM7 runs two triggers ahead of TIM6, and a tick's codes begin less than a microsecond before the next trigger of TIM6.
+//! The first is fetched when the last of the tick's own is put out, 10 µs before that. A tick that is not done another 10 µs earlier
+//! leaves the ring as it is.
 //!
-//! A tick that does not come leaves the last two ticks' codes taking turns, until the watchdog's reset.
+//! Where a tick does not come the last two ticks' codes take turns: a step back, as long as the last one forward. What drives
+//! goes on from there at its slew rate, however far the tick's own command has come meanwhile.
 
 use core::ptr::addr_of_mut;
 use core::sync::atomic::{Ordering::SeqCst, compiler_fence};
@@ -29,8 +31,12 @@ use super::{CORE_HZ, Irqs, TELEMETRY, clocks, trigger};
 const CODES: u32 = 50;
 /// Words of them, two a word.
 const HALF: usize = CODES as usize / 2;
-/// How long before the next trigger a tick's codes must be in the ring, cycles: when the first of them is fetched.
-pub const AHEAD: u32 = CORE_HZ / TICK_HZ / CODES + 100;
+/// Most cycles by which a tick's codes begin before TIM6's trigger.
+const LEAD: u32 = CORE_HZ / 1_000_000;
+/// How long before the next trigger a tick must be done, cycles: a code before the first of its own is fetched.
+pub const AHEAD: u32 = 2 * (CORE_HZ / TICK_HZ / CODES) + LEAD;
+/// Parts of a code that rounding and the supply's correction may add to a stride.
+const ROUNDING: u16 = 4;
 /// DMA1's channel, from 0.
 const CHANNEL: usize = 1;
 
@@ -39,6 +45,10 @@ static mut RING: [u32; 2 * HALF] = [0; 2 * HALF];
 /// What puts the output out.
 pub struct Output {
     shaper: Shaper,
+    /// What the halves of the ring are filled with.
+    filled: [DacCode; 2],
+    /// Counts of TIM6 from trigger to trigger.
+    turn: u32,
     /// Dropped, it would stop.
     _dac: DacChannel<'static, Async>,
 }
@@ -90,17 +100,30 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
     pac::DAC1.cr().modify(|w| w.set_dmaen(0, true));
     // The constructor chooses the trigger and leaves it off.
     dac.set_triggering(true);
-    (Output { shaper, _dac: dac }, Ahead(timer))
+    let turn = u32::from(pac::TIM6.arr().read().arr()) + 1;
+    (Output { shaper, filled: [given; 2], turn, _dac: dac }, Ahead(timer))
 }
 
 impl Output {
-    /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code; says whether the last one's was.
+    /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code; says whether DMA goes on, in time with TIM6.
     #[inline]
     pub fn put(&mut self, given: DacCode) -> bool {
-        // The half that is not being fetched from.
-        let half = usize::from(u32::from(left()) > CODES);
-        fill(&mut self.shaper, given, half);
-        !pac::DAC1.sr().read().dmaudr(0)
+        // No two ticks are done within a turn of TIM7.
+        let runs = pac::TIM7.sr().read().uif();
+        pac::TIM7.sr().write(|w| w.set_uif(false));
+        // Codes of the tick that are over.
+        let over = u32::from(pac::TIM6.cnt().read().cnt()) * CODES / self.turn;
+        // From there, where in the ring the tick began, and one more: TIM7's trigger and DMA are a little apart from TIM6's count.
+        let began = 4 * CODES - u32::from(left()) - 2 - over + 1;
+        let in_phase = began % CODES <= 2;
+        // The half that is being put out; the other is filled, unless it is about to be fetched.
+        let now = (began / CODES % 2) as usize;
+        if over < CODES - 2 {
+            let given = TELEMETRY.stride_given().limit(self.filled[now], given, ROUNDING);
+            fill(&mut self.shaper, given, 1 - now);
+            self.filled[1 - now] = given;
+        }
+        runs && in_phase && !pac::DAC1.sr().read().dmaudr(0)
     }
 }
 

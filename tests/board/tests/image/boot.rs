@@ -1,6 +1,6 @@
 //! From power-on to the first estimates: pins and clocks, the DAC's first code, the supply, why the device started.
 
-use crate::common::{Bench, PARTS, PERIOD, VALID, shown, triangle, valid_since};
+use crate::common::{Bench, EARLY, PARTS, PERIOD, VALID, shown, triangle, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Board, Conversion, Image, Pin, Port, Reset, Stop};
 use protocol::{Faults, Request, ResetCause};
@@ -100,6 +100,13 @@ fn the_first_trigger_is_a_period_before_the_second() -> Result<()> {
     let triggers: Vec<u64> =
         bench.board.record().conversions.iter().map(|Conversion { trigger, .. }| *trigger).collect();
     assert!(triggers.len() > 15 && triggers.windows(2).all(|pair| pair[1] - pair[0] == PERIOD), "{triggers:?}");
+    // A tick's first code is out before its trigger.
+    let outputs = &bench.board.record().outputs;
+    for trigger in &triggers[..2] {
+        let early = outputs.iter().rev().find_map(|latch| trigger.checked_sub(latch.clock)).expect("codes before it");
+        println!("a tick's first code is out {early} clocks before its trigger");
+        assert!((1..=EARLY).contains(&early), "{early} clocks");
+    }
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 
 use crate::common::{Bench, PARTS, VALID, shown, triangle};
 use anyhow::Result;
-use board_emulator_test::Record;
+use board_emulator_test::{Conversion, Record};
 use protocol::Faults;
 
 /// Feeds `codes` to a running device for `ticks` ticks. For each, whether the DAC stood at its safe code a trigger later.
@@ -13,26 +13,29 @@ fn safe_after(bench: &mut Bench, ticks: usize, codes: impl FnMut(u64) -> u16 + '
     bench.board.feed(codes);
     bench.board.run_until(20.0, |board| board.record().conversions.len() > first + ticks)?;
     let record = bench.board.record();
-    valid_dies_with_the_output(record, first, safe);
+    assert_eq!(valid_dies_with_the_output(&record.conversions[first..first + ticks], record, safe), ticks - 1);
     // The conversion of `first` began before, but shows the first code fed.
     let latches = shown(record, 0);
     let is_safe = |trigger| {
         let latch = latches.partition_point(|latch| latch.clock < trigger);
-        latches.get(latch).is_none_or(|latch| latch.code == PARTS * safe)
+        latches[latch].code == PARTS * safe
     };
-    let triggers = record.conversions[first + 1..].iter().map(|conversion| conversion.trigger);
-    Ok(triggers.map(is_safe).take(ticks - 1).collect())
+    let triggers = record.conversions[first + 1..first + ticks].iter().map(|conversion| conversion.trigger);
+    Ok(triggers.map(is_safe).collect())
 }
 
-/// From the conversion `first` on, the ticks whose code goes out as the estimate have an edge of VALID, the others none.
-fn valid_dies_with_the_output(record: &Record, first: usize, safe: u16) {
+/// Of these conversions, the ticks whose code goes out as the estimate have an edge of VALID, the others none; how many there were,
+/// but for the last, whose code is not out.
+fn valid_dies_with_the_output(conversions: &[Conversion], record: &Record, safe: u16) -> usize {
     let latches = shown(record, 0);
-    for pair in record.conversions[first..].windows(2) {
+    let pairs = conversions.windows(2);
+    let count = pairs.len();
+    for pair in pairs {
         let edges = record.edges[&VALID].iter().filter(|edge| (pair[0].end..pair[1].end).contains(&edge.clock)).count();
         let latch = latches.partition_point(|latch| latch.clock < pair[1].trigger);
-        let Some(latch) = latches.get(latch) else { break };
-        assert_eq!(edges, usize::from(latch.code != PARTS * safe), "{pair:?}");
+        assert_eq!(edges, usize::from(latches[latch].code != PARTS * safe), "{pair:?}");
     }
+    count
 }
 
 /// From the first to the last, and their number.

@@ -2,7 +2,7 @@
 
 use crate::common::{Bench, PARTS, PERIOD, shown, valid_since};
 use anyhow::{Result, ensure};
-use board_emulator_test::{Reset, Stop};
+use board_emulator_test::{Latch, Reset, Stop, exception};
 use estimator_core::*;
 use protocol::{Faults, Mode, Refusal, Reply, Request};
 
@@ -19,6 +19,13 @@ const NOWHERE: u32 = 0x6000_0000;
 const ICSR: u32 = 0xE000_ED04;
 const NMIPENDSET: u32 = 1 << 31;
 
+/// NVIC_ISER0 and NVIC_ICER0, a bit an interrupt to be enabled or not.
+const NVIC_ISER0: u32 = 0xE000_E100;
+const NVIC_ICER0: u32 = 0xE000_E180;
+const TICK: u32 = 1 << (exception::ADC1_2 - 16);
+/// TIM7_CR1, whose bit 0 lets it count, and its count.
+const TIM7_CR1: u32 = 0x4000_1400;
+const TIM7_CNT: u32 = 0x4000_1424;
 /// The channel of DMA1 that brings the DAC's codes, whose bit 0 has it on.
 const DMA1_CCR2: u32 = 0x4002_001C;
 
@@ -26,7 +33,15 @@ const DMA1_CCR2: u32 = 0x4002_001C;
 const WAYS: [(Mode, f32); 2] = [(Mode::Follow, 30.0), (Mode::Excite, 3.0)];
 
 /// A device whose amplifier has been driven far from rest, which the ADC reads, and the first latch on the way.
-fn driven((mode, reference): (Mode, f32)) -> Result<(Bench, usize)> {
+fn driven(way: (Mode, f32)) -> Result<(Bench, usize)> {
+    let (mut bench, start) = driving(way)?;
+    bench.run(0.1)?;
+    assert!(bench.board.output() > Some(REST + 1000), "{:?}", bench.board.output());
+    Ok((bench, start))
+}
+
+/// The same, on its way there.
+fn driving((mode, reference): (Mode, f32)) -> Result<(Bench, usize)> {
     let mut bench = Bench::started()?;
     let table = Table { drive: Some(DRIVE), ..*bench.table()? }.admit()?;
     bench.connect(&table, |volts| volts);
@@ -37,8 +52,6 @@ fn driven((mode, reference): (Mode, f32)) -> Result<(Bench, usize)> {
     let references = [reference; 64].iter().copied().collect();
     let reply = bench.ask(Request::Refer { first: 0, references, go: true, hold: true })?;
     ensure!(reply == Reply::Referred { next: 64, starved: 0 }, "{reply:?}");
-    bench.run(0.1)?;
-    assert!(bench.board.output() > Some(REST + 1000), "{:?}", bench.board.output());
     Ok((bench, start))
 }
 
@@ -50,9 +63,23 @@ fn went_to_rest(name: &str, bench: &Bench, start: usize) {
             (pair[0].code.abs_diff(pair[1].code), (pair[1].clock - pair[0].clock) as f64 / PERIOD as f64);
         assert!(step == 0 || step <= STRIDE * PARTS && ticks > 0.95, "{name}: {pair:?}, {ticks} ticks");
     }
+    smooth(name, &bench.board.record().outputs[start..]);
     let codes: Vec<u16> = outputs.iter().map(|latch| latch.code).collect();
     assert!(codes.iter().max() > Some(&(PARTS * (REST + 1000))), "{name}: it was never away");
     assert_eq!(codes.last(), Some(&(PARTS * REST)), "{name}");
+}
+
+/// The pin itself never jumps: a step of more than the two neighbours that the mean is made of is no longer than a tick's, with the
+/// other neighbour on either side, and comes a tick after the last.
+fn smooth(name: &str, outputs: &[Latch]) {
+    let mut before: Option<u64> = None;
+    for pair in outputs.windows(2) {
+        let step = pair[0].code.abs_diff(pair[1].code);
+        if step > 1 {
+            let ticks = before.replace(pair[1].clock).map_or(1.0, |last| (pair[1].clock - last) as f64 / PERIOD as f64);
+            assert!(step <= STRIDE + 1 && ticks > 0.95, "{name}: {pair:?}, {ticks} ticks");
+        }
+    }
 }
 
 #[test]
@@ -86,9 +113,23 @@ fn a_reset_that_is_asked_for() -> Result<()> {
 #[test]
 fn a_panic_a_hard_fault_and_a_dac_that_gets_no_codes() -> Result<()> {
     type Failure = fn(&mut Bench) -> Result<()>;
-    let failures: [(&str, Failure); 3] = [
+    let failures: [(&str, Failure); 6] = [
         ("panic", |bench| bench.board.poke(ICSR, NMIPENDSET)),
         ("DMA", |bench| bench.board.poke(DMA1_CCR2, 0)),
+        ("DMA has", |bench| bench.board.poke(TIM7_CR1, 0)),
+        // Whatever the tick finds its place in the ring to be.
+        ("DMA has stopped", |bench| {
+            bench.run(0.000_19)?;
+            bench.board.poke(TIM7_CR1, 0)
+        }),
+        ("the DAC's DMA", |bench| {
+            // Goes on, out of step: some codes come later.
+            for _ in 0..4 {
+                bench.board.poke(TIM7_CNT, 0)?;
+                bench.run(0.000_009)?;
+            }
+            Ok(())
+        }),
         ("hard fault", |bench| {
             bench.board.jump(NOWHERE);
             Ok(())
@@ -104,6 +145,61 @@ fn a_panic_a_hard_fault_and_a_dac_that_gets_no_codes() -> Result<()> {
         let words = bench.health()?.last_words.unwrap_or_default();
         assert!(words.contains(name), "{name}: {words}");
     }
+    Ok(())
+}
+
+#[test]
+fn ticks_that_do_not_come_or_come_late() -> Result<()> {
+    // Ticks for which none is served.
+    for ticks in [0.7, 0.95, 1.0, 1.2, 1.5, 1.97, 3.0, 3.6, 5.5] {
+        let (mut bench, start) = driving(WAYS[1])?;
+        let name = format!("{ticks} ticks");
+        let miss = |bench: &mut Bench| -> Result<()> {
+            bench.run(0.02)?;
+            let before = bench.board.output();
+            assert!(before > Some(REST + 100) && before < Some(REST + 2_000), "{name}: {before:?} is amid the way");
+            bench.board.poke(NVIC_ICER0, TICK)?;
+            bench.run(ticks * 0.000_5)?;
+            bench.board.poke(NVIC_ISER0, TICK)?;
+            bench.run(0.1)
+        };
+        miss(&mut bench)?;
+        assert!(bench.board.output() > Some(REST + 2_500), "{name}: it arrives");
+        bench.does(Request::SetMode(Mode::Estimate))?;
+        miss(&mut bench)?;
+        let missed = bench.health()?.missed;
+        assert!(
+            ticks < 1.5 || f64::from(missed) >= 2.0 * (ticks - 1.0).floor().max(1.0),
+            "{name}: {missed} are missed"
+        );
+        went_to_rest(&name, &bench, start);
+    }
+    Ok(())
+}
+
+#[test]
+fn ticks_that_are_done_just_before_their_trigger_or_just_after() -> Result<()> {
+    let mut missed = Vec::new();
+    // Their interrupt's delay beyond the conversion, µs: some 430 lie between that and the trigger.
+    for delay_us in (380..450).step_by(2) {
+        let (mut bench, start) = driving(WAYS[1])?;
+        bench.run(0.02)?;
+        for _ in 0..5 {
+            let ticks = bench.board.record().conversions.len();
+            bench.board.poke(NVIC_ICER0, TICK)?;
+            bench.board.run_until(0.001, |board| board.record().conversions.len() > ticks)?;
+            bench.run(f64::from(delay_us) * 1e-6)?;
+            bench.board.poke(NVIC_ISER0, TICK)?;
+            bench.run(0.002)?;
+        }
+        missed.push(bench.health()?.missed);
+        bench.run(0.1)?;
+        bench.does(Request::SetMode(Mode::Estimate))?;
+        bench.run(0.1)?;
+        went_to_rest(&format!("{delay_us} µs late"), &bench, start);
+    }
+    println!("missed, of five that come 380 µs late and so on in steps of 2 µs: {missed:?}");
+    assert!(missed.iter().all(|&missed| missed >= 5));
     Ok(())
 }
 

@@ -8,6 +8,8 @@ use protocol::{Faults, Health, Request, ResetCause, TableSource};
 
 /// TIM6_CR1, whose bit 0 lets it count.
 const TIM6_CR1: u32 = 0x4000_1000;
+/// The same of TIM7, which is the output's.
+const TIM7_CR1: u32 = 0x4000_1400;
 /// NVIC_ICER0, a bit an interrupt to be disabled.
 const NVIC_ICER0: u32 = 0xE000_E180;
 /// ICSR, with the bit that asks for an NMI.
@@ -60,6 +62,26 @@ fn a_tick_that_stops_is_the_watchdogs_to_end() -> Result<()> {
         bench.run(0.5)?;
         assert!(bench.health()?.ticks > 900, "it ticks again");
     }
+    Ok(())
+}
+
+#[test]
+fn a_timer_of_the_output_that_stops_is_a_failure_wherever_it_stops() -> Result<()> {
+    let (mut bench, safe) = running()?;
+    // Among these it stops where the tick looks for it.
+    for us in (0..500).step_by(5) {
+        let ticks = bench.board.record().conversions.len();
+        bench.board.run_until(0.001, |board| board.record().conversions.len() > ticks)?;
+        bench.run(f64::from(us) * 1e-6)?;
+        bench.board.poke(TIM7_CR1, 0)?;
+        // By the tick after the next.
+        assert_eq!(bench.board.run(1.1e-3)?, Stop::Reset(Reset::Software), "stopped {us} µs after a conversion");
+        assert_eq!(bench.board.output(), Some(safe), "{us} µs");
+        bench.reboot(Reset::Software)?;
+        bench.run(0.01)?;
+    }
+    let words = bench.health()?.last_words.unwrap_or_default();
+    assert!(words.contains("the DAC's DMA has stopped"), "{words}");
     Ok(())
 }
 

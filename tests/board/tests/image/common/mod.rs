@@ -172,12 +172,14 @@ impl Bench {
 /// Parts of a code that the output has, and its largest code in them.
 pub const PARTS: u16 = 16;
 pub const FULL: u16 = 4095 * PARTS;
-/// Codes that the DAC puts out in a tick, and clocks by which the first may be earlier than the trigger.
+/// Codes that the DAC puts out in a tick, clocks from one to the next, and by which the first may be earlier than the trigger.
 const CODES: usize = 50;
-pub const EARLY: u64 = 300;
+const SPACING: u64 = PERIOD / CODES as u64;
+pub const EARLY: u64 = CORE_HZ as u64 / 1_000_000;
 
 /// What a low-pass behind the pin shows, from the latch `start` on, in [`PARTS`] of a code: the mean of what is put out from each
 /// trigger to the next, at that trigger's clock. What is put out without triggers is there as it is; a tick that is not over is not.
+/// No tick is to have other codes than two neighbours.
 pub fn shown(record: &Recorded, start: usize) -> Vec<Latch> {
     let mut triggers = record.conversions.iter().map(|conversion| conversion.trigger).peekable();
     let mut ticks: Vec<(u64, Vec<u16>)> = Vec::new();
@@ -186,13 +188,20 @@ pub fn shown(record: &Recorded, start: usize) -> Vec<Latch> {
         while let Some(next) = triggers.next_if(|&next| next <= clock + EARLY) {
             trigger = Some(next);
         }
-        let of = trigger.filter(|&of| clock < of + PERIOD).unwrap_or(clock);
+        let of = trigger.filter(|&of| clock + EARLY < of + PERIOD).unwrap_or(clock);
         match ticks.last_mut().filter(|(last, _)| *last == of) {
             Some((_, codes)) => codes.push(code),
             None => ticks.push((of, vec![code])),
         }
     }
-    ticks.pop_if(|(_, codes)| (3..CODES).contains(&codes.len()));
+    if let Some([before, last]) = record.outputs.last_chunk()
+        && last.clock - before.clock == SPACING
+    {
+        while ticks.pop_if(|(of, _)| last.clock + SPACING + EARLY < *of + PERIOD).is_some() {}
+    }
+    for (of, codes) in ticks.iter().filter(|(_, codes)| codes.len() == CODES) {
+        assert!(codes.windows(2).all(|pair| pair[0].abs_diff(pair[1]) <= 1), "the tick at {of}: {codes:?}");
+    }
     let mean = |codes: &[u16]| codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64;
     // Of 50 codes the mean is what is wanted to a third of a part.
     let parts = |codes: &[u16]| (mean(codes) * f64::from(PARTS)).round() as u16;

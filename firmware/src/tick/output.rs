@@ -1,0 +1,63 @@
+//! What the tick has the DAC put out: what the estimate shows or the drive commands, or the safe output; and what the DAC is given
+//! for it.
+
+use super::Tick;
+use crate::drive::Drive;
+use crate::setpoint::Wish;
+use crate::shaping::Codes;
+use crate::telemetry::add;
+use core::sync::atomic::Ordering::Relaxed;
+use estimator_core::{DacCode, Status};
+use protocol::Mode;
+
+/// What the DAC is to have.
+pub(crate) struct Output {
+    pub codes: Codes,
+    /// It is the safe one, or on the way there.
+    pub safe: bool,
+    /// What following a reference adds to the tick's status.
+    pub status: Status,
+}
+
+impl Tick<'_> {
+    /// What the DAC is given, and whether that is too little.
+    pub(crate) fn give(&self, Codes { code, parts }: Codes) -> (DacCode, bool) {
+        self.telemetry.set_dac(code);
+        self.telemetry.given.tick(&self.telemetry.supply, parts)
+    }
+
+    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code `setpoint`;
+    /// where not `sound`, the safe one.
+    pub(crate) fn output(&mut self, estimated: Codes, setpoint: Option<Wish>, sound: bool) -> Output {
+        let status = Status::empty();
+        match &mut self.startup.drive {
+            Some(drive) if self.mode.drives() => {
+                // What waits at rest for a set-point goes on waiting.
+                if !sound && (setpoint.is_none() || drive.following()) {
+                    drive.stop();
+                }
+                let next = match (setpoint, &mut self.startup.setpoint) {
+                    (Some(wish), Some(wants)) => wants.wanted(wish, sound, drive.rests()),
+                    _ if drive.takes_references() => self.queues.references.dequeue(),
+                    _ => None,
+                };
+                if next.is_none() && drive.following() {
+                    add(&self.telemetry.starved, 1);
+                }
+                let (codes, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
+                self.telemetry.holding.store(drive.holding(), Relaxed);
+                self.telemetry.stopped.store(drive.stopped(), Relaxed);
+                Output { codes, safe: !drive.following(), status }
+            }
+            Some(drive) => Output { codes: drive.release(), safe: true, status },
+            None if sound => Output { codes: estimated, safe: false, status },
+            None => Output { codes: self.startup.at_safe(), safe: true, status },
+        }
+    }
+
+    /// The safe output, or one on the way to it.
+    pub(crate) fn safe_output(&mut self) -> Codes {
+        let safe = self.startup.at_safe();
+        self.startup.drive.as_mut().map_or(safe, Drive::release)
+    }
+}
