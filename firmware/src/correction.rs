@@ -104,7 +104,7 @@ impl Correction {
     }
 }
 
-/// What the DAC is given for its codes. The tick is the only writer, but for [`begin`](Self::begin).
+/// What the DAC is given for its codes. The tick is the only writer, but for the boot, before the first one.
 #[derive(Debug, Default)]
 pub struct Given {
     /// In the board's parts of a code, as all that is given.
