@@ -43,7 +43,7 @@ pub enum Injected {
 pub struct SignalFault {
     /// What it is called.
     pub name: &'static str,
-    /// What happens.
+    /// What is done to the signal, and with which numbers.
     pub injected: Injected,
     /// For how many ticks.
     pub ticks: u32,
@@ -51,7 +51,7 @@ pub struct SignalFault {
 
 const SECONDS: u32 = TICK_HZ;
 
-/// Every fault.
+/// Every fault that the book has a row of, in its order.
 pub const FAULTS: [SignalFault; 22] = [
     of("noise of 1 code rms, 10 s", Injected::Noise(1.0), 10 * SECONDS),
     of("noise of 5 codes rms, 10 s", Injected::Noise(5.0), 10 * SECONDS),
