@@ -8,9 +8,9 @@ use crate::cycles::LEVELS;
 
 use super::{
     ceiling,
+    cells::{array, fixed, number, table, thousands, whole},
     command::{Command::SizeModels, Printed},
     document::Content,
-    list::{array, fixed, number, table, thousands, whole},
 };
 
 /// What the firmware makes of faults of the monitor's signal.

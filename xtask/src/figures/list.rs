@@ -5,13 +5,14 @@ use estimator_core::Model;
 use serde_json::Value;
 
 use super::{
+    cells::{array, fixed, number, table},
     command::{
         Command::{
             self, Cycles, Identify, OtherDay, OtherDayUnzeroed, Reproduce, SameDay, SignalFaults, Size, Validate,
         },
         Printed, bytes,
     },
-    document::{Content, Table},
+    document::Content,
     firmware::{cycles, models, signal, tick},
 };
 
@@ -191,44 +192,6 @@ fn kilobytes(printed: &Printed<'_>, pointer: &str, step: f64) -> Result<Content>
     Ok(Content::Value(fixed((1e-3 * bytes / step).round() * step, 0)))
 }
 
-pub fn table(keys: usize, columns: &[&str], rows: impl Iterator<Item = Result<Vec<String>>>) -> Result<Content> {
-    let columns = columns.iter().map(|&column| column.to_owned()).collect();
-    Ok(Content::Table(Table { keys, columns, rows: rows.collect::<Result<_>>()? }))
-}
-
 fn model(name: &Value) -> Result<Model> {
     serde_json::from_value(name.clone()).with_context(|| format!("{name} is no model"))
-}
-
-pub fn array<'v>(value: &'v Value, pointer: &str) -> Result<&'v Vec<Value>> {
-    value.pointer(pointer).and_then(Value::as_array).with_context(|| format!("no array at {pointer:?} of the JSON"))
-}
-
-pub fn number(value: &Value, pointer: &str) -> Result<f64> {
-    value.pointer(pointer).and_then(Value::as_f64).with_context(|| format!("no number at {pointer} of the JSON"))
-}
-
-pub fn whole(value: &Value, pointer: &str) -> Result<u64> {
-    value.pointer(pointer).and_then(Value::as_u64).with_context(|| format!("no whole number at {pointer} of the JSON"))
-}
-
-pub fn fixed(number: f64, digits: usize) -> String {
-    format!("{number:.digits$}")
-}
-
-/// With commas between thousands.
-pub fn thousands(number: u64) -> String {
-    let digits = number.to_string();
-    let groups = digits.as_bytes().rchunks(3).rev().map(|group| group.iter().map(|&digit| char::from(digit)).collect());
-    groups.collect::<Vec<String>>().join(",")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thousands_are_set_apart() {
-        assert_eq!([0, 352, 1000, 85_000, 1_234_567].map(thousands), ["0", "352", "1,000", "85,000", "1,234,567"]);
-    }
 }

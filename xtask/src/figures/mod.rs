@@ -1,6 +1,7 @@
 //! `cargo xtask figures`: the figures that documents state are those that commands print.
 
 mod ceiling;
+mod cells;
 mod command;
 mod document;
 mod firmware;
