@@ -24,12 +24,14 @@ pub fn serialize_status<S: Serializer>(status: &Status, serializer: S) -> Result
     serializer.collect_seq(status.iter_names().map(|(name, _)| name))
 }
 
-/// Why a device started.
-pub fn reset(cause: ResetCause) -> String {
+/// Why a device started, by what it says of it and by whether its last run left a message.
+pub fn reset(cause: ResetCause, left_a_message: bool) -> String {
+    let by_itself =
+        if left_a_message { "the firmware restarted itself, after a panic" } else { "it was asked to restart" };
     let causes = [
         (ResetCause::BROWN_OUT, "power came, or sagged and came back"),
         (ResetCause::WATCHDOG, "the watchdog restarted it, since ticks or the link had stopped"),
-        (ResetCause::SOFTWARE, "the firmware restarted itself, as asked or after a panic"),
+        (ResetCause::SOFTWARE, by_itself),
         (ResetCause::PIN, "the reset button or a debug probe"),
         (ResetCause::OTHER, "a low-power, window-watchdog or option-byte reset"),
     ];
@@ -153,8 +155,12 @@ mod tests {
         assert_eq!(faults(Faults::all()).count(), Faults::all().iter().count());
         assert_eq!(status(Status::all()).count(), Status::all().iter().count());
         for cause in ResetCause::all().iter() {
-            assert_ne!(reset(cause), reset(ResetCause::empty()), "{cause:?}");
+            assert_ne!(reset(cause, false), reset(ResetCause::empty(), false), "{cause:?}");
         }
+        assert!(
+            reset(ResetCause::SOFTWARE, true).contains("panic")
+                && !reset(ResetCause::SOFTWARE, false).contains("panic")
+        );
     }
 
     #[test]

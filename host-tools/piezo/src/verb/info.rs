@@ -74,18 +74,10 @@ fn lines(found: &Found) -> Vec<String> {
         "State    {}; started {} ticks ({seconds:.1} s) ago: {}",
         words::mode(health.mode),
         health.ticks,
-        words::reset(health.reset)
+        words::reset(health.reset, health.last_words.is_some())
     ));
     lines.push(format!("Zero     {}", words::bias(health, identity.tick_us)));
-    let percent = |cycles: u32| 100.0 * f64::from(cycles) / f64::from(health.cycles_period.max(1));
-    lines.push(format!(
-        "Tick     takes {:.1} % of its time, at most {:.1} % so far ({} of {} cycles); {} late or missed",
-        percent(health.cycles_last),
-        percent(health.cycles_max),
-        health.cycles_max,
-        health.cycles_period,
-        health.missed
-    ));
+    lines.push(format!("Tick     {}; {} late or missed", took(health), health.missed));
     lines.push(format!(
         "Link     {} samples dropped and {} frames refused by the device, {} line errors there, {damaged} frames damaged \
          here; {} flash words not correctable",
@@ -129,6 +121,20 @@ fn table_lines(identity: &Identity, table: Option<&(Result<Admitted, TableError>
             lines.extend(described.into_iter().map(|line| format!("         {line}")));
             lines
         }
+    }
+}
+
+/// How long a tick takes. A device that does not measure it, since its time is another machine's, says none.
+fn took(health: &Health) -> String {
+    let percent = |cycles: u32| 100.0 * f64::from(cycles) / f64::from(health.cycles_period.max(1));
+    match health.cycles_max {
+        0 => "its duration is not measured here".to_owned(),
+        most => format!(
+            "takes {:.1} % of its time, at most {:.1} % so far ({most} of {} cycles)",
+            percent(health.cycles_last),
+            percent(most),
+            health.cycles_period,
+        ),
     }
 }
 
