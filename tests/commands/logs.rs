@@ -128,6 +128,37 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
 }
 
 #[test]
+fn validate_says_of_a_log_what_in_it_is_no_measurement() {
+    let folder = tempfile::tempdir().unwrap();
+    let clean = measured();
+    let spoilt = displaced(&clean, |row, y| match row {
+        2_000 => y + 40.0,
+        5_000 => y + 30.0,
+        _ => y,
+    });
+    let of = |log: &Log, arguments: &[&str]| {
+        let path = write(folder.path(), log);
+        let table = "tests/data/table/models/generalised-prandtl-ishlinskii.toml";
+        let output =
+            piezo().args(["validate", table, text(&path)]).args(arguments).assert().success().get_output().clone();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = of(&spoilt, &[]);
+    assert!(
+        said.contains("leaps away and back 2 times, the gravest by 4")
+            && said.contains("at 10.0000 s: it was judged as"),
+        "{said}"
+    );
+    let found: Value = serde_json::from_str(&of(&spoilt, &["--json"])).unwrap();
+    assert_eq!(
+        (&found["logs"][0]["flaws"][0]["worst"]["kind"], &found["logs"][0]["flaws"][0]["count"]),
+        (&"spike".into(), &2.into())
+    );
+    let said = of(&clean, &[]);
+    assert!(!said.contains("judged as if"), "{said}");
+}
+
+#[test]
 fn a_displacement_that_has_nothing_to_do_with_the_voltage_is_a_poor_fit() {
     let log = measured();
     let unrelated = displaced(&log, |row, _| 20.0 * (TAU * 0.37 * row as f64 * log.sample_period).sin());

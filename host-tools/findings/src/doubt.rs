@@ -126,10 +126,11 @@ fn named(converter: Converter) -> &'static str {
 }
 
 /// What in a log is no measurement, what it does, and what helps.
-fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
+/// What the gravest of a log's flaws of one kind is, where there are `count` of them, without the log's name.
+pub fn flaw(worst: &Flaw, count: usize) -> String {
     let Stretch { from_s, to_s } = worst.at();
     let times = if count == 1 { String::new() } else { format!(" {count} times, the gravest") };
-    let what = match worst {
+    match worst {
         Flaw::Spike { leap_um, .. } => {
             format!("the displacement leaps away and back{times} by {leap_um:.3} µm at {from_s:.4} s")
         }
@@ -141,7 +142,11 @@ fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
             "the voltage stands at {voltage_v:.4} V{times} from {from_s:.4} to {to_s:.4} s while the displacement goes and comes \
              back (an input beyond its range)"
         ),
-    };
+    }
+}
+
+fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
+    let what = flaw(worst, count);
     if left_out {
         format!("in {log} {what}: what was measured there was left out (--repair); record it again without")
     } else {

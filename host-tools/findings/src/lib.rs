@@ -11,7 +11,7 @@ mod table_file;
 mod unsaid;
 
 pub use determination::{DETERMINED, determination};
-pub use doubt::{doubt, doubt_json};
+pub use doubt::{doubt, doubt_json, flaw};
 pub use proven::proven;
 pub use reason::reason;
 pub use table_file::table_file;

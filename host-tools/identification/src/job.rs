@@ -15,13 +15,12 @@ use crate::start::prepared;
 use crate::suspicion::doubts;
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model};
-use log_survey::{Flaw, correlation, flaws, leave_out, sound};
+use log_survey::{correlation, flaws, gravest, leave_out, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
 use recordings::{LogUse, Role};
 use sha2::{Digest as _, Sha256};
-use std::mem::discriminant;
 use std::path::PathBuf;
 
 /// What to identify from what.
@@ -252,12 +251,9 @@ impl Job {
     fn flawed(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();
         for log in self.training.iter().chain(&self.held_out) {
-            let flaws = flaws(&self.prepare.cut(log));
-            for kind in flaws.chunk_by(|a, b| discriminant(a) == discriminant(b)) {
-                let graver = |a: &&Flaw, b: &&Flaw| a.size().total_cmp(&b.size());
-                let Some(&worst) = kind.iter().max_by(graver) else { continue };
-                let left_out = self.conditions.repair;
-                doubts.push(Doubt::Flawed { log: log.name.clone(), worst, count: kind.len(), left_out });
+            let left_out = self.conditions.repair;
+            for (worst, count) in gravest(&flaws(&self.prepare.cut(log))) {
+                doubts.push(Doubt::Flawed { log: log.name.clone(), worst, count, left_out });
             }
         }
         doubts

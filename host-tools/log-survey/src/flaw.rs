@@ -5,6 +5,7 @@ use crate::signal::range;
 use recordings::log::Log;
 use recordings::session::Session;
 use serde::Serialize;
+use std::mem::discriminant;
 
 /// A stretch of a log that does not show what the actuator did.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
@@ -107,6 +108,13 @@ pub fn flaws(log: &Log) -> Vec<Flaw> {
             .then(|| Flaw::Clipped { at: at(first, last), voltage_v })
     }));
     found
+}
+
+/// The gravest of each kind, and how many there are of it.
+pub fn gravest(flaws: &[Flaw]) -> Vec<(Flaw, usize)> {
+    let graver = |a: &&Flaw, b: &&Flaw| a.size().total_cmp(&b.size());
+    let kinds = flaws.chunk_by(|a, b| discriminant(a) == discriminant(b));
+    kinds.filter_map(|kind| Some((*kind.iter().max_by(graver)?, kind.len()))).collect()
 }
 
 /// Leaves what was measured in the flaws of its log out of a session whose sensor is late by `delay_s`; the voltage stays.

@@ -19,7 +19,7 @@ use serde::Serialize;
 pub use blocks::Block;
 pub use clock::{Clock, RateSource};
 pub use deadband::deadband;
-pub use flaw::{Flaw, Stretch, flaws, leave_out, sound};
+pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, sound};
 pub use signal::{correlation, range};
 pub use stillness::Stillness;
 pub use swings::{Cell, Swings};

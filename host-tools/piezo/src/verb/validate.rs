@@ -7,9 +7,11 @@ use crate::option::{DECIMATIONS, LogOptions, Overwrite, ScopeArgs, TOLD, choice,
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use findings::flaw;
 use identification::validate::{
     Comparison, Coverage, Estimates, Figures, Scope, Told, ToldFigures, compare_within, estimates,
 };
+use log_survey::{Flaw, flaws, gravest};
 use recordings::log::Log;
 use recordings::prepare::{Decimation, Recipe};
 use recordings::{LogUse, Role};
@@ -203,6 +205,9 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
         };
         out(&format!("    the table was trained on {share}{from:.2} … {to:.2} s of this log; {says}"));
     }
+    for (worst, count) in flaws_of(log) {
+        out(&format!("    {}: it was judged as if it were so", flaw(&worst, count)));
+    }
     if log.displacement_estimated {
         out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
     }
@@ -218,6 +223,11 @@ fn held(since: &str, interval: &Coverage) -> String {
         "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average (the smallest constant that holds as often: {:.3} µm)",
         interval.covered_percent, interval.half_width_um, interval.best_constant_um
     )
+}
+
+/// The gravest of each kind of a log's flaws, and how many there are of it. Of an estimate none is looked for.
+fn flaws_of(log: &Log) -> Vec<(Flaw, usize)> {
+    if log.displacement_estimated { Vec::new() } else { gravest(&flaws(log)) }
 }
 
 /// The seconds of a log that a table was trained on.
@@ -242,5 +252,6 @@ fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64
         "status": status,
         "trained_on_s": trained_on_s,
         "displacement_estimated": log.displacement_estimated,
+        "flaws": flaws_of(log).iter().map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
     })
 }
