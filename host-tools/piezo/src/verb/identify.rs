@@ -203,7 +203,10 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
     out("\nWhen not to trust it:");
     outcome.doubts.iter().for_each(|doubt| out(&format!("- {}", remedy::doubt(doubt))));
     let folder = arguments.out.display();
-    out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
+    out(&format!(
+        "\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg\nNext: look at report.html; try the table on \
+         another recording with `piezo validate {folder}/table.toml LOG`; put it on a board with `piezo install {folder} --board board.toml --port auto`"
+    ));
 }
 
 /// Zeros and delay in words.

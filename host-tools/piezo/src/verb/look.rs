@@ -48,10 +48,11 @@ pub fn run(arguments: &Look) -> Result<bool> {
             path.display()
         );
     }
-    let (mut pictures, mut surveys) = (Vec::new(), Vec::new());
+    let (mut pictures, mut surveys, mut learnable) = (Vec::new(), Vec::new(), true);
     for path in &arguments.logs {
         let (reading, refusal) = opened(path, arguments)?;
         let found = survey(reading)?;
+        learnable &= refusal.is_none() && found.voltage.is_some() && found.displacement.is_some();
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         pictures.push(report::survey(&found, &name));
         if arguments.json {
@@ -75,6 +76,9 @@ pub fn run(arguments: &Look) -> Result<bool> {
         if !arguments.json {
             out(&format!("\nWritten: {}", path.display()));
         }
+    }
+    if learnable && !arguments.json {
+        out("\nNext: piezo identify, with the same files and options, and --out FOLDER for what it writes");
     }
     Ok(true)
 }
