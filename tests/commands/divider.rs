@@ -61,7 +61,44 @@ fn what_it_prints_follows_from_its_resistors() {
 }
 
 #[test]
+fn an_output_stage_follows_from_its_resistors_and_says_what_it_gives_without_power() {
+    let arguments = ["divider", "--input", "-10:10", "--amplifier", "-30:130"];
+    let found = json(piezo().args([&arguments[..], &["--json"]].concat()));
+    let ohms = |name: &str| number(&found, &format!("/resistors_ohm/{name}"));
+    let (rf, rg, ro) = (ohms("rf"), ohms("rg"), ohms("ro"));
+    let input = |pin: f64| pin * (1.0 + rf / rg + rf / ro) - REFERENCE_V * rf / ro;
+    for (end, volts) in [(0, -10.0), (1, 10.0)] {
+        let pin = number(&found, &format!("/pin_v/{end}"));
+        assert!((input(pin) - volts).abs() < 1e-9 && (0.2..=3.1).contains(&pin), "{found}");
+        let drive = number(&found, &format!("/drive_span/{end}"));
+        let at_end = input(REFERENCE_V * f64::from(end));
+        assert!((drive - (50.0 + 8.0 * at_end)).abs() < 1e-9, "{found}");
+    }
+    // Two resistors hold the floating pin where the input is at 0 V: with no current through the low-pass.
+    let (up, down) = (number(&found, "/up_and_down_kohm/0"), number(&found, "/up_and_down_kohm/1"));
+    assert!(input(REFERENCE_V * down / (up + down)).abs() < 1e-9 && up.min(down) == 100.0, "{found}");
+    let printed = piezo().args(arguments).assert().success();
+    let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
+    for part in [
+        "RF = ",
+        "RG = ",
+        "RO = ",
+        "without power",
+        "  the board without power (A2 and its 3.3 V at 0 V): 0.000 V, 50.00 V of the amplifier",
+        "drive_span = [",
+        "--drive-span -",
+    ] {
+        assert!(printed.contains(part), "{part:?} is missing in\n{printed}");
+    }
+    let unsaid = piezo().args(["divider", "--input", "0:10"]).assert().success();
+    let unsaid = String::from_utf8(unsaid.get_output().stdout.clone()).unwrap();
+    assert!(!unsaid.contains("drive_span = [") && unsaid.contains("with --amplifier V:V this prints"), "{unsaid}");
+}
+
+#[test]
 fn what_it_cannot_do_is_said() {
+    refused(&["divider", "--input", "0:1000"], &["0 … 1000 V", "no amplifier's input"]);
+    refused(&["divider", "--input", "0:10", "--monitor", "0:10"], &["--input", "--monitor"]);
     refused(&["divider", "--monitor", "10:0"], &["10:0", "lowest voltage first"]);
     refused(&["divider"], &["--monitor"]);
     refused(&["divider", "--displacement", "0:3"], &["--monitor"]);

@@ -1,6 +1,7 @@
 //! Which resistors: all triples of a series are tried, and the one is taken that uses most of the converter's range.
 
 use crate::series::Series;
+use crate::stage::OUTPUT_PIN_V;
 use crate::{Divider, PIN_V};
 
 /// What the node's resistance may be, Ω: the source carries it, and the follower's input current does not show on it.
@@ -24,6 +25,18 @@ pub enum DividerError {
         /// Lowest voltage of the source, V.
         low: f64,
         /// Highest voltage of the source, V.
+        high: f64,
+    },
+    /// No values make an output stage.
+    #[error(
+        "no resistors of 1 kΩ to 1 MΩ make {low} … {high} V of the pin's {} … {} V around one operational amplifier: no amplifier's input takes so much",
+        OUTPUT_PIN_V.0,
+        OUTPUT_PIN_V.1
+    )]
+    NoStage {
+        /// Lowest voltage of the amplifier's input, V.
+        low: f64,
+        /// Highest voltage of the amplifier's input, V.
         high: f64,
     },
 }

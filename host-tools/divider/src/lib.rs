@@ -1,4 +1,5 @@
-//! Resistors that bring an amplifier's monitor, or a sensor's output, to the range of the board's converter.
+//! Resistors that bring an amplifier's monitor, or a sensor's output, to the range of the board's converter, and those of the
+//! [`Stage`] that brings the board's output to an amplifier's input.
 //!
 //! ```text
 //!                 3.3 V ──[R2]──┐
@@ -10,16 +11,23 @@
 //!
 //! The 3.3 V are the converter's reference too: `code = full scale · pin / 3.3 V`, in which R2's part does not change with them, and the
 //! source's goes as one over them. [`Divider::choose`] takes standard values, [`Divider::off`] says what their tolerance costs,
-//! [`Divider::off_by_supply`] what the supply's does, and [`Sampling`] what the converter sees.
+//! [`Divider::off_by_supply`] what the supply's does, and [`Sampling`] what the converter sees. [`InputStage`] and [`OutputStage`]
+//! put it into words.
 
 mod choice;
+mod input_stage;
+mod output_stage;
 mod sampling;
 pub mod series;
+mod stage;
 mod tolerance;
 
 pub use choice::DividerError;
+pub use input_stage::{Cost, InputStage, Source};
+pub use output_stage::{OutputStage, TOLERANCE};
 pub use sampling::Sampling;
 pub use series::Series;
+pub use stage::{OUTPUT_PIN_V, Stage};
 
 use serde::Serialize;
 

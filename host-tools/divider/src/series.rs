@@ -44,6 +44,14 @@ pub fn ohms(ohms: f64) -> String {
     }
 }
 
+/// A resistor's line in a list of what to buy.
+pub(crate) fn part(name: &str, resistor: Option<f64>, between: &str) -> String {
+    match resistor {
+        Some(value) => format!("  {name} = {} {between}", ohms(value)),
+        None => format!("  {name} is left out"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

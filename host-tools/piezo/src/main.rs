@@ -60,11 +60,12 @@ enum Verb {
     /// The firmware on this machine, with an emulated amplifier, actuator and sensor: a board to try everything on.
     #[command(after_help = "Example: piezo emulate --device bouc-wen --seed 3")]
     Emulate(emulate::Emulate),
-    /// An amplifier's monitor, or a sensor → the resistors between it and the board's pin, and what they cost.
+    /// An amplifier's monitor or input, or a sensor → the resistors between it and the board's pin, and what they cost.
     #[command(after_help = "Examples:
   piezo divider --monitor 0:10 --amplifier 0:100
   piezo divider --monitor -10:10
-  piezo divider --sensor 0:10 --displacement 0:30 --series e24")]
+  piezo divider --sensor 0:10 --displacement 0:30 --series e24
+  piezo divider --input 0:10 --amplifier 0:100")]
     Divider(divider::DividerArgs),
     /// Two readings of a multimeter → what the board's converters stand for, in board.toml.
     #[command(after_help = "Examples:
