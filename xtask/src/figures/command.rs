@@ -12,10 +12,11 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use serde_json::Value;
+use serde_json::{Value, json};
 use tempfile::TempDir;
 use xshell::{Cmd, Shell, cmd};
 
+use super::resistors::ENDS;
 use crate::{
     artifact, cycles,
     size::{self, LOG},
@@ -40,6 +41,8 @@ pub enum Command {
     OtherDayUnzeroed,
     /// The firmware's tick with its table and faults of the signal.
     SignalFaults,
+    /// `piezo divider` of monitors and of inputs.
+    Resistors,
     /// `piezo reproduce errors tracking`, which identifies each model once for both.
     Reproduce,
     /// `cargo xtask size`.
@@ -60,6 +63,7 @@ const ROWS: [&[Command]; 2] = [
         Command::OtherDay,
         Command::OtherDayUnzeroed,
         Command::SignalFaults,
+        Command::Resistors,
         Command::Reproduce,
     ],
     &[Command::Size, Command::SizeModels, Command::Cycles],
@@ -152,6 +156,7 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
         Command::OtherDay => validated(sh, piezo, demo, OTHER_DAY, &["--zero-at", "24"]),
         Command::OtherDayUnzeroed => validated(sh, piezo, demo, OTHER_DAY, &[]),
         Command::SignalFaults => signal_faults(sh, piezo, demo),
+        Command::Resistors => resistors(sh, piezo),
         Command::Reproduce => json(cmd!(sh, "{piezo} reproduce errors tracking")),
         Command::Size => size::figures(sh, piezo),
         Command::SizeModels => size::models(sh, piezo),
@@ -174,6 +179,17 @@ fn signal_faults(sh: &Shell, piezo: &Path, demo: &Path) -> Result<Value> {
     cmd!(sh, "{piezo} emit {table} --adc-full-scale 65520 --out {board}").ignore_stderr().read()?;
     let record = board.join("table.bin");
     Ok(serde_json::from_str(&cmd!(sh, "{program} {record}").read()?)?)
+}
+
+/// What `piezo divider` chooses for the ends that the documents show.
+fn resistors(sh: &Shell, piezo: &Path) -> Result<Value> {
+    let of = |option: &str| -> Result<Value> {
+        let found = ENDS
+            .iter()
+            .map(|ends| Ok(json!({ "ends": ends, "found": json(cmd!(sh, "{piezo} divider {option} {ends}"))? })));
+        found.collect()
+    };
+    Ok(json!({ "monitor": of("--monitor")?, "input": of("--input")? }))
 }
 
 fn json(command: Cmd<'_>) -> Result<Value> {

@@ -8,12 +8,14 @@ use super::{
     cells::{array, fixed, number, table},
     command::{
         Command::{
-            self, Cycles, Identify, OtherDay, OtherDayUnzeroed, Reproduce, SameDay, SignalFaults, Size, Validate,
+            self, Cycles, Identify, OtherDay, OtherDayUnzeroed, Reproduce, Resistors, SameDay, SignalFaults, Size,
+            Validate,
         },
         Printed, bytes,
     },
     document::Content,
     firmware::{cycles, models, signal, tick},
+    resistors::{dividers, stages},
 };
 
 /// A figure, or a table of them.
@@ -33,7 +35,7 @@ pub struct Figure {
 const OF_CYCLES: f64 = 0.03;
 
 /// Every figure.
-pub const FIGURES: [Figure; 16] = [
+pub const FIGURES: [Figure; 18] = [
     Figure {
         name: "picture",
         file: Some("book/src/estimate.svg"),
@@ -48,6 +50,8 @@ pub const FIGURES: [Figure; 16] = [
     stated("other-day-unzeroed-um", |printed| value(printed, OtherDayUnzeroed, "/all/sil/mae_um", 2)),
     stated("interval", intervals),
     stated("signal", |printed| signal(&*printed.by(SignalFaults)?)),
+    stated("dividers", |printed| dividers(&*printed.by(Resistors)?)),
+    stated("stages", |printed| stages(&*printed.by(Resistors)?)),
     stated("thesis", |printed| thesis(&printed.by(Reproduce)?["errors"])),
     stated("tracking", |printed| tracking(&printed.by(Reproduce)?["tracking"])),
     stated("models", models),

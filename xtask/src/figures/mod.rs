@@ -6,6 +6,7 @@ mod command;
 mod document;
 mod firmware;
 mod list;
+mod resistors;
 
 use std::{
     fs,
