@@ -1,13 +1,16 @@
 //! `cargo xtask test`: runs the checks and says how they went.
 
-use std::process::ExitCode;
+use std::{path::PathBuf, process::ExitCode};
 
+use anyhow::Result;
 use clap::{Args, builder::PossibleValuesParser};
 use xshell::Shell;
 
 use crate::{
+    beside::{self, Beside},
+    outcome::{self, Outcome},
     step::{STEPS, Step},
-    stopwatch::{Spent, Stopwatch},
+    stopwatch::Stopwatch,
     tool,
 };
 
@@ -26,53 +29,72 @@ pub struct Arguments {
     /// Leave a check out; the summary says so
     #[arg(long, value_name = "STEP", value_parser = names())]
     skip: Vec<String>,
+    /// Leave how the checks went in this file, for the run that started this one
+    #[arg(long, hide = true, value_name = "FILE")]
+    outcomes: Option<PathBuf>,
 }
 
 fn names() -> PossibleValuesParser {
     STEPS.iter().map(|step| step.name).collect::<Vec<_>>().into()
 }
 
-enum Outcome {
-    Passed(Spent),
-    Failed(Spent),
-    Skipped,
-    NotRun,
-}
-
-/// Runs the checks asked for. The end of the output says what each took, and the last line counts them; the exit code says
-/// whether any failed.
-pub fn run(sh: &Shell, arguments: &Arguments) -> ExitCode {
+/// Runs the checks asked for, some of them beside others. The end of the output says what each took, and the last line counts
+/// them; the exit code says whether any failed.
+///
+/// # Errors
+/// Those beside others cannot be started, or their output cannot be read.
+pub fn run(sh: &Shell, arguments: &Arguments) -> Result<ExitCode> {
     if arguments.list {
         for step in &STEPS {
             println!("{:8} {}", step.name, step.about);
         }
-        return ExitCode::SUCCESS;
+        return Ok(ExitCode::SUCCESS);
     }
+    let stopwatch = Stopwatch::start();
     let named = |names: &[String], step: &Step| names.iter().any(|name| name == step.name);
     let chosen: Vec<&Step> =
         STEPS.iter().filter(|step| arguments.steps.is_empty() || named(&arguments.steps, step)).collect();
+    let skipped = |step: &Step| named(&arguments.skip, step);
+    // Where nothing follows them, they need no process of their own.
+    let others = chosen.iter().skip_while(|step| !step.beside).any(|step| !step.beside && !skipped(step));
+    let apart = |step: &Step| others && step.beside && !skipped(step);
     let mut outcomes = Vec::with_capacity(chosen.len());
-    let mut failed = false;
+    let (mut failed, mut started) = (false, None);
     for (index, step) in chosen.iter().enumerate() {
+        let ends = failed && !arguments.keep_going;
+        if apart(step) && !ends {
+            if started.is_none() {
+                let steps: Vec<&Step> = chosen.iter().copied().filter(|step| apart(step)).collect();
+                let names: Vec<&str> = steps.iter().map(|step| step.name).collect();
+                println!("\nbeside what follows, and printed after it: {}", names.join(", "));
+                started = Some(Beside::start(steps, arguments.keep_going)?);
+            }
+            continue;
+        }
         println!("\n[{}/{}] {}: {}", index + 1, chosen.len(), step.name, step.about);
-        let outcome = if named(&arguments.skip, step) {
+        let outcome = if skipped(step) {
             Outcome::Skipped
-        } else if failed && !arguments.keep_going {
+        } else if ends {
             Outcome::NotRun
         } else {
             execute(sh, step)
         };
-        failed |= matches!(outcome, Outcome::Failed(_));
-        println!("{}", describe(step, &outcome));
-        outcomes.push(outcome);
+        failed |= outcome.failed();
+        println!("{}", outcome.describe(step));
+        outcomes.push((*step, outcome));
     }
+    outcomes.extend(started.map(Beside::finish).transpose()?.into_iter().flatten());
     println!();
-    for (step, outcome) in chosen.iter().zip(&outcomes) {
-        println!("{}", describe(step, outcome));
+    for (step, outcome) in &outcomes {
+        println!("{}", outcome.describe(step));
     }
-    println!("{:9} {}", "all", outcomes.iter().filter_map(Outcome::spent).sum::<Spent>());
-    println!("{}", count(&outcomes));
-    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+    let outcomes: Vec<Outcome> = outcomes.into_iter().map(|(_, outcome)| outcome).collect();
+    if let Some(path) = &arguments.outcomes {
+        beside::leave(path, &outcomes)?;
+    }
+    println!("{:9} {}", "all", stopwatch.read());
+    println!("{}", outcome::count(&outcomes));
+    Ok(if outcomes.iter().any(Outcome::failed) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
 fn execute(sh: &Shell, step: &Step) -> Outcome {
@@ -85,35 +107,4 @@ fn execute(sh: &Shell, step: &Step) -> Outcome {
             Outcome::Failed(stopwatch.read())
         }
     }
-}
-
-fn describe(step: &Step, outcome: &Outcome) -> String {
-    let name = step.name;
-    match outcome {
-        Outcome::Passed(spent) => format!("{name:9} {spent}  passed"),
-        Outcome::Failed(spent) => format!("{name:9} {spent}  FAILED"),
-        Outcome::Skipped => format!("{name:9} SKIPPED, by --skip"),
-        Outcome::NotRun => format!("{name:9} NOT RUN, after the failure above"),
-    }
-}
-
-impl Outcome {
-    fn spent(&self) -> Option<Spent> {
-        match self {
-            Self::Passed(spent) | Self::Failed(spent) => Some(*spent),
-            Self::Skipped | Self::NotRun => None,
-        }
-    }
-}
-
-/// `N passed, N failed`, and how many were skipped if any were; those a failure kept from running count as skipped.
-fn count(outcomes: &[Outcome]) -> String {
-    let passed = outcomes.iter().filter(|outcome| matches!(outcome, Outcome::Passed(_))).count();
-    let failed = outcomes.iter().filter(|outcome| matches!(outcome, Outcome::Failed(_))).count();
-    let skipped = outcomes.len() - passed - failed;
-    let mut line = format!("{passed} passed, {failed} failed");
-    if skipped > 0 {
-        line += &format!(", {skipped} skipped");
-    }
-    line
 }

@@ -5,6 +5,7 @@
 //! figures; `soak` has it stream for an hour.
 
 mod artifact;
+mod beside;
 mod book;
 mod check;
 mod cycles;
@@ -12,6 +13,7 @@ mod embedded;
 mod emulate;
 mod figures;
 mod image;
+mod outcome;
 mod python;
 mod qemu;
 mod root;
@@ -61,7 +63,7 @@ fn main() -> Result<ExitCode> {
     sh.change_dir(root);
     match arguments.chore {
         Chore::Setup => tool::setup(&sh, &step::tools()).map(|()| ExitCode::SUCCESS),
-        Chore::Test(arguments) => Ok(check::run(&sh, &arguments)),
+        Chore::Test(arguments) => check::run(&sh, &arguments),
         Chore::Emulate(arguments) => emulate::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Size(arguments) => size::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Cycles(arguments) => cycles::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),

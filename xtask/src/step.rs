@@ -22,68 +22,79 @@ pub struct Step {
     pub about: &'static str,
     /// What it needs beyond cargo.
     pub tools: &'static [&'static Tool],
+    /// Whether it may run beside those that follow: it uses one core, and nothing in it is a matter of time.
+    pub beside: bool,
     /// Runs it; an error is the check's failure.
     pub run: fn(&Shell) -> Result<()>,
 }
 
-/// Every check, the quick ones first.
+/// Every check, the quick ones first, and those that run beside others before these.
 pub const STEPS: [Step; 13] = [
-    Step { name: "fmt", about: "the sources are formatted", tools: &[], run: fmt },
+    Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: fmt },
     Step {
         name: "rules",
         about: "libraries name no flags, the identification needs no terminal, no host crate is too long",
         tools: &[],
+        beside: false,
         run: rules::check,
     },
     Step {
         name: "book",
         about: "every chapter, link, path, test and chore that a document names is there",
         tools: &[],
+        beside: false,
         run: book::check,
     },
-    Step { name: "clippy", about: "no lint fires", tools: &[], run: clippy },
-    Step { name: "doc", about: "the documentation builds without a warning", tools: &[], run: doc },
-    Step { name: "test", about: "unit, property and command tests on the host", tools: &[], run: test },
-    Step {
-        name: "firmware",
-        about: "the firmware builds for both boards, without a lint and without software f64",
-        tools: &[&EMBEDDED],
-        run: firmware,
-    },
-    Step {
-        name: "emulated",
-        about: "the host tool and the firmware in QEMU understand each other",
-        tools: &[&EMBEDDED, &QEMU],
-        run: emulated,
-    },
-    Step {
-        name: "c",
-        about: "a program in C, linked with the static library, gives the host's bits on a Cortex-M4F in QEMU",
-        tools: &[&EMBEDDED, &QEMU, &ARM_GCC],
-        run: c,
-    },
+    Step { name: "clippy", about: "no lint fires", tools: &[], beside: false, run: clippy },
+    Step { name: "doc", about: "the documentation builds without a warning", tools: &[], beside: false, run: doc },
+    Step { name: "test", about: "unit, property and command tests on the host", tools: &[], beside: false, run: test },
     Step {
         name: "python",
         about: "the wheel, installed where nothing else is, gives the program's numbers to Python and to a notebook",
         tools: &[&PYTHON],
+        beside: true,
         run: |sh| python::check(sh, &built_piezo(sh)?),
     },
     Step {
         name: "board",
         about: "the board's own image does its work in a CPU emulator",
         tools: &[&EMBEDDED, &CMAKE, &MAKE, &PKG_CONFIG, &LIBCLANG],
+        beside: true,
         run: board,
+    },
+    Step {
+        name: "firmware",
+        about: "the firmware builds for both boards, without a lint and without software f64",
+        tools: &[&EMBEDDED],
+        beside: false,
+        run: firmware,
+    },
+    Step {
+        name: "emulated",
+        about: "the host tool and the firmware in QEMU understand each other",
+        tools: &[&EMBEDDED, &QEMU],
+        beside: false,
+        run: emulated,
+    },
+    Step {
+        name: "c",
+        about: "a program in C, linked with the static library, gives the host's bits on a Cortex-M4F in QEMU",
+        tools: &[&EMBEDDED, &QEMU, &ARM_GCC],
+        beside: false,
+        run: c,
     },
     Step {
         name: "browser",
         about: "the HTML report, and the live scope of a device at 2 kHz, are sound in a browser on a phone's width and a desktop's",
         tools: &[&CHROMIUM, &EMBEDDED, &QEMU],
+        beside: false,
         run: browser,
     },
     Step {
         name: "figures",
         about: "documents state the figures that commands print; a tick takes no more than it should",
         tools: figures::TOOLS,
+        beside: false,
         run: |sh| figures::check(sh, built_piezo(sh)?),
     },
 ];

@@ -1,10 +1,12 @@
 //! What something takes: of time, and of the processor.
 
-use std::{fmt, iter::Sum, time::Instant};
+use std::{fmt, time::Instant};
+
+use serde::{Deserialize, Serialize};
 
 /// Wall-clock time and the processor time, user's and system's, of the programs that were run and waited for meanwhile;
 /// seconds.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 pub struct Spent {
     wall_s: f64,
     /// `None` where the system does not tell.
@@ -44,15 +46,6 @@ fn cpu_of_children_s() -> Option<f64> {
 #[cfg(not(unix))]
 fn cpu_of_children_s() -> Option<f64> {
     None
-}
-
-impl Sum for Spent {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self { wall_s: 0.0, cpu_s: Some(0.0) }, |sum, one| Self {
-            wall_s: sum.wall_s + one.wall_s,
-            cpu_s: sum.cpu_s.zip(one.cpu_s).map(|(sum, one)| sum + one),
-        })
-    }
 }
 
 /// Two columns: wall-clock time and processor time.
