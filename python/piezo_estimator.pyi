@@ -27,6 +27,8 @@ OUT_OF_REACH: Final[int]
 """What is wanted cannot be had at this tick."""
 UNTRAINED: Final[int]
 """The voltage has gone as it never went in the training."""
+SLEW_EXCEEDED: Final[int]
+"""The voltage has leapt as the amplifier cannot; the last one before was taken. A device says so."""
 
 _Numbers = npt.NDArray[np.floating] | npt.NDArray[np.integer] | Sequence[float]
 _Path = str | PathLike[str]
@@ -295,6 +297,7 @@ def identify(
     skip_end_s: float = 0.0,
     adc_span: tuple[float, float] | None = None,
     adc_full_scale: int | None = None,
+    amplifier_slew: float | None = None,
     dac_span: tuple[float, float] | None = None,
     dac_full_scale: int | None = None,
     devices: int = 12,

@@ -37,6 +37,9 @@ bitflags::bitflags! {
         const OUT_OF_REACH = 1 << 5;
         /// The voltage has gone as it never went in the training: what the estimate says here was not learnt.
         const UNTRAINED = 1 << 6;
+        /// The voltage has leapt as the amplifier cannot, and the last one before was taken; or it has just come back, and the
+        /// estimate catches up. A device says so, the estimator never.
+        const SLEW_EXCEEDED = 1 << 7;
     }
 }
 

@@ -20,6 +20,7 @@ pub mod correction;
 pub mod drive;
 pub mod facts;
 pub mod last_words;
+pub mod leap;
 pub mod link;
 pub mod panel;
 pub mod peripherals;

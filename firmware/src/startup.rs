@@ -3,6 +3,7 @@
 use crate::correction::Correction;
 use crate::drive::Drive;
 use crate::facts::Facts;
+use crate::leap::Leap;
 use crate::ramp::Stride;
 use crate::setpoint::Setpoint;
 use crate::shaping::Codes;
@@ -19,6 +20,8 @@ pub struct Startup {
     pub dac_parts: u16,
     /// What makes up for a supply that is off, of what is read.
     pub correction: Correction,
+    /// What finds voltages that the amplifier cannot have made, where the table says how fast it is.
+    pub leap: Option<Leap>,
     /// The drive, where the DAC drives the amplifier.
     pub drive: Option<Drive>,
     /// What a controller wants of it, where the table says which displacements its codes stand for.
@@ -40,6 +43,7 @@ impl Startup {
     pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
         let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
         let correction = Correction::new(facts.interface.adc_full_scale, table);
+        let leap = table.and_then(|table| Leap::new(facts.interface.adc_full_scale, table));
         let degraded = facts.restarts.too_many();
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
         // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts
@@ -69,7 +73,7 @@ impl Startup {
             full_scale: facts.interface.dac_full_scale,
         };
         let shows = table.map_or(nothing, |table| table.dac).finer(dac_parts);
-        Self { estimator, shows, dac_parts, correction, drive, setpoint, linearises, safe, stride, faults }
+        Self { estimator, shows, dac_parts, correction, leap, drive, setpoint, linearises, safe, stride, faults }
     }
 
     /// What the DAC has at its safe code.

@@ -266,7 +266,8 @@ impl Telemetry {
 
     #[inline]
     pub(crate) fn count(&self, status: Status) {
-        if status.is_empty() {
+        if Status::NOT_SETTLED.union(Status::UNTRAINED).union(Status::SLEW_EXCEEDED).contains(status) {
+            // None that is counted.
             return;
         }
         let counters = [

@@ -62,10 +62,15 @@ impl<'q> Tick<'q> {
         if let Some(command) = self.queues.commands.dequeue() {
             self.obey(command);
         }
-        let read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
+        let mut read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
         self.telemetry.set_setpoint(read.corrected.setpoint);
         let read = match self.mode {
-            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise => Some(read),
+            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise => {
+                if let Some(leap) = &mut self.startup.leap {
+                    read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
+                }
+                Some(read)
+            }
             Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
             Mode::Pause => None,
         };
@@ -90,18 +95,24 @@ impl<'q> Tick<'q> {
         self.valid
     }
 
-    fn estimate(&mut self, read: Read, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
+    fn estimate(&mut self, read: Read, missed: Option<u32>, mut faults: Faults) -> (DacCode, Faults) {
         let Read { conversion: Conversion { monitor, .. }, corrected } = read;
         let code = corrected.monitor;
         let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
-            Some(estimator) => tick_sample(estimator, code),
+            Some(estimator) => {
+                let estimate = tick_sample(estimator, code);
+                self.telemetry.may_be_told.store(estimator.may_be_told(), Relaxed);
+                estimate
+            }
             None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
         };
-        let may_be_told = self.startup.estimator.as_ref().is_some_and(Estimator::may_be_told);
-        self.telemetry.may_be_told.store(may_be_told, Relaxed);
-        if code != monitor && (monitor.0 == 0 || monitor.0 >= self.adc_full_scale) {
+        if monitor.0 == 0 || monitor.0 >= self.adc_full_scale {
             // An end of the range says so whatever has become of it.
             status |= Status::ADC_SATURATED;
+        }
+        if let Some(leap) = &self.startup.leap {
+            status |= leap.status();
+            faults |= leap.faults();
         }
         let setpoint = self.setpoint(read);
         let (mut faults, sound) = self.supervise(read, setpoint.map(|wish| wish.read), status, missed, faults);
@@ -154,7 +165,7 @@ impl<'q> Tick<'q> {
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
         let drive = self.startup.drive.as_ref().filter(|_| self.mode.drives());
         let astray = drive.is_some_and(|drive| drive.astray(corrected.monitor));
-        let (missed, others) = (missed.is_some(), faults & Faults::SUPPLY);
+        let (missed, others) = (missed.is_some(), faults & (Faults::SUPPLY | Faults::SLEW_EXCEEDED));
         // Codes as they were read show the converter's ends, and whether it stands still.
         match self.watch.update(Seen { monitor, setpoint, status, missed, astray, others }) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
@@ -194,6 +205,9 @@ impl<'q> Tick<'q> {
             tick_restart(estimator);
         }
         self.startup.correction.restart();
+        if let Some(leap) = &mut self.startup.leap {
+            leap.restart();
+        }
         self.telemetry.set_bias(None);
     }
 

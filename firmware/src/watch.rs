@@ -107,7 +107,7 @@ pub struct Watch {
 
 /// Whether a score has reached its limit.
 #[inline]
-fn score(score: &mut u32, odd: bool, limit: u32) -> bool {
+pub(crate) fn score(score: &mut u32, odd: bool, limit: u32) -> bool {
     *score = if odd { (*score + ODD).min(ODD * limit) } else { score.saturating_sub(1) };
     *score >= ODD * limit
 }

@@ -31,6 +31,9 @@ bitflags::bitflags! {
         const SETPOINT = 1 << 9;
         /// The crystal did not start: the chip's own oscillator, up to 2 % off, clocks the device, which estimates nothing.
         const CLOCK = 1 << 10;
+        /// The monitor's voltage has leapt as the amplifier cannot, and stayed there, or goes on leaping: a wire is off, the input
+        /// floats, or the table states a slower amplifier than there is.
+        const SLEW_EXCEEDED = 1 << 11;
     }
 }
 
@@ -44,6 +47,7 @@ impl Faults {
         .union(Self::AMPLIFIER)
         .union(Self::SETPOINT)
         .union(Self::CLOCK)
+        .union(Self::SLEW_EXCEEDED)
         .union(Self::NO_TABLE)
         .union(Self::TABLE_FALLBACK);
 

@@ -59,11 +59,11 @@ struct Stopped(PyErr);
 #[pyfunction]
 #[pyo3(signature = (logs, *, validate_on=Vec::new(), hold_out=None, model="auto", lag_ms=None, delay_ms=Delay::Given(0.0),
     repair=false, tick_us=500, voltage_scale=1.0, displacement_scale=1.0, skip_start_s=0.0, skip_end_s=0.0, adc_span=None,
-    adc_full_scale=None, dac_span=None, dac_full_scale=None, devices=prediction_interval::DEVICES,
+    adc_full_scale=None, amplifier_slew=None, dac_span=None, dac_full_scale=None, devices=prediction_interval::DEVICES,
     evaluations=SearchOptions::DEFAULT.evaluations, seed=SearchOptions::DEFAULT.seed),
     text_signature = "(logs, *, validate_on=(), hold_out=None, model='auto', lag_ms=None, delay_ms=0.0, repair=False, \
     tick_us=500, voltage_scale=1.0, displacement_scale=1.0, skip_start_s=0.0, skip_end_s=0.0, adc_span=None, \
-    adc_full_scale=None, dac_span=None, dac_full_scale=None, devices=12, evaluations=250, seed=1)")]
+    adc_full_scale=None, amplifier_slew=None, dac_span=None, dac_full_scale=None, devices=12, evaluations=250, seed=1)")]
 // They are keywords in Python.
 #[allow(clippy::too_many_arguments)]
 pub fn identify(
@@ -82,6 +82,7 @@ pub fn identify(
     skip_end_s: f64,
     adc_span: Option<(f64, f64)>,
     adc_full_scale: Option<u16>,
+    amplifier_slew: Option<f64>,
     dac_span: Option<(f64, f64)>,
     dac_full_scale: Option<u16>,
     devices: u32,
@@ -93,6 +94,7 @@ pub fn identify(
     require(lag_ms.is_none_or(|ms| ms > 0.0 && ms.is_finite()), "lag_ms must be above 0")?;
     require((1..=1_000_000).contains(&evaluations), "evaluations must lie between 1 and 1000000")?;
     require(adc_full_scale != Some(0) && dac_full_scale != Some(0), "a converter's full scale must be above 0")?;
+    require(amplifier_slew.is_none_or(|slew| slew > 0.0 && slew.is_finite()), "amplifier_slew must be above 0")?;
     let prepare = PrepareOptions {
         tick_us,
         voltage_scale,
@@ -114,6 +116,7 @@ pub fn identify(
         calibration: CalibrationOptions {
             adc_span: span(adc_span, "adc_span")?,
             adc_full_scale,
+            amplifier_slew,
             dac_span: span(dac_span, "dac_span")?,
             dac_full_scale,
             ..CalibrationOptions::default()

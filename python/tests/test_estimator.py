@@ -53,7 +53,7 @@ def zero_of(table: Path) -> float:
     return recipe["displacement_zero_um"]
 
 
-NAMES = ("ADC_SATURATED", "VOLTAGE_OUT_OF_RANGE", "CLAMPED", "DAC_SATURATED", "NOT_SETTLED", "OUT_OF_REACH", "UNTRAINED")
+NAMES = ("ADC_SATURATED", "VOLTAGE_OUT_OF_RANGE", "CLAMPED", "DAC_SATURATED", "NOT_SETTLED", "OUT_OF_REACH", "UNTRAINED", "SLEW_EXCEEDED")
 
 
 def test_one_run_is_as_many_as_it_is_cut_into_and_a_restart_forgets() -> None:

@@ -64,6 +64,7 @@ def test_a_request_that_makes_no_sense_is_refused_in_words() -> None:
         ({"tick_us": 1}, "tick_us must lie between"),
         ({"voltage_scale": 0.0}, "voltage_scale"),
         ({"adc_span": (1.0, 1.0)}, "adc_span"),
+        ({"amplifier_slew": 0.0}, "amplifier_slew"),
         ({"displacement_scale": -1.0}, "falls while the voltage rises"),
         ({"validate_on": [log]}, "same bytes"),
     ]:
@@ -88,7 +89,7 @@ def test_a_log_without_a_quantity_tells_its_length_and_is_not_learnt_from(missin
 
 def test_defaults_are_those_of_the_program_and_of_the_stubs() -> None:
     said = {name: of.default for name, of in inspect.signature(pz.identify).parameters.items()}
-    assert len(said) == 19 and said.pop("logs") is inspect.Parameter.empty
+    assert len(said) == 20 and said.pop("logs") is inspect.Parameter.empty
     (stub,) = [
         node
         for node in ast.parse((PYTHON / "piezo_estimator.pyi").read_text()).body

@@ -89,8 +89,8 @@ const fn most_cycles(model: Model) -> (u32, u32) {
         Model::VoigtChain => (11_000, 40_600),
         Model::PrandtlIshlinskii => (10_900, 30_200),
         Model::MaxwellSlip => (10_200, 20_800),
-        Model::Duhem => (9_000, 16_400),
-        Model::BoucWen => (8_800, 20_500),
+        Model::Duhem => (9_500, 16_400),
+        Model::BoucWen => (9_200, 20_500),
         Model::Preisach => (20_100, 106_500),
         // It has no inverse.
         Model::Narx => (51_000, 51_000),

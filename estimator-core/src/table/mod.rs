@@ -66,6 +66,8 @@ pub struct Table {
     pub parameters: Parameters,
     /// Codes to volts.
     pub adc: AdcCalibration,
+    /// Fastest change of the amplifier's voltage, V/s; `None` where nobody said it. A device holds what leaps beyond it.
+    pub amplifier_slew_v_per_s: Option<f32>,
     /// Displacement to codes.
     pub dac: DacCalibration,
     /// Where the DAC drives the amplifier: volts to codes, and limits. It then shows no displacement.
@@ -136,6 +138,11 @@ impl Admitted {
         if gain_codes_per_v.abs() * limits.range_v.span() < 1.0 {
             return Err(TableError::OutOfRange { rule: "the drive's gain must make its range_v a code wide at least" });
         }
+        if self.amplifier_slew_v_per_s.is_some_and(|slew| limits.slew_v_per_s > slew) {
+            return Err(TableError::OutOfRange {
+                rule: "the drive's slew_v_per_s must be no more than amplifier_slew_v_per_s, the fastest that the amplifier can",
+            });
+        }
         self.inverse::<f32>(&limits).map_err(TableError::Drive)?;
         if let Some(setpoint) = setpoint {
             let checked = setpoint.check(self.displacement_limits_um, self.adc.full_scale);
@@ -203,6 +210,7 @@ impl Table {
             ("displacement_limits_um", self.displacement_limits_um.max),
             ("adc.gain_v_per_code", self.adc.gain_v_per_code),
             ("adc.offset_v", self.adc.offset_v),
+            ("amplifier_slew_v_per_s", self.amplifier_slew_v_per_s.unwrap_or(0.0)),
             ("dac.gain_codes_per_um", self.dac.gain_codes_per_um),
             ("dac.offset_code", self.dac.offset_code),
             ("train_mae_um", self.provenance.train_mae_um),
@@ -251,6 +259,11 @@ impl Table {
                 self.adc_resolves(),
             ),
             ("adc.full_scale must be at least 3", self.adc.full_scale >= 3),
+            (
+                "amplifier_slew_v_per_s must be a code of the ADC in a tick at least, else every voltage that moves would be \
+                 held: state the amplifier's own, or leave it out",
+                self.amplifier_slew_v_per_s.is_none_or(|slew| slew * self.sample_period::<f32>() >= self.adc.gain_v_per_code),
+            ),
             ("dac.gain_codes_per_um must not be 0", self.dac.gain_codes_per_um != 0.0),
             ("dac.gain_codes_per_um must make displacement_limits_um a code wide at least", {
                 self.dac.gain_codes_per_um.abs() * limits.span() >= 1.0

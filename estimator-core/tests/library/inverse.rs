@@ -255,6 +255,19 @@ fn models_and_limits_without_an_inverse_are_refused() {
     }
 }
 
+#[test]
+fn a_drive_faster_than_the_amplifier_is_refused() {
+    let with = |slew: f32| {
+        let table = Table { drive: Some(DRIVE), amplifier_slew_v_per_s: Some(slew), ..table_of(Model::MaxwellSlip) };
+        table.admit().map(drop)
+    };
+    assert_eq!(with(LIMITS.slew_v_per_s), Ok(()));
+    let refused = with(0.99 * LIMITS.slew_v_per_s);
+    assert!(
+        matches!(refused, Err(TableError::OutOfRange { rule }) if rule.contains("no more than amplifier_slew_v_per_s"))
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 

@@ -21,8 +21,8 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0800",
-            "7100", // magic, version, length
+            "0900",
+            "7200", // magic, version, length
             "f403",
             "00",
             "00000000",
@@ -47,6 +47,7 @@ fn record_is_pinned() {
             "0000b0c1",
             "00",
             "ff1f", // ADC
+            "00",   // no slew rate of the amplifier
             "00009643",
             "00f0ff44",
             "ff1f", // DAC
@@ -58,7 +59,7 @@ fn record_is_pinned() {
             "0000803e",
             "01b81e853e",
             "00",       // provenance
-            "a1d87464", // CRC-32
+            "5d2024fc", // CRC-32
         ),
         "the format changed: bump record::VERSION and say so in CHANGELOG.md"
     );
@@ -138,7 +139,7 @@ fn inadmissible_sets_are_refused() {
 
 #[test]
 fn numbers_out_of_range_are_refused_by_name() {
-    let cases: [(Table, &str); 18] = [
+    let cases: [(Table, &str); 20] = [
         (Table { sample_period_us: 0, ..table() }, "sample_period_us"),
         (Table { deadband_v: 41.0, ..table() }, "deadband_v"),
         (Table { voltage_range_v: Range { min: 1.0, max: 1.0 }, ..table() }, "voltage_range_v"),
@@ -163,6 +164,9 @@ fn numbers_out_of_range_are_refused_by_name() {
             "two codes apart",
         ),
         (Table { dac: DacCalibration { gain_codes_per_um: 1e-45, ..table().dac }, ..table() }, "a code wide"),
+        // Less than a code a tick, of which the table's is 22 V/s; and none at all.
+        (Table { amplifier_slew_v_per_s: Some(21.0), ..table() }, "amplifier_slew_v_per_s must be a code"),
+        (Table { amplifier_slew_v_per_s: Some(-500.0), ..table() }, "amplifier_slew_v_per_s must be a code"),
         (Table { dac: DacCalibration { offset_code: 1e14, ..table().dac }, ..table() }, "offset_code"),
         (Table { dac: DacCalibration { offset_code: -2e6, ..table().dac }, ..table() }, "offset_code"),
     ];
@@ -212,13 +216,14 @@ proptest! {
 
     /// Any one number made NaN or infinite is refused, by its name.
     #[test]
-    fn non_finite_numbers_are_refused(which in 0usize..9, bad in prop_oneof![Just(f32::NAN), Just(f32::INFINITY)]) {
+    fn non_finite_numbers_are_refused(which in 0usize..10, bad in prop_oneof![Just(f32::NAN), Just(f32::INFINITY)]) {
         let mut wrong = table();
         let mut voigt = VOIGT;
         let (slot, name) = match which {
             0 => (&mut voigt.alpha_um, "alpha_um"),
             1 => (&mut voigt.f, "f must"),
             8 => (&mut voigt.beta_v, "beta_v"),
+            9 => (wrong.amplifier_slew_v_per_s.insert(0.0), "amplifier_slew_v_per_s"),
             2 => (&mut wrong.deadband_v, "deadband_v"),
             3 => (&mut wrong.voltage_zero_v, "voltage_zero_v"),
             4 => (&mut wrong.displacement_limits_um.max, "displacement_limits_um"),

@@ -3,6 +3,7 @@
 //! ```toml
 //! adc_span = [-35.0, 135.0]     # V at the amplifier at ADC code 0 and at full scale
 //! adc_full_scale = 65520        # largest ADC code, oversampling included
+//! amplifier_slew = 20000.0      # V/s, fastest that the amplifier can: its peak current over the stack's capacitance
 //! dac_full_scale = 4095         # largest DAC code
 //! drive_span = [-30.0, 130.0]   # V at the amplifier at DAC code 0 and at full scale
 //! drive_range = [0.0, 100.0]    # V that it may be driven to
@@ -37,6 +38,8 @@ pub struct BoardFacts {
     pub adc_span: Option<(f64, f64)>,
     /// Largest ADC code, oversampling included.
     pub adc_full_scale: Option<u16>,
+    /// Fastest that the amplifier can, V/s.
+    pub amplifier_slew: Option<f64>,
     /// Largest DAC code.
     pub dac_full_scale: Option<u16>,
     /// Amplifier voltage at DAC code 0 and at full scale, V.
@@ -58,9 +61,10 @@ pub struct BoardFacts {
 }
 
 /// Every value with what it is.
-const WHAT: [(&str, &str); 11] = [
+const WHAT: [(&str, &str); 12] = [
     ("adc_span", "V at the amplifier at ADC code 0 and at full scale"),
     ("adc_full_scale", "largest ADC code, oversampling included"),
+    ("amplifier_slew", "V/s, fastest that the amplifier can: its peak current over the stack's capacitance"),
     ("dac_full_scale", "largest DAC code"),
     ("drive_span", "V at the amplifier at DAC code 0 and at full scale"),
     ("drive_range", "V that it may be driven to"),
@@ -163,6 +167,7 @@ impl BoardFacts {
         let values = [
             ("adc_span", self.adc_span.map(pair)),
             ("adc_full_scale", self.adc_full_scale.map(|n| n.to_string())),
+            ("amplifier_slew", self.amplifier_slew.map(number)),
             ("dac_full_scale", self.dac_full_scale.map(|n| n.to_string())),
             ("drive_span", self.drive_span.map(pair)),
             ("drive_range", self.drive_range.map(pair)),
@@ -207,6 +212,7 @@ impl BoardFacts {
         CalibrationOptions {
             adc_span: stated.adc_span.or(span(self.adc_span)),
             adc_full_scale: stated.adc_full_scale.or(self.adc_full_scale),
+            amplifier_slew: stated.amplifier_slew.or(self.amplifier_slew),
             dac_span: stated.dac_span,
             dac_full_scale: stated.dac_full_scale.or(self.dac_full_scale),
             drive: DriveOptions {
@@ -262,8 +268,17 @@ impl BoardFacts {
                 return Err(("drive_rest", rest.to_string(), "must lie within drive_range"));
             }
         }
-        if let Some(slew) = self.drive_slew.filter(|slew| !(slew.is_finite() && *slew > 0.0)) {
-            return Err(("drive_slew", slew.to_string(), "must be a positive number, V/s"));
+        for (field, slew) in [("drive_slew", self.drive_slew), ("amplifier_slew", self.amplifier_slew)] {
+            if let Some(slew) = slew.filter(|slew| !(slew.is_finite() && *slew > 0.0)) {
+                return Err((field, slew.to_string(), "must be a positive number, V/s"));
+            }
+        }
+        if let Some((drive, _)) = self.drive_slew.zip(self.amplifier_slew).filter(|(drive, can)| drive > can) {
+            return Err((
+                "drive_slew",
+                drive.to_string(),
+                "must be no more than amplifier_slew, the fastest that the amplifier can",
+            ));
         }
         if let Some(rest) = self.drive_rest.filter(|rest| !rest.is_finite()) {
             return Err(("drive_rest", rest.to_string(), "must be a finite number, V"));

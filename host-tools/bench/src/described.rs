@@ -3,6 +3,10 @@
 use crate::wiring::{NO_MODEL, is_line};
 use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Table};
 
+/// What is said of a table that does not state how fast the amplifier is.
+pub const WIRE_NOT_FOUND: &str = "a monitor's wire that is off is not found: state amplifier_slew, the fastest that the amplifier can, \
+                                  V/s, in board.toml or as an option";
+
 /// A table in a few lines.
 pub fn describe(table: &Admitted) -> Vec<String> {
     let volts = |code| table.adc.voltage::<f32>(AdcCode(code));
@@ -39,6 +43,9 @@ pub fn describe(table: &Admitted) -> Vec<String> {
             ),
         },
         time(table),
+        table.amplifier_slew_v_per_s.map_or(WIRE_NOT_FOUND.to_owned(), |slew| {
+            format!("the amplifier goes {slew} V/s at most: a voltage that leaps farther is held, and a fault where it lasts")
+        }),
         table.interval.map_or("no ± beside the estimate".to_owned(), |interval| {
             format!("± {:.3} µm beside the estimate at least, once its displacement was told", interval.misfit_um)
         }),
@@ -88,6 +95,13 @@ mod tests {
         let setpoint = SetpointCalibration { gain_um_per_code: 20.0 / 65_520.0, offset_um: -1.0, at_start: true };
         table.drive = table.drive.map(|drive| DriveCalibration { setpoint: Some(setpoint), ..drive });
         assert!(said(table).contains("-1.000 … 19.000 µm, followed after every start"), "{}", said(table));
+    }
+
+    #[test]
+    fn how_fast_the_amplifier_is_is_said_or_that_nobody_did() {
+        let stated = describe(Wiring::new(&FACTS, 500).unwrap().line()).join("\n");
+        assert!(stated.contains("goes 20000 V/s at most") && !stated.contains(WIRE_NOT_FOUND), "{stated}");
+        assert!(describe(&emulator::TABLE.admit().unwrap()).iter().any(|line| line == WIRE_NOT_FOUND));
     }
 
     #[test]

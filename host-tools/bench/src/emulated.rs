@@ -5,10 +5,11 @@ use crate::wiring::Wiring;
 use emulator::Bench;
 use plants::{Kind, Plant};
 
-/// A PICMA stack on an amplifier of −30 … 130 V, its monitor on a 16-bit scale, and a capacitive sensor of 30 µm.
+/// A PICMA stack of 5 µF on an amplifier of −30 … 130 V and 100 mA at most, its monitor on a 16-bit scale, and a capacitive sensor of 30 µm.
 pub const EMULATED: BoardFacts = BoardFacts {
     adc_span: Some((-35.0, 135.0)),
     adc_full_scale: Some(65_520),
+    amplifier_slew: Some(20_000.0),
     dac_full_scale: Some(4095),
     drive_span: Some((-30.0, 130.0)),
     drive_range: Some((0.0, 100.0)),
@@ -35,7 +36,7 @@ pub fn emulated(wiring: &Wiring, kind: Kind, number: u64) -> Bench {
     let zero = if span_um > 0.0 { REST } else { 1.0 - REST };
     let adc = wiring.adc();
     Bench {
-        actuator: Plant::drawn(kind, number),
+        actuator: Plant { slew_v_per_s: wiring.facts.amplifier_slew, ..Plant::drawn(kind, number) },
         stroke_um: STROKE * span_um.abs(),
         monitor: adc,
         drive: wiring.drive(),

@@ -15,6 +15,8 @@ pub struct CalibrationOptions {
     pub adc_span: Option<Span>,
     /// Largest ADC code (with oversampling); 4095 where nothing else is known.
     pub adc_full_scale: Option<u16>,
+    /// Fastest change of the amplifier's output, V/s; nothing is checked where it is not stated.
+    pub amplifier_slew: Option<f64>,
     /// Displacement at DAC code 0 and at full scale, µm relative to the model's zero. Without it the displacement limits.
     pub dac_span: Option<Span>,
     /// Largest DAC code; 4095 where nothing else is known.
@@ -69,7 +71,13 @@ impl CalibrationOptions {
         if self.dac_span.is_some() || self.dac_full_scale.is_some() {
             table.dac = dac_calibration(dac_span, self.dac_full_scale.unwrap_or(table.dac.full_scale));
         }
+        table.amplifier_slew_v_per_s = self.amplifier_slew().or(table.amplifier_slew_v_per_s);
         self.drive.apply(table, before);
+    }
+
+    /// Fastest change of the amplifier's output as a table has it, V/s.
+    pub fn amplifier_slew(&self) -> Option<f32> {
+        self.amplifier_slew.map(|slew| slew as f32)
     }
 }
 

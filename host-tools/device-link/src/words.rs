@@ -83,7 +83,7 @@ pub fn bias(health: &Health, tick_us: u32) -> String {
     format!("zeroed {oldest}{age} ago, bias {:+.3} µm", health.bias_um)
 }
 
-const FAULTS: [(Faults, &str); 11] = [
+const FAULTS: [(Faults, &str); 12] = [
     (Faults::NO_TABLE, "there is no table that it can run, so nothing is estimated"),
     (
         Faults::TABLE_FALLBACK,
@@ -96,6 +96,10 @@ const FAULTS: [(Faults, &str); 11] = [
     (Faults::SUPPLY, "the analogue supply, the converters' reference, is or was out of tolerance"),
     (Faults::ADC_SATURATED, "the ADC stands at an end of its range, or comes too near it too often"),
     (Faults::ADC_STUCK, "the ADC gives one and the same code"),
+    (
+        Faults::SLEW_EXCEEDED,
+        "the monitor's voltage leapt as the amplifier cannot, and stayed there for 10 ms or goes on leaping",
+    ),
     (Faults::OUT_OF_CALIBRATION, "the voltage is beyond what the table was identified on"),
     (
         Faults::AMPLIFIER,
@@ -109,7 +113,7 @@ const FAULTS: [(Faults, &str); 11] = [
     (Faults::SAFE_OUTPUT, "the DAC stands at its safe value"),
 ];
 
-const STATUS: [(Status, &str); 7] = [
+const STATUS: [(Status, &str); 8] = [
     (Status::ADC_SATURATED, "the ADC was at an end of its range: the voltage was at least that large"),
     (
         Status::VOLTAGE_OUT_OF_RANGE,
@@ -128,6 +132,10 @@ const STATUS: [(Status, &str); 7] = [
     (
         Status::UNTRAINED,
         "the voltage went as it never did in the training: what the estimate said there was not learnt",
+    ),
+    (
+        Status::SLEW_EXCEEDED,
+        "the voltage leapt as the amplifier cannot, and the last one before was taken; or it had just come back",
     ),
 ];
 

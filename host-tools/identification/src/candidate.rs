@@ -115,6 +115,7 @@ fn table(problem: &Problem, parameters: Parameters, context: &TableContext) -> R
         displacement_limits_um: single(limits),
         parameters,
         adc,
+        amplifier_slew_v_per_s: context.calibration.amplifier_slew(),
         dac,
         drive: None,
         interval: None,

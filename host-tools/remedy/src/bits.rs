@@ -27,7 +27,7 @@ fn of<T: PartialEq + Copy>(remedies: &[(T, &'static str)], bit: T) -> &'static s
     remedies.iter().find(|(other, _)| *other == bit).map_or("report it", |(_, remedy)| remedy)
 }
 
-const FAULTS: [(Faults, &str); 11] = [
+const FAULTS: [(Faults, &str); 12] = [
     (Faults::NO_TABLE, "give it one: piezo push"),
     (
         Faults::TABLE_FALLBACK,
@@ -42,6 +42,10 @@ const FAULTS: [(Faults, &str); 11] = [
     (
         Faults::ADC_STUCK,
         "check the wire to the ADC; if it is sound, piezo reset, and replace the board if that does not help",
+    ),
+    (
+        Faults::SLEW_EXCEEDED,
+        "check the wire from the amplifier's monitor and the divider's ground: is one off, or loose? If they are sound, the amplifier is faster than was stated: piezo emit --amplifier-slew. Then set the zero anew: piezo zero",
     ),
     (
         Faults::OUT_OF_CALIBRATION,
@@ -65,7 +69,7 @@ const FAULTS: [(Faults, &str); 11] = [
     ),
 ];
 
-const STATUS: [(Status, &str); 7] = [
+const STATUS: [(Status, &str); 8] = [
     (Status::ADC_SATURATED, "a divider for larger voltages, or less voltage; then piezo emit --adc-span"),
     (Status::VOLTAGE_OUT_OF_RANGE, "identify on logs that reach as far, or drive the actuator less"),
     (Status::CLAMPED, "identify on logs with as large a stroke"),
@@ -73,6 +77,7 @@ const STATUS: [(Status, &str); 7] = [
     (Status::NOT_SETTLED, "move the actuator once up and down its range; a start from rest at 0 V needs it least"),
     (Status::OUT_OF_REACH, "ask for less or more slowly, or widen the limits: piezo emit --drive-range, --drive-slew"),
     (Status::UNTRAINED, "believe the estimate as far as its ±; identify on logs with swings such as these"),
+    (Status::SLEW_EXCEEDED, "a shielded wire; is --amplifier-slew what the amplifier can?"),
 ];
 
 /// What the bits of a status mean for an estimate, one after the other; empty where none says anything of it.
@@ -89,6 +94,7 @@ pub fn remarks(status: Status) -> String {
             Status::UNTRAINED,
             "the voltage went as it never did in the training, and what the estimate says there was not learnt",
         ),
+        (Status::SLEW_EXCEEDED, "the voltage leapt as the amplifier cannot; the last one before was taken"),
     ];
     let raised = meanings.into_iter().filter(|(bit, _)| status.contains(*bit)).map(|(_, meaning)| meaning);
     raised.collect::<Vec<_>>().join("; ")

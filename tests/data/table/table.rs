@@ -1,6 +1,6 @@
 // Made by `piezo emit`; change table.toml instead.
 // Logs 63f15b78b7a097e3, seed 1, training MAE 0.3061 µm.
-// Checksum 17ccd47d.
+// Checksum 0522cc8d.
 
 #[allow(unused_imports, reason = "which types a table names depends on what it has")]
 use estimator_core::{
@@ -42,6 +42,7 @@ pub const TABLE: Table = Table {
         invert: false,
         full_scale: 4095,
     },
+    amplifier_slew_v_per_s: None,
     dac: DacCalibration {
         gain_codes_per_um: 81.241264,
         offset_code: 252.51613,

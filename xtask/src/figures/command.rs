@@ -176,7 +176,8 @@ fn signal_faults(sh: &Shell, piezo: &Path, demo: &Path) -> Result<Value> {
     let program = artifact::build(cmd!(sh, "cargo build {HOST...} --example signal_faults"), "signal_faults")?;
     let (table, folder) = (demo.join("table.toml"), TempDir::new()?);
     let board = folder.path();
-    cmd!(sh, "{piezo} emit {table} --adc-full-scale 65520 --out {board}").ignore_stderr().read()?;
+    let converters = ["--adc-full-scale", "65520", "--amplifier-slew", "250"];
+    cmd!(sh, "{piezo} emit {table} {converters...} --out {board}").ignore_stderr().read()?;
     let record = board.join("table.bin");
     Ok(serde_json::from_str(&cmd!(sh, "{program} {record}").read()?)?)
 }

@@ -12,6 +12,7 @@
 
 use core::ptr::addr_of_mut;
 use core::sync::atomic::{Ordering::SeqCst, compiler_fence};
+use cortex_m::peripheral::DWT;
 
 use embassy_stm32::Peri;
 use embassy_stm32::dac::{Ch1, DacChannel, Dma, Mode, Value};
@@ -35,6 +36,8 @@ const HALF: usize = CODES as usize / 2;
 const LEAD: u32 = CORE_HZ / 1_000_000;
 /// How long before the next trigger a tick must be done, cycles: a code before the first of its own is fetched.
 pub const AHEAD: u32 = 2 * (CORE_HZ / TICK_HZ / CODES) + LEAD;
+/// A turn of TIM7, and a few instructions, cycles.
+const TURN: u32 = CORE_HZ / TICK_HZ / CODES + 100;
 /// Parts of a code that rounding and the supply's correction may add to a stride.
 const ROUNDING: u16 = 4;
 /// DMA1's channel, from 0.
@@ -49,6 +52,8 @@ pub struct Output {
     filled: [DacCode; 2],
     /// Counts of TIM6 from trigger to trigger.
     turn: u32,
+    /// When the tick before looked whether TIM7 runs, cycles.
+    looked: u32,
     /// Dropped, it would stop.
     _dac: DacChannel<'static, Async>,
 }
@@ -101,15 +106,16 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
     // The constructor chooses the trigger and leaves it off.
     dac.set_triggering(true);
     let turn = u32::from(pac::TIM6.arr().read().arr()) + 1;
-    (Output { shaper, filled: [given; 2], turn, _dac: dac }, Ahead(timer))
+    (Output { shaper, filled: [given; 2], turn, looked: DWT::cycle_count(), _dac: dac }, Ahead(timer))
 }
 
 impl Output {
     /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code; says whether DMA goes on, in time with TIM6.
     #[inline]
     pub fn put(&mut self, given: DacCode) -> bool {
-        // No two ticks are done within a turn of TIM7.
-        let runs = pac::TIM7.sr().read().uif();
+        // Where a tick was late, the next may be done within a turn of TIM7.
+        let looked = core::mem::replace(&mut self.looked, DWT::cycle_count());
+        let runs = pac::TIM7.sr().read().uif() || self.looked.wrapping_sub(looked) < TURN;
         pac::TIM7.sr().write(|w| w.set_uif(false));
         // Codes of the tick that are over.
         let over = u32::from(pac::TIM6.cnt().read().cnt()) * CODES / self.turn;

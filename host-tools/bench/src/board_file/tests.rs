@@ -27,6 +27,7 @@ fn what_cannot_be_is_named_with_its_place_or_value() {
     says("adc_span = [1.0, 1.0]", &["adc_span = [1, 1]", "differ"]);
     says("sensor_span = [nan, 1.0]", &["sensor_span"]);
     says("drive_slew = -5", &["drive_slew = -5", "positive"]);
+    says("amplifier_slew = 0", &["amplifier_slew = 0", "positive"]);
     says("drive_range = [0, 200]\ndrive_span = [-30, 130]", &["drive_range = [0, 200]", "within drive_span"]);
     says("drive_range = [0, 90]\nadc_span = [0, 80]", &["drive_range = [0, 90]", "within adc_span"]);
     says("drive_range = [10, 90]\ndrive_rest = 0", &["drive_rest = 0", "within drive_range"]);
@@ -36,6 +37,7 @@ fn what_cannot_be_is_named_with_its_place_or_value() {
     for line in whole.lines() {
         says(&whole.replace(line, "# none"), &["line ", "drive_", "belong together"]);
     }
+    says(&format!("{whole}amplifier_slew = 400"), &["line 3: drive_slew = 500", "no more than amplifier_slew"]);
     says("# of the amplifier\ndrive_rest = 0", &["line 2: drive_rest = 0", "belong together"]);
     says("setpoint_span = [0, 40]", &["setpoint_span = [0, 40]", "drive_span"]);
     says(&format!("{whole}linearise = true"), &["line 4: linearise = true", "needs setpoint_span"]);
@@ -65,7 +67,9 @@ fn what_is_stated_wins_over_the_file() {
     let stated = CalibrationOptions { adc_span: Some(Span { zero: 1.0, full: 2.0 }), ..Default::default() };
     let both = FACTS.calibration(&stated);
     assert_eq!(both.adc_span, Some(Span { zero: 1.0, full: 2.0 }));
-    assert_eq!(both.drive.drive_slew, FACTS.drive_slew);
+    assert_eq!((both.drive.drive_slew, both.amplifier_slew), (FACTS.drive_slew, FACTS.amplifier_slew));
+    let faster = CalibrationOptions { amplifier_slew: Some(5e4), ..Default::default() };
+    assert_eq!(FACTS.calibration(&faster).amplifier_slew, Some(5e4));
     let shows = CalibrationOptions { dac_span: Some(Span { zero: 0.0, full: 2.0 }), ..Default::default() };
     assert_eq!(FACTS.calibration(&shows).drive.drive_span, None);
 }

@@ -142,19 +142,19 @@ pub(crate) fn read(adc: &AdcCalibration, volts: f64, supply_mv: f64) -> AdcCode 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use estimator_core::Status;
+    use estimator_core::{Admitted, Status, Table};
+    use firmware::leap::TOO_LONG;
     use firmware::watch::{SATURATED, STUCK};
     use protocol::Faults;
 
-    fn outcomes() -> Vec<(Injected, u32, Outcome)> {
-        let table = firmware::table::TABLE.admit().unwrap();
-        let runs = Runs::new(&table);
+    fn outcomes(table: &Admitted) -> Vec<(Injected, u32, Outcome)> {
+        let runs = Runs::new(table);
         FAULTS.iter().map(|fault| (fault.injected, fault.ticks, runs.with(fault))).collect()
     }
 
     #[test]
     fn what_can_be_seen_of_a_fault_is_flagged_in_time() {
-        for (injected, ticks, outcome) in outcomes() {
+        for (injected, ticks, outcome) in outcomes(&firmware::table::TABLE.admit().unwrap()) {
             let Outcome { flag, fault, worst_um, recovery, .. } = outcome;
             let found = format!("{injected:?} for {ticks} ticks: {outcome:?}");
             let first = |bit: Status| flag.is_some_and(|(bits, at)| bits.contains(bit) && at == 1);
@@ -180,6 +180,34 @@ mod tests {
             }
             // The compiled table has no ±.
             assert_eq!((recovery, outcome.silent), (Recovery::NeedsZero, 0), "{found}");
+        }
+    }
+
+    /// What the book's table states, V/s: over twenty times the sine's fastest change.
+    const AMPLIFIER_SLEW: f32 = 250.0;
+
+    #[test]
+    fn what_leaps_costs_little_or_is_a_fault_where_the_amplifiers_slew_rate_is_stated() {
+        let table = Table { amplifier_slew_v_per_s: Some(AMPLIFIER_SLEW), ..firmware::table::TABLE }.admit().unwrap();
+        for (injected, ticks, outcome) in outcomes(&table) {
+            let Outcome { flag, fault, worst_um, .. } = outcome;
+            let found = format!("{injected:?} for {ticks} ticks: {outcome:?}");
+            let held = flag.is_some_and(|(bits, at)| bits.contains(Status::SLEW_EXCEEDED) && at == 1);
+            match injected {
+                Injected::Noise(codes) if codes <= 5.0 => assert_eq!((flag, fault), (None, None), "{found}"),
+                Injected::Added(_) if ticks < TOO_LONG => assert!(held && fault.is_none() && worst_um < 1.5, "{found}"),
+                Injected::Added(_) | Injected::Open => {
+                    assert!(held && worst_um < 1.5, "{found}");
+                    assert_eq!(fault, Some((Faults::SLEW_EXCEEDED, TOO_LONG)), "{found}");
+                }
+                // Both are as early.
+                Injected::AtTheEnd => {
+                    let both = Faults::SLEW_EXCEEDED | Faults::ADC_SATURATED;
+                    assert_eq!((held, fault), (true, Some((both, TOO_LONG))), "{found}");
+                }
+                Injected::Clipped(_) | Injected::Drift(_) => assert!(!held && fault.is_none(), "{found}"),
+                _ => {}
+            }
         }
     }
 

@@ -11,7 +11,7 @@ pub struct Outcome {
     pub flag: Option<(Status, u32)>,
     /// The first fault that lasts, and at which tick of the fault, from 1.
     pub fault: Option<(Faults, u32)>,
-    /// The largest error on ticks with an estimate that no lasting fault belies, µm.
+    /// The largest error before any fault that lasts, which starts the estimate anew, µm.
     pub worst_um: f64,
     /// The ± that was stated at that tick, µm; `None` where none was.
     pub stated_um: Option<f64>,
@@ -50,7 +50,7 @@ impl Outcome {
             }
             let error = f64::from(faulty.displacement - sound.displacement).abs();
             let stated = faulty.half_width.map(f64::from);
-            if lasting.is_empty() && error > worst_um {
+            if fault.is_none() && error > worst_um {
                 (worst_um, stated_um) = (error, stated);
             }
             if stated.is_none_or(|stated| error > stated) {
@@ -136,14 +136,16 @@ mod tests {
     }
 
     #[test]
-    fn the_interval_is_that_of_the_largest_error_that_no_fault_belies() {
+    fn the_interval_is_that_of_the_largest_error_before_a_lasting_fault() {
         assert_eq!((of(&ten(|_, _| ())).worst_um, of(&ten(|_, _| ())).stated_um), (0.0, None));
         let mut faulty = off(2, 7);
         (faulty[4].displacement, faulty[4].half_width) = (3.0, Some(1.5));
         (faulty[5].displacement, faulty[5].faults) = (9.0, Faults::ADC_SATURATED);
         let outcome = of(&faulty);
         assert_eq!((outcome.worst_um, outcome.stated_um), (3.0, Some(1.5)));
-        faulty[6] = sample(4.0, None);
+        faulty[6] = sample(9.0, None);
+        assert_eq!(of(&faulty).worst_um, 3.0, "it has begun anew since");
+        faulty[3] = sample(4.0, None);
         assert_eq!((of(&faulty).worst_um, of(&faulty).stated_um), (4.0, None));
     }
 

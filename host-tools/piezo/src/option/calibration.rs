@@ -1,7 +1,7 @@
 //! The converters of the target.
 
 use super::drive::DriveArgs;
-use super::number::span;
+use super::number::{positive, span};
 use ::calibration::CalibrationOptions;
 use ::calibration::span::Span;
 use anyhow::Result;
@@ -24,6 +24,10 @@ pub struct CalibrationArgs {
     /// Largest ADC code (with oversampling); 4095 where nothing else is known.
     #[arg(long, value_parser = clap::value_parser!(u16).range(3..))]
     pub adc_full_scale: Option<u16>,
+    /// Fastest change of the amplifier's output, V/s: its slew rate, or its peak current over the stack's capacitance, whichever is less. A
+    /// device then finds a monitor's wire that is off, and estimates from no voltage that leaps farther.
+    #[arg(long, value_parser = positive, allow_hyphen_values = true, value_name = "V/s")]
+    pub amplifier_slew: Option<f64>,
     /// Displacement at DAC code 0 and at full scale, µm relative to the model's zero. Without it the displacement limits.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "µm:µm")]
     pub dac_span: Option<Span>,
@@ -38,8 +42,15 @@ pub struct CalibrationArgs {
 impl CalibrationArgs {
     /// What is stated, here or in the board's file.
     pub fn options(&self) -> Result<CalibrationOptions> {
-        let &Self { ref board, adc_span, adc_full_scale, dac_span, dac_full_scale, ref drive } = self;
-        let stated = CalibrationOptions { adc_span, adc_full_scale, dac_span, dac_full_scale, drive: drive.into() };
+        let &Self { ref board, adc_span, adc_full_scale, amplifier_slew, dac_span, dac_full_scale, ref drive } = self;
+        let stated = CalibrationOptions {
+            adc_span,
+            adc_full_scale,
+            amplifier_slew,
+            dac_span,
+            dac_full_scale,
+            drive: drive.into(),
+        };
         match board {
             Some(board) => Ok(BoardFacts::read(board)?.calibration(&stated)),
             None => Ok(stated),

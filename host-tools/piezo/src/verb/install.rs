@@ -6,7 +6,7 @@ use crate::option::BoardOption;
 use crate::option::link::PortOption;
 use ::calibration::converter_mismatches;
 use anyhow::Result;
-use bench::{BoardFacts, NO_MODEL, for_board, install, rehearsal};
+use bench::{BoardFacts, NO_MODEL, WIRE_NOT_FOUND, for_board, install, rehearsal};
 use clap::Args;
 use device_link::board;
 use device_link::interrupt::Interrupt;
@@ -47,12 +47,15 @@ pub fn run(arguments: &Install) -> Result<bool> {
     let stated = arguments.table.as_deref().map(|path| for_board(path, &arguments.board.board)).transpose()?;
     let (mut client, identity) = arguments.port.connect()?;
     arguments.board.of_board(&BoardFacts::read(&arguments.board.board)?, &identity)?;
-    let (name, table, doubts) = match stated {
+    let (name, table, mut doubts) = match stated {
         Some(stated) => stated,
         None => {
             ("a straight line".into(), *arguments.board.wiring(identity.tick_us)?.line(), vec![NO_MODEL.to_owned()])
         }
     };
+    if table.amplifier_slew_v_per_s.is_none() {
+        doubts.push(WIRE_NOT_FOUND.to_owned());
+    }
     device::fits(&board::of(&identity)?, &table, &name)?;
     converter_mismatches(&table)
         .iter()

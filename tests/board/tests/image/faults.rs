@@ -4,6 +4,7 @@
 use crate::common::{Bench, PARTS, VALID, shown, triangle};
 use anyhow::Result;
 use board_emulator_test::{Conversion, Record};
+use estimator_core::Table;
 use protocol::Faults;
 
 /// Feeds `codes` to a running device for `ticks` ticks. For each, whether the DAC stood at its safe code a trigger later.
@@ -85,5 +86,27 @@ fn a_voltage_that_the_table_does_not_know_is_a_fault_after_a_second() -> Result<
     let health = bench.health()?;
     assert_eq!((health.faults, health.voltage_out_of_range), (Faults::empty(), 2_100));
     assert_eq!(health.faults_seen, Faults::OUT_OF_CALIBRATION);
+    Ok(())
+}
+
+#[test]
+fn a_wire_that_comes_off_is_a_fault_after_ten_milliseconds_and_a_glitch_is_none() -> Result<()> {
+    let mut bench = Bench::started()?;
+    // 120 codes a tick; the triangle goes 40.
+    let table = Table { amplifier_slew_v_per_s: Some(16.0), ..*bench.table()? }.admit()?;
+    bench.push(&table)?;
+    // From where the triangle sets out.
+    bench.board.feed(|n| triangle(0) + (n % 2) as u16);
+    bench.restart()?;
+    let codes = |n: u64| match n {
+        100..119 => 60_000,
+        300.. => 40_000 + (n % 2) as u16,
+        _ => triangle(n),
+    };
+    let safe = safe_after(&mut bench, 3_500, codes)?;
+    assert_eq!(span(&safe), Some((319, 319 + HOLD - 1, HOLD)));
+    let health = bench.health()?;
+    assert_eq!((health.faults, health.faults_seen), (Faults::empty(), Faults::SLEW_EXCEEDED));
+    assert_eq!(health.bias_age_ticks, None, "it needs a zero");
     Ok(())
 }

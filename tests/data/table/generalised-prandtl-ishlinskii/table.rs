@@ -1,6 +1,6 @@
 // Made by `piezo emit`; change table.toml instead.
 // Logs 57bf11f99660667d, seed 1, training MAE 0.0736 µm.
-// Checksum 0c83a8f0.
+// Checksum 782227c5.
 
 #[allow(unused_imports, reason = "which types a table names depends on what it has")]
 use estimator_core::{
@@ -126,6 +126,7 @@ pub const TABLE: Table = Table {
         invert: false,
         full_scale: 4095,
     },
+    amplifier_slew_v_per_s: None,
     dac: DacCalibration {
         gain_codes_per_um: 71.029175,
         offset_code: 519.11206,

@@ -52,7 +52,16 @@ fn fitted(table: &Table, drives: bool) -> Result<Admitted> {
     let gain_codes_per_v = codes / range_v.span();
     let drive =
         DriveCalibration { gain_codes_per_v, offset_code: -gain_codes_per_v * range_v.min, limits, setpoint: None };
-    let table = Table { adc, dac, drive: drives.then_some(drive), sample_period_us: BOARD.tick_us, ..*table };
+    // As far as the codes go in a tick: each is looked at, and believed.
+    let amplifier_slew_v_per_s = Some(span * 2_000.0);
+    let table = Table {
+        adc,
+        amplifier_slew_v_per_s,
+        dac,
+        drive: drives.then_some(drive),
+        sample_period_us: BOARD.tick_us,
+        ..*table
+    };
     Ok(table.admit()?)
 }
 
