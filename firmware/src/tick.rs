@@ -3,7 +3,7 @@
 //! Contract. The timer's trigger starts the conversion and has the DAC put out what it was given, both in hardware. The end of the
 //! conversion raises the highest-priority interrupt, which calls [`Tick::sample`] and gives the DAC what it returns, to be
 //! put out from the *next* trigger on: whatever the tick's duration, the output has no jitter, as long as it is done in time.
-//! One tick is 500 µs, 85,000 cycles at 170 MHz. A tick that comes late or not at all, or is not done in time for its output,
+//! One tick is 500 µs, 85,000 cycles at 170 MHz, where the image is not built for another rate ([`crate::rate`]). A tick that comes late or not at all, or is not done in time for its output,
 //! is counted, and the sample says so; the numbers of the samples skip ticks that did not come. No lock, no log, no allocation,
 //! no `f64`. Where the DAC drives the amplifier ([`crate::drive`]), the same holds of its voltage: the reference of tick k moves
 //! it at tick k + 1, and the displacement a tick after that.
@@ -12,6 +12,7 @@ mod output;
 
 use crate::conversion::Conversion;
 use crate::correction::Read;
+use crate::decimation::Streamed;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
 use crate::setpoint::Wish;
@@ -34,6 +35,7 @@ pub struct Tick<'q> {
     watch: Watch,
     /// The tick's number since the mode was set.
     number: u32,
+    decimation: Streamed,
     /// Cycle counter at the last tick.
     last: Option<u32>,
     valid: bool,
@@ -45,8 +47,9 @@ impl<'q> Tick<'q> {
         telemetry.set_safe(startup.safe, startup.stride);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
+        let (decimation, valid) = (Streamed::default(), false);
         let mut tick =
-            Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last, valid: false };
+            Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, decimation, last, valid };
         if tick.startup.linearises {
             tick.enter(Mode::Linearise);
         }
@@ -168,7 +171,12 @@ impl<'q> Tick<'q> {
     }
 
     fn stream(&mut self, sample: Sample) {
-        if self.telemetry.streaming.load(Relaxed)
+        if !self.telemetry.streaming.load(Relaxed) {
+            return;
+        }
+        // Of fed codes every one is answered: they come no faster than the line brings them.
+        let streamed = if self.mode == Mode::Pil { Some(sample) } else { self.decimation.take(self.number, sample) };
+        if let Some(sample) = streamed
             && self.queues.samples.enqueue(Numbered { tick: self.number, sample }).is_err()
         {
             add(&self.telemetry.dropped, 1);
@@ -210,6 +218,7 @@ impl<'q> Tick<'q> {
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
         self.number = 0;
+        self.decimation = Streamed::default();
         self.watch = Watch::new(self.adc_full_scale);
         while self.queues.fed.dequeue().is_some() {}
         while self.queues.references.dequeue().is_some() {}

@@ -68,7 +68,7 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     Ok(Session { complete, seed, logs: paths(learnt), held_out: paths(held_out) })
 }
 
-/// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a tick.
+/// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a sample.
 pub struct LogFile {
     path: PathBuf,
     file: BufWriter<File>,
@@ -91,11 +91,11 @@ impl LogFile {
         Ok(Self { path: path.to_owned(), file, tick_s, rows: 0 })
     }
 
-    /// Adds a row: the columns behind the time.
-    pub fn row(&mut self, columns: &[f64]) -> Result<(), BenchError> {
+    /// Adds the row of a tick: the columns behind the time.
+    pub fn row(&mut self, tick: usize, columns: &[f64]) -> Result<(), BenchError> {
         let mut row = || -> std::io::Result<()> {
             // Whole ticks of some µs: six places hold them.
-            write!(self.file, "{:.6}", self.rows as f64 * self.tick_s)?;
+            write!(self.file, "{:.6}", tick as f64 * self.tick_s)?;
             columns.iter().try_for_each(|number| write!(self.file, ",{number:.5}"))?;
             writeln!(self.file)?;
             if self.rows.is_multiple_of(ROWS) { self.file.flush() } else { Ok(()) }

@@ -1,5 +1,5 @@
-//! The DAC's output, sixteen times as fine as its codes: TIM7 puts a code out every 10 µs, DMA brings them, and their mean over a
-//! tick is what the tick wants ([`firmware::shaping`]). A low-pass behind the pin shows the mean.
+//! The DAC's output, sixteen times as fine as its codes: TIM7 puts a code out every 10 µs whatever the tick's rate, DMA brings them,
+//! and their mean is what the ticks want ([`firmware::shaping`]). A low-pass behind the pin shows the mean.
 //!
 //! Two halves of a ring are a tick's codes each. While one is put out, the tick fills the other. DMA fetches a code when the one
 //! before is put out, and waits with it in the holding register: two triggers lie between a code's place in the ring and the
@@ -27,14 +27,16 @@ use firmware::shaping::{PARTS, Shaper};
 
 use super::{CORE_HZ, Irqs, TELEMETRY, clocks, trigger};
 
-/// Codes of a tick.
-const CODES: u32 = 50;
+/// Codes a second.
+const CODES_HZ: u32 = 100_000;
+/// Codes of a tick; 50 at 2 kHz.
+const CODES: u32 = CODES_HZ / TICK_HZ;
 /// Words of them, two a word.
 const HALF: usize = CODES as usize / 2;
 /// Most cycles by which a tick's codes begin before TIM6's trigger.
 const LEAD: u32 = CORE_HZ / 1_000_000;
 /// How long before the next trigger a tick must be done, cycles: a code before the first of its own is fetched.
-pub const AHEAD: u32 = 2 * (CORE_HZ / TICK_HZ / CODES) + LEAD;
+pub const AHEAD: u32 = 2 * (CORE_HZ / CODES_HZ) + LEAD;
 /// Parts of a code that rounding and the supply's correction may add to a stride.
 const ROUNDING: u16 = 4;
 /// DMA1's channel, from 0.
@@ -69,7 +71,7 @@ impl Ahead {
 /// The DAC on its pin, at what it is given for its safe code until TIM7 is started.
 pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri<'static, TIM7>) -> (Output, Ahead) {
     // Before the DAC listens: loading the prescaler is a trigger too.
-    let timer = trigger(tim7, CODES * TICK_HZ);
+    let timer = trigger(tim7, CODES_HZ);
     let request = Dma::<DAC1, Ch1>::request(&*dma);
     // SAFETY: the driver is given the channel, too, and never writes by it.
     let ours = unsafe { dma.clone_unchecked() };

@@ -147,7 +147,7 @@ mod tests {
     use protocol::Faults;
 
     fn outcomes() -> Vec<(Injected, u32, Outcome)> {
-        let table = firmware::table::TABLE.admit().unwrap();
+        let table = firmware::compiled::TABLE.admit().unwrap();
         let runs = Runs::new(&table);
         FAULTS.iter().map(|fault| (fault.injected, fault.ticks, runs.with(fault))).collect()
     }
