@@ -15,6 +15,8 @@ use crate::{artifact, root};
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// The name by which rustup knows Debian's compiler once [`setup`] has linked it.
 const LINKED: &str = "+debian";
+/// The environment variable that chooses the firmware's rate.
+pub const TICK_HZ: &str = "TICK_HZ";
 const RUSTC: &str = "/usr/bin/rustc";
 const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-llvm"];
 
@@ -60,12 +62,26 @@ impl Board {
     }
 }
 
-/// Builds the firmware for a board; returns the image's path.
+/// Builds the firmware for a board, at 2 kHz; returns the image's path.
 ///
 /// # Errors
 /// It does not build.
 pub fn image(sh: &Shell, board: Board) -> Result<PathBuf> {
-    artifact::build(cargo(sh)?.arg("fw").args(board.arguments()), board.name())
+    artifact::build(cargo(sh)?.env_remove(TICK_HZ).arg("fw").args(board.arguments()), board.name())
+}
+
+/// Builds the firmware for the board itself at another rate, and puts the image aside, where the next build leaves it; returns its
+/// path.
+///
+/// # Errors
+/// It does not build.
+pub fn image_at(sh: &Shell, hz: u32) -> Result<PathBuf> {
+    let board = Board::NucleoG474re;
+    let built =
+        artifact::build(cargo(sh)?.env(TICK_HZ, hz.to_string()).arg("fw").args(board.arguments()), board.name())?;
+    let aside = built.with_file_name(format!("{}-{hz}", board.name()));
+    sh.copy_file(&built, &aside)?;
+    Ok(aside)
 }
 
 /// Makes [`cargo`] succeed.

@@ -175,11 +175,13 @@ fn c(sh: &Shell) -> Result<()> {
 }
 
 fn board(sh: &Shell) -> Result<()> {
+    let fast = embedded::image_at(sh, 10_000)?;
+    // The last one built is the one that others find.
     let image = embedded::image(sh, Board::NucleoG474re)?;
     cmd!(sh, "cargo clippy {BOARD...} --lib --test=image --profile=test -- -D warnings").run()?;
     // The cycles are counted, and held to what the core states, where the documents' figures are made of them.
     let tests = cmd!(sh, "cargo test {BOARD...} --lib --test=image -- --nocapture --skip cycles::no_");
-    Ok(tests.env("FIRMWARE_IMAGE", image).run()?)
+    Ok(tests.env("FIRMWARE_IMAGE", image).env("FIRMWARE_IMAGE_10KHZ", fast).run()?)
 }
 
 fn browser(sh: &Shell) -> Result<()> {

@@ -7,7 +7,9 @@
 //! no input takes more. `cargo xtask cycles` prints what they are made of; the check `figures` fails where the margin has become
 //! less than 7 %, or far too large.
 //!
-//! A tick may take [`ALLOWED_PERCENT`] of its time: the rest is the serial line's, the flash's and the host's.
+//! A tick may take [`ALLOWED_PERCENT`] of its time: the rest is the serial line's, the flash's and the host's. That so much is left
+//! between the converter's end and the next trigger, the board's image sees to at each of its rates. At 1 kHz the output's codes are
+//! twice as many as where the cycles were counted, at 2 kHz: some hundreds, which the margin holds.
 
 use super::{Misfit, Table};
 use crate::model::{Model, Parameters};
