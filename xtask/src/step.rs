@@ -7,7 +7,7 @@ use xshell::{Cmd, Shell, cmd};
 
 use crate::{
     artifact, book,
-    embedded::{self, Board, TARGET},
+    embedded::{self, Board, TARGET, TICK_HZ},
     figures,
     image::Image,
     python, rules,
@@ -46,7 +46,7 @@ pub const STEPS: [Step; 13] = [
     Step { name: "test", about: "unit, property and command tests on the host", tools: &[], run: test },
     Step {
         name: "firmware",
-        about: "the firmware builds for both boards, without a lint and without software f64",
+        about: "the firmware builds for both boards and at every rate, without a lint and without software f64",
         tools: &[&EMBEDDED],
         run: firmware,
     },
@@ -139,6 +139,9 @@ fn test(sh: &Shell) -> Result<()> {
     Ok(cmd!(sh, "cargo test {MICROMATH...} --doc").run()?)
 }
 
+/// Rates of the firmware that no check builds an image of.
+const OTHER_RATES: [&str; 2] = ["1000", "5000"];
+
 fn firmware(sh: &Shell) -> Result<()> {
     for board in Board::ALL {
         embedded::cargo(sh)?
@@ -153,6 +156,14 @@ fn firmware(sh: &Shell) -> Result<()> {
             "something computes in f64, which takes hundreds of instructions: {}",
             found.join(" ")
         );
+    }
+    for hz in OTHER_RATES {
+        embedded::cargo(sh)?
+            .args(["clippy", "--release", "--package", "firmware", "--target", TARGET, "--lib"])
+            .args(Board::NucleoG474re.arguments())
+            .args(["--", "-D", "warnings"])
+            .env(TICK_HZ, hz)
+            .run()?;
     }
     // Beside a board, whose foreign crates are built already.
     let micromath = ["--no-default-features", "--features", "mps2-an386,micromath", "--lib"];

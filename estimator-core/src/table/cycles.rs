@@ -70,6 +70,7 @@ impl Parameters {
         let (estimate, drive) = match self {
             Self::BoucWen(of) if of.n == 2.0 => BOUC_WEN_SQUARE,
             Self::BoucWen(of) if of.n != 1.0 => BOUC_WEN_POWER,
+            Self::PrandtlIshlinskii(of) if of.thresholds_v.len() == 1 && of.dead_zones_um.is_empty() => STRAIGHT_LINE,
             _ => most_cycles(self.model()),
         };
         if drives { drive } else { estimate }
@@ -80,6 +81,9 @@ impl Parameters {
 /// is too much for a board was observed before boards refused it.
 const BOUC_WEN_SQUARE: (u32, u32) = (17_800, 68_700);
 const BOUC_WEN_POWER: (u32, u32) = (88_000, 245_900);
+
+/// Of the Prandtl-Ishlinskii model with one play and nothing behind it, as a board is measured with before it has a model.
+const STRAIGHT_LINE: (u32, u32) = (9_000, 15_000);
 
 /// To estimate, and to drive.
 const fn most_cycles(model: Model) -> (u32, u32) {

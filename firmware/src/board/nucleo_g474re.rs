@@ -15,8 +15,7 @@
 //! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
 //!
 //! At 2 kHz sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz a channel, 67.8 µs for all three, the monitor first; the interrupt
-//! follows. Every other interrupt has a
-//! lower priority, so only a critical section (embassy's own, tens of instructions each) can delay the tick.
+//! follows. Every other interrupt has a lower priority, so only a critical section (embassy's own, tens of instructions each) can delay the tick.
 #![no_std]
 #![no_main]
 
@@ -70,7 +69,7 @@ bind_interrupts!(struct Irqs {
 });
 
 const CORE_HZ: u32 = 170_000_000;
-/// The converters' codes have the same scales at every rate, so that a table and a wiring are of the tick alone, or of none.
+/// The converters' codes have the same scale at every rate, so that a calibration of the wiring holds at each.
 const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: SCALE * 4095, dac_full_scale: 4095 };
 /// A code of the ADC is so many times one of 12 bits.
 const SCALE: u16 = 16;

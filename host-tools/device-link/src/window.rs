@@ -3,6 +3,7 @@
 use estimator_core::{AdcCalibration, AdcCode, Status};
 use protocol::{Faults, Sample, Samples};
 use std::collections::VecDeque;
+use std::num::NonZeroU8;
 
 /// How a frame of samples stands to the one before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -46,6 +47,8 @@ pub struct Window {
     length: usize,
     samples: VecDeque<Sample>,
     numbers: Numbers,
+    /// Ticks from a sample to the next.
+    every: NonZeroU8,
     received: u64,
     lost: u64,
 }
@@ -64,7 +67,8 @@ pub struct Extent {
 impl Window {
     /// A window of `length` ticks.
     pub fn new(calibration: AdcCalibration, length: usize) -> Self {
-        Self { calibration, length, samples: VecDeque::new(), numbers: Numbers::default(), received: 0, lost: 0 }
+        let (samples, numbers, every) = (VecDeque::new(), Numbers::default(), NonZeroU8::MIN);
+        Self { calibration, length, samples, numbers, every, received: 0, lost: 0 }
     }
 
     /// Takes the next frame.
@@ -74,6 +78,7 @@ impl Window {
             Continuity::Gap(ticks) => self.lost += samples_in(ticks, samples),
             Continuity::Restarted => self.samples.clear(),
         }
+        self.every = samples.every;
         self.received += samples.samples.len() as u64;
         self.samples.extend(&samples.samples);
         let surplus = self.samples.len().saturating_sub(self.length.div_ceil(samples.every.get().into()));
@@ -83,6 +88,11 @@ impl Window {
     /// Forgets the samples, but not what was counted.
     pub fn clear(&mut self) {
         self.samples.clear();
+    }
+
+    /// Ticks from a sample to the next.
+    pub fn every(&self) -> NonZeroU8 {
+        self.every
     }
 
     /// Samples received since the start.
@@ -144,7 +154,6 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::num::NonZeroU8;
 
     fn frame(first: u32, displacements: &[f32]) -> Samples {
         let sample = |&displacement| Sample {
@@ -194,6 +203,7 @@ mod tests {
         take(4, &[5.0]);
         take(20, &[6.0]);
         assert_eq!((window.received(), window.lost()), (5, 3));
+        assert_eq!(window.every(), every);
         assert_eq!(window.displacement().map(|y| y.min), Some(3.0), "three samples are twelve ticks");
     }
 }
