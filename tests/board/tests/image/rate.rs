@@ -5,8 +5,8 @@ use crate::common::{Bench, CONVERTED, EARLY, push, record, reseeded, triangle};
 use crate::cycles::tables::tables;
 use anyhow::{Context, Result};
 use board_emulator_test::{Board, CORE_HZ};
-use estimator_core::{AdcCode, Estimator, Model, Table};
-use protocol::{Faults, Mode, Refusal, Reply, Request, TableSource, text};
+use estimator_core::{AdcCode, DacCode, Estimator, Model, Table};
+use protocol::{Faults, Mode, Refusal, Reply, Request, Samples, TableSource, text};
 
 const PERIOD: u64 = CORE_HZ as u64 / 10_000;
 /// Ticks of which one is streamed.
@@ -78,7 +78,7 @@ fn it_ticks_in_time_and_streams_every_fourth_tick_without_loss() -> Result<()> {
     let batches = &bench.samples;
     assert!(batches.iter().all(|batch| u32::from(batch.every.get()) == EVERY && batch.first % EVERY == 0));
     assert!(batches.windows(2).all(|pair| pair[1].first == pair[0].end()), "a gap");
-    let samples: Vec<_> = batches.iter().flat_map(protocol::Samples::numbered).collect();
+    let samples: Vec<_> = batches.iter().flat_map(Samples::numbered).collect();
     assert!(samples.len() > 2_450, "{} samples in a second", samples.len());
     // Which sequence the first tick of the mode was.
     let (number, sample) = samples[0];
@@ -105,5 +105,43 @@ fn it_ticks_in_time_and_streams_every_fourth_tick_without_loss() -> Result<()> {
         assert!(codes.windows(2).all(|pair| pair[1].clock - pair[0].clock == SPACING), "{codes:?}");
         assert!(codes.iter().all(|latch| latch.code.abs_diff(sample.dac) <= 1), "{number}: {codes:?}, {}", sample.dac);
     }
+    Ok(())
+}
+
+#[test]
+fn a_drive_takes_its_first_reference_at_a_tick_that_is_streamed() -> Result<()> {
+    let mut bench = started()?;
+    let line = tables(Model::PrandtlIshlinskii, true)?.into_iter().find(|(name, _)| *name == "line");
+    let (_, line) = line.context("there is a straight line")?;
+    let table = Table { sample_period_us: 100, ..*line }.admit()?;
+    let (adc, drive) = (table.adc, table.drive.context("it drives")?);
+    let rest = drive.code(drive.limits.rest_v, table.dac.full_scale);
+    bench.board.connect(move |n, pin| {
+        let AdcCode(code) = adc.code(drive.voltage::<f32>(pin.map_or(rest, DacCode)));
+        code / SCALE + (n % 2) as u16
+    });
+    bench.push(&table)?;
+    bench.restart()?;
+    let volts: Vec<f32> =
+        (1..=64).map(|k| drive.limits.rest_v + 1e-3 * k as f32 * drive.limits.range_v.span()).collect();
+    // From ticks that are not all the same apart.
+    for pause in [0.01, 0.0101, 0.0103, 0.0107] {
+        bench.does(Request::SetMode(Mode::Excite))?;
+        bench.does(Request::Stream(true))?;
+        bench.run(pause)?;
+        bench.samples.clear();
+        let references = volts.iter().copied().collect();
+        let reply = bench.ask(Request::Refer { first: 0, references, go: true, hold: true })?;
+        assert_eq!(reply, Reply::Referred { next: 64, starved: 0 });
+        bench.run(0.02)?;
+        let samples = bench.samples.iter().flat_map(Samples::numbered);
+        let driven: Vec<_> = samples.filter(|(_, sample)| !sample.faults.contains(Faults::SAFE_OUTPUT)).collect();
+        let (first, _) = driven[0];
+        for (number, sample) in driven.iter().take(64 / EVERY as usize) {
+            let wanted = drive.code(volts[(number - first) as usize], table.dac.full_scale);
+            assert!(sample.dac.abs_diff(wanted.0) <= 1, "tick {}: {}, {wanted:?}", number - first, sample.dac);
+        }
+    }
+    assert_eq!(bench.health()?.missed, 0);
     Ok(())
 }
