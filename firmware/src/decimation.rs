@@ -16,18 +16,18 @@ pub struct Decimation<const EVERY: u32> {
 }
 
 impl<const EVERY: u32> Decimation<EVERY> {
+    /// Every tick is streamed.
+    pub const ALL: bool = EVERY == 1;
+
     /// Whether the tick of this number is streamed.
     #[inline]
     pub fn has(number: u32) -> bool {
-        EVERY == 1 || number.is_multiple_of(EVERY)
+        Self::ALL || number.is_multiple_of(EVERY)
     }
 
     /// Takes a tick's sample; gives the one to be streamed, if it is this tick's turn.
     #[inline]
     pub fn take(&mut self, number: u32, sample: Sample) -> Option<Sample> {
-        if EVERY == 1 {
-            return Some(sample);
-        }
         let (status, faults) = (self.status | sample.status, self.faults | sample.faults);
         let streamed = Self::has(number);
         // Where the output stands is no event: the sample says where it stands at its own tick.
@@ -63,11 +63,11 @@ mod tests {
     }
 
     #[test]
-    fn every_tick_is_what_it_is() {
+    fn where_every_tick_is_streamed_each_is_what_it_is() {
         let mut decimation = Decimation::<1>::default();
-        let odd = sample(Status::CLAMPED, Faults::SUPPLY);
-        assert_eq!(decimation.take(3, odd), Some(odd));
-        let good = sample(Status::empty(), Faults::empty());
-        assert_eq!(decimation.take(4, good), Some(good));
+        for (number, status) in [(3, Status::CLAMPED), (4, Status::empty())] {
+            let sample = sample(status, Faults::empty());
+            assert_eq!(decimation.take(number, sample), Some(sample));
+        }
     }
 }

@@ -175,7 +175,8 @@ impl<'q> Tick<'q> {
             return;
         }
         // Of fed codes every one is answered: they come no faster than the line brings them.
-        let streamed = if self.mode == Mode::Pil { Some(sample) } else { self.decimation.take(self.number, sample) };
+        let all = Streamed::ALL || self.mode == Mode::Pil;
+        let streamed = if all { Some(sample) } else { self.decimation.take(self.number, sample) };
         if let Some(sample) = streamed
             && self.queues.samples.enqueue(Numbered { tick: self.number, sample }).is_err()
         {

@@ -51,8 +51,6 @@ pub struct Output {
     filled: [DacCode; 2],
     /// Counts of TIM6 from trigger to trigger.
     turn: u32,
-    /// Whether TIM7 had turned when the last tick was done.
-    turned: bool,
     /// Dropped, it would stop.
     _dac: DacChannel<'static, Async>,
 }
@@ -105,18 +103,16 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
     // The constructor chooses the trigger and leaves it off.
     dac.set_triggering(true);
     let turn = u32::from(pac::TIM6.arr().read().arr()) + 1;
-    (Output { shaper, filled: [given; 2], turn, turned: true, _dac: dac }, Ahead(timer))
+    (Output { shaper, filled: [given; 2], turn, _dac: dac }, Ahead(timer))
 }
 
 impl Output {
     /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code; says whether DMA goes on, in time with TIM6.
     #[inline]
     pub fn put(&mut self, given: DacCode) -> bool {
-        // Two ticks may be done within a turn of TIM7, a late one and the next; three are not.
-        let turned = pac::TIM7.sr().read().uif();
-        pac::TIM7.sr().write(|w| w.set_uif(false));
-        let runs = turned || self.turned;
-        self.turned = turned;
+        // One that stands still may stand in phase. (That it has turned since the last tick says less: one that is late may be done a
+        // turn before the next.)
+        let runs = pac::TIM7.cr1().read().cen();
         // Codes of the tick that are over.
         let over = u32::from(pac::TIM6.cnt().read().cnt()) * CODES / self.turn;
         // From there, where in the ring the tick began, and one more: TIM7's trigger and DMA are a little apart from TIM6's count.
