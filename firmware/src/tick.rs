@@ -3,10 +3,10 @@
 //! Contract. The timer's trigger starts the conversion and has the DAC put out what it was given, both in hardware. The end of the
 //! conversion raises the highest-priority interrupt, which calls [`Tick::sample`] and gives the DAC what it returns, to be
 //! put out from the *next* trigger on: whatever the tick's duration, the output has no jitter, as long as it is done in time.
-//! One tick is 500 µs, 85,000 cycles at 170 MHz, where the image is not built for another rate ([`crate::rate`]). A tick that comes late or not at all, or is not done in time for its output,
-//! is counted, and the sample says so; the numbers of the samples skip ticks that did not come. No lock, no log, no allocation,
-//! no `f64`. Where the DAC drives the amplifier ([`crate::drive`]), the same holds of its voltage: the reference of tick k moves
-//! it at tick k + 1, and the displacement a tick after that.
+//! One tick is 500 µs, 85,000 cycles at 170 MHz, where the image is not built for another rate ([`crate::rate`]). A tick that comes
+//! late or not at all, or is not done in time for its output, is counted, and the sample says so; the numbers of the samples skip
+//! ticks that did not come. No lock, no log, no allocation, no `f64`. Where the DAC drives the amplifier ([`crate::drive`]), the
+//! same holds of its voltage: the reference of tick k moves it at tick k + 1, and the displacement a tick after that.
 
 mod output;
 
@@ -172,6 +172,9 @@ impl<'q> Tick<'q> {
 
     fn stream(&mut self, sample: Sample) {
         if !self.telemetry.streaming.load(Relaxed) {
+            if !Streamed::ALL {
+                self.decimation = Streamed::default();
+            }
             return;
         }
         // Of fed codes every one is answered: they come no faster than the line brings them.

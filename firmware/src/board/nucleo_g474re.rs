@@ -263,7 +263,7 @@ fn trigger<T: BasicInstance>(timer: Peri<'static, T>, hz: u32) -> Timer<'static,
     let registers = timer.regs_basic();
     // The smallest prescaler with which 16 bits count a period to the very clock.
     let clocks = timer.get_clock_frequency().0 / hz;
-    let prescaler = (1..=16).find(|by| clocks % by == 0 && clocks / by <= 1 << 16).unwrap_or(1);
+    let prescaler = (1..=16).find(|by| clocks.is_multiple_of(*by) && clocks / by <= 1 << 16).unwrap_or(1);
     registers.psc().write_value((prescaler - 1) as u16);
     registers.arr().write(|w| w.set_arr((clocks / prescaler - 1) as u16));
     // Loads the prescaler; without it the first period is too short.
