@@ -5,7 +5,7 @@ use super::print::out;
 use crate::option::{CalibrationArgs, Overwrite};
 use crate::output::{self, FACES};
 use ::calibration::converter_mismatches;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use bench::describe;
 use clap::{Args, ValueEnum};
 use identification::Doubt;
@@ -67,8 +67,8 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         file.doubts.retain(|doubt| *doubt != assumed);
     }
     let admitted = match arguments.tick_us {
-        Some(tick_us) => file.admit().with_context(|| {
-            format!("{}: at {tick_us} µs: identify with --tick-us {tick_us}", arguments.table.display())
+        Some(tick_us) => file.admit().map_err(|refused| {
+            anyhow!("{}: at {tick_us} µs {refused}: identify with --tick-us {tick_us}", arguments.table.display())
         })?,
         None => file.admit()?,
     };
