@@ -5,13 +5,13 @@
 //! wire, a tripped amplifier and a wrong span are found as soon as the command goes where the voltage does not; but not where
 //! the voltage of the open wire lies amid a swing that is faster than the reach.
 
-use crate::rate::TICK_HZ;
+use crate::rate::ticks_in;
 use estimator_core::{AdcCalibration, AdcCode, DriveLimits, Range};
 
 /// How far the voltage may lie beyond what was commanded, as a part of the drive's range.
 pub const TOLERANCE: f32 = 0.05;
 /// How long what was commanded counts at most, ticks: 20 ms. At least it counts for half as long.
-pub const REACH_TICKS: u32 = TICK_HZ / 50;
+pub const REACH_TICKS: u32 = ticks_in(20);
 
 /// What was commanded lately.
 #[derive(Clone, Debug)]
@@ -55,6 +55,7 @@ impl Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rate::TICK_HZ;
 
     const ADC: AdcCalibration =
         AdcCalibration { gain_v_per_code: 0.002, offset_v: -10.0, invert: false, full_scale: 65_520 };

@@ -101,6 +101,11 @@ impl Drive {
         !matches!(self.state, State::Waiting | State::Stopped { takes: false })
     }
 
+    /// Whether it is at rest until the first reference comes.
+    pub fn ready(&self) -> bool {
+        matches!(self.state, State::Ready { .. })
+    }
+
     /// Whether a reference is followed, of either kind.
     pub fn following(&self) -> bool {
         matches!(self.state, State::Following { .. })

@@ -121,7 +121,7 @@ impl Leap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::TABLE;
+    use crate::compiled::TABLE;
     use estimator_core::Table;
 
     const FULL: u16 = 65_520;

@@ -15,8 +15,10 @@
 
 pub mod answer;
 pub mod boot;
+pub mod compiled;
 pub mod conversion;
 pub mod correction;
+pub mod decimation;
 pub mod drive;
 pub mod facts;
 pub mod last_words;

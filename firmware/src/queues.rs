@@ -1,5 +1,6 @@
 //! What the tick and the link hand each other: single-producer, single-consumer queues, so that neither waits.
 
+use crate::rate::ticks_in;
 use estimator_core::AdcCode;
 use heapless::spsc::{Consumer, Producer, Queue};
 use protocol::{Mode, Sample};
@@ -35,12 +36,15 @@ pub struct Numbered {
     pub sample: Sample,
 }
 
+/// References that may wait for their ticks: 128 ms of them, and 256 at least.
+const WAITING: usize = if ticks_in(128) < 256 { 256 } else { ticks_in(128) as usize };
+
 /// The queues themselves. Each holds one element less than its length.
 #[derive(Debug)]
 pub struct Queues {
     commands: Queue<Command, 4>,
     fed: Queue<AdcCode, 256>,
-    references: Queue<f32, 256>,
+    references: Queue<f32, WAITING>,
     samples: Queue<Numbered, 256>,
 }
 

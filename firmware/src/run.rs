@@ -1,13 +1,13 @@
 //! Puts the parts together and never ends.
 
 use crate::boot::{self, Chosen};
+use crate::compiled::TABLE;
 use crate::link::{Device, Link, Taken};
 use crate::panel::{Front, Panel};
 use crate::peripherals::Peripherals;
 use crate::queues::Queues;
 use crate::restarts::SOON;
 use crate::startup::Startup;
-use crate::table::TABLE;
 use crate::telemetry::Telemetry;
 use crate::tick::Tick;
 use core::sync::atomic::Ordering::Relaxed;

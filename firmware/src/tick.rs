@@ -3,15 +3,16 @@
 //! Contract. The timer's trigger starts the conversion and has the DAC put out what it was given, both in hardware. The end of the
 //! conversion raises the highest-priority interrupt, which calls [`Tick::sample`] and gives the DAC what it returns, to be
 //! put out from the *next* trigger on: whatever the tick's duration, the output has no jitter, as long as it is done in time.
-//! One tick is 500 µs, 85,000 cycles at 170 MHz. A tick that comes late or not at all, or is not done in time for its output,
-//! is counted, and the sample says so; the numbers of the samples skip ticks that did not come. No lock, no log, no allocation,
-//! no `f64`. Where the DAC drives the amplifier ([`crate::drive`]), the same holds of its voltage: the reference of tick k moves
-//! it at tick k + 1, and the displacement a tick after that.
+//! One tick is 500 µs, 85,000 cycles at 170 MHz, where the image is not built for another rate ([`crate::rate`]). A tick that comes
+//! late or not at all, or is not done in time for its output, is counted, and the sample says so; the numbers of the samples skip
+//! ticks that did not come. No lock, no log, no allocation, no `f64`. Where the DAC drives the amplifier ([`crate::drive`]), the
+//! same holds of its voltage: the reference of tick k moves it at tick k + 1, and the displacement a tick after that.
 
 mod output;
 
 use crate::conversion::Conversion;
 use crate::correction::Read;
+use crate::decimation::Streamed;
 use crate::facts::Facts;
 use crate::queues::{Command, Numbered, TickQueues};
 use crate::setpoint::Wish;
@@ -34,6 +35,7 @@ pub struct Tick<'q> {
     watch: Watch,
     /// The tick's number since the mode was set.
     number: u32,
+    decimation: Streamed,
     /// Cycle counter at the last tick.
     last: Option<u32>,
     valid: bool,
@@ -45,8 +47,9 @@ impl<'q> Tick<'q> {
         telemetry.set_safe(startup.safe, startup.stride);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
+        let (decimation, valid) = (Streamed::default(), false);
         let mut tick =
-            Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, last, valid: false };
+            Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, decimation, last, valid };
         if tick.startup.linearises {
             tick.enter(Mode::Linearise);
         }
@@ -179,7 +182,16 @@ impl<'q> Tick<'q> {
     }
 
     fn stream(&mut self, sample: Sample) {
-        if self.telemetry.streaming.load(Relaxed)
+        if !self.telemetry.streaming.load(Relaxed) {
+            if !Streamed::ALL {
+                self.decimation = Streamed::default();
+            }
+            return;
+        }
+        // Of fed codes every one is answered: they come no faster than the line brings them.
+        let all = Streamed::ALL || self.mode == Mode::Pil;
+        let streamed = if all { Some(sample) } else { self.decimation.take(self.number, sample) };
+        if let Some(sample) = streamed
             && self.queues.samples.enqueue(Numbered { tick: self.number, sample }).is_err()
         {
             add(&self.telemetry.dropped, 1);
@@ -224,6 +236,7 @@ impl<'q> Tick<'q> {
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
         self.number = 0;
+        self.decimation = Streamed::default();
         self.watch = Watch::new(self.adc_full_scale);
         while self.queues.fed.dequeue().is_some() {}
         while self.queues.references.dequeue().is_some() {}

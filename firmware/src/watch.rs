@@ -4,25 +4,25 @@
 //! takes 1 away, so that a voltage that is clipped for a fifth of the time is found as well as one that always is. A fault
 //! lasts until [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
 
-use crate::rate::TICK_HZ;
+use crate::rate::{TICK_HZ, ticks_in};
 use estimator_core::{AdcCode, Status};
 use protocol::Faults;
 
 /// Odd ticks in a row, near an end of the ADC's range, that are a fault: 10 ms.
-pub const SATURATED: u32 = TICK_HZ / 100;
-/// Ticks in a row with one and the same code that are a fault: 1 s. With sixteenfold oversampling the converter's own
+pub const SATURATED: u32 = ticks_in(10);
+/// Ticks in a row with one and the same code that are a fault: 1 s, and 2,000 at least. With sixteenfold oversampling the converter's own
 /// noise moves the code hundreds of times a second, whatever its input does; even where it is as little as
 /// 0.15 of a step rms (one of 12 bits, of a single conversion), with the input in the middle of a step, so many equal codes come
 /// once in a trillion.
-pub const STUCK: u32 = TICK_HZ;
+pub const STUCK: u32 = if TICK_HZ < 2_000 { 2_000 } else { TICK_HZ };
 /// The same of the set-point: 10 s. A controller may hold it by right, and nothing is estimated of it.
 pub const SETPOINT_STUCK: u32 = 10 * TICK_HZ;
 /// Odd ticks in a row, beyond the table's voltage range, that are a fault: 1 s.
 pub const OUT_OF_RANGE: u32 = TICK_HZ;
 /// Odd ticks in a row, with the amplifier not where the drive commands it, that are a fault: 100 ms.
-pub const ASTRAY: u32 = TICK_HZ / 10;
+pub const ASTRAY: u32 = ticks_in(100);
 /// Late or missed ticks in a row that are a fault of the output too: 10 ms. One alone costs the estimate one step.
-pub const MISSED: u32 = TICK_HZ / 100;
+pub const MISSED: u32 = ticks_in(10);
 /// How long a fault outlasts its cause: 1 s.
 pub const HOLD: u32 = TICK_HZ;
 /// What an odd tick weighs.

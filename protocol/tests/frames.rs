@@ -5,11 +5,12 @@ use estimator_core::record::MAX_LENGTH;
 use proptest::prelude::*;
 use protocol::frame::MAX_FRAME;
 use protocol::{
-    Deframer, Faults, FrameError, Health, Identity, Mode, Refusal, Reply, Request, ResetCause, Sample, Samples,
-    TableSource, ToDevice, ToHost, Uid, VERSION, encode, text,
+    BAUD, Deframer, Faults, FrameError, Health, Identity, Mode, Refusal, Reply, Request, ResetCause, Sample, Samples,
+    TableSource, ToDevice, ToHost, Uid, VERSION, encode, stream_every, text,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::num::NonZeroU8;
 
 fn frame(message: &impl Serialize) -> Vec<u8> {
     encode(message, &mut [0; MAX_FRAME]).expect("a message fits its frame").to_vec()
@@ -50,7 +51,7 @@ fn samples(count: usize) -> Samples {
         status: Status::all(),
         faults: Faults::all(),
     };
-    Samples { first: u32::MAX, samples: (0..count).map(|_| sample).collect() }
+    Samples { first: u32::MAX, every: NonZeroU8::MAX, samples: (0..count).map(|_| sample).collect() }
 }
 
 /// What the device sends, at its longest.
@@ -125,14 +126,28 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f08ac020a030102f0ff03c44d8cba00");
+    assert_eq!(hex(frame(&message)), "0f09ac020a030102f0ff03fa264e5500");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "230801ffffffff0f01ffff0301ffff03ffff7fff01ffff7f7fffff03ffff1f3c3ad2b800"
+        "240901ffffffff0fff01ffff0301ffff03ffff7fff01ffff7f7fffff037fff0fe17a33b000"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (8, 2644201474));
+    assert_eq!((VERSION, crc), (9, 1375278722));
+}
+
+#[test]
+fn the_stream_leaves_a_fifth_of_the_line_at_every_rate() {
+    let every = [1_000, 2_000, 5_000, 10_000].map(|hz| stream_every(hz).get());
+    assert_eq!(every, [1, 1, 2, 4]);
+    for (hz, every) in [1_000, 2_000, 5_000, 10_000].into_iter().zip(every) {
+        // What comes within the 4 ms after which samples are sent.
+        let samples_hz = hz as f64 / f64::from(every);
+        let batch = samples((samples_hz * 4e-3) as usize);
+        let bits = frame(&ToHost::Samples(batch.clone())).len() * 10;
+        let share = bits as f64 * samples_hz / batch.samples.len() as f64 / f64::from(BAUD);
+        assert!(share < 0.8, "{hz} Hz: {share}");
+    }
 }
 
 #[test]

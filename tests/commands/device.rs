@@ -205,7 +205,14 @@ fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
     let converters = pushed(&table, |of| Identity { adc_full_scale: 4095, dac_full_scale: 1023, ..of });
     let command = format!("piezo emit {table} --adc-full-scale 4095 --dac-full-scale 1023");
     assert!(converters.contains(&command), "{converters}");
-    assert!(pushed(&table, |of| Identity { tick_us: 100, ..of }).contains("--tick-us 100"));
+    let ticks = pushed(&table, |of| Identity { tick_us: 100, ..of });
+    assert!(ticks.contains(&format!("piezo emit {table} --tick-us 100 --out FOLDER")), "{ticks}");
+    let other = folder.path().join("other").display().to_string();
+    piezo().args(["emit", &table, "--tick-us", "100", "--out", &other]).assert().success();
+    let brought = fs::read_to_string(format!("{other}/table.toml")).unwrap();
+    assert!(brought.contains("sample_period_us = 100\n") && brought.contains("tick_us = 100\n"), "{brought}");
+    let bound = ["emit", "tests/data/table/models/duhem.toml", "--tick-us", "100", "--out", &other];
+    assert!(refused(&bound, &[]).contains("identify with --tick-us 100"));
     let newer = pushed(&table, |of| Identity { record_version: of.record_version + 1, ..of });
     assert!(newer.contains(&format!("writes format {VERSION}")), "{newer}");
     let estimating = pushed(&table, |of| of);

@@ -15,6 +15,8 @@ use crate::{artifact, root};
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// The name by which rustup knows Debian's compiler once [`setup`] has linked it.
 const LINKED: &str = "+debian";
+/// The environment variable that chooses the firmware's rate.
+pub const TICK_HZ: &str = "TICK_HZ";
 const RUSTC: &str = "/usr/bin/rustc";
 const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-llvm"];
 
@@ -60,12 +62,31 @@ impl Board {
     }
 }
 
-/// Builds the firmware for a board; returns the image's path.
+/// Builds the firmware for a board, at 2 kHz; returns the image's path.
 ///
 /// # Errors
-/// It does not build.
+/// It does not build, here and below.
 pub fn image(sh: &Shell, board: Board) -> Result<PathBuf> {
-    artifact::build(cargo(sh)?.arg("fw").args(board.arguments()), board.name())
+    build(cargo(sh)?.env_remove(TICK_HZ), board)
+}
+
+/// The same at the rate that the environment chooses.
+pub fn image_as_chosen(sh: &Shell, board: Board) -> Result<PathBuf> {
+    build(cargo(sh)?, board)
+}
+
+fn build(cargo: Cmd<'_>, board: Board) -> Result<PathBuf> {
+    artifact::build(cargo.arg("fw").args(board.arguments()), board.name())
+}
+
+/// Builds the firmware for the board itself at another rate, and puts the image aside, where the next build leaves it; returns its
+/// path.
+pub fn image_at(sh: &Shell, hz: u32) -> Result<PathBuf> {
+    let board = Board::NucleoG474re;
+    let built = build(cargo(sh)?.env(TICK_HZ, hz.to_string()), board)?;
+    let aside = built.with_file_name(format!("{}-{hz}", board.name()));
+    sh.copy_file(&built, &aside)?;
+    Ok(aside)
 }
 
 /// Makes [`cargo`] succeed.

@@ -34,7 +34,7 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> Result<()> {
     tool::require(sh, &[&EMBEDDED, &QEMU])?;
     let image = match &arguments.image {
         Some(image) => image.clone(),
-        None => embedded::image(sh, Board::Mps2An386)?,
+        None => embedded::image_as_chosen(sh, Board::Mps2An386)?,
     };
     let (serial, port) = if arguments.pty {
         println!("QEMU names the pseudo-terminal below, as `char device redirected to /dev/pts/N`.");

@@ -7,7 +7,7 @@ use xshell::{Cmd, Shell, cmd};
 
 use crate::{
     artifact, book,
-    embedded::{self, Board, TARGET},
+    embedded::{self, Board, TARGET, TICK_HZ},
     figures,
     image::Image,
     python, rules,
@@ -64,7 +64,7 @@ pub const STEPS: [Step; 13] = [
     },
     Step {
         name: "firmware",
-        about: "the firmware builds for both boards, without a lint and without software f64",
+        about: "the firmware builds for both boards and at every rate, without a lint and without software f64",
         tools: &[&EMBEDDED],
         beside: false,
         run: firmware,
@@ -150,6 +150,9 @@ fn test(sh: &Shell) -> Result<()> {
     Ok(cmd!(sh, "cargo test {MICROMATH...} --doc").run()?)
 }
 
+/// Rates of the firmware that no check builds an image of.
+const OTHER_RATES: [&str; 2] = ["1000", "5000"];
+
 fn firmware(sh: &Shell) -> Result<()> {
     for board in Board::ALL {
         embedded::cargo(sh)?
@@ -164,6 +167,14 @@ fn firmware(sh: &Shell) -> Result<()> {
             "something computes in f64, which takes hundreds of instructions: {}",
             found.join(" ")
         );
+    }
+    for hz in OTHER_RATES {
+        embedded::cargo(sh)?
+            .args(["clippy", "--release", "--package", "firmware", "--target", TARGET, "--lib"])
+            .args(Board::NucleoG474re.arguments())
+            .args(["--", "-D", "warnings"])
+            .env(TICK_HZ, hz)
+            .run()?;
     }
     // Beside a board, whose foreign crates are built already.
     let micromath = ["--no-default-features", "--features", "mps2-an386,micromath", "--lib"];
@@ -186,11 +197,13 @@ fn c(sh: &Shell) -> Result<()> {
 }
 
 fn board(sh: &Shell) -> Result<()> {
+    let fast = embedded::image_at(sh, 10_000)?;
+    // The last one built is the one that others find.
     let image = embedded::image(sh, Board::NucleoG474re)?;
     cmd!(sh, "cargo clippy {BOARD...} --lib --test=image --profile=test -- -D warnings").run()?;
     // The cycles are counted, and held to what the core states, where the documents' figures are made of them.
     let tests = cmd!(sh, "cargo test {BOARD...} --lib --test=image -- --nocapture --skip cycles::no_");
-    Ok(tests.env("FIRMWARE_IMAGE", image).run()?)
+    Ok(tests.env("FIRMWARE_IMAGE", image).env("FIRMWARE_IMAGE_10KHZ", fast).run()?)
 }
 
 fn browser(sh: &Shell) -> Result<()> {

@@ -9,11 +9,13 @@ mod board;
 mod cycles;
 mod digest;
 mod error;
+mod rate;
 
 pub use board::{Board, Misfit};
 pub use cycles::{ALLOWED_PERCENT, Cycles, MARGIN_PERCENT};
 pub use digest::Digest;
 pub use error::TableError;
+pub use rate::BoundToTick;
 
 use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration, DriveLimits};
 use crate::extremum::between_codes;

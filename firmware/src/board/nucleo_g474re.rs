@@ -3,7 +3,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, sixteenfold oversampling: codes up to 65,520 |
+//! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, oversampled ([`OVERSAMPLED`]): codes up to 65,520 |
 //! | displacement sensor, through divider and clamp, if there is one | PA1 (A1), ADC1 channel 2, injected after it, likewise |
 //! | set-point of a controller, through divider and clamp, if there is one | PB0 (A3), ADC1 channel 15, injected last, likewise |
 //! | estimate, or the amplifier's input | PA4 (A2), DAC1 channel 1, 12 bits at 100 kHz, 16 bits behind a low-pass, by DMA1's channel 2 ([`output`]) |
@@ -11,11 +11,11 @@
 //! | VALID: an edge at every good tick, for an interlock | PB10 (D6) |
 //! | lamp, button: [`firmware::panel`] | PA5 (LD2), PC13 (B1) |
 //! | link | LPUART1 on PA2, PA3, by DMA1's channels 1 and 3: the ST-Link's virtual COM port |
-//! | trigger of the ADC, and of the DAC | TIM6, 2 kHz, and TIM7, 100 kHz |
+//! | trigger of the ADC, and of the DAC | TIM6, 2 kHz ([`firmware::rate`]), and TIM7, 100 kHz |
 //! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
 //!
-//! Sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz a channel, 67.8 µs for all three, the monitor first; the interrupt follows. Every other interrupt has a
-//! lower priority, so only a critical section (embassy's own, tens of instructions each) can delay the tick.
+//! At 2 kHz sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz a channel, 67.8 µs for all three, the monitor first; the interrupt
+//! follows. Every other interrupt has a lower priority, so only a critical section (embassy's own, tens of instructions each) can delay the tick.
 #![no_std]
 #![no_main]
 
@@ -42,16 +42,15 @@ use embassy_stm32::gpio::{self, Input, Level, Pull, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac::{self, timer::vals::Mms};
 use embassy_stm32::peripherals::{ADC1, DMA1_CH1, DMA1_CH2, DMA1_CH3, LPUART1};
-use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::BasicInstance;
-use embassy_stm32::timer::low_level::{RoundTo, Timer};
+use embassy_stm32::timer::low_level::Timer;
 use embassy_stm32::triggers::TIM6_TRGO;
 use embassy_stm32::usart;
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, bind_interrupts, dma, flash, interrupt};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::AdcCode;
-use estimator_core::table::Board;
+use estimator_core::table::{ALLOWED_PERCENT, Board};
 use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::reading::Watched;
@@ -70,13 +69,25 @@ bind_interrupts!(struct Irqs {
 });
 
 const CORE_HZ: u32 = 170_000_000;
-/// The ADC adds up sixteen conversions of 12 bits.
-const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: 16 * 4095, dac_full_scale: 4095 };
-/// From the trigger to the interrupt, cycles, and a little for its entry: for each of three channels sixteen times 60 clocks of
+/// The converters' codes have the same scale at every rate, so that a calibration of the wiring holds at each.
+const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: SCALE * 4095, dac_full_scale: 4095 };
+/// A code of the ADC is so many times one of 12 bits.
+const SCALE: u16 = 16;
+/// Conversions of 12 bits that the ADC adds up: so many that a tick of this rate has the time that tables are admitted for, between the
+/// last channel's end and the DAC's need. All three channels are read at every rate.
+const OVERSAMPLED: u16 = match TICK_HZ {
+    ..=2_000 => 16,
+    2_001..=5_000 => 8,
+    _ => 4,
+};
+/// What a tick may take, cycles.
+const ALLOWED: u32 = CORE_HZ / TICK_HZ - CONVERSION - AHEAD;
+const _: () = assert!(100 * ALLOWED >= ALLOWED_PERCENT * (CORE_HZ / TICK_HZ), "tables are admitted that have no time");
+/// From the trigger to the interrupt, cycles, and a little for its entry: for each of three channels so many times 60 clocks of
 /// the ADC, each four of the core's.
-const CONVERSION: u32 = 3 * 16 * 60 * 4 + 100;
+const CONVERSION: u32 = 3 * OVERSAMPLED as u32 * 60 * 4 + 100;
 /// `OVSR`: the ratio is 2 to this plus one.
-const SIXTEENFOLD: u8 = 3;
+const RATIO: u8 = OVERSAMPLED.ilog2() as u8 - 1;
 /// Longest that the tick or the main loop may stand still, µs; a start that must repair the parameter pages (two erases of
 /// up to 25 ms) fits.
 const WATCHDOG_US: u32 = 200_000;
@@ -144,7 +155,7 @@ async fn main(_spawner: Spawner) {
     }
     interrupt::ADC1_2.set_priority(Priority::P0);
 
-    let oversampling = AdcConfig { oversampling_ratio: Some(SIXTEENFOLD), ..AdcConfig::default() };
+    let oversampling = AdcConfig { oversampling_ratio: Some(RATIO), ..AdcConfig::default() };
     let mut adc = Adc::new(p.ADC1, oversampling);
     // The regular conversions begin anew where the injected ones come between: so it is where both are oversampled.
     pac::ADC1.cfgr2().modify(|w| {
@@ -235,11 +246,11 @@ fn ADC1_2() {
         return;
     };
     marker.set_high();
-    let [monitor, sensor, setpoint] = adc.read_injected_samples().map(AdcCode);
+    let [monitor, sensor, setpoint] = adc.read_injected_samples().map(|sum| AdcCode(SCALE / OVERSAMPLED * sum));
     let conversion = Conversion { monitor, sensor: Some(sensor), setpoint: Some(setpoint) };
     // Otherwise DMA has lost a request or gets none any more, and the last code would stand; or it is out of step with the ticks.
     assert!(output.put(tick.sample(conversion, started)), "the DAC's DMA has stopped");
-    let in_time = TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), CORE_HZ / TICK_HZ - CONVERSION - AHEAD);
+    let in_time = TELEMETRY.took(DWT::cycle_count().wrapping_sub(started), ALLOWED);
     if in_time && tick.valid() {
         valid.toggle();
     }
@@ -249,10 +260,14 @@ fn ADC1_2() {
 /// A timer, not started, with its trigger output at exactly so many hertz.
 fn trigger<T: BasicInstance>(timer: Peri<'static, T>, hz: u32) -> Timer<'static, T> {
     let timer = Timer::new(timer);
-    timer.set_frequency(Hertz(hz), RoundTo::Slower);
+    let registers = timer.regs_basic();
+    // The smallest prescaler with which 16 bits count a period to the very clock.
+    let clocks = timer.get_clock_frequency().0 / hz;
+    let prescaler = (1..=16).find(|by| clocks.is_multiple_of(*by) && clocks / by <= 1 << 16).unwrap_or(1);
+    registers.psc().write_value((prescaler - 1) as u16);
+    registers.arr().write(|w| w.set_arr((clocks / prescaler - 1) as u16));
     // Loads the prescaler; without it the first period is too short.
     timer.generate_update_event();
-    let registers = timer.regs_basic();
     registers.cr2().modify(|w| w.set_mms(Mms::UPDATE));
     // Of the registers, because `get_frequency` of embassy-stm32 0.6 divides by one count too few.
     let counts = (u32::from(registers.psc().read()) + 1) * (u32::from(registers.arr().read().arr()) + 1);

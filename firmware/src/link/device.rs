@@ -1,10 +1,10 @@
 //! What the device answers to a request.
 
 use crate::boot;
+use crate::compiled::TABLE;
 use crate::facts::Facts;
 use crate::queues::{Command, LinkQueues};
 use crate::rate::TICK_HZ;
-use crate::table::TABLE;
 use crate::telemetry::Telemetry;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_time::{Duration, Instant, Timer};

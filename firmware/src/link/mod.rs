@@ -8,6 +8,8 @@ mod device;
 pub use device::{Device, Taken};
 
 use crate::panel::{Front, Panel};
+use crate::rate::STREAM_EVERY;
+use core::num::NonZeroU8;
 use core::ops::ControlFlow;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::select::{Either, select};
@@ -19,7 +21,7 @@ use protocol::frame::MAX_FRAME;
 use protocol::sample::MAX_BATCH;
 use protocol::{Deframer, FrameError, Mode, Refusal, Reply, Request, Samples, ToDevice, ToHost, encode};
 
-/// Longest wait before samples are sent: eight of them.
+/// Longest wait before samples are sent: four to ten of them.
 const PACE: Duration = Duration::from_millis(4);
 /// How long a mode that the host has set lasts without a word from it; [`Mode::Estimate`] and
 /// [`Mode::Linearise`] last for ever, and so does one that drives while it holds a reference that is to be held for ever.
@@ -127,12 +129,14 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
         }
     }
 
-    /// The waiting samples of consecutive ticks, as many as a frame takes.
+    /// The waiting samples without a gap, as many as a frame takes.
     fn batch(&mut self) -> Option<Samples> {
+        // A change of mode leaves none waiting.
+        let every = if self.device.telemetry.mode() == Mode::Pil { NonZeroU8::MIN } else { STREAM_EVERY };
         let queue = &mut self.device.queues.samples;
         let first = queue.peek()?.tick;
-        let mut batch = Samples { first, samples: heapless::Vec::new() };
-        for tick in (0..MAX_BATCH as u32).map(|k| first.wrapping_add(k)) {
+        let mut batch = Samples { first, every, samples: heapless::Vec::new() };
+        for tick in (0..MAX_BATCH as u32).map(|k| first.wrapping_add(k * u32::from(every.get()))) {
             if queue.peek().is_none_or(|next| next.tick != tick) {
                 break;
             }

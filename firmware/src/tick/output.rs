@@ -2,6 +2,7 @@
 //! for it.
 
 use super::Tick;
+use crate::decimation::Streamed;
 use crate::drive::Drive;
 use crate::setpoint::Wish;
 use crate::shaping::Codes;
@@ -38,7 +39,10 @@ impl Tick<'_> {
                 }
                 let next = match (setpoint, &mut self.startup.setpoint) {
                     (Some(wish), Some(wants)) => wants.wanted(wish, sound, drive.rests()),
-                    _ if drive.takes_references() => self.queues.references.dequeue(),
+                    // The first one is for a tick that is streamed, so that the host knows which it was.
+                    _ if drive.takes_references() && (!drive.ready() || Streamed::has(self.number)) => {
+                        self.queues.references.dequeue()
+                    }
                     _ => None,
                 };
                 if next.is_none() && drive.following() {

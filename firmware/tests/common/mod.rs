@@ -40,7 +40,7 @@ pub const FACTS: Facts = Facts {
 pub const SAFE: DacCode = DacCode(252);
 
 pub fn compiled() -> Admitted {
-    firmware::table::TABLE.admit().expect("the compiled table is admissible")
+    firmware::compiled::TABLE.admit().expect("the compiled table is admissible")
 }
 
 /// The compiled table with another seed: as good, and told apart by its record.

@@ -6,8 +6,8 @@ use embassy_futures::block_on;
 use estimator_core::{Admitted, Table};
 use firmware::Facts;
 use firmware::boot::{self, Chosen};
+use firmware::compiled::TABLE;
 use firmware::restarts::{Restarts, TOO_MANY};
-use firmware::table::TABLE;
 use parameter_store::ParameterStore;
 use protocol::{Mode, Refusal, Reply, Request, TableSource, text};
 

@@ -15,7 +15,7 @@ mod measured;
 pub use error::CalibrationError;
 pub use measured::measured;
 
-use crate::driven::Driven;
+use crate::driven::{Driven, STAYS_S};
 use crate::error::BenchError;
 use device_link::Client;
 use device_link::interrupt::Interrupt;
@@ -248,22 +248,24 @@ impl Calibrating<'_> {
 
     /// The samples of a second.
     fn second(&mut self) -> Result<Vec<Sample>, BenchError> {
-        let enough = (AVERAGED_S * 1e6 / f64::from(self.identity.tick_us)) as usize;
-        let mut samples = Vec::with_capacity(enough);
+        let mut samples = Vec::new();
         if let Stand::Driven(driven, _) = &mut self.stand {
-            while samples.len() < enough {
+            for _ in 0..(AVERAGED_S / STAYS_S).ceil() as usize {
                 samples.extend(driven.stay(self.client, self.interrupt)?);
             }
             return Ok(samples);
         }
+        let enough = (AVERAGED_S * 1e6 / f64::from(self.identity.tick_us)) as usize;
+        let mut ticks = 0;
         self.client.stream(true)?;
         let mut news = Instant::now();
-        while samples.len() < enough {
+        while ticks < enough {
             if self.interrupt.wanted() {
                 return Err(CalibrationError::Interrupted.into());
             }
             if let Some(batch) = self.client.samples(LOOK)? {
                 samples.extend(batch.samples.iter().copied());
+                ticks += batch.samples.len() * usize::from(batch.every.get());
                 news = Instant::now();
             }
             if news.elapsed() >= SILENCE {

@@ -17,7 +17,7 @@ const OF_SLEW: f64 = 0.5;
 const LONGEST_S: f64 = 60.0;
 /// How long the amplifier gets to come to the voltage after the last step, s, and how long it is held at a time.
 const SETTLES_S: f64 = 0.5;
-const STAYS_S: f64 = 0.25;
+pub(crate) const STAYS_S: f64 = 0.25;
 
 /// The board, and where it drives to.
 pub struct Driven {
@@ -78,8 +78,8 @@ impl Driven {
     ) -> Result<Vec<Sample>, BenchError> {
         let mut samples = Vec::with_capacity(references.len());
         let of = Play { mode: Mode::Excite, goes_on: self.held, references, hold: false, ticks: references.len() };
-        let played = play(client, &of, interrupt, &mut |sample| {
-            samples.push(*sample);
+        let played = play(client, &of, interrupt, &mut |of| {
+            samples.push(of.sample);
             true
         });
         let played = match played {

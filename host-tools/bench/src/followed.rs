@@ -2,9 +2,9 @@
 //!
 //! The reference of tick k moves the DAC at tick k + 1 and the displacement a tick after that, later by the model's delay.
 
+use device_link::streamed::{Streamed, of_tick_before};
 use estimator_core::{AdcCode, Admitted, DacCode};
 use feedforward::Trajectory;
-use protocol::Sample;
 use std::fmt::Write as _;
 
 /// An estimate this near to what was wanted has met it, as a fraction of the table's span of displacements.
@@ -41,21 +41,22 @@ pub fn late(table: &Admitted) -> f64 {
     2.0 + f64::from(table.parameters.delay_ticks())
 }
 
-/// The instants of samples, the first of which took the first reference.
-pub fn rows(table: &Admitted, trajectory: &Trajectory, samples: &[Sample]) -> Vec<Row> {
+/// The instants of samples, ticks from the one that took the first reference on.
+pub fn rows(table: &Admitted, trajectory: &Trajectory, samples: &[Streamed]) -> Vec<Row> {
     let (tick_s, late): (f64, f64) = (table.sample_period(), late(table));
-    let pairs = samples.windows(2).enumerate();
-    pairs
-        .map(|(before, pair)| Row {
-            seconds: (before + 1) as f64 * tick_s,
-            voltage: table.adc.voltage(AdcCode(pair[1].code)),
-            // Each estimate is of the tick after its sample's.
-            estimated: pair[0].displacement.into(),
-            wanted: trajectory.at((before + 1) as f64 - late),
-            // The code of a sample is put out a tick later.
-            driven: table.drive.map_or(0.0, |drive| drive.voltage(DacCode(pair[0].dac))),
-        })
-        .collect()
+    let row = |before: &Streamed, now: &Streamed| {
+        // The code of a sample is put out a tick later.
+        let driven =
+            table.drive.map_or([0.0; 2], |drive| [before, now].map(|of| drive.voltage::<f64>(DacCode(of.sample.dac))));
+        Row {
+            seconds: now.tick as f64 * tick_s,
+            voltage: table.adc.voltage(AdcCode(now.sample.code)),
+            estimated: now.estimate(&before.sample).into(),
+            wanted: trajectory.at(now.tick as f64 - late),
+            driven: of_tick_before(driven[0], driven[1], now.every),
+        }
+    };
+    samples.windows(2).map(|pair| row(&pair[0], &pair[1])).collect()
 }
 
 /// The instants as a log.

@@ -35,10 +35,17 @@ pub struct Session {
     pub complete: bool,
     /// What its voltages were drawn with.
     pub seed: u64,
+    /// The board's tick, µs.
+    pub tick_us: u32,
     /// To be learnt from.
     pub logs: Vec<PathBuf>,
     /// To prove with.
     pub held_out: Vec<PathBuf>,
+}
+
+/// The tick of a board at 2 kHz, µs.
+fn of_2_khz() -> u32 {
+    500
 }
 
 /// Reads a session's description.
@@ -55,20 +62,23 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     struct Described {
         complete: bool,
         seed: u64,
+        /// Sessions of before had but one.
+        #[serde(default = "of_2_khz")]
+        tick_us: u32,
         logs: Vec<Log>,
     }
     let path = folder.join(SESSION);
     let failed = |source| BenchError::Log { path: path.clone(), source };
     let text = std::fs::read_to_string(&path).map_err(failed)?;
-    let Described { complete, seed, logs } =
+    let Described { complete, seed, tick_us, logs } =
         toml::from_str(&text).map_err(|error| failed(std::io::Error::new(ErrorKind::InvalidData, error)))?;
     let (held_out, learnt): (Vec<Log>, Vec<Log>) = logs.into_iter().partition(|log| log.held_out);
     // They lie beside it, wherever it was moved to.
     let paths = |logs: Vec<Log>| logs.iter().filter_map(|of| Some(folder.join(of.log.file_name()?))).collect();
-    Ok(Session { complete, seed, logs: paths(learnt), held_out: paths(held_out) })
+    Ok(Session { complete, seed, tick_us, logs: paths(learnt), held_out: paths(held_out) })
 }
 
-/// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a tick.
+/// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a sample.
 pub struct LogFile {
     path: PathBuf,
     file: BufWriter<File>,
@@ -91,11 +101,11 @@ impl LogFile {
         Ok(Self { path: path.to_owned(), file, tick_s, rows: 0 })
     }
 
-    /// Adds a row: the columns behind the time.
-    pub fn row(&mut self, columns: &[f64]) -> Result<(), BenchError> {
+    /// Adds the row of a tick: the columns behind the time.
+    pub fn row(&mut self, tick: usize, columns: &[f64]) -> Result<(), BenchError> {
         let mut row = || -> std::io::Result<()> {
             // Whole ticks of some µs: six places hold them.
-            write!(self.file, "{:.6}", self.rows as f64 * self.tick_s)?;
+            write!(self.file, "{:.6}", tick as f64 * self.tick_s)?;
             columns.iter().try_for_each(|number| write!(self.file, ",{number:.5}"))?;
             writeln!(self.file)?;
             if self.rows.is_multiple_of(ROWS) { self.file.flush() } else { Ok(()) }

@@ -25,9 +25,9 @@ use validation::Figures;
 /// Columns of the log: the estimate as the board gives it, told at the zero; and its ±, where it has one.
 const HEADING: &str = "time_s,voltage_V,displacement_um,estimate_um";
 const HALF_WIDTH: &str = ",half_width_um";
-/// Ticks whose mean is the sensor's zero: 50 ms.
-const ZERO_TICKS: usize = 100;
-/// Fewest ticks that prove something.
+/// Time over which the sensor's mean is its zero, s.
+const ZERO_S: f64 = 0.05;
+/// Fewest samples that prove something.
 const FEWEST: usize = 1_000;
 /// How long it rests beyond what the table asks before it is zeroed, s.
 const REST_S: f64 = 0.5;
@@ -124,7 +124,7 @@ fn request(table: &Admitted, proof: &Proof<'_>) -> Result<(Request, DriveLimits)
     Ok((Request { rest_v: limits.rest_v.into(), slew_v_per_s, ..request }, limits))
 }
 
-/// What was measured since the zero, µm, at each tick.
+/// What was measured since the zero, µm, at each sample's tick.
 struct Measured {
     instants: Vec<Instant>,
     complaint: Option<Complaint>,
@@ -154,12 +154,12 @@ fn drive(
     let mut watch = Watch::new(wiring, span_v);
     let mut complaint = None;
     let volts = |sample: &Sample| wiring.adc().voltage::<f64>(AdcCode(sample.code));
-    let mut before: Vec<f64> = Vec::with_capacity(lead_in.len());
+    let mut before: Vec<(usize, f64)> = Vec::with_capacity(lead_in.len());
     let of = |references, goes_on, ticks| Play { mode: Mode::Excite, goes_on, references, hold: true, ticks };
-    let led_in = play(client, &of(lead_in, None, lead_in.len()), interrupt, &mut |sample| {
-        progress(before.len());
-        before.push(wiring.sensor.um(sample).unwrap_or(f64::NAN));
-        complaint = watch.complaint(sample, volts(sample));
+    let led_in = play(client, &of(lead_in, None, lead_in.len()), interrupt, &mut |of| {
+        progress(of.tick);
+        before.push((of.tick, wiring.sensor.um(&of.sample).unwrap_or(f64::NAN)));
+        complaint = watch.complaint(&of.sample, volts(&of.sample));
         complaint.is_none()
     })?;
     stopped(&led_in)?;
@@ -168,22 +168,27 @@ fn drive(
     let mut instants: Vec<Instant> = Vec::new();
     if complaint.is_none() {
         client.set_zero(0.0)?;
-        let last = &before[before.len().saturating_sub(ZERO_TICKS)..];
+        let zero_ticks = (ZERO_S / table.sample_period::<f64>()).round() as usize;
+        let last: Vec<f64> =
+            before.iter().filter(|(tick, _)| tick + zero_ticks >= led_in.ticks).map(|(_, um)| *um).collect();
         let zero = last.iter().sum::<f64>() / last.len().max(1) as f64;
-        let (mut next, mut failed) = (None, None);
-        let played = play(client, &of(random, Some(led_in.held), random.len()), interrupt, &mut |sample| {
+        let (mut last, mut began, mut failed) = (None, None, None);
+        let played = play(client, &of(random, Some(led_in.held), random.len()), interrupt, &mut |of| {
+            let sample = &of.sample;
             complaint = watch.complaint(sample, volts(sample));
             let um = wiring.sensor.um(sample).unwrap_or(f64::NAN) - zero;
-            // A sample's estimate is of the next tick.
-            let of_next = (f64::from(sample.displacement), sample.half_width.map(f64::from), sample.status);
-            if let Some((estimate, half, status)) = next.replace(of_next) {
+            if let Some(before) = last.replace(*sample) {
+                let (estimate, half) = (f64::from(of.estimate(&before)), before.half_width.map(f64::from));
+                let status = before.status;
                 instants.push(Instant { estimate_um: estimate, sensor_um: um, half_width_um: half, status });
                 let mut row = vec![volts(sample), um, estimate];
                 // A table that has an interval has it from the zero on.
                 row.extend(table.interval.map(|_| half.unwrap_or(f64::NAN)));
-                failed = log.row(&row).err();
+                // The first row is at 0 s.
+                let began = *began.get_or_insert(of.tick);
+                failed = log.row(of.tick - began, &row).err();
             }
-            progress(lead_in.len() + instants.len());
+            progress(lead_in.len() + of.tick);
             complaint.is_none() && failed.is_none()
         })?;
         stopped(&played)?;

@@ -92,7 +92,8 @@ fn a_session_leaves_its_logs_and_the_device_as_it_was() {
     is_home(&mut client, folder.path());
     let session = std::fs::read_to_string(folder.path().join("session.toml")).unwrap();
     assert!(session.contains("complete = true") && session.contains("sensor_span"), "{session}");
-    let Session { complete, seed, logs, held_out } = crate::session(folder.path()).unwrap();
+    let Session { complete, seed, logs, held_out, tick_us } = crate::session(folder.path()).unwrap();
+    assert_eq!(tick_us, 500);
     assert!(complete && session.contains(&format!("seed = {seed}\n")));
     let (last, learnt): (Vec<_>, Vec<_>) =
         trained.logs.iter().map(|log| log.log.clone()).partition(|log| log.ends_with("held-out.csv"));

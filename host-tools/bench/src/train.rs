@@ -8,6 +8,7 @@ use crate::wiring::Wiring;
 use device_link::Client;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Held, Play, PlayError, play};
+use device_link::streamed::Streamed;
 use estimator_core::AdcCode;
 use excitation::{Drive, Segment};
 use protocol::{Faults, Mode};
@@ -37,7 +38,7 @@ pub struct Written {
     pub log: PathBuf,
     /// What of the actuator it shows, for people.
     pub what: &'static str,
-    /// Its rows, one a tick.
+    /// Its rows, one a sample.
     pub rows: u64,
     /// All of the segment is there.
     pub complete: bool,
@@ -129,7 +130,7 @@ struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    /// Plays a segment, from rest to rest, and writes its log: a row a tick, those that waited for the host among them.
+    /// Plays a segment, from rest to rest, and writes its log: a row a sample, those that waited for the host among them.
     fn record(
         &mut self,
         client: &mut Client,
@@ -146,18 +147,18 @@ impl Recorder<'_> {
         let (references, ticks) = (&segment.volts[..], segment.volts.len());
         // It ends at rest, where it is held until the next one goes on.
         let what = Play { mode: Mode::Excite, goes_on: self.held, references, hold: true, ticks };
-        let (mut ended, mut rows) = (None, 0);
+        let mut ended = None;
         let watch = &mut self.watch;
         let done = self.done;
-        let played = play(client, &what, interrupt, &mut |sample| {
+        let played = play(client, &what, interrupt, &mut |of| {
+            let Streamed { tick, sample, .. } = of;
             let volts: f64 = wiring.adc().voltage(AdcCode(sample.code));
             let um = wiring.sensor.um(sample).unwrap_or(f64::NAN);
             ended = match watch.complaint(sample, volts) {
                 Some(complaint) => Some(Ended::Complaint(complaint)),
-                None => log.row(&[volts, um]).err().map(Ended::Log),
+                None => log.row(*tick, &[volts, um]).err().map(Ended::Log),
             };
-            rows += 1;
-            progress(segment, done + rows);
+            progress(segment, done + tick + 1);
             ended.is_none()
         });
         let fault = played.as_ref().ok().map(|played| played.stopped).filter(|stopped| !stopped.is_empty());
@@ -178,6 +179,7 @@ struct Session<'a> {
     tool: String,
     complete: bool,
     seed: u64,
+    tick_us: u32,
     covers: Vec<String>,
     forbidden: Vec<String>,
     waited_ticks: u32,
@@ -190,6 +192,7 @@ fn session(training: &Training<'_>, trained: &Trained) -> String {
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
         complete: trained.complete(),
         seed: training.drive.request().seed,
+        tick_us: training.wiring.line().sample_period_us,
         covers: training.drive.covers(),
         forbidden: training.drive.forbidden(),
         waited_ticks: trained.starved,

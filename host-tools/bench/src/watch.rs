@@ -4,7 +4,7 @@
 use crate::wiring::Wiring;
 use protocol::Sample;
 
-/// Saturated ticks, less those that are not, that end a session.
+/// Saturated samples, less those that are not, that end a session.
 const SATURATED: u32 = 200;
 /// The voltage has gone over this part of what is to be driven before the sensor must have moved.
 const OF_RANGE: f64 = 0.5;

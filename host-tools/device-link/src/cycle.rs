@@ -7,11 +7,13 @@
 use super::client::Client;
 use super::error::LinkError;
 use super::interrupt::Interrupt;
-use super::window::{Continuity, Numbers};
+use super::streamed::estimate_at;
+use super::window::{Continuity, Numbers, samples_in};
 use super::words;
 use estimator_core::{AdcCalibration, AdcCode, Admitted, Range, Status};
 use protocol::{Faults, Sample};
 use serde::Serialize;
+use std::num::NonZeroU8;
 use std::time::{Duration, Instant};
 use validation::reversals::first_cycle;
 
@@ -92,7 +94,7 @@ pub enum CycleError {
     },
     /// Samples were lost.
     #[error("{0} samples were lost, so that the mean is not known: is the cable sound, and this machine not too busy?")]
-    SamplesLost(u32),
+    SamplesLost(u64),
     /// The device counts from 0 again.
     #[error("the device was restarted, or its mode set by somebody else")]
     Restarted,
@@ -126,39 +128,43 @@ pub fn over_cycle(
     Ok(cycle)
 }
 
-/// What has come, tick by tick.
+/// What has come, sample by sample.
 #[derive(Default)]
 struct Heard {
     /// Voltage, V.
     voltage: Vec<f64>,
-    /// The sample of the tick before, whose displacement is that of the tick.
-    estimated: Vec<Sample>,
+    /// The estimate, µm.
+    estimated: Vec<f32>,
+    /// What was said of it: the status of the sample before.
+    status: Vec<Status>,
     /// The last sample.
     last: Option<Sample>,
 }
 
 impl Heard {
-    fn take(&mut self, sample: Sample, calibration: &AdcCalibration) -> Result<(), CycleError> {
+    fn take(&mut self, sample: Sample, every: NonZeroU8, calibration: &AdcCalibration) -> Result<(), CycleError> {
         let wrong = sample.faults & Faults::UNSAFE;
         if !wrong.is_empty() {
             return Err(CycleError::Faulty(wrong));
         }
         if let Some(before) = self.last.replace(sample) {
             self.voltage.push(calibration.voltage(AdcCode(sample.code)));
-            self.estimated.push(before);
+            self.estimated.push(estimate_at(&before, &sample, every));
+            self.status.push(before.status);
         }
         Ok(())
     }
 
-    fn cycle(&self, least_span_v: f64) -> Option<Cycle> {
+    /// The first full cycle, of samples so many ticks apart.
+    fn cycle(&self, least_span_v: f64, every: usize) -> Option<Cycle> {
         let cycle = first_cycle(&self.voltage, least_span_v)?;
-        let (voltage, estimated) = (&self.voltage[cycle.clone()], &self.estimated[cycle]);
-        let sum: f64 = estimated.iter().map(|sample| f64::from(sample.displacement)).sum();
+        let (voltage, estimated) = (&self.voltage[cycle.clone()], &self.estimated[cycle.clone()]);
+        let sum: f64 = estimated.iter().copied().map(f64::from).sum();
         Some(Cycle {
-            ticks: estimated.len(),
+            ticks: estimated.len() * every,
             mean_um: sum / estimated.len() as f64,
             voltage_v: Range::of_values(voltage.iter().copied()),
-            status: estimated.iter().fold(Status::empty(), |all, sample| all | sample.status),
+            status: self.status[cycle].iter().fold(Status::empty(), |all, status| all | *status),
         })
     }
 }
@@ -184,18 +190,19 @@ fn find(
         news = Instant::now();
         match numbers.take(&batch) {
             Continuity::Contiguous => {}
-            Continuity::Gap(lost) => return Err(CycleError::SamplesLost(lost)),
+            Continuity::Gap(ticks) => return Err(CycleError::SamplesLost(samples_in(ticks, &batch))),
             Continuity::Restarted => return Err(CycleError::Restarted),
         }
         for sample in batch.samples {
-            heard.take(sample, &wish.calibration)?;
+            heard.take(sample, batch.every, &wish.calibration)?;
         }
-        let ticks = heard.voltage.len();
+        let every = usize::from(batch.every.get());
+        let ticks = heard.voltage.len() * every;
         progress(ticks);
         let late = ticks as u64 >= wish.ticks();
         if late || ticks >= look {
             look = ticks + ticks / MORE;
-            match heard.cycle(wish.least_span_v) {
+            match heard.cycle(wish.least_span_v, every) {
                 Some(cycle) if cycle.status.intersects(WORTHLESS) => {
                     return Err(CycleError::Worthless(cycle.status & WORTHLESS));
                 }

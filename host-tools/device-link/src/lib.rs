@@ -13,6 +13,7 @@ pub mod probe;
 pub mod recording;
 pub mod sensor;
 pub mod stlink;
+pub mod streamed;
 pub mod table;
 pub mod window;
 pub mod words;

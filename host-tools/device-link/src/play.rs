@@ -4,8 +4,9 @@
 use super::client::Client;
 use super::error::LinkError;
 use super::interrupt::Interrupt;
-use super::window::{Continuity, Numbers};
-use protocol::{Faults, Mode, References, Sample, Samples};
+use super::streamed::Streamed;
+use super::window::{Continuity, Numbers, samples_in};
+use protocol::{Faults, Mode, References, Samples};
 use std::time::{Duration, Instant};
 
 /// References in one frame; [`References`] takes so many.
@@ -26,7 +27,7 @@ pub struct Play<'r> {
     pub references: &'r [f32],
     /// The last reference is held for ever; without it, as each one before the last, for a second.
     pub hold: bool,
-    /// Samples that are wanted, from the first reference on, and one more for each tick that finds no reference.
+    /// Ticks that are wanted, from the first reference on, and one more for each that finds no reference.
     pub ticks: usize,
 }
 
@@ -38,7 +39,7 @@ pub struct Held(u32);
 /// What came of it.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Played {
-    /// Samples that were handed over.
+    /// Ticks whose samples were handed over, those between samples among them.
     pub ticks: usize,
     /// Ticks that found no reference and held the last one.
     pub starved: u32,
@@ -66,7 +67,7 @@ pub enum PlayError {
     },
     /// Samples were lost.
     #[error("{0} samples were lost: is the cable sound, and this machine not too busy?")]
-    SamplesLost(u32),
+    SamplesLost(u64),
     /// The device counts from 0 again.
     #[error("the device was restarted, or its mode set by somebody else")]
     Restarted,
@@ -75,9 +76,10 @@ pub enum PlayError {
     Silent,
 }
 
-/// Sends references and hands each sample to `take`, from the first one on, one a tick, until all are there, a fault stops the
+/// Sends references and hands each sample to `take`, from the first one on, until all ticks are over, a fault stops the
 /// drive, or `take` answers `false`. The device is left in the mode, at the last reference. Of a play that goes on, the samples of
-/// the hold before its own first reference are passed over, so that each row stands beside its reference.
+/// the hold before its own first reference are passed over; the first of its own need not be of its first reference where the device
+/// streams every n-th tick only.
 ///
 /// # Errors
 /// The link fails or loses samples, the device stops, refuses, or the user does not want to wait.
@@ -85,7 +87,7 @@ pub fn play(
     client: &mut Client,
     play: &Play<'_>,
     interrupt: &Interrupt,
-    take: &mut dyn FnMut(&Sample) -> bool,
+    take: &mut dyn FnMut(&Streamed) -> bool,
 ) -> Result<Played, PlayError> {
     let &Play { mode, goes_on, references, hold, ticks: wanted } = play;
     if goes_on.is_none() {
@@ -133,7 +135,7 @@ pub fn play(
         while let Some(batch) = client.samples(patience)? {
             match numbers.take(&batch) {
                 Continuity::Contiguous => {}
-                Continuity::Gap(lost) => return Err(PlayError::SamplesLost(lost)),
+                Continuity::Gap(ticks) => return Err(PlayError::SamplesLost(samples_in(ticks, &batch))),
                 Continuity::Restarted => return Err(PlayError::Restarted),
             }
             played.take(&batch, &mut first, ticks, take);
@@ -154,8 +156,15 @@ pub fn play(
 impl Played {
     /// Takes what is from the tick `first` on; where that is not known, the drive starts from rest, and its first sample that
     /// is not of the rest is the first.
-    fn take(&mut self, batch: &Samples, first: &mut Option<u32>, ticks: usize, take: &mut dyn FnMut(&Sample) -> bool) {
-        for (number, sample) in (0..).map(|k| batch.first.wrapping_add(k)).zip(&batch.samples) {
+    fn take(
+        &mut self,
+        batch: &Samples,
+        first: &mut Option<u32>,
+        ticks: usize,
+        take: &mut dyn FnMut(&Streamed) -> bool,
+    ) {
+        let every = batch.every;
+        for (number, &sample) in batch.numbered() {
             let resting = sample.faults.contains(Faults::SAFE_OUTPUT);
             let waiting = first.is_none() && !sample.faults.intersects(Faults::UNSAFE);
             if resting && !waiting {
@@ -163,12 +172,13 @@ impl Played {
                 return;
             }
             // At rest before the first reference, or still held by the play before.
-            if resting || (number.wrapping_sub(*first.get_or_insert(number)) as i32) < 0 {
+            if resting {
                 continue;
             }
-            if self.ticks < ticks && !self.enough {
-                self.ticks += 1;
-                self.enough = !take(sample);
+            let Ok(tick) = usize::try_from(number.wrapping_sub(*first.get_or_insert(number)) as i32) else { continue };
+            if tick < ticks && !self.enough {
+                self.ticks = tick + usize::from(every.get());
+                self.enough = !take(&Streamed { tick, every, sample });
             }
         }
     }

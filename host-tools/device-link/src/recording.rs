@@ -1,16 +1,19 @@
-//! Streamed samples as a log: `time_s,voltage_V,estimated_displacement_um`, a row a tick, written as they come; with a sensor
+//! Streamed samples as a log: `time_s,voltage_V,estimated_displacement_um`, a row a sample, written as they come; with a sensor
 //! on the board's second channel `time_s,voltage_V,displacement_um,estimate_um`.
 //!
 //! The voltage is the code through the calibration of the device's table, the sensor's displacement that of the same tick. The
-//! estimate is the device's own, and the column says so. Time counts ticks; where samples were lost it leaps.
+//! estimate is the device's own, and the column says so. Time counts ticks; where samples were lost it leaps. Of a device that
+//! streams every n-th tick only, a row is an n-th tick.
 
 use super::client::Client;
 use super::error::LinkError;
 use super::sensor::Sensor;
-use super::window::{Continuity, Numbers};
+use super::streamed::estimate_at;
+use super::window::{Continuity, Numbers, samples_in};
 use estimator_core::{AdcCalibration, AdcCode, Status};
-use protocol::{Faults, Samples};
+use protocol::{Faults, Sample, Samples};
 use std::io::{self, Write};
+use std::num::NonZeroU8;
 use std::time::Duration;
 
 /// Names of the columns; [`recordings::log::read`] knows them.
@@ -53,8 +56,10 @@ pub struct Recording {
     pub status: Status,
     /// Every fault.
     pub faults: Faults,
-    /// The displacement of the tick after the last sample.
-    next: Option<f32>,
+    /// Ticks from a row to the next.
+    pub every: Option<NonZeroU8>,
+    /// The last sample, whose displacement is that of the tick after it.
+    before: Option<Sample>,
 }
 
 /// Why a recording ended.
@@ -65,7 +70,7 @@ pub enum End {
     /// Samples were lost, and gaps were not allowed.
     Gap {
         /// How many.
-        ticks: u32,
+        samples: u64,
     },
     /// The device counts from 0 again: somebody restarted it.
     Restarted,
@@ -102,11 +107,11 @@ impl<W: Write> Recorder<W> {
         match self.numbers.take(samples) {
             Continuity::Contiguous => {}
             Continuity::Gap(ticks) if self.wish.allow_gaps => {
-                recording.lost += u64::from(ticks);
+                recording.lost += samples_in(ticks, samples);
                 recording.ticks += u64::from(ticks);
-                recording.next = None;
+                recording.before = None;
             }
-            Continuity::Gap(ticks) => return Ok(Some(End::Gap { ticks })),
+            Continuity::Gap(ticks) => return Ok(Some(End::Gap { samples: samples_in(ticks, samples) })),
             Continuity::Restarted => return Ok(Some(End::Restarted)),
         }
         if self.wish.sensor.is_some() && samples.samples.iter().any(|sample| sample.sensor.is_none()) {
@@ -173,6 +178,8 @@ pub fn record(
 }
 
 fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut impl Write) -> io::Result<()> {
+    let ticks = u64::from(samples.every.get());
+    recording.every = Some(samples.every);
     for sample in &samples.samples {
         if wish.ticks.is_some_and(|ticks| recording.ticks >= ticks) {
             break;
@@ -181,13 +188,14 @@ fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut im
         let time = (recording.ticks * u64::from(wish.tick_us)) as f64 / 1e6;
         let voltage: f32 = wish.calibration.voltage(AdcCode(sample.code));
         // A sample's displacement is that of the next tick, beside whose voltage it belongs.
-        let Some(displacement) = recording.next.replace(sample.displacement) else {
+        let Some(before) = recording.before.replace(*sample) else {
             if recording.rows > 0 {
-                recording.ticks += 1;
+                recording.ticks += ticks;
                 recording.lost += 1;
             }
             continue;
         };
+        let displacement = estimate_at(&before, sample, samples.every);
         match wish.sensor {
             None => writeln!(log, "{time},{voltage},{displacement}")?,
             Some(sensor) => {
@@ -197,7 +205,7 @@ fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut im
             }
         }
         recording.rows += 1;
-        recording.ticks += 1;
+        recording.ticks += ticks;
         recording.late += u64::from(sample.faults.contains(Faults::MISSED_DEADLINE));
         recording.status |= sample.status;
         recording.faults |= sample.faults;
@@ -251,7 +259,7 @@ mod tests {
     #[test]
     fn a_gap_ends_it_or_shows_in_the_time() {
         let (log, recording, end) = recorded(lose_samples_at(200), 1000, false);
-        assert!(matches!(end, End::Gap { ticks } if ticks > 0), "{end:?}");
+        assert!(matches!(end, End::Gap { samples } if samples > 0), "{end:?}");
         assert_eq!((log.lines().count() as u64, recording.ticks), (recording.rows + 1, recording.rows));
 
         let (log, recording, end) = recorded(lose_samples_at(200), 1000, true);

@@ -3,6 +3,7 @@
 use estimator_core::{AdcCalibration, AdcCode, Status};
 use protocol::{Faults, Sample, Samples};
 use std::collections::VecDeque;
+use std::num::NonZeroU8;
 
 /// How a frame of samples stands to the one before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -15,6 +16,11 @@ pub enum Continuity {
     Restarted,
 }
 
+/// How many samples a gap of so many ticks before a frame has cost.
+pub fn samples_in(ticks: u32, frame: &Samples) -> u64 {
+    u64::from(ticks.div_ceil(frame.every.get().into()))
+}
+
 /// Finds gaps in the numbers of samples.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Numbers {
@@ -24,7 +30,7 @@ pub struct Numbers {
 impl Numbers {
     /// How this frame stands to the one before.
     pub fn take(&mut self, samples: &Samples) -> Continuity {
-        let expected = self.next.replace(samples.first.wrapping_add(samples.samples.len() as u32));
+        let expected = self.next.replace(samples.end());
         match expected.map_or(0, |expected| samples.first.wrapping_sub(expected)) {
             0 => Continuity::Contiguous,
             gap if gap < 1 << 31 => Continuity::Gap(gap),
@@ -37,10 +43,12 @@ impl Numbers {
 #[derive(Clone, Debug)]
 pub struct Window {
     calibration: AdcCalibration,
-    /// Samples of a second.
+    /// Ticks of a second.
     length: usize,
     samples: VecDeque<Sample>,
     numbers: Numbers,
+    /// Ticks from a sample to the next.
+    every: NonZeroU8,
     received: u64,
     lost: u64,
 }
@@ -57,27 +65,34 @@ pub struct Extent {
 }
 
 impl Window {
-    /// A window of `length` samples.
+    /// A window of `length` ticks.
     pub fn new(calibration: AdcCalibration, length: usize) -> Self {
-        Self { calibration, length, samples: VecDeque::new(), numbers: Numbers::default(), received: 0, lost: 0 }
+        let (samples, numbers, every) = (VecDeque::new(), Numbers::default(), NonZeroU8::MIN);
+        Self { calibration, length, samples, numbers, every, received: 0, lost: 0 }
     }
 
     /// Takes the next frame.
     pub fn take(&mut self, samples: &Samples) {
         match self.numbers.take(samples) {
             Continuity::Contiguous => {}
-            Continuity::Gap(ticks) => self.lost += u64::from(ticks),
+            Continuity::Gap(ticks) => self.lost += samples_in(ticks, samples),
             Continuity::Restarted => self.samples.clear(),
         }
+        self.every = samples.every;
         self.received += samples.samples.len() as u64;
         self.samples.extend(&samples.samples);
-        let surplus = self.samples.len().saturating_sub(self.length);
+        let surplus = self.samples.len().saturating_sub(self.length.div_ceil(samples.every.get().into()));
         self.samples.drain(..surplus);
     }
 
     /// Forgets the samples, but not what was counted.
     pub fn clear(&mut self) {
         self.samples.clear();
+    }
+
+    /// Ticks from a sample to the next.
+    pub fn every(&self) -> NonZeroU8 {
+        self.every
     }
 
     /// Samples received since the start.
@@ -150,7 +165,7 @@ mod tests {
             status: Status::CLAMPED,
             faults: Faults::empty(),
         };
-        Samples { first, samples: displacements.iter().map(sample).collect() }
+        Samples { first, every: NonZeroU8::MIN, samples: displacements.iter().map(sample).collect() }
     }
 
     #[test]
@@ -176,5 +191,19 @@ mod tests {
         assert_eq!(numbers.take(&frame(u32::MAX, &[1.0, 2.0])), Continuity::Contiguous);
         assert_eq!(numbers.take(&frame(1, &[1.0])), Continuity::Contiguous);
         assert_eq!(numbers.take(&frame(5, &[1.0])), Continuity::Gap(3));
+    }
+
+    #[test]
+    fn of_every_fourth_tick_a_second_has_a_fourth_of_the_samples_and_a_gap_costs_a_fourth() {
+        let calibration = AdcCalibration { gain_v_per_code: 0.01, offset_v: -2.0, invert: false, full_scale: 4095 };
+        let mut window = Window::new(calibration, 12);
+        let every = NonZeroU8::new(4).unwrap();
+        let mut take = |first, displacements: &[f32]| window.take(&Samples { every, ..frame(first, displacements) });
+        take(u32::MAX - 7, &[9.0, 1.0, 3.0]);
+        take(4, &[5.0]);
+        take(20, &[6.0]);
+        assert_eq!((window.received(), window.lost()), (5, 3));
+        assert_eq!(window.every(), every);
+        assert_eq!(window.displacement().map(|y| y.min), Some(3.0), "three samples are twelve ticks");
     }
 }

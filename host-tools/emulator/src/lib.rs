@@ -36,9 +36,9 @@ pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES, UID};
 pub use faulty_line::{Direction, Fault, FaultyLine};
 pub use file_flash::{FileFlash, FileFlashError};
 pub use firmware::Conversion;
+/// The table of the firmware image, by which the device estimates where none is stored.
+pub use firmware::compiled::TABLE;
 /// From one tick of the device to the next, µs.
 pub use firmware::rate::TICK_US;
-/// The table of the firmware image, by which the device estimates where none is stored.
-pub use firmware::table::TABLE;
 pub use plant::{Plant, amplifier, triangle};
 pub use readings::Readings;

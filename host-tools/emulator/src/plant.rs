@@ -24,7 +24,7 @@ pub fn triangle() -> impl Plant {
         let height = phase.min(TICK_HZ - phase);
         phase = (phase + 1) % TICK_HZ;
         // At most 62,000.
-        AdcCode((3_000 + 59 * height) as u16).into()
+        AdcCode((3_000 + 118_000 * height / TICK_HZ) as u16).into()
     }
 }
 

@@ -153,7 +153,8 @@
     at("error").textContent = of.error_um === null ? "" : `estimate less sensor ${number(of.error_um, 3)} µm`;
     document.querySelectorAll(".interval").forEach((element) => { element.hidden = half === null; });
     words(of);
-    at("rate").textContent = of.gone ? "" : `${of.rate.toFixed(0)} samples a second,`;
+    const part = of.every > 1 ? ` (one of ${of.every} ticks)` : "";
+    at("rate").textContent = of.gone ? "" : `${of.rate.toFixed(0)} samples a second${part},`;
     at("lost").textContent = of.gone ? "" : `${of.lost} lost.`;
     at("lost").className = of.lost ? "lost" : "";
     at("mode").textContent = of.gone ? "" : `The device ${of.mode}; ${of.bias}.`;

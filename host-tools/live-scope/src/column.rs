@@ -58,7 +58,7 @@ impl Columns {
         }
         self.ticks.push(*tick);
         // It need not wait for a tick that may not come soon.
-        if of(tick) == (tick.number + 1) / self.length { None } else { self.end() }
+        if of(tick) == (tick.number + u64::from(tick.every)) / self.length { None } else { self.end() }
     }
 
     fn end(&mut self) -> Option<Column> {
@@ -102,6 +102,7 @@ mod tests {
         let height = number as f32 * 1e-3;
         Tick {
             number,
+            every: 1,
             seconds: number as f64 * 5e-4,
             after_gap: false,
             voltage_v: height,

@@ -119,6 +119,7 @@ mod tests {
     use super::*;
     use protocol::Sample;
     use serde_json::Value;
+    use std::num::NonZeroU8;
     use std::time::Duration;
 
     const CALIBRATION: estimator_core::AdcCalibration =
@@ -138,7 +139,7 @@ mod tests {
             status: Default::default(),
             faults: Default::default(),
         };
-        Samples { first: number.into(), samples: [sample].into_iter().collect() }
+        Samples { first: number.into(), every: NonZeroU8::MIN, samples: [sample].into_iter().collect() }
     }
 
     /// What arrives, in columns of 20, of what `sends`.

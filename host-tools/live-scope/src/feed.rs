@@ -1,15 +1,18 @@
 //! A device's frames of samples as ticks with a time.
 
 use device_link::sensor::Sensor;
+use device_link::streamed::estimate_at;
 use device_link::window::{Continuity, Numbers};
 use estimator_core::{AdcCalibration, AdcCode};
-use protocol::Samples;
+use protocol::{Sample, Samples};
 
 /// What was measured and estimated of one instant.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Tick {
     /// Which, counted from the feed's first.
     pub number: u64,
+    /// Ticks from one that is streamed to the next.
+    pub every: u8,
     /// Since the feed's first tick, s.
     pub seconds: f64,
     /// Whether the tick before it is missing.
@@ -34,15 +37,15 @@ pub struct Feed {
     numbers: Numbers,
     /// Number of the next tick.
     next: u64,
-    /// Displacement and half-width of the next tick.
-    ahead: Option<(f32, Option<f32>)>,
+    /// The last sample, whose displacement and half-width are those of the tick after it.
+    before: Option<Sample>,
     after_gap: bool,
 }
 
 impl Feed {
     /// A feed of a device with this calibration of its ADC, this sensor, and a tick of `tick_us` µs.
     pub fn new(calibration: AdcCalibration, sensor: Option<Sensor>, tick_us: u32) -> Self {
-        Self { calibration, sensor, tick_us, numbers: Numbers::default(), next: 0, ahead: None, after_gap: true }
+        Self { calibration, sensor, tick_us, numbers: Numbers::default(), next: 0, before: None, after_gap: true }
     }
 
     /// Hands the ticks of the next frame on, one after the other. Where samples were lost, numbers and times leap; where the device
@@ -52,26 +55,26 @@ impl Feed {
             Continuity::Contiguous => {}
             Continuity::Gap(ticks) => {
                 self.next += u64::from(ticks);
-                self.ahead = None;
+                self.before = None;
             }
-            Continuity::Restarted => self.ahead = None,
+            Continuity::Restarted => self.before = None,
         }
         for sample in &samples.samples {
             let number = self.next;
-            self.next += 1;
-            let ahead = self.ahead.replace((sample.displacement, sample.half_width));
-            let Some((displacement_um, half_width_um)) = ahead else {
+            self.next += u64::from(samples.every.get());
+            let Some(before) = self.before.replace(*sample) else {
                 self.after_gap = true;
                 continue;
             };
             each(&Tick {
                 number,
+                every: samples.every.get(),
                 // Whole µs over 10⁶ is the double nearest to the true time, and so prints short.
                 seconds: (number * u64::from(self.tick_us)) as f64 / 1e6,
                 after_gap: std::mem::take(&mut self.after_gap),
                 voltage_v: self.calibration.voltage(AdcCode(sample.code)),
-                displacement_um,
-                half_width_um,
+                displacement_um: estimate_at(&before, sample, samples.every),
+                half_width_um: before.half_width,
                 sensor_um: self.sensor.and_then(|sensor| sensor.um(sample)).map(|um| um as f32),
             });
         }
@@ -81,7 +84,7 @@ impl Feed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use protocol::Sample;
+    use std::num::NonZeroU8;
 
     const CALIBRATION: AdcCalibration =
         AdcCalibration { gain_v_per_code: 0.01, offset_v: -2.0, invert: false, full_scale: 4095 };
@@ -96,7 +99,7 @@ mod tests {
             status: Default::default(),
             faults: Default::default(),
         };
-        Samples { first, samples: displacements.iter().map(sample).collect() }
+        Samples { first, every: NonZeroU8::MIN, samples: displacements.iter().map(sample).collect() }
     }
 
     fn taken(feed: &mut Feed, frame: &Samples) -> Vec<Tick> {
@@ -124,5 +127,15 @@ mod tests {
         let anew = taken(&mut feed, &frame(0, &[5.0, 6.0, 7.0]));
         assert_eq!(anew.iter().map(|tick| tick.number).collect::<Vec<_>>(), [13, 14]);
         assert_eq!((anew[0].after_gap, anew[0].sensor_um), (true, None));
+    }
+
+    #[test]
+    fn of_every_fourth_tick_time_counts_all_and_the_estimate_is_of_the_voltage_s() {
+        let mut feed = Feed::new(CALIBRATION, None, 100);
+        let every = NonZeroU8::new(4).unwrap();
+        // A µm a tick; each says what is a tick later.
+        let ticks = taken(&mut feed, &Samples { every, ..frame(8, &[9.0, 13.0, 17.0]) });
+        let found: Vec<_> = ticks.iter().map(|tick| (tick.seconds, tick.displacement_um)).collect();
+        assert_eq!(found, [(0.0004, 12.0), (0.0008, 16.0)]);
     }
 }

@@ -41,6 +41,7 @@ mod tests {
     use device_link::sensor::Sensor;
     use emulator::TABLE;
     use protocol::{Sample, Samples};
+    use std::num::NonZeroU8;
 
     #[test]
     fn estimate_and_sensor_of_a_ramp_are_of_the_same_tick() {
@@ -57,7 +58,7 @@ mod tests {
             status: Default::default(),
             faults: Default::default(),
         };
-        let samples = Samples { first: 0, samples: (0..9).map(sample).collect() };
+        let samples = Samples { first: 0, every: NonZeroU8::MIN, samples: (0..9).map(sample).collect() };
         window.take(&samples);
         let mut last = None;
         feed.take(&samples, |tick| last = Some(*tick));

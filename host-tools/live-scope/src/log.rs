@@ -118,7 +118,9 @@ impl Log {
 /// Why a recording ends.
 fn why(end: &End) -> String {
     match end {
-        End::Gap { ticks } => format!("{ticks} samples were lost: is the cable sound, and this machine not too busy?"),
+        End::Gap { samples } => {
+            format!("{samples} samples were lost: is the cable sound, and this machine not too busy?")
+        }
         End::Restarted => "the device was restarted, or its mode set".to_owned(),
         End::NoSensor => "the device reads no sensor, although it should".to_owned(),
         // The rest are no end of a recording that lasts until somebody has enough: its link is the page's.
@@ -136,6 +138,7 @@ mod tests {
     use emulator::TABLE;
     use protocol::Sample;
     use std::fs;
+    use std::num::NonZeroU8;
 
     fn samples(first: u32) -> Samples {
         let sample = Sample {
@@ -147,7 +150,7 @@ mod tests {
             status: Default::default(),
             faults: Default::default(),
         };
-        Samples { first, samples: [sample; 4].into_iter().collect() }
+        Samples { first, every: NonZeroU8::MIN, samples: [sample; 4].into_iter().collect() }
     }
 
     fn begun(folder: &Path) -> Log {

@@ -74,6 +74,8 @@ pub struct State {
     pub error_um: Option<f32>,
     /// Samples of the last second.
     pub rate: f64,
+    /// Ticks from one to the next; 0 where there are none.
+    pub every: u8,
     /// Samples lost since the start, over all links.
     pub lost: u64,
     /// What is so, and what to do about it; nothing where all is well.

@@ -297,6 +297,7 @@ impl Link {
         State {
             gone: None,
             rate: self.rate,
+            every: self.window.every().get(),
             lost: scope.lost + self.window.lost(),
             words: faults
                 .chain(status)

@@ -14,7 +14,7 @@ pub fn line(window: &Window, received: u64, lost: u64) -> String {
         return format!("no samples; {lost} lost");
     };
     format!(
-        "{:9.3} µm{} ({:.3} … {:.3})  {:8.4} V ({:.4} … {:.4})  code {code:5}  {received} samples, {lost} lost{}",
+        "{:9.3} µm{} ({:.3} … {:.3})  {:8.4} V ({:.4} … {:.4})  code {code:5}  {received} samples{}, {lost} lost{}",
         y.last,
         beside(window),
         y.min,
@@ -22,8 +22,17 @@ pub fn line(window: &Window, received: u64, lost: u64) -> String {
         v.last,
         v.min,
         v.max,
+        part(window),
         said(window).map_or(String::new(), |said| format!("  {said}"))
     )
+}
+
+/// Which ticks the samples are of, where they are not of all.
+fn part(window: &Window) -> String {
+    match window.every().get() {
+        1 => String::new(),
+        every => format!(" (one of {every} ticks)"),
+    }
 }
 
 /// The interval beside the estimate, if there is one.
@@ -46,6 +55,7 @@ pub fn object(window: &Window, time_s: f64, samples: u64, lost: u64) -> String {
         "code": window.code(),
         "samples": samples,
         "lost": lost,
+        "every": window.every(),
         "status": window.status().iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
         "faults": window.faults().iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
     })
@@ -69,7 +79,7 @@ pub fn picture(window: &Window, limits: Range, rate: Option<f64>) -> Vec<String>
         format!("displacement {:10.3} µm{}   last second {:.3} … {:.3} µm", y.last, beside(window), y.min, y.max),
         format!("voltage      {:10.4} V    last second {:.4} … {:.4} V   ADC code {code}", v.last, v.min, v.max),
         format!("{:.1} {} {:.1} µm", limits.min, bar(y.last, limits), limits.max),
-        format!("{rate} samples a second, {} lost", window.lost()),
+        format!("{rate} samples a second{}, {} lost", part(window), window.lost()),
         said(window).unwrap_or("all is well".to_owned()),
         "Ctrl-C ends".to_owned(),
     ]

@@ -11,6 +11,7 @@ use device_link::stlink::Plugged;
 use device_link::table::RunningTableError;
 use device_link::write::{RESTARTING, UNSURE, WRITTEN, WriteError, sentences};
 use device_link::{Address, LinkError, words};
+use estimator_core::Admitted;
 use estimator_core::table::Misfit;
 use protocol::{Mode, Refusal, VERSION};
 use std::error::Error;
@@ -30,15 +31,19 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 /// Why the table in a file does not fit a board, and the command that makes one that does.
-pub fn board(misfit: &Misfit, file: &Path) -> String {
+pub fn board(misfit: &Misfit, table: &Admitted, file: &Path) -> String {
     let name = file.display();
     match misfit {
+        Misfit::Tick { board_us, .. } if table.at_tick(*board_us).is_ok_and(|table| table.admit().is_ok()) => {
+            let face = file.with_extension("toml");
+            format!("{name}: {misfit}: piezo emit {} --tick-us {board_us} --out FOLDER", face.display())
+        }
         Misfit::Tick { board_us, .. } => format!("{name}: {misfit}: identify with --tick-us {board_us}"),
         Misfit::Cycles { drives, .. } => format!("{name}: {misfit}: {}", too_long(*drives)),
-        Misfit::Converters { table, board } => {
+        Misfit::Converters { table: of, board } => {
             let scales = [
-                ("--adc-full-scale", table.adc_full_scale, board.adc_full_scale),
-                ("--dac-full-scale", table.dac_full_scale, board.dac_full_scale),
+                ("--adc-full-scale", of.adc_full_scale, board.adc_full_scale),
+                ("--dac-full-scale", of.dac_full_scale, board.dac_full_scale),
             ];
             let wrong = scales.iter().filter(|(_, theirs, ours)| theirs != ours);
             let options: String = wrong.map(|(option, _, ours)| format!(" {option} {ours}")).collect();

@@ -8,6 +8,7 @@ pub use constant::rust_source;
 pub use faces::{FACES, OtherFace, RECORD, agree, name};
 
 use estimator_core::record::MAX_LENGTH;
+use estimator_core::table::BoundToTick;
 use estimator_core::{Admitted, Table, TableError};
 use identification::SearchOptions;
 use identification::cost::{Feedback, Norm};
@@ -156,6 +157,26 @@ impl TableFile {
             return Err(Refused::Differ);
         }
         Ok(admitted)
+    }
+
+    /// Brings the table to a tick of so many µs, and its recipe with it, without another search ([`Table::at_tick`]).
+    ///
+    /// # Errors
+    /// Its model is bound to the tick that it was identified at.
+    pub fn bring_to(&mut self, tick_us: u32) -> Result<(), BoundToTick> {
+        let before_us = self.table.sample_period_us;
+        if tick_us == before_us {
+            return Ok(());
+        }
+        self.table = self.table.at_tick(tick_us)?;
+        self.recipe.tick_us = tick_us;
+        let delay_us = f64::from(self.recipe.delay_ticks) * f64::from(before_us);
+        self.recipe.delay_ticks = (delay_us / f64::from(tick_us)).round() as u32;
+        self.doubts.push(format!(
+            "identified at a tick of {before_us} µs and brought to one of {tick_us} µs by its equations: what its errors are there was \
+             not measured (piezo validate)"
+        ));
+        Ok(())
     }
 
     /// The text of the file.

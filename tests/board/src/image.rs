@@ -18,13 +18,13 @@ impl Image {
     pub(crate) const START: u32 = 0x0800_0000;
     pub(crate) const SIZE: usize = 256 << 10;
 
-    /// The image that the environment variable `FIRMWARE_IMAGE` names.
+    /// The image that an environment variable names.
     ///
     /// # Errors
     /// There is no such variable, or [`Image::open`] failed.
-    pub fn from_environment() -> Result<Self> {
-        let path = env::var_os("FIRMWARE_IMAGE")
-            .context("FIRMWARE_IMAGE names no firmware image: run `cargo xtask test board`, which builds one")?;
+    pub fn from_environment(variable: &str) -> Result<Self> {
+        let path = env::var_os(variable)
+            .with_context(|| format!("{variable} names no firmware image: `cargo xtask test board` builds one"))?;
         Self::open(Path::new(&path))
     }
 

@@ -50,7 +50,7 @@ pub fn tables() -> [Admitted; 3] {
     let limits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
     let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits, setpoint: None };
     let setpoint = SetpointCalibration { gain_um_per_code: 50.0 / 65_520.0, offset_um: -5.0, at_start: true };
-    let compiled = firmware::table::TABLE;
+    let compiled = firmware::compiled::TABLE;
     let drives = [None, Some(drive), Some(DriveCalibration { setpoint: Some(setpoint), ..drive })];
     drives.map(|drive| Table { drive, ..compiled }.admit().expect("the Voigt family has an inverse"))
 }

@@ -1,10 +1,10 @@
 //! The figures of the firmware: what it makes of a bad signal, and what its ticks take.
 
 use anyhow::{Context, Result};
-use estimator_core::Model;
+use estimator_core::{Model, table::ALLOWED_PERCENT};
 use serde_json::Value;
 
-use crate::cycles::LEVELS;
+use crate::cycles::{LEVELS, RATES_HZ};
 
 use super::{
     ceiling,
@@ -81,11 +81,13 @@ pub fn cycles(printed: &Value) -> Result<Content> {
                 cells.push(thousands(whole(row, &format!("/most_cycles/{level}"))?));
             }
         }
-        let refused = if row["refused"] == true { ", refused" } else { "" };
         cells.push(thousands(whole(row, "/stated")?));
-        cells.push(format!("{}{refused}", fixed(number(row, "/percent")?, 0)));
+        for hz in RATES_HZ {
+            let percent = number(row, &format!("/percent/{hz}"))?;
+            cells.push(if percent > f64::from(ALLOWED_PERCENT) { "–".to_owned() } else { fixed(percent, 0) });
+        }
         Ok(cells)
     };
-    let columns = ["instructions", LEVELS[0], LEVELS[1], LEVELS[2], "stated", "% of a tick"];
+    let columns = ["instructions", LEVELS[0], LEVELS[1], LEVELS[2], "stated", "% at 1 kHz", "2 kHz", "5 kHz", "10 kHz"];
     table(2, &columns, array(printed, "")?.iter().map(row))
 }

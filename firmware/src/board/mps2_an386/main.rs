@@ -1,6 +1,6 @@
 //! Arm's AN386 (Cortex-M4F, 25 MHz) for the MPS2 board, as QEMU emulates it: all of the firmware but the STM32.
 //!
-//! The tick is CMSDK timer 0 at 2 kHz. There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, or,
+//! The tick is CMSDK timer 0, at 2 kHz ([`firmware::rate`]). There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, or,
 //! with a table that drives, what the "DAC" puts out, which is a word in memory. The link is UART 0. The flash is memory that
 //! a reset keeps and a power-on does not.
 #![no_std]
@@ -119,12 +119,12 @@ fn Uart0Receive() {
     uart::received();
 }
 
-/// One second of it is 2,000 codes: up and down between 3,000 and 62,000.
+/// One second of it goes up and down between 3,000 and 62,000.
 fn triangle() -> AdcCode {
     static PHASE: AtomicU32 = AtomicU32::new(0);
     let phase = PHASE.load(Relaxed);
     PHASE.store((phase + 1) % TICK_HZ, Relaxed);
-    AdcCode((3_000 + 59 * phase.min(TICK_HZ - phase)) as u16)
+    AdcCode((3_000 + 118_000 * phase.min(TICK_HZ - phase) / TICK_HZ) as u16)
 }
 
 /// The DAC's code on the ADC's scale, as a wire from one to the other gives it, with a converter's noise.

@@ -1,5 +1,5 @@
-//! The DAC's output, sixteen times as fine as its codes: TIM7 puts a code out every 10 µs, DMA brings them, and their mean over a
-//! tick is what the tick wants ([`firmware::shaping`]). A low-pass behind the pin shows the mean.
+//! The DAC's output, sixteen times as fine as its codes: TIM7 puts a code out every 10 µs whatever the tick's rate, DMA brings them,
+//! and their mean is what the ticks want ([`firmware::shaping`]). A low-pass behind the pin shows the mean.
 //!
 //! Two halves of a ring are a tick's codes each. While one is put out, the tick fills the other. DMA fetches a code when the one
 //! before is put out, and waits with it in the holding register: two triggers lie between a code's place in the ring and the
@@ -12,7 +12,6 @@
 
 use core::ptr::addr_of_mut;
 use core::sync::atomic::{Ordering::SeqCst, compiler_fence};
-use cortex_m::peripheral::DWT;
 
 use embassy_stm32::Peri;
 use embassy_stm32::dac::{Ch1, DacChannel, Dma, Mode, Value};
@@ -28,16 +27,16 @@ use firmware::shaping::{PARTS, Shaper};
 
 use super::{CORE_HZ, Irqs, TELEMETRY, clocks, trigger};
 
-/// Codes of a tick.
-const CODES: u32 = 50;
+/// Codes a second.
+const CODES_HZ: u32 = 100_000;
+/// Codes of a tick; 50 at 2 kHz.
+const CODES: u32 = CODES_HZ / TICK_HZ;
 /// Words of them, two a word.
 const HALF: usize = CODES as usize / 2;
 /// Most cycles by which a tick's codes begin before TIM6's trigger.
 const LEAD: u32 = CORE_HZ / 1_000_000;
 /// How long before the next trigger a tick must be done, cycles: a code before the first of its own is fetched.
-pub const AHEAD: u32 = 2 * (CORE_HZ / TICK_HZ / CODES) + LEAD;
-/// A turn of TIM7, and a few instructions, cycles.
-const TURN: u32 = CORE_HZ / TICK_HZ / CODES + 100;
+pub const AHEAD: u32 = 2 * (CORE_HZ / CODES_HZ) + LEAD;
 /// Parts of a code that rounding and the supply's correction may add to a stride.
 const ROUNDING: u16 = 4;
 /// DMA1's channel, from 0.
@@ -52,8 +51,6 @@ pub struct Output {
     filled: [DacCode; 2],
     /// Counts of TIM6 from trigger to trigger.
     turn: u32,
-    /// When the tick before looked whether TIM7 runs, cycles.
-    looked: u32,
     /// Dropped, it would stop.
     _dac: DacChannel<'static, Async>,
 }
@@ -74,7 +71,7 @@ impl Ahead {
 /// The DAC on its pin, at what it is given for its safe code until TIM7 is started.
 pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri<'static, TIM7>) -> (Output, Ahead) {
     // Before the DAC listens: loading the prescaler is a trigger too.
-    let timer = trigger(tim7, CODES * TICK_HZ);
+    let timer = trigger(tim7, CODES_HZ);
     let request = Dma::<DAC1, Ch1>::request(&*dma);
     // SAFETY: the driver is given the channel, too, and never writes by it.
     let ours = unsafe { dma.clone_unchecked() };
@@ -106,17 +103,16 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
     // The constructor chooses the trigger and leaves it off.
     dac.set_triggering(true);
     let turn = u32::from(pac::TIM6.arr().read().arr()) + 1;
-    (Output { shaper, filled: [given; 2], turn, looked: DWT::cycle_count(), _dac: dac }, Ahead(timer))
+    (Output { shaper, filled: [given; 2], turn, _dac: dac }, Ahead(timer))
 }
 
 impl Output {
     /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code; says whether DMA goes on, in time with TIM6.
     #[inline]
     pub fn put(&mut self, given: DacCode) -> bool {
-        // Where a tick was late, the next may be done within a turn of TIM7.
-        let looked = core::mem::replace(&mut self.looked, DWT::cycle_count());
-        let runs = pac::TIM7.sr().read().uif() || self.looked.wrapping_sub(looked) < TURN;
-        pac::TIM7.sr().write(|w| w.set_uif(false));
+        // One that stands still may stand in phase. (That it has turned since the last tick says less: one that is late may be done a
+        // turn before the next.)
+        let runs = pac::TIM7.cr1().read().cen();
         // Codes of the tick that are over.
         let over = u32::from(pac::TIM6.cnt().read().cnt()) * CODES / self.turn;
         // From there, where in the ring the tick began, and one more: TIM7's trigger and DMA are a little apart from TIM6's count.

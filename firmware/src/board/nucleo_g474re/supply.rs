@@ -7,14 +7,12 @@ use embassy_stm32::pac;
 use embassy_stm32::peripherals::ADC1;
 use firmware::supply::MADE_FOR_MV;
 
-use super::CORE_HZ;
+use super::{CORE_HZ, OVERSAMPLED};
 
 /// How far off what everything is made for it may be, mV: 5 %.
 const TOLERANCE_MV: f32 = 165.0;
 /// Supply at which the factory calibrated, mV.
 const CALIBRATED_MV: f32 = 3000.0;
-/// Conversions that a code is the sum of; the factory's is of one.
-const ADDED_UP: f32 = 16.0;
 
 unsafe extern "C" {
     /// A symbol of memory.x: its address is meant.
@@ -46,5 +44,6 @@ pub fn measure() -> f32 {
 fn in_mv(code: u16) -> f32 {
     // SAFETY: the factory's calibration word, in read-only memory.
     let calibration = unsafe { addr_of!(__vrefint_calibration).read_volatile() };
-    CALIBRATED_MV * ADDED_UP * f32::from(calibration) / f32::from(code.max(1))
+    // The code is a sum of conversions; the factory's is of one.
+    CALIBRATED_MV * OVERSAMPLED as f32 * f32::from(calibration) / f32::from(code.max(1))
 }

@@ -7,7 +7,8 @@ use emulator::faults::{lose_samples_at, messages, replies};
 use emulator::{Direction, Emulator, Fault, FaultyLine, Plant, TABLE, amplifier};
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, Table};
 use parameter_store::RamFlash;
-use protocol::{Refusal, Reply, ToHost};
+use protocol::{Refusal, Reply, Sample, ToHost};
+use std::num::NonZeroU8;
 
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
 /// An amplifier of 0 … 4 V on the DAC's scale.
@@ -49,8 +50,8 @@ struct Followed {
 
 fn followed(client: &mut Client, of: &Play<'_>) -> Result<Followed, PlayError> {
     let mut samples = Vec::new();
-    let Played { starved, stopped, held, .. } = play(client, of, &Interrupt::default(), &mut |sample| {
-        samples.push(*sample);
+    let Played { starved, stopped, held, .. } = play(client, of, &Interrupt::default(), &mut |of| {
+        samples.push(of.sample);
         true
     })?;
     Ok(Followed { samples, starved, stopped, held })
@@ -154,7 +155,8 @@ fn what_is_odd_before_the_first_reference_ends_nothing_but_an_unsafe_fault_does(
     };
     let from = |mut first, faults: &[Faults]| {
         let mut played = Played::default();
-        let batch = Samples { first: 7, samples: faults.iter().map(|&faults| sample(faults)).collect() };
+        let batch =
+            Samples { first: 7, every: NonZeroU8::MIN, samples: faults.iter().map(|&faults| sample(faults)).collect() };
         played.take(&batch, &mut first, 10, &mut |_| true);
         (played.ticks, played.stopped)
     };

@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn what_can_be_seen_of_a_fault_is_flagged_in_time() {
-        for (injected, ticks, outcome) in outcomes(&firmware::table::TABLE.admit().unwrap()) {
+        for (injected, ticks, outcome) in outcomes(&firmware::compiled::TABLE.admit().unwrap()) {
             let Outcome { flag, fault, worst_um, recovery, .. } = outcome;
             let found = format!("{injected:?} for {ticks} ticks: {outcome:?}");
             let first = |bit: Status| flag.is_some_and(|(bits, at)| bits.contains(bit) && at == 1);
@@ -188,7 +188,8 @@ mod tests {
 
     #[test]
     fn what_leaps_costs_little_or_is_a_fault_where_the_amplifiers_slew_rate_is_stated() {
-        let table = Table { amplifier_slew_v_per_s: Some(AMPLIFIER_SLEW), ..firmware::table::TABLE }.admit().unwrap();
+        let table =
+            Table { amplifier_slew_v_per_s: Some(AMPLIFIER_SLEW), ..firmware::compiled::TABLE }.admit().unwrap();
         for (injected, ticks, outcome) in outcomes(&table) {
             let Outcome { flag, fault, worst_um, .. } = outcome;
             let found = format!("{injected:?} for {ticks} ticks: {outcome:?}");

@@ -47,5 +47,5 @@ pub fn note_damage(client: &Client) {
 
 /// Refuses the table in a file where it does not fit a board.
 pub fn fits(board: &Board, table: &Admitted, file: &Path) -> Result<()> {
-    table.fits(board).map_err(|misfit| anyhow!("{}", remedy::board(&misfit, file)))
+    table.fits(board).map_err(|misfit| anyhow!("{}", remedy::board(&misfit, table, file)))
 }

@@ -35,6 +35,9 @@ pub struct Emit {
     /// Print one face to standard output instead.
     #[arg(long, value_enum)]
     pub face: Option<Face>,
+    /// Bring the table to this tick, µs, without another search: that of a board whose image was built for another rate.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
+    pub tick_us: Option<u32>,
     /// Print what was written as JSON.
     #[arg(long, conflicts_with = "face")]
     pub json: bool,
@@ -51,6 +54,10 @@ pub fn run(arguments: &Emit) -> Result<bool> {
     // With its own folder for --out the faces are being made again.
     let again = arguments.out.as_ref().is_some_and(|out| arguments.table == out.join("table.toml"));
     let (mut file, _) = if again { TableFile::load(&arguments.table)? } else { look_at(&arguments.table)? };
+    if let Some(tick_us) = arguments.tick_us {
+        let name = arguments.table.display();
+        file.bring_to(tick_us).map_err(|bound| anyhow!("{name}: {bound}: identify with --tick-us {tick_us}"))?;
+    }
     let calibration = arguments.calibration.options()?;
     calibration.apply(&mut file.table);
     let drive = file.table.drive;
@@ -59,8 +66,13 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         let assumed = remedy::doubt(&Doubt::CalibrationAssumed);
         file.doubts.retain(|doubt| *doubt != assumed);
     }
-    let admitted = file.admit()?;
-    admitted.in_time().map_err(|misfit| anyhow!("{}", remedy::board(&misfit, &arguments.table)))?;
+    let admitted = match arguments.tick_us {
+        Some(tick_us) => file.admit().map_err(|refused| {
+            anyhow!("{}: at {tick_us} µs {refused}: identify with --tick-us {tick_us}", arguments.table.display())
+        })?,
+        None => file.admit()?,
+    };
+    admitted.in_time().map_err(|misfit| anyhow!("{}", remedy::board(&misfit, &admitted, &arguments.table)))?;
     converter_mismatches(&admitted)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));

@@ -40,8 +40,10 @@ pub struct Flash {
     pub json: bool,
 }
 
-/// The NUCLEO-G474RE as the firmware sets it up: 16 conversions of 12 bits are summed, the DAC has 12 bits.
+/// The NUCLEO-G474RE as the firmware sets it up: a code of the ADC is a sixteenth of one of 12 bits, the DAC has 12 bits.
 const NUCLEO_G474RE: Board = Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 };
+/// Ticks of images that are built for other rates, µs.
+const OTHER_TICKS_US: [u32; 3] = [1_000, 200, 100];
 /// What the parameter pages are called where they are not written.
 const PAGES: &str = "parameter-pages.bin";
 
@@ -89,7 +91,13 @@ fn place(arguments: &Flash) -> Result<Range<u32>> {
 /// The content of the parameter pages with a table in them.
 fn content(path: &Path, place: &Range<u32>) -> Result<Vec<u8>> {
     let table = device::load(path)?;
-    device::fits(&NUCLEO_G474RE, &table, path)?;
+    // By the probe nobody can ask the device how fast it ticks. One that ticks otherwise refuses the table, and says so.
+    let tick_us = OTHER_TICKS_US.into_iter().find(|us| *us == table.sample_period_us).unwrap_or(NUCLEO_G474RE.tick_us);
+    device::fits(&Board { tick_us, ..NUCLEO_G474RE }, &table, path)?;
+    if tick_us != NUCLEO_G474RE.tick_us {
+        let hz = 1_000_000 / tick_us;
+        eprintln!("piezo: careful: {} is for an image that was built with TICK_HZ={hz}", path.display());
+    }
     // By the probe nobody can ask the device what its DAC is wired to.
     let output = if table.drive.is_some() { "drives the amplifier" } else { "shows the displacement" };
     eprintln!("piezo: careful: with {} the DAC {output}: wire it so before the board starts", path.display());

@@ -13,9 +13,10 @@ use bench::require_model;
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
+use device_link::streamed::Streamed;
 use device_link::{table, words};
 use estimator_core::{Admitted, Status};
-use protocol::{Mode, Refusal, Sample};
+use protocol::{Mode, Refusal};
 use serde_json::json;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -68,9 +69,9 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let bar = progress(ticks as u64);
     let what = Play { mode: Mode::Follow, goes_on: None, references: &references, hold: arguments.stay, ticks };
     let mut samples = Vec::with_capacity(ticks);
-    let followed = play(&mut client, &what, &interrupt, &mut |sample| {
-        samples.push(*sample);
-        bar.set_position(samples.len() as u64);
+    let followed = play(&mut client, &what, &interrupt, &mut |of| {
+        samples.push(*of);
+        bar.set_position(of.tick as u64 + 1);
         true
     });
     bar.finish_and_clear();
@@ -119,14 +120,15 @@ fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()>
     Ok(())
 }
 
-fn tell(arguments: &Follow, table: &Admitted, samples: &[Sample], followed: &Played, rows: &[Row]) -> Result<bool> {
-    let status = samples.iter().fold(Status::empty(), |all, sample| all | sample.status);
+fn tell(arguments: &Follow, table: &Admitted, samples: &[Streamed], followed: &Played, rows: &[Row]) -> Result<bool> {
+    let status = samples.iter().fold(Status::empty(), |all, of| all | of.sample.status);
     let met = Met::of(table, rows);
     let good = followed.stopped.is_empty() && followed.starved == 0;
     if arguments.json {
         let summary = json!({
             "out": arguments.out,
-            "ticks": samples.len(),
+            "ticks": followed.ticks,
+            "samples": samples.len(),
             "starved": followed.starved,
             "stopped": followed.stopped.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
             "status": status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
@@ -140,11 +142,11 @@ fn tell(arguments: &Follow, table: &Admitted, samples: &[Sample], followed: &Pla
     match met {
         Some(Met { after_s, mae_um, max_um }) => out(&format!(
             "{} ticks; the estimate was {mae_um:.4} µm off what was wanted on average, {max_um:.4} µm at most, from {after_s:.3} s on",
-            samples.len()
+            followed.ticks
         )),
         None => out(&format!(
             "{} ticks; the estimate never came near what was wanted: does the DAC drive this amplifier, and the ADC read it?",
-            samples.len()
+            followed.ticks
         )),
     }
     if let Some(path) = &arguments.out {
@@ -161,7 +163,7 @@ fn tell(arguments: &Follow, table: &Admitted, samples: &[Sample], followed: &Pla
     if !followed.stopped.is_empty() {
         out(&format!(
             "FAILED: a fault sent the drive back to rest after {} ticks: {}",
-            samples.len(),
+            followed.ticks,
             words::list(words::faults(followed.stopped).map(|(_, what)| what))
         ));
     }

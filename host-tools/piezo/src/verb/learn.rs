@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use bench::{BenchError, Session, session};
 use clap::{Args, Parser};
 use device_link::interrupt::Interrupt;
+use recordings::prepare::PrepareOptions;
 use remedy::quoted;
 use std::path::PathBuf;
 
@@ -37,6 +38,9 @@ pub struct Learn {
     pub excitation: ExcitationArgs,
 }
 
+/// The option of `piezo identify` that says the tick.
+const TICK: &str = "--tick-us";
+
 /// Runs the verb; `false` where a part says so, and what follows that is not begun. Run again, it goes on behind a session that
 /// is whole: the sensor need not come back for what was not learnt or not installed.
 pub fn run(arguments: &Learn) -> Result<bool> {
@@ -56,14 +60,18 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     // The proof stays within what was typed, too.
     let range = excitation.range.map(|range| format!("--range={}:{}", range.zero, range.full));
     train.extend(range.clone());
-    let identify = |logs: Vec<String>, held_out: Vec<String>| {
+    let identify = |logs: Vec<String>, held_out: Vec<String>, tick_us: u32| {
         let held_out = held_out.into_iter().flat_map(|log| ["--validate-on".to_owned(), log]);
         let where_to = words(&["--board", &board, "--out", &model]);
-        let parts = [words(&["identify"]), logs, where_to, held_out.collect(), arguments.identify.clone()];
+        // The board's, where none was typed.
+        let said = tick_us == PrepareOptions::default().tick_us
+            || arguments.identify.iter().any(|word| word.starts_with(TICK));
+        let tick = if said { Vec::new() } else { vec![TICK.to_owned(), tick_us.to_string()] };
+        let parts = [words(&["identify"]), logs, where_to, held_out.collect(), tick, arguments.identify.clone()];
         parts.concat()
     };
     // What stands behind `--` is understood before anything moves.
-    parse(identify(words(&["log.csv"]), Vec::new()))?;
+    parse(identify(words(&["log.csv"]), Vec::new(), PrepareOptions::default().tick_us))?;
     let proof = arguments.out.join("proof");
     if proof.exists() {
         return Err(BenchError::Occupied { path: proof }.into());
@@ -73,9 +81,9 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     } else if !part(train)? {
         return Ok(false);
     }
-    let Session { logs, held_out, seed, .. } = session(&arguments.out)?;
+    let Session { logs, held_out, seed, tick_us, .. } = session(&arguments.out)?;
     let paths = |logs: Vec<PathBuf>| logs.into_iter().map(path).collect::<Result<Vec<_>>>();
-    let identify = identify(paths(logs)?, paths(held_out)?);
+    let identify = identify(paths(logs)?, paths(held_out)?, tick_us);
     let proof = path(proof)?;
     let seconds = arguments.proof_seconds.to_string();
     // Another draw than the training's, which nothing has seen.

@@ -104,6 +104,7 @@ fn tell(arguments: &Record, recording: &Recording, end: &End, (tick_us, sensor):
             "out": (recording.rows > 0).then_some(&arguments.out),
             "samples": recording.rows,
             "seconds": seconds(recording, tick_us),
+            "every": recording.every,
             "lost": recording.lost,
             "late": recording.late,
             "status": recording.status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
@@ -116,12 +117,14 @@ fn tell(arguments: &Record, recording: &Recording, end: &End, (tick_us, sensor):
     if recording.rows == 0 {
         return Ok(());
     }
+    let every = recording.every.map_or(1, |every| every.get().into());
     out(&format!(
-        "{}  {} samples, {:.3} s at {} Hz; the displacement is the {}",
+        "{}  {} samples, {:.3} s at {} Hz{}; the displacement is the {}",
         arguments.out.display(),
         recording.rows,
         seconds(recording, tick_us),
-        1_000_000 / tick_us.max(1),
+        1_000_000 / (tick_us * every).max(1),
+        if every == 1 { String::new() } else { format!(", one of {every} ticks") },
         if sensor { "sensor's" } else { "device's estimate, no sensor's" }
     ));
     if recording.lost > 0 {
@@ -144,8 +147,8 @@ fn conclude(arguments: &Record, recording: &Recording, end: End) -> Result<bool>
     let why = match end {
         End::Complete if recording.rows > 0 => return Ok(true),
         End::Complete => bail!("ended before the first sample: {} is not written", arguments.out.display()),
-        End::Gap { ticks } => format!(
-            "{ticks} samples were lost: {before}. Is the cable sound, and this machine not too busy? --allow-gaps goes on, but \
+        End::Gap { samples } => format!(
+            "{samples} samples were lost: {before}. Is the cable sound, and this machine not too busy? --allow-gaps goes on, but \
              no verb reads a log with gaps"
         ),
         End::Restarted => format!("the device was restarted, or its mode set: {before}"),

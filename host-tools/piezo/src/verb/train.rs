@@ -84,7 +84,7 @@ pub fn run(arguments: &Train) -> Result<bool> {
         error if arguments.out.join(FORMER).exists() => anyhow!(error).context(stranded(arguments)),
         error => error.into(),
     })?;
-    tell(arguments, &trained)?;
+    tell(arguments, &trained, wiring.line().sample_period_us)?;
     // It is said before what hinders the way home, which is what the user must know last.
     let complete = trained.complete();
     trained.home.with_context(|| stranded(arguments))?;
@@ -105,7 +105,7 @@ fn stranded(arguments: &Train) -> String {
     }
 }
 
-fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
+fn tell(arguments: &Train, trained: &Trained, tick_us: u32) -> Result<()> {
     if arguments.json {
         let summary = json!({
             "logs": trained.logs,
@@ -137,7 +137,11 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
         None if arguments.of_learn => {}
         None => {
             let board = remedy::quoted(&arguments.board.board.display().to_string());
-            out(&format!("Next:\n\n    {} --board {board}", remedy::identify(&arguments.out)));
+            let tick = match tick_us == PrepareOptions::default().tick_us {
+                true => String::new(),
+                false => format!(" --tick-us {tick_us}"),
+            };
+            out(&format!("Next:\n\n    {} --board {board}{tick}", remedy::identify(&arguments.out)));
         }
     }
     Ok(())

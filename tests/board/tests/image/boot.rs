@@ -236,7 +236,7 @@ fn the_cause_of_a_start_is_told_and_garbage_in_memory_is_no_message() -> Result<
 #[test]
 fn two_runs_are_equal() -> Result<()> {
     let run = || {
-        let mut board = Board::power_on(&Image::from_environment()?)?;
+        let mut board = Board::power_on(&Image::from_environment("FIRMWARE_IMAGE")?)?;
         board.feed(triangle);
         assert_eq!(board.run(0.1)?, Stop::Time);
         Ok::<_, anyhow::Error>(board)

@@ -13,6 +13,7 @@ mod linearise;
 mod log;
 mod power_cut;
 mod ramps;
+mod rate;
 mod resets;
 mod resolution;
 mod sensor;

@@ -185,8 +185,9 @@ fn ticks_that_do_not_come_or_come_late() -> Result<()> {
 #[test]
 fn ticks_that_are_done_just_before_their_trigger_or_just_after() -> Result<()> {
     let mut missed = Vec::new();
-    // Their interrupt's delay beyond the conversion, µs: some 430 lie between that and the trigger.
-    for delay_us in 380..450 {
+    // Their interrupt's delay beyond the conversion, µs: some 430 lie between that and the trigger. After the longest the next tick is
+    // done a few µs later.
+    for delay_us in (380..450).step_by(2).chain(421..428) {
         let (mut bench, start) = driving(WAYS[1])?;
         bench.run(0.02)?;
         for _ in 0..5 {
@@ -203,7 +204,7 @@ fn ticks_that_are_done_just_before_their_trigger_or_just_after() -> Result<()> {
         bench.run(0.1)?;
         went_to_rest(&format!("{delay_us} µs late"), &bench, start);
     }
-    println!("missed, of five that come 380 µs late and so on in steps of 1 µs: {missed:?}");
+    println!("missed, of five that come 380 µs late and so on in steps of 2 µs, then 421 to 427 µs: {missed:?}");
     assert!(missed.iter().all(|&missed| missed >= 5));
     Ok(())
 }

@@ -13,7 +13,9 @@ use protocol::{Deframer, Health, Identity, Record, Reply, Request, Samples, ToDe
 pub const PERIOD: u64 = CORE_HZ as u64 / 2000;
 /// Clocks from a trigger to its tick's interrupt: of three channels sixteen conversions of 60 ADC clocks each, at a quarter of the
 /// core's clock.
-pub const CONVERSION: u64 = 3 * 16 * 60 * 4;
+pub const CONVERSION: u64 = 16 * CONVERTED;
+/// The same where a code is of one conversion.
+pub const CONVERTED: u64 = 3 * 60 * 4;
 /// The pin that has an edge at every good tick.
 pub const VALID: Pin = Pin { port: Port::B, number: 10 };
 /// How long the device may take to start and to reply, s. The longest reply waits for some thirty flash operations.
@@ -31,8 +33,13 @@ pub struct Bench {
 impl Bench {
     /// A new board, running, on a voltage that rises and falls.
     pub fn started() -> Result<Self> {
-        let mut board = Board::power_on(&Image::from_environment()?)?;
-        board.feed(triangle);
+        Self::of("FIRMWARE_IMAGE", |board| board.feed(triangle))
+    }
+
+    /// A new board with the image that an environment variable names, running on inputs that it is given before.
+    pub fn of(image: &str, inputs: impl FnOnce(&mut Board)) -> Result<Self> {
+        let mut board = Board::power_on(&Image::from_environment(image)?)?;
+        inputs(&mut board);
         let mut bench = Self { board, samples: Vec::new(), deframer: Deframer::new(), sequence: 0 };
         bench.start()?;
         Ok(bench)

@@ -122,7 +122,7 @@ fn measure(model: Model, drives: bool) -> Result<Vec<String>> {
     // By what the core states, the most that was observed.
     let mut observed: Vec<(u32, u32)> = Vec::new();
     for (name, table) in tables::tables(model, drives)? {
-        let stated = table.parameters.most_cycles(drives);
+        let stated = table.cycles().most;
         let mut line = json!({ "model": model.name(), "table": name, "drives": drives, "stated": stated });
         if refused(&table)? {
             line["refused"] = json!(true);

@@ -81,8 +81,26 @@ fn coarse(table: &Table) -> Table {
     Table { parameters, displacement_limits_um: Range { min: min + COARSE_UM, max: max + COARSE_UM }, ..*table }
 }
 
+/// The straight line of a board that has no model yet, over the table's voltages: a µm a V.
+fn line(table: &Table) -> Table {
+    let volts = table.voltage_range_v;
+    let of = PrandtlIshlinskiiParameters {
+        thresholds_v: List::of([0.0]),
+        weights_um_per_v: List::of([1.0]),
+        offset_um: 0.0,
+        dead_zones_um: List::of([]),
+        dead_zone_slopes: List::of([]),
+        memory_v: volts,
+    };
+    let displacement_limits_um = Range { min: 1.1 * volts.min - 1.0, max: 1.1 * volts.max + 1.0 };
+    Table { parameters: Parameters::PrandtlIshlinskii(of), displacement_limits_um, interval: None, ..*table }
+}
+
 /// The largest table; of the Bouc-Wen model one for each way to take a power.
 fn variants(table: &Table) -> Vec<(&'static str, Table)> {
+    if table.model() == Model::PrandtlIshlinskii {
+        return vec![("largest", *table), ("line", line(table))];
+    }
     let Parameters::BoucWen(of) = table.parameters else {
         return vec![(if table.model().is_voigt() { "identified" } else { "largest" }, *table)];
     };
