@@ -15,7 +15,7 @@ pub struct InterruptError(#[from] std::io::Error);
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Turns the first signal (Ctrl-C, `kill`, a terminal that is closed) into a wish; the second ends the program at once. There is one wish in a process,
+    /// Turns the first signal (Ctrl-C, `kill`) into a wish; the second ends the program at once. There is one wish in a process,
     /// however often it is asked for, so that what comes between two parts of a task, or in the first, is known to the second.
     ///
     /// # Errors
@@ -28,7 +28,7 @@ impl Interrupt {
             return Ok(interrupt.clone());
         }
         let interrupt = Self::default();
-        for signal in signals() {
+        for &signal in TERM_SIGNALS {
             flag::register_conditional_shutdown(signal, 2, interrupt.0.clone())
                 .and_then(|_| flag::register(signal, interrupt.0.clone()))?;
         }
@@ -46,15 +46,6 @@ impl Interrupt {
     }
 }
 
-/// The signals that end a program in an orderly way. A terminal that is closed sends one of its own, where there is such.
-fn signals() -> impl Iterator<Item = i32> {
-    #[cfg(unix)]
-    let closed = Some(signal_hook::consts::SIGHUP);
-    #[cfg(not(unix))]
-    let closed = None;
-    TERM_SIGNALS.iter().copied().chain(closed)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,8 +54,7 @@ mod tests {
     fn a_wish_in_one_part_of_a_task_is_known_to_the_next() {
         let (first, alone) = (Interrupt::watch().unwrap(), Interrupt::default());
         assert!(!first.wanted());
-        // The last of them: it ends a program that does not listen for it, and a second one would end this.
-        signal_hook::low_level::raise(signals().last().unwrap()).unwrap();
+        signal_hook::low_level::raise(signal_hook::consts::SIGTERM).unwrap();
         assert!(first.wanted() && Interrupt::watch().unwrap().wanted() && !alone.wanted());
     }
 }
