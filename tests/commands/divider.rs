@@ -74,9 +74,9 @@ fn an_output_stage_follows_from_its_resistors_and_says_what_it_gives_without_pow
         let at_end = input(REFERENCE_V * f64::from(end));
         assert!((drive - (50.0 + 8.0 * at_end)).abs() < 1e-9, "{found}");
     }
-    // Two resistors hold the floating pin where the input is at 0 V: with no current through the low-pass.
+    // Two resistors hold the floating pin where the amplifier's output is at 0 V: with no current through the low-pass.
     let (up, down) = (number(&found, "/up_and_down_kohm/0"), number(&found, "/up_and_down_kohm/1"));
-    assert!(input(REFERENCE_V * down / (up + down)).abs() < 1e-9 && up.min(down) == 100.0, "{found}");
+    assert!((50.0 + 8.0 * input(REFERENCE_V * down / (up + down))).abs() < 1e-9 && up.min(down) == 100.0, "{found}");
     let printed = piezo().args(arguments).assert().success();
     let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
     for part in [

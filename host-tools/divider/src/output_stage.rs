@@ -44,9 +44,12 @@ impl OutputStage {
         format!("{:.3} V{}", rounded(input_v, 3), amplified.unwrap_or_default())
     }
 
-    /// The input's voltage nearest to 0, and the resistors to 3.3 V and to GND that hold A2 there, kΩ.
+    /// The input's voltage where the amplifier's output is nearest to 0 V, or its input where that is not known, and the resistors to
+    /// 3.3 V and to GND that hold A2 there, kΩ.
     pub fn holding(&self) -> (f64, Option<(f64, f64)>) {
-        let rest = 0.0f64.clamp(self.ends_v.0, self.ends_v.1);
+        let (low, high) = self.ends_v;
+        let zero = self.amplifier_v.map_or(0.0, |(at_low, at_high)| low - at_low * (high - low) / (at_high - at_low));
+        let rest = zero.clamp(low, high);
         let pin = self.stage.pin(rest);
         let ratio = (REFERENCE_V - pin) / pin;
         let pair = (ratio.is_finite() && ratio > 0.0).then(|| {

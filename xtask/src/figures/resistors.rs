@@ -22,6 +22,8 @@ pub fn stages(printed: &Value) -> Result<Content> {
 }
 
 fn rows(printed: &Value, names: [&str; 3], span: &str, columns: &[&str]) -> Result<Content> {
+    // As the text around writes it.
+    let signed = |text: String| text.replace('-', "−");
     let row = |found: &Value| -> Result<Vec<String>> {
         let ends = found["ends"].as_str().context("a row names no ends")?.replace(':', " … ");
         let resistors = found.pointer("/found/resistors_ohm").context("a row has no resistors")?;
@@ -30,7 +32,8 @@ fn rows(printed: &Value, names: [&str; 3], span: &str, columns: &[&str]) -> Resu
             None => "–".to_owned(),
         });
         let end = |end: u8| number(&found["found"], &format!("{span}/{end}")).map(|volts| fixed(volts, 2));
-        Ok([vec![format!("{ends} V")], ohms.to_vec(), vec![format!("{} … {} V", end(0)?, end(1)?)]].concat())
+        let (ends, span) = (signed(format!("{ends} V")), signed(format!("{} … {} V", end(0)?, end(1)?)));
+        Ok([vec![ends], ohms.to_vec(), vec![span]].concat())
     };
     table(1, columns, array(printed, "")?.iter().map(row))
 }
