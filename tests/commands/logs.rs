@@ -146,16 +146,18 @@ fn validate_says_of_a_log_what_in_it_is_no_measurement() {
     let said = of(&spoilt, &[]);
     assert!(
         said.contains("leaps away and back 2 times, the gravest by 4")
-            && said.contains("at 10.0000 s: it was judged as"),
+            && said.contains("at 10.0000 s: the errors above take it for a measurement"),
         "{said}"
     );
+    let said = of(&spoilt, &["--from", "11"]);
+    assert!(said.contains("leaps away and back by 3"), "what is not scored spoils nothing: {said}");
     let found: Value = serde_json::from_str(&of(&spoilt, &["--json"])).unwrap();
     assert_eq!(
         (&found["logs"][0]["flaws"][0]["worst"]["kind"], &found["logs"][0]["flaws"][0]["count"]),
         (&"spike".into(), &2.into())
     );
     let said = of(&clean, &[]);
-    assert!(!said.contains("judged as if"), "{said}");
+    assert!(!said.contains("for a measurement"), "{said}");
 }
 
 #[test]

@@ -65,6 +65,15 @@ impl<'s> Beside<'s> {
     }
 }
 
+/// Where the checks that others run beside cannot go on, neither can these.
+impl Drop for Beside<'_> {
+    fn drop(&mut self) {
+        // It has ended already, or ends now: there is nothing else to be done.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
 /// Leaves how checks went to the process that started this one.
 ///
 /// # Errors

@@ -22,7 +22,7 @@ pub struct Step {
     pub about: &'static str,
     /// What it needs beyond cargo.
     pub tools: &'static [&'static Tool],
-    /// Whether it may run beside those that follow: it uses one core, and nothing in it is a matter of time.
+    /// Whether it may run beside those that follow: it uses one core for most of its time, and none of its tests measures time.
     pub beside: bool,
     /// Runs it; an error is the check's failure.
     pub run: fn(&Shell) -> Result<()>,

@@ -26,8 +26,10 @@ pub fn serialize_status<S: Serializer>(status: &Status, serializer: S) -> Result
 
 /// Why a device started, by what it says of it and by whether its last run left a message.
 pub fn reset(cause: ResetCause, left_a_message: bool) -> String {
-    let by_itself =
-        if left_a_message { "the firmware restarted itself, after a panic" } else { "it was asked to restart" };
+    let by_itself = match left_a_message {
+        true => "the firmware restarted itself, after a panic",
+        false => "by software: as asked, by a debug probe, or after a failure whose message was taken since",
+    };
     let causes = [
         (ResetCause::BROWN_OUT, "power came, or sagged and came back"),
         (ResetCause::WATCHDOG, "the watchdog restarted it, since ticks or the link had stopped"),

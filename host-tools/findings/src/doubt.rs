@@ -125,7 +125,6 @@ fn named(converter: Converter) -> &'static str {
     }
 }
 
-/// What in a log is no measurement, what it does, and what helps.
 /// What the gravest of a log's flaws of one kind is, where there are `count` of them, without the log's name.
 pub fn flaw(worst: &Flaw, count: usize) -> String {
     let Stretch { from_s, to_s } = worst.at();
@@ -145,6 +144,7 @@ pub fn flaw(worst: &Flaw, count: usize) -> String {
     }
 }
 
+/// What in a log is no measurement, what it does, and what helps.
 fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
     let what = flaw(worst, count);
     if left_out {

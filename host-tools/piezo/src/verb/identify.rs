@@ -25,6 +25,9 @@ pub struct Identify {
     /// Which model; `auto` tries every one and chooses by cross-validation inside the training data.
     #[arg(long, value_parser = model_choice(), default_value = "auto")]
     pub model: ModelChoice,
+    /// What comes next is typed by learn.
+    #[arg(skip)]
+    pub of_learn: bool,
     /// What is fitted to what.
     #[command(flatten)]
     pub fitting: Fitting,
@@ -206,10 +209,13 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
     out("\nWhen not to trust it:");
     outcome.doubts.iter().for_each(|doubt| out(&format!("- {}", remedy::doubt(doubt))));
     let folder = arguments.out.display();
-    out(&format!(
-        "\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg\nNext: look at report.html; try the table on \
-         another recording with `piezo validate {folder}/table.toml LOG`; put it on a board with `piezo install {folder} --board board.toml --port auto`"
-    ));
+    out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
+    if !arguments.of_learn {
+        out(&format!(
+            "Next: look at report.html; try the table on another recording with `piezo validate {folder}/table.toml LOG`; put it on a board \
+             with `piezo install {folder} --board board.toml --port auto`"
+        ));
+    }
 }
 
 /// Zeros and delay in words.

@@ -123,6 +123,7 @@ fn part(words: Vec<String>, interrupt: &Interrupt) -> Result<bool> {
     let mut part = parse(words)?;
     match &mut part.verb {
         Verb::Train(train) => train.of_learn = true,
+        Verb::Identify(identify) => identify.of_learn = true,
         Verb::Install(install) => install.of_learn = true,
         _ => {}
     }

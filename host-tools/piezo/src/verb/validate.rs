@@ -205,8 +205,8 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
         };
         out(&format!("    the table was trained on {share}{from:.2} … {to:.2} s of this log; {says}"));
     }
-    for (worst, count) in flaws_of(log) {
-        out(&format!("    {}: it was judged as if it were so", flaw(&worst, count)));
+    for (worst, count) in flaws_of(log, comparison.scored_s) {
+        out(&format!("    {}: the errors above take it for a measurement", flaw(&worst, count)));
     }
     if log.displacement_estimated {
         out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
@@ -225,9 +225,11 @@ fn held(since: &str, interval: &Coverage) -> String {
     )
 }
 
-/// The gravest of each kind of a log's flaws, and how many there are of it. Of an estimate none is looked for.
-fn flaws_of(log: &Log) -> Vec<(Flaw, usize)> {
-    if log.displacement_estimated { Vec::new() } else { gravest(&flaws(log)) }
+/// The gravest of each kind of a log's flaws in what was scored, and how many there are of it. Of an estimate none is looked for.
+fn flaws_of(log: &Log, (from_s, to_s): (f64, f64)) -> Vec<(Flaw, usize)> {
+    let mut found = if log.displacement_estimated { Vec::new() } else { flaws(log) };
+    found.retain(|flaw| flaw.at().to_s >= from_s && flaw.at().from_s <= to_s);
+    gravest(&found)
 }
 
 /// The seconds of a log that a table was trained on.
@@ -252,6 +254,6 @@ fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64
         "status": status,
         "trained_on_s": trained_on_s,
         "displacement_estimated": log.displacement_estimated,
-        "flaws": flaws_of(log).iter().map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
+        "flaws": flaws_of(log, comparison.scored_s).iter().map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
     })
 }
