@@ -3,20 +3,23 @@
 use qemu_test::Board;
 use serde_json::Value;
 use std::fs;
+use std::path::PathBuf;
 
-/// What `piezo follow` says of `wanted.csv`; it fails just where references came too late.
-fn followed(board: &Board) -> Value {
+/// What `piezo follow` says of `wanted.csv`, where every reference came in time; it fails just where some did not.
+fn followed(board: &Board) -> Option<Value> {
     let output = board.piezo("follow", &["wanted.csv", "--out", "followed.csv", "--json"]);
+    if output.status.code() == Some(2) {
+        println!("on a machine this busy: {}", String::from_utf8_lossy(&output.stderr));
+        return None;
+    }
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(output.status.code() == Some(0), report["starved"] == 0, "{report:#}");
-    report
+    (report["starved"] == 0).then_some(report)
 }
 
-#[test]
-fn a_trajectory_is_followed_at_the_device_s_pace() {
-    let board = Board::power_on();
-    // Little longer than the device's queue of references lasts: QEMU puts out a sample's every byte by itself, and on two slow
-    // cores its host cannot send references as fast as they are used up. Whole trajectories are the native device's and the board's.
+/// A trajectory a little longer than the device's queue of references lasts: QEMU puts out a sample's every byte by itself, and on two
+/// slow cores its host cannot send references as fast as they are used up. Whole trajectories are the native device's and the board's.
+fn write_wanted(board: &Board) {
     let wanted: String = (0..250)
         .map(|k| {
             let t = f64::from(k) * 1e-3;
@@ -24,19 +27,39 @@ fn a_trajectory_is_followed_at_the_device_s_pace() {
         })
         .collect();
     fs::write(board.folder.path().join("wanted.csv"), format!("time_s,displacement_um\n{wanted}")).unwrap();
-    let complaint = board.refuses("follow", &["wanted.csv"]);
-    assert!(complaint.contains("--drive-span"), "{complaint}");
+}
 
-    // As the ADC's, which the emulated board wires the DAC to.
+/// A device with a table that drives, and the table: as the ADC's, which the emulated board wires the DAC to.
+fn driving() -> (Board, PathBuf) {
+    let board = Board::power_on();
+    write_wanted(&board);
     let drive = ["--drive-span", "-0.378:3.978", "--drive-slew", "100", "--drive-rest", "0.5"];
     let table = board.table("driving", &drive);
-    let push = [table.to_str().unwrap(), "--pause", "--reset"];
-    let complaint = board.refuses("push", &push);
+    board.does("push", &[table.to_str().unwrap(), "--pause", "--reset", "--rewired"]);
+    (board, table)
+}
+
+#[test]
+fn a_device_that_is_not_wired_to_drive_follows_nothing_and_is_not_made_to_unasked() {
+    let board = Board::power_on();
+    write_wanted(&board);
+    let complaint = board.refuses("follow", &["wanted.csv"]);
+    assert!(complaint.contains("--drive-span"), "{complaint}");
+    let table = board.table("driving", &["--drive-span", "-0.378:3.978", "--drive-slew", "100", "--drive-rest", "0.5"]);
+    let complaint = board.refuses("push", &[table.to_str().unwrap(), "--pause", "--reset"]);
     assert!(complaint.contains("--rewired"), "{complaint}");
-    board.does("push", &[&push[..], &["--rewired"]].concat());
-    // The emulated clock does not wait for a host that is busy with something else; the verb says so and fails then.
-    let report =
-        (0..40).map(|_| followed(&board)).find(|report| report["starved"] == 0).expect("not busy all the time");
+}
+
+#[test]
+fn a_trajectory_is_followed_at_the_device_s_pace() {
+    // The emulated clock does not wait for a host that is busy with something else; the verb says so and fails then. Another device
+    // each time: what one has followed halfway stays in its model's memory.
+    let (report, board, table) = (0..40)
+        .find_map(|_| {
+            let (board, table) = driving();
+            followed(&board).map(|report| (report, board, table))
+        })
+        .expect("not busy all the time");
     assert_eq!((&report["ticks"], &report["stopped"]), (&Value::from(501), &Value::Array(Vec::new())), "{report:#}");
     let log = fs::read_to_string(board.folder.path().join("followed.csv")).unwrap();
     assert_eq!(log.lines().count(), 501);
