@@ -104,7 +104,9 @@ pub fn play(
     // The number of the tick that takes the first reference; of a play from rest, its sample shows it.
     let mut first = None;
     let mut ticks = wanted;
-    while played.ticks < ticks && played.stopped.is_empty() && !played.enough {
+    // Before all is sent nobody knows how many ticks find nothing: no sample is one too many.
+    let end = |sent: usize, ticks: usize| if sent < references.len() { usize::MAX } else { ticks };
+    while played.ticks < end(sent, ticks) && played.stopped.is_empty() && !played.enough {
         let done = played.ticks;
         if interrupt.wanted() {
             return Err(PlayError::Interrupted { done, ticks });
@@ -138,7 +140,7 @@ pub fn play(
                 Continuity::Gap(ticks) => return Err(PlayError::SamplesLost(samples_in(ticks, &batch))),
                 Continuity::Restarted => return Err(PlayError::Restarted),
             }
-            played.take(&batch, &mut first, ticks, take);
+            played.take(&batch, &mut first, end(sent, ticks), take);
             if let Some(first) = first {
                 let own = first.wrapping_add(sent as u32);
                 played.held = Held(own.wrapping_sub(starved_before.unwrap_or(0)));

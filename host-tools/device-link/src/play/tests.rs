@@ -143,6 +143,26 @@ fn a_line_that_hesitates_starves_the_drive_and_the_device_counts_it() {
 }
 
 #[test]
+fn a_host_that_is_kept_from_sending_while_the_samples_of_all_ticks_arrive_is_told_of_those_that_starved() {
+    let flash = RamFlash::new(pages::with(&to_record(&driving()), 4096).unwrap());
+    let device = Emulator::new().flash(flash).plant(amplifier(DRIVE, TABLE.adc)).start().unwrap();
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let (wave, mut taken) = (wave(), 0);
+    let of = Play { mode: Mode::Follow, goes_on: None, references: &wave, hold: true, ticks: 1000 };
+    let played = play(&mut client, &of, &Interrupt::default(), &mut |_| {
+        taken += 1;
+        if taken == 100 {
+            // 1,200 ticks: more than are wanted, and than the device's queue lasts; less than the second after which it rests.
+            std::thread::sleep(Duration::from_millis(600));
+        }
+        true
+    });
+    let played = played.unwrap();
+    assert!(played.starved > 100 && played.stopped.is_empty(), "{played:?}");
+    assert_eq!((played.ticks, taken), (1000 + played.starved as usize, played.ticks));
+}
+
+#[test]
 fn what_is_odd_before_the_first_reference_ends_nothing_but_an_unsafe_fault_does() {
     let sample = |faults| Sample {
         code: 1,
