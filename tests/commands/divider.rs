@@ -69,14 +69,15 @@ fn an_output_stage_follows_from_its_resistors_and_says_what_it_gives_without_pow
     let input = |pin: f64| pin * (1.0 + rf / rg + rf / ro) - REFERENCE_V * rf / ro;
     for (end, volts) in [(0, -10.0), (1, 10.0)] {
         let pin = number(&found, &format!("/pin_v/{end}"));
-        assert!((input(pin) - volts).abs() < 1e-9 && (0.2..=3.1).contains(&pin), "{found}");
+        assert!((input(pin) - volts).abs() < 1e-9 && (0.231..=3.069).contains(&pin), "{found}");
         let drive = number(&found, &format!("/drive_span/{end}"));
         let at_end = input(REFERENCE_V * f64::from(end));
         assert!((drive - (50.0 + 8.0 * at_end)).abs() < 1e-9, "{found}");
     }
     // Two resistors hold the floating pin where the amplifier's output is at 0 V: with no current through the low-pass.
     let (up, down) = (number(&found, "/up_and_down_kohm/0"), number(&found, "/up_and_down_kohm/1"));
-    assert!((50.0 + 8.0 * input(REFERENCE_V * down / (up + down))).abs() < 1e-9 && up.min(down) == 100.0, "{found}");
+    // To what resistors of 5 % leave of that.
+    assert!((50.0 + 8.0 * input(REFERENCE_V * down / (up + down))).abs() < 1.5 && up.min(down) == 100.0, "{found}");
     let printed = piezo().args(arguments).assert().success();
     let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
     for part in [

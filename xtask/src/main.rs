@@ -26,7 +26,7 @@ mod tool;
 
 use std::{path::Path, process::ExitCode};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::{Parser, Subcommand};
 use xshell::Shell;
 
@@ -61,6 +61,12 @@ fn main() -> Result<ExitCode> {
     let sh = Shell::new()?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask has left the repository's root folder")?;
     sh.change_dir(root);
+    let one_rate = matches!(arguments.chore, Chore::Setup | Chore::Emulate(_));
+    ensure!(
+        one_rate || std::env::var_os(embedded::TICK_HZ).is_none(),
+        "{} is set: unset it, the checks and what they measure build every rate by themselves",
+        embedded::TICK_HZ
+    );
     match arguments.chore {
         Chore::Setup => tool::setup(&sh, &step::tools()).map(|()| ExitCode::SUCCESS),
         Chore::Test(arguments) => check::run(&sh, &arguments),

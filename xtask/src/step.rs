@@ -64,7 +64,7 @@ pub const STEPS: [Step; 13] = [
     },
     Step {
         name: "firmware",
-        about: "the firmware builds for both boards and at every rate, without a lint and without software f64",
+        about: "the firmware builds for both boards without software f64, and no lint fires at any rate",
         tools: &[&EMBEDDED],
         beside: false,
         run: firmware,

@@ -179,7 +179,7 @@ fn drive(
             let um = wiring.sensor.um(sample).unwrap_or(f64::NAN) - zero;
             if let Some(before) = last.replace(*sample) {
                 let (estimate, half) = (f64::from(of.estimate(&before)), before.half_width.map(f64::from));
-                let status = before.status;
+                let status = of.status(&before);
                 instants.push(Instant { estimate_um: estimate, sensor_um: um, half_width_um: half, status });
                 let mut row = vec![volts(sample), um, estimate];
                 // A table that has an interval has it from the zero on.

@@ -7,7 +7,7 @@
 use super::client::Client;
 use super::error::LinkError;
 use super::interrupt::Interrupt;
-use super::streamed::estimate_at;
+use super::streamed::{estimate_at, status_at};
 use super::window::{Continuity, Numbers, samples_in};
 use super::words;
 use estimator_core::{AdcCalibration, AdcCode, Admitted, Range, Status};
@@ -150,7 +150,7 @@ impl Heard {
         if let Some(before) = self.last.replace(sample) {
             self.voltage.push(calibration.voltage(AdcCode(sample.code)));
             self.estimated.push(estimate_at(&before, &sample, every));
-            self.status.push(before.status);
+            self.status.push(status_at(&before, &sample, every));
         }
         Ok(())
     }

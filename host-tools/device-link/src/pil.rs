@@ -21,7 +21,7 @@ const CHUNK: usize = 64;
 const OUTSTANDING: usize = 200;
 /// A device that returns nothing for so long has stopped.
 const SILENCE: Duration = Duration::from_secs(5);
-/// After this long without a sample, all that were under way have come: the queue is empty in 128 ms.
+/// After this long without a sample, all that were under way have come: the queue is empty in 128 ms at 2 kHz, in 256 at 1 kHz.
 const SETTLED: Duration = Duration::from_millis(400);
 /// How long to wait for samples before something else is looked at.
 const LOOK: Duration = Duration::from_millis(20);

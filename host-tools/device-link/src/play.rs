@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const CHUNK: usize = 64;
 /// A device that returns nothing for so long has stopped.
 const SILENCE: Duration = Duration::from_secs(5);
-/// How long to wait for samples before something else is looked at: half a frame of references.
+/// How long to wait for samples before something else is looked at: half a frame of references at 2 kHz.
 const LOOK: Duration = Duration::from_millis(16);
 
 /// What is to be gone through.

@@ -89,12 +89,16 @@ impl InputStage {
         Some((at_high - at_low) / (self.ends_v.1 - self.ends_v.0))
     }
 
+    /// What a voltage of the source stands for, V or µm.
+    fn at(&self, volts: f64) -> Option<f64> {
+        let ((at_low, _), a_volt) = (self.stands_for?, self.a_volt()?);
+        Some(at_low + a_volt * (volts - self.ends_v.0))
+    }
+
     /// What code 0 and the largest one stand for, V or µm.
     pub fn span(&self) -> Option<(f64, f64)> {
-        let ((at_low, _), a_volt) = (self.stands_for?, self.a_volt()?);
-        let at = |volts: f64| at_low + a_volt * (volts - self.ends_v.0);
         let (zero, full) = self.divider.span();
-        Some((at(zero), at(full)))
+        Some((self.at(zero)?, self.at(full)?))
     }
 
     /// What resistors of each usual tolerance cost.
@@ -199,8 +203,10 @@ impl InputStage {
         let (low, high) = self.ends_v;
         match self.divider.open() {
             Some(volts) if (low..=high).contains(&volts) => format!(
-                "With the monitor's wire off, it reads as {volts:.3} V. Where the DAC does not drive the amplifier and the table's range \
-                 holds that voltage, no flag tells it from an actuator at rest."
+                "With the monitor's wire off, it reads as {volts:.3} V{}. Where the DAC does not drive the amplifier and the table's range \
+                 holds that voltage, no flag tells it from an actuator at rest, unless the voltage leaps there farther than the amplifier \
+                 can (amplifier_slew of board.toml; `piezo install` says how far that is).",
+                self.at(volts).map_or(String::new(), |volts| format!(", which is {volts:.2} V of the amplifier"))
             ),
             Some(volts) => format!(
                 "With the monitor's wire off, it reads as {volts:.3} V, which is beyond its range: a fault within a second."

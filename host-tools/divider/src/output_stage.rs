@@ -53,7 +53,12 @@ impl OutputStage {
         let pin = self.stage.pin(rest);
         let ratio = (REFERENCE_V - pin) / pin;
         let pair = (ratio.is_finite() && ratio > 0.0).then(|| {
-            if ratio > 1.0 { (ratio * HOLDING_KOHM, HOLDING_KOHM) } else { (HOLDING_KOHM, HOLDING_KOHM / ratio) }
+            let other = |kohm: f64| series::nearest(1e3 * kohm) / 1e3;
+            if ratio > 1.0 {
+                (other(ratio * HOLDING_KOHM), HOLDING_KOHM)
+            } else {
+                (HOLDING_KOHM, other(HOLDING_KOHM / ratio))
+            }
         });
         (rest, pair)
     }
@@ -84,11 +89,15 @@ impl OutputStage {
                 stage.pin(high)
             ),
             format!(
-                "A2 at {:.1} V, which is as low as its buffer goes: {}.",
+                "A2 at {:.3} V, 7 % above its lowest, as low as it should go: {}.",
                 OUTPUT_PIN_V.0,
                 self.said(stage.output(OUTPUT_PIN_V.0))
             ),
-            format!("A2 at {:.1} V, as high as it goes: {}.", OUTPUT_PIN_V.1, self.said(stage.output(OUTPUT_PIN_V.1))),
+            format!(
+                "A2 at {:.3} V, as high as it should go: {}.",
+                OUTPUT_PIN_V.1,
+                self.said(stage.output(OUTPUT_PIN_V.1))
+            ),
             format!(
                 "With resistors of {} % no code gives less than {least:.2} V or more than {most:.2} V, unless the stage's supply ends sooner: \
                  the amplifier must stand both.",
@@ -112,7 +121,7 @@ impl OutputStage {
         ]);
         if let (rest, Some((up, down))) = self.holding() {
             lines.push(format!(
-                "  A2 floating, as in reset: {}, where {up:.0} kΩ from A2 to 3.3 V and {down:.0} kΩ from A2 to GND hold it",
+                "  A2 floating, as in reset: some {}, where {up:.0} kΩ from A2 to 3.3 V and {down:.0} kΩ from A2 to GND hold it",
                 self.said(rest)
             ));
         }

@@ -34,6 +34,13 @@ impl Series {
     }
 }
 
+/// The value of E24 that is nearest to a resistance, Ω.
+pub(crate) fn nearest(ohms: f64) -> f64 {
+    let decade = 10f64.powf(ohms.log10().floor());
+    let values = E24.iter().copied().chain([10.0]).map(|value| value * decade);
+    values.min_by(|a, b| (a / ohms).ln().abs().total_cmp(&(b / ohms).ln().abs())).unwrap_or(ohms)
+}
+
 /// Ohms as they are printed on a bag of resistors.
 pub fn ohms(ohms: f64) -> String {
     // Three digits are all that a value of a series has.
@@ -62,6 +69,7 @@ mod tests {
         assert_eq!((e24.len(), e96.len()), (3 * 24 + 1, 3 * 96 + 1));
         assert!([4_700.0, 91_000.0, 1e6].iter().all(|value| e24.contains(value)));
         assert!([6_040.0, 8_660.0, 4_530.0, 66_500.0, 976_000.0].iter().all(|value| e96.contains(value)));
+        assert_eq!([439e3, 101.0, 98_500.0, 1.0].map(nearest), [430e3, 100.0, 1e5, 1.0]);
         assert!([&e24, &e96].iter().all(|values| values.windows(2).all(|pair| pair[0] < pair[1])));
     }
 }

@@ -4,10 +4,11 @@ use estimator_core::interval::SPANS;
 use estimator_core::model::Process;
 use estimator_core::{Admitted, Range};
 
-/// Ticks that the voltage takes over its range.
+/// Ticks that the voltage takes over its range at least, and for how long, s.
 const RAMP: usize = 800;
-/// Ticks for which it then stands, so that lags are over.
-const STAND: usize = 400;
+const RAMP_S: f64 = 0.4;
+/// Part of that for which it then stands, so that lags are over.
+const STAND: f64 = 0.5;
 
 /// Half the largest difference (µm) of the two extreme memories that an actuator can start with, by the span of voltage since
 /// the start in eighths of the table's range. They are those of a rise from the lowest voltage and of a fall from the highest;
@@ -16,11 +17,11 @@ const STAND: usize = 400;
 pub fn start_memory(table: &Admitted) -> [f32; SPANS] {
     let range: Range<f64> = table.voltage_range_v.of();
     let at = |eighth: usize| range.min + range.span() * eighth as f64 / (SPANS - 1) as f64;
-    let mut widest = [0.0f64; SPANS];
+    let (mut widest, ticks) = ([0.0f64; SPANS], ticks(table));
     for start in (0..SPANS).map(at) {
         for (far, near) in [(range.min, range.max), (range.max, range.min)] {
             // Up to one end and then to the other, so that every span is met.
-            let path: Vec<f64> = [ramp(start, far), ramp(far, near)].concat();
+            let path: Vec<f64> = ramp(start, far, ticks).chain(ramp(far, near, ticks)).collect();
             let [low, high] = [[range.max, range.min], [range.min, range.max]]
                 .map(|[first, second]| displacements(table, &[range.middle(), first, second, start], &path));
             let mut swept = Range::point(start);
@@ -46,21 +47,27 @@ fn eighths(swept: Range<f64>, range: Range<f64>) -> usize {
     (swept.span() / range.span() * (SPANS - 1) as f64 + 1e-9) as usize
 }
 
-/// From a voltage to another, evenly, without the first.
-fn ramp(from: f64, to: f64) -> Vec<f64> {
-    (1..=RAMP).map(|k| from + (to - from) * k as f64 / RAMP as f64).collect()
+/// Ticks of a ramp.
+fn ticks(table: &Admitted) -> usize {
+    // As a cast saturates: a tick is at least a microsecond.
+    ((RAMP_S / table.sample_period::<f64>()).round() as usize).max(RAMP)
+}
+
+/// From a voltage to another in so many ticks, evenly, without the first.
+fn ramp(from: f64, to: f64, ticks: usize) -> impl Iterator<Item = f64> {
+    (1..=ticks).map(move |k| from + (to - from) * k as f64 / ticks as f64)
 }
 
 /// Displacements along a path after a past of voltages that were gone to.
 fn displacements(table: &Admitted, past: &[f64], path: &[f64]) -> Vec<f64> {
-    let mut model = table.engine::<f64>();
+    let (mut model, ticks) = (table.engine::<f64>(), ticks(table));
     for pair in past.windows(2) {
-        ramp(pair[0], pair[1]).iter().for_each(|&voltage| {
+        ramp(pair[0], pair[1], ticks).for_each(|voltage| {
             model.step(voltage, None);
         });
     }
     if let Some(&last) = past.last() {
-        (0..STAND).for_each(|_| {
+        (0..(STAND * ticks as f64) as usize).for_each(|_| {
             model.step(last, None);
         });
     }

@@ -19,8 +19,8 @@ const RECORDINGS: usize = 8;
 /// Periods of a recording, and its length in s, within.
 const PERIODS: f64 = 6.0;
 const LENGTH_S: Range<f64> = Range { min: 2.0, max: 20.0 };
-/// Ticks that it may have at most.
-const MOST: f64 = 40_000.0;
+/// Ticks that it may have at most: all of its length down to ticks of 50 µs.
+const MOST: f64 = 400_000.0;
 /// Amplitude, of the training's.
 const AMPLITUDE: Range<f64> = Range { min: 0.15, max: 1.0 };
 /// Frequency, of the training's; drawn evenly in its logarithm.

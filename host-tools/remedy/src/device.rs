@@ -34,7 +34,9 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
 pub fn board(misfit: &Misfit, table: &Admitted, file: &Path) -> String {
     let name = file.display();
     match misfit {
-        Misfit::Tick { board_us, .. } if table.at_tick(*board_us).is_ok_and(|table| table.admit().is_ok()) => {
+        Misfit::Tick { board_us, .. }
+            if table.at_tick(*board_us).is_ok_and(|table| table.admit().is_ok() && table.in_time().is_ok()) =>
+        {
             let face = file.with_extension("toml");
             format!("{name}: {misfit}: piezo emit {} --tick-us {board_us} --out FOLDER", face.display())
         }

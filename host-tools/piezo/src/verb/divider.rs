@@ -80,8 +80,9 @@ fn divider_lines(stage: &InputStage) -> Vec<String> {
     match stage.span() {
         Some((zero, full)) => {
             lines.push("For board.toml, until `piezo calibrate` has measured it:".to_owned());
-            lines.push(format!("\n    {field} = [{zero:.3}, {full:.3}]   # {unit} at code 0 and at full scale\n    adc_full_scale = {FULL_SCALE}"));
+            lines.push(format!("\n    {field} = [{zero:.3}, {full:.3}]   # {unit} at code 0 and at full scale"));
             if stage.source == Source::Monitor {
+                lines.push(format!("    adc_full_scale = {FULL_SCALE}"));
                 lines.push(format!("\nor, as options: --adc-span {zero:.3}:{full:.3} --adc-full-scale {FULL_SCALE}"));
             }
         }

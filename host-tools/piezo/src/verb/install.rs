@@ -11,6 +11,7 @@ use clap::Args;
 use device_link::board;
 use device_link::interrupt::Interrupt;
 use device_link::table::to_record;
+use estimator_core::{Range, Table};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -41,6 +42,9 @@ pub struct Install {
     pub port: PortOption,
 }
 
+/// A table that knows less of the ADC's range is remarked on.
+const NARROW: f32 = 0.1;
+
 /// Runs the verb; `false` when host and device differ in any bit.
 pub fn run(arguments: &Install) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
@@ -60,6 +64,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
+    narrow(&table).iter().for_each(|careful| eprintln!("piezo: careful: {careful}"));
     let codes = rehearsal(&table)?;
     let bar = progress(codes.len() as u64);
     let compared = install(&mut client, &table, arguments.rewired, &codes, &interrupt, &mut |ticks| {
@@ -96,4 +101,21 @@ pub fn run(arguments: &Install) -> Result<bool> {
         ),
     });
     Ok(compared.bit_exact())
+}
+
+/// What is to be said of a table that knows hardly any of what the board's ADC reads: one that was learnt from an amplifier's input
+/// knows volts that are its output's many times over.
+fn narrow(table: &Table) -> Option<String> {
+    let reads = table.adc.gain_v_per_code * f32::from(table.adc.full_scale);
+    let Range { min, max } = table.voltage_range_v;
+    let zero = table.voltage_zero_v;
+    ((max - min) < NARROW * reads).then(|| {
+        format!(
+            "the table knows {:.3} … {:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then identify \
+             with --voltage-scale, the amplifier's gain",
+            min + zero,
+            max + zero,
+            100.0 * (max - min) / reads
+        )
+    })
 }
