@@ -5,39 +5,26 @@
 //! again where it is back near that one; or where it leaps once more, to where the voltage can have gone meanwhile. Nothing else
 //! ends it: a voltage that leaps once and stays is no amplifier's. An estimate that was given one voltage for a while and then the
 //! present one takes as long to catch up, and the status says so as long. Held for [`TOO_LONG`] ticks in a row, or for more than a fifth
-//! of the time as those of a floating input are, codes are a fault; the next one is then believed, so that the fault can pass.
+//! of the time as those of a floating input are, codes are a fault.
+//!
+//! The fault lasts for as long as the wire may be off: nothing but another leap shows that it is back. What comes meanwhile is
+//! taken for the open input's. Codes that leap away from it, and for [`TOO_LONG`] ticks in a row neither leap nor come back, are the
+//! wire's again. (The leap alone would not do: a plug bounces, a conversion amid a leap lies between the two, and a glitch on
+//! an open wire leaps there and back.)
 
 use crate::watch::score;
-use estimator_core::{AdcCode, Admitted, Status};
+use estimator_core::table::LeastLeap;
+use estimator_core::{AdcCode, Status, Table};
 use protocol::Faults;
 
 /// Held ticks in a row that are a fault: 10 ms.
 pub const TOO_LONG: u32 = crate::rate::TICK_HZ / 100;
-/// This part of the ADC's range is left to noise: 43 codes of 12 bits. Two codes with a noise of 5 of them rms differ by 7 rms, and
-/// by six times that once in days.
-const NOISE: u16 = 96;
-
-/// Farthest that a code may go.
-#[derive(Clone, Copy, Debug)]
-struct Limit {
-    /// By the amplifier's slew rate in a tick, codes.
-    slew: u32,
-    /// By noise, codes.
-    noise: u32,
-}
-
-impl Limit {
-    #[inline]
-    fn after(self, ticks: u32) -> u32 {
-        self.slew.saturating_mul(ticks).saturating_add(self.noise)
-    }
-}
 
 /// The codes so far.
 #[derive(Clone, Debug)]
 pub struct Leap {
-    limit: Limit,
-    /// The last that was believed; `None` before the first.
+    limit: LeastLeap,
+    /// The last that was believed, or taken for the open input's; `None` before the first.
     believed: Option<AdcCode>,
     /// The last that came.
     came: AdcCode,
@@ -45,35 +32,26 @@ pub struct Leap {
     ticks: u32,
     /// Ticks that the estimate takes to catch up.
     behind: u32,
+    /// The wire may be off.
+    off: bool,
+    /// Of codes that are held; of a wire that may be off, ticks since it leapt to where it stays.
     score: u32,
     status: Status,
-    faults: Faults,
 }
 
 impl Leap {
-    /// For codes of an ADC with this largest one, and of this table; `None` where that does not say how fast the amplifier is.
-    pub fn new(adc_full_scale: u16, table: &Admitted) -> Option<Self> {
-        let codes = table.amplifier_slew_v_per_s? * table.sample_period::<f32>() / table.adc.gain_v_per_code;
-        // Rounded up; whatever is beyond the range is as good as all of it.
-        let slew = (codes as u32).saturating_add(1).min(adc_full_scale.into());
-        let limit = Limit { slew, noise: (adc_full_scale / NOISE).into() };
-        Some(Self {
-            limit,
-            believed: None,
-            came: AdcCode(0),
-            ticks: 0,
-            behind: 0,
-            score: 0,
-            status: Status::empty(),
-            faults: Faults::empty(),
-        })
+    /// For a table's codes; `None` where it does not say how fast the amplifier is.
+    pub fn new(table: &Table) -> Option<Self> {
+        let limit = table.least_leap()?;
+        let (believed, came, status) = (None, AdcCode(0), Status::empty());
+        Some(Self { limit, believed, came, ticks: 0, behind: 0, off: false, score: 0, status })
     }
 
     /// The next code is believed, whatever it is.
     pub fn restart(&mut self) {
-        self.believed = None;
+        (self.believed, self.off) = (None, false);
         (self.behind, self.score) = (0, 0);
-        (self.status, self.faults) = (Status::empty(), Faults::empty());
+        self.status = Status::empty();
     }
 
     /// [`Status::SLEW_EXCEEDED`], where the last code leapt, or codes that leapt were held no fewer ticks than have passed since.
@@ -82,10 +60,10 @@ impl Leap {
         self.status
     }
 
-    /// [`Faults::SLEW_EXCEEDED`], where that has become a fault.
+    /// [`Faults::SLEW_EXCEEDED`], where the wire may be off.
     #[inline]
     pub fn faults(&self) -> Faults {
-        self.faults
+        if self.off { Faults::SLEW_EXCEEDED } else { Faults::empty() }
     }
 
     /// One tick: the code to estimate from, of the one that came, before which so many ticks did not come. (Never inlined: a tick
@@ -96,9 +74,11 @@ impl Leap {
         let step = missed.saturating_add(1);
         let ticks = self.ticks.saturating_add(step);
         let way = |from: AdcCode| u32::from(code.0.abs_diff(from.0));
+        let farthest = limit.after(step);
+        let leapt = way(self.came) > farthest;
         let sound = self.believed.is_none_or(|believed| {
-            let farthest = limit.after(step);
-            way(believed) <= farthest || (way(self.came) > farthest && way(believed) <= limit.after(ticks))
+            // An open input does not move as an amplifier does: from there the way of a tick is all.
+            way(believed) <= farthest || (leapt && !self.off && way(believed) <= limit.after(ticks))
         });
         self.came = code;
         self.status.set(Status::SLEW_EXCEEDED, !sound || self.behind > 0);
@@ -108,13 +88,22 @@ impl Leap {
         } else {
             (self.ticks, self.behind) = (ticks, self.behind.saturating_add(step));
         }
-        let lasting = score(&mut self.score, !sound, TOO_LONG);
-        self.faults.set(Faults::SLEW_EXCEEDED, lasting);
-        let believed = self.believed.unwrap_or(code);
-        if lasting {
-            self.believed = None;
+        let given = self.believed.unwrap_or(code);
+        if self.turns(sound, leapt) {
+            self.off = !self.off;
+            (self.believed, self.ticks, self.score) = (Some(code), 0, 0);
         }
-        believed
+        given
+    }
+
+    /// Whether the wire is found to be off; or back, where it is.
+    #[inline]
+    fn turns(&mut self, sound: bool, leapt: bool) -> bool {
+        if !self.off {
+            return score(&mut self.score, !sound, TOO_LONG);
+        }
+        self.score = if sound || leapt { 0 } else { self.score + 1 };
+        self.score >= TOO_LONG
     }
 }
 
@@ -122,12 +111,14 @@ impl Leap {
 mod tests {
     use super::*;
     use crate::compiled::TABLE;
-    use estimator_core::Table;
 
-    const FULL: u16 = 65_520;
+    const FULL: u16 = TABLE.adc.full_scale;
     /// Codes that the amplifier goes in a tick.
     const SLEW: u16 = 1_000;
-    const NOISE_CODES: u16 = FULL / NOISE;
+    const NOISE_CODES: u16 = FULL / 96;
+    const TICKS: usize = TOO_LONG as usize;
+    /// What an open input reads.
+    const OPEN: u16 = 5_000;
     const AT: u16 = 30_000;
 
     /// What is made of a code.
@@ -145,8 +136,7 @@ mod tests {
 
     fn leap(codes_per_tick: f32) -> Leap {
         let slew = codes_per_tick * TABLE.adc.gain_v_per_code / TABLE.sample_period::<f32>();
-        let table = Table { amplifier_slew_v_per_s: Some(slew), ..TABLE }.admit().unwrap();
-        Leap::new(FULL, &table).unwrap()
+        Leap::new(&Table { amplifier_slew_v_per_s: Some(slew), ..TABLE }).unwrap()
     }
 
     /// One that has believed a code, and what it makes of those after it.
@@ -165,6 +155,11 @@ mod tests {
     fn held(code: u16, lasting: bool) -> Judged {
         let faults = if lasting { Faults::SLEW_EXCEEDED } else { Faults::empty() };
         Judged { faults, ..back(code) }
+    }
+
+    /// What an open input reads.
+    fn off(code: u16, status: Status) -> Judged {
+        Judged { status, faults: Faults::SLEW_EXCEEDED, ..believed(code) }
     }
 
     /// A code that is believed while the estimate catches up.
@@ -191,19 +186,63 @@ mod tests {
     }
 
     #[test]
-    fn a_glitch_of_less_than_ten_milliseconds_is_held_and_one_that_stays_is_a_fault_which_can_pass() {
-        for ticks in [1, 2, 19] {
+    fn a_glitch_of_less_than_ten_milliseconds_is_held_and_one_that_stays_is_a_fault_that_stays() {
+        for ticks in [1, 2, TICKS - 1] {
             for glitch in [AT + SLEW + NOISE_CODES + 1, AT - SLEW - NOISE_CODES - 1, 0, FULL] {
                 let (_, judged) = judged([vec![glitch; ticks], vec![AT + SLEW; ticks + 1]].concat());
                 let expected = [vec![held(AT, false); ticks], vec![back(AT + SLEW); ticks], vec![believed(AT + SLEW)]];
                 assert_eq!(judged, expected.concat(), "{ticks}, {glitch}");
             }
         }
-        let (_, judged) = judged([5_000; 2_000]);
-        assert!(judged[..19].iter().all(|&one| one == held(AT, false)));
-        assert_eq!(judged[19], held(AT, true));
-        assert!(judged[20..40].iter().all(|&one| one == back(5_000)), "it is the present one");
-        assert!(judged[40..].iter().all(|&one| one == believed(5_000)));
+        let (_, judged) = judged([OPEN; 2_000]);
+        assert!(judged[..TICKS - 1].iter().all(|&one| one == held(AT, false)));
+        assert_eq!(judged[TICKS - 1], held(AT, true));
+        assert!(judged[TICKS..].iter().all(|one| *one == off(OPEN, one.status)), "the present one, and a fault");
+        let catches_up = judged[TICKS..].iter().take_while(|one| !one.status.is_empty());
+        assert_eq!(catches_up.count(), TICKS);
+    }
+
+    #[test]
+    fn a_wire_that_is_back_is_believed_after_ten_milliseconds_whatever_its_plug_did_before() {
+        let bounces = [AT, OPEN, 17_000, AT, OPEN, 24_000, 9_000];
+        for plugged in [&[][..], &bounces[..], &bounces[..3]] {
+            let (mut leap, _) = judged([OPEN; 1_000]);
+            for &code in plugged {
+                assert_eq!(judge(&mut leap, code, 0).faults, Faults::SLEW_EXCEEDED);
+            }
+            // At the first it leaps.
+            for k in 0..=TICKS as u16 {
+                let judged = judge(&mut leap, AT + 10 * k, 0);
+                assert_eq!((judged.code, judged.faults.is_empty()), (AdcCode(OPEN), k == TICKS as u16), "tick {k}");
+            }
+            let judged = judge(&mut leap, AT + SLEW, 0);
+            assert_eq!((judged.code, judged.faults), (AdcCode(AT + SLEW), Faults::empty()));
+            // And off again.
+            for _ in 0..TICKS {
+                judge(&mut leap, OPEN, 0);
+            }
+            assert_eq!(leap.faults(), Faults::SLEW_EXCEEDED);
+        }
+    }
+
+    #[test]
+    fn a_glitch_on_a_wire_that_is_off_does_not_bring_it_back_nor_does_what_moves_slowly() {
+        let (mut leap, _) = judged([OPEN; 1_000]);
+        for glitch in [vec![FULL], vec![20_000, 40_000], vec![AT; TICKS]] {
+            for code in [glitch, vec![OPEN; 100]].concat() {
+                assert_eq!(judge(&mut leap, code, 0).faults, Faults::SLEW_EXCEEDED);
+            }
+        }
+        for code in (OPEN..FULL).step_by(usize::from(SLEW)) {
+            assert_eq!(judge(&mut leap, code, 0).faults, Faults::SLEW_EXCEEDED);
+        }
+    }
+
+    #[test]
+    fn a_restart_forgets_that_the_wire_is_off() {
+        let (mut leap, _) = judged([OPEN; 1_000]);
+        leap.restart();
+        assert_eq!(judge(&mut leap, OPEN, 0), believed(OPEN));
     }
 
     #[test]
@@ -215,7 +254,7 @@ mod tests {
 
     #[test]
     fn a_voltage_that_went_on_moving_meanwhile_is_believed_where_it_leaps_back_to() {
-        for (ticks, way) in [(3u16, 4u16), (19, 20)] {
+        for (ticks, way) in [(3, 4), (TOO_LONG as u16 - 1, TOO_LONG as u16)] {
             let most = AT + way * SLEW + NOISE_CODES;
             // And not where it is farther than the voltage can have gone.
             for (code, expected) in [(most, most), (most + 1, AT)] {
@@ -224,7 +263,7 @@ mod tests {
             }
         }
         // One that drifts there does not leap: it must come as near as a tick's way.
-        let (_, drifts) = judged((0..19).map(|k| 40_000 - 700 * k));
+        let (_, drifts) = judged((0..TICKS as u16 - 1).map(|k| 40_000 - 700 * k));
         assert_eq!(drifts.iter().take_while(|judged| judged.code == AdcCode(AT)).count(), 12);
     }
 
@@ -264,15 +303,13 @@ mod tests {
         let mut noise = Gaussian { state: 1, rms: 0.0 };
         let (_, judged) = judged((0..10_000).map(|_| (noise.uniform() * f64::from(FULL)) as u16));
         let first = judged.iter().position(|judged| !judged.faults.is_empty()).expect("a fault");
-        assert!(first < 40, "{first}");
-        // A fault lasts a second longer than its cause: no gap may be as long.
-        let gap = judged[first..].chunk_by(|one, other| one.faults == other.faults).map(<[_]>::len).max();
-        assert!(gap.is_some_and(|gap| gap < 40), "{gap:?}");
+        assert!(first < 2 * TICKS, "{first}");
+        assert!(judged[first..].iter().all(|judged| judged.faults == Faults::SLEW_EXCEEDED));
     }
 
     #[test]
     fn what_leaps_a_tenth_of_the_time_is_no_fault() {
-        let (_, judged) = judged((0..10_000).map(|k| if k % 10 == 9 { 5_000 } else { AT }));
+        let (_, judged) = judged((0..10_000).map(|k| if k % 10 == 9 { OPEN } else { AT }));
         assert_eq!(
             judged.iter().filter(|judged| !judged.status.is_empty()).count(),
             1_999,
@@ -283,8 +320,8 @@ mod tests {
 
     #[test]
     fn nothing_is_held_where_nobody_says_how_fast_the_amplifier_is_nor_after_a_start() {
-        assert!(Leap::new(FULL, &TABLE.admit().unwrap()).is_none());
-        let (mut leap, _) = judged([0; 15]);
+        assert!(Leap::new(&TABLE).is_none());
+        let (mut leap, _) = judged([0; TICKS - 5]);
         leap.restart();
         assert_eq!(judge(&mut leap, 50_000, 0), believed(50_000));
         assert_eq!(judge(&mut leap, 0, 0), held(50_000, false));
