@@ -1,6 +1,6 @@
 //! What the tick's interrupt costs in cycles, of every model, by the emulator's model of the core and the flash: with the
-//! inputs of [`shapes`], which are to be the worst, and the tables of [`tables`], the largest among them. It is the most that
-//! was observed, and no proof that there is no more.
+//! inputs of [`shapes`], which are to be the worst, and the tables of [`tables`], the largest among them; once with voltages that are
+//! all the amplifier's, and once with some that leap farther. It is the most that was observed, and no proof that there is no more.
 //!
 //! Every line that begins with `cycles: ` is JSON; `cargo xtask cycles` prints them.
 
@@ -9,13 +9,14 @@ pub mod shapes;
 pub mod tables;
 
 use crate::common::{Bench, push};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use board_emulator_test::{Level, Measured, exception};
 use estimator_core::table::MARGIN_PERCENT;
-use estimator_core::{Admitted, Model};
-use protocol::{Mode, Refusal, Reply, Request};
+use estimator_core::{Admitted, Model, Range, Status};
+use protocol::{Faults, Mode, Refusal, Reply, Request, Sample, Samples};
 use serde_json::{Value, json};
-use shapes::{SHAPES, TICKS, shape};
+use shapes::{LEAPS, SHAPES, TICKS, leaping, shape};
+use std::cell::Cell;
 
 /// How much of that margin one build of one source may take, %: rustc and the linker do not lay functions out the same way each
 /// time, and a tick runs cold.
@@ -50,11 +51,19 @@ fn code(table: &Admitted, part: f32) -> u16 {
     table.adc.code::<f32>(table.voltage_zero_v + volts.min + part * volts.span()).0
 }
 
+/// Whether the monitor's voltage leaps as the amplifier cannot, every few ticks.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Monitor {
+    Sound,
+    Leaps,
+}
+
 /// Estimates: every start, and every shape.
-fn estimate(table: &Admitted) -> Result<Measured> {
+fn estimate(table: &Admitted, monitor: Monitor) -> Result<Measured> {
     let mut bench = running(table)?;
     bench.board.measure(exception::ADC1_2)?;
-    let codes: Vec<u16> = (0..SHAPES * TICKS).map(|tick| code(table, shape(tick))).collect();
+    let part = if monitor == Monitor::Leaps { leaping } else { shape };
+    let codes: Vec<u16> = (0..SHAPES * TICKS).map(|tick| code(table, part(tick))).collect();
     // First ticks, at voltages all over the range.
     for start in 0..12 {
         let at = code(table, start as f32 / 11.0);
@@ -71,13 +80,37 @@ fn estimate(table: &Admitted) -> Result<Measured> {
         other => bail!("{other:?}"),
     }
     bench.run(f64::from(SHAPES * TICKS) / 2_000.0)?;
+    let leapt = |sample: &Sample| sample.status.contains(Status::SLEW_EXCEEDED);
+    let leapt = bench.samples.iter().flat_map(Samples::numbered).filter(|(_, sample)| leapt(sample)).count();
+    ensure!((leapt > 0) == (monitor == Monitor::Leaps), "{leapt} samples leapt, {monitor:?}");
+    never_faulty(&mut bench)?;
     Ok(bench.board.measured())
 }
 
+/// Held ticks were no fault, whose ticks do less.
+fn never_faulty(bench: &mut Bench) -> Result<()> {
+    let seen = bench.health()?.faults_seen;
+    ensure!(!seen.contains(Faults::SLEW_EXCEEDED), "{seen:?}");
+    Ok(())
+}
+
 /// Follows every shape between the displacements at rest at the ends of the drive's voltages.
-fn follow(table: &Admitted) -> Result<Measured> {
+fn follow(table: &Admitted, monitor: Monitor) -> Result<Measured> {
     let mut bench = running(table)?;
-    bench.connect(table, |volts| volts);
+    let (ticks, Range { min, max }) = (Cell::new(0), table.drive.expect("it drives").limits.range_v);
+    bench.connect(table, move |volts| {
+        ticks.set((ticks.get() + 1) % LEAPS);
+        match monitor {
+            Monitor::Leaps if ticks.get() == 0 => {
+                if volts < 0.5 * (min + max) {
+                    max
+                } else {
+                    min
+                }
+            }
+            _ => volts,
+        }
+    });
     bench.does(Request::SetMode(Mode::Follow))?;
     bench.board.measure(exception::ADC1_2)?;
     let (low, high) = way(table);
@@ -91,6 +124,7 @@ fn follow(table: &Admitted) -> Result<Measured> {
         }
         bench.run(0.035)?;
     }
+    never_faulty(&mut bench)?;
     Ok(bench.board.measured())
 }
 
@@ -123,20 +157,27 @@ fn measure(model: Model, drives: bool) -> Result<Vec<String>> {
     let mut observed: Vec<(u32, u32)> = Vec::new();
     for (name, table) in tables::tables(model, drives)? {
         let stated = table.cycles().most;
-        let mut line = json!({ "model": model.name(), "table": name, "drives": drives, "stated": stated });
+        let line = |name: &str, more: Value| {
+            let mut line = json!({ "model": model.name(), "table": name, "drives": drives, "stated": stated });
+            let Value::Object(more) = more else { unreachable!("it is written as an object") };
+            line.as_object_mut().expect("an object").extend(more);
+            println!("cycles: {line}");
+        };
         if refused(&table)? {
-            line["refused"] = json!(true);
-        } else {
-            let measured = if drives { follow(&table)? } else { estimate(&table)? };
-            let Value::Object(figures) = to_json(&measured) else { unreachable!("it is written as an object") };
-            line.as_object_mut().expect("an object").extend(figures);
+            line(name, json!({ "refused": true }));
+            continue;
+        }
+        let leaps = (format!("{name}, leaps"), tables::slower(&table)?, Monitor::Leaps);
+        for (name, table, monitor) in [(name.to_owned(), table, Monitor::Sound), leaps] {
+            let measured = if drives { follow(&table, monitor) } else { estimate(&table, monitor) };
+            let measured = measured.with_context(|| format!("{}, {name}, drives: {drives}", model.name()))?;
+            line(&name, to_json(&measured));
             let most = u32::try_from(measured.most_clocks[Level::Pessimistic as usize])?;
             match observed.iter_mut().find(|(other, _)| *other == stated) {
                 Some((_, before)) => *before = most.max(*before),
                 None => observed.push((stated, most)),
             }
         }
-        println!("cycles: {line}");
     }
     let what = if drives { "drive" } else { "estimate" };
     let wrong = observed.into_iter().filter_map(|(stated, most)| {
