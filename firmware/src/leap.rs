@@ -54,7 +54,8 @@ impl Leap {
         self.status = Status::empty();
     }
 
-    /// [`Status::SLEW_EXCEEDED`], where the last code leapt, or codes that leapt were held no fewer ticks than have passed since.
+    /// [`Status::SLEW_EXCEEDED`], where the last code leapt, or codes that leapt were held no fewer ticks than have passed since; or
+    /// where the wire may be off.
     #[inline]
     pub fn status(&self) -> Status {
         self.status
@@ -70,41 +71,60 @@ impl Leap {
     /// that has no use for it is not to pay for it.)
     #[inline(never)]
     pub fn tick(&mut self, code: AdcCode, missed: u32) -> AdcCode {
-        let limit = self.limit;
         let step = missed.saturating_add(1);
-        let ticks = self.ticks.saturating_add(step);
-        let way = |from: AdcCode| u32::from(code.0.abs_diff(from.0));
-        let farthest = limit.after(step);
-        let leapt = way(self.came) > farthest;
-        let sound = self.believed.is_none_or(|believed| {
-            // An open input does not move as an amplifier does: from there the way of a tick is all.
-            way(believed) <= farthest || (leapt && !self.off && way(believed) <= limit.after(ticks))
-        });
-        self.came = code;
-        self.status.set(Status::SLEW_EXCEEDED, !sound || self.behind > 0);
-        if sound {
-            self.believed = Some(code);
-            (self.ticks, self.behind) = (0, self.behind.saturating_sub(step));
-        } else {
-            (self.ticks, self.behind) = (ticks, self.behind.saturating_add(step));
-        }
-        let given = self.believed.unwrap_or(code);
-        if self.turns(sound, leapt) {
-            self.off = !self.off;
-            (self.believed, self.ticks, self.score) = (Some(code), 0, 0);
-        }
-        given
+        let near = self.believed.is_none_or(|believed| way(code, believed) <= self.limit.after(step));
+        if near && !self.off { self.believe(code, step) } else { self.doubt(code, step, near) }
     }
 
-    /// Whether the wire is found to be off; or back, where it is.
     #[inline]
-    fn turns(&mut self, sound: bool, leapt: bool) -> bool {
-        if !self.off {
-            return score(&mut self.score, !sound, TOO_LONG);
-        }
-        self.score = if sound || leapt { 0 } else { self.score + 1 };
-        self.score >= TOO_LONG
+    fn believe(&mut self, code: AdcCode, step: u32) -> AdcCode {
+        self.status = if self.behind > 0 { Status::SLEW_EXCEEDED } else { Status::empty() };
+        (self.believed, self.came, self.ticks) = (Some(code), code, 0);
+        self.behind = self.behind.saturating_sub(step);
+        score(&mut self.score, false, TOO_LONG);
+        code
     }
+
+    /// What is made of a code that is not near the last one, or of a wire that may be off. (A function of its own: most ticks, and those
+    /// whose estimate takes the longest, do without it.)
+    #[cold]
+    #[inline(never)]
+    fn doubt(&mut self, code: AdcCode, step: u32, near: bool) -> AdcCode {
+        let before = self.believed.unwrap_or(code);
+        let leapt = way(code, self.came) > self.limit.after(step);
+        let ticks = self.ticks.saturating_add(step);
+        if self.off {
+            self.score = if near || leapt { 0 } else { self.score + 1 };
+            self.came = code;
+            if self.score >= TOO_LONG {
+                self.turn(false);
+            } else if near {
+                self.believed = Some(code);
+                return code;
+            }
+            return before;
+        }
+        if leapt && way(code, before) <= self.limit.after(ticks) {
+            return self.believe(code, step);
+        }
+        (self.came, self.ticks, self.behind) = (code, ticks, self.behind.saturating_add(step));
+        self.status = Status::SLEW_EXCEEDED;
+        if score(&mut self.score, true, TOO_LONG) {
+            self.turn(true);
+        }
+        before
+    }
+
+    /// From now on the wire may be off, or is back; the code that came is its own.
+    fn turn(&mut self, off: bool) {
+        (self.off, self.believed, self.ticks, self.score) = (off, Some(self.came), 0, 0);
+    }
+}
+
+/// How far a code is from another.
+#[inline]
+fn way(AdcCode(code): AdcCode, AdcCode(other): AdcCode) -> u32 {
+    code.abs_diff(other).into()
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use anyhow::{Context, Result, bail, ensure};
 use board_emulator_test::{Level, Measured, exception};
 use estimator_core::table::MARGIN_PERCENT;
 use estimator_core::{Admitted, Model, Range, Status};
-use protocol::{Faults, Mode, Refusal, Reply, Request, Sample, Samples};
+use protocol::{Faults, Mode, Refusal, Reply, Request, Samples};
 use serde_json::{Value, json};
 use shapes::{LEAPS, SHAPES, TICKS, leaping, shape};
 use std::cell::Cell;
@@ -64,8 +64,8 @@ fn estimate(table: &Admitted, monitor: Monitor) -> Result<Measured> {
     bench.board.measure(exception::ADC1_2)?;
     let part = if monitor == Monitor::Leaps { leaping } else { shape };
     let codes: Vec<u16> = (0..SHAPES * TICKS).map(|tick| code(table, part(tick))).collect();
-    // First ticks, at voltages all over the range.
-    for start in 0..12 {
+    // First ticks, at voltages all over the range, the last where the shapes begin.
+    for start in (0..12).rev() {
         let at = code(table, start as f32 / 11.0);
         bench.board.feed(move |_| at);
         bench.does(Request::SetMode(Mode::Estimate))?;
@@ -80,17 +80,18 @@ fn estimate(table: &Admitted, monitor: Monitor) -> Result<Measured> {
         other => bail!("{other:?}"),
     }
     bench.run(f64::from(SHAPES * TICKS) / 2_000.0)?;
-    let leapt = |sample: &Sample| sample.status.contains(Status::SLEW_EXCEEDED);
-    let leapt = bench.samples.iter().flat_map(Samples::numbered).filter(|(_, sample)| leapt(sample)).count();
-    ensure!((leapt > 0) == (monitor == Monitor::Leaps), "{leapt} samples leapt, {monitor:?}");
-    never_faulty(&mut bench)?;
-    Ok(bench.board.measured())
+    let measured = bench.board.measured();
+    leapt(&bench, monitor)?;
+    Ok(measured)
 }
 
-/// Held ticks were no fault, whose ticks do less.
-fn never_faulty(bench: &mut Bench) -> Result<()> {
-    let seen = bench.health()?.faults_seen;
-    ensure!(!seen.contains(Faults::SLEW_EXCEEDED), "{seen:?}");
+/// What was streamed has ticks that were held where the monitor leaps, and no others; and they were no fault, with which a tick
+/// does less.
+fn leapt(bench: &Bench, monitor: Monitor) -> Result<()> {
+    let samples = || bench.samples.iter().flat_map(Samples::numbered).map(|(_, sample)| sample);
+    let held = samples().filter(|sample| sample.status.contains(Status::SLEW_EXCEEDED)).count();
+    ensure!((held > 0) == (monitor == Monitor::Leaps), "{held} samples were held, {monitor:?}");
+    ensure!(samples().all(|sample| !sample.faults.contains(Faults::SLEW_EXCEEDED)), "{monitor:?} is a fault");
     Ok(())
 }
 
@@ -124,8 +125,12 @@ fn follow(table: &Admitted, monitor: Monitor) -> Result<Measured> {
         }
         bench.run(0.035)?;
     }
-    never_faulty(&mut bench)?;
-    Ok(bench.board.measured())
+    let measured = bench.board.measured();
+    bench.does(Request::Stream(true))?;
+    bench.run(0.02)?;
+    leapt(&bench, monitor)?;
+    ensure!(!bench.health()?.faults_seen.contains(Faults::SLEW_EXCEEDED), "{monitor:?} was a fault");
+    Ok(measured)
 }
 
 /// The displacements (µm) long after the drive has come to the ends of its voltages.
