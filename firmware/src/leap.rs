@@ -5,39 +5,26 @@
 //! again where it is back near that one; or where it leaps once more, to where the voltage can have gone meanwhile. Nothing else
 //! ends it: a voltage that leaps once and stays is no amplifier's. An estimate that was given one voltage for a while and then the
 //! present one takes as long to catch up, and the status says so as long. Held for [`TOO_LONG`] ticks in a row, or for more than a fifth
-//! of the time as those of a floating input are, codes are a fault; the next one is then believed, so that the fault can pass.
+//! of the time as those of a floating input are, codes are a fault.
+//!
+//! The fault lasts for as long as the wire may be off: nothing but another leap shows that it is back. What comes meanwhile is
+//! taken for the open input's. Codes that leap away from it, and for [`TOO_LONG`] ticks in a row neither leap nor come back, are the
+//! wire's again. (The leap alone would not do: a plug bounces, a conversion amid a leap lies between the two, and a glitch on
+//! an open wire leaps there and back.)
 
 use crate::watch::score;
-use estimator_core::{AdcCode, Admitted, Status};
+use estimator_core::table::LeastLeap;
+use estimator_core::{AdcCode, Status, Table};
 use protocol::Faults;
 
 /// Held ticks in a row that are a fault: 10 ms.
 pub const TOO_LONG: u32 = crate::rate::TICK_HZ / 100;
-/// This part of the ADC's range is left to noise: 43 codes of 12 bits. Two codes with a noise of 5 of them rms differ by 7 rms, and
-/// by six times that once in days.
-const NOISE: u16 = 96;
-
-/// Farthest that a code may go.
-#[derive(Clone, Copy, Debug)]
-struct Limit {
-    /// By the amplifier's slew rate in a tick, codes.
-    slew: u32,
-    /// By noise, codes.
-    noise: u32,
-}
-
-impl Limit {
-    #[inline]
-    fn after(self, ticks: u32) -> u32 {
-        self.slew.saturating_mul(ticks).saturating_add(self.noise)
-    }
-}
 
 /// The codes so far.
 #[derive(Clone, Debug)]
 pub struct Leap {
-    limit: Limit,
-    /// The last that was believed; `None` before the first.
+    limit: LeastLeap,
+    /// The last that was believed, or taken for the open input's; `None` before the first.
     believed: Option<AdcCode>,
     /// The last that came.
     came: AdcCode,
@@ -45,248 +32,100 @@ pub struct Leap {
     ticks: u32,
     /// Ticks that the estimate takes to catch up.
     behind: u32,
+    /// The wire may be off.
+    off: bool,
+    /// Of codes that are held; of a wire that may be off, ticks since it leapt to where it stays.
     score: u32,
     status: Status,
-    faults: Faults,
 }
 
 impl Leap {
-    /// For codes of an ADC with this largest one, and of this table; `None` where that does not say how fast the amplifier is.
-    pub fn new(adc_full_scale: u16, table: &Admitted) -> Option<Self> {
-        let codes = table.amplifier_slew_v_per_s? * table.sample_period::<f32>() / table.adc.gain_v_per_code;
-        // Rounded up; whatever is beyond the range is as good as all of it.
-        let slew = (codes as u32).saturating_add(1).min(adc_full_scale.into());
-        let limit = Limit { slew, noise: (adc_full_scale / NOISE).into() };
-        Some(Self {
-            limit,
-            believed: None,
-            came: AdcCode(0),
-            ticks: 0,
-            behind: 0,
-            score: 0,
-            status: Status::empty(),
-            faults: Faults::empty(),
-        })
+    /// For a table's codes; `None` where it does not say how fast the amplifier is.
+    pub fn new(table: &Table) -> Option<Self> {
+        let limit = table.least_leap()?;
+        let (believed, came, status) = (None, AdcCode(0), Status::empty());
+        Some(Self { limit, believed, came, ticks: 0, behind: 0, off: false, score: 0, status })
     }
 
     /// The next code is believed, whatever it is.
     pub fn restart(&mut self) {
-        self.believed = None;
+        (self.believed, self.off) = (None, false);
         (self.behind, self.score) = (0, 0);
-        (self.status, self.faults) = (Status::empty(), Faults::empty());
+        self.status = Status::empty();
     }
 
-    /// [`Status::SLEW_EXCEEDED`], where the last code leapt, or codes that leapt were held no fewer ticks than have passed since.
+    /// [`Status::SLEW_EXCEEDED`], where the last code leapt, or codes that leapt were held no fewer ticks than have passed since; or
+    /// where the wire may be off.
     #[inline]
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// [`Faults::SLEW_EXCEEDED`], where that has become a fault.
+    /// [`Faults::SLEW_EXCEEDED`], where the wire may be off.
     #[inline]
     pub fn faults(&self) -> Faults {
-        self.faults
+        if self.off { Faults::SLEW_EXCEEDED } else { Faults::empty() }
     }
 
     /// One tick: the code to estimate from, of the one that came, before which so many ticks did not come. (Never inlined: a tick
     /// that has no use for it is not to pay for it.)
     #[inline(never)]
     pub fn tick(&mut self, code: AdcCode, missed: u32) -> AdcCode {
-        let limit = self.limit;
         let step = missed.saturating_add(1);
-        let ticks = self.ticks.saturating_add(step);
-        let way = |from: AdcCode| u32::from(code.0.abs_diff(from.0));
-        let sound = self.believed.is_none_or(|believed| {
-            let farthest = limit.after(step);
-            way(believed) <= farthest || (way(self.came) > farthest && way(believed) <= limit.after(ticks))
-        });
-        self.came = code;
-        self.status.set(Status::SLEW_EXCEEDED, !sound || self.behind > 0);
-        if sound {
-            self.believed = Some(code);
-            (self.ticks, self.behind) = (0, self.behind.saturating_sub(step));
-        } else {
-            (self.ticks, self.behind) = (ticks, self.behind.saturating_add(step));
-        }
-        let lasting = score(&mut self.score, !sound, TOO_LONG);
-        self.faults.set(Faults::SLEW_EXCEEDED, lasting);
-        let believed = self.believed.unwrap_or(code);
-        if lasting {
-            self.believed = None;
-        }
-        believed
+        let near = self.believed.is_none_or(|believed| way(code, believed) <= self.limit.after(step));
+        if near && !self.off { self.believe(code, step) } else { self.doubt(code, step, near) }
     }
+
+    #[inline]
+    fn believe(&mut self, code: AdcCode, step: u32) -> AdcCode {
+        self.status = if self.behind > 0 { Status::SLEW_EXCEEDED } else { Status::empty() };
+        (self.believed, self.came, self.ticks) = (Some(code), code, 0);
+        self.behind = self.behind.saturating_sub(step);
+        score(&mut self.score, false, TOO_LONG);
+        code
+    }
+
+    /// What is made of a code that is not near the last one, or of a wire that may be off. (A function of its own: most ticks, and those
+    /// whose estimate takes the longest, do without it.)
+    #[cold]
+    #[inline(never)]
+    fn doubt(&mut self, code: AdcCode, step: u32, near: bool) -> AdcCode {
+        let before = self.believed.unwrap_or(code);
+        let leapt = way(code, self.came) > self.limit.after(step);
+        let ticks = self.ticks.saturating_add(step);
+        if self.off {
+            self.score = if near || leapt { 0 } else { self.score + 1 };
+            self.came = code;
+            if self.score >= TOO_LONG {
+                self.turn(false);
+            } else if near {
+                self.believed = Some(code);
+                return code;
+            }
+            return before;
+        }
+        if leapt && way(code, before) <= self.limit.after(ticks) {
+            return self.believe(code, step);
+        }
+        (self.came, self.ticks, self.behind) = (code, ticks, self.behind.saturating_add(step));
+        self.status = Status::SLEW_EXCEEDED;
+        if score(&mut self.score, true, TOO_LONG) {
+            self.turn(true);
+        }
+        before
+    }
+
+    /// From now on the wire may be off, or is back; the code that came is its own.
+    fn turn(&mut self, off: bool) {
+        (self.off, self.believed, self.ticks, self.score) = (off, Some(self.came), 0, 0);
+    }
+}
+
+/// How far a code is from another.
+#[inline]
+fn way(AdcCode(code): AdcCode, AdcCode(other): AdcCode) -> u32 {
+    code.abs_diff(other).into()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::compiled::TABLE;
-    use estimator_core::Table;
-
-    const FULL: u16 = 65_520;
-    /// Codes that the amplifier goes in a tick.
-    const SLEW: u16 = 1_000;
-    const NOISE_CODES: u16 = FULL / NOISE;
-    const AT: u16 = 30_000;
-
-    /// What is made of a code.
-    #[derive(Clone, Copy, PartialEq, Debug)]
-    struct Judged {
-        code: AdcCode,
-        status: Status,
-        faults: Faults,
-    }
-
-    fn judge(leap: &mut Leap, code: u16, missed: u32) -> Judged {
-        let code = leap.tick(AdcCode(code), missed);
-        Judged { code, status: leap.status(), faults: leap.faults() }
-    }
-
-    fn leap(codes_per_tick: f32) -> Leap {
-        let slew = codes_per_tick * TABLE.adc.gain_v_per_code / TABLE.sample_period::<f32>();
-        let table = Table { amplifier_slew_v_per_s: Some(slew), ..TABLE }.admit().unwrap();
-        Leap::new(FULL, &table).unwrap()
-    }
-
-    /// One that has believed a code, and what it makes of those after it.
-    fn judged(codes: impl IntoIterator<Item = u16>) -> (Leap, Vec<Judged>) {
-        // Rounding up adds one.
-        let mut leap = leap(f32::from(SLEW) - 0.5);
-        assert_eq!(judge(&mut leap, AT, 0), believed(AT));
-        let judged = codes.into_iter().map(|code| judge(&mut leap, code, 0)).collect();
-        (leap, judged)
-    }
-
-    fn believed(code: u16) -> Judged {
-        Judged { code: AdcCode(code), status: Status::empty(), faults: Faults::empty() }
-    }
-
-    fn held(code: u16, lasting: bool) -> Judged {
-        let faults = if lasting { Faults::SLEW_EXCEEDED } else { Faults::empty() };
-        Judged { faults, ..back(code) }
-    }
-
-    /// A code that is believed while the estimate catches up.
-    fn back(code: u16) -> Judged {
-        Judged { status: Status::SLEW_EXCEEDED, ..believed(code) }
-    }
-
-    /// A normal distribution's noise, of so many codes rms.
-    struct Gaussian {
-        state: u32,
-        rms: f64,
-    }
-
-    impl Gaussian {
-        fn uniform(&mut self) -> f64 {
-            self.state = self.state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(self.state >> 8) / f64::from(1 << 24)
-        }
-
-        fn next(&mut self) -> f64 {
-            let sum: f64 = (0..12).map(|_| self.uniform()).sum();
-            self.rms * (sum - 6.0)
-        }
-    }
-
-    #[test]
-    fn a_glitch_of_less_than_ten_milliseconds_is_held_and_one_that_stays_is_a_fault_which_can_pass() {
-        for ticks in [1, 2, 19] {
-            for glitch in [AT + SLEW + NOISE_CODES + 1, AT - SLEW - NOISE_CODES - 1, 0, FULL] {
-                let (_, judged) = judged([vec![glitch; ticks], vec![AT + SLEW; ticks + 1]].concat());
-                let expected = [vec![held(AT, false); ticks], vec![back(AT + SLEW); ticks], vec![believed(AT + SLEW)]];
-                assert_eq!(judged, expected.concat(), "{ticks}, {glitch}");
-            }
-        }
-        let (_, judged) = judged([5_000; 2_000]);
-        assert!(judged[..19].iter().all(|&one| one == held(AT, false)));
-        assert_eq!(judged[19], held(AT, true));
-        assert!(judged[20..40].iter().all(|&one| one == back(5_000)), "it is the present one");
-        assert!(judged[40..].iter().all(|&one| one == believed(5_000)));
-    }
-
-    #[test]
-    fn what_the_amplifier_can_do_is_believed_to_the_code() {
-        let most = SLEW + NOISE_CODES;
-        assert_eq!(judged([AT + most]).1, [believed(AT + most)]);
-        assert_eq!(judged([AT - most - 1]).1, [held(AT, false)]);
-    }
-
-    #[test]
-    fn a_voltage_that_went_on_moving_meanwhile_is_believed_where_it_leaps_back_to() {
-        for (ticks, way) in [(3u16, 4u16), (19, 20)] {
-            let most = AT + way * SLEW + NOISE_CODES;
-            // And not where it is farther than the voltage can have gone.
-            for (code, expected) in [(most, most), (most + 1, AT)] {
-                let (_, judged) = judged([vec![2_000; ticks.into()], vec![code]].concat());
-                assert_eq!(judged.last().map(|judged| judged.code), Some(AdcCode(expected)), "{ticks}, {code}");
-            }
-        }
-        // One that drifts there does not leap: it must come as near as a tick's way.
-        let (_, drifts) = judged((0..19).map(|k| 40_000 - 700 * k));
-        assert_eq!(drifts.iter().take_while(|judged| judged.code == AdcCode(AT)).count(), 12);
-    }
-
-    #[test]
-    fn a_staircase_at_the_amplifiers_own_slew_rate_is_believed_with_any_noise_of_five_codes_of_twelve_bits() {
-        for rms in [0.0, 1.0, 16.0, 5.0 * 16.0] {
-            for slew in [1.0, 37.3, 1_000.0, 20_000.0] {
-                let (mut leap, mut noise) = (leap(slew as f32), Gaussian { state: 1, rms });
-                let (mut volts, mut way) = (30_000.0, slew);
-                for k in 0..100_000 {
-                    if !(1_000.0..64_000.0).contains(&(volts + way)) {
-                        way = -way;
-                    }
-                    volts += way;
-                    let code = (volts + noise.next()).round() as u16;
-                    assert_eq!(judge(&mut leap, code, 0), believed(code), "{rms}, {slew}, tick {k}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn ticks_that_did_not_come_let_it_go_farther() {
-        for missed in [1u16, 5] {
-            let most = (missed + 1) * SLEW + NOISE_CODES;
-            for (way, sound) in [(most, true), (most + 1, false)] {
-                let (mut leap, _) = judged([]);
-                assert_eq!(judge(&mut leap, AT + way, missed.into()).status.is_empty(), sound, "{missed}");
-            }
-        }
-        let (mut leap, _) = judged([]);
-        assert_eq!(judge(&mut leap, 0, u32::MAX), believed(0));
-    }
-
-    #[test]
-    fn an_input_that_floats_is_a_fault_for_as_long_as_it_does() {
-        let mut noise = Gaussian { state: 1, rms: 0.0 };
-        let (_, judged) = judged((0..10_000).map(|_| (noise.uniform() * f64::from(FULL)) as u16));
-        let first = judged.iter().position(|judged| !judged.faults.is_empty()).expect("a fault");
-        assert!(first < 40, "{first}");
-        // A fault lasts a second longer than its cause: no gap may be as long.
-        let gap = judged[first..].chunk_by(|one, other| one.faults == other.faults).map(<[_]>::len).max();
-        assert!(gap.is_some_and(|gap| gap < 40), "{gap:?}");
-    }
-
-    #[test]
-    fn what_leaps_a_tenth_of_the_time_is_no_fault() {
-        let (_, judged) = judged((0..10_000).map(|k| if k % 10 == 9 { 5_000 } else { AT }));
-        assert_eq!(
-            judged.iter().filter(|judged| !judged.status.is_empty()).count(),
-            1_999,
-            "the tick after each as well"
-        );
-        assert!(judged.iter().all(|judged| judged.code == AdcCode(AT) && judged.faults.is_empty()));
-    }
-
-    #[test]
-    fn nothing_is_held_where_nobody_says_how_fast_the_amplifier_is_nor_after_a_start() {
-        assert!(Leap::new(FULL, &TABLE.admit().unwrap()).is_none());
-        let (mut leap, _) = judged([0; 15]);
-        leap.restart();
-        assert_eq!(judge(&mut leap, 50_000, 0), believed(50_000));
-        assert_eq!(judge(&mut leap, 0, 0), held(50_000, false));
-    }
-}
+mod tests;

@@ -43,7 +43,7 @@ impl Startup {
     pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
         let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
         let correction = Correction::new(facts.interface.adc_full_scale, table);
-        let leap = table.and_then(|table| Leap::new(facts.interface.adc_full_scale, table));
+        let leap = table.and_then(|table| Leap::new(table));
         let degraded = facts.restarts.too_many();
         // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
         // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts

@@ -172,10 +172,10 @@ impl<'q> Tick<'q> {
         // Codes as they were read show the converter's ends, and whether it stands still.
         match self.watch.update(Seen { monitor, setpoint, status, missed, astray, others }) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
-            FaultState::Recovered => {
-                // What it has made of the bad codes is forgotten.
+            FaultState::Recovered(lasted) => {
+                // What it has made of the bad codes is forgotten; this tick's sample still has it.
                 self.restart();
-                (faults, false)
+                (faults | lasted, false)
             }
             FaultState::Faulty(lasting) => (faults | lasting, false),
         }

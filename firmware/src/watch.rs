@@ -148,8 +148,7 @@ impl Watch {
         } else if self.hold > 0 {
             self.hold -= 1;
             if self.hold == 0 {
-                self.found = Faults::empty();
-                return FaultState::Recovered;
+                return FaultState::Recovered(core::mem::take(&mut self.found));
             }
         }
         if self.found.is_empty() { FaultState::Healthy } else { FaultState::Faulty(self.found) }
@@ -161,8 +160,8 @@ impl Watch {
 pub enum FaultState {
     /// There is no fault.
     Healthy,
-    /// The last fault has passed with this tick.
-    Recovered,
+    /// The last of these faults has passed with this tick, whose estimate is still made of what they brought.
+    Recovered(Faults),
     /// These faults last: the output is not to be believed.
     Faulty(Faults),
 }
@@ -198,7 +197,16 @@ mod tests {
                 _ => None,
             })
             .expect("a fault");
-        let passed = (1..).find(|&k| update(&mut watch, good(k)) == FaultState::Recovered).expect("its end");
+        let passed = (1..)
+            .find(|&k| match update(&mut watch, good(k)) {
+                FaultState::Healthy => panic!("it has not been said that it passed"),
+                FaultState::Recovered(lasted) => {
+                    assert_eq!(lasted, faults);
+                    true
+                }
+                FaultState::Faulty(_) => false,
+            })
+            .expect("its end");
         assert_eq!(update(&mut watch, good(passed + 1)), FaultState::Healthy);
         (after, faults, passed)
     }

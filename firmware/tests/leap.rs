@@ -8,6 +8,7 @@ use estimator_core::{AdcCode, Admitted, DacCode, Estimator, Status, Table};
 use firmware::Tick;
 use firmware::leap::TOO_LONG;
 use firmware::queues::Command;
+use firmware::rate::TICK_HZ;
 use firmware::watch::HOLD;
 use protocol::{Faults, Mode, Sample};
 
@@ -20,7 +21,7 @@ const OFF: u32 = 800;
 
 fn stated() -> Admitted {
     let table = Table { amplifier_slew_v_per_s: Some(SLEW_V_PER_S), ..*compiled() };
-    table.admit().expect("faster than a code a tick")
+    table.admit().expect("a slew rate is all that it has more")
 }
 
 /// A tick that streams.
@@ -103,36 +104,66 @@ fn a_glitch_costs_no_more_than_the_way_that_the_voltage_went_meanwhile() {
     assert!(worst < 1.0 && unchecked > 5.0, "{worst} µm, {unchecked} µm unchecked");
 }
 
-#[test]
-fn a_wire_that_comes_off_is_a_fault_after_ten_milliseconds_which_passes_and_leaves_no_zero() {
+/// What an open input reads at a tick.
+fn open(k: u32) -> u16 {
+    OPEN + (k % 2) as u16
+}
+
+/// One whose displacement was told, and whose wire was then found to be off.
+fn off() -> Bench {
     let mut bench = Bench::new(&stated());
     (0..OFF).for_each(|k| assert_eq!(bench.step(triangle(k).0).1.faults, Faults::empty(), "tick {k}"));
     bench.link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).expect("there is room");
     let (_, told) = bench.step(triangle(OFF).0);
-    let open = |k: u32| OPEN + (k % 2) as u16;
     for k in 1..TOO_LONG {
         let (_, sample) = bench.step(open(k));
         assert_eq!((sample.code, sample.faults), (told.code, Faults::empty()), "tick {k}");
         assert!(sample.status.contains(Status::SLEW_EXCEEDED), "tick {k}");
     }
-    for k in 0..=HOLD {
-        let (dac, sample) = bench.step(open(k));
-        let lasting = if k < HOLD { Faults::SLEW_EXCEEDED } else { Faults::empty() };
-        assert_eq!((dac, sample.faults), (SAFE, lasting | Faults::SAFE_OUTPUT), "tick {k}");
-        assert!(!bench.tick.valid());
+    let (dac, sample) = bench.step(open(0));
+    assert_eq!((dac, sample.code, sample.faults), (SAFE, told.code, Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT));
+    bench
+}
+
+#[test]
+fn a_wire_that_comes_off_is_a_fault_for_as_long_as_it_is_off_and_leaves_no_zero() {
+    let mut bench = off();
+    let faulty = |(dac, sample): (DacCode, Sample), valid: bool, k: u32| {
+        assert_eq!((dac, sample.faults), (SAFE, Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT), "tick {k}");
+        assert!(!valid, "tick {k}");
+    };
+    for k in 0..5 * TICK_HZ {
+        let found = bench.step(open(k));
+        faulty(found, bench.tick.valid(), k);
+    }
+    // Plugged in again: a second later, and the tick at which all is forgotten still says so.
+    for k in 0..TOO_LONG + HOLD {
+        let found = bench.step(triangle(OFF + k).0);
+        faulty(found, bench.tick.valid(), k);
     }
     let mut anew = Estimator::<f32>::new(&stated());
     for k in 0..100 {
-        let (dac, sample) = bench.step(open(k));
-        let expected = anew.tick(AdcCode(open(k)));
+        let code = triangle(OFF + TOO_LONG + HOLD + k);
+        let (dac, sample) = bench.step(code.0);
+        let expected = anew.tick(code);
         assert_eq!((dac, sample.displacement.to_bits()), (expected.dac, expected.displacement.to_bits()), "tick {k}");
-        assert_eq!((sample.status, sample.faults), (expected.status, Faults::empty()));
+        assert_eq!((sample.half_width, sample.status), (None, expected.status), "tick {k}");
+        assert_eq!((sample.faults, bench.tick.valid()), (Faults::empty(), true), "tick {k}");
     }
-    // Plugged in again, it leaps again.
-    for k in 0..TOO_LONG {
-        bench.step(triangle(OFF + k).0);
+    assert!(bench.step(open(0)).1.status.contains(Status::SLEW_EXCEEDED));
+}
+
+#[test]
+fn a_mode_that_is_set_begins_with_the_wire_as_it_is() {
+    let mut bench = off();
+    for mode in [Mode::Pause, Mode::Estimate] {
+        bench.set(mode);
+        bench.begin();
     }
-    assert_eq!(bench.link.telemetry.faults(), Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT);
+    for k in 0..HOLD {
+        let (_, sample) = bench.step(open(k));
+        assert_eq!((sample.code, sample.faults), (open(k), Faults::empty()), "tick {k}");
+    }
 }
 
 #[test]

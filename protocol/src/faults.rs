@@ -31,8 +31,8 @@ bitflags::bitflags! {
         const SETPOINT = 1 << 9;
         /// The crystal did not start: the chip's own oscillator, up to 2 % off, clocks the device, which estimates nothing.
         const CLOCK = 1 << 10;
-        /// The monitor's voltage has leapt as the amplifier cannot, and stayed there, or goes on leaping: a wire is off, the input
-        /// floats, or the table states a slower amplifier than there is.
+        /// The monitor's voltage has leapt as the amplifier cannot, and stayed there, or went on leaping: a wire is off, the input
+        /// floats, or the table states a slower amplifier than there is. It lasts until the voltage leaps back, or a mode is set.
         const SLEW_EXCEEDED = 1 << 11;
     }
 }

@@ -164,9 +164,8 @@ fn numbers_out_of_range_are_refused_by_name() {
             "two codes apart",
         ),
         (Table { dac: DacCalibration { gain_codes_per_um: 1e-45, ..table().dac }, ..table() }, "a code wide"),
-        // Less than a code a tick, of which the table's is 22 V/s; and none at all.
-        (Table { amplifier_slew_v_per_s: Some(21.0), ..table() }, "amplifier_slew_v_per_s must be a code"),
-        (Table { amplifier_slew_v_per_s: Some(-500.0), ..table() }, "amplifier_slew_v_per_s must be a code"),
+        (Table { amplifier_slew_v_per_s: Some(0.0), ..table() }, "amplifier_slew_v_per_s must be positive"),
+        (Table { amplifier_slew_v_per_s: Some(-500.0), ..table() }, "amplifier_slew_v_per_s must be positive"),
         (Table { dac: DacCalibration { offset_code: 1e14, ..table().dac }, ..table() }, "offset_code"),
         (Table { dac: DacCalibration { offset_code: -2e6, ..table().dac }, ..table() }, "offset_code"),
     ];

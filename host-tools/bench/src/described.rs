@@ -3,9 +3,23 @@
 use crate::wiring::{NO_MODEL, is_line};
 use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Table};
 
-/// What is said of a table that does not state how fast the amplifier is.
-pub const WIRE_NOT_FOUND: &str = "a monitor's wire that is off is not found: state amplifier_slew, the fastest that the amplifier can, \
-                                  V/s, in board.toml or as an option";
+/// What is said of a table with which a device does not find a monitor's wire that is off: nobody said how fast the amplifier is, or
+/// it is so fast that hardly any leap is more than it can.
+pub fn wire_not_found(table: &Table) -> Option<String> {
+    let found = "a monitor's wire that is off is not found";
+    match table.least_leap_v() {
+        None => Some(format!(
+            "{found}: state amplifier_slew, the fastest that the amplifier can, V/s, in board.toml or as an option"
+        )),
+        Some(_) if table.finds_open_wire() => None,
+        Some(least) => Some(format!(
+            "{found}: only a leap of more than {least:.3} V in a tick is, and the table's voltages span {:.3} V. State as amplifier_slew, in \
+             board.toml or as an option, the fastest that the voltage ever goes in this use, V/s: not the amplifier's own rate, where a \
+             controller's or a generator's slew limit keeps it slower",
+            table.voltage_range_v.span()
+        )),
+    }
+}
 
 /// A table in a few lines.
 pub fn describe(table: &Admitted) -> Vec<String> {
@@ -43,13 +57,25 @@ pub fn describe(table: &Admitted) -> Vec<String> {
             ),
         },
         time(table),
-        table.amplifier_slew_v_per_s.map_or(WIRE_NOT_FOUND.to_owned(), |slew| {
-            format!("the amplifier goes {slew} V/s at most: a voltage that leaps farther is held, and a fault where it lasts")
-        }),
+        wire(table),
         table.interval.map_or("no ± beside the estimate".to_owned(), |interval| {
             format!("± {:.3} µm beside the estimate at least, once its displacement was told", interval.misfit_um)
         }),
     ]
+}
+
+/// What is held, and whether that finds a wire that is off.
+fn wire(table: &Table) -> String {
+    let held = table.amplifier_slew_v_per_s.zip(table.least_leap_v()).map(|(slew, least)| {
+        format!(
+            "the amplifier goes {slew} V/s at most: a voltage that leaps by more than {least:.3} V in a tick is held"
+        )
+    });
+    match (held, wire_not_found(table)) {
+        (Some(held), Some(not_found)) => format!("{held}, but {not_found}"),
+        (Some(held), None) => format!("{held}, and a fault where it lasts"),
+        (None, not_found) => not_found.unwrap_or_default(),
+    }
 }
 
 /// What its tick takes on the board.
@@ -98,10 +124,23 @@ mod tests {
     }
 
     #[test]
-    fn how_fast_the_amplifier_is_is_said_or_that_nobody_did() {
-        let stated = describe(Wiring::new(&FACTS, 500).unwrap().line()).join("\n");
-        assert!(stated.contains("goes 20000 V/s at most") && !stated.contains(WIRE_NOT_FOUND), "{stated}");
-        assert!(describe(&emulator::TABLE.admit().unwrap()).iter().any(|line| line == WIRE_NOT_FOUND));
+    fn what_is_held_is_said_and_that_a_wire_is_not_found_where_it_is_not() {
+        let line = *Wiring::new(&FACTS, 500).unwrap().line().to_owned();
+        let said = |slew| {
+            let table = Table { drive: None, amplifier_slew_v_per_s: slew, ..line };
+            (describe(&table.admit().unwrap()).join("\n"), wire_not_found(&table))
+        };
+        let (described, not_found) = said(Some(20_000.0));
+        // In a tick of 500 µs 10 V and a code, and a 96th of the codes.
+        assert!(described.contains("goes 20000 V/s at most: a voltage that leaps by more than 11.7"), "{described}");
+        assert!(described.contains("and a fault where it lasts") && not_found.is_none(), "{not_found:?}");
+        for slew in [Some(1e6), None] {
+            let (described, not_found) = said(slew);
+            let not_found = not_found.expect("nothing is held");
+            assert!(described.contains(&not_found) && !described.contains("a fault where"), "{described}");
+            assert_eq!(not_found.contains("that the voltage ever goes in this use"), slew.is_some(), "{not_found}");
+            assert!(not_found.starts_with("a monitor's wire that is off is not found: "), "{not_found}");
+        }
     }
 
     #[test]

@@ -34,7 +34,7 @@ mod tests;
 
 pub use board_edit::{Edited, Measured};
 pub use board_file::{AnotherBoard, BoardFacts, BoardFileError};
-pub use described::{WIRE_NOT_FOUND, describe, time};
+pub use described::{describe, time, wire_not_found};
 pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;

@@ -1,7 +1,7 @@
 //! Whether a proof passes: how far the board's estimate is off, and whether it knew so.
 //!
 //! ```text
-//! held = ticks with |e| ≤ ±, a ± that was stated, and neither the voltage nor the estimate at a limit, of all
+//! held = ticks with |e| ≤ ±, a ± that was stated, neither the voltage nor the estimate at a limit, and no voltage that leapt, of all
 //! PASS = mean |e| ≤ most  and, where the table states a ±,  held ≥ 90 %
 //! ```
 //!
@@ -42,14 +42,15 @@ pub struct Shares {
     pub half_width_um: Option<f64>,
     /// The voltage went as it never did in the training.
     pub untrained_percent: f64,
-    /// The voltage was beyond what the model was identified on or at an end of the ADC's range, or the estimate was clamped.
+    /// The voltage was beyond what the model was identified on, at an end of the ADC's range, or leapt as the amplifier cannot; or the
+    /// estimate was clamped.
     pub beyond_percent: f64,
 }
 
 impl Shares {
     /// Of all ticks, by a table that has an interval or none.
     pub fn of(instants: &[Instant], interval: bool) -> Self {
-        let beyond = Status::CLAMPED | Status::VOLTAGE_OUT_OF_RANGE | Status::ADC_SATURATED;
+        let beyond = Status::CLAMPED | Status::VOLTAGE_OUT_OF_RANGE | Status::ADC_SATURATED | Status::SLEW_EXCEEDED;
         let percent = |of: &dyn Fn(&Instant) -> bool| {
             100.0 * instants.iter().filter(|at| of(at)).count() as f64 / instants.len().max(1) as f64
         };
@@ -136,7 +137,7 @@ mod tests {
             "more than a tenth of the ticks state no ±"
         );
         assert!(verdict(0.1, |k| (k >= 10).then_some(5.0), sound, None).passed, "a tenth may be outside");
-        for odd in [Status::CLAMPED, Status::VOLTAGE_OUT_OF_RANGE] {
+        for odd in [Status::CLAMPED, Status::VOLTAGE_OUT_OF_RANGE, Status::ADC_SATURATED, Status::SLEW_EXCEEDED] {
             assert!(!verdict(0.1, wide, odd, None).passed, "{odd:?}");
         }
         assert!(verdict(0.1, wide, Status::UNTRAINED, None).passed);

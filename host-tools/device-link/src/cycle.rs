@@ -21,7 +21,8 @@ use validation::reversals::first_cycle;
 pub const LEAST_SPAN: f64 = 0.05;
 /// Status bits with which an estimate is not the model's at the amplifier's voltage. One that is not settled is: what the
 /// start has left in it is what a mean over a cycle takes off.
-pub const WORTHLESS: Status = Status::ADC_SATURATED.union(Status::VOLTAGE_OUT_OF_RANGE).union(Status::CLAMPED);
+pub const WORTHLESS: Status =
+    Status::ADC_SATURATED.union(Status::VOLTAGE_OUT_OF_RANGE).union(Status::CLAMPED).union(Status::SLEW_EXCEEDED);
 
 /// A device that returns nothing for so long has stopped.
 const SILENCE: Duration = Duration::from_secs(2);
@@ -292,9 +293,11 @@ mod tests {
     fn what_is_not_sound_gives_no_mean() {
         let error = found(triangle(), after_a_thousand(|sample| sample.faults |= Faults::ADC_STUCK)).unwrap_err();
         assert!(matches!(error, CycleError::Faulty(Faults::ADC_STUCK)), "{error}");
-        let clamped = after_a_thousand(|sample| sample.status |= Status::CLAMPED | Status::DAC_SATURATED);
-        let error = found(triangle(), clamped).unwrap_err();
-        assert!(matches!(error, CycleError::Worthless(Status::CLAMPED)), "{error}");
+        for bit in WORTHLESS {
+            let said = after_a_thousand(move |sample| sample.status |= bit | Status::DAC_SATURATED);
+            let error = found(triangle(), said).unwrap_err();
+            assert!(matches!(error, CycleError::Worthless(only) if only == bit), "{bit:?}: {error}");
+        }
         let late = after_a_thousand(|sample| {
             sample.faults |= Faults::MISSED_DEADLINE | Faults::SAFE_OUTPUT;
             sample.status |= Status::NOT_SETTLED;

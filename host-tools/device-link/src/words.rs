@@ -100,7 +100,7 @@ const FAULTS: [(Faults, &str); 12] = [
     (Faults::ADC_STUCK, "the ADC gives one and the same code"),
     (
         Faults::SLEW_EXCEEDED,
-        "the monitor's voltage leapt as the amplifier cannot, and stayed there for 10 ms or goes on leaping",
+        "the monitor's voltage leapt as the amplifier cannot, and stayed there for 10 ms or went on leaping; its wire may still be off",
     ),
     (Faults::OUT_OF_CALIBRATION, "the voltage is beyond what the table was identified on"),
     (

@@ -18,7 +18,7 @@ fn row(name: &str, outcome: &Outcome) -> Value {
     let Outcome { flag, fault, worst_um, stated_um, silent, recovery } = *outcome;
     let back = match recovery {
         Recovery::After(ticks) => Some(ticks),
-        Recovery::NeedsZero | Recovery::NotYet => None,
+        Recovery::NeedsZero | Recovery::Faulty | Recovery::NotYet => None,
     };
     json!({
         "fault": name,
@@ -28,6 +28,7 @@ fn row(name: &str, outcome: &Outcome) -> Value {
         "stated_um": stated_um,
         "silent_ticks": silent,
         "needs_zero": recovery == Recovery::NeedsZero,
+        "stays": recovery == Recovery::Faulty,
         "back_after_ticks": back,
     })
 }

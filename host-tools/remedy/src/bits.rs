@@ -45,7 +45,7 @@ const FAULTS: [(Faults, &str); 12] = [
     ),
     (
         Faults::SLEW_EXCEEDED,
-        "check the wire from the amplifier's monitor and the divider's ground: is one off, or loose? If they are sound, the amplifier is faster than was stated: piezo emit --amplifier-slew. Then set the zero anew: piezo zero",
+        "check the wire from the amplifier's monitor and the divider's ground: is one off, or loose? If they are sound, the amplifier is faster than was stated: piezo emit --amplifier-slew. If it stays although the wire is back, piezo reset. Then set the zero anew: piezo zero",
     ),
     (
         Faults::OUT_OF_CALIBRATION,

@@ -26,6 +26,7 @@ pub fn signal(printed: &Value) -> Result<Content> {
         let stated = row["stated_um"].as_f64().map_or_else(|| "–".to_owned(), |um| fixed(um, 2));
         let back = match row["back_after_ticks"].as_u64() {
             Some(ticks) => thousands(ticks),
+            None if row["stays"] == true => "stays".to_owned(),
             None if row["needs_zero"] == true => "needs a zero".to_owned(),
             None => "not in 10 s".to_owned(),
         };

@@ -191,7 +191,7 @@ mod tests {
         let table =
             Table { amplifier_slew_v_per_s: Some(AMPLIFIER_SLEW), ..firmware::compiled::TABLE }.admit().unwrap();
         for (injected, ticks, outcome) in outcomes(&table) {
-            let Outcome { flag, fault, worst_um, .. } = outcome;
+            let Outcome { flag, fault, worst_um, recovery, .. } = outcome;
             let found = format!("{injected:?} for {ticks} ticks: {outcome:?}");
             let held = flag.is_some_and(|(bits, at)| bits.contains(Status::SLEW_EXCEEDED) && at == 1);
             match injected {
@@ -206,8 +206,29 @@ mod tests {
                     let both = Faults::SLEW_EXCEEDED | Faults::ADC_SATURATED;
                     assert_eq!((held, fault), (true, Some((both, TOO_LONG))), "{found}");
                 }
-                Injected::Clipped(_) | Injected::Drift(_) => assert!(!held && fault.is_none(), "{found}"),
-                _ => {}
+                // What comes after it leaps, is the voltage, and stays: nothing tells it from a wire that is off.
+                Injected::Held if ticks == 100 => {
+                    assert_eq!(fault, Some((Faults::SLEW_EXCEEDED, ticks + TOO_LONG)), "{found}");
+                    assert_eq!(recovery, Recovery::Faulty, "{found}");
+                }
+                // And so much noise leaps for a while, and then does not.
+                Injected::Noise(codes) if codes >= 50.0 => {
+                    assert!(fault.is_some_and(|(fault, _)| fault == Faults::SLEW_EXCEEDED), "{found}");
+                    assert_eq!(recovery, Recovery::Faulty, "{found}");
+                }
+                Injected::Held if ticks > STUCK => {
+                    assert!(fault.is_some_and(|(fault, _)| fault == Faults::ADC_STUCK), "{found}");
+                }
+                Injected::Supply(percent) if percent < -5.0 => {
+                    assert!(fault.is_some_and(|(fault, _)| fault == Faults::SUPPLY), "{found}");
+                }
+                Injected::Noise(_)
+                | Injected::Held
+                | Injected::Clipped(_)
+                | Injected::Drift(_)
+                | Injected::Supply(_) => {
+                    assert!(!held && fault.is_none(), "{found}");
+                }
             }
         }
     }

@@ -29,6 +29,8 @@ pub enum Recovery {
     After(u32),
     /// It has begun anew, and has no ± before the displacement is told again.
     NeedsZero,
+    /// The fault that the firmware made of it lasts, until a mode is set.
+    Faulty,
     /// Its error was still beyond the ± where the run ended.
     NotYet,
 }
@@ -58,8 +60,10 @@ impl Outcome {
                 silent += u32::from(stated.is_some() && faulty.status.is_empty() && lasting.is_empty());
             }
         }
+        let stays = faulty.last().is_some_and(|last| !last.faults.difference(Faults::SAFE_OUTPUT).is_empty());
         let ended = faulty.last().is_none_or(|last| last.half_width.is_none());
         let recovery = match beyond_last {
+            _ if stays => Recovery::Faulty,
             _ if ended => Recovery::NeedsZero,
             Some(last) if last + 1 >= faulty.len() => Recovery::NotYet,
             Some(last) => Recovery::After((last + 1).saturating_sub(ticks) as u32),
@@ -117,6 +121,19 @@ mod tests {
                 }
             });
             assert_eq!(of(&ended).recovery, Recovery::NeedsZero);
+        }
+    }
+
+    #[test]
+    fn it_is_not_back_where_the_fault_lasts_whatever_its_error_and_its_interval() {
+        for half_width in [Some(1.0), None] {
+            let faulty = ten(|at, sample| {
+                (sample.faults, sample.half_width) = (Faults::SAFE_OUTPUT | Faults::SLEW_EXCEEDED, half_width);
+                if at < 5 {
+                    sample.faults = Faults::empty();
+                }
+            });
+            assert_eq!(of(&faulty).recovery, Recovery::Faulty);
         }
     }
 

@@ -24,8 +24,9 @@ pub struct CalibrationArgs {
     /// Largest ADC code (with oversampling); 4095 where nothing else is known.
     #[arg(long, value_parser = clap::value_parser!(u16).range(3..))]
     pub adc_full_scale: Option<u16>,
-    /// Fastest change of the amplifier's output, V/s: its slew rate, or its peak current over the stack's capacitance, whichever is less. A
-    /// device then finds a monitor's wire that is off, and estimates from no voltage that leaps farther.
+    /// Fastest change of the amplifier's output, V/s: its slew rate, or its peak current over the stack's capacitance, whichever is less;
+    /// or the slew limit of what drives it. A device then finds a monitor's wire that is off, and estimates from no voltage that leaps
+    /// farther.
     #[arg(long, value_parser = positive, allow_hyphen_values = true, value_name = "V/s")]
     pub amplifier_slew: Option<f64>,
     /// Displacement at DAC code 0 and at full scale, µm relative to the model's zero. Without it the displacement limits.

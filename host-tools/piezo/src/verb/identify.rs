@@ -180,8 +180,8 @@ fn verdict(outcome: &Outcome) -> Vec<String> {
     sentences.push(remedy::proven(&candidate.table));
     sentences.push(format!("{}.", zeros(&outcome.context.recipe)));
     sentences.push(format!("On the board {}.", bench::time(&candidate.table)));
-    if candidate.table.amplifier_slew_v_per_s.is_none() {
-        sentences.push(format!("On the board {}.", bench::WIRE_NOT_FOUND));
+    if let Some(not_found) = bench::wire_not_found(&candidate.table) {
+        sentences.push(format!("On the board {not_found}."));
     }
     sentences
 }

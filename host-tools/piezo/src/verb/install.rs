@@ -6,7 +6,7 @@ use crate::option::BoardOption;
 use crate::option::link::PortOption;
 use ::calibration::converter_mismatches;
 use anyhow::Result;
-use bench::{BoardFacts, NO_MODEL, WIRE_NOT_FOUND, for_board, install, rehearsal};
+use bench::{BoardFacts, NO_MODEL, for_board, install, rehearsal, wire_not_found};
 use clap::Args;
 use device_link::board;
 use device_link::interrupt::Interrupt;
@@ -57,9 +57,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
             ("a straight line".into(), *arguments.board.wiring(identity.tick_us)?.line(), vec![NO_MODEL.to_owned()])
         }
     };
-    if table.amplifier_slew_v_per_s.is_none() {
-        doubts.push(WIRE_NOT_FOUND.to_owned());
-    }
+    doubts.extend(wire_not_found(&table));
     device::fits(&board::of(&identity)?, &table, &name)?;
     converter_mismatches(&table)
         .iter()

@@ -81,7 +81,7 @@ fn tell(arguments: &Prove, proven: &Proven) -> Result<()> {
         out(&format!("± {half:.3} µm on average holds the sensor {held:.1} % of the time"));
     }
     out(&format!(
-        "{:.1} % of the time the voltage went as it never did in the training, {:.1} % it or the estimate was at a limit",
+        "{:.1} % of the time the voltage went as it never did in the training, {:.1} % it leapt, or it or the estimate was at a limit",
         shares.untrained_percent, shares.beyond_percent
     ));
     out(&log.display().to_string());

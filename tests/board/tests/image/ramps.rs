@@ -4,7 +4,7 @@ use crate::common::{Bench, PARTS, PERIOD, shown, valid_since};
 use anyhow::{Result, ensure};
 use board_emulator_test::{Latch, Reset, Stop, exception};
 use estimator_core::*;
-use protocol::{Faults, Mode, Refusal, Reply, Request};
+use protocol::{Faults, Mode, Refusal, Reply, Request, Samples};
 
 /// 20 mV or 20.48 codes a tick.
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
@@ -242,8 +242,14 @@ fn a_monitor_that_comes_off_while_driving_is_a_fault_after_ten_milliseconds() ->
     for way in WAYS {
         // As slow as the drive: nothing that it does itself is held.
         let (mut bench, start) = driving_amplifier(way, Some(LIMITS.slew_v_per_s))?;
+        bench.does(Request::Stream(true))?;
         bench.run(0.5)?;
         assert_eq!(bench.health()?.faults_seen, Faults::empty(), "{way:?}");
+        let samples = bench.samples.iter().flat_map(Samples::numbered);
+        let (moving, said) = samples.fold((0, Status::empty()), |(moving, said), (_, sample)| {
+            (moving + u32::from(sample.dac > REST), said | sample.status)
+        });
+        assert!(moving > 900 && !said.contains(Status::SLEW_EXCEEDED), "{way:?}: {moving} samples, {said:?}");
         let table = bench.table()?;
         bench.connect(&table, |_| 1.0);
         let clock = bench.board.clock();

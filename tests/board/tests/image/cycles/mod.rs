@@ -1,6 +1,6 @@
 //! What the tick's interrupt costs in cycles, of every model, by the emulator's model of the core and the flash: with the
-//! inputs of [`shapes`], which are to be the worst, and the tables of [`tables`], the largest among them. It is the most that
-//! was observed, and no proof that there is no more.
+//! inputs of [`shapes`], which are to be the worst, and the tables of [`tables`], the largest among them; once with voltages that are
+//! all the amplifier's, and once with some that leap farther. It is the most that was observed, and no proof that there is no more.
 //!
 //! Every line that begins with `cycles: ` is JSON; `cargo xtask cycles` prints them.
 
@@ -9,13 +9,14 @@ pub mod shapes;
 pub mod tables;
 
 use crate::common::{Bench, push};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use board_emulator_test::{Level, Measured, exception};
 use estimator_core::table::MARGIN_PERCENT;
-use estimator_core::{Admitted, Model};
-use protocol::{Mode, Refusal, Reply, Request};
+use estimator_core::{Admitted, Model, Range, Status};
+use protocol::{Faults, Mode, Refusal, Reply, Request, Samples};
 use serde_json::{Value, json};
-use shapes::{SHAPES, TICKS, shape};
+use shapes::{LEAPS, SHAPES, TICKS, leaping, shape};
+use std::cell::Cell;
 
 /// How much of that margin one build of one source may take, %: rustc and the linker do not lay functions out the same way each
 /// time, and a tick runs cold.
@@ -50,13 +51,21 @@ fn code(table: &Admitted, part: f32) -> u16 {
     table.adc.code::<f32>(table.voltage_zero_v + volts.min + part * volts.span()).0
 }
 
+/// Whether the monitor's voltage leaps as the amplifier cannot, every few ticks.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Monitor {
+    Sound,
+    Leaps,
+}
+
 /// Estimates: every start, and every shape.
-fn estimate(table: &Admitted) -> Result<Measured> {
+fn estimate(table: &Admitted, monitor: Monitor) -> Result<Measured> {
     let mut bench = running(table)?;
     bench.board.measure(exception::ADC1_2)?;
-    let codes: Vec<u16> = (0..SHAPES * TICKS).map(|tick| code(table, shape(tick))).collect();
-    // First ticks, at voltages all over the range.
-    for start in 0..12 {
+    let part = if monitor == Monitor::Leaps { leaping } else { shape };
+    let codes: Vec<u16> = (0..SHAPES * TICKS).map(|tick| code(table, part(tick))).collect();
+    // First ticks, at voltages all over the range, the last where the shapes begin.
+    for start in (0..12).rev() {
         let at = code(table, start as f32 / 11.0);
         bench.board.feed(move |_| at);
         bench.does(Request::SetMode(Mode::Estimate))?;
@@ -71,13 +80,38 @@ fn estimate(table: &Admitted) -> Result<Measured> {
         other => bail!("{other:?}"),
     }
     bench.run(f64::from(SHAPES * TICKS) / 2_000.0)?;
-    Ok(bench.board.measured())
+    let measured = bench.board.measured();
+    leapt(&bench, monitor)?;
+    Ok(measured)
+}
+
+/// What was streamed has ticks that were held where the monitor leaps, and no others; and they were no fault, with which a tick
+/// does less.
+fn leapt(bench: &Bench, monitor: Monitor) -> Result<()> {
+    let samples = || bench.samples.iter().flat_map(Samples::numbered).map(|(_, sample)| sample);
+    let held = samples().filter(|sample| sample.status.contains(Status::SLEW_EXCEEDED)).count();
+    ensure!((held > 0) == (monitor == Monitor::Leaps), "{held} samples were held, {monitor:?}");
+    ensure!(samples().all(|sample| !sample.faults.contains(Faults::SLEW_EXCEEDED)), "{monitor:?} is a fault");
+    Ok(())
 }
 
 /// Follows every shape between the displacements at rest at the ends of the drive's voltages.
-fn follow(table: &Admitted) -> Result<Measured> {
+fn follow(table: &Admitted, monitor: Monitor) -> Result<Measured> {
     let mut bench = running(table)?;
-    bench.connect(table, |volts| volts);
+    let (ticks, Range { min, max }) = (Cell::new(0), table.drive.expect("it drives").limits.range_v);
+    bench.connect(table, move |volts| {
+        ticks.set((ticks.get() + 1) % LEAPS);
+        match monitor {
+            Monitor::Leaps if ticks.get() == 0 => {
+                if volts < 0.5 * (min + max) {
+                    max
+                } else {
+                    min
+                }
+            }
+            _ => volts,
+        }
+    });
     bench.does(Request::SetMode(Mode::Follow))?;
     bench.board.measure(exception::ADC1_2)?;
     let (low, high) = way(table);
@@ -91,7 +125,12 @@ fn follow(table: &Admitted) -> Result<Measured> {
         }
         bench.run(0.035)?;
     }
-    Ok(bench.board.measured())
+    let measured = bench.board.measured();
+    bench.does(Request::Stream(true))?;
+    bench.run(0.02)?;
+    leapt(&bench, monitor)?;
+    ensure!(!bench.health()?.faults_seen.contains(Faults::SLEW_EXCEEDED), "{monitor:?} was a fault");
+    Ok(measured)
 }
 
 /// The displacements (µm) long after the drive has come to the ends of its voltages.
@@ -123,20 +162,27 @@ fn measure(model: Model, drives: bool) -> Result<Vec<String>> {
     let mut observed: Vec<(u32, u32)> = Vec::new();
     for (name, table) in tables::tables(model, drives)? {
         let stated = table.cycles().most;
-        let mut line = json!({ "model": model.name(), "table": name, "drives": drives, "stated": stated });
+        let line = |name: &str, more: Value| {
+            let mut line = json!({ "model": model.name(), "table": name, "drives": drives, "stated": stated });
+            let Value::Object(more) = more else { unreachable!("it is written as an object") };
+            line.as_object_mut().expect("an object").extend(more);
+            println!("cycles: {line}");
+        };
         if refused(&table)? {
-            line["refused"] = json!(true);
-        } else {
-            let measured = if drives { follow(&table)? } else { estimate(&table)? };
-            let Value::Object(figures) = to_json(&measured) else { unreachable!("it is written as an object") };
-            line.as_object_mut().expect("an object").extend(figures);
+            line(name, json!({ "refused": true }));
+            continue;
+        }
+        let leaps = (format!("{name}, leaps"), tables::slower(&table)?, Monitor::Leaps);
+        for (name, table, monitor) in [(name.to_owned(), table, Monitor::Sound), leaps] {
+            let measured = if drives { follow(&table, monitor) } else { estimate(&table, monitor) };
+            let measured = measured.with_context(|| format!("{}, {name}, drives: {drives}", model.name()))?;
+            line(&name, to_json(&measured));
             let most = u32::try_from(measured.most_clocks[Level::Pessimistic as usize])?;
             match observed.iter_mut().find(|(other, _)| *other == stated) {
                 Some((_, before)) => *before = most.max(*before),
                 None => observed.push((stated, most)),
             }
         }
-        println!("cycles: {line}");
     }
     let what = if drives { "drive" } else { "estimate" };
     let wrong = observed.into_iter().filter_map(|(stated, most)| {

@@ -34,6 +34,21 @@ pub fn shape(tick: u32) -> f32 {
     .clamp(0.0, 1.0)
 }
 
+/// How far [`leaping`] goes in a tick at most where it does not leap.
+pub const STEADY: f32 = 0.3;
+/// Ticks from leap to leap: one in six is no fault.
+pub const LEAPS: u32 = 6;
+
+/// The same, smaller, low and high by turns; in between a tick that leaps away, after which it is back elsewhere.
+pub fn leaping(tick: u32) -> f32 {
+    let (turn, at) = (tick / LEAPS, tick % LEAPS);
+    if at == LEAPS - 1 {
+        return 1.0;
+    }
+    let high = if turn % 2 == 0 { 0.0 } else { STEADY };
+    high + 0.95 * STEADY * shape(tick)
+}
+
 /// 0 … 1, the same for every tick of the same number.
 fn random(tick: u32) -> f32 {
     let mixed = tick.wrapping_add(1).wrapping_mul(0x9E37_79B1);

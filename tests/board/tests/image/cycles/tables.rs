@@ -2,6 +2,7 @@
 //! largest that there may be; to estimate and, where the model has an inverse, to drive.
 
 use super::largest;
+use super::shapes::STEADY;
 use anyhow::{Context, Result};
 use estimator_core::table::Board;
 use estimator_core::*;
@@ -63,6 +64,13 @@ fn fitted(table: &Table, drives: bool) -> Result<Admitted> {
         ..*table
     };
     Ok(table.admit()?)
+}
+
+/// The same with an amplifier so slow that [`leaping`](super::shapes::leaping) leaps; of a drive, as slow as that is.
+pub fn slower(table: &Admitted) -> Result<Admitted> {
+    let a_tick = STEADY * table.voltage_range_v.span();
+    let slew = table.drive.map_or(a_tick * 2_000.0, |drive| drive.limits.slew_v_per_s);
+    Ok(Table { amplifier_slew_v_per_s: Some(slew), ..**table }.admit()?)
 }
 
 /// The table with its displacements far from 0.
