@@ -12,13 +12,14 @@
 //! wire's again. (The leap alone would not do: a plug bounces, a conversion amid a leap lies between the two, and a glitch on
 //! an open wire leaps there and back.)
 
+use crate::rate::ticks_in;
 use crate::watch::score;
 use estimator_core::table::LeastLeap;
 use estimator_core::{AdcCode, Status, Table};
 use protocol::Faults;
 
 /// Held ticks in a row that are a fault: 10 ms.
-pub const TOO_LONG: u32 = crate::rate::TICK_HZ / 100;
+pub const TOO_LONG: u32 = ticks_in(10);
 
 /// The codes so far.
 #[derive(Clone, Debug)]

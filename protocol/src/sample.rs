@@ -40,7 +40,7 @@ pub struct Samples {
     /// Ticks from a sample to the next. Where that is more than 1, those between are not streamed: what their status and faults
     /// reported, but for [`Faults::SAFE_OUTPUT`], is in the next sample's.
     pub every: NonZeroU8,
-    /// The samples.
+    /// One of every so many ticks, the earliest first.
     pub samples: Vec<Sample, MAX_BATCH>,
 }
 

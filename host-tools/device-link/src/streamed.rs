@@ -12,7 +12,7 @@ pub struct Streamed {
     pub tick: usize,
     /// Ticks from a sample to the next.
     pub every: NonZeroU8,
-    /// The sample.
+    /// What the device says of that tick, and of the displacement at the next.
     pub sample: Sample,
 }
 

@@ -41,16 +41,26 @@ pub enum DividerError {
     },
 }
 
+/// The lower of two voltages, V, and the higher.
+///
+/// # Errors
+/// They are one, or not finite.
+pub(crate) fn ordered(one: f64, other: f64) -> Result<(f64, f64), DividerError> {
+    let (low, high) = (one.min(other), one.max(other));
+    if low.is_finite() && high.is_finite() && low < high {
+        Ok((low, high))
+    } else {
+        Err(DividerError::NoSpan(one, other))
+    }
+}
+
 impl Divider {
     /// The resistors that bring the source's voltages, V, to within 0.15 … 3.15 V and use most of that.
     ///
     /// # Errors
     /// There are none.
     pub fn choose((one, other): (f64, f64), series: Series) -> Result<Self, DividerError> {
-        let (low, high) = (one.min(other), one.max(other));
-        if !(low.is_finite() && high.is_finite() && low < high) {
-            return Err(DividerError::NoSpan(one, other));
-        }
+        let (low, high) = ordered(one, other)?;
         let values = series.values();
         let or_none = || values.iter().copied().map(Some).chain([None]);
         let mut best: Option<(f64, f64, Self)> = None;

@@ -42,7 +42,7 @@ impl Source {
 /// A divider, what it reads, and between which voltages.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct InputStage {
-    /// The resistors.
+    /// The resistors before the follower.
     pub divider: Divider,
     /// What they read.
     pub source: Source,

@@ -12,7 +12,7 @@ const HOLDING_KOHM: f64 = 100.0;
 /// A stage, what it is for, and what the amplifier makes of it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct OutputStage {
-    /// The resistors.
+    /// The resistors around the operational amplifier.
     pub stage: Stage,
     /// Lowest and highest voltage that the amplifier's input is to be given, V.
     pub ends_v: (f64, f64),

@@ -13,6 +13,7 @@
 //!
 //! RO goes to the board's own 3.3 V: a board without power gives the amplifier 0 V, not the lowest voltage.
 
+use crate::choice::ordered;
 use crate::series::Series;
 use crate::{DividerError, REFERENCE_V};
 use serde::Serialize;
@@ -79,10 +80,7 @@ impl Stage {
     /// # Errors
     /// There are none.
     pub fn choose((one, other): (f64, f64), series: Series) -> Result<Self, DividerError> {
-        let (low, high) = (one.min(other), one.max(other));
-        if !(low.is_finite() && high.is_finite() && low < high) {
-            return Err(DividerError::NoSpan(one, other));
-        }
+        let (low, high) = ordered(one, other)?;
         let values = series.values();
         let or_none = || values.iter().copied().map(Some).chain([None]);
         let mut best: Option<(f64, Self)> = None;
