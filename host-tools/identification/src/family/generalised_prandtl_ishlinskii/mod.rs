@@ -195,8 +195,11 @@ impl Family {
         };
         let creep = self.creep(values.creep);
         let [hertz, damping] = values.resonance;
+        let span_v = Range { min: self.span.min as f32, max: self.span.max as f32 };
+        // Its ends are rounded, so that half of it may be less than what half of the span is rounded to.
+        let half_width = |(r, _): (f64, f64)| (r as f32).min(0.5 * span_v.span());
         let parameters = GeneralisedPrandtlIshlinskiiParameters {
-            span_v: Range { min: self.span.min as f32, max: self.span.max as f32 },
+            span_v,
             // The model's displacement is that of the next tick.
             delay_ticks: (values.delay_ticks - 1.0) as f32,
             slew_v_per_s: values.slew_v_per_s as f32,
@@ -205,7 +208,7 @@ impl Family {
             damping: damping as f32,
             reversible_um_per_v: slopes(&solution.reversible, floor)?,
             envelope_um_per_v: slopes(&solution.envelope, 0.0)?,
-            half_widths_v: List::collect(self.plays.map(|(r, _)| (r as f32).min(0.5 * (self.span.span() as f32))))?,
+            half_widths_v: List::collect(self.plays.map(half_width))?,
             weights: List::collect(weights.map(|weight| weight as f32))?,
             creep_times_s: List::collect(CREEP_TIMES.map(|time| time as f32))?,
             creep_gains: List::collect(creep.map(|(_, gain)| gain as f32))?,

@@ -54,6 +54,24 @@ fn what_is_found_is_what_the_model_runs() {
         }
     });
 }
+
+/// The ends of the span are rounded one by one, and its half may come out less than the widest play's half-width.
+#[test]
+fn voltages_are_no_reason_to_find_nothing_whatever_they_are_rounded_to() {
+    for step in 0..1_000 {
+        let mut session = session(1);
+        let (low, factor) = (-30.0 + 0.037 * f64::from(step), 1.0 + 0.009_1 * f64::from(step));
+        session.voltage = session.voltage.iter().map(|volts| low + factor * volts).collect();
+        let family =
+            Family::new(Extra::Nothing, Arc::new([]), &Problem::new(vec![session], vec![], Conditions::default()));
+        let values = family.values(&[1.0, 2.0, 0.5, 0.02, 0.03, 0.4]).unwrap();
+        let solution =
+            Solution { reversible: vec![1.0; FUNCTIONS], envelope: vec![1.0; FUNCTIONS], offset: 0.0, total: 0.0 };
+        let found = family.parameters(&values, family.law(&values), &solution);
+        assert!(found.is_some(), "{:?} V", family.span);
+    }
+}
+
 /// Readings that are passed over change the displacement by little more than a straight line in place of an arc does.
 #[test]
 fn a_course_of_few_readings_gives_the_columns_of_the_whole() {
