@@ -6,6 +6,10 @@ use crate::search::Gene;
 use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
 use least_squares::Sign;
 
+/// Distance from the centre beyond which f is straight, of the training's span: behind its ends, where f must not fall; further out
+/// the bend of a loop that saturates would let it fall.
+const SATURATION: f64 = 0.55;
+
 /// What is fixed before the search.
 pub struct Family {
     span: f64,
@@ -41,7 +45,7 @@ impl super::Family for Family {
             lag_s: (lag * self.tick) as f32,
             alpha_per_v: (alpha / self.span) as f32,
             // Beyond every voltage of the table.
-            saturation_v: self.span as f32,
+            saturation_v: (SATURATION * self.span) as f32,
             voltage_centre_v: self.centre as f32,
             offset_um: 0.0,
             f1_um_per_v: 0.0,
@@ -71,5 +75,23 @@ impl super::Family for Family {
 
     fn solved(&self, _found: &Parameters) -> usize {
         ["f1", "f3", "g0", "g2", "offset"].len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Family as _;
+    use super::*;
+    use crate::Conditions;
+    use recordings::session::Session;
+
+    /// Half as steep at the ends as in the middle.
+    #[test]
+    fn a_loop_that_saturates_has_a_model() {
+        let voltage: Vec<f64> = (0..4_000).map(|k| 20.0 * libm::sin(f64::from(k) * 6.283e-3)).collect();
+        let displacement = voltage.iter().map(|v| 0.2 * (v - v.powi(3) / 2_400.0)).collect();
+        let session = Session::new("log".into(), voltage, (0..4_000).collect(), displacement, 5e-4);
+        let problem = Problem::new(vec![session], vec![], Conditions::default());
+        assert!(Family::new(&problem).project(&[1.0, 3.0], &problem).is_some());
     }
 }
