@@ -35,6 +35,14 @@ impl Experiment {
         [Self::Stroke, width(1.0, SLOW_HZ), width(0.5, SLOW_HZ), width(0.25, SLOW_HZ), width(1.0, FAST_HZ), Self::Creep]
     }
 
+    /// How far a loop's voltage goes (V) over a range of this span, and its period (s); `None` of what is not read off a loop.
+    pub(crate) fn swing(self, span: f64) -> Option<(f64, f64)> {
+        match self {
+            Self::Width { part, hz } => Some((part * span, 1.0 / hz)),
+            Self::Stroke | Self::Creep => None,
+        }
+    }
+
     /// What is read off it, µm, by a table, over voltages relative to the model's zero.
     pub(crate) fn run(self, table: &Admitted, voltages: Range<f64>) -> f64 {
         let mut actuator = Actuator::at_rest(table, voltages.min);

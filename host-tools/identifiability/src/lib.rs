@@ -44,6 +44,9 @@ const THINNED: usize = 10;
 const QUIET: f64 = 0.1;
 /// What is known to this part of the stroke is told well.
 const OF_STROKE: f64 = 0.005;
+/// A log as fast as an experiment goes at least so far in a quarter of the experiment's period, of its way: a half of what a sine
+/// does.
+const AS_FAR: f64 = 0.35;
 /// What the logs leave of the standard error that there was before them, at most, where they tell something.
 const LEFT: f64 = 0.1;
 
@@ -92,6 +95,8 @@ pub enum Told {
     Partly,
     /// What is known is mostly what the model takes for granted.
     Not,
+    /// No log's voltage goes nearly as fast: number and standard error are those of a law that only slower ones have shown.
+    Slower,
 }
 
 /// What the training sessions determine of a table that was identified from them; `None` where they have no two readings, or
@@ -141,7 +146,12 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
         let standard_error_um = gradient.dot(&precision.solve(&gradient)).max(0.0).sqrt();
         let value_um = before[index];
         let before_um = gradient.norm();
-        let told = if standard_error_um <= OF_STROKE * stroke {
+        let slower = experiment.swing(voltages.span()).is_some_and(|(way, period_s)| {
+            sessions.iter().all(|session| farthest(session, 0.25 * period_s) < AS_FAR * way)
+        });
+        let told = if slower {
+            Told::Slower
+        } else if standard_error_um <= OF_STROKE * stroke {
             Told::Well
         } else if standard_error_um <= LEFT * before_um {
             Told::Partly
@@ -159,6 +169,13 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
         condition: (eigenvalues.max() / eigenvalues.min()).abs().sqrt().min(WORST_CONDITION),
         found: found.collect(),
     })
+}
+
+/// How far the voltage of a session goes in a time at most, V.
+fn farthest(session: &Session, seconds: f64) -> f64 {
+    let ticks = (seconds / session.tick_s).round().max(1.0) as usize;
+    let pairs = session.voltage.iter().zip(session.voltage.iter().skip(ticks));
+    pairs.map(|(from, to)| (to - from).abs()).fold(0.0, f64::max)
 }
 
 /// What the estimates are off by on a session, µm, without a constant of its own.

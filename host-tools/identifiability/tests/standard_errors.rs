@@ -71,7 +71,12 @@ fn what_was_recorded_is_known_and_what_was_not_is_not() {
     let loud = of(&major, 0.3);
     let told = |experiment| loud.found.iter().find(|found| found.experiment == experiment).unwrap().told;
     assert_eq!((told(FULL), told(HALF)), (Told::Well, Told::Partly), "{loud:#?}");
-    assert_ne!(told(FAST), Told::Well, "{loud:#?}");
+    assert_eq!(told(FAST), Told::Slower, "{loud:#?}");
+    let fast = of(&[major.clone(), sines(0.5, 10.0, 20)].concat(), 0.02);
+    assert!(fast.found.iter().all(|found| found.told != Told::Slower), "half the range is fast enough: {fast:#?}");
+    let slow = of(&sines(1.0, 0.2, 2), 0.02);
+    let of_loops = slow.found.iter().filter(|found| matches!(found.experiment, Experiment::Width { part: 1.0, .. }));
+    assert!(of_loops.clone().count() == 2 && of_loops.clone().all(|found| found.told == Told::Slower), "{slow:#?}");
     let hardly = of(&major, 3.0);
     assert!(hardly.found.iter().any(|found| found.experiment == HALF && found.told == Told::Not), "{hardly:#?}");
 }
