@@ -16,14 +16,16 @@ const MEDIAN: f64 = 0.674_489_75;
 /// The deadband (V) for sessions whose voltages have this span (V): the larger of 0.083 % of it and eight deviations of the voltage's noise, that of the
 /// quietest session, since in fast ones some of the course remains.
 pub fn deadband(sessions: &[Session], span: f64) -> f64 {
-    let quietest = sessions.iter().filter_map(noise).reduce(f64::min).unwrap_or(0.0);
+    let read = |session: &Session| {
+        noise_of(&session.instants.iter().map(|&instant| session.voltage[instant as usize]).collect::<Vec<f64>>())
+    };
+    let quietest = sessions.iter().filter_map(read).reduce(f64::min).unwrap_or(0.0);
     (LEAST * span).max(DEVIATIONS * quietest)
 }
 
-/// One standard deviation of the voltage's noise at the measured instants, V, of the middle half of its sixth differences;
-/// `None` of too few.
-fn noise(session: &Session) -> Option<f64> {
-    let read: Vec<f64> = session.instants.iter().map(|&instant| session.voltage[instant as usize]).collect();
+/// One standard deviation of the noise of readings that were taken evenly in time, in their unit, of the middle half of their sixth
+/// differences; `None` of too few.
+pub fn noise_of(read: &[f64]) -> Option<f64> {
     let difference = |window: &[f64]| window.iter().zip(SIXTH).map(|(v, c)| v * c).sum::<f64>().abs();
     let mut differences: Vec<f64> = read.windows(SIXTH.len()).map(difference).collect();
     let middle = differences.len() / 2;

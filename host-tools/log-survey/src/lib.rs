@@ -18,7 +18,7 @@ use serde::Serialize;
 
 pub use blocks::Block;
 pub use clock::{Clock, RateSource};
-pub use deadband::deadband;
+pub use deadband::{deadband, noise_of};
 pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, sound};
 pub use signal::{correlation, range};
 pub use stillness::Stillness;

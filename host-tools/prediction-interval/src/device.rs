@@ -2,9 +2,11 @@
 
 use estimator_core::Range;
 use identification::Problem;
+use log_survey::noise_of;
 use plants::{Density, Kind, Plant, STEP_S};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use recordings::session::Session;
 
 /// Relays of random density, which no model of the catalogue is made of, and for every fourth device another class.
@@ -41,6 +43,8 @@ pub struct Device {
     /// Steps of the plant in a tick.
     steps: usize,
     tick_s: f64,
+    /// Deviation of the user's sensor, µm.
+    noise_um: f64,
 }
 
 impl Device {
@@ -65,14 +69,25 @@ impl Device {
             scale: 1.0,
             steps: (tick_s / STEP_S).round().max(1.0) as usize,
             tick_s,
+            noise_um: noise(problem),
         };
-        let moved = Range::of_values(problem.training().flat_map(|session| device.session(session).displacement));
+        let moved = Range::of_values(problem.training().flat_map(|session| device.session(0, session).displacement));
         Self { scale: problem.stroke().span() / moved.span(), ..device }
     }
 
     /// What it lags behind the voltage, s.
     pub fn lag_s(&self) -> f64 {
         self.plant.lag_s
+    }
+
+    /// Displacements (µm) as a sensor reads them that is as noisy as the user's; another noise for another seed.
+    pub fn read(&self, displacement: &[f64], seed: u64) -> Vec<f64> {
+        let mut draw = ChaCha8Rng::seed_from_u64(seed);
+        let noise = |position: &f64| {
+            let normal: f64 = StandardNormal.sample(&mut draw);
+            position + self.noise_um * normal
+        };
+        displacement.iter().map(noise).collect()
     }
 
     /// The displacements (µm) at ticks with these voltages (V), after others that it went to, each for so many s.
@@ -94,19 +109,19 @@ impl Device {
         response.iter().skip(before).step_by(self.steps).map(|position| self.scale * position).collect()
     }
 
-    /// A session of the user's as this device would have given it.
-    pub fn session(&self, session: &Session) -> Session {
+    /// A session of the user's, the one of this number, as this device would have given it.
+    pub fn session(&self, number: u64, session: &Session) -> Session {
         let ticks = session.voltage.len().min((LONGEST_S / self.tick_s) as usize);
         let voltage = session.voltage[..ticks].to_vec();
         let count = session.instants.partition_point(|&instant| (instant as usize) < ticks);
         let instants = session.instants[..count].to_vec();
         let rest = session.rested_v.or(voltage.first().copied()).unwrap_or(0.0);
         let response = self.respond(&[(rest, RESTS_S)], &voltage);
-        let displacement = instants.iter().map(|&instant| response[instant as usize]).collect();
+        let displacement: Vec<f64> = instants.iter().map(|&instant| response[instant as usize]).collect();
         Session {
             voltage,
             instants,
-            displacement,
+            displacement: self.read(&displacement, number),
             lead_in: session.lead_in.min(count.saturating_sub(1)),
             ..session.clone()
         }
@@ -116,4 +131,9 @@ impl Device {
     fn command(&self, voltage: f64) -> f64 {
         (voltage - self.voltages.middle()) / (0.5 * self.voltages.span()) * self.full_v
     }
+}
+
+/// Deviation of the noise of the problem's sensor, µm: that of its quietest training log, since in fast ones some of the course remains.
+fn noise(problem: &Problem) -> f64 {
+    problem.training().filter_map(|session| noise_of(&session.displacement)).reduce(f64::min).unwrap_or(0.0)
 }

@@ -1,64 +1,91 @@
-//! The gains of an interval's parts, and the factor that makes it cover 95 %.
+//! The gains of an interval's parts, of which devices that were simulated say how large they are.
 //!
 //! ```text
-//! x = max(0, |e| − memory),   σ² = Σ (a_i·part_i)²      a by maximum likelihood of x/σ as Student's t, recordings weighing alike
-//! q = 95 % quantile of x/σ                             recordings weighing alike
+//! x = max(0, |e| − memory)
+//! w = √( own² + (own/own₀)^2γ · Σ (a_i·part_i)² )     own: what the device's own logs say that it is off by, own₀ its geometric mean over devices
+//! a, γ: least mean of w + max(0, x − w)/0.05           recordings weighing alike
 //! ```
+//!
+//! That mean is least where 5 % of the errors are larger, wherever the parts are the same (Gneiting and Raftery's interval
+//! score, 2007, eq. 43), so that one kind of recording does not pay for another. γ, from 0 to 1, says how much more a device is off
+//! elsewhere whose own logs are fitted worse: not at all where they have a single amplitude, about in proportion where they
+//! have several.
 
-use crate::trial::{PARTS, Recording};
+use crate::trial::{PARTS, Recording, Sample};
+use estimator_core::Range;
 use minimisation::{Budget, Gene, Optimiser, each, minimise};
 
-/// Degrees of freedom.
-const FREEDOM: f64 = 4.0;
 /// What is to be covered.
 const COVERED: f64 = 0.95;
-const EVALUATIONS: usize = 600;
+const EVALUATIONS: usize = 1000;
 
-/// Gains of misfit, rate, moved plays, displacement gone and drift, times the factor.
-pub fn gains(recordings: &[Recording]) -> [f64; PARTS] {
-    let genes = [(1e-4, 0.03), (1e-3, 10.0), (0.1, 1e3), (1e-5, 0.1), (1e-6, 0.03)]
-        .map(|(min, max)| Gene::logarithmic("", "", "", min, max));
-    let gains = |at: &[f64]| -> [f64; PARTS] { std::array::from_fn(|i| genes[i].value(at[i])) };
-    let cost = |at: &[f64]| {
-        let gains = gains(at);
-        recordings.iter().map(|recording| unlikely(recording, &gains)).sum::<f64>()
-    };
-    let budget = Budget { evaluations: EVALUATIONS, seed: 1 };
-    let best = minimise(Optimiser::CmaEs, genes.len(), budget, &[vec![0.5; PARTS]], &each(cost), &mut |_, _| ());
-    let found = gains(&best.at);
-    let factor = quantile(recordings, &found);
-    found.map(|gain| factor * gain)
+/// A simulated device: what its table is off by on recordings that it was not learnt from.
+pub struct Tried {
+    /// What its own logs say that it is off by, µm, as a half-width.
+    pub own_um: f64,
+    /// The errors on each recording, beside the interval's parts.
+    pub recordings: Vec<Recording>,
 }
 
-/// Minus the mean logarithm of the likelihood, but for a constant.
-fn unlikely(recording: &Recording, gains: &[f64; PARTS]) -> f64 {
-    let of = recording.iter().map(|sample| {
-        let sigma = deviation(&sample.parts, gains);
-        let x = beyond(sample.error, sample.memory) / sigma;
-        libm::log(sigma) + 0.5 * (FREEDOM + 1.0) * libm::log1p(x * x / FREEDOM)
-    });
-    of.sum::<f64>() / recording.len().max(1) as f64
+/// The factors of a half-width's parts.
+#[derive(Clone, Copy, Debug)]
+pub struct Gains {
+    parts: [f64; PARTS],
+    /// γ.
+    exponent: f64,
+    /// From the least to the largest `own_um` of the devices, as natural logarithms.
+    own: Range<f64>,
+    /// Their mean, as a natural logarithm.
+    mean: f64,
 }
 
-fn beyond(error: f64, memory: f64) -> f64 {
-    (error - memory).max(0.0)
-}
-
-fn deviation(parts: &[f64; PARTS], gains: &[f64; PARTS]) -> f64 {
-    let square = |(part, gain): (&f64, &f64)| (part * gain) * (part * gain);
-    parts.iter().zip(gains).map(square).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
-}
-
-fn quantile(recordings: &[Recording], gains: &[f64; PARTS]) -> f64 {
-    let mut ratios: Vec<(f64, f64)> = Vec::new();
-    for recording in recordings {
-        let weight = 1.0 / recording.len().max(1) as f64;
-        let ratio =
-            |sample: &crate::trial::Sample| beyond(sample.error, sample.memory) / deviation(&sample.parts, gains);
-        ratios.extend(recording.iter().map(|sample| (ratio(sample), weight)));
+impl Gains {
+    /// The gains of misfit, rate, moved plays, displacement gone and drift that suit the devices that were tried; of one at least.
+    pub fn of(tried: &[Tried]) -> Self {
+        let logarithms = || tried.iter().map(|device| libm::log(device.own_um));
+        let own = Range::of_values(logarithms());
+        let mean = logarithms().sum::<f64>() / tried.len().max(1) as f64;
+        let genes = [(1e-4, 0.1), (1e-3, 30.0), (0.1, 3e3), (1e-5, 0.3), (1e-6, 0.1)]
+            .map(|(min, max)| Gene::logarithmic("", "", "", min, max));
+        let gains = |at: &[f64]| {
+            let parts = std::array::from_fn(|i| genes[i].value(at[i]));
+            Self { parts, exponent: at[PARTS], own, mean }
+        };
+        let cost = |at: &[f64]| score(tried, &gains(at));
+        let budget = Budget { evaluations: EVALUATIONS, seed: 1 };
+        let start = vec![0.5; PARTS + 1];
+        let best = minimise(Optimiser::CmaEs, PARTS + 1, budget, &[start], &each(cost), &mut |_, _| ());
+        let found = gains(&best.at);
+        let factor = quantile(tried, &found);
+        Self { parts: found.parts.map(|gain| factor * gain), ..found }
     }
+
+    /// Those of a device whose own logs say that it is off by `own_um`; what no device was like counts as the nearest that was.
+    pub fn at(&self, own_um: f64) -> [f64; PARTS] {
+        let factor = libm::exp(self.exponent * (self.own.clamp(libm::log(own_um)) - self.mean));
+        self.parts.map(|gain| factor * gain)
+    }
+}
+
+/// The interval score, summed over recordings.
+fn score(tried: &[Tried], gains: &Gains) -> f64 {
+    each_of(tried, gains, &|sample: &Sample, own_um: f64, gains: &[f64; PARTS]| {
+        let half_width = own_um.hypot(deviation(&sample.parts, gains));
+        half_width + (beyond(sample) - half_width).max(0.0) / (1.0 - COVERED)
+    })
+    .map(|(cost, weight)| cost * weight)
+    .sum()
+}
+
+/// What the deviations have to be times so that the half-widths cover as much as they have to.
+fn quantile(tried: &[Tried], gains: &Gains) -> f64 {
+    let mut ratios: Vec<(f64, f64)> = each_of(tried, gains, &|sample: &Sample, own_um: f64, gains: &[f64; PARTS]| {
+        let other = (beyond(sample).powi(2) - own_um.powi(2)).max(0.0).sqrt();
+        other / deviation(&sample.parts, gains)
+    })
+    .collect();
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let wanted = COVERED * recordings.len() as f64;
+    let wanted = COVERED * ratios.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut sum = 0.0;
     let reached = ratios.iter().find(|(_, weight)| {
         sum += weight;
@@ -67,27 +94,65 @@ fn quantile(recordings: &[Recording], gains: &[f64; PARTS]) -> f64 {
     reached.or(ratios.last()).map_or(1.0, |(ratio, _)| *ratio)
 }
 
+/// A number of every sample of every recording, by its device's own half-width and gains, and what it weighs: recordings weigh alike.
+fn each_of<'a>(
+    tried: &'a [Tried],
+    gains: &'a Gains,
+    number: &'a impl Fn(&Sample, f64, &[f64; PARTS]) -> f64,
+) -> impl Iterator<Item = (f64, f64)> + 'a {
+    tried.iter().flat_map(move |device| {
+        let gains = gains.at(device.own_um);
+        device.recordings.iter().flat_map(move |recording| {
+            let weight = 1.0 / recording.len() as f64;
+            recording.iter().map(move |sample| (number(sample, device.own_um, &gains), weight))
+        })
+    })
+}
+
+fn beyond(sample: &Sample) -> f64 {
+    (sample.error - sample.memory).max(0.0)
+}
+
+fn deviation(parts: &[f64; PARTS], gains: &[f64; PARTS]) -> f64 {
+    let square = |(part, gain): (&f64, &f64)| (part * gain) * (part * gain);
+    parts.iter().zip(gains).map(square).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::Sample;
 
-    /// Errors that grow with one part alone, 19 of 20 within 2 of it.
-    #[test]
-    fn what_the_errors_go_with_is_found() {
+    /// A device whose errors go with how far its plays moved alone, 19 of 20 within so many times that, and have a memory of 0.3 µm.
+    fn tried(own_um: f64, times: f64) -> Tried {
         let sample = |k: u32| {
             let moved = 0.1 * f64::from(k % 7 + 1);
-            let error = if k.is_multiple_of(20) { 2.5 * moved } else { 2.0 * moved * f64::from(k % 20) / 19.0 };
-            Sample { error: error + 0.3, memory: 0.3, parts: [1.0, 1.0, moved, 1.0, 1.0] }
+            let part = if k.is_multiple_of(20) { 1.25 } else { f64::from(k % 20) / 19.0 };
+            Sample { error: times * moved * part + 0.3, memory: 0.3, parts: [1.0, 1.0, moved, 1.0, 1.0] }
         };
-        let recordings: Vec<Recording> = (0..10).map(|n| (0..140).map(|k| sample(k + n)).collect()).collect();
-        let gains = gains(&recordings);
+        Tried { own_um, recordings: (0..10).map(|n| (0..140).map(|k| sample(k + n)).collect()).collect() }
+    }
+
+    #[test]
+    fn what_the_errors_go_with_is_found() {
+        let tried = [tried(1e-3, 2.0), tried(1e-3, 2.0)];
+        let gains = Gains::of(&tried).at(1e-3);
         assert!((1.8..2.3).contains(&gains[2]), "{gains:?}");
         let others = gains[0].max(gains[1]).max(gains[3]).max(gains[4]);
         assert!(others < 0.1, "{gains:?}");
-        let within =
-            recordings.iter().flatten().filter(|of| of.error - of.memory <= 1.001 * deviation(&of.parts, &gains));
-        let covered = within.count() as f64 / 1400.0;
+        let samples = tried[0].recordings.iter().flatten();
+        let within = samples.filter(|of| of.error - of.memory <= 1.001 * deviation(&of.parts, &gains)).count();
+        let covered = within as f64 / 1400.0;
         assert!((0.945..0.99).contains(&covered), "{covered}");
+    }
+
+    #[test]
+    fn a_device_that_its_own_logs_fit_worse_is_trusted_less_where_that_is_so_of_the_others() {
+        let worse = Gains::of(&[tried(0.01, 1.0), tried(0.02, 2.0), tried(0.04, 4.0)]);
+        let twice = worse.at(0.03)[2] / worse.at(0.015)[2];
+        assert!((1.8..2.1).contains(&twice), "{worse:?}");
+        assert_eq!(worse.at(0.4), worse.at(0.04), "none was like it");
+        let alike = Gains::of(&[tried(0.01, 2.0), tried(0.02, 2.0), tried(0.04, 2.0)]);
+        let twice = alike.at(0.03)[2] / alike.at(0.015)[2];
+        assert!((1.0..1.1).contains(&twice), "{alike:?}");
     }
 }

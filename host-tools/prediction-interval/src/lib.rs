@@ -15,7 +15,7 @@ mod trial;
 use device::Device;
 use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{IntervalParameters, Parameters};
-use gains::gains;
+use gains::{Gains, Tried};
 use identification::{Candidate, CandidateError, Identification, Outcome, Problem, SearchOptions, TableContext};
 use rayon::prelude::*;
 use recordings::session::Session;
@@ -55,17 +55,19 @@ pub fn calibrate(
     progress: impl Fn() + Sync,
 ) -> Option<Calibration> {
     let driven = problem.training_voltages().span() > 0.0;
-    let judged: Vec<trial::Recording> = (0..if driven { devices } else { 0 })
+    let tried: Vec<Tried> = (0..if driven { devices } else { 0 })
         .into_par_iter()
-        .flat_map_iter(|number| {
-            let judged = judged(number, problem, candidate, context, search);
+        .filter_map(|number| {
+            let tried = tried(number, problem, candidate, context, search);
             progress();
-            judged
+            tried
         })
         .collect();
-    let own_um = CERTAIN * misfit(candidate);
-    (!judged.is_empty())
-        .then(|| Calibration { parameters: scaled(unscaled(problem, candidate), gains(&judged), own_um), own_um })
+    let own_um = own(candidate);
+    (!tried.is_empty()).then(|| {
+        let gains = Gains::of(&tried).at(own_um);
+        Calibration { parameters: scaled(unscaled(problem, candidate), gains, own_um), own_um }
+    })
 }
 
 /// What was found, with an interval in the chosen table, and where its width comes from; without one where [`calibrate`] has none.
@@ -84,24 +86,32 @@ pub fn with_interval(
     Ok((outcome, interval))
 }
 
-/// What the table of a device is off on its recordings; none where nothing could be learnt.
-fn judged(
+/// What the table of a device is off on its recordings; `None` where nothing could be learnt.
+fn tried(
     number: u32,
     problem: &Problem,
     candidate: &Candidate,
     context: &TableContext,
     search: &SearchOptions,
-) -> Vec<trial::Recording> {
+) -> Option<Tried> {
     let device =
         Device::drawn(number, context.seed, problem, late_s(&candidate.table.parameters, problem.extent().tick));
-    let sessions =
-        |sessions: &mut dyn Iterator<Item = &Session>| sessions.map(|session| device.session(session)).collect();
+    let mut numbers = 0..;
+    let mut sessions = |sessions: &mut dyn Iterator<Item = &Session>| -> Vec<Session> {
+        sessions.zip(&mut numbers).map(|(session, number)| device.session(number, session)).collect()
+    };
     let mut theirs = problem.of(sessions(&mut problem.training()), sessions(&mut problem.validation()));
     // Where somebody says what the actuator's lag is, a device's is known, too.
     theirs.lag_s = problem.lag_s.map(|_| device.lag_s());
-    let Ok(learnt) = again(&theirs, candidate, context, search) else { return Vec::new() };
+    let learnt = again(&theirs, candidate, context, search).ok()?;
     let seed = (u64::from(context.seed) << 20) + u64::from(number);
-    recordings(&device, &learnt.table, &unscaled(&theirs, &learnt), &theirs, seed)
+    let recordings = recordings(&device, &learnt.table, &unscaled(&theirs, &learnt), &theirs, seed);
+    (!recordings.is_empty()).then(|| Tried { own_um: own(&learnt), recordings })
+}
+
+/// What a model's own logs say that it is off by, as a half-width, µm.
+fn own(candidate: &Candidate) -> f64 {
+    CERTAIN * misfit(candidate)
 }
 
 /// The same model learnt from a device's sessions.

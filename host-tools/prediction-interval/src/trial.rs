@@ -9,6 +9,7 @@ use plants::{STEP_S, Waveform};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use validation::ZERO_WINDOW_S;
 
 /// Parts of a recording after which the displacement is told.
 const TOLD: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
@@ -25,8 +26,11 @@ const MOST: f64 = 400_000.0;
 const AMPLITUDE: Range<f64> = Range { min: 0.15, max: 1.0 };
 /// Frequency, of the training's; drawn evenly in its logarithm.
 const FREQUENCY: Range<f64> = Range { min: 0.4, max: 2.5 };
-/// The device's gain on another day, a standard deviation.
-const GAIN: f64 = 0.01;
+/// The device's gain on another day, a standard deviation: that of a ceramic whose strain changes by 0.3 % a kelvin, and which is
+/// 2 K warmer or colder.
+const GAIN: f64 = 0.006;
+/// A step of a staircase is held for so long at least, s: who makes one waits until the actuator has settled.
+const LEAST_HOLD_S: f64 = 0.1;
 /// A reversal is a retreat by so much of the voltage's span.
 const LARGE: f64 = 0.25;
 
@@ -36,7 +40,7 @@ pub const PARTS: usize = 5;
 /// An error, and what the interval has there: µm, of an interval whose gains are 1.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sample {
-    /// Absolute error since the displacement was told.
+    /// Absolute error since the displacement was told, as the sensor reads it.
     pub error: f64,
     /// Memory of the start.
     pub memory: f64,
@@ -78,7 +82,7 @@ fn one(
     let normal: f64 = StandardNormal.sample(draw);
     let gain = 1.0 + GAIN * normal;
     let truth: Vec<f64> = device.respond(&past, &voltage).iter().map(|y| gain * y).collect();
-    judged(table, unscaled, &voltage, &truth)
+    judged(table, unscaled, &voltage, &device.read(&truth, draw.random()))
 }
 
 /// The voltages of a recording, V a tick.
@@ -98,7 +102,7 @@ fn voltage(number: usize, problem: &Problem, draw: &mut ChaCha8Rng) -> Vec<f64> 
     // Every fourth recording is as the training was.
     let waveform = match number {
         0 => Waveform::AmplitudeModulated { amplitude, hertz, swell_hz: hertz / 5.0 },
-        1 => Waveform::Staircase { amplitude, steps: 5, hold_s: 0.05 / hertz },
+        1 => Waveform::Staircase { amplitude, steps: 5, hold_s: (0.05 / hertz).max(LEAST_HOLD_S) },
         2 => Waveform::Multisine { amplitude, from_hz: 0.3 * hertz, to_hz: 3.0 * hertz, tones: 8 },
         3 => Waveform::Sine { amplitude, hertz, offset: 0.0 },
         4 => Waveform::MoveAndRest { amplitude, move_s: 0.2 / hertz, rest_s: 0.4 / hertz },
@@ -124,17 +128,20 @@ fn frequency(voltage: &[f64], tick_s: f64) -> f64 {
     turns / 2.0 / (voltage.len().max(1) as f64 * tick_s)
 }
 
-/// The estimates beside the truth, after each telling.
-fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], truth: &[f64]) -> Vec<Recording> {
+/// The estimates beside what the sensor reads, after each telling: of the mean error over the [`ZERO_WINDOW_S`] up to there.
+fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], sensor: &[f64]) -> Vec<Recording> {
     let interval = Interval::<f64>::build(unscaled, table.voltage_range_v.of(), table.sample_period());
     let mut estimator = Estimator::<f64>::new(table);
     let ticks = voltage.len().saturating_sub(1);
     let zero = f64::from(table.voltage_zero_v);
     let mut begun = None;
+    let window = (ZERO_WINDOW_S / table.sample_period::<f64>()).round().max(1.0) as usize;
+    let mut offs: Vec<f64> = Vec::with_capacity(ticks);
     let mut told: Vec<(f64, IntervalState<f64>, Recording, usize)> = Vec::new();
     for tick in 0..ticks {
         let estimate = estimator.tick_volts(voltage[tick] + zero).displacement;
-        let off = estimate - truth[tick + 1];
+        let off = estimate - sensor[tick + 1];
+        offs.push(off);
         let state = begun.get_or_insert_with(|| interval.begin(voltage[tick], estimate));
         interval.step(state, voltage[tick], estimate);
         for (at, state, recording, every) in &mut told {
@@ -150,7 +157,13 @@ fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], trut
         if TOLD.iter().any(|part| (part * ticks as f64) as usize == tick) {
             let mut state = *state;
             interval.tell_at_rest(&mut state);
-            told.push((off, state, Vec::new(), ((ticks - tick) / SAMPLES).max(1)));
+            let before = &offs[offs.len().saturating_sub(window)..];
+            told.push((
+                before.iter().sum::<f64>() / before.len() as f64,
+                state,
+                Vec::new(),
+                ((ticks - tick) / SAMPLES).max(1),
+            ));
         }
     }
     told.into_iter().map(|(_, _, recording, _)| recording).filter(|recording| !recording.is_empty()).collect()

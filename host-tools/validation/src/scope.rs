@@ -50,7 +50,9 @@ impl fmt::Display for Bound {
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum ScopeError {
     /// A time at which the log has nothing.
-    #[error("{bound}, {at_s} s, lies outside what is used of the log, {begins_s:.3} to {ends_s:.3} s")]
+    #[error(
+        "{bound}, {at_s} s, must lie after {begins_s:.3} s, where what is used of the log begins, and before its end at {ends_s:.3} s"
+    )]
     Outside {
         /// Which.
         bound: Bound,
