@@ -13,7 +13,7 @@ fn main() {
         (Some(_), Some(_)) => panic!("choose one board: --no-default-features --features mps2-an386"),
     };
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    let aliases: String = ["FLASH", "STACK", "RAM", "PARAMETERS"]
+    let aliases: String = ["FLASH", "STACK", "RAM", "WAVEFORM", "PARAMETERS"]
         .map(|region| format!("REGION_ALIAS({region}, {board}_{region});\n"))
         .concat();
     fs::write(out.join("board.x"), aliases).expect("OUT_DIR can be written");
@@ -31,13 +31,18 @@ fn main() {
 /// The commit, marked when the sources differ from it; "unknown" away from a repository.
 fn commit() -> String {
     // Whatever is in the image decides whether it is the commit's.
-    for path in [".git/HEAD", ".git/index", "estimator-core/src", "firmware/src", "parameter-store/src", "protocol/src"]
-    {
+    for path in ["estimator-core/src", "firmware/src", "parameter-store/src", "protocol/src"] {
         println!("cargo:rerun-if-changed=../{path}");
     }
-    let git = Command::new("git").args(["describe", "--always", "--dirty", "--abbrev=10"]).output();
-    git.ok()
-        .filter(|output| output.status.success())
-        .and_then(|output| String::from_utf8(output.stdout).ok())
-        .map_or_else(|| "unknown".to_owned(), |text| text.trim().to_owned())
+    // Git knows where they are; a file that is not there would have cargo build the package anew each time.
+    for path in git(&["rev-parse", "--git-path", "HEAD", "--git-path", "index"]).unwrap_or_default().lines() {
+        println!("cargo:rerun-if-changed={path}");
+    }
+    git(&["describe", "--always", "--dirty", "--abbrev=10"]).unwrap_or_else(|| "unknown".to_owned())
+}
+
+/// What git prints, if it is there and this is a repository.
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
 }

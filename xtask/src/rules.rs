@@ -11,6 +11,8 @@ const HOST: &str = "host-tools";
 const COMMAND_LINE: [&str; 3] = ["piezo", "remedy", "findings"];
 /// What starts another program, with that program's flags.
 const STARTS_ANOTHER: &str = "host-tools/device-link/src/probe.rs";
+/// What a crate's manifest says where its documentation has no example, so that no time goes into looking for one.
+const NO_EXAMPLES: &str = "doctest = false";
 /// Most lines of a crate's sources.
 const MOST_LINES: usize = 5500;
 /// The identification is a library for others, too: it must not bring them a command line, a serial port or a terminal.
@@ -45,6 +47,7 @@ pub fn check(sh: &Shell) -> Result<()> {
             broken.push(format!("{HOST}/{name} has {lines} lines, more than {MOST_LINES}: split it"));
         }
     }
+    broken.extend(untested_examples(sh)?);
     let tree = cmd!(sh, "cargo tree --package {IDENTIFICATION} --edges normal --prefix none").read()?;
     for foreign in NOT_OF_IDENTIFICATION {
         if tree.lines().any(|line| line.split(' ').next() == Some(foreign)) {
@@ -56,6 +59,39 @@ pub fn check(sh: &Shell) -> Result<()> {
     }
     ensure!(broken.is_empty(), "{}", broken.join("\n"));
     Ok(())
+}
+
+/// Examples in the documentation of crates whose manifest has cargo test none.
+fn untested_examples(sh: &Shell) -> Result<Vec<String>> {
+    let mut broken = Vec::new();
+    for manifest in cmd!(sh, "git ls-files -- *Cargo.toml").read()?.lines().map(Path::new) {
+        let source = sh.current_dir().join(manifest.with_file_name("src"));
+        if !source.is_dir() || !sh.read_file(manifest)?.lines().any(|line| line == NO_EXAMPLES) {
+            continue;
+        }
+        for path in sources(sh, &source)? {
+            let place = path.strip_prefix(sh.current_dir()).unwrap_or(&path).display();
+            broken.extend(examples(&sh.read_file(&path)?).into_iter().map(|line| {
+                format!(
+                    "{place}:{line}: no check runs this example: take `{NO_EXAMPLES}` out of {}, or mark what is no Rust with ```text",
+                    manifest.display()
+                )
+            }));
+        }
+    }
+    Ok(broken)
+}
+
+/// Lines on which an example begins in comments of documentation: in Rust, or in nothing that is named.
+fn examples(text: &str) -> Vec<usize> {
+    let mut within = false;
+    let mut begins = |line: &str| {
+        let fence =
+            line.trim().strip_prefix("//!").or_else(|| line.trim().strip_prefix("///"))?.trim().strip_prefix("```")?;
+        within = !within;
+        Some(within && !["text", "toml"].contains(&fence))
+    };
+    (1..).zip(text.lines()).filter_map(|(number, line)| (begins(line) == Some(true)).then_some(number)).collect()
 }
 
 /// The Rust files of a folder and of those in it.
@@ -88,5 +124,12 @@ mod tests {
     fn flags_are_found_in_strings_and_not_in_comments() {
         let text = "/// With --out.\nlet a = \"say --out\";\nlet b = \"1 -- 2\";\n// --out\n  use --delay \\\n----";
         assert_eq!(flags(text).map(|(line, _)| line).collect::<Vec<_>>(), [2, 5]);
+    }
+
+    #[test]
+    fn an_example_in_rust_is_found_and_a_drawing_is_not() {
+        let text =
+            "//! ```text\n//! a → b\n//! ```\n//! ```\n//! a();\n//! ```\n/// ```rust\n/// ```\nlet a = \"```\";";
+        assert_eq!(examples(text), [4, 7]);
     }
 }

@@ -1,6 +1,6 @@
 //! The list of checks.
 
-use std::path::PathBuf;
+use std::{num::NonZero, path::PathBuf, thread};
 
 use anyhow::{Result, ensure};
 use xshell::{Cmd, Shell, cmd};
@@ -33,7 +33,7 @@ pub const STEPS: [Step; 13] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: fmt },
     Step {
         name: "rules",
-        about: "libraries name no flags, the identification needs no terminal, no host crate is too long",
+        about: "libraries name no flags, the identification needs no terminal, no host crate is too long, no example is untested",
         tools: &[],
         beside: false,
         run: rules::check,
@@ -145,7 +145,9 @@ fn built_piezo(sh: &Shell) -> Result<PathBuf> {
 }
 
 fn test(sh: &Shell) -> Result<()> {
-    tests(sh).run()?;
+    // Twice as many at a time as there are cores: many wait for an emulated device, and others compute meanwhile.
+    let at_a_time = 2 * thread::available_parallelism().map_or(1, NonZero::get);
+    tests(sh).env("RUST_TEST_THREADS", at_a_time.to_string()).run()?;
     cmd!(sh, "cargo test {MICROMATH...} --lib --test=library").run()?;
     Ok(cmd!(sh, "cargo test {MICROMATH...} --doc").run()?)
 }
