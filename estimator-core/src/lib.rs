@@ -51,6 +51,7 @@ pub mod rule;
 pub mod sealed;
 pub mod settling;
 pub mod table;
+pub mod way;
 
 pub use admissible::Inadmissible;
 pub use calibration::{
@@ -72,3 +73,4 @@ pub use model::{
 pub use range::Range;
 pub use rule::Rule;
 pub use table::{Admitted, Digest, Provenance, Table, TableError};
+pub use way::{Pace, Way};

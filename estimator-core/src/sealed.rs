@@ -21,6 +21,13 @@ pub fn checksum(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }
 
+/// The CRC-32 of some words, each as little-endian bytes.
+pub fn checksum_of_words(words: impl Iterator<Item = u32>) -> u32 {
+    let mut digest = CRC.digest();
+    words.for_each(|word| digest.update(&word.to_le_bytes()));
+    digest.finalize()
+}
+
 /// Writes the checksum of the first `length` bytes behind them; returns the length with it, or `None` when the buffer is too
 /// small.
 pub fn seal(buffer: &mut [u8], length: usize) -> Option<usize> {
@@ -53,5 +60,7 @@ mod tests {
         buffer[3] ^= 1;
         assert!(unseal(&buffer).is_err_and(|broken| broken.stored == 0xCBF4_3926));
         assert!(unseal(&buffer[..3]).is_err());
+        let words = [*b"1234", *b"5678"].map(u32::from_le_bytes);
+        assert_eq!(checksum_of_words(words.into_iter()), checksum(b"12345678"));
     }
 }

@@ -1,6 +1,6 @@
 //! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse; or wanted voltages, for a
-//! measurement. A displacement comes from the host, or from a controller ([`crate::setpoint`]). One and the same inverse goes
-//! along with both, so that its voltage is always the one that is put out.
+//! measurement. A displacement comes from the host, from a controller ([`crate::setpoint`]), or from memory
+//! ([`crate::waveform`]). One and the same inverse goes along with both, so that its voltage is always the one that is put out.
 //!
 //! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
 //! wrong, or nobody speaks any more, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a
@@ -18,7 +18,7 @@ use crate::answer::Answer;
 use crate::ramp::Stride;
 use crate::rate::TICK_HZ;
 use crate::shaping::Codes;
-use estimator_core::{AdcCode, Admitted, Commanded, DacCode, DriveCalibration, Inverse, Status};
+use estimator_core::{AdcCode, Admitted, Commanded, DacCode, DriveCalibration, Inverse, Pace, Status};
 
 /// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be held: 1 s.
 pub const REFERENCE_TIMEOUT_TICKS: u32 = TICK_HZ;
@@ -46,6 +46,9 @@ pub struct Drive {
     finer_full_scale: u16,
     state: State,
     answer: Answer,
+    /// What the model gives for the voltage that was commanded last, µm.
+    displacement: f32,
+    pace: Pace,
     /// The rest's code, and the one that was commanded last.
     rest: DacCode,
     last: DacCode,
@@ -60,8 +63,20 @@ impl Drive {
         let answer = Answer::new(table.adc, &calibration.limits);
         let (full_scale, rest) = (table.dac.full_scale, Self::rest(table)?);
         let (finer, finer_full_scale) = (calibration.finer(dac_parts), table.dac.finer(dac_parts).full_scale);
-        let state = State::Waiting;
-        Some(Self { inverse, calibration, full_scale, finer, finer_full_scale, state, answer, rest, last: rest })
+        let (state, last, displacement, pace) = (State::Waiting, rest, 0.0, Pace::of(table)?);
+        Some(Self {
+            inverse,
+            calibration,
+            full_scale,
+            finer,
+            finer_full_scale,
+            state,
+            answer,
+            displacement,
+            pace,
+            rest,
+            last,
+        })
     }
 
     /// The code of the rest voltage.
@@ -116,6 +131,11 @@ impl Drive {
         matches!(self.state, State::Stopped { .. })
     }
 
+    /// What the model gives for the voltage of the last tick, µm relative to its zero, and how long a way from there takes.
+    pub fn stands(&self) -> (f32, Pace) {
+        (self.displacement, self.pace)
+    }
+
     /// Whether the rest voltage was commanded last.
     pub fn rests(&self) -> bool {
         self.last == self.rest
@@ -166,6 +186,7 @@ impl Drive {
 
     fn command(&mut self, commanded: Commanded<f32>) -> (Codes, Status) {
         self.answer.commanded(commanded.voltage);
+        self.displacement = commanded.displacement;
         let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
         self.last = self.calibration.code(commanded.voltage, self.full_scale);
         (Codes { code: self.last, parts: self.finer.code(commanded.voltage, self.finer_full_scale) }, status)

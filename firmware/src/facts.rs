@@ -14,6 +14,8 @@ pub struct Facts {
     pub uid: Option<Uid>,
     /// Whether one of its converter's channels is for a set-point.
     pub has_setpoint: bool,
+    /// Whether one of its pins is for a trigger, whose level it tells each tick that asks for it ([`crate::Tick::sync`]).
+    pub has_trigger: bool,
     /// What the board asks of a table.
     pub interface: Board,
     /// Into how many parts the board's DAC divides a code ([`crate::shaping`]): it is given so many to a code.

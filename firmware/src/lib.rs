@@ -42,6 +42,7 @@ pub mod table;
 pub mod telemetry;
 pub mod tick;
 pub mod watch;
+pub mod waveform;
 
 pub use conversion::Conversion;
 pub use facts::Facts;

@@ -3,13 +3,15 @@
 use crate::rate::ticks_in;
 use estimator_core::AdcCode;
 use heapless::spsc::{Consumer, Producer, Queue};
-use protocol::{Mode, Sample};
+use protocol::{Mode, Playback, Sample};
 
 /// What the link tells the tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Command {
     /// Change the mode and start anew.
     SetMode(Mode),
+    /// Play the waveform that has been loaded, in [`Mode::Waveform`].
+    Play(Playback),
     /// Tell the bias by a displacement that is known now.
     SetZero {
         /// What the displacement of now is called, µm.

@@ -2,7 +2,7 @@
 
 use crate::boot::{self, Chosen};
 use crate::compiled::TABLE;
-use crate::link::{Device, Link, Taken};
+use crate::link::{Device, Link, Loaded, Taken};
 use crate::panel::{Front, Panel};
 use crate::peripherals::Peripherals;
 use crate::queues::Queues;
@@ -10,6 +10,7 @@ use crate::restarts::SOON;
 use crate::startup::Startup;
 use crate::telemetry::Telemetry;
 use crate::tick::Tick;
+use crate::waveform::Points;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Instant, Timer};
@@ -39,14 +40,16 @@ impl Default for Resources {
     }
 }
 
-/// Runs the firmware on a board until the host asks for a restart, which is then the board's to do. What the tick leaves for
-/// others to read is in `telemetry`, to which the board's interrupt handler adds the tick's duration.
+/// Runs the firmware on a board until the host asks for a restart, which is then the board's to do. The points of a waveform are kept
+/// in `points`, whatever was there before. What the tick leaves for others to read is in `telemetry`, to which the board's interrupt
+/// handler adds the tick's duration.
 ///
 /// # Errors
 /// The parameter pages do not fit the flash: a mistake in the board or its memory map.
 pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: FnOnce(Tick<'r>)>(
     board: Peripherals<R, W, F, P, D, S>,
     resources: &'r mut Resources,
+    points: &'r Points,
     telemetry: &'r Telemetry,
 ) -> Result<(), StoreError> {
     let Peripherals { facts, last_words, mut feed_watchdog, .. } = board;
@@ -56,7 +59,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
     let (tick_queues, link_queues) = resources.queues.split();
     let startup = Startup::new(table.as_ref(), &facts, fallback);
     (facts.keep_safe)(startup.safe);
-    let tick = Tick::new(startup, &facts, tick_queues, telemetry);
+    let tick = Tick::new(startup, &facts, tick_queues, points, telemetry);
     let device = Device {
         facts,
         table,
@@ -68,6 +71,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
         frames_refused: 0,
         read_errors: 0,
         referred: Taken::default(),
+        waveform: Loaded::new(points),
     };
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
     telemetry.begin(&facts);

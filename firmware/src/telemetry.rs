@@ -32,6 +32,10 @@ pub struct Telemetry {
     pub out_of_reach: AtomicU32,
     /// Ticks, since the mode was set, that found no reference after the first.
     pub starved: AtomicU32,
+    /// Lines begun of the waveform that is played, or was last.
+    pub lines: AtomicU32,
+    /// Triggers since it was begun that began no line: on the way to the first point, or during a line.
+    pub triggers_ignored: AtomicU32,
     /// Samples that found the queue full.
     pub dropped: AtomicU32,
     /// The last tick was not done in time for its output.
@@ -86,6 +90,8 @@ impl Telemetry {
             dac_saturated: AtomicU32::new(0),
             out_of_reach: AtomicU32::new(0),
             starved: AtomicU32::new(0),
+            lines: AtomicU32::new(0),
+            triggers_ignored: AtomicU32::new(0),
             dropped: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
             dac: AtomicU16::new(0),
@@ -198,6 +204,11 @@ impl Telemetry {
         self.mode() == Mode::Linearise && !self.stopped.load(Relaxed)
     }
 
+    /// Whether a waveform is played.
+    pub fn plays(&self) -> bool {
+        self.mode() == Mode::Waveform && !self.stopped.load(Relaxed)
+    }
+
     /// What is added to the model's displacement, µm; 0 where nothing was told.
     pub fn bias_um(&self) -> f32 {
         f32::from_bits(self.bias.load(Relaxed))
@@ -219,6 +230,7 @@ impl Telemetry {
             &self.clamped,
             &self.dac_saturated,
             &self.out_of_reach,
+            &self.triggers_ignored,
             &self.dropped,
         ];
         counters.iter().for_each(|counter| counter.store(0, Relaxed));

@@ -19,6 +19,7 @@ use crate::setpoint::Wish;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch};
+use crate::waveform::{Player, Points};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Estimate, Estimator, Status};
 use protocol::{Faults, Mode, Sample};
@@ -39,17 +40,36 @@ pub struct Tick<'q> {
     /// Cycle counter at the last tick.
     last: Option<u32>,
     valid: bool,
+    player: Player<'q>,
 }
 
 impl<'q> Tick<'q> {
     /// A tick of a board; its safe code and its faults since boot can be read in `telemetry` from now on.
-    pub fn new(startup: Startup, facts: &Facts, queues: TickQueues<'q>, telemetry: &'q Telemetry) -> Self {
+    pub fn new(
+        startup: Startup,
+        facts: &Facts,
+        queues: TickQueues<'q>,
+        points: &'q Points,
+        telemetry: &'q Telemetry,
+    ) -> Self {
         telemetry.set_safe(startup.safe, startup.stride);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
-        let (decimation, valid) = (Streamed::default(), false);
-        let mut tick =
-            Self { startup, queues, telemetry, period, adc_full_scale, mode, watch, number, decimation, last, valid };
+        let (decimation, valid, player) = (Streamed::default(), false, Player::new(points, telemetry));
+        let mut tick = Self {
+            startup,
+            queues,
+            telemetry,
+            period,
+            adc_full_scale,
+            mode,
+            watch,
+            number,
+            decimation,
+            last,
+            valid,
+            player,
+        };
         if tick.startup.linearises {
             tick.enter(Mode::Linearise);
         }
@@ -68,7 +88,7 @@ impl<'q> Tick<'q> {
         let mut read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
         self.telemetry.set_setpoint(read.corrected.setpoint);
         let read = match self.mode {
-            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise => {
+            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise | Mode::Waveform => {
                 if let Some(leap) = &mut self.startup.leap {
                     read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
                 }
@@ -246,10 +266,11 @@ impl<'q> Tick<'q> {
         }
         if let Some(drive) = &mut self.startup.drive {
             drive.restart();
-            if mode == Mode::Linearise {
+            if matches!(mode, Mode::Linearise | Mode::Waveform) {
                 drive.go(true);
             }
         }
+        self.player.stop();
         self.telemetry.holding.store(false, Relaxed);
         self.telemetry.stopped.store(false, Relaxed);
         self.telemetry.set_mode(mode);
@@ -258,6 +279,13 @@ impl<'q> Tick<'q> {
     fn obey(&mut self, command: Command) {
         match command {
             Command::SetMode(mode) => self.enter(mode),
+            Command::Play(how) => {
+                self.enter(Mode::Waveform);
+                if let Some(drive) = &self.startup.drive {
+                    let (from, pace) = drive.stands();
+                    self.player.play(how, from, pace);
+                }
+            }
             Command::Go { hold } => {
                 if let Some(drive) = &mut self.startup.drive {
                     drive.go(hold);

@@ -56,7 +56,7 @@ impl Faults {
     pub const fn against(mode: Mode) -> Self {
         match mode {
             Mode::Estimate | Mode::Pil | Mode::Pause => Self::empty(),
-            Mode::Follow | Mode::Excite => Self::UNSAFE.difference(Self::SETPOINT),
+            Mode::Follow | Mode::Excite | Mode::Waveform => Self::UNSAFE.difference(Self::SETPOINT),
             Mode::Linearise => Self::UNSAFE,
         }
     }

@@ -75,6 +75,10 @@ pub struct Health {
     /// What the converter last read at the set-point ([`estimator_core::AdcCode`]), corrected for the supply where the board
     /// measures it and the table has a set-point; `None` where the board has no such channel.
     pub setpoint: Option<u16>,
+    /// Lines begun of the waveform that was played last.
+    pub lines: u32,
+    /// Edges at the trigger input that began no line of it: on the way to the first point, or during a line.
+    pub triggers_ignored: u32,
 }
 
 impl Health {

@@ -29,7 +29,8 @@
 //! ```
 //!
 //! `examples/ask.rs` is a whole host in some forty lines of code. Requests may be sent again when no reply comes: only [`Request::Feed`],
-//! [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time.
+//! [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time, and [`Request::Play`] where the waveform has ended
+//! meanwhile.
 #![cfg_attr(not(test), no_std)]
 
 pub mod faults;
@@ -42,17 +43,19 @@ pub mod refusal;
 pub mod sample;
 pub mod text;
 pub mod uid;
+pub mod waveform;
 
 pub use faults::Faults;
 pub use frame::{Deframer, FrameError, VERSION, encode};
 pub use health::{Health, ResetCause};
 pub use identity::{Identity, TableSource};
-pub use message::{Codes, Record, References, Reply, Request, ToDevice, ToHost};
+pub use message::{Codes, MOST_VALUES, Record, References, Reply, Request, ToDevice, ToHost};
 pub use mode::Mode;
 pub use refusal::Refusal;
 pub use sample::{Sample, Samples, stream_every};
 pub use text::{Text, text};
 pub use uid::Uid;
+pub use waveform::{MOST_POINTS, Playback};
 
 /// The serial line's rate, bit/s, 8 data bits, no parity, one stop bit. The stream takes at most four fifths of it
 /// ([`stream_every`]); that of 2,000 ticks a second, which is whole, about half.

@@ -5,17 +5,20 @@ use crate::identity::Identity;
 use crate::mode::Mode;
 use crate::refusal::Refusal;
 use crate::sample::Samples;
+use crate::waveform::Playback;
 use estimator_core::record::MAX_LENGTH;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// A table's binary record ([`estimator_core::record`]).
 pub type Record = Vec<u8, MAX_LENGTH>;
+/// Most values in one request.
+pub const MOST_VALUES: usize = 64;
 /// ADC codes to be fed to the tick.
-pub type Codes = Vec<u16, 64>;
+pub type Codes = Vec<u16, MOST_VALUES>;
 /// What is wanted, one a tick: displacements in [`Mode::Follow`], µm relative to the model's zero; the amplifier's voltages in
 /// [`Mode::Excite`], V.
-pub type References = Vec<f32, 64>;
+pub type References = Vec<f32, MOST_VALUES>;
 
 /// Host to device.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -34,7 +37,7 @@ pub enum Request {
     Identify,
     /// How are you? → [`Reply::Health`]
     Health,
-    /// Forget counts, faults seen, and last words. → [`Reply::Done`]
+    /// Forget counts but for that of a waveform's lines, faults seen, and last words. → [`Reply::Done`]
     Forget,
     /// The table in use. → [`Reply::Table`]
     Pull,
@@ -67,7 +70,7 @@ pub enum Request {
         /// What is added to the displacement from now on, µm; no larger than the span of the table's displacement limits.
         by_um: f32,
     },
-    /// Change what the tick does; the estimate starts anew, from rest, samples are counted from 0, and streaming ends. To a
+    /// Change what the tick does, but for [`Mode::Waveform`]; the estimate starts anew, from rest, samples are counted from 0, and streaming ends. To a
     /// device that follows its set-point, or waits for that, [`Mode::Linearise`] says nothing new and changes nothing.
     /// → [`Reply::Done`]
     SetMode(Mode),
@@ -89,6 +92,19 @@ pub enum Request {
     },
     /// Go to the safe output, then start again. → [`Reply::Resetting`], then the reset.
     Reset,
+    /// Points of a waveform into the device's memory, while none is played. → [`Reply::Loaded`]
+    ///
+    /// What was loaded from `first` on is forgotten, by a request without points, too. They are not taken where some before them
+    /// are missing: a request that comes twice does what it does once.
+    Load {
+        /// The number of the first one, counted from 0.
+        first: u16,
+        /// µm relative to the model's zero.
+        points: References,
+    },
+    /// Play what has been loaded, in [`Mode::Waveform`]. To a device that plays it just so it says nothing new and changes
+    /// nothing. → [`Reply::Done`]
+    Play(Playback),
 }
 
 /// Device to host.
@@ -137,4 +153,6 @@ pub enum Reply {
     },
     /// What was asked is not done, and why.
     Refused(Refusal),
+    /// To [`Request::Load`]: how many points there are now; those behind must be sent (again).
+    Loaded(u16),
 }

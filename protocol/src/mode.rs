@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the tick does. A mode other than [`Mode::Estimate`] and [`Mode::Linearise`] lasts while sound frames come: five seconds
+/// What the tick does. A mode other than [`Mode::Estimate`], [`Mode::Linearise`] and [`Mode::Waveform`] lasts while sound frames come: five seconds
 /// after the last one the device estimates again, but for a mode that holds a reference which is to be held for ever.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Mode {
@@ -25,12 +25,16 @@ pub enum Mode {
     /// and no host is needed: the mode lasts. It goes to rest and waits there until everything has been sound for a second. A fault while it
     /// drives, the set-point's own among them, sends it back to rest, and there it stays until the mode is set again.
     Linearise,
+    /// As [`Mode::Follow`], but the references are a waveform's from the device's memory
+    /// ([`Request::Play`](crate::Request::Play) enters the mode), and no host is needed: the mode lasts. After the last line, and
+    /// by a fault, the voltage goes back to rest, and there it stays until a mode is set.
+    Waveform,
 }
 
 impl Mode {
     /// Whether the DAC drives the amplifier in this mode.
     pub const fn drives(self) -> bool {
-        matches!(self, Self::Linearise) || self.takes_references()
+        matches!(self, Self::Linearise | Self::Waveform) || self.takes_references()
     }
 
     /// Whether it does so by references that the host sends.
@@ -38,9 +42,14 @@ impl Mode {
         matches!(self, Self::Follow | Self::Excite)
     }
 
+    /// Whether it lasts without a word from the host.
+    pub const fn lasts(self) -> bool {
+        matches!(self, Self::Estimate | Self::Linearise | Self::Waveform)
+    }
+
     /// The mode whose number (`mode as u8`) this is; `None` where it is none's.
     pub fn from_number(number: u8) -> Option<Self> {
-        [Self::Estimate, Self::Pil, Self::Pause, Self::Follow, Self::Excite, Self::Linearise]
+        [Self::Estimate, Self::Pil, Self::Pause, Self::Follow, Self::Excite, Self::Linearise, Self::Waveform]
             .into_iter()
             .find(|&mode| mode as u8 == number)
     }
@@ -53,7 +62,8 @@ mod tests {
     #[test]
     fn a_mode_is_found_by_its_number_and_nothing_else_is_one() {
         let modes: Vec<Mode> = (0..=u8::MAX).filter_map(Mode::from_number).collect();
-        assert_eq!(modes, [Mode::Estimate, Mode::Pil, Mode::Pause, Mode::Follow, Mode::Excite, Mode::Linearise]);
+        let all = [Mode::Estimate, Mode::Pil, Mode::Pause, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Waveform];
+        assert_eq!(modes, all);
         assert!(modes.iter().all(|&mode| Mode::from_number(mode as u8) == Some(mode)));
     }
 }

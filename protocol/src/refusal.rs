@@ -54,10 +54,28 @@ pub enum Refusal {
     /// A reference is not a finite number.
     #[error("a reference is not a finite number")]
     NotFinite,
+    /// What is to be played is not what has been loaded.
+    #[error("the waveform in its memory, of {points} points, is not the one to be played")]
+    NotLoaded {
+        /// How many points have been loaded.
+        points: u16,
+    },
+    /// A waveform is played, so that no other may take its place.
+    #[error("it plays a waveform")]
+    Playing,
+    /// More points than the device keeps ([`MOST_POINTS`](crate::MOST_POINTS)).
+    #[error("it keeps no more than {} points", crate::MOST_POINTS)]
+    TooManyPoints,
+    /// The board has no input for a trigger.
+    #[error("this board has no input for a trigger")]
+    NoTriggerInput,
     /// Too many requests at once; ask again.
     #[error("it is busy; ask again")]
     Busy,
     /// The request was of another protocol version. The reply says which the device speaks by its own frame.
     #[error("it speaks another version of the protocol")]
     Version,
+    /// [`Mode::Waveform`](crate::Mode::Waveform) is entered by [`Play`](crate::Request::Play) alone, which says how.
+    #[error("it plays a waveform only when it is told how")]
+    NotByMode,
 }

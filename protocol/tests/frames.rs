@@ -5,12 +5,12 @@ use estimator_core::record::MAX_LENGTH;
 use proptest::prelude::*;
 use protocol::frame::MAX_FRAME;
 use protocol::{
-    BAUD, Deframer, Faults, FrameError, Health, Identity, Mode, Refusal, Reply, Request, ResetCause, Sample, Samples,
-    TableSource, ToDevice, ToHost, Uid, VERSION, encode, stream_every, text,
+    BAUD, Deframer, Faults, FrameError, Health, Identity, Mode, Playback, Refusal, Reply, Request, ResetCause, Sample,
+    Samples, TableSource, ToDevice, ToHost, Uid, VERSION, encode, stream_every, text,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::num::NonZeroU8;
+use std::num::{NonZeroU8, NonZeroU16};
 
 fn frame(message: &impl Serialize) -> Vec<u8> {
     encode(message, &mut [0; MAX_FRAME]).expect("a message fits its frame").to_vec()
@@ -38,6 +38,14 @@ fn requests() -> Vec<Request> {
         Request::Feed([u16::MAX; 64].iter().copied().collect()),
         Request::Refer { first: u32::MAX, references: [f32::MAX; 64].iter().copied().collect(), go: true, hold: true },
         Request::Reset,
+        Request::Load { first: u16::MAX, points: [f32::MIN; 64].iter().copied().collect() },
+        Request::Play(Playback {
+            points: NonZeroU16::MAX,
+            crc: u32::MAX,
+            every: NonZeroU16::MAX,
+            lines: u32::MAX,
+            on_trigger: true,
+        }),
     ]
 }
 
@@ -81,6 +89,8 @@ fn answers() -> Vec<ToHost> {
         supply_mv: Some(u16::MAX),
         brown_out_level: Some(u8::MAX),
         setpoint: Some(u16::MAX),
+        lines: u32::MAX,
+        triggers_ignored: u32::MAX,
     };
     let identity = Identity {
         board: text("x".repeat(99)),
@@ -105,6 +115,7 @@ fn answers() -> Vec<ToHost> {
         Reply::Resetting { in_ms: u32::MAX },
         Reply::Refused(Refusal::Table(text("µ".repeat(200)))),
         Reply::Refused(Refusal::BeyondSpan { span_um: f32::MAX }),
+        Reply::Loaded(u16::MAX),
     ];
     let replies = replies.into_iter().map(|reply| ToHost::Reply { to: u16::MAX, reply });
     replies.chain([ToHost::Samples(samples(32)), ToHost::Samples(samples(1))]).collect()
@@ -126,14 +137,14 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f09ac020a030102f0ff03fa264e5500");
+    assert_eq!(hex(frame(&message)), "0f0aac020a030102f0ff03f99d79be00");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "240901ffffffff0fff01ffff0301ffff03ffff7fff01ffff7f7fffff03ffff1f0571b14c00"
+        "240a01ffffffff0fff01ffff0301ffff03ffff7fff01ffff7f7fffff03ffff1f7648995f00"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (9, 3038936674));
+    assert_eq!((VERSION, crc), (10, 3294399188));
 }
 
 #[test]
@@ -172,10 +183,22 @@ fn too_long_empty_and_trailing() {
     assert_eq!(receive::<ToHost>(&frame(&(good, 1u8, 2u8, 3u8))), [Err(FrameError::Content)]);
 }
 
+#[test]
+fn a_waveform_has_a_point_and_a_tick_at_least() {
+    // `ToDevice` with `Request::Play`, the fifteenth of the requests, field by field.
+    let play = |points: u16, every: u16| frame(&(9u16, 14u32, (points, 0u32, every, 0u32, false)));
+    let one = NonZeroU16::MIN;
+    let how = Playback { points: one, crc: 0, every: one, lines: 0, on_trigger: false };
+    assert_eq!(receive(&play(1, 1)), [Ok(ToDevice { sequence: 9, request: Request::Play(how) })]);
+    for (points, every) in [(0, 1), (1, 0)] {
+        assert_eq!(receive::<ToDevice>(&play(points, every)), [Err(FrameError::Content)], "{points}, {every}");
+    }
+}
+
 proptest! {
     /// A damaged frame is refused, and the next one is received.
     #[test]
-    fn damage_costs_one_frame(which in 0usize..13, at in 0usize..400, flip in 1u8.., cut: bool) {
+    fn damage_costs_one_frame(which in 0usize..15, at in 0usize..400, flip in 1u8.., cut: bool) {
         let message = ToDevice { sequence: 9, request: requests()[which].clone() };
         let mut bytes = frame(&message);
         let at = at % (bytes.len() - 1);

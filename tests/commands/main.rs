@@ -27,6 +27,7 @@ mod rig;
 mod sets;
 mod severed;
 mod validate;
+mod waveform;
 mod zero;
 
 use assert_cmd::Command;

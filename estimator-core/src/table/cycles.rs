@@ -98,18 +98,18 @@ const BOUC_WEN_SQUARE: (u32, u32) = (18_300, 68_700);
 const BOUC_WEN_POWER: (u32, u32) = (88_000, 245_900);
 
 /// Of a straight line.
-const STRAIGHT_LINE: (u32, u32) = (4_200, 8_000);
+const STRAIGHT_LINE: (u32, u32) = (4_200, 8_300);
 
 /// To estimate, and to drive.
 const fn most_cycles(model: Model) -> (u32, u32) {
     match model {
         Model::Voigt => (10_200, 19_800),
-        Model::VoltageExtremum => (10_200, 33_600),
+        Model::VoltageExtremum => (10_200, 36_400),
         Model::DisplacementExtremum => (10_200, 20_900),
         Model::Enhanced => (10_200, 41_500),
         Model::VoigtChain => (11_300, 40_600),
         Model::PrandtlIshlinskii => (11_200, 30_200),
-        Model::MaxwellSlip => (10_500, 20_800),
+        Model::MaxwellSlip => (10_500, 21_900),
         Model::Duhem => (9_500, 16_400),
         Model::BoucWen => (9_200, 20_500),
         Model::Preisach => (20_300, 106_500),

@@ -9,6 +9,7 @@
 //! | estimate, or the amplifier's input | PA4 (A2), DAC1 channel 1, 12 bits at 100 kHz, 16 bits behind a low-pass, by DMA1's channel 2 ([`output`]) |
 //! | high while the tick runs, for an oscilloscope | PA8 (D7) |
 //! | VALID: an edge at every good tick, for an interlock | PB10 (D6) |
+//! | trigger of a waveform's line, pulled down; sync, high at its first point: [`firmware::waveform`] | PB5 (D4), PC7 (D9) |
 //! | lamp, button: [`firmware::panel`] | PA5 (LD2), PC13 (B1) |
 //! | link | LPUART1 on PA2, PA3, by DMA1's channels 1 and 3: the ST-Link's virtual COM port |
 //! | trigger of the ADC, and of the DAC | TIM6, 2 kHz ([`firmware::rate`]), and TIM7, 100 kHz |
@@ -55,6 +56,7 @@ use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::reading::Watched;
 use firmware::shaping::PARTS;
+use firmware::waveform::Points;
 use firmware::{Conversion, Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
 use output::{AHEAD, Output};
 use protocol::{ResetCause, Uid};
@@ -99,6 +101,8 @@ struct Armed {
     output: Output,
     marker: gpio::Output<'static>,
     valid: gpio::Output<'static>,
+    trigger_pin: Input<'static>,
+    sync: gpio::Output<'static>,
 }
 
 /// The board's own button and lamp.
@@ -121,7 +125,11 @@ impl Front for OnBoard {
 
 /// What the tick leaves for others to read.
 static TELEMETRY: Telemetry = Telemetry::new();
-/// On its way there.
+/// The points of a waveform.
+// SAFETY: a section of its own, which nothing initialises: any bits are points, and none is read before it is written.
+#[unsafe(link_section = ".waveform")]
+static POINTS: Points = Points::new();
+/// On its way to the converter's interrupt.
 static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
 
 unsafe extern "C" {
@@ -171,6 +179,7 @@ async fn main(_spawner: Spawner) {
     let (tim6, tim7, dac1, dma, pa0, pa1, pb0) = (p.TIM6, p.TIM7, p.DAC1, p.DMA1_CH2, p.PA0, p.PA1, p.PB0);
     let marker = gpio::Output::new(p.PA8, Level::Low, Speed::High);
     let valid = gpio::Output::new(p.PB10, Level::Low, Speed::Low);
+    let (trigger_pin, sync) = (Input::new(p.PB5, Pull::Down), gpio::Output::new(p.PC7, Level::Low, Speed::Low));
     // The board has the button's resistor.
     let front =
         OnBoard { button: Input::new(p.PC13, Pull::None), lamp: gpio::Output::new(p.PA5, Level::Low, Speed::Low) };
@@ -178,6 +187,7 @@ async fn main(_spawner: Spawner) {
         name: "nucleo-g474re",
         uid: Some(Uid(embassy_stm32::uid::uid())),
         has_setpoint: true,
+        has_trigger: true,
         interface: INTERFACE,
         dac_parts: PARTS,
         cycles_per_tick: CORE_HZ / TICK_HZ,
@@ -213,7 +223,7 @@ async fn main(_spawner: Spawner) {
             // Its interrupt is that of the sequence's end.
             let adc = adc.setup_injected_conversions(channels, TIM6_TRGO, Exten::RISING_EDGE, true);
             let (output, ahead) = output::start(dac1, dma, tim7);
-            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, output, marker, valid })));
+            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, output, marker, valid, trigger_pin, sync })));
             // SAFETY: the handler below is ready, and no critical section masks by priority.
             unsafe { interrupt::ADC1_2.enable() };
             critical_section::with(|_| {
@@ -225,7 +235,7 @@ async fn main(_spawner: Spawner) {
         },
     };
     static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
-    match firmware::run(board, RESOURCES.take(), &TELEMETRY).await {
+    match firmware::run(board, RESOURCES.take(), &POINTS, &TELEMETRY).await {
         Ok(()) => {
             // SAFETY: this is the main loop, after its end.
             unsafe { restarts::asked() };
@@ -240,12 +250,17 @@ async fn main(_spawner: Spawner) {
 fn ADC1_2() {
     static mut OWNED: Option<Armed> = None;
     let started = DWT::cycle_count();
-    let Some(Armed { tick, adc, output, marker, valid }) = OWNED.as_mut() else {
+    let Some(Armed { tick, adc, output, marker, valid, trigger_pin, sync }) = OWNED.as_mut() else {
         // The first time: the request stays, so the handler is entered again at once.
         *OWNED = ARMED.lock(Cell::take);
         return;
     };
     marker.set_high();
+    // Set first, so that it has no jitter against the trigger that put out the code it belongs to.
+    if let Some(high) = tick.sync() {
+        sync.set_level(high.into());
+        tick.trigger(trigger_pin.is_high());
+    }
     let [monitor, sensor, setpoint] = adc.read_injected_samples().map(|sum| AdcCode(SCALE / OVERSAMPLED * sum));
     let conversion = Conversion { monitor, sensor: Some(sensor), setpoint: Some(setpoint) };
     // Otherwise DMA has lost a request or gets none any more, and the last code would stand; or it is out of step with the ticks.

@@ -1,5 +1,6 @@
 //! What the device answers to a request.
 
+use super::waveform::Loaded;
 use crate::boot;
 use crate::compiled::TABLE;
 use crate::facts::Facts;
@@ -45,6 +46,8 @@ pub struct Device<'q, F: NorFlash> {
     pub read_errors: u32,
     /// The references of the mode so far.
     pub referred: Taken,
+    /// The waveform in memory.
+    pub waveform: Loaded<'q>,
 }
 
 /// References that have been taken.
@@ -69,6 +72,8 @@ impl<F: NorFlash> Device<'_, F> {
             Request::Refer { first, references, go, hold } => return self.refer(first, &references, go, hold),
             Request::Push { record, while_estimating, rewired } => self.push(&record, while_estimating, rewired).await,
             Request::Erase { while_estimating, rewired } => self.erase(while_estimating, rewired).await,
+            Request::Load { first, points } => return self.load(first, &points),
+            Request::Play(how) => self.play(how).await,
             Request::SetMode(mode) => self.set_mode(mode).await,
             Request::SetZero { at_um } => self.tell(at_um, Command::SetZero { at_um }),
             Request::ShiftBias { by_um } => self.tell(by_um, Command::ShiftBias { by_um }),
@@ -145,6 +150,8 @@ impl<F: NorFlash> Device<'_, F> {
             supply_mv: telemetry.supply.mv(),
             brown_out_level: self.facts.brown_out_level,
             setpoint: telemetry.setpoint().map(|AdcCode(code)| code),
+            lines: telemetry.lines.load(Relaxed),
+            triggers_ignored: telemetry.triggers_ignored.load(Relaxed),
         }
     }
 
@@ -216,30 +223,32 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Whether the mode is one that lasts only while the host that has set it speaks.
     pub fn lent(&self) -> bool {
-        !matches!(self.telemetry.mode(), Mode::Estimate | Mode::Linearise) && !self.telemetry.holding.load(Relaxed)
+        !self.telemetry.mode().lasts() && !self.telemetry.holding.load(Relaxed)
     }
 
     /// Changes what the tick does, which takes a tick.
     pub async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
-        let drive = self.table.and_then(|table| table.drive);
-        if mode.drives() && drive.is_none() {
-            return Err(Refusal::NoDrive);
-        }
-        if mode == Mode::Linearise && !self.facts.has_setpoint {
-            return Err(Refusal::NoSetpointInput);
-        }
-        if mode == Mode::Linearise && drive.is_none_or(|drive| drive.setpoint.is_none()) {
-            return Err(Refusal::NoSetpoint);
-        }
-        if mode == Mode::Linearise && self.telemetry.linearises() {
+        match (mode, self.table.and_then(|table| table.drive)) {
+            (Mode::Waveform, _) => return Err(Refusal::NotByMode),
+            (Mode::Linearise, Some(_)) if !self.facts.has_setpoint => return Err(Refusal::NoSetpointInput),
+            (Mode::Linearise, Some(drive)) if drive.setpoint.is_none() => return Err(Refusal::NoSetpoint),
             // It follows its set-point, or waits for that: it neither leaves it nor waits longer.
-            return Ok(());
+            (Mode::Linearise, Some(_)) if self.telemetry.linearises() => return Ok(()),
+            _ => {}
+        }
+        self.begin(mode, Command::SetMode(mode)).await
+    }
+
+    /// Has the tick begin a mode by a command.
+    pub(super) async fn begin(&mut self, mode: Mode, command: Command) -> Result<(), Refusal> {
+        if mode.drives() && self.table.is_none_or(|table| table.drive.is_none()) {
+            return Err(Refusal::NoDrive);
         }
         if self.telemetry.faults().intersects(Faults::against(mode)) {
             return Err(Refusal::Faulty);
         }
         let epoch = self.telemetry.epoch.load(Relaxed);
-        self.queues.commands.enqueue(Command::SetMode(mode)).map_err(|_| Refusal::Busy)?;
+        self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)?;
         for _ in 0..OBEYED.as_ticks() / POLL.as_ticks() {
             if self.telemetry.epoch.load(Relaxed) != epoch {
                 self.stream(false);

@@ -39,6 +39,14 @@ impl Tick<'_> {
                 }
                 let next = match (setpoint, &mut self.startup.setpoint) {
                     (Some(wish), Some(wants)) => wants.wanted(wish, sound, drive.rests()),
+                    _ if self.mode == Mode::Waveform => {
+                        let wanted = if drive.stopped() { None } else { self.player.tick() };
+                        if wanted.is_none() {
+                            self.player.stop();
+                            drive.stop();
+                        }
+                        wanted
+                    }
                     // The first one is for a tick that is streamed, so that the host knows which it was.
                     _ if drive.takes_references() && (!drive.ready() || Streamed::has(self.number)) => {
                         self.queues.references.dequeue()
@@ -57,6 +65,19 @@ impl Tick<'_> {
             None if sound => Output { codes: estimated, safe: false, status },
             None => Output { codes: self.startup.at_safe(), safe: true, status },
         }
+    }
+
+    /// What the board does with its pins at the beginning of a tick. `Some(level)` while a waveform is played: set the sync pin, which is
+    /// high while the code of a line's first point is put out, then call [`trigger`](Self::trigger). `None`: leave both pins alone.
+    #[inline]
+    pub fn sync(&mut self) -> Option<bool> {
+        self.player.sync()
+    }
+
+    /// Takes the level of the trigger input at the tick that begins. It is asked for by [`sync`](Self::sync).
+    #[inline]
+    pub fn trigger(&mut self, high: bool) {
+        self.player.input(high);
     }
 
     /// The safe output, or one on the way to it.

@@ -13,6 +13,7 @@ use firmware::drive::Drive;
 use firmware::queues::{LinkQueues, Queues};
 use firmware::restarts::Restarts;
 use firmware::startup::Startup;
+use firmware::waveform::Points;
 use firmware::{Facts, Telemetry, Tick};
 use protocol::{Faults, ResetCause, Uid};
 
@@ -22,6 +23,7 @@ pub const FACTS: Facts = Facts {
     name: "bench",
     uid: Some(Uid([7; 12])),
     has_setpoint: true,
+    has_trigger: true,
     interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
     dac_parts: 1,
     cycles_per_tick: PERIOD,
@@ -87,6 +89,7 @@ pub fn linearising(at_start: bool) -> Admitted {
 pub struct LinkEnd {
     pub queues: LinkQueues<'static>,
     pub telemetry: &'static Telemetry,
+    pub points: &'static Points,
 }
 
 /// A tick with further faults since boot; `None` has no table.
@@ -100,7 +103,8 @@ pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, LinkEnd
 pub fn started(startup: Startup) -> (Tick<'static>, LinkEnd) {
     let (tick_queues, queues) = Box::leak(Box::new(Queues::new())).split();
     let telemetry: &'static Telemetry = Box::leak(Box::new(Telemetry::new()));
-    (Tick::new(startup, &FACTS, tick_queues, telemetry), LinkEnd { queues, telemetry })
+    let points: &'static Points = Box::leak(Box::new(Points::new()));
+    (Tick::new(startup, &FACTS, tick_queues, points, telemetry), LinkEnd { queues, telemetry, points })
 }
 
 /// A code that goes up and down over most of the range.

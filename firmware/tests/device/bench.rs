@@ -4,7 +4,7 @@ use crate::common::{FACTS, LinkEnd, PERIOD, linearising, record, started, tick, 
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use estimator_core::{AdcCode, Admitted, DacCode};
-use firmware::link::{Device, Taken};
+use firmware::link::{Device, Loaded, Taken};
 use firmware::startup::Startup;
 use firmware::{Conversion, Tick};
 use parameter_store::{ParameterStore, RamFlash};
@@ -96,6 +96,7 @@ impl Bench {
             frames_refused: 4,
             read_errors: 5,
             referred: Taken::default(),
+            waveform: Loaded::new(rest.points),
         }
     }
 

@@ -7,6 +7,7 @@ mod references;
 mod resets;
 mod set_point;
 mod tables;
+mod waveform;
 
 use bench::{Bench, TICKS, push};
 use common::{compiled, driving, other, record};

@@ -2,6 +2,7 @@
 
 use crate::wiring::{NO_MODEL, is_line};
 use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Table};
+use feedforward::reach;
 
 /// What is said of a table with which a device does not find a monitor's wire that is off: nobody said how fast the amplifier is, or
 /// it is so fast that hardly any leap is more than it can.
@@ -19,6 +20,25 @@ pub fn wire_not_found(table: &Table) -> Option<String> {
             table.voltage_range_v.span()
         )),
     }
+}
+
+/// What can be held, and how far a model's displacement is to be believed; a line each.
+pub fn caveats(table: &Admitted, limits: &DriveLimits) -> [String; 2] {
+    let [low, high] = reach(table, limits);
+    [
+        format!(
+            "At rest {} … {} V hold about {low:.2} … {high:.2} µm, relative to the model's zero",
+            limits.range_v.min, limits.range_v.max
+        ),
+        match table.provenance.validation_mae_um {
+            Some(mae) => {
+                format!("The model itself was {mae:.3} µm off on average on what was held out when it was identified")
+            }
+            None => {
+                "How far the model itself is off nobody knows: nothing was held out when it was identified".to_owned()
+            }
+        },
+    ]
 }
 
 /// A table in a few lines.

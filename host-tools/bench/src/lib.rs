@@ -27,6 +27,7 @@ mod set_out;
 mod train;
 mod verdict;
 mod watch;
+pub mod waveform;
 mod wiring;
 
 #[cfg(test)]
@@ -34,7 +35,7 @@ mod tests;
 
 pub use board_edit::{Edited, Measured};
 pub use board_file::{AnotherBoard, BoardFacts, BoardFileError};
-pub use described::{describe, time, wire_not_found};
+pub use described::{caveats, describe, time, wire_not_found};
 pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;

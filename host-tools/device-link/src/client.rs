@@ -2,15 +2,15 @@
 //!
 //! A reply belongs to the request whose sequence number it carries. A request without a reply is sent again under the same
 //! number where twice is as good as once. It is not for [`Request::Feed`], [`Request::SetZero`] (the displacement
-//! has moved on) and [`Request::ShiftBias`] (it adds): then [`LinkError::Unknown`] has the caller find out.
+//! has moved on), [`Request::ShiftBias`] (it adds) and [`Request::Play`] (what was short may be over by then): then [`LinkError::Unknown`] has the caller find out.
 
 use super::error::LinkError;
 use super::port::{Address, Port};
 use super::words;
 use protocol::frame::MAX_FRAME;
 use protocol::{
-    Codes, Deframer, FrameError, Health, Identity, Mode, Record, References, Refusal, Reply, Request, Samples,
-    ToDevice, ToHost, encode,
+    Codes, Deframer, FrameError, Health, Identity, MOST_VALUES, Mode, Playback, Record, References, Refusal, Reply,
+    Request, Samples, ToDevice, ToHost, encode,
 };
 use std::collections::VecDeque;
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -182,6 +182,27 @@ impl Client {
         }
     }
 
+    /// Loads the points of a waveform, µm relative to the model's zero, in place of what has been loaded before.
+    pub fn load(&mut self, points: &[f32]) -> Result<(), LinkError> {
+        let mut first = 0;
+        for chunk in points.chunks(MOST_VALUES) {
+            let request = Request::Load { first, points: chunk.iter().copied().collect() };
+            match self.request(request)? {
+                Reply::Loaded(count) if usize::from(count) == usize::from(first) + chunk.len() => first = count,
+                // The device was restarted meanwhile, or answers something else.
+                _ => return Err(self.confused()),
+            }
+        }
+        Ok(())
+    }
+
+    /// Plays what has been loaded; this ends the stream, and the device counts samples from 0 again.
+    pub fn play(&mut self, how: Playback) -> Result<(), LinkError> {
+        let done = self.done(Request::Play(how));
+        self.samples.clear();
+        done
+    }
+
     /// Restarts the device and waits until it is back.
     pub fn restart(&mut self) -> Result<Identity, LinkError> {
         let Reply::Resetting { in_ms } = self.request(Request::Reset)? else { return Err(self.confused()) };
@@ -208,7 +229,7 @@ impl Client {
     /// Asks, and asks again where that does no harm.
     pub fn request(&mut self, request: Request) -> Result<Reply, LinkError> {
         let (tries, patience) = match request {
-            Request::Feed(_) | Request::SetZero { .. } | Request::ShiftBias { .. } => (1, REPLY),
+            Request::Feed(_) | Request::SetZero { .. } | Request::ShiftBias { .. } | Request::Play(_) => (1, REPLY),
             Request::Refer { .. } => (REFERS, REFERRED),
             Request::Push { .. } | Request::Erase { .. } => (TRIES, WRITTEN),
             _ => (TRIES, REPLY),

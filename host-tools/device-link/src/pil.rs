@@ -6,7 +6,7 @@ use super::error::LinkError;
 use super::interrupt::Interrupt;
 use super::words;
 use estimator_core::{AdcCode, Admitted, Estimator, Status};
-use protocol::{Codes, Mode, Sample};
+use protocol::{Codes, MOST_VALUES, Mode, Sample};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -15,8 +15,6 @@ const TOLD: usize = 1_000;
 const TOLD_UM: f32 = 0.5;
 /// How often it is told again where no reply came and nothing was done.
 const TELLS: u32 = 3;
-/// Codes in one frame; [`Codes`] takes so many.
-const CHUNK: usize = 64;
 /// Codes under way or waiting in the device: its queues hold 255 each way, and the link adds some milliseconds.
 const OUTSTANDING: usize = 200;
 /// A device that returns nothing for so long has stopped.
@@ -157,7 +155,7 @@ pub fn feed(
         }
         // What is fed before it is told has to have been run through.
         let end = if untold { codes.len().min(told_at) } else { codes.len() };
-        let next = &codes[fed..end.min(fed + CHUNK)];
+        let next = &codes[fed..end.min(fed + MOST_VALUES)];
         let fits = !next.is_empty() && fed - samples.len() + next.len() <= OUTSTANDING;
         if fits {
             // Cannot fail: no more than fit.

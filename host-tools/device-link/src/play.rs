@@ -6,11 +6,9 @@ use super::error::LinkError;
 use super::interrupt::Interrupt;
 use super::streamed::Streamed;
 use super::window::{Continuity, Numbers, samples_in};
-use protocol::{Faults, Mode, References, Samples};
+use protocol::{Faults, MOST_VALUES, Mode, References, Samples};
 use std::time::{Duration, Instant};
 
-/// References in one frame; [`References`] takes so many.
-const CHUNK: usize = 64;
 /// A device that returns nothing for so long has stopped.
 const SILENCE: Duration = Duration::from_secs(5);
 /// How long to wait for samples before something else is looked at: half a frame of references at 2 kHz.
@@ -111,7 +109,7 @@ pub fn play(
         if interrupt.wanted() {
             return Err(PlayError::Interrupted { done, ticks });
         }
-        let next = &references[sent..references.len().min(sent + CHUNK)];
+        let next = &references[sent..references.len().min(sent + MOST_VALUES)];
         let mut full = next.is_empty();
         // It goes once its queue is full, or holds all.
         if !full || !going {

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 /// Requests that connecting takes: the stream is stopped, and the device identified.
 const CONNECTING: u32 = 2;
-/// A frame of protocol version 10 with nothing in it, and the checksum that it needs.
-const VERSION_10: [u8; 7] = [6, 10, 0x93, 0x06, 0xD7, 0x32, 0];
+/// A frame of protocol version 11 with nothing in it, and the checksum that it needs.
+const VERSION_11: [u8; 7] = [6, 11, 0x05, 0x36, 0xD0, 0x45, 0];
 
 fn device() -> EmulatedDevice {
     Emulator::new().speed(8.0).start().unwrap()
@@ -122,9 +122,9 @@ fn samples_that_come_between_request_and_reply_are_kept() {
 #[test]
 fn another_version_is_named_and_which_side_is_older() {
     let device = device();
-    let line = line(&device, replies(|_, _, frame| *frame = VERSION_10.to_vec()));
+    let line = line(&device, replies(|_, _, frame| *frame = VERSION_11.to_vec()));
     let error = Client::connect(&line.address().into()).err().unwrap().to_string();
-    assert!(error.contains("version 9") && error.contains("this program is older"), "{error}");
+    assert!(error.contains("version 10") && error.contains("this program is older"), "{error}");
 }
 
 #[test]

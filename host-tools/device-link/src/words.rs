@@ -56,6 +56,7 @@ pub fn mode(mode: Mode) -> &'static str {
         Mode::Linearise => {
             "drives the amplifier to where the set-point at its ADC wants the displacement, and estimates"
         }
+        Mode::Waveform => "plays the waveform in its memory, or has played it, and estimates from its ADC",
     }
 }
 

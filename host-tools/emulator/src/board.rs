@@ -11,6 +11,7 @@ use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::table::Board as Interface;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::restarts::Restarts;
+use firmware::waveform::Points;
 use firmware::{Facts, Peripherals, Resources, Telemetry, Tick};
 use parameter_store::StoreError;
 use protocol::{ResetCause, Uid};
@@ -50,6 +51,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
     /// The pages do not fit the flash.
     pub async fn run(mut self) -> Result<std::convert::Infallible, StoreError> {
         let mut reset = ResetCause::BROWN_OUT;
+        let points = Points::new();
         loop {
             let mut resources = Resources::new();
             let telemetry = Telemetry::new();
@@ -65,7 +67,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
                 feed_watchdog: || {},
                 start: |tick| started.signal(tick),
             };
-            let firmware = firmware::run(peripherals, &mut resources, &telemetry);
+            let firmware = firmware::run(peripherals, &mut resources, &points, &telemetry);
             match select(firmware, ticks(&started, &telemetry, &mut self.plant, self.speed)).await {
                 Either::First(restart) => restart?,
                 Either::Second(never) => match never {},
@@ -80,6 +82,7 @@ pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
         name: "emulated",
         uid: Some(uid),
         has_setpoint,
+        has_trigger: false,
         interface: INTERFACE,
         dac_parts: 1,
         cycles_per_tick: CYCLES_HZ / TICK_HZ,

@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use verb::{
     calibrate, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn,
     linearise, look, manual, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train, validate,
-    zero,
+    waveform, zero,
 };
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
@@ -122,6 +122,11 @@ enum Verb {
   piezo linearise --port /dev/ttyACM0
   piezo linearise --stop --port /dev/ttyACM0")]
     Linearise(linearise::Linearise),
+    /// A line of wanted displacements → the device's memory, from which it plays it again and again, by itself or by a trigger.
+    #[command(after_help = "Examples:
+  piezo waveform line.csv --on-trigger --port /dev/ttyACM0
+  piezo waveform --stop --port /dev/ttyACM0")]
+    Waveform(waveform::Waveform),
     /// A table → its faces, with the calibration of your board.
     #[command(after_help = "Example: piezo emit out/demo/table.toml --adc-span -22:22 --out out/board")]
     Emit(emit::Emit),
@@ -181,6 +186,7 @@ impl Cli {
             Verb::Record(arguments) => record::run(&arguments),
             Verb::Follow(arguments) => follow::run(&arguments),
             Verb::Linearise(arguments) => linearise::run(&arguments),
+            Verb::Waveform(arguments) => waveform::run(&arguments),
             Verb::Emit(arguments) => emit::run(&arguments),
             Verb::Push(arguments) => push::run(&arguments),
             Verb::Pull(arguments) => pull::run(&arguments),

@@ -65,7 +65,7 @@ const FAULTS: [(Faults, &str); 12] = [
     ),
     (
         Faults::SAFE_OUTPUT,
-        "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the amplifier rests until piezo follow or piezo linearise",
+        "mend what else is wrong; where nothing is, piezo reset makes it estimate again. One that drives the amplifier rests until piezo follow, piezo linearise or piezo waveform",
     ),
 ];
 

@@ -71,7 +71,11 @@ pub(super) fn too_long(drives: bool) -> &'static str {
 /// Why a device that does not estimate cannot be told anything, and what makes it estimate again; `None` where it does.
 pub fn not_estimating(mode: Mode, port: &Address) -> Option<String> {
     // A reset may lead back to the set-point.
-    let verb = if mode == Mode::Linearise { "linearise --stop" } else { "reset" };
+    let verb = match mode {
+        Mode::Linearise => "linearise --stop",
+        Mode::Waveform => "waveform --stop",
+        _ => "reset",
+    };
     let does = words::mode(mode);
     let said = || format!("{port}: the device {does}; make it estimate again: piezo {verb} --port {port}");
     (mode != Mode::Estimate).then(said)
@@ -87,6 +91,10 @@ fn remedy(refusal: &Refusal) -> &'static str {
         Refusal::NoDrive => ": piezo emit --drive-span, then push",
         Refusal::NoSetpoint => ": piezo emit --setpoint-span, then push",
         Refusal::NoSetpointInput => ": it takes a board that has one, as the NUCLEO-G474RE",
+        Refusal::Playing => ": piezo waveform --stop",
+        Refusal::NotByMode => ": piezo waveform FILE",
+        Refusal::NotLoaded { .. } => ": load it again (piezo waveform FILE)",
+        Refusal::NoTriggerInput => ": play it without --on-trigger",
         Refusal::TooSoon => ": let the actuator rest for a second, and zero again",
         Refusal::BeyondSpan { .. } => ": give µm; `piezo info` says the limits",
         Refusal::Faulty => ": piezo info says which",
@@ -95,7 +103,7 @@ fn remedy(refusal: &Refusal) -> &'static str {
     }
 }
 
-fn link(error: &LinkError) -> String {
+pub(super) fn link(error: &LinkError) -> String {
     match error {
         LinkError::Port(error) => port(error),
         LinkError::Silent { port: at } => format!(

@@ -8,6 +8,7 @@ mod identification;
 mod log;
 mod paste;
 mod supply;
+mod waveform;
 
 pub use bench::{complaint, identify, stopped};
 pub use bits::{Meaning, faults, remarks, status};
@@ -16,6 +17,7 @@ pub use findings::{DETERMINED, determination, doubt, doubt_json, proven, reason}
 pub use identification::mismatch;
 pub use paste::quoted;
 pub use supply::supply;
+pub use waveform::{played, plays};
 
 use std::error::Error;
 
@@ -31,7 +33,8 @@ fn told(error: &(dyn Error + 'static)) -> String {
     let found = log::told(error)
         .or_else(|| identification::told(error))
         .or_else(|| device::told(error))
-        .or_else(|| bench::told(error));
+        .or_else(|| bench::told(error))
+        .or_else(|| waveform::told(error));
     found.unwrap_or_else(|| error.to_string())
 }
 

@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let erase = [&pick(1, 3)[..], &[1, after, 0, 0, 0, 0, 0]].concat();
         write("store", &format!("erase-{after}"), &[&records[..], &erase].concat())?;
     }
-    for (table, mode) in [(1, 3), (1, 4), (2, 5)] {
+    for (table, mode) in [(1, 3), (1, 4), (2, 5), (1, 6)] {
         write("link", &format!("driving-{table}-{mode}"), &driving(table, mode))?;
     }
     for (k, mode) in (0..).map_while(Mode::from_number).enumerate() {
@@ -80,18 +80,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A device is given a table that drives, starts with it, follows references or a set-point, loses its amplifier, and is asked
+/// A device is given a table that drives, starts with it, follows references, a set-point or a waveform, loses its amplifier, and is asked
 /// how it is, in the words of `fuzzed::link`.
 fn driving(table: u8, mode: u8) -> Vec<u8> {
-    let ask = |which, fields: &[u8]| [&pick(0, 8)[..], &[7], &pick(which, 13), fields].concat();
+    let ask = |which, fields: &[u8]| [&pick(0, 8)[..], &[7], &pick(which, 15), fields].concat();
     let ticks = [&pick(4, 8)[..], &[250, 0]].concat();
     let floats = [5.0f32, 0.5].map(f32::to_le_bytes).concat();
+    let load = ask(13, &[&[0, 0][..], &floats, &[40]].concat());
+    let play = ask(14, &[&floats[..], &[40, 3, 0, 2, 0]].concat());
+    let waveform = if mode == 6 { [load, play].concat() } else { Vec::new() };
     [
         ask(4, &[table, 0, 1, 1]),
         ask(12, &[]),
         ask(6, &[1]),
         ask(9, &[mode]),
         ask(11, &[&[0][..], &floats, &[40, 1, 0]].concat()),
+        waveform,
         [&pick(5, 8)[..], &[0, 1, 0, 0x80]].concat(),
         [&ticks[..]; 20].concat(),
         ask(7, &floats[..4]),

@@ -8,6 +8,7 @@ use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, 
 use firmware::drive::Drive;
 use firmware::panel::Front;
 use firmware::restarts::Restarts;
+use firmware::waveform::Points;
 use firmware::{Conversion, Facts, Peripherals, Resources, Telemetry, Tick, run};
 use parameter_store::StoreError;
 use protocol::ResetCause;
@@ -28,6 +29,7 @@ const FACTS: Facts = Facts {
     name: "fuzzed",
     uid: None,
     has_setpoint: true,
+    has_trigger: true,
     interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
     dac_parts: 1,
     cycles_per_tick: PERIOD,
@@ -89,7 +91,8 @@ pub fn live(
     advance: &dyn Fn(Duration),
     life: impl FnOnce(&mut Device<'_, '_>),
 ) {
-    let (line, telemetry, mut resources) = (Line::default(), Telemetry::new(), Resources::new());
+    let (line, telemetry, points) = (Line::default(), Telemetry::new(), Points::new());
+    let mut resources = Resources::new();
     let tick = RefCell::new(None);
     let board = Peripherals {
         facts: FACTS,
@@ -102,7 +105,7 @@ pub fn live(
         feed_watchdog: || {},
         start: |ready| *tick.borrow_mut() = Some(ready),
     };
-    let mut run = pin!(run(board, &mut resources, &telemetry));
+    let mut run = pin!(run(board, &mut resources, &points, &telemetry));
     let mut device = Device {
         line: &line,
         run: run.as_mut(),
@@ -170,6 +173,9 @@ impl Device<'_, '_> {
         });
         let setpoint = self.setpoint.map(|code| AdcCode(code.wrapping_add(noise)));
         let monitor = AdcCode(if self.monitor.is_some() { monitor } else { monitor + noise });
+        if tick.sync().is_some() {
+            tick.trigger(self.ticks.is_multiple_of(7));
+        }
         let dac = tick.sample(Conversion { monitor, sensor: None, setpoint }, self.cycles);
         assert!(dac.0 <= FACTS.interface.dac_full_scale);
         if let Some(stride) = Drive::stride(self.table) {

@@ -192,17 +192,21 @@ impl Host<'_> {
                 | Request::Stream(_)
                 | Request::SetZero { .. }
                 | Request::ShiftBias { .. }
-                | Request::SetMode(_),
+                | Request::SetMode(_)
+                | Request::Play(_),
                 Reply::Done,
             )
             | (Request::Refer { .. }, Reply::Referred { .. })
+            | (Request::Load { .. }, Reply::Loaded(_))
             | (Request::Reset, Reply::Resetting { .. })
             | (
                 Request::Feed(_)
                 | Request::Refer { .. }
                 | Request::SetZero { .. }
                 | Request::ShiftBias { .. }
-                | Request::SetMode(_),
+                | Request::SetMode(_)
+                | Request::Load { .. }
+                | Request::Play(_),
                 Reply::Refused(_),
             ) => {}
             (request, reply) => panic!("{reply:?} to {request:?}"),

@@ -23,6 +23,7 @@ use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::AdcCode;
 use estimator_core::table::Board;
 use firmware::rate::{TICK_HZ, TICK_US};
+use firmware::waveform::Points;
 use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
 use parameter_store::RamFlash;
 use protocol::ResetCause;
@@ -35,6 +36,10 @@ const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: 65_520, dac_f
 /// What the tick leaves for others to read.
 static TELEMETRY: Telemetry = Telemetry::new();
 
+/// The points of a waveform.
+// SAFETY: a section of its own, which nothing initialises: any bits are points, and none is read before it is written.
+#[unsafe(link_section = ".waveform")]
+static POINTS: Points = Points::new();
 /// The tick on its way to the interrupt that owns it.
 static ARMED: CriticalSectionMutex<Cell<Option<Tick<'static>>>> = CriticalSectionMutex::new(Cell::new(None));
 /// What the DAC would put out at the next trigger.
@@ -55,6 +60,7 @@ async fn main(_spawner: Spawner) {
         name: "mps2-an386 (emulated)",
         uid: None,
         has_setpoint: false,
+        has_trigger: false,
         interface: INTERFACE,
         dac_parts: 1,
         cycles_per_tick: CORE_HZ / TICK_HZ,
@@ -89,7 +95,7 @@ async fn main(_spawner: Spawner) {
         },
     };
     static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
-    match firmware::run(board, RESOURCES.take(), &TELEMETRY).await {
+    match firmware::run(board, RESOURCES.take(), &POINTS, &TELEMETRY).await {
         Ok(()) => {
             // SAFETY: this is the main loop, after its end.
             unsafe { restarts::asked() };

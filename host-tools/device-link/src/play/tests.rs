@@ -217,7 +217,7 @@ fn voltages_go_out_as_they_are_and_a_second_play_goes_on_where_the_first_held() 
     assert!(second.stopped.is_empty());
     assert_eq!(second.samples.len(), 100 + second.starved as usize);
     // It goes on from where it stood, and its first row is of its first reference.
-    for (tick, (sample, wanted)) in second.samples.iter().zip(&down).take(CHUNK).enumerate() {
+    for (tick, (sample, wanted)) in second.samples.iter().zip(&down).take(MOST_VALUES).enumerate() {
         assert!((driven(sample) - wanted).abs() < 2e-3, "tick {tick}: {} V, not {wanted} V", driven(sample));
     }
 }

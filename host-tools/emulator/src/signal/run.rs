@@ -9,6 +9,7 @@ use firmware::queues::{Command, Queues};
 use firmware::rate::TICK_HZ;
 use firmware::startup::Startup;
 use firmware::supply::MADE_FOR_MV;
+use firmware::waveform::Points;
 use firmware::{Telemetry, Tick};
 use protocol::{ResetCause, Sample};
 use rand::SeedableRng;
@@ -52,9 +53,9 @@ impl<'t> Runs<'t> {
 /// The samples of so many ticks.
 fn run(table: &Admitted, fault: Option<&SignalFault>, ticks: u32) -> Vec<Sample> {
     let facts = facts(ResetCause::BROWN_OUT, UID, false);
-    let (mut queues, telemetry) = (Queues::new(), Telemetry::new());
+    let (mut queues, points, telemetry) = (Queues::new(), Points::new(), Telemetry::new());
     let (of_tick, mut link) = queues.split();
-    let mut tick = Tick::new(Startup::new(Some(table), &facts, false), &facts, of_tick, &telemetry);
+    let mut tick = Tick::new(Startup::new(Some(table), &facts, false), &facts, of_tick, &points, &telemetry);
     telemetry.streaming.store(true, Relaxed);
     let (range, zero) = (table.voltage_range_v, f64::from(table.voltage_zero_v));
     let (min, max) = (f64::from(range.min) + zero, f64::from(range.max) + zero);

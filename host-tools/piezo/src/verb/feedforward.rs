@@ -9,6 +9,7 @@ use ::calibration::drive::{identified_on, planned};
 use ::calibration::span::Span;
 use ::feedforward::{Plan, Trajectory, approach, near, plan, reach};
 use anyhow::{Context, Result, ensure};
+use bench::caveats;
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
 use recordings::log::{Displacement, write_csv};
@@ -78,25 +79,6 @@ fn no_plan(table: &Admitted, limits: &DriveLimits) -> String {
         "no voltages within {} … {} V (--range), from {} V (--rest), at {} V/s (--slew) by a model identified on {} … {} V",
         range.min, range.max, limits.rest_v, limits.slew_v_per_s, model.min, model.max
     )
-}
-
-/// What can be held, and how far a model's displacement is to be believed; a line each.
-pub fn caveats(table: &Admitted, limits: &DriveLimits) -> [String; 2] {
-    let [low, high] = reach(table, limits);
-    [
-        format!(
-            "At rest {} … {} V hold about {low:.2} … {high:.2} µm, relative to the model's zero",
-            limits.range_v.min, limits.range_v.max
-        ),
-        match table.provenance.validation_mae_um {
-            Some(mae) => {
-                format!("The model itself was {mae:.3} µm off on average on what was held out when it was identified")
-            }
-            None => {
-                "How far the model itself is off nobody knows: nothing was held out when it was identified".to_owned()
-            }
-        },
-    ]
 }
 
 fn stated(arguments: &Feedforward, table: &Admitted) -> Result<DriveLimits> {

@@ -1,7 +1,6 @@
 //! `piezo follow`: a wanted trajectory to a device whose DAC drives the amplifier.
 
 use super::device::note_damage;
-use super::feedforward::caveats;
 use super::print::{out, progress};
 use crate::option::link::PortOption;
 use crate::option::{LogOptions, Overwrite};
@@ -9,7 +8,7 @@ use crate::output::{self, Replacement};
 use ::feedforward::{Trajectory, near, plan};
 use anyhow::{Context, Result, ensure};
 use bench::followed::{Met, Row, csv, late, rows};
-use bench::require_model;
+use bench::{caveats, require_model};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};

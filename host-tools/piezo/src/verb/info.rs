@@ -9,7 +9,7 @@ use clap::Args;
 use device_link::table;
 use device_link::words;
 use estimator_core::{AdcCode, Admitted, SetpointCalibration, Status, Table, TableError};
-use protocol::{Faults, Health, Identity, VERSION};
+use protocol::{Faults, Health, Identity, Mode, VERSION};
 use remedy::Meaning;
 use serde_json::{Value, json};
 
@@ -89,10 +89,14 @@ fn lines(found: &Found) -> Vec<String> {
         let wanted = of_table.map_or("not calibrated".to_owned(), wanted);
         lines.push(format!("Setpoint {wanted}, code {code}"));
     }
-    lines.extend(remedy::supply(health).map(|supply| format!("Supply   {supply}")));
     let drives = matches!(table, Some((Ok(table), _)) if table.drive.is_some());
-    // One that drives the amplifier is at rest whenever nothing is followed: that is no fault.
-    let rests = drives && health.faults == Faults::SAFE_OUTPUT && !health.mode.drives();
+    // One that drives the amplifier is at rest whenever nothing is followed, and after a waveform's last line: that is no fault.
+    let rests =
+        drives && health.faults == Faults::SAFE_OUTPUT && (!health.mode.drives() || health.mode == Mode::Waveform);
+    if health.mode == Mode::Waveform {
+        lines.push(format!("Waveform {}", remedy::played(health, rests)));
+    }
+    lines.extend(remedy::supply(health).map(|supply| format!("Supply   {supply}")));
     let faults = if rests { Faults::empty() } else { health.faults };
     lines.push(if faults.is_empty() { "Faults   none".to_owned() } else { "Faults".to_owned() });
     lines.extend(remedy::faults(faults).map(|meaning| bullet("now", meaning)));

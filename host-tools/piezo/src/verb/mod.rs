@@ -28,6 +28,7 @@ pub mod reset;
 pub mod simulate;
 pub mod train;
 pub mod validate;
+pub mod waveform;
 pub mod zero;
 
 mod device;

@@ -121,7 +121,7 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
 fn open(arguments: &Monitor, span: Option<(f64, f64)>) -> Result<Device> {
     let (mut client, identity) = arguments.port.connect()?;
     let health = client.health()?;
-    if health.mode == Mode::Linearise {
+    if matches!(health.mode, Mode::Linearise | Mode::Waveform) {
         eprintln!("piezo: the device {}", words::mode(health.mode));
     } else {
         require_estimating(&health, &arguments.port.port)?;

@@ -21,3 +21,4 @@ mod store;
 mod supply;
 mod timing;
 mod valid;
+mod waveform;

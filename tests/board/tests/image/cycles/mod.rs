@@ -1,6 +1,6 @@
 //! What the tick's interrupt costs in cycles, of every model, by the emulator's model of the core and the flash: with the
 //! inputs of [`shapes`], which are to be the worst, and the tables of [`tables`], the largest among them; once with voltages that are
-//! all the amplifier's, and once with some that leap farther. It is the most that was observed, and no proof that there is no more.
+//! all the amplifier's, and once with some that leap farther, of a drive also by references from its memory. It is the most that was observed, and no proof that there is no more.
 //!
 //! Every line that begins with `cycles: ` is JSON; `cargo xtask cycles` prints them.
 
@@ -12,11 +12,13 @@ use crate::common::{Bench, push};
 use anyhow::{Context, Result, bail, ensure};
 use board_emulator_test::{Level, Measured, exception};
 use estimator_core::table::MARGIN_PERCENT;
-use estimator_core::{Admitted, Model, Range, Status};
-use protocol::{Faults, Mode, Refusal, Reply, Request, Samples};
+use estimator_core::{Admitted, Model, Pace, Range, Status};
+use protocol::waveform::checksum;
+use protocol::{Faults, MOST_VALUES, Mode, Playback, Refusal, Reply, Request, Samples};
 use serde_json::{Value, json};
 use shapes::{LEAPS, SHAPES, TICKS, leaping, shape};
 use std::cell::Cell;
+use std::num::NonZeroU16;
 
 /// How much of that margin one build of one source may take, %: rustc and the linker do not lay functions out the same way each
 /// time, and a tick runs cold.
@@ -95,8 +97,15 @@ fn leapt(bench: &Bench, monitor: Monitor) -> Result<()> {
     Ok(())
 }
 
+/// Where a drive's references come from.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Source {
+    Host,
+    Memory,
+}
+
 /// Follows every shape between the displacements at rest at the ends of the drive's voltages.
-fn follow(table: &Admitted, monitor: Monitor) -> Result<Measured> {
+fn follow(table: &Admitted, monitor: Monitor, source: Source) -> Result<Measured> {
     let mut bench = running(table)?;
     let (ticks, Range { min, max }) = (Cell::new(0), table.drive.expect("it drives").limits.range_v);
     bench.connect(table, move |volts| {
@@ -112,18 +121,11 @@ fn follow(table: &Admitted, monitor: Monitor) -> Result<Measured> {
             _ => volts,
         }
     });
-    bench.does(Request::SetMode(Mode::Follow))?;
-    bench.board.measure(exception::ADC1_2)?;
     let (low, high) = way(table);
-    let mut sent = 0;
-    while sent < SHAPES * TICKS {
-        let references =
-            (sent..SHAPES * TICKS).take(64).map(|tick| low + (high - low) * (1.2 * shape(tick) - 0.1)).collect();
-        match bench.ask(Request::Refer { first: sent, references, go: true, hold: true })? {
-            Reply::Referred { next, .. } => sent = next,
-            other => bail!("{other:?}"),
-        }
-        bench.run(0.035)?;
+    let references: Vec<f32> = (0..SHAPES * TICKS).map(|tick| low + (high - low) * (1.2 * shape(tick) - 0.1)).collect();
+    match source {
+        Source::Host => refer(&mut bench, &references)?,
+        Source::Memory => play(&mut bench, table, &references)?,
     }
     let measured = bench.board.measured();
     bench.does(Request::Stream(true))?;
@@ -131,6 +133,42 @@ fn follow(table: &Admitted, monitor: Monitor) -> Result<Measured> {
     leapt(&bench, monitor)?;
     ensure!(!bench.health()?.faults_seen.contains(Faults::SLEW_EXCEEDED), "{monitor:?} was a fault");
     Ok(measured)
+}
+
+/// Measures while the references are followed that the host sends.
+fn refer(bench: &mut Bench, references: &[f32]) -> Result<()> {
+    bench.does(Request::SetMode(Mode::Follow))?;
+    bench.board.measure(exception::ADC1_2)?;
+    let mut sent = 0;
+    while sent < references.len() {
+        let chunk = references[sent..].iter().copied().take(MOST_VALUES).collect();
+        match bench.ask(Request::Refer { first: sent as u32, references: chunk, go: true, hold: true })? {
+            Reply::Referred { next, .. } => sent = next as usize,
+            other => bail!("{other:?}"),
+        }
+        bench.run(0.035)?;
+    }
+    Ok(())
+}
+
+/// Measures while they are played from the device's memory, a whole line and the ways there and back.
+fn play(bench: &mut Bench, table: &Admitted, points: &[f32]) -> Result<()> {
+    let mut first = 0;
+    for chunk in points.chunks(MOST_VALUES) {
+        match bench.ask(Request::Load { first, points: chunk.iter().copied().collect() })? {
+            Reply::Loaded(count) => first = count,
+            other => bail!("{other:?}"),
+        }
+    }
+    let (crc, one) = (checksum(points.iter().copied()), NonZeroU16::MIN);
+    let count = NonZeroU16::new(first).context("no points")?;
+    bench.board.measure(exception::ADC1_2)?;
+    bench.does(Request::Play(Playback { points: count, crc, every: one, lines: 0, on_trigger: false }))?;
+    let pace = Pace::of(table).context("it drives")?;
+    let (lowest, highest) = points.iter().fold((0.0f32, 0.0f32), |(low, high), &um| (low.min(um), high.max(um)));
+    bench.run(f64::from(2 * pace.ticks(lowest, highest) + SHAPES * TICKS) / 2_000.0)?;
+    ensure!(bench.health()?.lines > 0, "no line has begun");
+    Ok(())
 }
 
 /// The displacements (µm) long after the drive has come to the ends of its voltages.
@@ -172,9 +210,14 @@ fn measure(model: Model, drives: bool) -> Result<Vec<String>> {
             line(name, json!({ "refused": true }));
             continue;
         }
-        let leaps = (format!("{name}, leaps"), tables::slower(&table)?, Monitor::Leaps);
-        for (name, table, monitor) in [(name.to_owned(), table, Monitor::Sound), leaps] {
-            let measured = if drives { follow(&table, monitor) } else { estimate(&table, monitor) };
+        let slower = tables::slower(&table)?;
+        let runs = [
+            (name.to_owned(), table, Monitor::Sound, Source::Host),
+            (format!("{name}, leaps"), slower, Monitor::Leaps, Source::Host),
+        ];
+        let memory = drives.then(|| (format!("{name}, leaps, from memory"), slower, Monitor::Leaps, Source::Memory));
+        for (name, table, monitor, source) in runs.into_iter().chain(memory) {
+            let measured = if drives { follow(&table, monitor, source) } else { estimate(&table, monitor) };
             let measured = measured.with_context(|| format!("{}, {name}, drives: {drives}", model.name()))?;
             line(&name, to_json(&measured));
             let most = u32::try_from(measured.most_clocks[Level::Pessimistic as usize])?;

@@ -1,0 +1,140 @@
+//! `piezo waveform` on an emulated device.
+
+use super::{json, piezo, text};
+use assert_cmd::Command;
+use device_link::table::to_record;
+use device_link::{Client, pages};
+use emulator::{EmulatedDevice, Emulator, TABLE, amplifier};
+use estimator_core::{DriveCalibration, DriveLimits, Range, Table};
+use parameter_store::RamFlash;
+use protocol::{References, Reply, Request};
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
+
+/// A device that drives an amplifier.
+fn driving() -> EmulatedDevice {
+    let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
+    let table = Table { drive: Some(drive), ..TABLE }.admit().unwrap();
+    let flash = RamFlash::new(pages::with(&to_record(&table), 4096).unwrap());
+    Emulator::new().flash(flash).plant(amplifier(drive, TABLE.adc)).speed(4.0).start().unwrap()
+}
+
+/// A line of 200 points, so many milliseconds apart, that comes back to where it begins.
+fn line(folder: &Path, ms: f64) -> PathBuf {
+    let path = folder.join(format!("line-{ms}.csv"));
+    let row = |k: usize| {
+        let phase = k as f64 / 200.0 * TAU;
+        format!("{:.6},{:.6}\n", k as f64 * ms * 1e-3, 15.0 + 5.0 * phase.sin())
+    };
+    let rows: String = (0..200).map(row).collect();
+    std::fs::write(&path, format!("time_s,displacement_um\n{rows}")).unwrap();
+    path
+}
+
+/// A verb on a device.
+fn asks(device: &EmulatedDevice, arguments: &[&str]) -> Command {
+    let mut piezo = piezo();
+    piezo.args(arguments).args(["--port", &format!("tcp:{}", device.address())]);
+    piezo
+}
+
+fn waveform(device: &EmulatedDevice, arguments: &[&str]) -> Command {
+    asks(device, &[&["waveform"], arguments].concat())
+}
+
+/// What it says that succeeds, or is refused.
+fn said(mut command: Command) -> String {
+    String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
+}
+
+fn refused(mut command: Command) -> String {
+    String::from_utf8(command.assert().code(2).get_output().stderr.clone()).unwrap()
+}
+
+/// How many points it has in its memory, if it is asked for one behind the first: 0 or 1, for that forgets the others.
+fn points(device: &EmulatedDevice) -> u16 {
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    match client.request(Request::Load { first: 1, points: References::new() }).unwrap() {
+        Reply::Loaded(count) => count,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn health(device: &EmulatedDevice) -> serde_json::Value {
+    json(&mut asks(device, &["info", "--json"]))["health"].clone()
+}
+
+#[test]
+fn a_line_is_looked_at_played_and_left() {
+    let (device, folder) = (driving(), tempfile::tempdir().unwrap());
+    let path = line(folder.path(), 2.5);
+    let path = text(&path);
+    let dry = said(waveform(&device, &[path, "--dry-run"]));
+    assert!(dry.contains("200 points of 5 ticks: a line takes 0.5000 s") && dry.contains("Nothing was sent"), "{dry}");
+    assert_eq!(health(&device)["mode"], "Estimate");
+    assert_eq!(points(&device), 0, "it was only looked at");
+    let played = json(&mut waveform(&device, &[path, "--every", "4", "--json"]));
+    assert_eq!((&played["line_ticks"], &played["back_ticks"]), (&800.into(), &serde_json::Value::Null));
+    let start = Instant::now();
+    while health(&device)["lines"].as_u64() < Some(3) {
+        assert!(start.elapsed() < Duration::from_secs(20), "{}", health(&device));
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let info = said(asks(&device, &["info"]));
+    assert!(
+        info.contains("plays the waveform in its memory") && info.contains("lines begun, 0 triggers ignored"),
+        "{info}"
+    );
+    assert!(info.contains("Faults   none"), "{info}");
+    let again = refused(waveform(&device, &[path]));
+    assert!(again.contains("it plays a waveform: piezo waveform --stop"), "{again}");
+    let left = said(waveform(&device, &["--stop"]));
+    assert!(left.contains("leaves its waveform after") && left.contains("goes to rest"), "{left}");
+    assert_eq!(health(&device)["mode"], "Estimate");
+    let left = refused(waveform(&device, &["--stop"]));
+    assert!(left.contains("estimates from its ADC: there is nothing to leave"), "{left}");
+}
+
+#[test]
+fn so_many_lines_are_played_and_no_more() {
+    let (device, folder) = (driving(), tempfile::tempdir().unwrap());
+    let path = line(folder.path(), 2.5);
+    let told = said(waveform(&device, &[text(&path), "--repeat", "2"]));
+    assert!(told.contains("plays 2 lines by itself, then goes to rest"), "{told}");
+    assert!(told.contains("µm, relative to the model's zero"), "what can be held: {told}");
+    let start = Instant::now();
+    while health(&device)["faults"] != serde_json::json!(["SAFE_OUTPUT"]) {
+        assert!(start.elapsed() < Duration::from_secs(20), "{}", health(&device));
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert_eq!((&health(&device)["lines"], &health(&device)["mode"]), (&2.into(), &"Waveform".into()));
+    let info = said(asks(&device, &["info"]));
+    assert!(info.contains("2 lines begun, 0 triggers ignored; it is over") && info.contains("Faults   none"), "{info}");
+}
+
+#[test]
+fn what_cannot_be_played_is_refused_with_what_helps_and_nothing_is_sent() {
+    let (device, folder) = (driving(), tempfile::tempdir().unwrap());
+    let odd = line(folder.path(), 2.7);
+    let said = refused(waveform(&device, &[text(&odd)]));
+    assert!(said.contains("5.400 ticks") && said.contains("--every TICKS"), "{said}");
+    let said = refused(waveform(&device, &[text(&odd), "--every", "1"]));
+    assert!(
+        said.contains("stand at a limit") && said.contains("nothing was sent") && said.contains("--every"),
+        "{said}"
+    );
+    assert_eq!((&health(&device)["mode"], points(&device)), (&"Estimate".into(), 0));
+    let said = refused(waveform(&device, &[text(&line(folder.path(), 2.5)), "--on-trigger"]));
+    assert!(said.contains("no input for a trigger: play it without --on-trigger"), "{said}");
+    let far = folder.path().join("nanometres.csv");
+    let rows: String = (0..20).map(|k| format!("{:.6},{:.1}\n", 5e-3 * f64::from(k), 15e3 + f64::from(k))).collect();
+    std::fs::write(&far, format!("time_s,displacement_um\n{rows}")).unwrap();
+    let said = refused(waveform(&device, &[text(&far)]));
+    assert!(said.contains("its first point, 15000 µm, is beyond") && said.contains("nothing was sent"), "{said}");
+    let plain = Emulator::new().start().unwrap();
+    let said = refused(waveform(&plain, &[text(&odd), "--every", "5"]));
+    assert!(said.contains("does not say how the DAC drives the amplifier: piezo emit --drive-span"), "{said}");
+}
