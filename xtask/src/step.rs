@@ -119,10 +119,16 @@ pub const HOST: [&str; 4] = ["--workspace", "--exclude", "board-emulator-test", 
 /// The core with its other arithmetic: only the core has code of that feature, the others hand it on. It is selected beside
 /// two programs, of which nothing is built, since they have no library: cargo then chooses the same features of foreign crates
 /// as for the whole workspace, and finds them built.
-const MICROMATH: [&str; 5] =
-    ["--package=estimator-core", "--package=piezo", "--package=xtask", "--features", "estimator-core/micromath"];
+const MICROMATH: [&str; 5] = [
+    "--package=estimator-core",
+    "--package=piezo",
+    "--package=xtask",
+    "--features",
+    "estimator-core/micromath,xtask/beside-the-workspace",
+];
 /// The emulated board, selected like [`MICROMATH`].
-pub const BOARD: [&str; 3] = ["--package=board-emulator-test", "--package=piezo", "--package=xtask"];
+pub const BOARD: [&str; 5] =
+    ["--package=board-emulator-test", "--package=piezo", "--package=xtask", "--features", "xtask/beside-the-workspace"];
 
 fn clippy(sh: &Shell) -> Result<()> {
     cmd!(sh, "cargo clippy {HOST...} --all-targets -- -D warnings").run()?;
