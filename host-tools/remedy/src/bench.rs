@@ -53,7 +53,7 @@ pub fn complaint(complaint: &Complaint) -> String {
 const NEAR: &str = "--drive-to needs a calibration that is right to some 5 % already: else calibrate by hand first, without --drive-to";
 
 /// Whether this verb was typed.
-fn verb(name: &str) -> bool {
+pub(super) fn verb(name: &str) -> bool {
     std::env::args_os().nth(1).is_some_and(|verb| verb == name)
 }
 
