@@ -162,6 +162,28 @@ fn columns_that_nothing_names_are_said_to_be_assumed() {
 }
 
 #[test]
+fn voltages_beyond_what_the_logs_taught_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    // Its logs went from 0 to 3.6 V, and it covers a little more.
+    let table = "tests/data/table/table.toml";
+    let planned = |highest: f64| {
+        let row = |k: u32| {
+            format!("{:.3},{:.4}\n", f64::from(k) * 1e-3, 10.0 + highest * (0.5 - 0.5 * (f64::from(k) * 3e-3).cos()))
+        };
+        let path = folder.path().join("wanted.csv");
+        fs::write(&path, "time_s,displacement_um\n".to_owned() + &(0..2100).map(row).collect::<String>()).unwrap();
+        let out = folder.path().join("voltages.csv");
+        let more = ["--slew", "100", "--out", text(&out), "--max-error", "100", "--rest", "1.2"];
+        let output = piezo().args(["feedforward", table, text(&path)]).args(more).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let beyond = planned(60.0);
+    assert!(beyond.contains("V beyond what the logs taught"), "{beyond}");
+    let within = planned(15.0);
+    assert!(!within.contains("beyond what the logs taught"), "{within}");
+}
+
+#[test]
 fn a_folder_for_a_result_is_made_where_there_is_none() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("a/b/log.svg");

@@ -10,7 +10,7 @@ mod paste;
 mod supply;
 mod waveform;
 
-pub use bench::{complaint, identify, stopped};
+pub use bench::{complaint, identify, narrow, other_range, stopped, unproven};
 pub use bits::{Meaning, faults, remarks, status};
 pub use device::{board, not_estimating, refusal};
 pub use findings::{DETERMINED, calibrated, determination, doubt, doubt_json, proven, reason, remark, surveyed};
