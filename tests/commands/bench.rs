@@ -57,8 +57,9 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     // What identify would not understand is refused before anything moves.
     refused(&[&learn[..], &["--modle", "voigt"]].concat(), &["unexpected argument '--modle'"]);
     assert!(!out.exists());
-    let printed = piezo().args(&learn).assert().success().get_output().stdout.clone();
-    let printed = String::from_utf8(printed).unwrap();
+    let learnt = piezo().args(&learn).assert().success().get_output().clone();
+    let (printed, warned) = (String::from_utf8(learnt.stdout).unwrap(), String::from_utf8(learnt.stderr).unwrap());
+    assert!(!warned.contains("the board's range"), "it was learnt on all of it: {warned}");
     for part in ["the device has, as before, no model", "bit-exact", "PASS: the table's ± holds the sensor"] {
         assert!(printed.contains(part), "{part:?} is missing in\n{printed}");
     }
@@ -109,4 +110,44 @@ fn a_flash_in_a_file_outlives_its_board() {
     std::fs::write(&flash, "no flash").unwrap();
     let other = ["emulate", "--tcp-port", "0", "--board", text(&board), "--flash", text(&flash)];
     refused(&other, &["flash.bin", "it has 8 bytes"]);
+}
+
+#[test]
+fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = folder.path().join("board.toml");
+    let emulated = Emulated::start(&board, &["--speed", "8"]);
+    let (board, port) = (text(&board), &*emulated.port);
+    let link = ["--board", board, "--port", port];
+    let install = [&["install", "tests/data/table/table.toml"], &link[..]].concat();
+    let line = [&["install", "--line", "--dry-run"], &link[..]].concat();
+    let line = piezo().args(&line).assert().success().get_output().stdout.clone();
+    let line = String::from_utf8(line).unwrap();
+    assert!(line.contains("a straight line (checksum ") && !line.contains("Prandtl"), "{line}");
+    let dry = piezo().args(&install).arg("--dry-run").assert().success().get_output().clone();
+    let printed = String::from_utf8(dry.stdout).unwrap();
+    assert!(printed.contains("fits") && printed.contains("nothing was written"), "{printed}");
+    let info = piezo().args(["info", "--port", port]).assert().success().get_output().stdout.clone();
+    assert!(String::from_utf8(info).unwrap().contains("no model: a straight line for measuring"));
+    // A divider that inverts is possible, and most often a slip.
+    let turned = folder.path().join("turned.toml");
+    let file =
+        std::fs::read_to_string(board).unwrap().replace("adc_span = [-35.0, 135.0]", "adc_span = [135.0, -35.0]");
+    std::fs::write(&turned, file).unwrap();
+    let turned = ["install", "tests/data/table/table.toml", "--dry-run", "--board", text(&turned), "--port", port];
+    let said = String::from_utf8(piezo().args(turned).assert().success().get_output().stdout.clone()).unwrap();
+    assert!(said.contains("adc_span falls from 135 V at code 0 to -35 V"), "{said}");
+    let installed = piezo().args(&install).assert().success().get_output().clone();
+    let printed = String::from_utf8(installed.stdout.clone()).unwrap();
+    assert!(!printed.contains("calibration is assumed"), "{printed}");
+    let said = String::from_utf8(installed.stderr).unwrap();
+    for part in ["knows only part of the board's range", "0 … 3.6 V", "0 … 100 V", "--range 0:3.6"] {
+        assert!(said.contains(part), "{part:?} is missing in\n{said}");
+    }
+    let proof = folder.path().join("proof");
+    let prove = ["prove", "--out", text(&proof), "--seconds", "8", "--max-percent", "2"];
+    let failed = piezo().args([&prove[..], &link].concat()).assert().code(1).get_output().stdout.clone();
+    let printed = String::from_utf8(failed).unwrap();
+    assert!(printed.contains("FAIL") && !printed.contains("Train again, longer"), "{printed}");
+    assert!(printed.contains("is it this actuator's table"), "{printed}");
 }

@@ -80,6 +80,9 @@ fn an_output_stage_follows_from_its_resistors_and_says_what_it_gives_without_pow
     assert!((50.0 + 8.0 * input(REFERENCE_V * down / (up + down))).abs() < 1.5 && up.min(down) == 100.0, "{found}");
     let printed = piezo().args(arguments).assert().success();
     let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
+    let monitor = piezo().args(["divider", "--monitor", "0:10", "--amplifier", "0:100"]).assert().success();
+    let monitor = String::from_utf8(monitor.get_output().stdout.clone()).unwrap();
+    assert!(monitor.contains("# amplifier_slew = <V/s>") && monitor.contains("peak current"), "{monitor}");
     for part in [
         "RF = ",
         "RG = ",

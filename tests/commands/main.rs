@@ -1,5 +1,6 @@
 //! Whole commands, as a user types them, on the measured log and on the synthetic rig.
 
+mod assumed;
 mod bench;
 mod calibrate;
 mod columns;

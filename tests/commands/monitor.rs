@@ -72,8 +72,9 @@ fn the_page_s_address_is_one_line_and_what_is_wrong_is_named() {
     refused(&["--every", "5"], &["--udp"]);
     refused(&["--web", "--json"], &["--json"]);
     let folder = tempfile::tempdir().unwrap();
-    let missing = folder.path().join("missing");
-    refused(&["--web", "--out", text(&missing)], &["missing", "is no folder", "--out"]);
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    refused(&["--web", "--out", text(&file)], &["file", "cannot create the folder"]);
 }
 
 /// What `monitor --web` says in the end of a recording that is under way then, after `meanwhile`; whether it ends well.

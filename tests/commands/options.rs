@@ -225,3 +225,17 @@ fn a_folder_that_cannot_be_made_is_refused_and_nothing_else_is_written() {
     assert_eq!(fs::read_to_string(&file).unwrap(), "here stands a file");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
+
+#[test]
+fn the_usage_of_a_mistake_asks_for_no_port_that_the_environment_gives() {
+    for verb in [&["install", "--nonsense"][..], &["info", "--nonsense"], &["install"]] {
+        let output = piezo().args(verb).env("PIEZO_PORT", "tcp:127.0.0.1:9").output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        let usage = said.lines().find(|line| line.starts_with("Usage:")).expect("how it is used");
+        assert!(usage.starts_with(&format!("Usage: piezo {} [OPTIONS]", verb[0])), "{said}");
+        assert!(!usage.contains("--port") && output.status.code() == Some(2), "{said}");
+    }
+    let help = piezo().args(["info", "--help"]).output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    assert!(help.contains("PIEZO_PORT"), "{help}");
+}

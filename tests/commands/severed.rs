@@ -16,8 +16,8 @@ use table_files::TableFile;
 const LEASE: Duration = Duration::from_millis(5_500);
 /// Most requests of a verb at which it is cut; one that streams or feeds has hundreds of them.
 const STEPS: u32 = 8;
-/// The request by which `push` and `erase` write: two connect, and one pauses.
-const WRITES: u32 = 4;
+/// The request by which `push` and `erase` write: two connect, one asks what the device does, and one pauses.
+const WRITES: u32 = 5;
 /// What a host may take to find out that nobody answers.
 const IN_TIME: Duration = Duration::from_secs(20);
 

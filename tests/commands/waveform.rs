@@ -74,6 +74,10 @@ fn a_line_is_looked_at_played_and_left() {
     let path = text(&path);
     let dry = said(waveform(&device, &[path, "--dry-run"]));
     assert!(dry.contains("200 points of 5 ticks: a line takes 0.5000 s") && dry.contains("Nothing was sent"), "{dry}");
+    assert!(
+        dry.contains("off at most within a line, and the model itself"),
+        "its own error beside the inverse's: {dry}"
+    );
     assert_eq!(health(&device)["mode"], "Estimate");
     assert_eq!(points(&device), 0, "it was only looked at");
     let played = json(&mut waveform(&device, &[path, "--every", "4", "--json"]));
@@ -113,6 +117,10 @@ fn so_many_lines_are_played_and_no_more() {
     assert_eq!((&health(&device)["lines"], &health(&device)["mode"]), (&2.into(), &"Waveform".into()));
     let info = said(asks(&device, &["info"]));
     assert!(info.contains("2 lines begun, 0 triggers ignored; it is over") && info.contains("Faults   none"), "{info}");
+    assert!(info.contains("State    has played its waveform"), "{info}");
+    let watched = asks(&device, &["monitor", "--seconds", "0.5"]).assert().success().get_output().stderr.clone();
+    let watched = String::from_utf8(watched).unwrap();
+    assert!(watched.contains("the device has played its waveform"), "{watched}");
 }
 
 #[test]
@@ -137,4 +145,49 @@ fn what_cannot_be_played_is_refused_with_what_helps_and_nothing_is_sent() {
     let plain = Emulator::new().start().unwrap();
     let said = refused(waveform(&plain, &[text(&odd), "--every", "5"]));
     assert!(said.contains("does not say how the DAC drives the amplifier: piezo emit --drive-span"), "{said}");
+}
+
+#[test]
+fn what_plays_is_ended_by_no_other_verb_unless_it_is_told_so() {
+    let (device, folder) = (driving(), tempfile::tempdir().unwrap());
+    let path = line(folder.path(), 2.5);
+    said(waveform(&device, &[text(&path)]));
+    let port = format!("tcp:{}", device.address());
+    let table = folder.path().join("own.bin");
+    said(asks(&device, &["pull", "--out", text(&table)]));
+    let push = ["push", text(&table), "--reset"];
+    let erase = ["erase", "--reset", "--rewired"];
+    for verb in [&["reset"][..], &push, &erase] {
+        let complaint = refused(asks(&device, verb));
+        let stop = format!("piezo waveform --stop --port {port}");
+        assert!(complaint.contains("plays a waveform") && complaint.contains("--force"), "{verb:?}: {complaint}");
+        assert!(complaint.contains(&stop), "{verb:?}: {complaint}");
+        let looked_at = asks(&device, &[verb, &["--dry-run"]].concat()).assert().success().get_output().clone();
+        let complaint = String::from_utf8(looked_at.stderr).unwrap();
+        assert!(complaint.contains("plays a waveform"), "{verb:?}: {complaint}");
+        assert_eq!(health(&device)["mode"], "Waveform", "{verb:?}");
+    }
+    // A session leaves it alone, too, and has no --force.
+    let board = folder.path().join("board.toml");
+    let spans = "adc_span = [-0.378, 3.978]\nadc_full_scale = 4095\ndac_full_scale = 4095\ndrive_span = [0.0, 4.0]\n";
+    let limits = "drive_range = [0.3, 3.6]\ndrive_rest = 0.5\ndrive_slew = 40.0\nsensor_span = [0.0, 50.0]\n";
+    std::fs::write(&board, [spans, limits].concat()).unwrap();
+    let session = folder.path().join("session");
+    let complaint = refused(asks(&device, &["train", "--board", text(&board), "--out", text(&session)]));
+    assert!(complaint.contains("piezo waveform --stop") && !complaint.contains("--force"), "{complaint}");
+    said(asks(&device, &["reset", "--force"]));
+    assert_eq!(health(&device)["mode"], "Estimate");
+    // A dry run looks at what is to be written whatever the device does.
+    let looked_at = said(asks(&device, &["push", text(&table), "--dry-run"]));
+    assert!(looked_at.contains("nothing was written"), "{looked_at}");
+}
+
+#[test]
+fn a_number_of_nothing_is_refused_in_words_that_say_what_would_do() {
+    for option in ["--every", "--repeat"] {
+        let output = piezo().args(["waveform", "line.csv", option, "0", "--port", "tcp:127.0.0.1:9"]).output().unwrap();
+        let complaint = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(complaint.contains("a whole number of at least 1; leave it out for"), "{complaint}");
+    }
 }

@@ -18,8 +18,9 @@
 //! What a file does not say is not known; nothing is assumed.
 
 use ::calibration::CalibrationOptions;
-use ::calibration::drive::DriveOptions;
+use ::calibration::drive::{DriveOptions, ordered};
 use ::calibration::span::Span;
+use estimator_core::Range;
 use protocol::{Identity, Uid};
 use recordings::file;
 use serde::{Deserialize, Serialize};
@@ -133,6 +134,12 @@ pub enum BoardFileError {
 }
 
 impl BoardFacts {
+    /// The voltages at the amplifier that it may be driven to and the ADC reads, V; `None` where neither is said.
+    pub fn range_v(&self) -> Option<Range> {
+        let said = [self.drive_range, self.adc_span].into_iter().flatten();
+        said.map(|(zero, full)| ordered(Span { zero, full })).reduce(|one, other| one.intersection(other))
+    }
+
     /// Reads a file.
     ///
     /// # Errors

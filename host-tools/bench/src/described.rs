@@ -1,8 +1,9 @@
 //! A table as a person reads it: what it is for, what its converters stand for, what it drives, and how good it was.
 
 use crate::wiring::{NO_MODEL, is_line};
+use ::calibration::drive::trained_on;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Table};
-use feedforward::reach;
+use feedforward::{Beyond, Plan, reach};
 
 /// What is said of a table with which a device does not find a monitor's wire that is off: nobody said how fast the amplifier is, or
 /// it is so fast that hardly any leap is more than it can.
@@ -41,6 +42,25 @@ pub fn caveats(table: &Admitted, limits: &DriveLimits) -> [String; 2] {
     ]
 }
 
+/// What is to be said of a plan whose voltage goes beyond those of the training, into the room that a table has there.
+pub fn beyond_training(table: &Admitted, plan: &Plan) -> Option<String> {
+    let trained = trained_on(table);
+    let Beyond { ticks, from_tick, most_v } = plan.beyond(trained)?;
+    Some(format!(
+        "On {ticks} of {} ticks, from {:.3} s on, the voltage goes up to {most_v:.3} V beyond what the logs taught, {:.3} … {:.3} V: there the \
+         model was not trained, and how far it is off nobody knows",
+        plan.voltage.len(),
+        from_tick as f64 * table.sample_period::<f64>(),
+        trained.min,
+        trained.max
+    ))
+}
+
+/// What a table is called: by its model, where it has one.
+pub fn title(table: &Table) -> String {
+    if is_line(table) { "straight line".to_owned() } else { table.model().to_string() }
+}
+
 /// A table in a few lines.
 pub fn describe(table: &Admitted) -> Vec<String> {
     let volts = |code| table.adc.voltage::<f32>(AdcCode(code));
@@ -56,7 +76,7 @@ pub fn describe(table: &Admitted) -> Vec<String> {
         _ => "nothing was held out".to_owned(),
     };
     vec![
-        format!("{}, tick {} µs", table.model(), table.sample_period_us),
+        format!("{}, tick {} µs", title(table), table.sample_period_us),
         format!(
             "voltages {:.3} … {:.3} V around {:.3} V, displacements {:.3} … {:.3} µm",
             voltage.min, voltage.max, table.voltage_zero_v, limits.min, limits.max

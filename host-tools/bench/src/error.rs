@@ -7,6 +7,7 @@ use crate::watch::Complaint;
 use crate::wiring::{NO_MODEL, WiringError};
 use device_link::LinkError;
 use device_link::board::OtherFormat;
+use device_link::busy::Busy;
 use device_link::pil::FeedError;
 use device_link::play::PlayError;
 use device_link::table::RunningTableError;
@@ -29,6 +30,9 @@ pub enum BenchError {
     /// The device's flash cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// Something depends on what the device drives.
+    #[error(transparent)]
+    Busy(#[from] Busy),
     /// The device could not be driven to the end.
     #[error(transparent)]
     Play(#[from] PlayError),
@@ -169,6 +173,7 @@ impl BenchError {
         match self {
             Self::Link(error) => Some(error),
             Self::Write(error) => Some(error),
+            Self::Busy(error) => Some(error),
             Self::Play(error) => Some(error),
             Self::Feed(error) => Some(error),
             Self::Running(error) => Some(error),

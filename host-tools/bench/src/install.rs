@@ -40,6 +40,11 @@ pub fn for_board(table: &Path, board: &Path) -> Result<(PathBuf, Admitted, Vec<S
     }
     let own = file.table.drive.map(|drive| drive.limits);
     facts.calibration(&CalibrationOptions::default()).apply(&mut file.table);
+    file.doubts.extend(facts.adc_span.filter(|(zero, full)| zero > full).map(|(zero, full)| {
+        format!(
+            "adc_span falls from {zero} V at code 0 to {full} V at full scale: right where the divider inverts, else its ends are swapped"
+        )
+    }));
     let kept = file.table.drive.as_mut().zip(own).and_then(|(drive, own)| keep(own, &mut drive.limits));
     file.doubts.extend(kept);
     let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.clone(), source })?;
@@ -88,6 +93,19 @@ pub fn rehearsal(table: &Admitted) -> Result<Vec<AdcCode>, ExcitationError> {
     Ok(Drive::random(&request)?.volts.iter().map(|&volts| table.adc.code(volts)).collect())
 }
 
+/// Refuses a table that a device could not take as its wires are, or of which nobody says that they were changed.
+///
+/// # Errors
+/// The table is not for this device, the voltage would jump and the board is not `rewired`, or the link fails.
+pub fn may_take(client: &mut Client, table: &Admitted, rewired: bool) -> Result<(), BenchError> {
+    table.fits(&board::of(&client.identify()?)?)?;
+    if let (false, Some(former)) = (rewired, in_use(client)?) {
+        // One that cannot be read here is of another format, which the line above has refused, or damaged.
+        Table::parse(&former).map_or(Ok(()), |former| Output::same(&former, table))?;
+    }
+    Ok(())
+}
+
 /// Stores a table, restarts the device, and feeds codes through its tick: how many of the ticks are the host's to the last bit.
 /// The device then estimates by this table.
 ///
@@ -102,11 +120,7 @@ pub fn install(
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Comparison, BenchError> {
-    table.fits(&board::of(&client.identify()?)?)?;
-    if let (false, Some(former)) = (rewired, in_use(client)?) {
-        // One that cannot be read here is of another format, which the line above has refused, or damaged.
-        Table::parse(&former).map_or(Ok(()), |former| Output::same(&former, table))?;
-    }
+    may_take(client, table, rewired)?;
     bring(client, &to_record(table), rewired)?;
     let fed = feed(client, table, codes, interrupt, progress);
     // Whatever happened, the device estimates again.

@@ -5,6 +5,7 @@ use crate::error::BenchError;
 use crate::log::unoccupied;
 use crate::output::Output;
 use crate::wiring::Wiring;
+use device_link::busy::idle;
 use device_link::table::{in_use, to_record};
 use device_link::write::Writing;
 use device_link::{Client, board};
@@ -39,9 +40,10 @@ impl Loan {
     /// Brings the straight line's table into use.
     ///
     /// # Errors
-    /// The board is another one, its DAC is not known to be plugged into the amplifier, the voltage would jump, the folder keeps
+    /// Something depends on what the device drives, the board is another one, its DAC is not known to be plugged into the amplifier, the voltage would jump, the folder keeps
     /// the only copy of a table that is not in use again or another session's logs, or the flash cannot be written.
     pub fn take(client: &mut Client, wiring: &Wiring, folder: &Path) -> Result<Self, BenchError> {
+        idle(client)?;
         let identity = client.identify()?;
         wiring.line().fits(&board::of(&identity)?)?;
         let former = in_use(client)?.ok_or(BenchError::NotDriving)?;

@@ -12,11 +12,12 @@ use crate::log::LogFile;
 use crate::verdict::{Instant, Shares, Verdict};
 use crate::watch::{Complaint, Watch};
 use crate::wiring::{Wiring, WiringError, require_model};
+use ::calibration::drive::trained_on;
 use device_link::Client;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
 use device_link::table;
-use estimator_core::{AdcCode, Admitted, DriveLimits};
+use estimator_core::{AdcCode, Admitted, DriveLimits, Range};
 use excitation::{Drive, Request};
 use protocol::{Mode, Sample};
 use std::path::{Path, PathBuf};
@@ -62,6 +63,8 @@ pub struct Proven {
     pub shares: Shares,
     /// Whether that is good enough.
     pub verdict: Verdict,
+    /// The voltages that the table was learnt on, V.
+    pub learnt: Range,
     /// Where voltage, sensor and estimate since the zero are written.
     pub log: PathBuf,
     /// Whether the voltage is at rest; else what hinders.
@@ -99,7 +102,7 @@ pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(us
     let figures = Figures::of(&estimates, &sensor);
     let shares = Shares::of(&instants, table.interval.is_some());
     let verdict = Verdict::of(&figures, &shares, proof.max_percent);
-    Ok(Proven { figures, shares, verdict, log, home })
+    Ok(Proven { figures, shares, verdict, learnt: trained_on(&table), log, home })
 }
 
 /// The drive, and the limits of the table's own.

@@ -131,12 +131,15 @@ pub struct Foreseen {
     pub judged_ticks: usize,
     /// Largest distance of the model from what is wanted on them, µm.
     pub off_um: f64,
+    /// Mean error of the model itself on what was held out when it was identified, µm.
+    pub held_out_mae_um: Option<f32>,
 }
 
 impl Foreseen {
     /// The same in words, at so many seconds a tick.
     pub fn said(&self, tick_s: f64) -> String {
-        let Self { points, every_ticks, line_ticks, back_ticks, approach_ticks, judged_ticks, off_um } = *self;
+        let Self { points, every_ticks, line_ticks, back_ticks, approach_ticks, judged_ticks, off_um, held_out_mae_um } =
+            *self;
         let line_s = line_ticks as f64 * tick_s;
         let back = back_ticks.map_or(String::new(), |ticks| {
             format!(", {:.4} s of it back to its first point", f64::from(ticks) * tick_s)
@@ -147,9 +150,15 @@ impl Foreseen {
                 format!("in the first {judged_ticks} of its {line_ticks} ticks, and was not asked about the others")
             }
         };
+        let itself = match held_out_mae_um {
+            Some(mae) => {
+                format!("and the model itself {mae:.3} µm on average on what was held out when it was identified")
+            }
+            None => "and the model itself nobody knows how far: nothing was held out when it was identified".to_owned(),
+        };
         format!(
             "{points} points of {every_ticks} ticks: a line takes {line_s:.4} s ({:.3} a second){back}; from rest to its first point, \
-             {:.3} s. The device's model is {off_um:.4} µm off at most {judged}",
+             {:.3} s. The device's model is {off_um:.4} µm off at most {judged}, {itself}",
             1.0 / line_s,
             f64::from(approach_ticks) * tick_s
         )
@@ -215,7 +224,17 @@ impl Waveform {
             return Err(WaveformError::OutOfReach { limited, ticks, off_um, reach_um });
         }
         let (points, every_ticks) = (self.points.len(), self.every.get());
-        Ok(Foreseen { points, every_ticks, line_ticks, back_ticks, approach_ticks, judged_ticks: ticks, off_um })
+        let held_out_mae_um = table.provenance.validation_mae_um;
+        Ok(Foreseen {
+            points,
+            every_ticks,
+            line_ticks,
+            back_ticks,
+            approach_ticks,
+            judged_ticks: ticks,
+            off_um,
+            held_out_mae_um,
+        })
     }
 
     /// What lies between two points, and behind the last one.

@@ -29,6 +29,16 @@ pub fn identified_on(table: &Table) -> Range {
     Range { min: min + table.voltage_zero_v, max: max + table.voltage_zero_v }
 }
 
+/// Room beyond the training's voltages that a table still covers, as a fraction of their span.
+pub const ROOM: f64 = 0.05;
+
+/// The voltages at the amplifier that the training of a table's model went over, V: what it was identified on without the room beyond.
+pub fn trained_on(table: &Table) -> Range {
+    let Range { min, max } = identified_on(table);
+    let room = (max - min) * (ROOM / (1.0 + 2.0 * ROOM)) as f32;
+    Range { min: min + room, max: max - room }
+}
+
 /// Limits within a range, at rest at 0 V or next to it where nothing is said.
 pub fn limits(range_v: Range, rest: Option<f64>, slew: f64) -> DriveLimits {
     let rest_v = rest.map_or_else(|| range_v.clamp(0.0), |rest| rest as f32);

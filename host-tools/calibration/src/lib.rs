@@ -6,6 +6,19 @@ pub mod span;
 use crate::drive::{DriveOptions, FullScales};
 use crate::span::Span;
 use estimator_core::{AdcCalibration, AdcCode, DacCalibration, DacCode, Range, Table};
+use serde::Serialize;
+
+/// A converter, or both, whose calibration is a placeholder.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Assumed {
+    /// The ADC's, for a range a little wider than the logs'.
+    Adc,
+    /// The DAC's, for the displacement limits.
+    Dac,
+    /// Both.
+    Both,
+}
 
 /// Calibration of the converters.
 #[derive(Clone, Debug, Default)]
@@ -31,9 +44,14 @@ const FULL_SCALE: u16 = 4095;
 const ADC_ROOM: f64 = 0.05;
 
 impl CalibrationOptions {
-    /// Whether the ADC's span was stated, and what the DAC's codes are.
-    pub fn stated(&self) -> bool {
-        self.adc_span.is_some() && (self.dac_span.is_some() || self.drive.drive_span.is_some())
+    /// Of which converters nobody says what their codes are; `None` where both are stated.
+    pub fn assumed(&self) -> Option<Assumed> {
+        match (self.adc_span.is_some(), self.dac_span.is_some() || self.drive.drive_span.is_some()) {
+            (true, true) => None,
+            (true, false) => Some(Assumed::Dac),
+            (false, true) => Some(Assumed::Adc),
+            (false, false) => Some(Assumed::Both),
+        }
     }
 
     /// The calibration of a new table, assumed where it is not stated. `voltage` is relative to `voltage_zero`.

@@ -2,7 +2,7 @@
 
 use ::calibration::drive::{identified_on, planned};
 use ::calibration::span::Span;
-use ::calibration::{CalibrationOptions, converter_mismatches};
+use ::calibration::{Assumed, CalibrationOptions, converter_mismatches};
 use estimator_core::{AdcCode, DacCode, Range};
 use table_files::TableFile;
 
@@ -20,7 +20,7 @@ fn a_span_may_be_inverted() {
     assert!((adc.voltage::<f64>(AdcCode(65535)) + 22.0).abs() < 1e-4);
     assert_eq!(dac.code(5.0f64), DacCode(0));
     assert_eq!(dac.code(-5.0f64), DacCode(4095));
-    assert!(options.stated() && !CalibrationOptions::default().stated());
+    assert_eq!((options.assumed(), CalibrationOptions::default().assumed()), (None, Some(Assumed::Both)));
 }
 
 #[test]

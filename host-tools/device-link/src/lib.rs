@@ -1,6 +1,7 @@
 //! The host's end of the link to a device ([`protocol`]), and what is done with a device over it or over a debug probe.
 
 pub mod board;
+pub mod busy;
 pub mod client;
 pub mod cycle;
 pub mod error;

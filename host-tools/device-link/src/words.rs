@@ -60,6 +60,23 @@ pub fn mode(mode: Mode) -> &'static str {
     }
 }
 
+/// What a device does and whether that is over, as [`mode`] says it.
+pub fn state(health: &Health) -> &'static str {
+    match health.mode {
+        Mode::Waveform if health.faults.contains(Faults::SAFE_OUTPUT) => {
+            "has played its waveform, rests, and estimates from its ADC"
+        }
+        Mode::Waveform => "plays the waveform in its memory, and estimates from its ADC",
+        other => mode(other),
+    }
+}
+
+/// Whether a device that drives the amplifier is at rest by its own table, and with no fault: whenever nothing is followed, and after a
+/// waveform's last line.
+pub fn rests(mode: Mode, faults: Faults) -> bool {
+    faults == Faults::SAFE_OUTPUT && (!mode.drives() || mode == Mode::Waveform)
+}
+
 /// Where the table in use comes from, and why not from the store, as the end of a sentence.
 pub fn source(source: &TableSource) -> String {
     match source {

@@ -66,12 +66,12 @@ impl Writing {
         client: &mut Client,
         write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
     ) -> Result<Option<Identity>, WriteError> {
+        if self.dry_run {
+            return Ok(None);
+        }
         let pause = self.pause || (self.reset && !self.while_estimating);
         if !pause && !self.while_estimating && estimating(client)? {
             return Err(WriteError::Estimating);
-        }
-        if self.dry_run {
-            return Ok(None);
         }
         if pause {
             client.set_mode(Mode::Pause)?;
@@ -190,8 +190,10 @@ mod tests {
 
     #[test]
     fn a_dry_run_writes_nothing() {
-        let (done, source, _) = push(Writing { dry_run: true, reset: true, ..CAREFUL }, erased());
-        assert!(done.unwrap().is_none() && source != TableSource::Stored);
+        for reset in [true, false] {
+            let (done, source, _) = push(Writing { dry_run: true, reset, ..CAREFUL }, erased());
+            assert!(done.unwrap().is_none() && source != TableSource::Stored);
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ mod approach;
 
 pub use approach::approach;
 
-use estimator_core::{Admitted, DriveLimits, Estimator, Inverse, NoInverse};
+use estimator_core::{Admitted, DriveLimits, Estimator, Inverse, NoInverse, Range};
 use recordings::log::Log;
 use serde::Serialize;
 
@@ -77,6 +77,20 @@ pub struct Shortfall {
     pub most_um: f64,
 }
 
+/// A voltage that leaves a range.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Beyond {
+    /// On so many ticks.
+    pub ticks: usize,
+    /// The first of them.
+    pub from_tick: usize,
+    /// How far at most, V.
+    pub most_v: f64,
+}
+
+/// What a voltage may be beyond a range's end by rounding, of the range.
+const ROUNDING: f64 = 1e-4;
+
 /// Displacements (µm) long at rest at the lowest and the highest voltage: what can be held.
 pub fn reach(table: &Admitted, limits: &DriveLimits) -> [f64; 2] {
     [limits.range_v.min, limits.range_v.max].map(|voltage| {
@@ -118,6 +132,16 @@ pub fn plan(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> 
 }
 
 impl Plan {
+    /// How far and when the voltage leaves a range, V; `None` where it does not.
+    pub fn beyond(&self, range: Range) -> Option<Beyond> {
+        let (min, max) = (f64::from(range.min), f64::from(range.max));
+        let over: Vec<f64> = self.voltage.iter().map(|volts| (min - volts).max(volts - max)).collect();
+        let outside = |over: &f64| *over > ROUNDING * (max - min);
+        let from_tick = over.iter().position(outside)?;
+        let ticks = over.iter().filter(|over| outside(over)).count();
+        Some(Beyond { ticks, from_tick, most_v: over.into_iter().fold(0.0, f64::max) })
+    }
+
     /// The errors from a tick on; `None` where there is none.
     pub fn round_trip(&self, from: usize) -> Option<RoundTrip> {
         let count = self.wanted.len().checked_sub(from).filter(|&count| count > 0)?;

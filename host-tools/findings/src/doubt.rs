@@ -1,8 +1,10 @@
 //! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
+use crate::surveyed::short;
+use calibration::{Assumed, CalibrationOptions};
 use estimator_core::DuhemCondition;
 use identification::{Converter, Doubt, FEW_REVERSALS};
-use log_survey::{Flaw, Stretch};
+use log_survey::{Flaw, Implausible, Stretch};
 use serde_json::{Value, json};
 
 /// A doubt as the user reads it.
@@ -96,16 +98,49 @@ pub fn doubt(doubt: &Doubt) -> String {
             "the {} does not cover what the logs need: there the converter will stand at its end",
             named(*converter)
         ),
-        Doubt::CalibrationAssumed => {
-            "the ADC and DAC calibration is assumed (their ranges span the logs): state --adc-span and --dac-span \
-             before flashing"
-                .to_owned()
+        Doubt::ImplausibleStroke(of) => implausible(of),
+        Doubt::CalibrationAssumed { converters } => match converters {
+            Assumed::Both => "the ADC and DAC calibration is assumed (their ranges span the logs): state --adc-span and --dac-span \
+                              before flashing",
+            Assumed::Adc => "the ADC's calibration is assumed (its range spans the logs), the DAC's is stated: state --adc-span, too, \
+                             before flashing",
+            Assumed::Dac => "the DAC's calibration is assumed (its range spans the estimate's limits), the ADC's is stated: state \
+                             --dac-span or --drive-span, too, before flashing",
         }
+        .to_owned(),
         Doubt::DelayAtBound { delay_ms } => format!(
             "the estimated delay is the largest tried ({delay_ms} ms): the logs do not determine it; give --delay \
              from the sensor's data sheet"
         ),
     }
+}
+
+/// What is doubtful of a stroke.
+pub fn implausible(of: &Implausible) -> String {
+    format!(
+        "the displacement goes over {} µm and the voltage over {} V, {} µm/V, which is no piezo actuator's (0.001 … 20 µm/V, 2 mm at \
+         most): is the unit right, and the sensor's scale? --columns and --sensor state another",
+        short(of.stroke_um),
+        short(of.span_v),
+        short(of.um_per_v())
+    )
+}
+
+/// Brings what is said of a table's calibration to what is stated now, beside what was before.
+pub fn calibrated(doubts: &mut Vec<String>, now: &CalibrationOptions) {
+    let said = |assumed: &Assumed| doubt(&Doubt::CalibrationAssumed { converters: *assumed });
+    let all = [Assumed::Adc, Assumed::Dac, Assumed::Both];
+    let Some((at, before)) = all.iter().find_map(|of| Some((doubts.iter().position(|doubt| *doubt == said(of))?, of)))
+    else {
+        return;
+    };
+    doubts.remove(at);
+    let left = match (before, now.assumed()) {
+        (_, None) | (Assumed::Adc, Some(Assumed::Dac)) | (Assumed::Dac, Some(Assumed::Adc)) => None,
+        (Assumed::Both, left) => left,
+        (before, Some(_)) => Some(*before),
+    };
+    doubts.splice(at..at, left.map(|left| said(&left)));
 }
 
 /// A doubt for machines.
@@ -185,7 +220,10 @@ mod tests {
             Doubt::BeyondTraining { log: "b".into() },
             Doubt::NoisyVoltage { reversals: 900, large: 20 },
             Doubt::ConverterSpan { converter: Converter::Adc },
-            Doubt::CalibrationAssumed,
+            Doubt::ImplausibleStroke(Implausible { stroke_um: 1e4, span_v: 40.0 }),
+            Doubt::CalibrationAssumed { converters: Assumed::Both },
+            Doubt::CalibrationAssumed { converters: Assumed::Adc },
+            Doubt::CalibrationAssumed { converters: Assumed::Dac },
             Doubt::DelayAtBound { delay_ms: 5.0 },
         ];
         for doubt in all {

@@ -7,12 +7,14 @@ mod determination;
 mod doubt;
 mod proven;
 mod reason;
+mod surveyed;
 mod table_file;
 mod unsaid;
 
 pub use determination::{DETERMINED, determination};
-pub use doubt::{doubt, doubt_json, flaw};
+pub use doubt::{calibrated, doubt, doubt_json, flaw, implausible};
 pub use proven::proven;
 pub use reason::reason;
+pub use surveyed::{remark, surveyed};
 pub use table_file::table_file;
 pub use unsaid::{hold_out, model};

@@ -11,6 +11,14 @@ pub fn reason(reason: &Reason) -> String {
     }
 }
 
+/// What is said where a mean difference, µm, is no more than its standard error, µm.
+fn close((difference_um, error_um): (f64, f64)) -> String {
+    match difference_um <= error_um {
+        true => format!(", and the choice is close: the difference is {difference_um:.3} ± {error_um:.3} µm"),
+        false => String::new(),
+    }
+}
+
 fn cross_validated(of: &CrossValidation) -> String {
     let (score, parts) = (of.score(), of.score().parts_um.len());
     let left_out = match of.left_out {
@@ -20,8 +28,11 @@ fn cross_validated(of: &CrossValidation) -> String {
     let best = match (of.chosen, of.scores.first(), of.scores.get(1)) {
         (0, _, Some(next)) => format!(
             "it does best on what it was not fitted to: {:.3} µm where {left_out} were left out in turn; next is {} with \
-             {:.3} µm",
-            score.error_um, next.model, next.error_um
+             {:.3} µm{}",
+            score.error_um,
+            next.model,
+            next.error_um,
+            close(of.by(next))
         ),
         (_, Some(best), _) => format!(
             "of the models that do as well as the best on what they were not fitted to it is the simplest: {:.3} µm where \
@@ -33,4 +44,29 @@ fn cross_validated(of: &CrossValidation) -> String {
     };
     let unseen = if of.amplitudes { "" } else { ", all of one amplitude, which says nothing of others" };
     format!("{best}{unseen}. --model takes another.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimator_core::Model;
+    use identification::Score;
+
+    #[test]
+    fn a_choice_that_is_close_is_said_to_be() {
+        let score = |model, parts: [f64; 4]| Score {
+            model,
+            parameters: 9,
+            error_um: parts.iter().sum::<f64>() / 4.0,
+            parts_um: parts.to_vec(),
+        };
+        let said = |next: [f64; 4]| {
+            let scores = vec![score(Model::BoucWen, [0.08, 0.081, 0.082, 0.081]), score(Model::Duhem, next)];
+            cross_validated(&CrossValidation { left_out: LeftOut::Logs, scores, chosen: 0, amplitudes: true })
+        };
+        let close = said([0.078, 0.085, 0.08, 0.089]);
+        assert!(close.contains("the choice is close: the difference is 0.002 ± 0.002 µm"), "{close}");
+        let clear = said([0.18, 0.185, 0.182, 0.181]);
+        assert!(!clear.contains("close"), "{clear}");
+    }
 }

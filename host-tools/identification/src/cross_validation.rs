@@ -99,6 +99,11 @@ impl CrossValidation {
         Some(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
     }
 
+    /// By how much a score's errors are larger than the best's, on average over the parts, and the standard error of that, µm.
+    pub fn by(&self, score: &Score) -> (f64, f64) {
+        self.scores.first().map_or((0.0, 0.0), |best| difference(score, best))
+    }
+
     /// The chosen model's score.
     pub fn score(&self) -> &Score {
         &self.scores[self.chosen]
@@ -120,10 +125,16 @@ fn several_amplitudes(problem: &Problem) -> bool {
 fn simplest(scores: &[Score]) -> Option<usize> {
     let best = scores.first()?;
     let simpler = scores.iter().enumerate().filter(|(_, score)| {
-        let differences: Vec<f64> = score.parts_um.iter().zip(&best.parts_um).map(|(a, b)| a - b).collect();
-        2 * score.parameters <= best.parameters && mean(&differences) <= standard_error(&differences)
+        let (mean, standard_error) = difference(score, best);
+        2 * score.parameters <= best.parameters && mean <= standard_error
     });
     Some(simpler.min_by_key(|(index, score)| (score.parameters, *index)).map_or(0, |(index, _)| index))
+}
+
+/// The mean difference of two models' errors over the parts and its standard error, µm.
+fn difference(score: &Score, best: &Score) -> (f64, f64) {
+    let differences: Vec<f64> = score.parts_um.iter().zip(&best.parts_um).map(|(a, b)| a - b).collect();
+    (mean(&differences), standard_error(&differences))
 }
 
 fn mean(values: &[f64]) -> f64 {

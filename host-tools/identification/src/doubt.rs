@@ -1,7 +1,8 @@
 //! Reasons not to trust an identification. Each doubt holds what was seen.
 
+use calibration::Assumed;
 use estimator_core::DuhemCondition;
-use log_survey::Flaw;
+use log_survey::{Flaw, Implausible};
 use serde::Serialize;
 
 /// A reason not to trust a result.
@@ -107,8 +108,13 @@ pub enum Doubt {
         /// Which converter.
         converter: Converter,
     },
-    /// The ADC and DAC calibration is a placeholder.
-    CalibrationAssumed,
+    /// The stroke is none of a piezo actuator's, by the training logs' voltages.
+    ImplausibleStroke(Implausible),
+    /// The calibration of a converter is a placeholder, or of both.
+    CalibrationAssumed {
+        /// Which.
+        converters: Assumed,
+    },
     /// The delay that was found is the largest that was tried.
     DelayAtBound {
         /// The delay, ms.

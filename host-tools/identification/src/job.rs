@@ -14,8 +14,8 @@ use crate::search::SearchOptions;
 use crate::start::prepared;
 use crate::suspicion::doubts;
 use calibration::CalibrationOptions;
-use estimator_core::{Digest, Model};
-use log_survey::{correlation, flaws, gravest, leave_out, sound};
+use estimator_core::{Digest, Model, Range};
+use log_survey::{Implausible, correlation, flaws, gravest, leave_out, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -234,9 +234,8 @@ impl Job {
         };
         let mut doubts = [of_logs, doubts(&candidates[chosen], &character, self.cost, self.conditions.lag_s)].concat();
         doubts.extend(delay_at_bound);
-        if !self.calibration.stated() {
-            doubts.push(Doubt::CalibrationAssumed);
-        }
+        doubts.extend(implausible(&problem).map(Doubt::ImplausibleStroke));
+        doubts.extend(self.calibration.assumed().map(|converters| Doubt::CalibrationAssumed { converters }));
         let straight_line = Baseline::of(&problem);
         Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, problem, context, logs })
     }
@@ -262,6 +261,12 @@ impl Job {
     fn delay_search(&self) -> DelaySearch {
         DelaySearch::new(&self.prepare, self.conditions, self.cost, &self.search)
     }
+}
+
+/// The stroke of the training, where it is none of a piezo actuator's.
+fn implausible(problem: &Problem) -> Option<Implausible> {
+    let span = |of: fn(&Session) -> &[f64]| Range::of_values(problem.training().flat_map(of).copied()).span();
+    Implausible::of(span(|session| &session.displacement), span(|session| &session.voltage))
 }
 
 /// A displacement whose correlation with the voltage is below this falls with it.

@@ -7,6 +7,7 @@ use crate::search::space::Extent;
 use crate::simulation::mean_error;
 use crate::trial::Trial;
 use calibration::CalibrationOptions;
+use calibration::drive::ROOM;
 use estimator_core::extremum::between_codes;
 use estimator_core::{Discretisation, Inadmissible, Process, Range, Scheme};
 use recordings::session::Session;
@@ -51,8 +52,6 @@ pub struct Problem {
     extent: Extent,
 }
 
-/// Room beyond the training voltages that a table still covers, as a fraction of their span.
-const VOLTAGE_MARGIN: f64 = 0.05;
 /// Displacement limits that are tried, as fractions of the way from the training stroke to the largest allowed.
 const LIMIT_STEPS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 
@@ -61,7 +60,7 @@ impl Problem {
     pub fn new(training: Vec<Session>, validation: Vec<Session>, conditions: Conditions) -> Self {
         let voltage = Range::of_values(training.iter().flat_map(|session| session.voltage.iter().copied()));
         let stroke = Range::of_values(training.iter().flat_map(|session| session.displacement.iter().copied()));
-        let voltage_range = expanded(voltage, 1.0 + 2.0 * VOLTAGE_MARGIN);
+        let voltage_range = expanded(voltage, 1.0 + 2.0 * ROOM);
         let largest = |range: Range<f64>| range.min.abs().max(range.max.abs());
         Self {
             scheme: conditions.scheme,

@@ -289,8 +289,7 @@ impl Link {
 
     fn state(&self, scope: &Scope<'_>) -> State {
         let faults = self.window.faults();
-        // One that drives the amplifier is at rest whenever nothing is followed: that is no fault.
-        let rests = self.device.table.drive.is_some() && faults == Faults::SAFE_OUTPUT && !self.health.mode.drives();
+        let rests = self.device.table.drive.is_some() && words::rests(self.health.mode, faults);
         let faults = if rests { Faults::empty() } else { faults };
         let faults = remedy::faults(faults).map(|meaning| (meaning, true));
         let status = remedy::status(self.window.status()).map(|meaning| (meaning, false));
@@ -303,7 +302,7 @@ impl Link {
                 .chain(status)
                 .map(|(meaning, fault)| Words { what: meaning.what, remedy: meaning.remedy, fault })
                 .collect(),
-            mode: words::mode(self.health.mode).to_owned(),
+            mode: words::state(&self.health).to_owned(),
             bias: self.bias(),
             recording: scope
                 .log

@@ -8,18 +8,20 @@ mod blocks;
 mod clock;
 mod deadband;
 mod flaw;
+mod implausible;
 mod noise;
 mod signal;
 mod stillness;
 mod swings;
 
-use recordings::log::{Chosen, LogError, Reading, Row};
+use recordings::log::{Chosen, LogError, Reading, Remark, Row};
 use serde::Serialize;
 
 pub use blocks::Block;
 pub use clock::{Clock, RateSource};
 pub use deadband::{deadband, noise_of};
 pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, sound};
+pub use implausible::Implausible;
 pub use signal::{correlation, range};
 pub use stillness::Stillness;
 pub use swings::{Cell, Swings};
@@ -33,6 +35,9 @@ use stillness::Watch;
 pub struct Survey {
     /// The columns that were read.
     pub columns: Vec<ColumnRead>,
+    /// What is to be said of how they were understood.
+    #[serde(skip)]
+    pub remarks: Vec<Remark>,
     /// How many rows there are.
     pub rows: u64,
     /// When the rows were recorded.
@@ -41,6 +46,8 @@ pub struct Survey {
     pub voltage: Option<Series>,
     /// The displacement, µm, where there is one.
     pub displacement: Option<Series>,
+    /// They do not go together in a piezo actuator.
+    pub implausible: Option<Implausible>,
     /// The longest stretch in which the displacement is one number and the voltage moves most.
     pub frozen: Option<Stillness>,
     /// The voltage's reversals, and the half cycles between them.
@@ -93,22 +100,25 @@ impl From<Chosen> for ColumnRead {
 /// # Errors
 /// The first row that is none; a stated rate that the file contradicts.
 pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
+    let remarks = reading.remarks();
     let columns = reading.chosen().into_iter().map(ColumnRead::from).collect();
     let stated = reading.stated_period()?.map(|seconds| (seconds, reading.sample_time().map(|time| time.name.clone())));
     let mut tally = Tally::default();
     reading.rows(&mut |row| tally.row(row))?;
     let clock = tally.clock.result(tally.rows, stated);
     let period = 1.0 / clock.hz;
-    let voltage = tally.voltage.result();
+    let (voltage, displacement) = (tally.voltage.result(), tally.displacement.result());
     let swings = match &voltage {
         Some(series) => swings::find(tally.blocks.all(), series, period),
         None => Swings::default(),
     };
     Ok(Survey {
         columns,
+        remarks,
         rows: tally.rows,
         clock,
-        displacement: tally.displacement.result(),
+        implausible: displacement.zip(voltage).and_then(|(y, v)| Implausible::of(y.high - y.low, v.high - v.low)),
+        displacement,
         frozen: tally.watch.result(voltage.as_ref()),
         voltage,
         swings,

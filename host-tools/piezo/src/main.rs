@@ -10,7 +10,8 @@ mod verb;
 #[path = "../../../tests/documents/versions.rs"]
 mod versions;
 
-use clap::{Parser, Subcommand};
+use clap::error::{ContextKind, ContextValue};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
     calibrate, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn,
@@ -201,8 +202,22 @@ impl Cli {
     }
 }
 
+/// What was typed, or what is wrong with it: with the verb's own usage, which asks for nothing that was given or that the environment
+/// gives.
+fn typed() -> Cli {
+    Cli::try_parse().unwrap_or_else(|mut error| {
+        let mut command = Cli::command();
+        command.build();
+        let verb = std::env::args().nth(1).unwrap_or_default();
+        if let Some(verb) = command.find_subcommand_mut(verb) {
+            error.insert(ContextKind::Usage, ContextValue::StyledStr(verb.render_usage()));
+        }
+        error.exit()
+    })
+}
+
 fn main() -> ExitCode {
-    match Cli::parse().run() {
+    match typed().run() {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {

@@ -1,6 +1,7 @@
 //! Writing results: beside the target first, then renamed, so that nothing is ever half-written.
 
 mod held;
+mod made;
 mod replacement;
 
 pub use held::Held;

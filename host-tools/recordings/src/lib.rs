@@ -1,6 +1,7 @@
 //! Measured logs: read and checked ([`log`]), brought to the tick ([`prepare`], [`session`]), or made by a synthetic
 //! actuator whose parameters are known ([`rig`]).
 
+mod content;
 pub mod file;
 pub mod log;
 mod log_use;
@@ -8,4 +9,5 @@ pub mod prepare;
 pub mod rig;
 pub mod session;
 
+pub use content::Content;
 pub use log_use::{LogUse, Role};

@@ -1,5 +1,6 @@
 //! Which part of which log was used for what, as the table and the report tell it.
 
+use crate::content::Content;
 use crate::log::Log;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,9 @@ pub struct LogUse {
     pub from_s: f64,
     /// End of what was used, s.
     pub to_s: f64,
+    /// Samples of what was trained on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub content: Option<Content>,
 }
 
 /// What a log was used for.
@@ -39,6 +43,16 @@ impl LogUse {
             role,
             from_s: log.start_s,
             to_s: log.start_s + log.duration(),
+            content: Some(role).filter(|&role| role == Role::Training).and_then(|_| Content::of(log)),
         }
+    }
+
+    /// The seconds of a log that were used: of the same file, or of one that holds the same samples.
+    pub fn within(&self, log: &Log) -> Option<(f64, f64)> {
+        if self.sha256 == log.sha256 {
+            return Some((self.from_s, self.to_s));
+        }
+        let from = self.content.as_ref()?.begins_in(log)?;
+        Some((from.max(0.0), (from + self.to_s - self.from_s).min(log.duration())))
     }
 }

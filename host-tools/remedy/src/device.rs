@@ -1,7 +1,9 @@
 //! What goes wrong between host and device.
 
+use super::bench::verb;
 use super::bits::{Meaning, faults, status};
-use super::paste::with;
+use super::paste::{typed, with};
+use device_link::busy::Busy;
 use device_link::cycle::CycleError;
 use device_link::pil::FeedError;
 use device_link::play::PlayError;
@@ -27,6 +29,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(feed))
         .or_else(|| error.downcast_ref().map(running))
         .or_else(|| error.downcast_ref().map(write))
+        .or_else(|| error.downcast_ref().map(busy))
         .or_else(|| error.downcast_ref().map(probe))
 }
 
@@ -74,6 +77,7 @@ pub fn not_estimating(mode: Mode, port: &Address) -> Option<String> {
     let verb = match mode {
         Mode::Linearise => "linearise --stop",
         Mode::Waveform => "waveform --stop",
+        mode if mode.drives() => "reset --force",
         _ => "reset",
     };
     let does = words::mode(mode);
@@ -192,6 +196,20 @@ fn write(error: &WriteError) -> String {
             "{error}: --pause interrupts the estimate, --reset restarts the device after it, --while-estimating writes all \
              the same"
         ),
+    }
+}
+
+fn busy(error: &Busy) -> String {
+    let port = typed("--port");
+    let ends = match error {
+        Busy::Link(error) => return link(error),
+        Busy::Drives(Mode::Waveform) => format!("`piezo waveform --stop{port}` ends it"),
+        Busy::Drives(Mode::Linearise) => format!("`piezo linearise --stop{port}` ends it"),
+        Busy::Drives(_) => format!("Ctrl-C there, or `piezo reset --force{port}`, ends it"),
+    };
+    match ["push", "erase", "install", "reset"].into_iter().any(verb) {
+        true => format!("{error}: {ends}, and --force says that it may end with this"),
+        false => format!("{error}: {ends}"),
     }
 }
 

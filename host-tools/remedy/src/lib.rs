@@ -10,12 +10,12 @@ mod paste;
 mod supply;
 mod waveform;
 
-pub use bench::{complaint, identify, stopped};
+pub use bench::{complaint, identify, narrow, other_range, stopped, unproven};
 pub use bits::{Meaning, faults, remarks, status};
 pub use device::{board, not_estimating, refusal};
-pub use findings::{DETERMINED, determination, doubt, doubt_json, proven, reason};
+pub use findings::{DETERMINED, calibrated, determination, doubt, doubt_json, proven, reason, remark, surveyed};
 pub use identification::mismatch;
-pub use paste::quoted;
+pub use paste::{learn_from, quoted};
 pub use supply::supply;
 pub use waveform::{played, plays};
 

@@ -1,5 +1,6 @@
 //! What is wrong with a log or with how it is prepared.
 
+use super::bench::verb;
 use super::paste;
 use recordings::log::{Fault, LogError, Quantity, Unit};
 use recordings::prepare::PrepareError;
@@ -25,6 +26,8 @@ fn fault(fault: &Fault, path: &Path) -> String {
         false => with(&[("--columns", example)]),
     };
     let columns = |example: &str| with(&[("--columns", example)]);
+    // Nobody has recorded what is wanted.
+    let planned = ["waveform", "follow", "feedforward"].into_iter().any(verb);
     match fault {
         Fault::SampleRate(rate) => {
             format!("{rate} Hz is not a sample rate: state what the recorder was set to, in Hz, by --fs <HZ>")
@@ -72,6 +75,14 @@ fn fault(fault: &Fault, path: &Path) -> String {
         Fault::NoSuchColumn { wanted, columns } => {
             format!("--columns asks for column {wanted} and the columns are {columns}: choose among these")
         }
+        Fault::IrregularTime { example, value, percent, period } if planned => format!(
+            "irregular time (t = {value} s is {percent} % of a sample period of {period} s off its place): resample it to points equally far \
+             apart; if they are in truth, leave the time column out and state their rate{}",
+            line(example, true)
+        ),
+        Fault::Gap { missing, after, gaps } if planned => format!(
+            "{missing} points are missing after t = {after} s (gaps in all: {gaps}): resample it to points equally far apart"
+        ),
         Fault::IrregularTime { example, .. } => format!("{fault}{}", line(example, true)),
         Fault::ImplausiblePeriod { example, .. } => {
             format!("{fault}: if it is another, state it, as in{}", columns(example))

@@ -1,6 +1,6 @@
 //! The command that was typed, with other options: a line to be pasted.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The command on a line of its own, with these options in place of those of the same name; one with an empty value is left
 /// out. Of several logs that are looked at only `refused` is left: what is said of it need not hold for the others.
@@ -41,6 +41,19 @@ fn command(typed: &[String], options: &[(&str, &str)]) -> String {
     words.extend(given.flat_map(|(name, value)| [(*name).to_owned(), quoted(value)]));
     words.extend(behind.iter().map(|argument| quoted(argument)));
     words.join(" ")
+}
+
+/// The command that identifies a table from logs, read as they were here.
+pub fn learn_from(logs: &[PathBuf]) -> String {
+    // What begins with a hyphen is no option.
+    let named = |log: &PathBuf| match log.to_string_lossy() {
+        name if name.starts_with('-') => quoted(&format!("./{name}")),
+        name => quoted(&name),
+    };
+    let options: String = ["--columns", "--sensor", "--fs"].into_iter().map(typed).collect();
+    let stem = logs.first().and_then(|log| log.file_stem()).unwrap_or_default().to_string_lossy();
+    let out = quoted(&format!("out/{stem}"));
+    format!("piezo identify {}{options} --out {out}", logs.iter().map(named).collect::<Vec<_>>().join(" "))
 }
 
 /// An option that was typed, with its value, behind a blank; nothing where it was not.

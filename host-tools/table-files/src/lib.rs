@@ -13,7 +13,7 @@ use estimator_core::{Admitted, Table, TableError};
 use identification::SearchOptions;
 use identification::cost::{Feedback, Norm};
 use recordings::prepare::Recipe;
-use recordings::{LogUse, file};
+use recordings::{LogUse, Role, file};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -44,6 +44,15 @@ pub struct TableFile {
     /// The logs it saw and those held out.
     #[serde(default)]
     pub logs: Vec<LogUse>,
+}
+
+/// The table in a folder of results, in words; `None` where there is none that can be read.
+pub fn former(folder: &Path) -> Option<String> {
+    let (file, table) = TableFile::load(&folder.join("table.toml")).ok()?;
+    let logs: Vec<&str> =
+        file.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
+    let of = if logs.is_empty() { String::new() } else { format!(" of {}", logs.join(", ")) };
+    Some(format!("the {} table{of} (checksum {})", table.model().name(), name(&table)))
 }
 
 /// Why a file is no table, or a table becomes no file.

@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use clap::Args;
-use device_link::write::{WriteError, Writing};
+use device_link::busy::{Busy, idle};
+use device_link::write::Writing;
 use device_link::{Address, Client, LinkError, WriteConsent};
 use protocol::Identity;
 
@@ -41,6 +42,31 @@ pub struct WriteOptions {
     /// Check everything and write nothing.
     #[arg(long)]
     pub dry_run: bool,
+    /// What becomes of what the device drives.
+    #[command(flatten)]
+    pub interrupting: Interrupting,
+}
+
+/// What becomes of what the device drives.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Interrupting {
+    /// End what the device drives: a waveform, the set-point that it follows, what a host told it.
+    #[arg(long)]
+    pub force: bool,
+}
+
+impl Interrupting {
+    /// Refuses to end what the device drives, unless that was said; a dry run, which ends nothing, says so.
+    pub fn consent(self, client: &mut Client, dry_run: bool) -> Result<()> {
+        match idle(client) {
+            Err(Busy::Drives(_)) if self.force => Ok(()),
+            Err(busy) if dry_run => {
+                eprintln!("piezo: careful: {}", remedy::sentence(&busy));
+                Ok(())
+            }
+            idle => Ok(idle?),
+        }
+    }
 }
 
 impl WriteOptions {
@@ -52,8 +78,9 @@ impl WriteOptions {
         &self,
         client: &mut Client,
         write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
-    ) -> Result<Option<Identity>, WriteError> {
-        let &Self { while_estimating, pause, reset, rewired, dry_run } = self;
-        Writing { while_estimating, pause, reset, rewired, dry_run }.write(client, write)
+    ) -> Result<Option<Identity>> {
+        let &Self { while_estimating, pause, reset, rewired, dry_run, interrupting } = self;
+        interrupting.consent(client, dry_run)?;
+        Ok(Writing { while_estimating, pause, reset, rewired, dry_run }.write(client, write)?)
     }
 }

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use clap::Args;
-use recordings::log::{Columns, Log, ReadOptions, Sensitivity, read, twins};
+use recordings::log::{Columns, Log, ReadOptions, Sensitivity, read_remarked, twins};
 use std::path::{Path, PathBuf};
 
 /// What the user says about log files.
@@ -33,12 +33,18 @@ impl LogOptions {
     }
 
     pub fn read(&self, path: &Path) -> Result<Log> {
-        Ok(read(path, &self.options())?)
+        self.read_by(path, &self.options())
+    }
+
+    fn read_by(&self, path: &Path, options: &ReadOptions) -> Result<Log> {
+        let (log, remarks) = read_remarked(path, options)?;
+        remarks.iter().for_each(|of| eprintln!("piezo: careful: {}: {}", path.display(), remedy::remark(of)));
+        Ok(log)
     }
 
     /// Reads what is wanted: time and displacement, without a voltage.
     pub fn read_trajectory(&self, path: &Path) -> Result<Log> {
-        Ok(read(path, &ReadOptions { voltage_required: false, ..self.options() })?)
+        self.read_by(path, &ReadOptions { voltage_required: false, ..self.options() })
     }
 
     /// Reads every log; refuses none and the same file twice.

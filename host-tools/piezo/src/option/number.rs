@@ -2,6 +2,7 @@
 
 use ::calibration::span::Span;
 use recordings::prepare::AutoOr;
+use std::str::FromStr;
 
 /// A finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
@@ -16,6 +17,12 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
 /// A finite number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err("must be above 0".to_owned()) })
+}
+
+/// A whole number of at least 1; `else_` says what comes of no number at all.
+pub fn count<T: FromStr>(text: &str, else_: &str) -> Result<T, String> {
+    let above_0 = text.parse::<u64>().is_ok_and(|number| number > 0);
+    text.parse().ok().filter(|_| above_0).ok_or_else(|| format!("expected a whole number of at least 1{else_}"))
 }
 
 /// What a converter's ends stand for, or a range: `-22:22`.

@@ -1,10 +1,11 @@
 //! What the verbs that talk to a device have in common.
 
 use anyhow::{Result, anyhow, bail};
+use device_link::table::to_record;
 use device_link::{Address, Client};
 use estimator_core::table::Board;
 use estimator_core::{Admitted, record};
-use protocol::Health;
+use protocol::{Health, Identity};
 use std::path::Path;
 use table_files::TableFile;
 
@@ -36,6 +37,20 @@ pub fn look_at(path: &Path) -> Result<(TableFile, Admitted)> {
 /// The checksum of a record as it names a table for people.
 pub fn checksum(record: &[u8]) -> String {
     format!("{:08x}", record::checksum(record).unwrap_or(0))
+}
+
+/// What a dry run says of a table that could be written.
+pub fn fits_unwritten(name: &Path, table: &Admitted, identity: &Identity) -> String {
+    format!("{} fits {}; nothing was written", called(name, table), identity.board)
+}
+
+/// A table as a sentence names it: by its file, its model, and its checksum.
+pub fn called(name: &Path, table: &Admitted) -> String {
+    let (name, title, checksum) = (name.display(), bench::title(table), checksum(&to_record(table)));
+    match bench::is_line(table) {
+        true => format!("{name} (checksum {checksum})"),
+        false => format!("{name} ({title}, checksum {checksum})"),
+    }
 }
 
 /// Says when frames came damaged, which a sound line does not do.

@@ -5,6 +5,7 @@ use super::print::out;
 use crate::option::{choice, span};
 use ::calibration::span::Span;
 use anyhow::{Result, bail, ensure};
+use bench::BoardFacts;
 use clap::Args;
 use divider::{FULL_SCALE, InputStage, OutputStage, REFERENCE_V, Sampling, Series, Source, TOLERANCE};
 use serde_json::{Value, json};
@@ -83,6 +84,7 @@ fn divider_lines(stage: &InputStage) -> Vec<String> {
             lines.push(format!("\n    {field} = [{zero:.3}, {full:.3}]   # {unit} at code 0 and at full scale"));
             if stage.source == Source::Monitor {
                 lines.push(format!("    adc_full_scale = {FULL_SCALE}"));
+                lines.push(format!("    # amplifier_slew = <V/s>   # {}", BoardFacts::what("amplifier_slew")));
                 lines.push(format!("\nor, as options: --adc-span {zero:.3}:{full:.3} --adc-full-scale {FULL_SCALE}"));
             }
         }

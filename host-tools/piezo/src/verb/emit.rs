@@ -8,7 +8,6 @@ use ::calibration::converter_mismatches;
 use anyhow::{Result, anyhow};
 use bench::describe;
 use clap::{Args, ValueEnum};
-use identification::Doubt;
 use serde_json::json;
 use std::path::PathBuf;
 use table_files::{TableFile, record, rust_source};
@@ -62,10 +61,7 @@ pub fn run(arguments: &Emit) -> Result<bool> {
     calibration.apply(&mut file.table);
     let drive = file.table.drive;
     calibration.drive.require(drive.is_some(), drive.is_some_and(|drive| drive.setpoint.is_some()))?;
-    if calibration.stated() {
-        let assumed = remedy::doubt(&Doubt::CalibrationAssumed);
-        file.doubts.retain(|doubt| *doubt != assumed);
-    }
+    remedy::calibrated(&mut file.doubts, &calibration);
     let admitted = match arguments.tick_us {
         Some(tick_us) => file.admit().map_err(|refused| {
             anyhow!("{}: at {tick_us} µs {refused}: identify with --tick-us {tick_us}", arguments.table.display())

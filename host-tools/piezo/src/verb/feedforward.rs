@@ -5,11 +5,11 @@ use super::print::out;
 use crate::option::{LogOptions, Overwrite};
 use crate::option::{not_negative, span};
 use crate::output;
-use ::calibration::drive::{identified_on, planned};
+use ::calibration::drive::{identified_on, planned, trained_on};
 use ::calibration::span::Span;
 use ::feedforward::{Plan, Trajectory, approach, near, plan, reach};
 use anyhow::{Context, Result, ensure};
-use bench::caveats;
+use bench::{beyond_training, caveats};
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
 use recordings::log::{Displacement, write_csv};
@@ -109,6 +109,7 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             "short_um": short.map(|short| short.most_um),
             "short_from_s": short.map(|short| short.tick as f64 * tick_s),
             "met_after_s": met.map(|tick| tick as f64 * tick_s),
+            "beyond_training": plan.beyond(trained_on(table)),
             "delay_ticks": table.parameters.delay_ticks(),
             "round_trip": errors,
         });
@@ -138,7 +139,7 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
             "FAILED: the model never meets the trajectory: is it relative to the model's zero, and within the voltages' reach?",
         ),
     }
-    caveats(table, limits).iter().for_each(|line| out(line));
+    caveats(table, limits).iter().chain(&beyond_training(table, plan)).for_each(|line| out(line));
     if plan.out_of_reach > 0 {
         out(&format!(
             "On {} of {} ticks the voltage or its slew rate stood at a limit ({} … {} V, {} V/s)",

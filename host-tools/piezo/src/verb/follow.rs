@@ -8,7 +8,7 @@ use crate::output::{self, Replacement};
 use ::feedforward::{Trajectory, near, plan};
 use anyhow::{Context, Result, ensure};
 use bench::followed::{Met, Row, csv, late, rows};
-use bench::{caveats, require_model};
+use bench::{beyond_training, caveats, require_model};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
@@ -114,7 +114,7 @@ fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()>
         out(&format!(
             "{ticks} ticks, on {beyond} of them the voltage or its slew rate would stand at a limit; nothing was driven"
         ));
-        caveats.iter().for_each(|line| out(line));
+        caveats.iter().chain(&beyond_training(table, &plan)).for_each(|line| out(line));
     }
     Ok(())
 }

@@ -60,6 +60,9 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         output::not_over(&arguments.out.join(name), &inputs)?;
         arguments.overwrite.of(&arguments.out.join(name), known_by)?;
     }
+    if let Some(former) = table_files::former(&arguments.out) {
+        eprintln!("piezo: careful: {}: replaces {former}", arguments.out.display());
+    }
     let calibration = arguments.calibration.options()?;
     let drive = &calibration.drive;
     drive.require(drive.drive_span.is_some(), drive.setpoint_span.is_some())?;

@@ -72,7 +72,7 @@ fn lines(found: &Found) -> Vec<String> {
     let seconds = f64::from(health.ticks) * f64::from(identity.tick_us) * 1e-6;
     lines.push(format!(
         "State    {}; started {} ticks ({seconds:.1} s) ago: {}",
-        words::mode(health.mode),
+        words::state(health),
         health.ticks,
         words::reset(health.reset, health.last_words.is_some())
     ));
@@ -90,9 +90,7 @@ fn lines(found: &Found) -> Vec<String> {
         lines.push(format!("Setpoint {wanted}, code {code}"));
     }
     let drives = matches!(table, Some((Ok(table), _)) if table.drive.is_some());
-    // One that drives the amplifier is at rest whenever nothing is followed, and after a waveform's last line: that is no fault.
-    let rests =
-        drives && health.faults == Faults::SAFE_OUTPUT && (!health.mode.drives() || health.mode == Mode::Waveform);
+    let rests = drives && words::rests(health.mode, health.faults);
     if health.mode == Mode::Waveform {
         lines.push(format!("Waveform {}", remedy::played(health, rests)));
     }

@@ -3,15 +3,14 @@
 use super::device::{self, note_damage};
 use super::print::{out, progress};
 use crate::option::BoardOption;
-use crate::option::link::PortOption;
-use ::calibration::converter_mismatches;
+use crate::option::link::{Interrupting, PortOption};
+use ::calibration::{CalibrationOptions, converter_mismatches};
 use anyhow::Result;
-use bench::{BoardFacts, NO_MODEL, for_board, install, rehearsal, wire_not_found};
+use bench::{BoardFacts, NO_MODEL, OtherRange, for_board, install, may_take, rehearsal, wire_not_found};
 use clap::Args;
 use device_link::board;
 use device_link::interrupt::Interrupt;
 use device_link::table::to_record;
-use estimator_core::{Range, Table};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -28,6 +27,9 @@ pub struct Install {
     /// shows the displacement; or it drives it from another rest, to which it jumps.
     #[arg(long)]
     pub rewired: bool,
+    /// Check everything and write nothing.
+    #[arg(long)]
+    pub dry_run: bool,
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
@@ -40,29 +42,45 @@ pub struct Install {
     /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of what the device drives.
+    #[command(flatten)]
+    pub interrupting: Interrupting,
 }
-
-/// A table that knows less of the ADC's range is remarked on.
-const NARROW: f32 = 0.1;
 
 /// Runs the verb; `false` when host and device differ in any bit.
 pub fn run(arguments: &Install) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let stated = arguments.table.as_deref().map(|path| for_board(path, &arguments.board.board)).transpose()?;
     let (mut client, identity) = arguments.port.connect()?;
-    arguments.board.of_board(&BoardFacts::read(&arguments.board.board)?, &identity)?;
+    let facts = BoardFacts::read(&arguments.board.board)?;
+    arguments.board.of_board(&facts, &identity)?;
     let (name, table, mut doubts) = match stated {
         Some(stated) => stated,
         None => {
             ("a straight line".into(), *arguments.board.wiring(identity.tick_us)?.line(), vec![NO_MODEL.to_owned()])
         }
     };
+    remedy::calibrated(&mut doubts, &facts.calibration(&CalibrationOptions::default()));
     doubts.extend(wire_not_found(&table));
     device::fits(&board::of(&identity)?, &table, &name)?;
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    narrow(&table).iter().for_each(|careful| eprintln!("piezo: careful: {careful}"));
+    let other = facts.range_v().filter(|_| !arguments.line).and_then(|board| OtherRange::of(&table, board));
+    let other = other.as_ref().map(remedy::other_range);
+    remedy::narrow(&table).iter().chain(&other).for_each(|careful| eprintln!("piezo: careful: {careful}"));
+    arguments.interrupting.consent(&mut client, arguments.dry_run)?;
+    let checksum = device::checksum(&to_record(&table));
+    if arguments.dry_run {
+        may_take(&mut client, &table, arguments.rewired)?;
+        let written = json!({ "table": name, "checksum": checksum, "written": false, "doubts": doubts });
+        out(&match arguments.json {
+            true => serde_json::to_string_pretty(&written)?,
+            false => device::fits_unwritten(&name, &table, &identity),
+        });
+        careful(&doubts, arguments);
+        return Ok(true);
+    }
     let codes = rehearsal(&table)?;
     let bar = progress(codes.len() as u64);
     let compared = install(&mut client, &table, arguments.rewired, &codes, &interrupt, &mut |ticks| {
@@ -70,23 +88,18 @@ pub fn run(arguments: &Install) -> Result<bool> {
     });
     bar.finish_and_clear();
     note_damage(&client);
-    let (checksum, compared) = (device::checksum(&to_record(&table)), compared?);
+    let compared = compared?;
     if arguments.json {
         out(&serde_json::to_string_pretty(&json!({
             "table": name, "checksum": checksum, "bit_exact": compared.bit_exact(), "compared": compared, "doubts": doubts,
         }))?);
         return Ok(compared.bit_exact());
     }
-    out(&format!(
-        "{} ({}, checksum {checksum}) is stored, and in use on the board ({})",
-        name.display(),
-        table.model(),
-        identity.board
-    ));
+    out(&format!("{} is stored, and in use on the board ({})", device::called(&name, &table), identity.board));
     if table.drive.and_then(|drive| drive.setpoint).is_some_and(|setpoint| setpoint.at_start) {
         out("it follows its set-point from its next start on; at once: piezo linearise");
     }
-    doubts.iter().filter(|_| !arguments.of_learn).for_each(|doubt| out(&format!("- careful: {doubt}")));
+    careful(&doubts, arguments);
     out(&match compared.bit_exact() {
         true => {
             format!("bit-exact: over {} ticks of a random voltage the device's every bit is the host's", compared.ticks)
@@ -101,19 +114,8 @@ pub fn run(arguments: &Install) -> Result<bool> {
     Ok(compared.bit_exact())
 }
 
-/// What is to be said of a table that knows hardly any of what the board's ADC reads: one that was learnt from an amplifier's input
-/// knows volts that are its output's many times over.
-fn narrow(table: &Table) -> Option<String> {
-    let reads = table.adc.gain_v_per_code * f32::from(table.adc.full_scale);
-    let Range { min, max } = table.voltage_range_v;
-    let zero = table.voltage_zero_v;
-    ((max - min) < NARROW * reads).then(|| {
-        format!(
-            "the table knows {:.3} … {:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then identify \
-             with --voltage-scale, the amplifier's gain",
-            min + zero,
-            max + zero,
-            100.0 * (max - min) / reads
-        )
-    })
+/// What to be careful about, for people.
+fn careful(doubts: &[String], arguments: &Install) {
+    let said = !arguments.json && !arguments.of_learn;
+    doubts.iter().filter(|_| said).for_each(|doubt| out(&format!("- careful: {doubt}")));
 }

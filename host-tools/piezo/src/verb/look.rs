@@ -5,15 +5,10 @@ use crate::option::{LogOptions, Overwrite};
 use crate::output::{self, PICTURE};
 use anyhow::{Result, ensure};
 use clap::Args;
-use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey, survey};
+use log_survey::survey;
 use recordings::log::{Fault, LogError, Quantity, ReadOptions, Reading, open};
 use remedy::sentence;
 use std::path::{Path, PathBuf};
-
-/// Fewest rows at an end of the range that look like a rest or saturation.
-const REST: u64 = 8;
-/// Smallest part of a mean half cycle that does: a sine's crest, rounded, is one number for less.
-const PART_OF_A_HALF_CYCLE: u64 = 20;
 
 /// Arguments of `piezo look`.
 #[derive(Args, Debug)]
@@ -59,7 +54,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
             surveys.push(serde_json::json!({ "log": path, "survey": found, "refusal": refusal }));
         } else {
             out(&path.display().to_string());
-            print(&found, refusal.as_deref());
+            remedy::surveyed(&found, refusal.as_deref()).iter().for_each(|line| out(line));
         }
     }
     if arguments.json {
@@ -78,7 +73,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
         }
     }
     if learnable && !arguments.json {
-        out("\nNext: piezo identify, with the same files and options, and --out FOLDER for what it writes");
+        out(&format!("\nNext:\n    {}", remedy::learn_from(&arguments.logs)));
     }
     Ok(true)
 }
@@ -92,124 +87,5 @@ fn opened(path: &Path, arguments: &Look) -> Result<(Reading<'static>, Option<Str
             Ok((without, Some(sentence(&error))))
         }
         opened => Ok((opened?, None)),
-    }
-}
-
-/// Prints what was understood, and why there is no displacement.
-fn print(survey: &Survey, refusal: Option<&str>) {
-    let line = |name: &str, words: &str| out(&format!("  {name:<13} {words}"));
-    for ColumnRead { quantity, number, name, unit } in &survey.columns {
-        let name = if name.is_empty() { String::new() } else { format!(" {name:?}") };
-        line(quantity, &format!("column {number}{name}, in {unit}"));
-    }
-    line("rate", &rate(survey));
-    for (name, unit, small, series) in
-        [("voltage", "V", "mV", &survey.voltage), ("displacement", "µm", "nm", &survey.displacement)]
-    {
-        match series {
-            Some(series) => {
-                ranges(&line, name, (unit, small), series);
-                rests(&line, unit, series, survey);
-            }
-            None => line(name, refusal.unwrap_or("no column holds it")),
-        }
-    }
-    if let Some(frozen) = survey.frozen {
-        let words = format!(
-            "{} µm in {} rows from row {} on, while the voltage moves by {:.4} V: was the sensor off, or out of its range?",
-            frozen.displacement_um,
-            frozen.rows,
-            frozen.first_row + 1,
-            frozen.voltage_v
-        );
-        line("frozen", &words);
-    }
-    swings(&line, survey);
-}
-
-fn rate(survey: &Survey) -> String {
-    let Clock { hz, source, steps_s, long_steps, duration_s } = &survey.clock;
-    let source = match source {
-        RateSource::Column => "by the time column".to_owned(),
-        RateSource::File(name) => format!("by the file's {name:?}"),
-        RateSource::Stated => "as stated by --fs".to_owned(),
-    };
-    let steps = match steps_s {
-        Some((low, high)) if high - low > 0.01 / hz => {
-            format!("; steps of {} to {} ms", short(low * 1e3), short(high * 1e3))
-        }
-        _ => String::new(),
-    };
-    let gaps = match long_steps {
-        0 => String::new(),
-        1 => "; 1 gap, where identify will refuse it".to_owned(),
-        gaps => format!("; {gaps} gaps, where identify will refuse it"),
-    };
-    if survey.rows < 2 {
-        return format!("{} row, of which there must be two to have a rate", survey.rows);
-    }
-    if !hz.is_finite() {
-        let first_to_last = short(*duration_s);
-        return format!(
-            "none {source}: from the first of {} rows to the last it goes on by {first_to_last} s",
-            survey.rows
-        );
-    }
-    format!("{} Hz, {source}; {} rows, {} s{steps}{gaps}", short(*hz), survey.rows, short(*duration_s))
-}
-
-fn ranges(line: &dyn Fn(&str, &str), name: &str, (unit, small): (&str, &str), series: &Series) {
-    let Series { low, high, noise, resolution, .. } = *series;
-    let words = format!(
-        "{} … {} {unit}; noise {} {small} (1 σ), smallest step {} {small}",
-        short(low),
-        short(high),
-        short(noise * 1e3),
-        short(resolution * 1e3)
-    );
-    line(name, &words);
-}
-
-/// How long a series stands at its ends.
-fn rests(line: &dyn Fn(&str, &str), unit: &str, series: &Series, survey: &Survey) {
-    let Series { low, high, longest_at_low, longest_at_high, .. } = *series;
-    let half_cycle = survey.rows / (survey.swings.reversals as u64 + 1);
-    let least = REST.max(half_cycle / PART_OF_A_HALF_CYCLE);
-    for (end, value, rows) in [("lowest", low, longest_at_low), ("highest", high, longest_at_high)] {
-        if rows >= least && low < high {
-            let value = short(value);
-            line(
-                "",
-                &format!("stands at its {end}, {value} {unit}, for {rows} rows: a rest, or the end of the range?"),
-            );
-        }
-    }
-}
-
-fn swings(line: &dyn Fn(&str, &str), survey: &Survey) {
-    let swings = &survey.swings;
-    let Some(voltage) = &survey.voltage else { return };
-    line("reversals", &format!("{} of the voltage, by {} V at least", swings.reversals, short(swings.threshold_v)));
-    if survey.rows_a_block > 1 {
-        let hz = survey.clock.hz / (2 * survey.rows_a_block) as f64;
-        line("", &format!("a long log: oscillations above {} Hz count as one", short(hz)));
-    }
-    if voltage.low >= voltage.high {
-        line("", "the voltage is constant: nothing can be learnt from it");
-        return;
-    }
-    line("half cycles", "amplitude, V × frequency, Hz: how many");
-    for Cell { amplitude_v, frequency_hz, half_cycles } in &swings.cells {
-        let from_to = |(from, to): (f64, f64)| format!("{} … {}", short(from), short(to));
-        line("", &format!("{:>17} × {:<15} {half_cycles:>8}", from_to(*amplitude_v), from_to(*frequency_hz)));
-    }
-}
-
-/// A number of four significant digits.
-fn short(x: f64) -> String {
-    let text = format!("{x:.3e}");
-    match text.parse::<f64>() {
-        Ok(x) if x == 0.0 || (1e-4..1e6).contains(&x.abs()) => format!("{x}"),
-        _ => text,
     }
 }

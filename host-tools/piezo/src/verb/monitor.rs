@@ -6,7 +6,7 @@
 use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
-use crate::option::{choice, not_negative};
+use crate::option::{choice, count, not_negative};
 use anyhow::{Error, Result, ensure};
 use bench::BoardFacts;
 use clap::Args;
@@ -19,6 +19,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use live_scope::terminal::{line, object, picture};
 use live_scope::{Datagrams, Device, Format, Scope, Server, server};
 use protocol::Mode;
+use recordings::file;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -46,7 +47,7 @@ pub struct Monitor {
     #[arg(long, value_parser = choice(FORMATS), default_value = "teleplot", requires = "udp")]
     pub format: Format,
     /// Of so many ticks, at most a second's, send those at which a quantity is least or largest; 1 sends all.
-    #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..), requires = "udp")]
+    #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = |text: &str| count::<u32>(text, "; 1 sends all"), requires = "udp")]
     pub every: u32,
     /// What the board's wires stand for: a board.toml. Where it says a sensor_span, page and datagrams have the sensor, too.
     #[arg(long, value_name = "FILE")]
@@ -74,7 +75,6 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let facts = arguments.board.as_deref().map(BoardFacts::read).transpose()?;
     let span = facts.and_then(|facts| facts.sensor_span);
-    ensure!(arguments.out.is_dir(), "{}: is no folder, --out names one that is there", arguments.out.display());
     let mut device = open(arguments, span)?;
     if let (Some(path), Some(Err(other))) = (&arguments.board, facts.map(|facts| facts.of_board(&device.identity))) {
         eprintln!("piezo: careful: {}: {other}: the sensor's µm are by its span", path.display());
@@ -90,6 +90,7 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
         arguments.seconds.and_then(|seconds| Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?));
     let over = || interrupt.wanted() || end.is_some_and(|end| Instant::now() >= end);
     if let Some(address) = &arguments.web {
+        file::folder(&arguments.out)?;
         let server = Server::start(address)?;
         if !server.is_loopback() {
             eprintln!("piezo: careful: other machines reach this page; whoever knows its address can zero and record");
@@ -122,7 +123,7 @@ fn open(arguments: &Monitor, span: Option<(f64, f64)>) -> Result<Device> {
     let (mut client, identity) = arguments.port.connect()?;
     let health = client.health()?;
     if matches!(health.mode, Mode::Linearise | Mode::Waveform) {
-        eprintln!("piezo: the device {}", words::mode(health.mode));
+        eprintln!("piezo: the device {}", words::state(&health));
     } else {
         require_estimating(&health, &arguments.port.port)?;
     }

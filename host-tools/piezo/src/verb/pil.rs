@@ -3,8 +3,8 @@
 
 use super::device::{self, note_damage};
 use super::print::{out, progress};
-use crate::option::LogOptions;
 use crate::option::link::PortOption;
+use crate::option::{LogOptions, count};
 use anyhow::{Result, ensure};
 use clap::Args;
 use device_link::interrupt::Interrupt;
@@ -26,7 +26,7 @@ pub struct Pil {
     #[arg(required = true, value_name = "[TABLE] LOG")]
     pub files: Vec<PathBuf>,
     /// Feed no more than so many ticks of each log.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out for all of them"))]
     pub limit: Option<u64>,
     /// Print the comparison as JSON.
     #[arg(long)]

@@ -87,7 +87,7 @@ fn tell(arguments: &Prove, proven: &Proven) -> Result<()> {
     out(&log.display().to_string());
     out(&verdict.to_string());
     if !verdict.passed {
-        out(&format!("Train again, longer (--minutes), --up-to {} at least.", arguments.up_to));
+        out(&remedy::unproven(proven, arguments.up_to));
     }
     Ok(())
 }

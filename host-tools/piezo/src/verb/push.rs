@@ -51,27 +51,22 @@ pub fn run(arguments: &Push) -> Result<bool> {
         );
     }
     note_damage(&client);
-    let checksum = device::checksum(&record);
-    let (name, port) = (arguments.table.display(), &arguments.port.port);
+    let called = device::called(&arguments.table, &table);
     if arguments.json {
         out(&serde_json::to_string_pretty(&json!({
             "table": arguments.table,
             "model": table.model(),
-            "checksum": checksum,
+            "checksum": device::checksum(&record),
             "written": !arguments.write.dry_run,
             "in_use": restarted.is_some(),
         }))?);
     } else if arguments.write.dry_run {
-        out(&format!("{name} ({}, checksum {checksum}) fits {}; nothing was written", table.model(), identity.board));
+        out(&device::fits_unwritten(&arguments.table, &table, &identity));
     } else if restarted.is_some() {
-        out(&format!(
-            "{name} ({}, checksum {checksum}) is stored, and in use on the board ({})",
-            table.model(),
-            identity.board
-        ));
+        out(&format!("{called} is stored, and in use on the board ({})", identity.board));
     } else {
-        out(&format!("{name} ({}, checksum {checksum}) is stored on {}", table.model(), identity.board));
-        out(&format!("It is used from the next reset on: piezo reset --port {port}"));
+        out(&format!("{called} is stored on {}", identity.board));
+        out(&format!("It is used from the next reset on: piezo reset --port {}", arguments.port.port));
     }
     Ok(true)
 }

@@ -3,7 +3,7 @@
 use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
-use crate::option::{Overwrite, not_negative};
+use crate::option::{Overwrite, count, not_negative};
 use crate::output::Replacement;
 use anyhow::{Context, Result, bail, ensure};
 use bench::BoardFacts;
@@ -28,7 +28,7 @@ pub struct Record {
     #[arg(long, value_parser = not_negative, allow_negative_numbers = true, conflicts_with = "samples")]
     pub seconds: Option<f64>,
     /// Length, ticks.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out to go on until Ctrl-C"))]
     pub samples: Option<u64>,
     /// Go on when samples are lost. The time column then leaps, and no verb reads such a log.
     #[arg(long)]

@@ -2,7 +2,7 @@
 
 use super::device;
 use super::print::out;
-use crate::option::link::PortOption;
+use crate::option::link::{Interrupting, PortOption};
 use anyhow::Result;
 use clap::Args;
 use device_link::{table, words};
@@ -11,25 +11,33 @@ use serde_json::json;
 /// Arguments of `piezo reset`.
 #[derive(Args, Debug)]
 pub struct Reset {
+    /// Say what is in the way, and restart nothing.
+    #[arg(long)]
+    pub dry_run: bool,
     /// Print the table that it now runs as JSON.
     #[arg(long)]
     pub json: bool,
     /// The device.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of what the device drives.
+    #[command(flatten)]
+    pub interrupting: Interrupting,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Reset) -> Result<bool> {
-    let (mut client, _) = arguments.port.connect()?;
-    let identity = client.restart()?;
+    let (mut client, found) = arguments.port.connect()?;
+    arguments.interrupting.consent(&mut client, arguments.dry_run)?;
+    let identity = if arguments.dry_run { found } else { client.restart()? };
     let checksum = table::in_use(&mut client)?.map(|record| device::checksum(&record));
     if arguments.json {
         let summary = json!({ "source": identity.source, "model": identity.model, "checksum": checksum });
         out(&serde_json::to_string_pretty(&summary)?);
     } else {
         let which = checksum.map_or(String::new(), |checksum| format!(" (checksum {checksum})"));
-        out(&format!("{} is back; its table{which} is {}", identity.board, words::source(&identity.source)));
+        let is = if arguments.dry_run { "was not restarted" } else { "is back" };
+        out(&format!("{} {is}; its table{which} is {}", identity.board, words::source(&identity.source)));
     }
     Ok(true)
 }

@@ -95,7 +95,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
             written.push_str(&estimates.csv());
         }
     }
-    let trained_on: Vec<Option<(f64, f64)>> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();
+    let trained_on: Vec<Option<TrainedOn<'_>>> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();
     let mil = Figures::all(comparisons.iter().map(|c| &c.mil));
     let told = ToldFigures::all(comparisons.iter().map(|c| &c.told));
     let (Some(mil), Some(told)) = (mil, told) else { return Ok(false) };
@@ -127,7 +127,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     out("");
     out(&heading("log"));
     for ((comparison, log), trained_on) in comparisons.iter().zip(&logs).zip(&trained_on) {
-        print(comparison, log, *trained_on, &scope);
+        print(comparison, log, trained_on.as_ref(), &scope);
     }
     if comparisons.len() > 1 {
         rows("all", &mil, &told, None);
@@ -171,7 +171,7 @@ fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figures>
 }
 
 /// A log's lines and what is to be said of it.
-fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, scope: &Scope) {
+fn print(comparison: &Comparison, log: &Log, trained_on: Option<&TrainedOn<'_>>, scope: &Scope) {
     let cold = &comparison.cold;
     rows(&comparison.name, &comparison.mil, &comparison.told, cold.settled.as_ref());
     if *scope != Scope::ALL {
@@ -196,7 +196,10 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<(f64, f64)>, sco
         }
     }
     out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
-    if let Some((from, to)) = trained_on {
+    if let Some(&TrainedOn { used, at_s: (from, to) }) = trained_on {
+        if used.sha256 != log.sha256 {
+            out(&format!("    it holds the samples of {}, written by another program", used.file));
+        }
         let scored = comparison.scored_s;
         let (share, says) = match (from < scored.1 && scored.0 < to, from <= scored.0 && scored.1 <= to) {
             (false, _) => ("", "nothing of that is scored here"),
@@ -232,13 +235,18 @@ fn flaws_of(log: &Log, (from_s, to_s): (f64, f64)) -> Vec<(Flaw, usize)> {
     gravest(&found)
 }
 
-/// The seconds of a log that a table was trained on.
-fn trained_on(uses: &[LogUse], log: &Log) -> Option<(f64, f64)> {
-    let used = uses.iter().find(|used| used.role == Role::Training && used.sha256 == log.sha256)?;
-    Some((used.from_s, used.to_s))
+/// The seconds of a log that a table was trained on, and what it was then.
+struct TrainedOn<'u> {
+    used: &'u LogUse,
+    at_s: (f64, f64),
 }
 
-fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64, f64)>)) -> Value {
+fn trained_on<'u>(uses: &'u [LogUse], log: &Log) -> Option<TrainedOn<'u>> {
+    let mut training = uses.iter().filter(|used| used.role == Role::Training);
+    training.find_map(|used| Some(TrainedOn { used, at_s: used.within(log)? }))
+}
+
+fn to_json(((comparison, log), trained_on): ((&Comparison, &Log), &Option<TrainedOn<'_>>)) -> Value {
     let status: Vec<&str> = comparison.status.iter_names().map(|(name, _)| name).collect();
     json!({
         "log": comparison.name,
@@ -252,7 +260,7 @@ fn to_json(((comparison, log), trained_on_s): ((&Comparison, &Log), &Option<(f64
         "scored_s": comparison.scored_s,
         "zeroed_um": comparison.zeroed_um,
         "status": status,
-        "trained_on_s": trained_on_s,
+        "trained_on_s": trained_on.as_ref().map(|of| of.at_s),
         "displacement_estimated": log.displacement_estimated,
         "flaws": flaws_of(log, comparison.scored_s).iter().map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
     })

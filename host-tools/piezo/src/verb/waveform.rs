@@ -1,8 +1,8 @@
 //! `piezo waveform`: a line of wanted displacements into the device's memory, from which it plays it again and again by itself.
 
 use super::print::out;
-use crate::option::LogOptions;
 use crate::option::link::PortOption;
+use crate::option::{LogOptions, count};
 use anyhow::Result;
 use bench::waveform::{Waveform as Line, leave};
 use bench::{caveats, require_model};
@@ -20,10 +20,10 @@ pub struct Waveform {
     #[arg(required_unless_present = "stop")]
     pub line: Option<PathBuf>,
     /// Ticks from each point to the next; without it as many as its time takes.
-    #[arg(long, value_name = "TICKS")]
+    #[arg(long, value_name = "TICKS", value_parser = |text: &str| count::<NonZeroU16>(text, "; leave it out for as many as its time takes"))]
     pub every: Option<NonZeroU16>,
     /// Go to rest after so many lines; without it, at --stop, a fault or a reset.
-    #[arg(long, value_name = "LINES")]
+    #[arg(long, value_name = "LINES", value_parser = |text: &str| count::<NonZeroU32>(text, "; leave it out for lines without an end"))]
     pub repeat: Option<NonZeroU32>,
     /// Begin each line at a rising edge of the trigger input.
     #[arg(long)]
@@ -64,7 +64,7 @@ pub fn run(arguments: &Waveform) -> Result<bool> {
     }
     let what = if arguments.dry_run { "Nothing was sent".to_owned() } else { plays(lines, arguments.on_trigger) };
     out(&format!("{}. {what}", foreseen.said(table.sample_period())));
-    table.drive.iter().flat_map(|drive| caveats(&table, &drive.limits)).for_each(|line| out(&line));
+    table.drive.iter().for_each(|drive| out(&caveats(&table, &drive.limits)[0]));
     Ok(true)
 }
 

@@ -1,8 +1,9 @@
 //! A folder of results that one program at a time writes into.
 
+use super::made::Made;
 use super::{FileError, writable, write_all};
 use fs4::{FileExt, TryLockError};
-use std::fs::{self, File};
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -12,8 +13,7 @@ pub struct Held {
     path: PathBuf,
     /// Ends with the program, however it ends.
     lock: File,
-    /// The deepest first.
-    made: Vec<PathBuf>,
+    _made: Made,
 }
 
 impl Held {
@@ -24,10 +24,8 @@ impl Held {
     pub fn of(path: &Path) -> Result<Self, FileError> {
         let failed = |source| FileError::Folder { path: path.to_owned(), source };
         writable(path)?;
-        let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
-        let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
-        fs::create_dir_all(path).map_err(failed)?;
-        let held = Self { path: path.to_owned(), lock: handle(path).map_err(failed)?, made };
+        let made = Made::folder(path).map_err(failed)?;
+        let held = Self { path: path.to_owned(), lock: handle(path).map_err(failed)?, _made: made };
         // Where the file system knows no locks, what the files say of each other alone tells that they were mixed.
         match FileExt::try_lock(&held.lock) {
             Err(TryLockError::WouldBlock) => Err(FileError::Busy { path: path.to_owned() }),
@@ -41,13 +39,6 @@ impl Held {
     /// [`FileError::Write`], of the file that cannot be written.
     pub fn write_all<'n>(&self, files: impl IntoIterator<Item = (&'n str, impl AsRef<[u8]>)>) -> Result<(), FileError> {
         write_all(files.into_iter().map(|(name, contents)| (self.path.join(name), contents)))
-    }
-}
-
-impl Drop for Held {
-    fn drop(&mut self) {
-        // One that holds something is not removed.
-        self.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
 }
 
@@ -66,6 +57,7 @@ fn handle(folder: &Path) -> io::Result<File> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_folder_is_held_once_and_goes_again_where_nothing_was_written() {

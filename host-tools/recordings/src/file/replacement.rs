@@ -2,6 +2,7 @@
 //!
 //! Whoever writes one holds a lock on it, which ends with the program however it ends: one that is not locked is a leftover.
 
+use super::made::Made;
 use fs4::{FileExt, TryLockError};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -20,14 +21,16 @@ const LONGEST_LINE: u64 = 4096;
 pub struct Replacement {
     file: NamedTempFile,
     target: PathBuf,
+    /// Dropped behind the file.
+    _made: Made,
 }
 
 impl Replacement {
     /// The replacement of `path`, whose links are followed, with the permissions of what is there, or else of an ordinary
-    /// new file.
+    /// new file; in a folder that is made where there is none.
     ///
     /// # Errors
-    /// What is there is a device, a pipe, a folder, a link to nothing, or read-only; whatever the operating system says.
+    /// Its folder cannot be made; what is there is a device, a pipe, a folder, a link to nothing, or read-only; whatever the operating system says.
     pub fn of(path: &Path) -> io::Result<Self> {
         let refused = |kind, why| Err(io::Error::new(kind, why));
         let (target, there) = match path.canonicalize() {
@@ -46,11 +49,12 @@ impl Replacement {
             }
             Err(_) => (path.to_owned(), None),
         };
+        let made = Made::folder(folder_of(&target))?;
         let file = temporary(folder_of(&target))?;
         if let Some(permissions) = there {
             file.as_file().set_permissions(permissions)?;
         }
-        Ok(Self { file, target })
+        Ok(Self { file, target, _made: made })
     }
 
     /// Has what was written on the disk.

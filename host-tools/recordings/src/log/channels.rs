@@ -9,6 +9,25 @@ use super::sensitivity::Sensitivity;
 /// Every quantity of a log.
 pub(super) const QUANTITIES: [Quantity; 3] = [Quantity::Time, Quantity::Voltage, Quantity::Displacement];
 
+/// What is to be said of how a log's columns were understood.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Remark {
+    /// The stated unit is not the one that the file says.
+    Overruled {
+        /// What the column holds.
+        quantity: Quantity,
+        /// The file's unit.
+        header: Unit,
+        /// The stated one, which is used.
+        stated: Unit,
+    },
+    /// The file names no columns, and they are taken in the documented order and units.
+    Assumed {
+        /// They, as [`Columns`](super::Columns) say it.
+        columns: String,
+    },
+}
+
 /// One column chosen from a file: its index from 0 and its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Channel {
@@ -16,11 +35,13 @@ pub(super) struct Channel {
     pub unit: Unit,
     /// The sensor's scale, where the unit is one of voltage and the column holds the displacement.
     pub sensor: Option<Sensitivity>,
+    /// The header's unit, where another one was stated.
+    pub overruled: Option<Unit>,
 }
 
 impl Channel {
     pub fn new(index: usize, unit: Unit) -> Self {
-        Self { index, unit, sensor: None }
+        Self { index, unit, sensor: None, overruled: None }
     }
 
     /// A value of the column in s, V or µm.
@@ -37,6 +58,8 @@ pub(super) struct Channels {
     pub displacement: Option<Channel>,
     /// The displacement's column is named an estimate.
     pub displacement_estimated: bool,
+    /// Nothing says which column holds what: they are taken in the documented order and units.
+    pub in_documented_order: bool,
 }
 
 impl Channels {
@@ -79,7 +102,18 @@ impl Channels {
             voltage: channel(first, Quantity::Voltage),
             displacement: channel(first + 1, Quantity::Displacement),
             displacement_estimated: false,
+            in_documented_order: true,
         }
+    }
+
+    /// What is to be said of this choice.
+    pub fn remarks(&self) -> Vec<Remark> {
+        let overruled = |&quantity: &Quantity| {
+            let Channel { unit, overruled, .. } = self.get(quantity)?;
+            overruled.map(|header| Remark::Overruled { quantity, header, stated: unit })
+        };
+        let assumed = self.in_documented_order.then(|| Remark::Assumed { columns: self.to_string() });
+        QUANTITIES.iter().filter_map(overruled).chain(assumed).collect()
     }
 }
 
@@ -87,7 +121,7 @@ impl fmt::Display for Channels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut comma = "";
         for quantity in QUANTITIES {
-            if let Some(Channel { index, unit, sensor }) = self.get(quantity) {
+            if let Some(Channel { index, unit, sensor, .. }) = self.get(quantity) {
                 write!(f, "{comma}{quantity}={}:", index + 1)?;
                 match sensor {
                     Some(sensor) => write!(f, "{sensor}")?,

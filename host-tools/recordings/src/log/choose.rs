@@ -64,11 +64,11 @@ impl Chooser<'_> {
 
     /// A column in the unit that the user states, which measures what the column's own unit does.
     fn restated(&self, index: usize, unit: Unit) -> Result<Channel, Fault> {
-        let channel = Channel::new(index, unit);
-        match self.unit(index, unit.quantity()) {
-            Err(fault @ Fault::WrongDimension { .. }) => Err(fault),
-            _ => Ok(channel),
-        }
+        let header = match self.unit(index, unit.quantity()) {
+            Err(fault @ Fault::WrongDimension { .. }) => return Err(fault),
+            header => header.ok().flatten(),
+        };
+        Ok(Channel { overruled: header.filter(|&header| header != unit), ..Channel::new(index, unit) })
     }
 
     /// The unit that a column states, if it states one.
@@ -86,7 +86,7 @@ impl Chooser<'_> {
             return Err(Fault::SensitivityOfLength { column: excerpt(&label.text), unit });
         }
         let unit = label.unit_of(Quantity::Voltage).unwrap_or(Unit::Volt);
-        Ok(Channel { index, unit, sensor: Some(sensor) })
+        Ok(Channel { sensor: Some(sensor), ..Channel::new(index, unit) })
     }
 
     /// What names and units add to what is stated.
@@ -282,7 +282,12 @@ impl Chooser<'_> {
     }
 
     fn guess(&self) -> Channels {
-        guess::channels(&self.table.columns, self.labels, self.table.sample_time.is_none())
+        guess::channels(
+            &self.table.columns,
+            self.labels,
+            self.table.sample_time.is_none(),
+            self.options.voltage_required,
+        )
     }
 
     /// The likely columns as they are stated; where volts can be the sensor's, with a place for its scale.

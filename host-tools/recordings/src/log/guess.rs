@@ -7,16 +7,16 @@ use super::label::Label;
 use super::sensitivity::Sensitivity;
 
 /// The likely columns: by name, by unit, by what the numbers do, else in order. Without `time_needed` no column is taken
-/// for the time by its numbers.
-pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool) -> Channels {
+/// for the time by its numbers. Of what is wanted of a displacement there need be no voltage.
+pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, voltage_needed: bool) -> Channels {
     // A setting beside the first rows is no column.
     let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
     let numeric = |at: &usize| columns[*at].numeric && columns[*at].values.len() == rows;
     let all: Vec<usize> = (0..columns.len()).filter(numeric).collect();
-    // Of two columns none can be spared for the time.
-    let seek_clock = time_needed && all.len() >= 3;
+    // None can be spared for the time that is needed for something else.
+    let seek_clock = time_needed && all.len() >= if voltage_needed { 3 } else { 2 };
     let mut channels = Channels::default();
-    for quantity in QUANTITIES {
+    for quantity in QUANTITIES.into_iter().filter(|&quantity| voltage_needed || quantity != Quantity::Voltage) {
         let free = || all.iter().copied().filter(|at| !channels.has(*at));
         let named = free().find(|&at| labels[at].quantity() == Some(quantity));
         let free = || free().filter(|&at| !labels[at].says_other());

@@ -32,6 +32,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
+pub use channels::Remark;
 pub use columns::{Column, Columns, ColumnsError, Position};
 pub use error::LogError;
 use error::PlacedFault;
@@ -53,8 +54,16 @@ pub const MINIMUM_ROWS: usize = 16;
 /// # Errors
 /// Whatever makes the file no usable log; see [`Fault`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
+    read_remarked(path, options).map(|(log, _)| log)
+}
+
+/// Reads the log in the file at `path`, and what is to be said of how its columns were understood.
+///
+/// # Errors
+/// Whatever makes the file no usable log.
+pub fn read_remarked(path: &Path, options: &ReadOptions) -> Result<(Log, Vec<Remark>), LogError> {
     let bytes = load(path).map_err(|fault| PlacedFault::from(fault).in_file(path))?;
-    read_bytes(path, &bytes, options)
+    of_bytes(path, &bytes, options)
 }
 
 /// Reads the log in the bytes of a file, which come with a program or were read before.
@@ -62,9 +71,13 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
 /// # Errors
 /// Whatever makes them no usable log.
 pub fn read_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Log, LogError> {
+    of_bytes(path, bytes, options).map(|(log, _)| log)
+}
+
+fn of_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Log, Vec<Remark>), LogError> {
     let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let (recording, sample_period) = parse(bytes, options).map_err(|fault| fault.in_file(path))?;
-    Ok(Log {
+    let log = Log {
         name: Path::new(&*file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         path: path.to_owned(),
         sha256: Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
@@ -73,7 +86,8 @@ pub fn read_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Lo
         voltage: recording.voltage,
         displacement: recording.displacement,
         displacement_estimated: recording.channels.displacement_estimated,
-    })
+    };
+    Ok((log, recording.channels.remarks()))
 }
 
 /// Opens the log in the file at `path` without reading it to its end: only what is needed to know its columns.

@@ -7,7 +7,7 @@ use measurement_files::{
     Column, Fault as FileFault, Format, PlacedFault as PlacedFileFault, Quantity, SampleTime, Table, place,
 };
 
-use super::channels::{Channel, Channels, QUANTITIES};
+use super::channels::{Channel, Channels, QUANTITIES, Remark};
 use super::choose::choose;
 use super::error::PlacedFault;
 use super::fault::Fault;
@@ -67,11 +67,17 @@ impl<'a> Reading<'a> {
     #[must_use]
     pub fn chosen(&self) -> Vec<Chosen> {
         let chosen = |quantity: &Quantity| {
-            let Channel { index, unit, sensor } = self.channels.get(*quantity)?;
+            let Channel { index, unit, sensor, .. } = self.channels.get(*quantity)?;
             let unit = sensor.map_or_else(|| unit.to_string(), |sensor| format!("{unit}, {sensor}"));
             Some(Chosen { quantity: *quantity, number: index + 1, name: self.table.columns[index].name.clone(), unit })
         };
         QUANTITIES.iter().filter_map(chosen).collect()
+    }
+
+    /// What is to be said of how the columns were understood.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<Remark> {
+        self.channels.remarks()
     }
 
     /// What the file says about its sample time outside its columns.

@@ -1,0 +1,147 @@
+//! What was understood of a log before anything is fitted to it, in words.
+
+use crate::implausible;
+use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey};
+use recordings::log::Remark;
+
+/// Fewest rows at an end of the range that look like a rest or saturation.
+const REST: u64 = 8;
+/// Smallest part of a mean half cycle that does: a sine's crest, rounded, is one number for less.
+const PART_OF_A_HALF_CYCLE: u64 = 20;
+
+/// What was understood of a log, a line each, and why there is no displacement.
+pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut line = |name: &str, words: &str| lines.push(format!("  {name:<13} {words}"));
+    for ColumnRead { quantity, number, name, unit } in &survey.columns {
+        let name = if name.is_empty() { String::new() } else { format!(" {name:?}") };
+        line(quantity, &format!("column {number}{name}, in {unit}"));
+    }
+    survey.remarks.iter().for_each(|of| line("", &remark(of)));
+    line("rate", &rate(survey));
+    for (name, unit, small, series) in
+        [("voltage", "V", "mV", &survey.voltage), ("displacement", "µm", "nm", &survey.displacement)]
+    {
+        match series {
+            Some(series) => {
+                ranges(&mut line, name, (unit, small), series);
+                rests(&mut line, unit, series, survey);
+            }
+            None => line(name, refusal.unwrap_or("no column holds it")),
+        }
+    }
+    if let Some(of) = &survey.implausible {
+        line("doubtful", &implausible(of));
+    }
+    if let Some(frozen) = survey.frozen {
+        let words = format!(
+            "{} µm in {} rows from row {} on, while the voltage moves by {:.4} V: was the sensor off, or out of its range?",
+            frozen.displacement_um,
+            frozen.rows,
+            frozen.first_row + 1,
+            frozen.voltage_v
+        );
+        line("frozen", &words);
+    }
+    swings(&mut line, survey);
+    lines
+}
+
+/// What is to be said of how a log's columns were understood.
+pub fn remark(of: &Remark) -> String {
+    match of {
+        Remark::Overruled { quantity, header, stated } => {
+            format!("{quantity}: the header says {header}, --columns says {stated}; {stated} is used")
+        }
+        Remark::Assumed { columns } => {
+            format!("the file names no columns: they are taken for {columns}; --columns says otherwise")
+        }
+    }
+}
+
+fn rate(survey: &Survey) -> String {
+    let Clock { hz, source, steps_s, long_steps, duration_s } = &survey.clock;
+    let source = match source {
+        RateSource::Column => "by the time column".to_owned(),
+        RateSource::File(name) => format!("by the file's {name:?}"),
+        RateSource::Stated => "as stated by --fs".to_owned(),
+    };
+    let steps = match steps_s {
+        Some((low, high)) if high - low > 0.01 / hz => {
+            format!("; steps of {} to {} ms", short(low * 1e3), short(high * 1e3))
+        }
+        _ => String::new(),
+    };
+    let gaps = match long_steps {
+        0 => String::new(),
+        1 => "; 1 gap, where identify will refuse it".to_owned(),
+        gaps => format!("; {gaps} gaps, where identify will refuse it"),
+    };
+    if survey.rows < 2 {
+        return format!("{} row, of which there must be two to have a rate", survey.rows);
+    }
+    if !hz.is_finite() {
+        let first_to_last = short(*duration_s);
+        return format!(
+            "none {source}: from the first of {} rows to the last it goes on by {first_to_last} s",
+            survey.rows
+        );
+    }
+    format!("{} Hz, {source}; {} rows, {} s{steps}{gaps}", short(*hz), survey.rows, short(*duration_s))
+}
+
+fn ranges(line: &mut dyn FnMut(&str, &str), name: &str, (unit, small): (&str, &str), series: &Series) {
+    let Series { low, high, noise, resolution, .. } = *series;
+    let words = format!(
+        "{} … {} {unit}; noise {} {small} (1 σ), smallest step {} {small}",
+        short(low),
+        short(high),
+        short(noise * 1e3),
+        short(resolution * 1e3)
+    );
+    line(name, &words);
+}
+
+/// How long a series stands at its ends.
+fn rests(line: &mut dyn FnMut(&str, &str), unit: &str, series: &Series, survey: &Survey) {
+    let Series { low, high, longest_at_low, longest_at_high, .. } = *series;
+    let half_cycle = survey.rows / (survey.swings.reversals as u64 + 1);
+    let least = REST.max(half_cycle / PART_OF_A_HALF_CYCLE);
+    for (end, value, rows) in [("lowest", low, longest_at_low), ("highest", high, longest_at_high)] {
+        if rows >= least && low < high {
+            let value = short(value);
+            line(
+                "",
+                &format!("stands at its {end}, {value} {unit}, for {rows} rows: a rest, or the end of the range?"),
+            );
+        }
+    }
+}
+
+fn swings(line: &mut dyn FnMut(&str, &str), survey: &Survey) {
+    let swings = &survey.swings;
+    let Some(voltage) = &survey.voltage else { return };
+    line("reversals", &format!("{} of the voltage, by {} V at least", swings.reversals, short(swings.threshold_v)));
+    if survey.rows_a_block > 1 {
+        let hz = survey.clock.hz / (2 * survey.rows_a_block) as f64;
+        line("", &format!("a long log: oscillations above {} Hz count as one", short(hz)));
+    }
+    if voltage.low >= voltage.high {
+        line("", "the voltage is constant: nothing can be learnt from it");
+        return;
+    }
+    line("half cycles", "amplitude, V × frequency, Hz: how many");
+    for Cell { amplitude_v, frequency_hz, half_cycles } in &swings.cells {
+        let from_to = |(from, to): (f64, f64)| format!("{} … {}", short(from), short(to));
+        line("", &format!("{:>17} × {:<15} {half_cycles:>8}", from_to(*amplitude_v), from_to(*frequency_hz)));
+    }
+}
+
+/// A number of four significant digits.
+pub fn short(x: f64) -> String {
+    let text = format!("{x:.3e}");
+    match text.parse::<f64>() {
+        Ok(x) if x == 0.0 || (1e-4..1e6).contains(&x.abs()) => format!("{x}"),
+        _ => text,
+    }
+}
