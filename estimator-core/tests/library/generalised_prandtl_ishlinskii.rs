@@ -96,6 +96,22 @@ proptest! {
     }
 }
 
+/// As an actuator that was never driven rests at 0 V, and as one that comes from full voltage does.
+#[test]
+fn at_an_end_of_the_span_it_may_have_come_there_or_never_left() {
+    let still = GeneralisedPrandtlIshlinskiiParameters { creep_gains: List::of([0.0; 5]), ..PLAIN };
+    let after = |way: &[f64]| *run(&still, way, None).last().unwrap();
+    for (end, other) in [(0.0, 100.0), (100.0, 0.0)] {
+        let (never_left, come) = (after(&[end]), after(&[50.0, other, end]));
+        assert!((come - never_left).abs() > 0.1, "{never_left} {come}");
+        for part in [0.0, 0.3, 1.0] {
+            let known = never_left + part * (come - never_left);
+            let found = run(&still, &[end], Some(known))[0];
+            assert!((found - known).abs() < 1e-6, "{found} not {known} at {end} V");
+        }
+    }
+}
+
 #[test]
 fn a_delay_is_a_delay() {
     let late = GeneralisedPrandtlIshlinskiiParameters { delay_ticks: 3.0, ..PLAIN };

@@ -12,6 +12,7 @@
 use crate::character::Character;
 use crate::fit::{Fit, Identification};
 use crate::problem::Problem;
+use crate::settled::{judged_once_settled, settled};
 use estimator_core::Model;
 use rayon::prelude::*;
 use recordings::session::Session;
@@ -69,9 +70,10 @@ impl CrossValidation {
     /// could be the best, or data too short to be divided.
     pub fn of(identification: &Identification<'_>, fits: &[Fit], mut progress: impl FnMut()) -> Option<Self> {
         let problem = identification.problem;
-        let mut tried = eligible(problem, fits);
-        let least = tried.iter().map(|fit| fit.cost).fold(f64::INFINITY, f64::min);
-        tried.retain(|fit| fit.cost <= HOPELESS * least);
+        let tried = eligible(identification, fits);
+        let least = tried.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
+        let tried: Vec<&Fit> =
+            tried.into_iter().filter(|(_, error)| *error <= HOPELESS * least).map(|(fit, _)| fit).collect();
         let (left_out, parts) = parts(problem);
         if tried.len() < 2 || parts.len() < 2 {
             return None;
@@ -110,10 +112,14 @@ impl CrossValidation {
     }
 }
 
-/// The fits that may be chosen: admissible, and of a model that the logs' amplitudes can determine.
-pub fn eligible<'f>(problem: &Problem, fits: &'f [Fit]) -> Vec<&'f Fit> {
+/// The fits that may be chosen, admissible and of a model that the logs' amplitudes can determine, and how far each is off in the
+/// training once it has settled, µm.
+pub fn eligible<'f>(identification: &Identification<'_>, fits: &'f [Fit]) -> Vec<(&'f Fit, f64)> {
+    let problem = identification.problem;
     let amplitudes = several_amplitudes(problem);
-    fits.iter().filter(|fit| fit.cost.is_finite() && (amplitudes || !FREE.contains(&fit.model))).collect()
+    let eligible = fits.iter().filter(|fit| fit.cost.is_finite() && (amplitudes || !FREE.contains(&fit.model)));
+    let off = |fit: &'f Fit| Some((fit, problem.error_once_settled(&fit.parameters?, identification.cost)));
+    eligible.filter_map(off).collect()
 }
 
 fn several_amplitudes(problem: &Problem) -> bool {
@@ -162,8 +168,8 @@ fn parts(problem: &Problem) -> (LeftOut, Vec<Problem>) {
         let count = logs.len().min(PARTS);
         let of = |part: usize| {
             let (out, kept): (Vec<_>, Vec<_>) = logs.iter().enumerate().partition(|(log, _)| log % count == part);
-            let owned = |some: Vec<(usize, &&Session)>| some.into_iter().map(|(_, &log)| log.clone()).collect();
-            problem.of(owned(kept), owned(out))
+            let kept = kept.into_iter().map(|(_, &log)| log.clone()).collect();
+            problem.of(kept, out.into_iter().map(|(_, log)| judged_once_settled(log)).collect())
         };
         return (LeftOut::Logs, (0..count).map(of).collect());
     }
@@ -175,13 +181,15 @@ fn parts(problem: &Problem) -> (LeftOut, Vec<Problem>) {
     (LeftOut::Blocks, if long { (0..PARTS).map(of).collect() } else { Vec::new() })
 }
 
-/// A session without a block of what was measured, and with that block alone. Both have the whole voltage and the first
-/// measured instant, where the estimator starts.
+/// A session without a block of what was measured once it had settled, and with that block alone. Both have the whole voltage and
+/// the first measured instant, where the estimator starts.
 fn without_block(session: &Session, part: usize) -> (Session, Session) {
-    let measured = session.instants.len() - 1;
-    let block = 1 + part * measured / PARTS..1 + (part + 1) * measured / PARTS;
+    let first = settled(session).max(1);
+    let measured = session.instants.len();
+    let at = |part: usize| first + part * (measured - first) / PARTS;
+    let block = at(part)..at(part + 1);
     let with = |kept: &dyn Fn(usize) -> bool| {
-        let indices = (0..=measured).filter(|index| *index == 0 || kept(*index));
+        let indices = (0..measured).filter(|index| *index == 0 || kept(*index));
         let (instants, displacement) = indices.map(|at| (session.instants[at], session.displacement[at])).unzip();
         Session { instants, displacement, ..session.clone() }
     };
@@ -194,6 +202,7 @@ mod tests {
     use crate::cost::Feedback;
     use crate::prepared;
     use crate::{Conditions, SearchOptions};
+    use estimator_core::{DuhemParameters, Parameters};
     use recordings::prepare::PrepareOptions;
     use recordings::rig::{EXCITATIONS, Excitation, Rig};
 
@@ -206,7 +215,7 @@ mod tests {
         let one = session(EXCITATIONS[1]);
         let fit = |model, cost| Fit {
             model,
-            parameters: None,
+            parameters: Some(duhem()),
             genes: Vec::new(),
             solved: 0,
             cost,
@@ -218,12 +227,34 @@ mod tests {
         let fits = [fit(Model::Narx, 0.001), fit(Model::BoucWen, 0.1), fit(Model::Duhem, f64::INFINITY)];
         let models = |sessions: Vec<Session>| {
             let problem = Problem::new(sessions, Vec::new(), Conditions::default());
-            eligible(&problem, &fits).iter().map(|fit| fit.model).collect::<Vec<_>>()
+            let options = SearchOptions::default();
+            let search = Identification {
+                problem: &problem,
+                cost: Feedback::Simulation.into(),
+                options: &options,
+                budget: None,
+            };
+            eligible(&search, &fits).iter().map(|(fit, _)| fit.model).collect::<Vec<_>>()
         };
         assert_eq!(models(vec![one.clone()]), [Model::BoucWen]);
         let mut small = one.clone();
         small.voltage.iter_mut().for_each(|voltage| *voltage *= 0.3);
         assert_eq!(models(vec![one, small]), [Model::Narx, Model::BoucWen]);
+    }
+
+    /// Of about the rig's gain.
+    fn duhem() -> Parameters {
+        Parameters::Duhem(DuhemParameters {
+            lag_s: 1e-3,
+            alpha_per_v: 0.1,
+            saturation_v: 40.0,
+            voltage_centre_v: 0.0,
+            offset_um: 0.0,
+            f1_um_per_v: 0.2,
+            f3_um_per_v3: 0.0,
+            g0_um_per_v: 0.15,
+            g2_um_per_v3: 0.0,
+        })
     }
 
     fn session(excitation: Excitation) -> Session {
@@ -253,9 +284,37 @@ mod tests {
             assert!(kept.voltage == session.voltage && out.voltage == session.voltage);
             assert!(kept.instants[0] == 0 && out.instants[0] == 0);
             assert_eq!(kept.instants.len() + out.instants.len(), session.instants.len() + 1);
+            assert!(out.instants[1] >= session.instants[settled(&session)], "the start is not judged");
             judged += out.instants.len() - 1;
         }
-        assert_eq!(judged, session.instants.len() - 1);
+        let start = settled(&session);
+        assert!(start > 100, "{start}");
+        assert_eq!(judged, session.instants.len() - start);
+    }
+
+    /// A first swing that comes from where no model can begin, as that of an actuator which was driven elsewhere before.
+    #[test]
+    fn how_an_actuator_was_left_before_a_recording_decides_nothing() {
+        let session = session(EXCITATIONS[0]);
+        let mut otherwise = session.clone();
+        otherwise.displacement.iter_mut().take(settled(&session)).skip(1).for_each(|reading| *reading += 3.0);
+        let parameters = duhem();
+        let error = |session: &Session| {
+            let problem = Problem::new(vec![session.clone()], Vec::new(), Conditions::default());
+            problem.error_once_settled(&parameters, Feedback::Simulation.into())
+        };
+        assert_eq!(error(&session), error(&otherwise));
+        for part in 0..PARTS {
+            assert_eq!(without_block(&session, part).1, without_block(&otherwise, part).1);
+        }
+        let logs = |session: &Session| {
+            let problem = Problem::new(vec![session.clone(); LOGS], Vec::new(), Conditions::default());
+            let (left_out, parts) = parts(&problem);
+            assert_eq!(left_out, LeftOut::Logs);
+            let judged = |part: &Problem| part.held_out(&parameters, Feedback::Simulation.into());
+            parts.iter().map(judged).collect::<Vec<_>>()
+        };
+        assert_eq!(logs(&session), logs(&otherwise));
     }
 
     #[test]
@@ -265,18 +324,18 @@ mod tests {
         let options = SearchOptions { evaluations: 30, ..SearchOptions::default() };
         let search =
             Identification { problem: &problem, cost: Feedback::Simulation.into(), options: &options, budget: None };
-        let mut fits = search.brief(&Model::ALL, &mut |_, _| ());
+        let fits = search.brief(&Model::ALL, &mut |_, _| ());
         assert_eq!(fits.len(), Model::ALL.len());
-        // The rig is of the Voigt family, beside which no other model has a chance here: let two of the others be tried.
-        fits.retain(|fit| matches!(fit.model, Model::Voigt | Model::BoucWen | Model::MaxwellSlip));
-        fits.iter_mut().zip([1.0, 1.0, 2.0 * HOPELESS]).for_each(|(fit, cost)| fit.cost = cost);
-        let of = |fits: &[Fit]| CrossValidation::of(&search, fits, || ());
-        let said = of(&fits[..2]).unwrap();
+        let of = |models: [Model; 2]| {
+            let fits: Vec<Fit> = fits.iter().filter(|fit| models.contains(&fit.model)).cloned().collect();
+            CrossValidation::of(&search, &fits, || ())
+        };
+        let said = of([Model::BoucWen, Model::Duhem]).unwrap();
         assert_eq!((said.left_out, said.scores.len()), (LeftOut::Logs, 2));
         for score in &said.scores {
             assert_eq!((score.parts_um.len(), score.error_um), (3, mean(&score.parts_um)));
         }
         assert!(said.scores[0].error_um <= said.scores[1].error_um);
-        assert_eq!(of(&fits[1..]), None, "one that has a chance is no choice");
+        assert_eq!(of([Model::BoucWen, Model::MaxwellSlip]), None, "one that has a chance is no choice");
     }
 }

@@ -65,8 +65,8 @@ impl Identification<'_> {
             return Choice { fits, model: Some(model), reason: Reason::AskedFor };
         }
         let mut fits = self.brief(&Model::ALL, progress);
-        let least = eligible(self.problem, &fits).into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let Some(least) = least.map(|fit| (fit.model, fit.cost)) else {
+        let least = eligible(self, &fits).into_iter().min_by(|(_, a), (_, b)| a.total_cmp(b));
+        let Some(least) = least.map(|(fit, _)| (fit.model, fit.cost)) else {
             return Choice { fits, model: None, reason: Reason::LeastInTraining };
         };
         let validated = CrossValidation::of(self, &fits, || progress(least.0, least.1));

@@ -4,7 +4,8 @@
 
 use crate::cost::Cost;
 use crate::search::space::Extent;
-use crate::simulation::mean_error;
+use crate::settled::settled;
+use crate::simulation::{mean_error, mean_error_from};
 use crate::trial::Trial;
 use calibration::CalibrationOptions;
 use calibration::drive::ROOM;
@@ -116,6 +117,16 @@ impl Problem {
             .then(|| error(&self.validation, &trial.model(&self.discretisation()), cost.in_simulation()))
     }
 
+    /// Simulation error on the training sessions in the norm of a cost, µm, from where each has [settled].
+    pub fn error_once_settled(&self, trial: &impl Trial, cost: Cost) -> f64 {
+        let model = trial.model(&self.discretisation());
+        let of = |session: &Session| {
+            let first = session.lead_in.max(settled(session));
+            mean_error_from(first, session, model.clone(), cost.in_simulation())
+        };
+        mean(&self.training, cost, of)
+    }
+
     /// The tightest displacement limits (µm) within which parameters are proven to stay.
     ///
     /// # Errors
@@ -181,8 +192,12 @@ impl Problem {
 
 /// A model's error (µm) over sessions, each weighing the same whatever its length.
 fn error(sessions: &[Session], model: &impl Process<f64>, cost: Cost) -> f64 {
-    let sizes = sessions.iter().map(|session| mean_error(session, model.clone(), cost)).sum::<f64>();
-    cost.norm.error(sizes / sessions.len().max(1) as f64)
+    mean(sessions, cost, |session| mean_error(session, model.clone(), cost))
+}
+
+/// Of a size that each session has.
+fn mean(sessions: &[Session], cost: Cost, size: impl Fn(&Session) -> f64) -> f64 {
+    cost.norm.error(sessions.iter().map(size).sum::<f64>() / sessions.len().max(1) as f64)
 }
 
 /// The interval stretched about its middle.

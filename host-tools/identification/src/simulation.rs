@@ -10,7 +10,12 @@ use estimator_core::Process;
 use recordings::session::Session;
 
 /// Mean size of a model's errors over the session in a cost's norm; infinite where it diverges or nothing was measured.
-pub fn mean_error(session: &Session, mut model: impl Process<f64>, cost: Cost) -> f64 {
+pub fn mean_error(session: &Session, model: impl Process<f64>, cost: Cost) -> f64 {
+    mean_error_from(session.lead_in, session, model, cost)
+}
+
+/// As [`mean_error`], of the measured instants from this index on.
+pub fn mean_error_from(first: usize, session: &Session, mut model: impl Process<f64>, cost: Cost) -> f64 {
     let Some(&start) = session.displacement.first() else { return f64::INFINITY };
     let weight = cost.weight();
     let (mut tick, mut sum, mut estimated, mut offset) = (0, 0.0, start, 0.0);
@@ -19,7 +24,7 @@ pub fn mean_error(session: &Session, mut model: impl Process<f64>, cost: Cost) -
     if let Some(rest) = session.rested_v {
         model.step(rest, Some(start));
     }
-    let judged = session.lead_in.max(1);
+    let judged = first.max(1);
     for (index, (&instant, &measured)) in session.instants.iter().zip(&session.displacement).enumerate().skip(1) {
         while tick < instant as usize {
             estimated = model.step(session.voltage[tick], known);

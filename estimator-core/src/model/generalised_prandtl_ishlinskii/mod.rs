@@ -124,12 +124,17 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         }
     }
 
-    /// At rest at a voltage, each play `bias` of the way from there to an end of its memory: −1 as after a rise, 1 as after a
-    /// fall from an end of the span.
+    /// At rest at a voltage, each play `bias` of the way from where long rest leaves it to an end of its memory: −1 as after a rise,
+    /// 1 as after a fall from an end of the span. An actuator that has never left an end of the span has the memory of neither.
     fn branch(&self, voltage: T, bias: T) -> GeneralisedPrandtlIshlinskiiState<T> {
-        let left = |half_width| Range { min: self.span.min + half_width, max: self.span.max - half_width };
-        let play_at = |half_width| play(left(half_width).clamp(voltage + bias * half_width), voltage, half_width);
-        self.resting(voltage, self.elements.map(|(half_width, _)| play_at(half_width)))
+        let mut plays = self.rested(voltage);
+        for (at, (half_width, _)) in plays.iter_mut().zip(self.elements) {
+            let left = Range { min: self.span.min + half_width, max: self.span.max - half_width };
+            let swept = |towards: T| play(left.clamp(voltage + towards * half_width), voltage, half_width);
+            let end = if bias < T::zero() { swept(-T::one()).min(*at) } else { swept(T::one()).max(*at) };
+            *at = *at + bias.abs() * (end - *at);
+        }
+        self.resting(voltage, plays)
     }
 
     /// The plays of an actuator that has rested at a voltage.

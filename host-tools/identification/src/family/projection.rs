@@ -1,6 +1,7 @@
 //! The least squares inside the search.
 
 use crate::problem::Problem;
+use crate::settled::settled;
 use estimator_core::{Linear, Resonance, ResonanceState};
 use least_squares::{Normal, Sign};
 use recordings::session::Session;
@@ -21,8 +22,6 @@ pub struct Projection<'a, M> {
 
 /// A ridge that is nothing but for columns that are alike.
 const RIDGE: f64 = 1e-6;
-/// How near to its extremes, as a fraction of its span, a session's voltage must have come for its memory to be its own.
-const EXTREME: f64 = 0.01;
 
 impl<M: Linear<f64>> Projection<'_, M> {
     /// The unknowns with which the sum comes nearest to the sensor, `target` of it, in the sum of squares, and the constant.
@@ -86,15 +85,4 @@ impl<M: Linear<f64>> Projection<'_, M> {
             }
         });
     }
-}
-
-/// The first instant at which a session's voltage has been near both of its extremes; 0 where that takes more than half of it.
-pub(super) fn settled(session: &Session) -> usize {
-    let low = session.voltage.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = session.voltage.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let near = EXTREME * (high - low);
-    let first = |is: &dyn Fn(f64) -> bool| session.voltage.iter().position(|&v| is(v)).unwrap_or(0);
-    let tick = first(&|v| v <= low + near).max(first(&|v| v >= high - near)) as u32;
-    let index = session.instants.partition_point(|&instant| instant < tick);
-    if 2 * index <= session.instants.len() { index } else { 0 }
 }

@@ -2,7 +2,7 @@
 //! the voltage's corners, too: those of a polyline that the voltage leaves by no more than a deadband. From one such tick to the
 //! next the voltage runs straight, as every stage takes it to; passed over, a reversal would leave its loop too narrow.
 
-use crate::family::projection::settled;
+use crate::settled::settled;
 use recordings::session::Session;
 use std::ops::RangeInclusive;
 
