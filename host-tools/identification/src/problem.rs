@@ -117,7 +117,8 @@ impl Problem {
             .then(|| error(&self.validation, &trial.model(&self.discretisation()), cost.in_simulation()))
     }
 
-    /// Simulation error on the training sessions in the norm of a cost, µm, from where each has [settled].
+    /// Simulation error on the training sessions in the norm of a cost, µm, of what follows once each voltage has been near both
+    /// ends of its range.
     pub fn error_once_settled(&self, trial: &impl Trial, cost: Cost) -> f64 {
         let model = trial.model(&self.discretisation());
         let of = |session: &Session| {
