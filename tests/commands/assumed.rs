@@ -1,8 +1,10 @@
 //! What is assumed, contradicted or doubted of a log or a table is said, and what is made of it.
 
 use super::{MEASURED, json, piezo, refused, text};
+use emulator::Emulator;
 use std::fmt::Write;
 use std::fs;
+use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
@@ -56,9 +58,12 @@ fn a_table_that_takes_the_place_of_another_says_of_which() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("model");
     let first = identify(MEASURED, &model, &[]);
-    assert!(!String::from_utf8_lossy(&first.stderr).contains("replaces"));
+    assert!(!String::from_utf8_lossy(&first.stderr).contains("replace"));
     let second = String::from_utf8(identify(MEASURED, &model, &[]).stderr).unwrap();
-    assert!(second.contains("replaces the voigt table of picma-p885-1hz.csv (checksum "), "{second}");
+    assert!(
+        second.contains("what is learnt will replace the voigt table of picma-p885-1hz.csv (checksum "),
+        "{second}"
+    );
 }
 
 #[test]
@@ -88,6 +93,13 @@ fn a_unit_that_is_stated_against_the_header_is_taken_and_said() {
         assert!(looked.contains(part), "{part:?} is missing in\n{looked}");
         assert!(learnt.contains(part) && learnt.contains("mv.csv"), "{part:?} is missing in\n{learnt}");
     }
+    let machine = json(piezo().args(["look", text(&path), "--json"]).args(columns));
+    let [of_v, of_s] = ["voltage", "time"].map(|quantity| {
+        let remarks = machine[0]["survey"]["remarks"].as_array().expect("what people are told, machines are, too");
+        remarks.iter().find(|remark| remark["quantity"] == quantity).unwrap().clone()
+    });
+    assert_eq!((&of_v["remark"], &of_v["header"], &of_v["stated"]), (&"overruled".into(), &"mV".into(), &"V".into()));
+    assert_eq!(of_s["header"], "ms");
     let same = printed(&["look", text(&path), "--columns", "displacement=3:um,time=1:s,voltage=2:V"]);
     assert!(!same.contains("the header says µm"), "{same}");
 }
@@ -102,6 +114,9 @@ fn what_comes_after_look_can_be_pasted() {
     let expected =
         format!("piezo identify '{}' --columns voltage=2:V,displacement=3:um --fs 1000 --out 'out/day 1'", text(&path));
     assert_eq!(next.trim(), expected);
+    let words = shlex::split(next).expect("a shell's line");
+    piezo().current_dir(folder.path()).args(&words[1..]).args(SHORTEST).assert().success();
+    assert!(folder.path().join("out/day 1/table.toml").is_file());
 }
 
 #[test]
@@ -159,6 +174,8 @@ fn columns_that_nothing_names_are_said_to_be_assumed() {
         "{said}"
     );
     assert!(!printed(&["look", MEASURED]).contains("names no columns"));
+    let machine = json(piezo().args(["look", "tests/data/formats/rows.mat", "--json"]));
+    assert_eq!(machine[0]["survey"]["remarks"][0]["columns"], "time=1:s,voltage=2:V,displacement=3:um", "{machine}");
 }
 
 #[test]
@@ -196,7 +213,11 @@ fn a_folder_for_a_result_is_made_where_there_is_none() {
     let recordings = folder.path().join("d/e");
     let web = ["monitor", "--web", "127.0.0.1:0", "--out", text(&recordings), "--port", "tcp:127.0.0.1:1"];
     let said = refused(&web, &["tcp:127.0.0.1:1"]);
-    assert!(!said.contains("no folder"), "{said}");
+    assert!(!said.contains("no folder") && !folder.path().join("d").exists(), "{said}");
+    let (device, taken) = (Emulator::new().start().unwrap(), TcpListener::bind("127.0.0.1:0").unwrap());
+    let (address, port) = (taken.local_addr().unwrap().to_string(), format!("tcp:{}", device.address()));
+    refused(&["monitor", "--web", &address, "--out", text(&recordings), "--port", &port], &[&address]);
+    assert!(!folder.path().join("d").exists());
 }
 
 #[test]

@@ -73,10 +73,15 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let train = ["train", "--minutes", "0.7", "--up-to", "20", "--port", port, "--board", board, "--out", text(&out)];
     let identify = format!("--out {}/model --board {board}", text(&out));
     refused(&train, &["which is whole: choose another --out, or learn from it", &identify]);
-    // What was recorded need not be recorded again.
+    // What was recorded need not be recorded again, and a range that is typed is meant.
     std::fs::remove_dir_all(out.join("proof")).unwrap();
-    let printed = piezo().args(&learn).assert().success().get_output().stdout.clone();
-    let printed = String::from_utf8(printed).unwrap();
+    let (range, wide) = ("drive_range = [0.0, 100.0]", folder.path().join("wide.toml"));
+    let facts = std::fs::read_to_string(board).unwrap().replace(range, "drive_range = [0.0, 115.0]");
+    std::fs::write(&wide, facts).unwrap();
+    let link = ["learn", "--port", port, "--board", text(&wide), "--out", text(&out), "--range", "0:100"];
+    let learnt = piezo().args([&link[..], &short, &search].concat()).assert().success().get_output().clone();
+    let (printed, warned) = (String::from_utf8(learnt.stdout).unwrap(), String::from_utf8(learnt.stderr).unwrap());
+    assert!(!warned.contains("the board's range"), "{warned}");
     assert!(printed.contains("has a whole session, which is learnt from as it is: nothing is recorded"), "{printed}");
     assert!(!printed.contains("$ piezo train") && printed.contains("PASS: "), "{printed}");
     // What it has left is in use: it proves again, on another draw, and is told from a table that is not good enough.
@@ -137,11 +142,17 @@ fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
     let turned = ["install", "tests/data/table/table.toml", "--dry-run", "--board", text(&turned), "--port", port];
     let said = String::from_utf8(piezo().args(turned).assert().success().get_output().stdout.clone()).unwrap();
     assert!(said.contains("adc_span falls from 135 V at code 0 to -35 V"), "{said}");
-    let installed = piezo().args(&install).assert().success().get_output().clone();
+    let installed = piezo().args(&install).arg("--json").assert().success().get_output().clone();
     let printed = String::from_utf8(installed.stdout.clone()).unwrap();
-    assert!(!printed.contains("calibration is assumed"), "{printed}");
+    assert!(!printed.contains("calibration is assumed") && printed.contains("\"written\": true"), "{printed}");
     let said = String::from_utf8(installed.stderr).unwrap();
-    for part in ["knows only part of the board's range", "0 … 3.6 V", "0 … 100 V", "--range 0:3.6"] {
+    for part in [
+        "knows only part of the board's range",
+        "0 … 3.6 V",
+        "0 … 100 V",
+        "--range 0:3.6",
+        "--range 0:100 --out '<FOLDER>' --board",
+    ] {
         assert!(said.contains(part), "{part:?} is missing in\n{said}");
     }
     let proof = folder.path().join("proof");

@@ -140,8 +140,8 @@ fn numbers_that_make_no_sense_are_refused_by_the_name_of_their_option() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// So few candidates that some models find none that is admissible within so narrow limits. With this seed the enhanced
-/// model is one of those and Voigt is not.
+/// So few candidates that some models find none that is admissible within so narrow limits. With this seed those are Maxwell-slip, Duhem and
+/// the generalised Prandtl–Ishlinskii model where all are tried, and the enhanced one where it is asked for.
 const HARDLY_SEARCHED: [&str; 16] = [
     "--start",
     "random",
@@ -238,4 +238,18 @@ fn the_usage_of_a_mistake_asks_for_no_port_that_the_environment_gives() {
     let help = piezo().args(["info", "--help"]).output().unwrap();
     let help = String::from_utf8(help.stdout).unwrap();
     assert!(help.contains("PIEZO_PORT"), "{help}");
+}
+
+#[test]
+fn a_value_that_is_wrong_comes_without_a_usage() {
+    let said = refused(&["look", MEASURED, "--fs", "fast"], &["invalid value 'fast' for '--fs"]);
+    assert!(!said.contains("Usage:"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_text_is_a_mistake_like_any_other() {
+    use std::os::unix::ffi::OsStrExt;
+    let said = piezo().arg(std::ffi::OsStr::from_bytes(b"\xff")).assert().code(2).get_output().stderr.clone();
+    assert!(String::from_utf8_lossy(&said).contains("unrecognized subcommand"), "{said:?}");
 }

@@ -75,7 +75,7 @@ fn a_line_is_looked_at_played_and_left() {
     let dry = said(waveform(&device, &[path, "--dry-run"]));
     assert!(dry.contains("200 points of 5 ticks: a line takes 0.5000 s") && dry.contains("Nothing was sent"), "{dry}");
     assert!(
-        dry.contains("off at most within a line, and the model itself"),
+        dry.contains("off at most within a line. The model itself was"),
         "its own error beside the inverse's: {dry}"
     );
     assert_eq!(health(&device)["mode"], "Estimate");
@@ -167,6 +167,8 @@ fn what_plays_is_ended_by_no_other_verb_unless_it_is_told_so() {
         assert!(complaint.contains("plays a waveform"), "{verb:?}: {complaint}");
         assert_eq!(health(&device)["mode"], "Waveform", "{verb:?}");
     }
+    let unchanged = json(&mut asks(&device, &["reset", "--dry-run", "--json"]));
+    assert_eq!(unchanged["restarted"], false, "{unchanged}");
     // A session leaves it alone, too, and has no --force.
     let board = folder.path().join("board.toml");
     let spans = "adc_span = [-0.378, 3.978]\nadc_full_scale = 4095\ndac_full_scale = 4095\ndrive_span = [0.0, 4.0]\n";
@@ -175,11 +177,53 @@ fn what_plays_is_ended_by_no_other_verb_unless_it_is_told_so() {
     let session = folder.path().join("session");
     let complaint = refused(asks(&device, &["train", "--board", text(&board), "--out", text(&session)]));
     assert!(complaint.contains("piezo waveform --stop") && !complaint.contains("--force"), "{complaint}");
-    said(asks(&device, &["reset", "--force"]));
+    assert!(!session.exists(), "nothing was recorded");
+    // Nor is a session that is whole learnt from for minutes, only to be refused then.
+    let learnt = folder.path().join("learnt");
+    std::fs::create_dir(&learnt).unwrap();
+    std::fs::write(learnt.join("session.toml"), "complete = true\nseed = 1\ntick_us = 500\nlogs = []\n").unwrap();
+    let complaint = refused(asks(&device, &["learn", "--board", text(&board), "--out", text(&learnt)]));
+    assert!(complaint.contains("piezo waveform --stop") && !complaint.contains("--force"), "{complaint}");
+    let proof = folder.path().join("proof");
+    let prove = ["prove", "--board", text(&board), "--out", text(&proof)];
+    let calibrate = ["calibrate", "--board", text(&board), "--drive-to", "1:3", "--low", "1", "--high", "3"];
+    for verb in [&prove[..], &calibrate] {
+        let complaint = refused(asks(&device, verb));
+        assert!(complaint.contains("plays a waveform") && complaint.contains("--force"), "{verb:?}: {complaint}");
+        assert_eq!(health(&device)["mode"], "Waveform", "{verb:?}");
+    }
+    let restarted = json(&mut asks(&device, &["reset", "--force", "--json"]));
+    assert_eq!(restarted["restarted"], true, "{restarted}");
     assert_eq!(health(&device)["mode"], "Estimate");
     // A dry run looks at what is to be written whatever the device does.
     let looked_at = said(asks(&device, &["push", text(&table), "--dry-run"]));
     assert!(looked_at.contains("nothing was written"), "{looked_at}");
+}
+
+#[test]
+fn a_dry_run_says_what_would_be_refused() {
+    let (device, folder) = (driving(), tempfile::tempdir().unwrap());
+    let own = folder.path().join("own.bin");
+    said(asks(&device, &["pull", "--out", text(&own)]));
+    let careful = |verb: &[&str]| {
+        let output = asks(&device, verb).arg("--dry-run").assert().success().get_output().clone();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let estimating = "the device is estimating, and writing flash may cost ticks";
+    assert!(careful(&["push", text(&own)]).contains(estimating));
+    assert!(careful(&["erase"]).contains(estimating));
+    assert_eq!(careful(&["push", text(&own), "--reset"]), "");
+    // This one's DAC shows the displacement.
+    let shown = folder.path().join("shown");
+    let emit = ["emit", "tests/data/table/table.toml", "--adc-full-scale", "65520", "--out", text(&shown)];
+    piezo().args(emit).assert().success();
+    let shows = ["push", text(&shown.join("table.toml")), "--reset"].map(str::to_owned);
+    let shows = shows.each_ref().map(String::as_str);
+    assert!(careful(&shows).contains("repeat with --rewired"), "{}", careful(&shows));
+    assert!(!careful(&[&shows[..], &["--rewired"]].concat()).contains("--rewired"));
+    // What hinders the dry run itself ends it.
+    drop(device);
+    super::refused(&["push", text(&own), "--dry-run", "--port", "tcp:127.0.0.1:1"], &["tcp:127.0.0.1:1"]);
 }
 
 #[test]
@@ -189,5 +233,14 @@ fn a_number_of_nothing_is_refused_in_words_that_say_what_would_do() {
         let complaint = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2));
         assert!(complaint.contains("a whole number of at least 1; leave it out for"), "{complaint}");
+    }
+    let waveform = ["waveform", "line.csv"];
+    for (verb, option, most) in [
+        (&waveform[..], "--every", "65535"),
+        (&waveform, "--repeat", "4294967295"),
+        (&["monitor", "--udp", "127.0.0.1:9"], "--every", "4294967295"),
+    ] {
+        let more = format!("{most}0");
+        super::refused(&[verb, &[option, &more]].concat(), &[option, &format!("a whole number of at most {most}")]);
     }
 }

@@ -23,7 +23,7 @@ pub fn build(cargo_build: Cmd<'_>, file_name: &str) -> Result<PathBuf> {
         .with_context(|| format!("cargo built no {file_name}"))
 }
 
-/// Builds the host tool as the tests do, which is optimised, too, but quicker built; returns its path.
+/// Builds the host tool as the tests do, which optimises what is hot of it and is quicker built than a release; returns its path.
 ///
 /// # Errors
 /// It does not build.

@@ -3,10 +3,15 @@
 //! Ordinarily rustup fetches that. Where it cannot, Debian's rustc comes with its own sources, so that `core` can be
 //! compiled for the target with the very compiler that will use it: no unstable option afterwards, unlike `build-std`.
 
-use std::{env, path::PathBuf};
+use std::{
+    env,
+    fs::{self, File},
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, Result, bail, ensure};
-use tempfile::TempDir;
+use fs4::FileExt;
+use tempfile::{NamedTempFile, TempDir};
 use xshell::{Cmd, Shell, cmd};
 
 use crate::{artifact, root};
@@ -62,30 +67,40 @@ impl Board {
     }
 }
 
+/// The firmware's rate where nothing chooses another, Hz.
+const USUAL_HZ: &str = "2000";
+
 /// Builds the firmware for a board, at 2 kHz; returns the image's path.
 ///
 /// # Errors
 /// It does not build, here and below.
 pub fn image(sh: &Shell, board: Board) -> Result<PathBuf> {
-    build(cargo(sh)?.env_remove(TICK_HZ), board)
+    build(sh, board, USUAL_HZ)
 }
 
 /// The same at the rate that the environment chooses.
 pub fn image_as_chosen(sh: &Shell, board: Board) -> Result<PathBuf> {
-    build(cargo(sh)?, board)
+    build(sh, board, &env::var(TICK_HZ).unwrap_or_else(|_| USUAL_HZ.to_owned()))
 }
 
-fn build(cargo: Cmd<'_>, board: Board) -> Result<PathBuf> {
-    artifact::build(cargo.arg("fw").args(board.arguments()), board.name())
-}
-
-/// Builds the firmware for the board itself at another rate, and puts the image aside, where the next build leaves it; returns its
-/// path.
+/// Builds the firmware for the board itself at another rate; returns the image's path.
 pub fn image_at(sh: &Shell, hz: u32) -> Result<PathBuf> {
-    let board = Board::NucleoG474re;
-    let built = build(cargo(sh)?.env(TICK_HZ, hz.to_string()), board)?;
+    build(sh, Board::NucleoG474re, &hz.to_string())
+}
+
+/// Builds an image and puts it aside under a name of its own: checks that run beside this one build for other rates, and cargo links each
+/// image to the same path.
+fn build(sh: &Shell, board: Board, hz: &str) -> Result<PathBuf> {
+    let cargo = cargo(sh)?.arg("fw").args(board.arguments());
+    let lock = File::create(target_dir(sh).join("firmware-image.lock"))?;
+    FileExt::lock(&lock)?;
+    let built =
+        artifact::build(if hz == USUAL_HZ { cargo.env_remove(TICK_HZ) } else { cargo.env(TICK_HZ, hz) }, board.name())?;
     let aside = built.with_file_name(format!("{}-{hz}", board.name()));
-    sh.copy_file(&built, &aside)?;
+    // Another check may be reading it.
+    let copy = NamedTempFile::new_in(built.parent().unwrap_or(Path::new(".")))?;
+    fs::copy(&built, copy.path())?;
+    copy.persist(&aside)?;
     Ok(aside)
 }
 

@@ -28,8 +28,8 @@ pub struct Step {
     pub run: fn(&Shell) -> Result<()>,
 }
 
-/// Every check, the quick ones first, and those that run beside others before these. `board` is the first of them: it builds the
-/// board's image at another rate, too, long before `figures` reads the one at 2 kHz; its tests compile while others run.
+/// Every check, the quick ones first, and those that run beside others before these. `board` is the first of them: its
+/// tests compile while others run.
 pub const STEPS: [Step; 14] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: fmt },
     Step {
@@ -214,7 +214,7 @@ fn c(sh: &Shell) -> Result<()> {
 
 fn board(sh: &Shell) -> Result<()> {
     let fast = embedded::image_at(sh, 10_000)?;
-    // The last one built is the one that others find.
+    // The last one built is the one that stands where the book says.
     let image = embedded::image(sh, Board::NucleoG474re)?;
     cmd!(sh, "cargo clippy {BOARD...} --lib --test=image --profile=test -- -D warnings").run()?;
     // The cycles are counted, and held to what the core states, where the documents' figures are made of them.

@@ -2,7 +2,7 @@
 
 use crate::wiring::{NO_MODEL, is_line};
 use ::calibration::drive::trained_on;
-use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Table};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Range, Table};
 use feedforward::{Beyond, Plan, reach};
 
 /// What is said of a table with which a device does not find a monitor's wire that is off: nobody said how fast the amplifier is, or
@@ -23,23 +23,26 @@ pub fn wire_not_found(table: &Table) -> Option<String> {
     }
 }
 
-/// What can be held, and how far a model's displacement is to be believed; a line each.
-pub fn caveats(table: &Admitted, limits: &DriveLimits) -> [String; 2] {
+/// What can be held at rest, µm, in words.
+pub fn held(table: &Admitted, limits: &DriveLimits) -> String {
     let [low, high] = reach(table, limits);
-    [
-        format!(
-            "At rest {} … {} V hold about {low:.2} … {high:.2} µm, relative to the model's zero",
-            limits.range_v.min, limits.range_v.max
-        ),
-        match table.provenance.validation_mae_um {
-            Some(mae) => {
-                format!("The model itself was {mae:.3} µm off on average on what was held out when it was identified")
-            }
-            None => {
-                "How far the model itself is off nobody knows: nothing was held out when it was identified".to_owned()
-            }
-        },
-    ]
+    let Range { min, max } = limits.range_v;
+    format!("At rest {min} … {max} V hold about {low:.2} … {high:.2} µm, relative to the model's zero")
+}
+
+/// How far a model's displacement is to be believed, by its mean error on what was held out, µm, in words.
+pub fn believed(held_out_mae_um: Option<f32>) -> String {
+    match held_out_mae_um {
+        Some(mae) => {
+            format!("The model itself was {mae:.3} µm off on average on what was held out when it was identified")
+        }
+        None => "How far the model itself is off nobody knows: nothing was held out when it was identified".to_owned(),
+    }
+}
+
+/// What is to be said of what a table's model drives; a line each.
+pub fn caveats(table: &Admitted, limits: &DriveLimits) -> [String; 2] {
+    [held(table, limits), believed(table.provenance.validation_mae_um)]
 }
 
 /// What is to be said of a plan whose voltage goes beyond those of the training, into the room that a table has there.

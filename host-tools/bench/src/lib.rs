@@ -36,7 +36,7 @@ mod tests;
 
 pub use board_edit::{Edited, Measured};
 pub use board_file::{AnotherBoard, BoardFacts, BoardFileError};
-pub use described::{beyond_training, caveats, describe, time, title, wire_not_found};
+pub use described::{beyond_training, caveats, describe, held, time, title, wire_not_found};
 pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;

@@ -37,11 +37,12 @@ pub enum Loan {
 }
 
 impl Loan {
-    /// Brings the straight line's table into use.
+    /// Brings the straight line's table into use, and makes the folder once nothing is in the way of that.
     ///
     /// # Errors
-    /// Something depends on what the device drives, the board is another one, its DAC is not known to be plugged into the amplifier, the voltage would jump, the folder keeps
-    /// the only copy of a table that is not in use again or another session's logs, or the flash cannot be written.
+    /// Something depends on what the device drives, the board is another one, its DAC is not known to be plugged into the amplifier, the
+    /// voltage would jump, the folder keeps the only copy of a table that is not in use again or another session's logs, or it or the
+    /// flash cannot be written.
     pub fn take(client: &mut Client, wiring: &Wiring, folder: &Path) -> Result<Self, BenchError> {
         idle(client)?;
         let identity = client.identify()?;
@@ -55,6 +56,7 @@ impl Loan {
         unoccupied(folder)?;
         let line = to_record(wiring.line());
         if former == line {
+            file::folder(folder)?;
             return Ok(Self::Nothing);
         }
         let table: Admitted = Table::parse(&former).map_err(|_| BenchError::NotDriving)?;
@@ -62,6 +64,7 @@ impl Loan {
             return Err(BenchError::NotDriving);
         }
         Output::same(&table, wiring.line())?;
+        file::folder(folder)?;
         file::write(&kept, &former)?;
         let loan = if identity.source == TableSource::Stored { Self::Stored(Box::new(former)) } else { Self::Compiled };
         match bring(client, &line, false) {

@@ -17,6 +17,9 @@ const ROWS: u64 = 2_000;
 /// It holds a session's description or numbered logs; or it cannot be read.
 pub fn unoccupied(folder: &Path) -> Result<(), BenchError> {
     let failed = |source| BenchError::Log { path: folder.to_owned(), source };
+    if !folder.exists() {
+        return Ok(());
+    }
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let entry = entry.map_err(failed)?;
         let name = entry.file_name();

@@ -58,7 +58,7 @@ impl fmt::Display for OtherRange {
         let Self { learnt, driven } = self;
         write!(
             f,
-            "the table knows {knows} the board's range: it was learnt on {} … {} V, and the board drives and reads {} … {} V",
+            "the table knows {knows} the board's range: it was learnt on {} … {} V, and the board may drive {} … {} V",
             learnt.min, learnt.max, driven.min, driven.max
         )
     }

@@ -133,9 +133,11 @@ fn a_table_of_another_rest_is_neither_lent_nor_installed_unless_rewired() {
     let (mut client, _) = Client::connect(&device.address().into()).unwrap();
     let wiring = Wiring::new(&BoardFacts { drive_rest: Some(50.0), ..FACTS }, 500).unwrap();
     let (drive, interrupt) = (drive(), Interrupt::default());
-    let training = Training { wiring: &wiring, drive: &drive, folder: folder.path(), interrupt: &interrupt };
+    let session = folder.path().join("session");
+    let training = Training { wiring: &wiring, drive: &drive, folder: &session, interrupt: &interrupt };
     let refused = train(&mut client, &training, &mut |_, _| {}).unwrap_err();
     assert!(refused.to_string().contains("0 V at rest, code 768") && refused.to_string().contains("50 V"), "{refused}");
+    assert!(!session.exists(), "nothing was recorded");
     let codes = rehearsal(wiring.line()).unwrap();
     let mut installed = |rewired| install(&mut client, wiring.line(), rewired, &codes, &interrupt, &mut |_| {});
     assert!(matches!(installed(false).unwrap_err(), BenchError::WouldJump { .. }));

@@ -93,7 +93,6 @@ pub fn train(
     progress: &mut dyn FnMut(&Segment, usize),
 ) -> Result<Trained, BenchError> {
     let Training { wiring, drive, folder, .. } = *training;
-    file::folder(folder)?;
     let loan = Loan::take(client, wiring, folder)?;
     let mut recorder = Recorder {
         training,

@@ -1,5 +1,6 @@
 //! A waveform for a device's memory: what a log says of it, and whether the device's own model follows it before anything is sent.
 
+use crate::described::believed;
 use device_link::{Client, LinkError, words};
 use estimator_core::{Admitted, DriveCalibration, NoInverse, Pace, Way};
 use feedforward::{Trajectory, near, plan, reach};
@@ -150,17 +151,12 @@ impl Foreseen {
                 format!("in the first {judged_ticks} of its {line_ticks} ticks, and was not asked about the others")
             }
         };
-        let itself = match held_out_mae_um {
-            Some(mae) => {
-                format!("and the model itself {mae:.3} µm on average on what was held out when it was identified")
-            }
-            None => "and the model itself nobody knows how far: nothing was held out when it was identified".to_owned(),
-        };
         format!(
             "{points} points of {every_ticks} ticks: a line takes {line_s:.4} s ({:.3} a second){back}; from rest to its first point, \
-             {:.3} s. The device's model is {off_um:.4} µm off at most {judged}, {itself}",
+             {:.3} s. The device's model is {off_um:.4} µm off at most {judged}. {}",
             1.0 / line_s,
-            f64::from(approach_ticks) * tick_s
+            f64::from(approach_ticks) * tick_s,
+            believed(held_out_mae_um)
         )
     }
 }

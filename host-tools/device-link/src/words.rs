@@ -62,12 +62,17 @@ pub fn mode(mode: Mode) -> &'static str {
 
 /// What a device does and whether that is over, as [`mode`] says it.
 pub fn state(health: &Health) -> &'static str {
-    match health.mode {
-        Mode::Waveform if health.faults.contains(Faults::SAFE_OUTPUT) => {
-            "has played its waveform, rests, and estimates from its ADC"
+    activity(health.mode, health.faults)
+}
+
+fn activity(mode: Mode, faults: Faults) -> &'static str {
+    match mode {
+        Mode::Waveform if rests(mode, faults) => "has played its waveform, and estimates from its ADC",
+        Mode::Waveform if faults.contains(Faults::SAFE_OUTPUT) => {
+            "has stopped playing its waveform, and estimates from its ADC"
         }
         Mode::Waveform => "plays the waveform in its memory, and estimates from its ADC",
-        other => mode(other),
+        other => self::mode(other),
     }
 }
 
@@ -189,6 +194,14 @@ mod tests {
             reset(ResetCause::SOFTWARE, true).contains("panic")
                 && !reset(ResetCause::SOFTWARE, false).contains("panic")
         );
+    }
+
+    #[test]
+    fn only_a_waveform_that_came_to_its_end_has_been_played() {
+        let of = |faults| activity(Mode::Waveform, faults);
+        assert!(of(Faults::empty()).starts_with("plays"));
+        assert!(of(Faults::SAFE_OUTPUT).starts_with("has played"));
+        assert!(of(Faults::SAFE_OUTPUT | Faults::AMPLIFIER).starts_with("has stopped playing"));
     }
 
     #[test]

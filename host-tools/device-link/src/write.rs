@@ -3,7 +3,8 @@
 use crate::client::{Client, WriteConsent};
 use crate::error::LinkError;
 use crate::table;
-use protocol::{Identity, Mode};
+use estimator_core::Table;
+use protocol::{Identity, Mode, Refusal};
 use std::fmt::Display;
 
 /// How flash is written.
@@ -17,8 +18,6 @@ pub struct Writing {
     pub reset: bool,
     /// The DAC is unplugged, or plugged where it belongs by the new table.
     pub rewired: bool,
-    /// Check everything and write nothing.
-    pub dry_run: bool,
 }
 
 /// Why nothing was written, or not all was done.
@@ -57,6 +56,38 @@ pub fn sentences(wrong: &impl Display, known: &str) -> String {
 }
 
 impl Writing {
+    /// Why a device would not be written as asked, or refuse it: by what it does, and by its own table beside the one to be written, where
+    /// it is to be one; an erased store leaves it to the one of the firmware image, which is not known here.
+    ///
+    /// # Errors
+    /// The link fails.
+    pub fn refusals(self, client: &mut Client, table: Option<&Table>) -> Result<Vec<WriteError>, LinkError> {
+        let mut refusals = Vec::new();
+        match self.may_write(client) {
+            Err(WriteError::Link(error)) => return Err(error),
+            may => refusals.extend(may.err()),
+        }
+        // One that cannot be read is refused for that.
+        let former = table::in_use(client)?.and_then(|record| Table::parse(&record).ok());
+        let rewires = table.zip(former).is_some_and(|(table, former)| table.drive.is_some() != former.drive.is_some());
+        if rewires && !self.rewired {
+            let refusal = Box::new(Refusal::Rewired);
+            refusals.push(LinkError::Refused { port: client.address().clone(), refusal }.into());
+        }
+        Ok(refusals)
+    }
+
+    fn pauses(self) -> bool {
+        self.pause || (self.reset && !self.while_estimating)
+    }
+
+    fn may_write(self, client: &mut Client) -> Result<(), WriteError> {
+        match !self.pauses() && !self.while_estimating && estimating(client)? {
+            true => Err(WriteError::Estimating),
+            false => Ok(()),
+        }
+    }
+
     /// Has `write` write as asked; returns the identity after the restart, where there was one.
     ///
     /// # Errors
@@ -66,13 +97,8 @@ impl Writing {
         client: &mut Client,
         write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
     ) -> Result<Option<Identity>, WriteError> {
-        if self.dry_run {
-            return Ok(None);
-        }
-        let pause = self.pause || (self.reset && !self.while_estimating);
-        if !pause && !self.while_estimating && estimating(client)? {
-            return Err(WriteError::Estimating);
-        }
+        self.may_write(client)?;
+        let pause = self.pauses();
         if pause {
             client.set_mode(Mode::Pause)?;
         }
@@ -114,13 +140,15 @@ mod tests {
     use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
     use emulator::faults::lose_replies;
     use emulator::{Emulator, FaultyLine, TABLE};
+    use estimator_core::{DriveCalibration, DriveLimits, Range};
     use parameter_store::RamFlash;
     use protocol::{Mode, Refusal, TableSource};
     use std::io::ErrorKind;
     use std::net::SocketAddr;
 
-    const CAREFUL: Writing =
-        Writing { while_estimating: false, pause: false, reset: false, dry_run: false, rewired: false };
+    const CAREFUL: Writing = Writing { while_estimating: false, pause: false, reset: false, rewired: false };
+
+    const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
 
     fn erased() -> RamFlash<Vec<u8>> {
         RamFlash::new(vec![0xFF; 4096])
@@ -189,11 +217,21 @@ mod tests {
     }
 
     #[test]
-    fn a_dry_run_writes_nothing() {
-        for reset in [true, false] {
-            let (done, source, _) = push(Writing { dry_run: true, reset, ..CAREFUL }, erased());
-            assert!(done.unwrap().is_none() && source != TableSource::Stored);
-        }
+    fn what_would_be_refused_is_known_before() {
+        let device = Emulator::new().speed(8.0).start().unwrap();
+        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+        let drive = DriveCalibration { gain_codes_per_v: 100.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
+        let driving = Table { drive: Some(drive), ..TABLE };
+        let mut refused = |writing: Writing, table| {
+            let refusals = writing.refusals(&mut client, table).unwrap();
+            refusals.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+        };
+        assert!(refused(CAREFUL, Some(&TABLE)).contains("is estimating"));
+        let reset = Writing { reset: true, ..CAREFUL };
+        assert_eq!(refused(reset, Some(&TABLE)), "");
+        assert_eq!(refused(reset, None), "");
+        assert!(refused(reset, Some(&driving)).contains("the DAC"));
+        assert_eq!(refused(Writing { rewired: true, ..reset }, Some(&driving)), "");
     }
 
     #[test]

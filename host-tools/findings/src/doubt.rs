@@ -118,11 +118,14 @@ pub fn doubt(doubt: &Doubt) -> String {
 /// What is doubtful of a stroke.
 pub fn implausible(of: &Implausible) -> String {
     format!(
-        "the displacement goes over {} µm and the voltage over {} V, {} µm/V, which is no piezo actuator's (0.001 … 20 µm/V, 2 mm at \
+        "the displacement goes over {} µm and the voltage over {} V, {} µm/V, which is no piezo actuator's ({} … {} µm/V, {} mm at \
          most): is the unit right, and the sensor's scale? --columns and --sensor state another",
         short(of.stroke_um),
         short(of.span_v),
-        short(of.um_per_v())
+        short(of.um_per_v()),
+        Implausible::LEAST_UM_PER_V,
+        Implausible::MOST_UM_PER_V,
+        1e-3 * Implausible::LARGEST_UM
     )
 }
 
@@ -196,6 +199,12 @@ mod tests {
     use super::*;
 
     const FLAW: Flaw = Flaw::Spike { at: Stretch { from_s: 1.0, to_s: 1.0 }, leap_um: 9.0 };
+
+    #[test]
+    fn a_stroke_is_doubted_by_the_limits_that_are_asked() {
+        let said = implausible(&Implausible { stroke_um: 1e4, span_v: 40.0 });
+        assert!(said.contains("250 µm/V, which is no piezo actuator's (0.0002 … 200 µm/V, 2 mm at most)"), "{said}");
+    }
 
     #[test]
     fn every_doubt_says_what_helps() {

@@ -6,7 +6,9 @@ use identification::{CrossValidation, LeftOut, Reason};
 pub fn reason(reason: &Reason) -> String {
     match reason {
         Reason::AskedFor => "it was asked for.".to_owned(),
-        Reason::LeastInTraining => "no other comes near its error in training; --model takes another.".to_owned(),
+        Reason::LeastInTraining => "once the start of each log has settled, no other comes near its error in training, or the logs are too short to leave a part \
+                                    out; --model takes another."
+            .to_owned(),
         Reason::CrossValidated(of) => cross_validated(of),
     }
 }

@@ -11,33 +11,19 @@
 
 use crate::character::Character;
 use crate::fit::{Fit, Identification};
+use crate::left_out::{LeftOut, parts};
 use crate::problem::Problem;
-use crate::settled::{judged_once_settled, settled};
 use estimator_core::Model;
 use rayon::prelude::*;
-use recordings::session::Session;
 use serde::Serialize;
 
-/// Parts that are left out in turn; fewer where there are fewer logs, which are left out as a whole.
-const PARTS: usize = 6;
-/// Logs from which on whole logs are left out, and not a block of each.
-const LOGS: usize = 3;
 /// Candidates for each searched number, from where the fit to everything ended.
 const OF_A_NUMBER: usize = 12;
-/// A model whose training error is so many times the least is not tried: without a part it will not be the best.
+/// A model that is off in the training, once settled and in simulation, by so many times the least is not tried: without a part it will not
+/// be the best.
 const HOPELESS: f64 = 3.0;
 /// Models whose many weights no law ties to each other: a single amplitude teaches them its loop, and nothing beyond.
 const FREE: [Model; 2] = [Model::Preisach, Model::Narx];
-
-/// What is left out in turn.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LeftOut {
-    /// Whole logs, one or several at a time.
-    Logs,
-    /// A stretch of time of each log.
-    Blocks,
-}
 
 /// How a model did on what it was not fitted to.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -66,14 +52,17 @@ pub struct CrossValidation {
 }
 
 impl CrossValidation {
-    /// Of the fits to everything that an identification has found; `None` where there is no choice: fewer than two fits that
+    /// Of the fits to everything that may be chosen, as [`eligible`] says it of them; `None` where there is no choice: fewer than two that
     /// could be the best, or data too short to be divided.
-    pub fn of(identification: &Identification<'_>, fits: &[Fit], mut progress: impl FnMut()) -> Option<Self> {
+    pub(crate) fn of(
+        identification: &Identification<'_>,
+        eligible: &[(&Fit, f64)],
+        mut progress: impl FnMut(),
+    ) -> Option<Self> {
         let problem = identification.problem;
-        let tried = eligible(identification, fits);
-        let least = tried.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
+        let least = eligible.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
         let tried: Vec<&Fit> =
-            tried.into_iter().filter(|(_, error)| *error <= HOPELESS * least).map(|(fit, _)| fit).collect();
+            eligible.iter().filter(|(_, error)| *error <= HOPELESS * least).map(|(fit, _)| *fit).collect();
         let (left_out, parts) = parts(problem);
         if tried.len() < 2 || parts.len() < 2 {
             return None;
@@ -161,43 +150,8 @@ fn error(without: &Identification<'_>, fit: &Fit) -> f64 {
     error.unwrap_or(f64::INFINITY)
 }
 
-/// Each problem is the whole without a part, which is what it holds out.
-fn parts(problem: &Problem) -> (LeftOut, Vec<Problem>) {
-    let logs: Vec<&Session> = problem.training().collect();
-    if logs.len() >= LOGS {
-        let count = logs.len().min(PARTS);
-        let of = |part: usize| {
-            let (out, kept): (Vec<_>, Vec<_>) = logs.iter().enumerate().partition(|(log, _)| log % count == part);
-            let kept = kept.into_iter().map(|(_, &log)| log.clone()).collect();
-            problem.of(kept, out.into_iter().map(|(_, log)| judged_once_settled(log)).collect())
-        };
-        return (LeftOut::Logs, (0..count).map(of).collect());
-    }
-    let of = |part: usize| {
-        let (kept, out) = logs.iter().map(|log| without_block(log, part)).unzip();
-        problem.of(kept, out)
-    };
-    let long = logs.iter().all(|log| log.instants.len() > 2 * PARTS);
-    (LeftOut::Blocks, if long { (0..PARTS).map(of).collect() } else { Vec::new() })
-}
-
-/// A session without a block of what was measured once it had settled, and with that block alone. Both have the whole voltage and
-/// the first measured instant, where the estimator starts.
-fn without_block(session: &Session, part: usize) -> (Session, Session) {
-    let first = settled(session).max(1);
-    let measured = session.instants.len();
-    let at = |part: usize| first + part * (measured - first) / PARTS;
-    let block = at(part)..at(part + 1);
-    let with = |kept: &dyn Fn(usize) -> bool| {
-        let indices = (0..measured).filter(|index| *index == 0 || kept(*index));
-        let (instants, displacement) = indices.map(|at| (session.instants[at], session.displacement[at])).unzip();
-        Session { instants, displacement, ..session.clone() }
-    };
-    (with(&|index| !block.contains(&index)), with(&|index| block.contains(&index)))
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::cost::Feedback;
     use crate::prepared;
@@ -205,6 +159,7 @@ mod tests {
     use estimator_core::{DuhemParameters, Parameters};
     use recordings::prepare::PrepareOptions;
     use recordings::rig::{EXCITATIONS, Excitation, Rig};
+    use recordings::session::Session;
 
     fn score(model: Model, parameters: usize, parts_um: &[f64]) -> Score {
         Score { model, parameters, error_um: mean(parts_um), parts_um: parts_um.to_vec() }
@@ -243,7 +198,7 @@ mod tests {
     }
 
     /// Of about the rig's gain.
-    fn duhem() -> Parameters {
+    pub(crate) fn duhem() -> Parameters {
         Parameters::Duhem(DuhemParameters {
             lag_s: 1e-3,
             alpha_per_v: 0.1,
@@ -257,7 +212,7 @@ mod tests {
         })
     }
 
-    fn session(excitation: Excitation) -> Session {
+    pub(crate) fn session(excitation: Excitation) -> Session {
         let log = Rig { duration: 0.5, ..Rig::default() }.log(excitation);
         prepared(&PrepareOptions::default().resolve(std::slice::from_ref(&log)), &log).unwrap()
     }
@@ -276,48 +231,6 @@ mod tests {
     }
 
     #[test]
-    fn a_block_is_left_out_and_judged_while_the_voltage_stays_whole() {
-        let session = session(EXCITATIONS[0]);
-        let mut judged = 0;
-        for part in 0..PARTS {
-            let (kept, out) = without_block(&session, part);
-            assert!(kept.voltage == session.voltage && out.voltage == session.voltage);
-            assert!(kept.instants[0] == 0 && out.instants[0] == 0);
-            assert_eq!(kept.instants.len() + out.instants.len(), session.instants.len() + 1);
-            assert!(out.instants[1] >= session.instants[settled(&session)], "the start is not judged");
-            judged += out.instants.len() - 1;
-        }
-        let start = settled(&session);
-        assert!(start > 100, "{start}");
-        assert_eq!(judged, session.instants.len() - start);
-    }
-
-    /// A first swing that comes from where no model can begin, as that of an actuator which was driven elsewhere before.
-    #[test]
-    fn how_an_actuator_was_left_before_a_recording_decides_nothing() {
-        let session = session(EXCITATIONS[0]);
-        let mut otherwise = session.clone();
-        otherwise.displacement.iter_mut().take(settled(&session)).skip(1).for_each(|reading| *reading += 3.0);
-        let parameters = duhem();
-        let error = |session: &Session| {
-            let problem = Problem::new(vec![session.clone()], Vec::new(), Conditions::default());
-            problem.error_once_settled(&parameters, Feedback::Simulation.into())
-        };
-        assert_eq!(error(&session), error(&otherwise));
-        for part in 0..PARTS {
-            assert_eq!(without_block(&session, part).1, without_block(&otherwise, part).1);
-        }
-        let logs = |session: &Session| {
-            let problem = Problem::new(vec![session.clone(); LOGS], Vec::new(), Conditions::default());
-            let (left_out, parts) = parts(&problem);
-            assert_eq!(left_out, LeftOut::Logs);
-            let judged = |part: &Problem| part.held_out(&parameters, Feedback::Simulation.into());
-            parts.iter().map(judged).collect::<Vec<_>>()
-        };
-        assert_eq!(logs(&session), logs(&otherwise));
-    }
-
-    #[test]
     fn whole_logs_are_left_out_where_there_are_three() {
         let sessions: Vec<Session> = EXCITATIONS.into_iter().take(3).map(session).collect();
         let problem = Problem::new(sessions, Vec::new(), Conditions::default());
@@ -328,7 +241,7 @@ mod tests {
         assert_eq!(fits.len(), Model::ALL.len());
         let of = |models: [Model; 2]| {
             let fits: Vec<Fit> = fits.iter().filter(|fit| models.contains(&fit.model)).cloned().collect();
-            CrossValidation::of(&search, &fits, || ())
+            CrossValidation::of(&search, &eligible(&search, &fits), || ())
         };
         let said = of([Model::BoucWen, Model::Duhem]).unwrap();
         assert_eq!((said.left_out, said.scores.len()), (LeftOut::Logs, 2));

@@ -31,7 +31,7 @@ pub enum Reason {
     AskedFor,
     /// It is the simplest that does as well as the best on parts of the training data that it was not fitted to.
     CrossValidated(CrossValidation),
-    /// Its error in training is the least by far, or the training data are too short to be divided.
+    /// Its error in training, once each log's start has settled, is the least by far, or the training data are too short to be divided.
     LeastInTraining,
 }
 
@@ -65,11 +65,12 @@ impl Identification<'_> {
             return Choice { fits, model: Some(model), reason: Reason::AskedFor };
         }
         let mut fits = self.brief(&Model::ALL, progress);
-        let least = eligible(self, &fits).into_iter().min_by(|(_, a), (_, b)| a.total_cmp(b));
+        let tried = eligible(self, &fits);
+        let least = tried.iter().min_by(|(_, a), (_, b)| a.total_cmp(b));
         let Some(least) = least.map(|(fit, _)| (fit.model, fit.cost)) else {
             return Choice { fits, model: None, reason: Reason::LeastInTraining };
         };
-        let validated = CrossValidation::of(self, &fits, || progress(least.0, least.1));
+        let validated = CrossValidation::of(self, &tried, || progress(least.0, least.1));
         let model = validated.as_ref().map_or(least.0, |of| of.score().model);
         let found = self.run(&[model], progress);
         for longer in found {

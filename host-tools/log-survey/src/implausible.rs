@@ -1,15 +1,8 @@
 //! Strokes that no piezo actuator has: most often a wrong unit in a header, or a wrong sensor's scale.
 //!
-//! Piezo ceramics strain by 0.2 % at most: a stack has 1 … 500 µm, levers up to some 2 mm; a volt at the amplifier's output gives
-//! 1 nm (shear, low voltage) to 1 µm, at its input some 10 times as much.
+//! The voltage may be the amplifier's output or its input, so the limits are wide.
 
 use serde::Serialize;
-
-/// Most that levers reach, µm.
-const LARGEST_UM: f64 = 2_000.0;
-/// Least and most that a volt gives, µm.
-const LEAST_UM_PER_V: f64 = 1e-3;
-const MOST_UM_PER_V: f64 = 20.0;
 
 /// A stroke that is doubtful.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -21,10 +14,18 @@ pub struct Implausible {
 }
 
 impl Implausible {
+    /// Most that an actuator with a lever reaches, µm; a stack strains by some 0.1 %.
+    pub const LARGEST_UM: f64 = 2_000.0;
+    /// Least that a volt gives, µm: the d33 of a single plate is some 0.25 nm/V (hard ceramics) to 0.6 nm/V (soft ones).
+    pub const LEAST_UM_PER_V: f64 = 2e-4;
+    /// Most that a volt gives, µm: the largest stroke by an amplifier's input of 0 … 10 V.
+    pub const MOST_UM_PER_V: f64 = 200.0;
+
     /// Of a displacement's span, µm, and a voltage's, V; `None` where an actuator can have them.
     pub fn of(stroke_um: f64, span_v: f64) -> Option<Self> {
         let of = Self { stroke_um, span_v };
-        let plausible = stroke_um <= LARGEST_UM && (LEAST_UM_PER_V..=MOST_UM_PER_V).contains(&of.um_per_v());
+        let plausible =
+            stroke_um <= Self::LARGEST_UM && (Self::LEAST_UM_PER_V..=Self::MOST_UM_PER_V).contains(&of.um_per_v());
         (span_v > 0.0 && stroke_um > 0.0 && !plausible).then_some(of)
     }
 
@@ -40,10 +41,12 @@ mod tests {
 
     #[test]
     fn a_stroke_is_doubted_where_no_actuator_has_it() {
-        for (stroke_um, span_v) in [(15.0, 100.0), (45.0, 3.6), (2_000.0, 150.0), (0.3, 200.0)] {
+        for (stroke_um, span_v) in
+            [(15.0, 100.0), (45.0, 3.6), (2_000.0, 150.0), (2_000.0, 10.0), (400.0, 7.5), (0.3, 200.0), (0.25, 1_000.0)]
+        {
             assert_eq!(Implausible::of(stroke_um, span_v), None, "{stroke_um} µm of {span_v} V");
         }
-        for (stroke_um, span_v) in [(10_000.0, 40.0), (3_000.0, 1_000.0), (0.015, 100.0)] {
+        for (stroke_um, span_v) in [(10_000.0, 40.0), (3_000.0, 1_000.0), (1_000.0, 4.0), (0.015, 100.0)] {
             assert!(Implausible::of(stroke_um, span_v).is_some(), "{stroke_um} µm of {span_v} V");
         }
     }

@@ -36,7 +36,6 @@ pub struct Survey {
     /// The columns that were read.
     pub columns: Vec<ColumnRead>,
     /// What is to be said of how they were understood.
-    #[serde(skip)]
     pub remarks: Vec<Remark>,
     /// How many rows there are.
     pub rows: u64,

@@ -208,8 +208,10 @@ fn typed() -> Cli {
     Cli::try_parse().unwrap_or_else(|mut error| {
         let mut command = Cli::command();
         command.build();
-        let verb = std::env::args().nth(1).unwrap_or_default();
-        if let Some(verb) = command.find_subcommand_mut(verb) {
+        let verb = std::env::args_os().nth(1).unwrap_or_default();
+        if error.get(ContextKind::Usage).is_some()
+            && let Some(verb) = command.find_subcommand_mut(verb)
+        {
             error.insert(ContextKind::Usage, ContextValue::StyledStr(verb.render_usage()));
         }
         error.exit()

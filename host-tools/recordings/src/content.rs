@@ -9,9 +9,11 @@ const STRETCHES: usize = 4;
 const LENGTH: usize = 8;
 /// Fewest stretches that must be in what is left of it.
 const FEWEST: usize = 2;
-/// By how much a rounded value may be off, of the smallest step, and of the span where the step is finer than that.
+/// By how much a rounded value may be off: of the smallest step; of the span, where the step is finer than that; and of itself, where five
+/// significant digits were kept.
 const ROUNDING: f64 = 0.51;
 const FINEST: f64 = 1e-6;
+const OF_ITSELF: f64 = 5.1e-5;
 /// Relative difference of the sample periods up to which two are the same.
 const PERIOD: f64 = 1e-4;
 
@@ -26,6 +28,12 @@ pub struct Content {
     pub voltage_v: Vec<f64>,
     /// The displacements, µm.
     pub displacement_um: Vec<f64>,
+    /// By how much the recording's voltages may be off by rounding, V.
+    #[serde(default)]
+    pub rounding_v: f64,
+    /// By how much its displacements may be, µm.
+    #[serde(default)]
+    pub rounding_um: f64,
 }
 
 impl Content {
@@ -42,6 +50,8 @@ impl Content {
             sample_period_s: log.sample_period,
             voltage_v: kept(&log.voltage),
             displacement_um: kept(displacement),
+            rounding_v: rounding(&log.voltage),
+            rounding_um: rounding(displacement),
             at,
         })
     }
@@ -54,36 +64,37 @@ impl Content {
         {
             return None;
         }
-        let series = [(&log.voltage[..], &self.voltage_v), (displacement, &self.displacement_um)];
-        let tolerances = series.map(|(values, _)| tolerance(values));
+        // Either side may be the one that was rounded.
+        let series = [
+            (&log.voltage[..], &self.voltage_v, self.rounding_v.max(rounding(&log.voltage))),
+            (displacement, &self.displacement_um, self.rounding_um.max(rounding(displacement))),
+        ];
         let count = log.voltage.len().min(displacement.len());
         let same = |stretch: usize, from: usize| {
-            (0..LENGTH).all(|k| {
-                let both = series.iter().zip(tolerances);
-                both.into_iter().all(|((values, kept), tolerance)| {
-                    kept.get(stretch * LENGTH + k).is_some_and(|kept| (values[from + k] - kept).abs() <= tolerance)
-                })
-            })
+            let alike = |(values, kept, rounding): &(&[f64], &Vec<f64>, f64), k: usize| {
+                let kept = kept.get(stretch * LENGTH + k);
+                kept.is_some_and(|kept| (values[from + k] - kept).abs() <= rounding + OF_ITSELF * kept.abs())
+            };
+            (0..LENGTH).all(|k| series.iter().all(|series| alike(series, k)))
         };
+        let last = count.checked_sub(LENGTH)?;
         // Where a stretch of the part would begin, if one of its others begins here.
-        let inside =
-            |part: i64, at: usize| usize::try_from(part + at as i64).ok().filter(|from| from + LENGTH <= count);
+        let inside = |part: isize, at: usize| at.checked_add_signed(part).filter(|from| *from <= last);
         let begins = |anchor: usize, from: usize| {
-            let part = from as i64 - self.at[anchor] as i64;
+            let part = isize::try_from(from).ok()?.checked_sub(isize::try_from(self.at[anchor]).ok()?)?;
             let left: Vec<(usize, usize)> =
                 self.at.iter().enumerate().filter_map(|(stretch, &at)| Some((stretch, inside(part, at)?))).collect();
             (left.len() >= FEWEST && left.iter().all(|&(stretch, from)| same(stretch, from))).then_some(part)
         };
-        let anchors = (0..self.at.len())
-            .flat_map(|anchor| (0..(count + 1).saturating_sub(LENGTH)).map(move |from| (anchor, from)));
+        let anchors = (0..self.at.len()).flat_map(|anchor| (0..=last).map(move |from| (anchor, from)));
         let part =
             anchors.filter(|&(anchor, from)| same(anchor, from)).find_map(|(anchor, from)| begins(anchor, from))?;
         Some(part as f64 * log.sample_period)
     }
 }
 
-/// By how much values that were rounded may be off.
-fn tolerance(values: &[f64]) -> f64 {
+/// By how much values that were rounded to one step may be off.
+fn rounding(values: &[f64]) -> f64 {
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0);
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &x| (low.min(x), high.max(x)));
     ROUNDING * steps.fold(high - low, f64::min) + FINEST * (high - low)
@@ -134,5 +145,31 @@ mod tests {
         assert_eq!(content.begins_in(&rest), None, "what it was not trained on");
         assert_eq!(content.begins_in(&Log { sample_period: 1e-3, ..log(1) }), None);
         assert_eq!(Content::of(&log(1).trimmed(0.98, 0.0)), None, "too short to be known by");
+    }
+
+    /// As a program writes it that keeps five significant digits: finer near 0 than elsewhere.
+    fn to_five_digits(log: &Log) -> Log {
+        let to = |series: &[f64]| series.iter().map(|x| format!("{x:.4e}").parse().unwrap()).collect();
+        Log { voltage: to(&log.voltage), displacement: log.displacement.as_deref().map(to), ..log.clone() }
+    }
+
+    #[test]
+    fn digits_may_be_lost_on_either_side_and_each_in_its_own_way() {
+        let fine = Content::of(&log(1)).unwrap();
+        assert_eq!(fine.begins_in(&to_five_digits(&log(1))), Some(0.0));
+        assert_eq!(fine.begins_in(&to_five_digits(&log(2))), None);
+        for coarse in [rounded(&log(1)), to_five_digits(&log(1))].map(|log| Content::of(&log).unwrap()) {
+            assert_eq!(coarse.begins_in(&log(1)), Some(0.0));
+            assert_eq!(coarse.begins_in(&log(2)), None);
+        }
+    }
+
+    #[test]
+    fn a_stretch_that_is_nowhere_is_no_reason_to_fail() {
+        let mut content = Content::of(&log(1).trimmed(0.1, 0.0)).unwrap();
+        content.at[3] = i64::MAX as usize;
+        assert!((content.begins_in(&log(1)).unwrap() - 0.1).abs() < 1e-9);
+        content.at = vec![usize::MAX; 4];
+        assert_eq!(content.begins_in(&log(1)), None);
     }
 }

@@ -3,12 +3,10 @@
 use super::bits::faults;
 use super::device::too_long;
 use super::paste::{quoted, typed, with};
-use ::calibration::drive::identified_on;
 use bench::calibrate::CalibrationError;
-use bench::{AnotherBoard, BenchError, BoardFileError, Complaint, OtherRange, Proven, WiringError};
+use bench::{AnotherBoard, BenchError, BoardFileError, Complaint, WiringError};
 use emulator::EmulatorError;
 use estimator_core::table::Misfit;
-use estimator_core::{Range, Table};
 use excitation::ExcitationError;
 use protocol::Faults;
 use std::error::Error;
@@ -49,74 +47,6 @@ pub fn complaint(complaint: &Complaint) -> String {
         }
     };
     format!("{complaint}: {remedy}")
-}
-
-/// What a table that was learnt on another range than the board's is good for.
-pub fn other_range(of: &OtherRange) -> String {
-    match of.lacks() {
-        true => format!("{of}. {}", within(of)),
-        false => {
-            format!(
-                "{of}: it holds there, too. Are drive_range and adc_span in board.toml right, and is it this actuator's table?"
-            )
-        }
-    }
-}
-
-/// An error of so much of the stroke, %, is none that a longer training makes smaller.
-const ANOTHER_S: f64 = 50.0;
-/// Part of the time, %, in which the voltage went where the training did not, that a failed proof is put down to.
-const OFTEN: f64 = 5.0;
-
-/// What to do about a proof that fails, which went up to this frequency.
-pub fn unproven(proven: &Proven, up_to_hz: f64) -> String {
-    let Proven { figures, shares, learnt: Range { min, max }, .. } = proven;
-    let train = format!("train as the proof goes: --up-to {up_to_hz} at least, over its --range");
-    if figures.mae_percent > ANOTHER_S {
-        "An error as large as this no longer training makes small: is it this actuator's table, and is what board.toml says right \
-         (`piezo calibrate`)?"
-            .to_owned()
-    } else if shares.beyond_percent > OFTEN {
-        format!(
-            "The proof went beyond the {min:.3} … {max:.3} V that the table was learnt on, or leapt: prove within them (--range), or {train}"
-        )
-    } else if shares.untrained_percent > OFTEN {
-        format!(
-            "The proof went, within the {min:.3} … {max:.3} V that the table was learnt on, as the training never did: {train}"
-        )
-    } else {
-        format!("Train again, longer (--minutes), --up-to {up_to_hz} at least.")
-    }
-}
-
-/// How a table is kept to what it knows, or learns the rest.
-fn within(of: &OtherRange) -> String {
-    let learn = format!("learn all of it: `piezo learn --range {}:{}`", of.driven.min, of.driven.max);
-    match of.common() {
-        Some(Range { min, max }) => {
-            format!(
-                "Beyond that it takes the nearest voltage that it knows: prove and drive with --range {min}:{max}, or {learn}"
-            )
-        }
-        None => format!("It says nothing of the board's voltages: is it this actuator's? Else {learn}"),
-    }
-}
-
-/// A table that knows less of the ADC's range is remarked on.
-const NARROW: f32 = 0.1;
-
-/// What is to be said of a table that knows hardly any of what the board's ADC reads: one that was learnt from an amplifier's input
-/// knows volts that are its output's many times over.
-pub fn narrow(table: &Table) -> Option<String> {
-    let reads = table.adc.gain_v_per_code * f32::from(table.adc.full_scale);
-    let Range { min, max } = identified_on(table);
-    ((max - min) < NARROW * reads).then(|| {
-        format!(
-            "the table knows {min:.3} … {max:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then \
-             identify with --voltage-scale, the amplifier's gain",
-            100.0 * (max - min) / reads
-        )
-    })
 }
 
 /// What a drive by a calibration that is wrong ends with, while that is what is to be calibrated.
@@ -293,27 +223,5 @@ fn excitation(error: &ExcitationError) -> String {
         }
         ExcitationError::Rest { .. } => format!("{error}: let --range hold drive_rest of board.toml"),
         _ => error.to_string(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use bench::{Shares, Verdict};
-    use validation::Figures;
-
-    #[test]
-    fn a_proof_that_fails_says_what_the_training_lacks() {
-        let said = |off_um: f64, beyond_percent, untrained_percent| {
-            let figures = Figures::of(&[0.0 + off_um, 10.0 + off_um], &[0.0, 10.0]);
-            let shares = Shares { held_percent: None, half_width_um: None, untrained_percent, beyond_percent };
-            let verdict = Verdict::of(&figures, &shares, None);
-            let learnt = Range { min: 0.0, max: 40.0 };
-            unproven(&Proven { figures, shares, verdict, learnt, log: "proven.csv".into(), home: Ok(()) }, 20.0)
-        };
-        assert!(said(1.0, 0.0, 0.0).starts_with("Train again, longer (--minutes), --up-to 20"));
-        assert!(said(1.0, 10.0, 0.0).contains("went beyond the 0.000 … 40.000 V that the table was learnt on"));
-        assert!(said(1.0, 0.0, 10.0).contains("as the training never did: train as the proof goes"));
-        assert!(said(8.0, 0.0, 10.0).contains("is it this actuator's table"));
     }
 }

@@ -5,7 +5,7 @@ use super::bits::{Meaning, faults, status};
 use super::paste::{typed, with};
 use device_link::busy::Busy;
 use device_link::cycle::CycleError;
-use device_link::pil::FeedError;
+use device_link::pil::{Comparison, FeedError};
 use device_link::play::PlayError;
 use device_link::port::PortError;
 use device_link::probe::ProbeError;
@@ -83,6 +83,18 @@ pub fn not_estimating(mode: Mode, port: &Address) -> Option<String> {
     let does = words::mode(mode);
     let said = || format!("{port}: the device {does}; make it estimate again: piezo {verb} --port {port}");
     (mode != Mode::Estimate).then(said)
+}
+
+/// How a rehearsal of a table went, a device beside the host.
+pub fn rehearsed(of: &Comparison) -> String {
+    let Comparison { ticks, identical, max_difference_um, .. } = of;
+    match ticks - identical {
+        0 => format!("bit-exact: over {ticks} ticks of a random voltage the device's every bit is the host's"),
+        differ => format!(
+            "FAILED: {differ} of {ticks} ticks differ, by at most {max_difference_um:e} µm: are the firmware and this program built from \
+             the same sources?"
+        ),
+    }
 }
 
 /// Why a device refuses, with its remedy.
@@ -207,7 +219,7 @@ fn busy(error: &Busy) -> String {
         Busy::Drives(Mode::Linearise) => format!("`piezo linearise --stop{port}` ends it"),
         Busy::Drives(_) => format!("Ctrl-C there, or `piezo reset --force{port}`, ends it"),
     };
-    match ["push", "erase", "install", "reset"].into_iter().any(verb) {
+    match ["push", "erase", "install", "reset", "prove", "calibrate"].into_iter().any(verb) {
         true => format!("{error}: {ends}, and --force says that it may end with this"),
         false => format!("{error}: {ends}"),
     }

@@ -7,15 +7,17 @@ mod device;
 mod identification;
 mod log;
 mod paste;
+mod proof;
 mod supply;
 mod waveform;
 
-pub use bench::{complaint, identify, narrow, other_range, stopped, unproven};
+pub use bench::{complaint, identify, stopped};
 pub use bits::{Meaning, faults, remarks, status};
-pub use device::{board, not_estimating, refusal};
+pub use device::{board, not_estimating, refusal, rehearsed};
 pub use findings::{DETERMINED, calibrated, determination, doubt, doubt_json, proven, reason, remark, surveyed};
 pub use identification::mismatch;
 pub use paste::{learn_from, quoted};
+pub use proof::{narrow, other_range, unproven};
 pub use supply::supply;
 pub use waveform::{played, plays};
 

@@ -49,6 +49,18 @@ fn what_cannot_be_is_named_with_its_place_or_value() {
 }
 
 #[test]
+fn no_voltage_is_allowed_that_nobody_stated() {
+    assert_eq!(
+        read("adc_span = [-35, 135]").unwrap().range_v(),
+        None,
+        "what the ADC reads may be more than the actuator stands"
+    );
+    let of = |drive_range| BoardFacts { drive_range, ..FACTS }.range_v();
+    assert_eq!(of(Some((100.0, 0.0))), Some(Range { min: 0.0, max: 100.0 }));
+    assert_eq!(of(None), None);
+}
+
+#[test]
 fn it_is_of_the_board_that_it_names_or_of_any() {
     let (one, other) = (Uid([1; 12]), Uid([2; 12]));
     let refused = |file: Option<Uid>, board: Option<Uid>| {

@@ -5,7 +5,9 @@ use clap::Args;
 use device_link::busy::{Busy, idle};
 use device_link::write::Writing;
 use device_link::{Address, Client, LinkError, WriteConsent};
+use estimator_core::Table;
 use protocol::Identity;
+use std::error::Error;
 
 /// Where the device is.
 #[derive(Args, Clone, Debug)]
@@ -39,7 +41,7 @@ pub struct WriteOptions {
     /// shows the displacement.
     #[arg(long)]
     pub rewired: bool,
-    /// Check everything and write nothing.
+    /// Check everything, say what would be refused, and write nothing.
     #[arg(long)]
     pub dry_run: bool,
     /// What becomes of what the device drives.
@@ -60,8 +62,8 @@ impl Interrupting {
     pub fn consent(self, client: &mut Client, dry_run: bool) -> Result<()> {
         match idle(client) {
             Err(Busy::Drives(_)) if self.force => Ok(()),
-            Err(busy) if dry_run => {
-                eprintln!("piezo: careful: {}", remedy::sentence(&busy));
+            Err(busy @ Busy::Drives(_)) if dry_run => {
+                careful(&busy);
                 Ok(())
             }
             idle => Ok(idle?),
@@ -69,18 +71,29 @@ impl Interrupting {
     }
 }
 
+/// Says what would be refused but for the dry run.
+fn careful(refusal: &(dyn Error + 'static)) {
+    eprintln!("piezo: careful: {}", remedy::sentence(refusal));
+}
+
 impl WriteOptions {
-    /// Writes as asked; returns the identity after the restart, where there was one.
+    /// Writes as asked, a table or none; returns the identity after the restart, where there was one. A dry run says what would be refused.
     ///
     /// # Errors
     /// The device is estimating and nothing was said about it, or it fails.
     pub fn write(
         &self,
         client: &mut Client,
+        table: Option<&Table>,
         write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
     ) -> Result<Option<Identity>> {
         let &Self { while_estimating, pause, reset, rewired, dry_run, interrupting } = self;
         interrupting.consent(client, dry_run)?;
-        Ok(Writing { while_estimating, pause, reset, rewired, dry_run }.write(client, write)?)
+        let writing = Writing { while_estimating, pause, reset, rewired };
+        if dry_run {
+            writing.refusals(client, table)?.iter().for_each(|refusal| careful(refusal));
+            return Ok(None);
+        }
+        Ok(writing.write(client, write)?)
     }
 }

@@ -2,6 +2,7 @@
 
 use ::calibration::span::Span;
 use recordings::prepare::AutoOr;
+use std::num::{IntErrorKind, ParseIntError};
 use std::str::FromStr;
 
 /// A finite number.
@@ -20,9 +21,15 @@ pub fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// A whole number of at least 1; `else_` says what comes of no number at all.
-pub fn count<T: FromStr>(text: &str, else_: &str) -> Result<T, String> {
-    let above_0 = text.parse::<u64>().is_ok_and(|number| number > 0);
-    text.parse().ok().filter(|_| above_0).ok_or_else(|| format!("expected a whole number of at least 1{else_}"))
+pub fn count<T: FromStr<Err = ParseIntError>>(text: &str, else_: &str) -> Result<T, String> {
+    let is_0 = text.parse() == Ok(0u64);
+    match text.parse() {
+        Ok(number) if !is_0 => Ok(number),
+        Err(error) if *error.kind() == IntErrorKind::PosOverflow => {
+            Err(format!("expected a whole number of at most {}", u64::MAX >> (64 - 8 * size_of::<T>())))
+        }
+        _ => Err(format!("expected a whole number of at least 1{else_}")),
+    }
 }
 
 /// What a converter's ends stand for, or a range: `-22:22`.

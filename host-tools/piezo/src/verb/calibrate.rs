@@ -2,7 +2,7 @@
 
 use super::device::note_damage;
 use super::print::out;
-use crate::option::link::PortOption;
+use crate::option::link::{Interrupting, PortOption};
 use crate::option::{BoardOption, choice, finite, span};
 use ::calibration::span::Span;
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -48,6 +48,9 @@ pub struct Calibrate {
     /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of what the device drives, with --drive-to.
+    #[command(flatten)]
+    pub interrupting: Interrupting,
 }
 
 const CHANNELS: [(Channel, &str, &str); 2] = [
@@ -74,6 +77,7 @@ pub fn run(arguments: &Calibrate) -> Result<bool> {
     before.of_board(&identity).with_context(|| path.display().to_string())?;
     let stand = match drive_to {
         Some(to) => {
+            arguments.interrupting.consent(&mut client, false)?;
             let volts = [to.zero as f32, to.full as f32];
             Stand::Driven(Box::new(Driven::new(&mut client, volts, &before)?), volts)
         }

@@ -26,7 +26,7 @@ pub struct Erase {
 /// Runs the verb.
 pub fn run(arguments: &Erase) -> Result<bool> {
     let (mut client, identity) = arguments.port.connect()?;
-    let restarted = arguments.write.write(&mut client, |client, consent| client.erase(consent))?;
+    let restarted = arguments.write.write(&mut client, None, |client, consent| client.erase(consent))?;
     if let Some(identity) = &restarted {
         ensure!(
             identity.source != TableSource::Stored,

@@ -8,7 +8,7 @@ use crate::output::{self, Replacement};
 use ::feedforward::{Trajectory, near, plan};
 use anyhow::{Context, Result, ensure};
 use bench::followed::{Met, Row, csv, late, rows};
-use bench::{beyond_training, caveats, require_model};
+use bench::{beyond_training, caveats, held, require_model};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
@@ -103,18 +103,17 @@ fn beside(path: &Path, arguments: &Follow) -> Result<Replacement> {
 fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()> {
     let drive = table.drive.with_context(|| remedy::refusal(&Refusal::NoDrive))?;
     let plan = plan(table, &drive.limits, trajectory)?;
-    let caveats = caveats(table, &drive.limits);
     ensure!(
         plan.met(0, near(table)).is_some(),
         "the device's model never meets this trajectory, and nothing was driven: is it relative to the model's zero? {}",
-        caveats[0]
+        held(table, &drive.limits)
     );
     if told {
         let (ticks, beyond) = (plan.voltage.len(), plan.out_of_reach);
         out(&format!(
             "{ticks} ticks, on {beyond} of them the voltage or its slew rate would stand at a limit; nothing was driven"
         ));
-        caveats.iter().chain(&beyond_training(table, &plan)).for_each(|line| out(line));
+        caveats(table, &drive.limits).iter().chain(&beyond_training(table, &plan)).for_each(|line| out(line));
     }
     Ok(())
 }

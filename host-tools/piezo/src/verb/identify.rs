@@ -61,7 +61,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         arguments.overwrite.of(&arguments.out.join(name), known_by)?;
     }
     if let Some(former) = table_files::former(&arguments.out) {
-        eprintln!("piezo: careful: {}: replaces {former}", arguments.out.display());
+        eprintln!("piezo: careful: {}: what is learnt will replace {former}", arguments.out.display());
     }
     let calibration = arguments.calibration.options()?;
     let drive = &calibration.drive;

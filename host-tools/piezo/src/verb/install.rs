@@ -9,8 +9,12 @@ use anyhow::Result;
 use bench::{BoardFacts, NO_MODEL, OtherRange, for_board, install, may_take, rehearsal, wire_not_found};
 use clap::Args;
 use device_link::board;
+use device_link::busy::idle_as_started;
 use device_link::interrupt::Interrupt;
+use device_link::pil::Comparison;
 use device_link::table::to_record;
+use estimator_core::Admitted;
+use protocol::Identity;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -66,19 +70,19 @@ pub fn run(arguments: &Install) -> Result<bool> {
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    let other = facts.range_v().filter(|_| !arguments.line).and_then(|board| OtherRange::of(&table, board));
-    let other = other.as_ref().map(remedy::other_range);
+    // Where learn was told a range, it was learnt on that one.
+    let of_board = facts.range_v().filter(|_| !arguments.line && !arguments.of_learn);
+    let other = of_board.and_then(|board| OtherRange::of(&table, board)).as_ref().map(remedy::other_range);
     remedy::narrow(&table).iter().chain(&other).for_each(|careful| eprintln!("piezo: careful: {careful}"));
-    arguments.interrupting.consent(&mut client, arguments.dry_run)?;
-    let checksum = device::checksum(&to_record(&table));
+    match arguments.of_learn {
+        // Its session found the device idle, and left it as it starts.
+        true => idle_as_started(&mut client)?,
+        false => arguments.interrupting.consent(&mut client, arguments.dry_run)?,
+    }
+    let stated = (name, table, doubts);
     if arguments.dry_run {
         may_take(&mut client, &table, arguments.rewired)?;
-        let written = json!({ "table": name, "checksum": checksum, "written": false, "doubts": doubts });
-        out(&match arguments.json {
-            true => serde_json::to_string_pretty(&written)?,
-            false => device::fits_unwritten(&name, &table, &identity),
-        });
-        careful(&doubts, arguments);
+        tell(arguments, &stated, &identity, None)?;
         return Ok(true);
     }
     let codes = rehearsal(&table)?;
@@ -89,33 +93,34 @@ pub fn run(arguments: &Install) -> Result<bool> {
     bar.finish_and_clear();
     note_damage(&client);
     let compared = compared?;
-    if arguments.json {
-        out(&serde_json::to_string_pretty(&json!({
-            "table": name, "checksum": checksum, "bit_exact": compared.bit_exact(), "compared": compared, "doubts": doubts,
-        }))?);
-        return Ok(compared.bit_exact());
-    }
-    out(&format!("{} is stored, and in use on the board ({})", device::called(&name, &table), identity.board));
-    if table.drive.and_then(|drive| drive.setpoint).is_some_and(|setpoint| setpoint.at_start) {
-        out("it follows its set-point from its next start on; at once: piezo linearise");
-    }
-    careful(&doubts, arguments);
-    out(&match compared.bit_exact() {
-        true => {
-            format!("bit-exact: over {} ticks of a random voltage the device's every bit is the host's", compared.ticks)
-        }
-        false => format!(
-            "FAILED: {} of {} ticks differ, by at most {:e} µm: are the firmware and this program built from the same sources?",
-            compared.ticks - compared.identical,
-            compared.ticks,
-            compared.max_difference_um
-        ),
-    });
+    tell(arguments, &stated, &identity, Some(&compared))?;
     Ok(compared.bit_exact())
 }
 
-/// What to be careful about, for people.
-fn careful(doubts: &[String], arguments: &Install) {
-    let said = !arguments.json && !arguments.of_learn;
-    doubts.iter().filter(|_| said).for_each(|doubt| out(&format!("- careful: {doubt}")));
+/// What was installed, or only looked at: its file, the table, and what to be careful about.
+fn tell(
+    arguments: &Install,
+    (name, table, doubts): &(PathBuf, Admitted, Vec<String>),
+    identity: &Identity,
+    compared: Option<&Comparison>,
+) -> Result<()> {
+    if arguments.json {
+        out(&serde_json::to_string_pretty(&json!({
+            "table": name, "checksum": device::checksum(&to_record(table)), "written": compared.is_some(),
+            "bit_exact": compared.map(Comparison::bit_exact), "compared": compared, "doubts": doubts,
+        }))?);
+        return Ok(());
+    }
+    out(&match compared {
+        Some(_) => format!("{} is stored, and in use on the board ({})", device::called(name, table), identity.board),
+        None => device::fits_unwritten(name, table, identity),
+    });
+    let at_start = table.drive.and_then(|drive| drive.setpoint).is_some_and(|setpoint| setpoint.at_start);
+    if at_start && compared.is_some() {
+        out("it follows its set-point from its next start on; at once: piezo linearise");
+    }
+    // What learn's part before has just said is not said again.
+    doubts.iter().filter(|_| !arguments.of_learn).for_each(|doubt| out(&format!("- careful: {doubt}")));
+    compared.iter().for_each(|compared| out(&remedy::rehearsed(compared)));
+    Ok(())
 }

@@ -7,6 +7,7 @@ use crate::{Cli, Verb};
 use anyhow::{Context, Result};
 use bench::{BenchError, Session, session};
 use clap::{Args, Parser};
+use device_link::busy::idle;
 use device_link::interrupt::Interrupt;
 use recordings::prepare::PrepareOptions;
 use remedy::quoted;
@@ -77,6 +78,7 @@ pub fn run(arguments: &Learn) -> Result<bool> {
         return Err(BenchError::Occupied { path: proof }.into());
     }
     if session(&arguments.out).is_ok_and(|session| session.complete) {
+        idle(&mut arguments.port.connect()?.0)?;
         out(&format!("{folder} has a whole session, which is learnt from as it is: nothing is recorded"));
     } else if !part(train)? {
         return Ok(false);

@@ -90,8 +90,8 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
         arguments.seconds.and_then(|seconds| Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?));
     let over = || interrupt.wanted() || end.is_some_and(|end| Instant::now() >= end);
     if let Some(address) = &arguments.web {
-        file::folder(&arguments.out)?;
         let server = Server::start(address)?;
+        file::folder(&arguments.out)?;
         if !server.is_loopback() {
             eprintln!("piezo: careful: other machines reach this page; whoever knows its address can zero and record");
         }

@@ -2,7 +2,7 @@
 
 use super::device::note_damage;
 use super::print::{heading, out, progress, row};
-use crate::option::link::PortOption;
+use crate::option::link::{Interrupting, PortOption};
 use crate::option::{BoardOption, not_negative, positive, span};
 use crate::output;
 use ::calibration::span::Span;
@@ -44,6 +44,9 @@ pub struct Prove {
     /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of what the device drives.
+    #[command(flatten)]
+    pub interrupting: Interrupting,
 }
 
 /// Runs the verb; `false` on FAIL.
@@ -52,6 +55,7 @@ pub fn run(arguments: &Prove) -> Result<bool> {
     let _held = output::to_folder(&arguments.out)?;
     let (mut client, identity) = arguments.port.connect()?;
     let wiring = arguments.board.wiring_of(&identity)?;
+    arguments.interrupting.consent(&mut client, false)?;
     let log = arguments.out.join("proven.csv");
     let (up_to_hz, duration_s, seed) = (arguments.up_to, arguments.seconds, arguments.seed);
     let (range, max_percent) = (arguments.range.map(|span| (span.zero, span.full)), arguments.max_percent);

@@ -38,7 +38,8 @@ pub fn run(arguments: &Push) -> Result<bool> {
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    let restarted = arguments.write.write(&mut client, |client, consent| client.push(record.clone(), consent))?;
+    let restarted =
+        arguments.write.write(&mut client, Some(&table), |client, consent| client.push(record.clone(), consent))?;
     if let Some(identity) = &restarted {
         ensure!(
             identity.source == TableSource::Stored,

@@ -32,7 +32,9 @@ pub fn run(arguments: &Reset) -> Result<bool> {
     let identity = if arguments.dry_run { found } else { client.restart()? };
     let checksum = table::in_use(&mut client)?.map(|record| device::checksum(&record));
     if arguments.json {
-        let summary = json!({ "source": identity.source, "model": identity.model, "checksum": checksum });
+        let (source, model) = (&identity.source, &identity.model);
+        let summary =
+            json!({ "restarted": !arguments.dry_run, "source": source, "model": model, "checksum": checksum });
         out(&serde_json::to_string_pretty(&summary)?);
     } else {
         let which = checksum.map_or(String::new(), |checksum| format!(" (checksum {checksum})"));

@@ -5,7 +5,7 @@ use crate::option::link::PortOption;
 use crate::option::{LogOptions, count};
 use anyhow::Result;
 use bench::waveform::{Waveform as Line, leave};
-use bench::{caveats, require_model};
+use bench::{held, require_model};
 use clap::Args;
 use device_link::table;
 use remedy::plays;
@@ -64,7 +64,7 @@ pub fn run(arguments: &Waveform) -> Result<bool> {
     }
     let what = if arguments.dry_run { "Nothing was sent".to_owned() } else { plays(lines, arguments.on_trigger) };
     out(&format!("{}. {what}", foreseen.said(table.sample_period())));
-    table.drive.iter().for_each(|drive| out(&caveats(&table, &drive.limits)[0]));
+    table.drive.iter().for_each(|drive| out(&held(&table, &drive.limits)));
     Ok(true)
 }
 

@@ -11,9 +11,10 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct Held {
     path: PathBuf,
+    // Above the lock, since fields are dropped in their order: an empty folder is not taken away under the next program that holds it.
+    _made: Made,
     /// Ends with the program, however it ends.
     lock: File,
-    _made: Made,
 }
 
 impl Held {

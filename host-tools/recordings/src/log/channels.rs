@@ -1,8 +1,9 @@
 //! The columns that hold a log, each with its unit.
 
-use std::fmt;
+use std::fmt::{self, Display};
 
 use measurement_files::{Quantity, Unit};
+use serde::{Serialize, Serializer};
 
 use super::sensitivity::Sensitivity;
 
@@ -10,15 +11,19 @@ use super::sensitivity::Sensitivity;
 pub(super) const QUANTITIES: [Quantity; 3] = [Quantity::Time, Quantity::Voltage, Quantity::Displacement];
 
 /// What is to be said of how a log's columns were understood.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "remark", rename_all = "kebab-case")]
 pub enum Remark {
     /// The stated unit is not the one that the file says.
     Overruled {
         /// What the column holds.
+        #[serde(serialize_with = "as_shown")]
         quantity: Quantity,
         /// The file's unit.
+        #[serde(serialize_with = "as_shown")]
         header: Unit,
         /// The stated one, which is used.
+        #[serde(serialize_with = "as_shown")]
         stated: Unit,
     },
     /// The file names no columns, and they are taken in the documented order and units.
@@ -26,6 +31,10 @@ pub enum Remark {
         /// They, as [`Columns`](super::Columns) say it.
         columns: String,
     },
+}
+
+fn as_shown<S: Serializer>(of: &impl Display, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(of)
 }
 
 /// One column chosen from a file: its index from 0 and its unit.
@@ -117,7 +126,7 @@ impl Channels {
     }
 }
 
-impl fmt::Display for Channels {
+impl Display for Channels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut comma = "";
         for quantity in QUANTITIES {

@@ -7,6 +7,7 @@ mod channels;
 mod choose;
 mod clock;
 mod columns;
+mod complete;
 mod error;
 mod fault;
 mod guess;

@@ -1,0 +1,107 @@
+//! What of the training data is left out in turn: whole logs, or a stretch of time of each.
+
+use crate::problem::Problem;
+use crate::settled::{judged_once_settled, settled};
+use recordings::session::Session;
+use serde::Serialize;
+
+/// Parts that are left out in turn; fewer where there are fewer logs, which are left out as a whole.
+const PARTS: usize = 6;
+/// Logs from which on whole logs are left out, and not a block of each.
+const LOGS: usize = 3;
+
+/// What is left out in turn.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LeftOut {
+    /// Whole logs, one or several at a time.
+    Logs,
+    /// A stretch of time of each log.
+    Blocks,
+}
+
+/// Each problem is the whole without a part, which is what it holds out.
+pub(crate) fn parts(problem: &Problem) -> (LeftOut, Vec<Problem>) {
+    let logs: Vec<&Session> = problem.training().collect();
+    if logs.len() >= LOGS {
+        let count = logs.len().min(PARTS);
+        let of = |part: usize| {
+            let (out, kept): (Vec<_>, Vec<_>) = logs.iter().enumerate().partition(|(log, _)| log % count == part);
+            let kept = kept.into_iter().map(|(_, &log)| log.clone()).collect();
+            problem.of(kept, out.into_iter().map(|(_, log)| judged_once_settled(log)).collect())
+        };
+        return (LeftOut::Logs, (0..count).map(of).collect());
+    }
+    let of = |part: usize| {
+        let (kept, out) = logs.iter().map(|log| without_block(log, part)).unzip();
+        problem.of(kept, out)
+    };
+    let long = logs.iter().all(|log| log.instants.len() > 2 * PARTS);
+    (LeftOut::Blocks, if long { (0..PARTS).map(of).collect() } else { Vec::new() })
+}
+
+/// A session without a block of what was measured once it had settled, and with that block alone. Both have the whole voltage and
+/// the first measured instant, where the estimator starts.
+fn without_block(session: &Session, part: usize) -> (Session, Session) {
+    let first = settled(session).max(1);
+    let measured = session.instants.len();
+    let at = |part: usize| first + part * (measured - first) / PARTS;
+    let block = at(part)..at(part + 1);
+    let with = |kept: &dyn Fn(usize) -> bool| {
+        let indices = (0..measured).filter(|index| *index == 0 || kept(*index));
+        let (instants, displacement) = indices.map(|at| (session.instants[at], session.displacement[at])).unzip();
+        Session { instants, displacement, ..session.clone() }
+    };
+    (with(&|index| !block.contains(&index)), with(&|index| block.contains(&index)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Conditions;
+    use crate::cost::Feedback;
+    use crate::cross_validation::tests::{duhem, session};
+    use recordings::rig::EXCITATIONS;
+
+    #[test]
+    fn a_block_is_left_out_and_judged_while_the_voltage_stays_whole() {
+        let session = session(EXCITATIONS[0]);
+        let mut judged = 0;
+        for part in 0..PARTS {
+            let (kept, out) = without_block(&session, part);
+            assert!(kept.voltage == session.voltage && out.voltage == session.voltage);
+            assert!(kept.instants[0] == 0 && out.instants[0] == 0);
+            assert_eq!(kept.instants.len() + out.instants.len(), session.instants.len() + 1);
+            assert!(out.instants[1] >= session.instants[settled(&session)], "the start is not judged");
+            judged += out.instants.len() - 1;
+        }
+        let start = settled(&session);
+        assert!(start > 100, "{start}");
+        assert_eq!(judged, session.instants.len() - start);
+    }
+
+    /// A first swing that comes from where no model can begin, as that of an actuator which was driven elsewhere before.
+    #[test]
+    fn how_an_actuator_was_left_before_a_recording_decides_nothing() {
+        let session = session(EXCITATIONS[0]);
+        let mut otherwise = session.clone();
+        otherwise.displacement.iter_mut().take(settled(&session)).skip(1).for_each(|reading| *reading += 3.0);
+        let parameters = duhem();
+        let error = |session: &Session| {
+            let problem = Problem::new(vec![session.clone()], Vec::new(), Conditions::default());
+            problem.error_once_settled(&parameters, Feedback::Simulation.into())
+        };
+        assert_eq!(error(&session), error(&otherwise));
+        for part in 0..PARTS {
+            assert_eq!(without_block(&session, part).1, without_block(&otherwise, part).1);
+        }
+        let logs = |session: &Session| {
+            let problem = Problem::new(vec![session.clone(); LOGS], Vec::new(), Conditions::default());
+            let (left_out, parts) = parts(&problem);
+            assert_eq!(left_out, LeftOut::Logs);
+            let judged = |part: &Problem| part.held_out(&parameters, Feedback::Simulation.into());
+            parts.iter().map(judged).collect::<Vec<_>>()
+        };
+        assert_eq!(logs(&session), logs(&otherwise));
+    }
+}

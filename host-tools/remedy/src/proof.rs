@@ -1,0 +1,124 @@
+//! What a table is good for on a board: the voltages that it was learnt on beside the board's, and what a proof fails for.
+
+use super::paste::typed;
+use ::calibration::drive::identified_on;
+use bench::{OtherRange, Proven};
+use estimator_core::{Range, Table};
+
+/// What a table that was learnt on another range than the board's is good for.
+pub fn other_range(of: &OtherRange) -> String {
+    match of.lacks() {
+        true => format!("{of}. {}", within(of)),
+        false => {
+            format!("{of}: it holds there, too. Is drive_range in board.toml right, and is it this actuator's table?")
+        }
+    }
+}
+
+/// An error of so much of the stroke, %, is none that a longer training makes smaller.
+const ANOTHER_S: f64 = 50.0;
+/// Part of the time, %, in which the voltage went where the training did not, that a failed proof is put down to.
+const OFTEN: f64 = 5.0;
+
+/// What to do about a proof that fails, which went up to this frequency.
+pub fn unproven(proven: &Proven, up_to_hz: f64) -> String {
+    let Proven { figures, shares, learnt: Range { min, max }, .. } = proven;
+    let train = format!("train as the proof goes: --up-to {up_to_hz} at least, over its --range");
+    if figures.mae_percent > ANOTHER_S {
+        "An error as large as this no longer training makes small: is it this actuator's table, and is what board.toml says right \
+         (`piezo calibrate`)?"
+            .to_owned()
+    } else if shares.beyond_percent > OFTEN {
+        format!(
+            "The voltage went beyond the {min:.3} … {max:.3} V that the table was learnt on, leapt, or stood at an end of the ADC's range, or \
+             the estimate was clamped: `piezo info` counts each. Prove within those volts (--range), or {train}"
+        )
+    } else if shares.untrained_percent > OFTEN {
+        format!(
+            "The proof went, within the {min:.3} … {max:.3} V that the table was learnt on, as the training never did: {train}"
+        )
+    } else {
+        format!("Train again, longer (--minutes), --up-to {up_to_hz} at least.")
+    }
+}
+
+/// How a table is kept to what it knows, or learns the rest.
+fn within(of: &OtherRange) -> String {
+    let stated =
+        |option, else_: &str| Some(typed(option)).filter(|typed| !typed.is_empty()).unwrap_or(else_.to_owned());
+    let learn = format!(
+        "learn all of it:\n    piezo learn --range {}:{} --out '<FOLDER>'{}{}",
+        of.driven.min,
+        of.driven.max,
+        stated("--board", " --board '<FILE>'"),
+        typed("--port")
+    );
+    match of.common() {
+        Some(Range { min, max }) => {
+            format!(
+                "Beyond that it takes the nearest voltage that it knows: prove with --range {min}:{max}, and install it with \
+                 drive_range = [{min}, {max}] in board.toml, so that it is driven there alone; or {learn}"
+            )
+        }
+        None => format!("It says nothing of the board's voltages: is it this actuator's? Else {learn}"),
+    }
+}
+
+/// A table that knows less of the ADC's range is remarked on.
+const NARROW: f32 = 0.1;
+
+/// What is to be said of a table that knows hardly any of what the board's ADC reads: one that was learnt from an amplifier's input
+/// knows volts that are its output's many times over.
+pub fn narrow(table: &Table) -> Option<String> {
+    let reads = table.adc.gain_v_per_code * f32::from(table.adc.full_scale);
+    let Range { min, max } = identified_on(table);
+    ((max - min) < NARROW * reads).then(|| {
+        format!(
+            "the table knows {min:.3} … {max:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then \
+             identify with --voltage-scale, the amplifier's gain",
+            100.0 * (max - min) / reads
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bench::{Shares, Verdict};
+    use validation::Figures;
+
+    #[test]
+    fn a_proof_that_fails_says_what_the_training_lacks() {
+        let said = |off_um: f64, beyond_percent, untrained_percent| {
+            let figures = Figures::of(&[0.0 + off_um, 10.0 + off_um], &[0.0, 10.0]);
+            let shares = Shares { held_percent: None, half_width_um: None, untrained_percent, beyond_percent };
+            let verdict = Verdict::of(&figures, &shares, None);
+            let learnt = Range { min: 0.0, max: 40.0 };
+            unproven(&Proven { figures, shares, verdict, learnt, log: "proven.csv".into(), home: Ok(()) }, 20.0)
+        };
+        assert!(said(1.0, 0.0, 0.0).starts_with("Train again, longer (--minutes), --up-to 20"));
+        let beyond = said(1.0, 10.0, 0.0);
+        for part in ["beyond the 0.000 … 40.000 V that the table was learnt on", "leapt", "ADC's range", "clamped"] {
+            assert!(beyond.contains(part), "{part:?} is missing in {beyond}");
+        }
+        assert!(said(1.0, 0.0, 10.0).contains("as the training never did: train as the proof goes"));
+        assert!(said(8.0, 0.0, 10.0).contains("is it this actuator's table"));
+    }
+
+    #[test]
+    fn a_table_of_another_range_is_kept_to_its_own_or_learnt_anew_by_what_can_be_typed() {
+        let of = |learnt, driven| other_range(&OtherRange { learnt, driven });
+        let (board, part) = (Range { min: 0.0, max: 100.0 }, Range { min: 0.0, max: 40.0 });
+        let said = of(part, board);
+        for words in [
+            "prove with --range 0:40",
+            "drive_range = [0, 40]",
+            "\n    piezo learn --range 0:100 --out '<FOLDER>' --board '<FILE>'",
+        ] {
+            assert!(said.contains(words), "{words:?} is missing in {said}");
+        }
+        assert!(!said.contains("drive with --range"), "only prove and feedforward have one: {said}");
+        let said = of(Range { min: 200.0, max: 300.0 }, board);
+        assert!(said.contains("says nothing of the board's voltages") && said.contains("--out '<FOLDER>'"), "{said}");
+    }
+}
