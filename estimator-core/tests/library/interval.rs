@@ -2,7 +2,7 @@
 
 use crate::common::interval as parameters;
 use crate::common::models::table_of;
-use estimator_core::interval::{Interval, LARGEST, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+use estimator_core::interval::{Interval, IntervalState, LARGEST, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{
     Admitted, DacCalibration, Estimator, IntervalParameters, Model, Range, Status, Table, TableError,
 };
@@ -55,13 +55,33 @@ fn a_sweep_wipes_out_the_memory_of_the_start() {
         interval(IntervalParameters { rate_ticks: 0.0, spread_um: [0.0; TRIANGLE], drift_um: 0.0, ..parameters() });
     let mut state = of.begin(0.0, 0.0);
     of.tell_at_rest(&mut state);
-    assert!((of.step(&mut state, 0.0, 0.0).half.unwrap() - 0.1).abs() < 1e-7);
-    // An eighth of 20 V, and a half of it.
-    assert!((of.step(&mut state, 2.5, 0.0).half.unwrap() - 1.1).abs() < 1e-7);
-    assert!((of.step(&mut state, 1.25, 0.0).half.unwrap() - 1.1).abs() < 1e-7, "it has swept as much as before");
-    assert!((of.step(&mut state, 10.0, 0.0).half.unwrap() - 2.1).abs() < 1e-7);
+    let holds = |state: &mut IntervalState<f64>, voltage: f64, memory: f64, why: &str| {
+        let half = of.step(state, voltage, 0.0).half.unwrap();
+        assert!((half - memory.hypot(0.1)).abs() < 1e-7, "{half}: {why}");
+    };
+    holds(&mut state, 0.0, 0.0, "nothing is swept");
+    holds(&mut state, 2.5, 1.0, "an eighth of 20 V");
+    holds(&mut state, 1.25, 1.0, "it has swept as much as before");
+    holds(&mut state, 10.0, 2.0, "half of 20 V");
     of.tell_at_rest(&mut state);
-    assert!((of.step(&mut state, -10.0, 0.0).half.unwrap() - 0.1).abs() < 1e-7, "all was wiped out before");
+    holds(&mut state, -10.0, 0.0, "all was wiped out before");
+}
+
+/// An end of the range is come to from one side only, and from the middle of it both are as far.
+#[test]
+fn a_start_at_an_end_of_the_range_leaves_no_memory_open() {
+    let of = interval(parameters());
+    let swept = |start: f64| {
+        let mut state = of.begin(start, 0.0);
+        of.tell_at_rest(&mut state);
+        for end in [-10.0, 10.0] {
+            of.step(&mut state, end, 0.0);
+        }
+        of.parts(&state).unwrap().memory
+    };
+    for (start, open) in [(-10.0, 0.0), (-5.0, 0.75), (0.0, 1.0), (5.0, 0.75), (10.0, 0.0), (11.0, 0.0)] {
+        assert!((swept(start) - 2.0 * open).abs() < 1e-12, "from {start} V: {}", swept(start));
+    }
 }
 
 #[test]

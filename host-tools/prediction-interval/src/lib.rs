@@ -166,12 +166,13 @@ fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
 
 fn scaled(
     unscaled: IntervalParameters,
-    [misfit, rate, moved, gain, drift]: [f64; PARTS],
+    [misfit, memory, rate, moved, gain, drift]: [f64; PARTS],
     own_um: f64,
 ) -> IntervalParameters {
     let times = |number: f32, gain: f64| (f64::from(number) * gain) as f32;
     IntervalParameters {
         misfit_um: (misfit * f64::from(unscaled.misfit_um)).hypot(own_um) as f32,
+        memory_um: unscaled.memory_um.map(|number| times(number, memory)),
         rate_ticks: times(unscaled.rate_ticks, rate),
         spread_um: unscaled.spread_um.map(|number| times(number, moved)),
         prototype_um: times(unscaled.prototype_um, moved),
