@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! w = √( misfit² + (b·(m(S) − m(S₀)))² + (rate·r)² + d² + (gain·(y − y₀))² + (drift·A)² )       half-width, µm
-//! b = 4·(V_b − V_min)·(V_max − V_b)/(V_max − V_min)²
+//! b = e + (1 − e)·4·(V_b − V_min)·(V_max − V_b)/(V_max − V_min)²
 //! d = min( |Lᵀ(p − p₀)|, n(p) + n(p₀) ),   n(p) = min_k |Lᵀp − c_k|
 //! ```
 //!
@@ -10,7 +10,7 @@
 //! |---|---|
 //! | S, S₀ | span of the voltage since the start, now and when the displacement was told, V |
 //! | m(S) | what the memory of a start in the middle of the range may still be off by after that span: a swing wipes it out |
-//! | b | how much of that a start at V_b leaves open: nothing at an end of the range V_min … V_max, which is come to from one side only |
+//! | b | how much of that a start at V_b leaves open: e at an end of the range V_min … V_max, which is come to from one side only unless it has been overrun |
 //! | r | fastest change of the estimate in a tick, forgotten in 5 ms, µm: what lag and ringing make of a small delay |
 //! | p, p₀ | six plays of the voltage, now and when the displacement was told |
 //! | c_k | prototypes (centres of a k-means) of where those of the training stood: n is how far plays stand from all that was learnt, and d the way from p₀ to p of which every part that the training has been at costs nothing |
@@ -58,6 +58,7 @@ pub type Place<T> = [T; PLAYS];
 pub struct Interval<T> {
     voltages: Range<T>,
     memory: [T; SPANS],
+    at_ends: T,
     misfit: T,
     rate: T,
     spread: [T; TRIANGLE],
@@ -143,6 +144,7 @@ impl<T: Real> Interval<T> {
         Self {
             voltages,
             memory: p.memory_um.map(T::of),
+            at_ends: T::of(p.memory_at_ends),
             misfit: T::of(p.misfit_um),
             rate: T::of(p.rate_ticks),
             spread: p.spread_um.map(T::of),
@@ -239,8 +241,9 @@ impl<T: Real> Interval<T> {
     /// b of a start at a voltage, 0 … 1.
     fn open(&self, voltage: T) -> T {
         let part = (voltage - self.voltages.min) / self.voltages.span();
-        let open = T::of(4.0) * part * (T::one() - part);
-        if open > T::zero() { open } else { T::zero() }
+        let between = T::of(4.0) * part * (T::one() - part);
+        let between = if between > T::zero() { between } else { T::zero() };
+        self.at_ends + (T::one() - self.at_ends) * between
     }
 
     fn half_width(&self, part: f32) -> T {

@@ -11,6 +11,8 @@ pub struct IntervalParameters {
     /// m, µm: what the memory of a start in the middle of the range may still be off by once the voltage has swept so many
     /// eighths of it.
     pub memory_um: [f32; SPANS],
+    /// e, 0 … 1: what of m a start at an end of the range leaves open.
+    pub memory_at_ends: f32,
     /// Half-width where nothing else counts, µm.
     pub misfit_um: f32,
     /// Ticks of the estimate's fastest change that the half-width has.
@@ -43,6 +45,7 @@ impl IntervalParameters {
         let Self { misfit_um, rate_ticks, prototype_um, untrained_um, gain, drift_um, earliest_s, .. } = *self;
         rule::check([
             ("interval.memory_um must be 0 or positive", positive(&self.memory_um)),
+            ("interval.memory_at_ends must lie between 0 and 1", (0.0..=1.0).contains(&self.memory_at_ends)),
             ("interval.misfit_um must be positive", positive(&[self.misfit_um]) && self.misfit_um > 0.0),
             ("interval.rate_ticks must be 0 or positive", positive(&[self.rate_ticks])),
             ("interval.spread_um must be finite", finite(&self.spread_um)),

@@ -69,18 +69,22 @@ fn a_sweep_wipes_out_the_memory_of_the_start() {
 
 /// An end of the range is come to from one side only, and from the middle of it both are as far.
 #[test]
-fn a_start_at_an_end_of_the_range_leaves_no_memory_open() {
-    let of = interval(parameters());
-    let swept = |start: f64| {
-        let mut state = of.begin(start, 0.0);
-        of.tell_at_rest(&mut state);
-        for end in [-10.0, 10.0] {
-            of.step(&mut state, end, 0.0);
+fn a_start_at_an_end_of_the_range_leaves_as_much_open_as_the_table_says() {
+    for memory_at_ends in [0.0, 0.25] {
+        let of = interval(IntervalParameters { memory_at_ends, ..parameters() });
+        let swept = |start: f64| {
+            let mut state = of.begin(start, 0.0);
+            of.tell_at_rest(&mut state);
+            for end in [-10.0, 10.0] {
+                of.step(&mut state, end, 0.0);
+            }
+            of.parts(&state).unwrap().memory
+        };
+        let ends = f64::from(memory_at_ends);
+        for (start, between) in [(-10.0, 0.0), (-5.0, 0.75), (0.0, 1.0), (5.0, 0.75), (10.0, 0.0), (11.0, 0.0)] {
+            let expected = 2.0 * (ends + (1.0 - ends) * between);
+            assert!((swept(start) - expected).abs() < 1e-12, "from {start} V: {}", swept(start));
         }
-        of.parts(&state).unwrap().memory
-    };
-    for (start, open) in [(-10.0, 0.0), (-5.0, 0.75), (0.0, 1.0), (5.0, 0.75), (10.0, 0.0), (11.0, 0.0)] {
-        assert!((swept(start) - 2.0 * open).abs() < 1e-12, "from {start} V: {}", swept(start));
     }
 }
 
@@ -204,6 +208,7 @@ fn numbers_that_are_none_are_refused() {
     refused(|p| p.misfit_um = 0.0);
     refused(|p| p.misfit_um = f32::NAN);
     refused(|p| p.memory_um[8] = -1.0);
+    refused(|p| p.memory_at_ends = 1.1);
     refused(|p| p.spread_um[3] = f32::INFINITY);
     refused(|p| p.prototype_um = f32::NAN);
     refused(|p| p.untrained_um = -0.1);
@@ -216,6 +221,7 @@ fn numbers_that_are_none_are_refused() {
 fn numbers_so_large_that_the_half_width_would_overflow_are_refused() {
     let of = |largest: f32| IntervalParameters {
         memory_um: [0.0, largest, 0.0, largest, 0.0, largest, 0.0, largest, 0.0],
+        memory_at_ends: 1.0,
         misfit_um: largest,
         rate_ticks: largest,
         spread_um: [-largest; TRIANGLE],
