@@ -4,10 +4,14 @@
 use crate::facts::Facts;
 use crate::restarts::Restarts;
 use embedded_storage_async::nor_flash::NorFlash;
+use estimator_core::record::MAX_LENGTH;
 use estimator_core::table::Board;
 use estimator_core::{Admitted, Table};
-use parameter_store::ParameterStore;
+use parameter_store::{MAX_RECORD, ParameterStore};
 use protocol::{TableSource, Text, text};
+
+// What is admitted can be stored.
+const _: () = assert!(MAX_LENGTH <= MAX_RECORD);
 
 /// The table to run.
 pub struct Chosen {

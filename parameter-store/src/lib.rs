@@ -26,7 +26,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use embedded_storage_async::nor_flash::NorFlash;
 
 /// Longest record, bytes.
-pub const MAX_RECORD: usize = 728;
+pub const MAX_RECORD: usize = 756;
 
 const HEADER: usize = 8;
 const CHECKSUM: usize = 4;

@@ -162,6 +162,7 @@ mod tests {
         let two = PrandtlIshlinskiiParameters { thresholds_v: two, weights_um_per_v: two, ..of };
         let interval = IntervalParameters {
             memory_um: [0.0; SPANS],
+            memory_at_ends: 0.0,
             misfit_um: 0.1,
             rate_ticks: 0.0,
             spread_um: [0.0; TRIANGLE],

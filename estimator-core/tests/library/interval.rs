@@ -2,7 +2,7 @@
 
 use crate::common::interval as parameters;
 use crate::common::models::table_of;
-use estimator_core::interval::{Interval, LARGEST, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+use estimator_core::interval::{Interval, IntervalState, LARGEST, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{
     Admitted, DacCalibration, Estimator, IntervalParameters, Model, Range, Status, Table, TableError,
 };
@@ -55,13 +55,37 @@ fn a_sweep_wipes_out_the_memory_of_the_start() {
         interval(IntervalParameters { rate_ticks: 0.0, spread_um: [0.0; TRIANGLE], drift_um: 0.0, ..parameters() });
     let mut state = of.begin(0.0, 0.0);
     of.tell_at_rest(&mut state);
-    assert!((of.step(&mut state, 0.0, 0.0).half.unwrap() - 0.1).abs() < 1e-7);
-    // An eighth of 20 V, and a half of it.
-    assert!((of.step(&mut state, 2.5, 0.0).half.unwrap() - 1.1).abs() < 1e-7);
-    assert!((of.step(&mut state, 1.25, 0.0).half.unwrap() - 1.1).abs() < 1e-7, "it has swept as much as before");
-    assert!((of.step(&mut state, 10.0, 0.0).half.unwrap() - 2.1).abs() < 1e-7);
+    let holds = |state: &mut IntervalState<f64>, voltage: f64, memory: f64, why: &str| {
+        let half = of.step(state, voltage, 0.0).half.unwrap();
+        assert!((half - memory.hypot(0.1)).abs() < 1e-7, "{half}: {why}");
+    };
+    holds(&mut state, 0.0, 0.0, "nothing is swept");
+    holds(&mut state, 2.5, 1.0, "an eighth of 20 V");
+    holds(&mut state, 1.25, 1.0, "it has swept as much as before");
+    holds(&mut state, 10.0, 2.0, "half of 20 V");
     of.tell_at_rest(&mut state);
-    assert!((of.step(&mut state, -10.0, 0.0).half.unwrap() - 0.1).abs() < 1e-7, "all was wiped out before");
+    holds(&mut state, -10.0, 0.0, "all was wiped out before");
+}
+
+/// An end of the range is come to from one side only, and from the middle of it both are as far.
+#[test]
+fn a_start_at_an_end_of_the_range_leaves_as_much_open_as_the_table_says() {
+    for memory_at_ends in [0.0, 0.25] {
+        let of = interval(IntervalParameters { memory_at_ends, ..parameters() });
+        let swept = |start: f64| {
+            let mut state = of.begin(start, 0.0);
+            of.tell_at_rest(&mut state);
+            for end in [-10.0, 10.0] {
+                of.step(&mut state, end, 0.0);
+            }
+            of.parts(&state).unwrap().memory
+        };
+        let ends = f64::from(memory_at_ends);
+        for (start, between) in [(-10.0, 0.0), (-5.0, 0.75), (0.0, 1.0), (5.0, 0.75), (10.0, 0.0), (11.0, 0.0)] {
+            let expected = 2.0 * (ends + (1.0 - ends) * between);
+            assert!((swept(start) - expected).abs() < 1e-12, "from {start} V: {}", swept(start));
+        }
+    }
 }
 
 #[test]
@@ -184,6 +208,7 @@ fn numbers_that_are_none_are_refused() {
     refused(|p| p.misfit_um = 0.0);
     refused(|p| p.misfit_um = f32::NAN);
     refused(|p| p.memory_um[8] = -1.0);
+    refused(|p| p.memory_at_ends = 1.1);
     refused(|p| p.spread_um[3] = f32::INFINITY);
     refused(|p| p.prototype_um = f32::NAN);
     refused(|p| p.untrained_um = -0.1);
@@ -196,6 +221,7 @@ fn numbers_that_are_none_are_refused() {
 fn numbers_so_large_that_the_half_width_would_overflow_are_refused() {
     let of = |largest: f32| IntervalParameters {
         memory_um: [0.0, largest, 0.0, largest, 0.0, largest, 0.0, largest, 0.0],
+        memory_at_ends: 1.0,
         misfit_um: largest,
         rate_ticks: largest,
         spread_um: [-largest; TRIANGLE],

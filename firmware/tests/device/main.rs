@@ -47,6 +47,7 @@ fn late() -> Admitted {
     (0..PLAYS).for_each(|row| spread_um[row * (row + 3) / 2] = 0.2);
     let interval = IntervalParameters {
         memory_um: [0.0; SPANS],
+        memory_at_ends: 0.0,
         misfit_um: 0.1,
         rate_ticks: 1.0,
         spread_um,

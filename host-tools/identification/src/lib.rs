@@ -52,7 +52,7 @@ mod model_choice;
 mod problem;
 mod rounds;
 pub mod search;
-mod settled;
+pub mod settled;
 pub mod simulation;
 mod start;
 mod structures;

@@ -1,9 +1,8 @@
 //! The gains of an interval's parts, of which devices that were simulated say how large they are.
 //!
 //! ```text
-//! x = max(0, |e| − memory)
 //! w = √( own² + (own/own₀)^2γ · Σ (a_i·part_i)² )     own: what the device's own logs say that it is off by, own₀ its geometric mean over devices
-//! a, γ: least mean of w + max(0, x − w)/0.05           recordings weighing alike
+//! a, γ: least mean of w + max(0, |e| − w)/0.05         e: error since the displacement was told; recordings weighing alike
 //! ```
 //!
 //! That mean is least where 5 % of the errors are larger, wherever the parts are the same (Gneiting and Raftery's interval
@@ -17,7 +16,8 @@ use minimisation::{Budget, Gene, Optimiser, each, minimise};
 
 /// What is to be covered.
 const COVERED: f64 = 0.95;
-const EVALUATIONS: usize = 1000;
+/// With a fifth of them two seeds of three ended in a local minimum, on the measured actuator.
+const EVALUATIONS: usize = 5000;
 
 /// A simulated device: what its table is off by on recordings that it was not learnt from.
 pub struct Tried {
@@ -40,12 +40,12 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// The gains of misfit, rate, moved plays, displacement gone and drift that suit the devices that were tried; of one at least.
+    /// The gains of misfit, memory, rate, moved plays, displacement gone and drift that suit the devices that were tried; of one at least.
     pub fn of(tried: &[Tried]) -> Self {
         let logarithms = || tried.iter().map(|device| libm::log(device.own_um));
         let own = Range::of_values(logarithms());
         let mean = logarithms().sum::<f64>() / tried.len().max(1) as f64;
-        let genes = [(1e-4, 0.1), (1e-3, 30.0), (0.1, 3e3), (1e-5, 0.3), (1e-6, 0.1)]
+        let genes = [(1e-4, 0.1), (1e-2, 10.0), (1e-3, 30.0), (0.1, 3e3), (1e-5, 0.3), (1e-6, 0.1)]
             .map(|(min, max)| Gene::logarithmic("", "", "", min, max));
         let gains = |at: &[f64]| {
             let parts = std::array::from_fn(|i| genes[i].value(at[i]));
@@ -71,7 +71,7 @@ impl Gains {
 fn score(tried: &[Tried], gains: &Gains) -> f64 {
     each_of(tried, gains, &|sample: &Sample, own_um: f64, gains: &[f64; PARTS]| {
         let half_width = own_um.hypot(deviation(&sample.parts, gains));
-        half_width + (beyond(sample) - half_width).max(0.0) / (1.0 - COVERED)
+        half_width + (sample.error - half_width).max(0.0) / (1.0 - COVERED)
     })
     .map(|(cost, weight)| cost * weight)
     .sum()
@@ -80,7 +80,7 @@ fn score(tried: &[Tried], gains: &Gains) -> f64 {
 /// What the deviations have to be times so that the half-widths cover as much as they have to.
 fn quantile(tried: &[Tried], gains: &Gains) -> f64 {
     let mut ratios: Vec<(f64, f64)> = each_of(tried, gains, &|sample: &Sample, own_um: f64, gains: &[f64; PARTS]| {
-        let other = (beyond(sample).powi(2) - own_um.powi(2)).max(0.0).sqrt();
+        let other = (sample.error.powi(2) - own_um.powi(2)).max(0.0).sqrt();
         other / deviation(&sample.parts, gains)
     })
     .collect();
@@ -109,10 +109,6 @@ fn each_of<'a>(
     })
 }
 
-fn beyond(sample: &Sample) -> f64 {
-    (sample.error - sample.memory).max(0.0)
-}
-
 fn deviation(parts: &[f64; PARTS], gains: &[f64; PARTS]) -> f64 {
     let square = |(part, gain): (&f64, &f64)| (part * gain) * (part * gain);
     parts.iter().zip(gains).map(square).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
@@ -122,12 +118,12 @@ fn deviation(parts: &[f64; PARTS], gains: &[f64; PARTS]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A device whose errors go with how far its plays moved alone, 19 of 20 within so many times that, and have a memory of 0.3 µm.
+    /// A device whose errors go with how far its plays moved alone, 19 of 20 within so many times that.
     fn tried(own_um: f64, times: f64) -> Tried {
         let sample = |k: u32| {
             let moved = 0.1 * f64::from(k % 7 + 1);
             let part = if k.is_multiple_of(20) { 1.25 } else { f64::from(k % 20) / 19.0 };
-            Sample { error: times * moved * part + 0.3, memory: 0.3, parts: [1.0, 1.0, moved, 1.0, 1.0] }
+            Sample { error: times * moved * part, parts: [1.0, 1.0, 1.0, moved, 1.0, 1.0] }
         };
         Tried { own_um, recordings: (0..10).map(|n| (0..140).map(|k| sample(k + n)).collect()).collect() }
     }
@@ -136,11 +132,11 @@ mod tests {
     fn what_the_errors_go_with_is_found() {
         let tried = [tried(1e-3, 2.0), tried(1e-3, 2.0)];
         let gains = Gains::of(&tried).at(1e-3);
-        assert!((1.8..2.3).contains(&gains[2]), "{gains:?}");
-        let others = gains[0].max(gains[1]).max(gains[3]).max(gains[4]);
+        assert!((1.8..2.3).contains(&gains[3]), "{gains:?}");
+        let others = gains[0].max(gains[1]).max(gains[2]).max(gains[4]).max(gains[5]);
         assert!(others < 0.1, "{gains:?}");
         let samples = tried[0].recordings.iter().flatten();
-        let within = samples.filter(|of| of.error - of.memory <= 1.001 * deviation(&of.parts, &gains)).count();
+        let within = samples.filter(|of| of.error <= 1.001 * deviation(&of.parts, &gains)).count();
         let covered = within as f64 / 1400.0;
         assert!((0.945..0.99).contains(&covered), "{covered}");
     }
@@ -148,11 +144,11 @@ mod tests {
     #[test]
     fn a_device_that_its_own_logs_fit_worse_is_trusted_less_where_that_is_so_of_the_others() {
         let worse = Gains::of(&[tried(0.01, 1.0), tried(0.02, 2.0), tried(0.04, 4.0)]);
-        let twice = worse.at(0.03)[2] / worse.at(0.015)[2];
+        let twice = worse.at(0.03)[3] / worse.at(0.015)[3];
         assert!((1.8..2.1).contains(&twice), "{worse:?}");
         assert_eq!(worse.at(0.4), worse.at(0.04), "none was like it");
         let alike = Gains::of(&[tried(0.01, 2.0), tried(0.02, 2.0), tried(0.04, 2.0)]);
-        let twice = alike.at(0.03)[2] / alike.at(0.015)[2];
+        let twice = alike.at(0.03)[3] / alike.at(0.015)[3];
         assert!((1.0..1.1).contains(&twice), "{alike:?}");
     }
 }

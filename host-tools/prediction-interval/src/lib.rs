@@ -7,6 +7,7 @@
 
 mod device;
 mod gains;
+mod overrun;
 mod prototypes;
 mod spread;
 mod start_memory;
@@ -17,6 +18,7 @@ use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{IntervalParameters, Parameters};
 use gains::{Gains, Tried};
 use identification::{Candidate, CandidateError, Identification, Outcome, Problem, SearchOptions, TableContext};
+use overrun::memory_at_ends;
 use rayon::prelude::*;
 use recordings::session::Session;
 use spread::learnt;
@@ -66,7 +68,10 @@ pub fn calibrate(
     let own_um = own(candidate);
     (!tried.is_empty()).then(|| {
         let gains = Gains::of(&tried).at(own_um);
-        Calibration { parameters: scaled(unscaled(problem, candidate), gains, own_um), own_um }
+        let parameters = scaled(unscaled(problem, candidate), gains, own_um);
+        let [memory, misfit] = [parameters.memory_um[0], parameters.misfit_um].map(f64::from);
+        let memory_at_ends = memory_at_ends(problem, &candidate.table, memory, misfit) as f32;
+        Calibration { parameters: IntervalParameters { memory_at_ends, ..parameters }, own_um }
     })
 }
 
@@ -140,6 +145,7 @@ fn unscaled(problem: &Problem, candidate: &Candidate) -> IntervalParameters {
     let stroke = problem.stroke().span();
     let bare = IntervalParameters {
         memory_um: [0.0; SPANS],
+        memory_at_ends: 0.0,
         misfit_um: stroke as f32,
         rate_ticks: 1.0,
         spread_um: [0.0; TRIANGLE],
@@ -166,12 +172,13 @@ fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
 
 fn scaled(
     unscaled: IntervalParameters,
-    [misfit, rate, moved, gain, drift]: [f64; PARTS],
+    [misfit, memory, rate, moved, gain, drift]: [f64; PARTS],
     own_um: f64,
 ) -> IntervalParameters {
     let times = |number: f32, gain: f64| (f64::from(number) * gain) as f32;
     IntervalParameters {
         misfit_um: (misfit * f64::from(unscaled.misfit_um)).hypot(own_um) as f32,
+        memory_um: unscaled.memory_um.map(|number| times(number, memory)),
         rate_ticks: times(unscaled.rate_ticks, rate),
         spread_um: unscaled.spread_um.map(|number| times(number, moved)),
         prototype_um: times(unscaled.prototype_um, moved),

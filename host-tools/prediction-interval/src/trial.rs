@@ -35,16 +35,14 @@ const LEAST_HOLD_S: f64 = 0.1;
 const LARGE: f64 = 0.25;
 
 /// Parts of a half-width whose gains are found.
-pub const PARTS: usize = 5;
+pub const PARTS: usize = 6;
 
 /// An error, and what the interval has there: µm, of an interval whose gains are 1.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sample {
     /// Absolute error since the displacement was told, as the sensor reads it.
     pub error: f64,
-    /// Memory of the start.
-    pub memory: f64,
-    /// Misfit, rate, plays that moved, displacement gone, drift.
+    /// Misfit, memory of the start, rate, plays that moved, displacement gone, drift.
     pub parts: [f64; PARTS],
 }
 
@@ -150,8 +148,8 @@ fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], sens
                 && let Some(parts) = interval.parts(state)
             {
                 let error = (off - *at).abs();
-                let of = [parts.misfit, parts.rate, parts.moved, parts.gain, parts.drift];
-                recording.push(Sample { error, memory: parts.memory, parts: of });
+                let of = [parts.misfit, parts.memory, parts.rate, parts.moved, parts.gain, parts.drift];
+                recording.push(Sample { error, parts: of });
             }
         }
         if TOLD.iter().any(|part| (part * ticks as f64) as usize == tick) {

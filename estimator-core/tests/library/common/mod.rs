@@ -50,6 +50,7 @@ pub fn interval() -> IntervalParameters {
     (0..PLAYS).for_each(|row| spread_um[row * (row + 3) / 2] = 0.2);
     IntervalParameters {
         memory_um: [2.0, 1.0, 0.5, 0.25, 0.0, 0.0, 0.0, 0.0, 0.0],
+        memory_at_ends: 0.0,
         misfit_um: 0.1,
         rate_ticks: 1.0,
         spread_um,

@@ -104,9 +104,9 @@ fn beside(interval: Option<&Calibration>, devices: u32) -> String {
         "Beside the estimate stands what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time: \
          at least ±{:.3} µm, on voltages as they were in the training ({own_um:.3} µm by these logs' own errors alone, \
          and more by those of {devices} simulated devices that were learnt from the same voltages), more where the voltage goes otherwise or fast, \
-         and up to {:.3} µm more until a full swing has wiped out a start that nobody knows.",
+         and up to ±{:.3} µm until a full swing has wiped out how it stood at a start in the middle of its range.",
         parameters.misfit_um,
-        2.0 * parameters.memory_um[0]
+        parameters.misfit_um.hypot(parameters.memory_um[0])
     )
 }
 

@@ -1,14 +1,16 @@
 //! How far the estimate may be off: a 95 % prediction interval of the displacement, relative to where it was last told.
 //!
 //! ```text
-//! w = |m(S) − m(S₀)| + √( misfit² + (rate·r)² + d² + (gain·(y − y₀))² + (drift·A)² )       half-width, µm
+//! w = √( misfit² + (b·(m(S) − m(S₀)))² + (rate·r)² + d² + (gain·(y − y₀))² + (drift·A)² )       half-width, µm
+//! b = e + (1 − e)·4·(V_b − V_min)·(V_max − V_b)/(V_max − V_min)²
 //! d = min( |Lᵀ(p − p₀)|, n(p) + n(p₀) ),   n(p) = min_k |Lᵀp − c_k|
 //! ```
 //!
 //! | | |
 //! |---|---|
 //! | S, S₀ | span of the voltage since the start, now and when the displacement was told, V |
-//! | m(S) | half of what two starts can still differ by after that span: memory of the start, which a swing wipes out |
+//! | m(S) | what the memory of a start in the middle of the range may still be off by after that span: a swing wipes it out |
+//! | b | how much of that a start at V_b leaves open: e at an end of the range V_min … V_max, which is come to from one side only unless it has been overrun |
 //! | r | fastest change of the estimate in a tick, forgotten in 5 ms, µm: what lag and ringing make of a small delay |
 //! | p, p₀ | six plays of the voltage, now and when the displacement was told |
 //! | c_k | prototypes (centres of a k-means) of where those of the training stood: n is how far plays stand from all that was learnt, and d the way from p₀ to p of which every part that the training has been at costs nothing |
@@ -19,11 +21,13 @@
 //! (`piezo identify`). 95 % holds over time, averaged over recordings and devices like those; it says nothing of the
 //! absolute displacement, of load, or of temperature beyond drift, and there is none before the displacement was told.
 
+mod parameters;
+
+pub use parameters::IntervalParameters;
+
 use crate::math::Real;
 use crate::model::play;
 use crate::range::Range;
-use crate::rule::{self, Rule};
-use serde::{Deserialize, Serialize};
 
 /// Plays that tell where the voltage has been.
 pub const PLAYS: usize = 6;
@@ -46,61 +50,6 @@ const BEGINNING_S: f32 = 0.05;
 const STEP: f32 = 65.0 / 64.0;
 const STEP_DECADES: f32 = 0.006_733_383;
 
-/// What a table says of its interval.
-#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct IntervalParameters {
-    /// m, µm: half of the most that two starts can still differ by once the voltage has swept so many eighths of its range.
-    pub memory_um: [f32; SPANS],
-    /// Half-width where nothing else counts, µm.
-    pub misfit_um: f32,
-    /// Ticks of the estimate's fastest change that the half-width has.
-    pub rate_ticks: f32,
-    /// L, µm for plays in half voltage ranges, row by row of its lower triangle.
-    pub spread_um: [f32; TRIANGLE],
-    /// c_k: Lᵀp of the training, in units of `prototype_um`.
-    pub prototypes: [[i8; PLAYS]; PROTOTYPES],
-    /// The unit of the prototypes, µm.
-    pub prototype_um: f32,
-    /// n beyond which [`Status::UNTRAINED`](crate::Status::UNTRAINED) is raised, µm.
-    pub untrained_um: f32,
-    /// Half-width for each µm that the estimate has gone since the displacement was told.
-    pub gain: f32,
-    /// Half-width for each decade of time since the start, µm.
-    pub drift_um: f32,
-    /// Least time from the start to where a displacement may be told, s: earlier, an actuator that moves is still on its way.
-    pub earliest_s: f32,
-}
-
-impl IntervalParameters {
-    /// Whether every number is finite, none is negative that may not be, and none is beyond [`LARGEST`].
-    ///
-    /// # Errors
-    /// The rule that is broken.
-    pub fn check(&self) -> Result<(), Rule> {
-        let positive = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite() && *number >= 0.0);
-        let finite = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite());
-        let small = |numbers: &[f32]| numbers.iter().all(|number| number.abs() <= LARGEST);
-        let Self { misfit_um, rate_ticks, prototype_um, untrained_um, gain, drift_um, earliest_s, .. } = *self;
-        rule::check([
-            ("interval.memory_um must be 0 or positive", positive(&self.memory_um)),
-            ("interval.misfit_um must be positive", positive(&[self.misfit_um]) && self.misfit_um > 0.0),
-            ("interval.rate_ticks must be 0 or positive", positive(&[self.rate_ticks])),
-            ("interval.spread_um must be finite", finite(&self.spread_um)),
-            ("interval.prototype_um must be 0 or positive", positive(&[self.prototype_um])),
-            ("interval.untrained_um must be 0 or positive", positive(&[self.untrained_um])),
-            ("interval.gain must be 0 or positive", positive(&[self.gain])),
-            ("interval.drift_um must be 0 or positive", positive(&[self.drift_um])),
-            ("interval.earliest_s must be 0 or positive", positive(&[self.earliest_s])),
-            ("interval: no number may lie beyond a million", {
-                small(&self.memory_um)
-                    && small(&self.spread_um)
-                    && small(&[misfit_um, rate_ticks, prototype_um, untrained_um, gain, drift_um, earliest_s])
-            }),
-        ])
-    }
-}
-
 /// Where the plays stand, as the interval sees it: Lᵀp, µm.
 pub type Place<T> = [T; PLAYS];
 
@@ -109,6 +58,7 @@ pub type Place<T> = [T; PLAYS];
 pub struct Interval<T> {
     voltages: Range<T>,
     memory: [T; SPANS],
+    at_ends: T,
     misfit: T,
     rate: T,
     spread: [T; TRIANGLE],
@@ -128,6 +78,8 @@ pub struct Interval<T> {
 pub struct IntervalState<T> {
     plays: [T; PLAYS],
     swept: Range<T>,
+    /// b of the start's voltage.
+    open: T,
     displacement: T,
     fastest: T,
     ticks: u32,
@@ -171,8 +123,8 @@ impl<T: Real> Parts<T> {
     #[inline]
     pub fn half(&self) -> T {
         let square = |part: T| part * part;
-        let always = square(self.misfit) + square(self.rate);
-        self.memory + (always + square(self.moved) + square(self.gain) + square(self.drift)).sqrt()
+        let always = square(self.misfit) + square(self.memory) + square(self.rate);
+        (always + square(self.moved) + square(self.gain) + square(self.drift)).sqrt()
     }
 }
 
@@ -192,6 +144,7 @@ impl<T: Real> Interval<T> {
         Self {
             voltages,
             memory: p.memory_um.map(T::of),
+            at_ends: T::of(p.memory_at_ends),
             misfit: T::of(p.misfit_um),
             rate: T::of(p.rate_ticks),
             spread: p.spread_um.map(T::of),
@@ -212,6 +165,7 @@ impl<T: Real> Interval<T> {
         IntervalState {
             plays,
             swept: Range::point(voltage),
+            open: self.open(voltage),
             displacement,
             fastest: T::zero(),
             ticks: 0,
@@ -265,7 +219,7 @@ impl<T: Real> Interval<T> {
     #[inline]
     pub fn parts(&self, state: &IntervalState<T>) -> Option<Parts<T>> {
         state.told.as_ref().map(|told| Parts {
-            memory: (self.remembered(state.swept.span()) - told.memory).abs(),
+            memory: state.open * (self.remembered(state.swept.span()) - told.memory).abs(),
             misfit: self.misfit,
             rate: self.rate * state.fastest,
             moved: least(square_distance(&state.place, &told.place).sqrt(), state.off + told.off),
@@ -282,6 +236,14 @@ impl<T: Real> Interval<T> {
                 told.decades = told.decades + T::of(STEP_DECADES);
             }
         }
+    }
+
+    /// b of a start at a voltage, 0 … 1.
+    fn open(&self, voltage: T) -> T {
+        let part = (voltage - self.voltages.min) / self.voltages.span();
+        let between = T::of(4.0) * part * (T::one() - part);
+        let between = if between > T::zero() { between } else { T::zero() };
+        self.at_ends + (T::one() - self.at_ends) * between
     }
 
     fn half_width(&self, part: f32) -> T {
