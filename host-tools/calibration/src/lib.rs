@@ -16,7 +16,7 @@ pub enum Assumed {
     Adc,
     /// The DAC's, for the displacement limits.
     Dac,
-    /// Both.
+    /// The ADC's and the DAC's.
     Both,
 }
 

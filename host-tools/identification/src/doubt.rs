@@ -112,7 +112,7 @@ pub enum Doubt {
     ImplausibleStroke(Implausible),
     /// The calibration of a converter is a placeholder, or of both.
     CalibrationAssumed {
-        /// Which.
+        /// The converters whose calibration it is.
         converters: Assumed,
     },
     /// The delay that was found is the largest that was tried.

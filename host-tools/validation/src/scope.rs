@@ -54,7 +54,7 @@ pub enum ScopeError {
         "{bound}, {at_s} s, must lie after {begins_s:.3} s, where what is used of the log begins, and before its end at {ends_s:.3} s"
     )]
     Outside {
-        /// Which.
+        /// The bound that lies outside.
         bound: Bound,
         /// The time, s.
         at_s: f64,
