@@ -10,7 +10,7 @@
 //! |---|---|
 //! | S, S₀ | span of the voltage since the start, now and when the displacement was told, V |
 //! | m(S) | what the memory of a start in the middle of the range may still be off by after that span: a swing wipes it out |
-//! | b | how much of that a start at V_b leaves open: e at an end of the range V_min … V_max, which is come to from one side only unless it has been overrun |
+//! | b | how much of that a start at V_b leaves open: e at an end of the range V_min … V_max, which is come to from one side only unless it was driven beyond it |
 //! | r | fastest change of the estimate in a tick, forgotten in 5 ms, µm: what lag and ringing make of a small delay |
 //! | p, p₀ | six plays of the voltage, now and when the displacement was told |
 //! | c_k | prototypes (centres of a k-means) of where those of the training stood: n is how far plays stand from all that was learnt, and d the way from p₀ to p of which every part that the training has been at costs nothing |

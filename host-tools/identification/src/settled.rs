@@ -8,15 +8,19 @@ use recordings::session::Session;
 /// How near to its extremes, as a fraction of its span, a session's voltage must have come for its memory to be its own.
 const EXTREME: f64 = 0.01;
 
-/// Index of the first measured instant at which a session's voltage has been near both of its extremes; 0 where that takes more than
-/// half of it.
-pub fn settled(session: &Session) -> usize {
+/// Index of the first measured instant at which a session's voltage has been near both of its extremes.
+pub fn first_swing(session: &Session) -> usize {
     let low = session.voltage.iter().copied().fold(f64::INFINITY, f64::min);
     let high = session.voltage.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let near = EXTREME * (high - low);
     let first = |is: &dyn Fn(f64) -> bool| session.voltage.iter().position(|&v| is(v)).unwrap_or(0);
     let tick = first(&|v| v <= low + near).max(first(&|v| v >= high - near)) as u32;
-    let index = session.instants.partition_point(|&instant| instant < tick);
+    session.instants.partition_point(|&instant| instant < tick)
+}
+
+/// The end of a session's [`first_swing`]; 0 where that takes more than half of it.
+pub fn settled(session: &Session) -> usize {
+    let index = first_swing(session);
     if 2 * index <= session.instants.len() { index } else { 0 }
 }
 

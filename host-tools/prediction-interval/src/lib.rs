@@ -7,7 +7,7 @@
 
 mod device;
 mod gains;
-mod overrun;
+mod memory_at_ends;
 mod prototypes;
 mod spread;
 mod start_memory;
@@ -18,7 +18,7 @@ use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{IntervalParameters, Parameters};
 use gains::{Gains, Tried};
 use identification::{Candidate, CandidateError, Identification, Outcome, Problem, SearchOptions, TableContext};
-use overrun::memory_at_ends;
+use memory_at_ends::memory_at_ends;
 use rayon::prelude::*;
 use recordings::session::Session;
 use spread::learnt;

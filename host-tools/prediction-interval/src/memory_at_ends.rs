@@ -1,36 +1,36 @@
 //! What a start at an end of the voltage range leaves open, as far as the logs begin there.
 //!
-//! An end is come to from one side only, so that nothing of the start is open there, unless the actuator was driven beyond it
-//! or has lost its polarisation since. Then the first swing is off, in the logs as on the board.
+//! An end is come to from one side only, so that nothing of the start is open there, unless the actuator was driven beyond it,
+//! or has lost its polarisation since, or never had it. Then the first swing is off, in the logs as on the board.
 
 use estimator_core::interval::SPANS;
 use estimator_core::{Admitted, Estimator, Range};
 use identification::Problem;
-use identification::settled::settled;
+use identification::settled;
 use recordings::session::Session;
 use validation::ZERO_WINDOW_S;
 
 /// A start says something of the ends where it leaves less than this open without them: in the outer seventh of the range.
 const OUTER: f64 = 0.5;
-/// Half-width for what the logs' first swings were off by: they are few, and others turn where those only came by.
+/// Times what the logs' first swings were off by: logs are few, and another recording may turn where these passed.
 const FEW: f64 = 1.5;
 
-/// e, 0 … 1: the least with which m of no sweep, `memory_um`, holds what each training log's first swing is off by, and half as
-/// much more, beside the `misfit_um` that is there always.
+/// e, 0 … 1, as the worst of the training logs that begin near an end of the table's range says it: the least with which
+/// b·`memory_um` is [`FEW`] times what that log's first swing was off by beyond `misfit_um`. 0 where none begins there.
 pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfit_um: f64) -> f64 {
     let range: Range<f64> = table.voltage_range_v.of();
     let needed = problem.training().filter_map(|session| {
         let part = range.clamp(*session.voltage.first()?) - range.min;
         let open = 4.0 * part * (range.span() - part) / (range.span() * range.span());
-        let beyond = (first_swing(table, session)?.powi(2) - misfit_um.powi(2)).max(0.0).sqrt();
+        let beyond = (off_in_first_swing(table, session)?.powi(2) - misfit_um.powi(2)).max(0.0).sqrt();
         (open < OUTER).then_some((FEW * beyond / memory_um - open) / (1.0 - open))
     });
     needed.filter(|needed| needed.is_finite()).fold(0.0, f64::max).min(1.0)
 }
 
-/// What the estimate of a session that was zeroed at its start is off by in its first swing, µm: the largest mean of those while
-/// the voltage had swept so many eighths of the range.
-fn first_swing(table: &Admitted, session: &Session) -> Option<f64> {
+/// What the estimate of a session is off by in its first swing, µm, relative to its first 50 ms: the mean while each eighth of the
+/// table's range was swept, the largest of these. `None` where nothing was measured in that swing but its beginning.
+fn off_in_first_swing(table: &Admitted, session: &Session) -> Option<f64> {
     let mut estimator = Estimator::<f64>::new(table);
     let zero = f64::from(table.voltage_zero_v);
     let estimates: Vec<f64> =
@@ -50,12 +50,14 @@ fn first_swing(table: &Admitted, session: &Session) -> Option<f64> {
         let tick = before(instant);
         Some((instant, spans.get(tick)?, estimates.get(tick)? - sensor))
     });
-    let offs: Vec<(u32, &f64, f64)> = offs.take(settled(session)).skip(1).collect::<Option<_>>()?;
+    let offs: Vec<(u32, &f64, f64)> = offs.take(settled::first_swing(session)).skip(1).collect::<Option<_>>()?;
     let window = (ZERO_WINDOW_S / table.sample_period::<f64>()) as u32;
-    let begun = mean(offs.iter().take_while(|(instant, ..)| *instant <= window.max(1)).map(|(.., off)| *off))?;
+    // One reading at least, however rare they are.
+    let begins = offs.partition_point(|(instant, ..)| *instant <= window).max(1).min(offs.len());
+    let begun = mean(offs[..begins].iter().map(|(.., off)| *off))?;
     let eighth = table.voltage_range_v.of::<f64>().span() / (SPANS - 1) as f64;
     let of = |number: usize| {
-        let within = offs.iter().filter(move |(_, span, _)| (**span / eighth) as usize == number);
+        let within = offs[begins..].iter().filter(move |(_, span, _)| (**span / eighth) as usize == number);
         mean(within.map(|(.., off)| *off - begun)).map(f64::abs)
     };
     (0..SPANS).filter_map(of).reduce(f64::max)
@@ -74,34 +76,59 @@ mod tests {
 
     const M: f64 = 2.0;
 
-    /// e where the sensor reads what the table estimates, and `first_um` more in what comes before the first swing; that starts
-    /// at this part of the range.
-    fn learnt(part: f64, first_um: f64, misfit_um: f64) -> f64 {
+    /// A sensor that reads what the table estimates, and `first_um` more in what comes before the first swing; that starts at
+    /// this part of the range after so many ticks of 3000, and the sensor is read at every so manieth.
+    struct Log {
+        part: f64,
+        first_um: f64,
+        rests: u32,
+        every: usize,
+    }
+
+    const LOG: Log = Log { part: 0.0, first_um: 0.5 * M, rests: 1000, every: 1 };
+
+    fn learnt(log: &Log, misfit_um: f64) -> f64 {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models");
         let (_, table) = table_files::read(&path.join("generalised-prandtl-ishlinskii.toml")).unwrap();
         let range: Range<f64> = table.voltage_range_v.of();
-        let start = range.min + part * range.span();
+        let start = range.min + log.part * range.span();
         let swing = |tick: u32| 0.5 * range.span() * (1.0 - libm::cos(0.01 * f64::from(tick))) + range.min;
-        let voltage: Vec<f64> =
-            (0..3000).map(|tick| if tick < 1000 { start } else { swing(tick - 1000).max(start) }).collect();
+        let voltage: Vec<f64> = (0..3000).map(|tick| swing(u32::saturating_sub(tick, log.rests)).max(start)).collect();
         let mut estimator = Estimator::<f64>::new(&table);
         let volts = voltage.iter().map(|voltage| voltage + f64::from(table.voltage_zero_v));
         let estimates = volts.map(|volts| estimator.tick_volts(volts).displacement);
-        let first = |(tick, estimate)| if tick < 1000 { estimate + first_um } else { estimate };
-        let displacement = std::iter::once(first_um).chain(estimates.enumerate().map(first)).take(3000).collect();
-        let session = Session::new("log".to_owned(), voltage, (0..3000).collect(), displacement, table.sample_period());
+        let first = |(tick, estimate)| if tick < log.rests as usize { estimate + log.first_um } else { estimate };
+        let read: Vec<f64> = std::iter::once(log.first_um)
+            .chain(estimates.enumerate().map(first))
+            .take(3000)
+            .step_by(log.every)
+            .collect();
+        let instants = (0..3000).step_by(log.every).collect();
+        let session = Session::new("log".to_owned(), voltage, instants, read, table.sample_period());
         memory_at_ends(&Problem::new(vec![session], Vec::new(), Conditions::default()), &table, M, misfit_um)
     }
 
     #[test]
     fn what_the_logs_first_swings_are_off_by_is_open_at_an_end() {
         for (first_um, expected) in [(0.0, 0.0), (0.5 * M, 0.75), (-0.5 * M, 0.75), (3.0 * M, 1.0)] {
-            let found = learnt(0.0, first_um, 0.0);
+            let found = learnt(&Log { first_um, ..LOG }, 0.0);
             assert!((found - expected).abs() < 0.02, "{first_um} µm: {found}");
         }
-        assert!((learnt(0.0, 0.5 * M, 0.3 * M) - 0.6).abs() < 0.02, "what is off there always is no start's");
+        assert!((learnt(&LOG, 0.3 * M) - 0.6).abs() < 0.02, "what is off there always is no start's");
         let beside = (0.75 - 0.19) / 0.81;
-        assert!((learnt(0.05, 0.5 * M, 0.0) - beside).abs() < 0.02, "what is open there without it is taken off");
-        assert_eq!(learnt(0.4, 0.5 * M, 0.0), 0.0, "a start in the middle says nothing of the ends");
+        assert!(
+            (learnt(&Log { part: 0.05, ..LOG }, 0.0) - beside).abs() < 0.02,
+            "what is open without it is taken off"
+        );
+        assert_eq!(learnt(&Log { part: 0.4, ..LOG }, 0.0), 0.0, "a start in the middle says nothing of the ends");
+    }
+
+    #[test]
+    fn neither_rare_readings_nor_a_late_swing_hide_it() {
+        // 75 ms apart, where what comes first is 50 ms.
+        let rare = learnt(&Log { every: 150, ..LOG }, 0.0);
+        assert!((rare - 0.75).abs() < 0.02, "{rare}");
+        let late = learnt(&Log { rests: 2000, ..LOG }, 0.0);
+        assert!((late - 0.75).abs() < 0.02, "{late}");
     }
 }
