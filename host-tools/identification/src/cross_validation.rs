@@ -151,14 +151,12 @@ fn error(without: &Identification<'_>, fit: &Fit) -> f64 {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use crate::cost::Feedback;
-    use crate::prepared;
+    use crate::fixtures::{duhem, session};
     use crate::{Conditions, SearchOptions};
-    use estimator_core::{DuhemParameters, Parameters};
-    use recordings::prepare::PrepareOptions;
-    use recordings::rig::{EXCITATIONS, Excitation, Rig};
+    use recordings::rig::EXCITATIONS;
     use recordings::session::Session;
 
     fn score(model: Model, parameters: usize, parts_um: &[f64]) -> Score {
@@ -195,26 +193,6 @@ pub(crate) mod tests {
         let mut small = one.clone();
         small.voltage.iter_mut().for_each(|voltage| *voltage *= 0.3);
         assert_eq!(models(vec![one, small]), [Model::Narx, Model::BoucWen]);
-    }
-
-    /// Of about the rig's gain.
-    pub(crate) fn duhem() -> Parameters {
-        Parameters::Duhem(DuhemParameters {
-            lag_s: 1e-3,
-            alpha_per_v: 0.1,
-            saturation_v: 40.0,
-            voltage_centre_v: 0.0,
-            offset_um: 0.0,
-            f1_um_per_v: 0.2,
-            f3_um_per_v3: 0.0,
-            g0_um_per_v: 0.15,
-            g2_um_per_v3: 0.0,
-        })
-    }
-
-    pub(crate) fn session(excitation: Excitation) -> Session {
-        let log = Rig { duration: 0.5, ..Rig::default() }.log(excitation);
-        prepared(&PrepareOptions::default().resolve(std::slice::from_ref(&log)), &log).unwrap()
     }
 
     #[test]
