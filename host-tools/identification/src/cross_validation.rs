@@ -12,6 +12,7 @@
 use crate::character::Character;
 use crate::fit::{Fit, Identification};
 use crate::left_out::{LeftOut, parts};
+use crate::model_choice::Reason;
 use crate::problem::Problem;
 use estimator_core::Model;
 use rayon::prelude::*;
@@ -52,20 +53,26 @@ pub struct CrossValidation {
 }
 
 impl CrossValidation {
-    /// Of the fits to everything that may be chosen, as [`eligible`] says it of them; `None` where there is no choice: fewer than two that
-    /// could be the best, or data too short to be divided.
+    /// Of the fits to everything that may be chosen, as [`eligible`] says it of them.
+    ///
+    /// # Errors
+    /// There is no choice: fewer than two could be the best, the data are too short to be divided, or without a part none is found. The one
+    /// with the least error in training is then chosen for that.
     pub(crate) fn of(
         identification: &Identification<'_>,
         eligible: &[(&Fit, f64)],
         mut progress: impl FnMut(),
-    ) -> Option<Self> {
+    ) -> Result<Self, Reason> {
         let problem = identification.problem;
         let least = eligible.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
         let tried: Vec<&Fit> =
             eligible.iter().filter(|(_, error)| *error <= HOPELESS * least).map(|(fit, _)| *fit).collect();
         let (left_out, parts) = parts(problem);
-        if tried.len() < 2 || parts.len() < 2 {
-            return None;
+        if tried.len() < 2 {
+            return Err(Reason::LeastByFar);
+        }
+        if parts.len() < 2 {
+            return Err(Reason::LeastUndivided);
         }
         let mut errors = vec![Vec::new(); tried.len()];
         for part in &parts {
@@ -86,8 +93,8 @@ impl CrossValidation {
             .filter(|score| score.error_um.is_finite())
             .collect();
         scores.sort_by(|a, b| a.error_um.total_cmp(&b.error_um));
-        let chosen = simplest(&scores)?;
-        Some(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
+        let chosen = simplest(&scores).ok_or(Reason::LeastWithoutParts)?;
+        Ok(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
     }
 
     /// By how much a score's errors are larger than the best's, on average over the parts, and the standard error of that, µm.
@@ -163,10 +170,8 @@ mod tests {
         Score { model, parameters, error_um: mean(parts_um), parts_um: parts_um.to_vec() }
     }
 
-    #[test]
-    fn on_one_amplitude_models_of_free_weights_neither_win_nor_set_the_measure() {
-        let one = session(EXCITATIONS[1]);
-        let fit = |model, cost| Fit {
+    fn fit(model: Model, cost: f64) -> Fit {
+        Fit {
             model,
             parameters: Some(duhem()),
             genes: Vec::new(),
@@ -176,7 +181,12 @@ mod tests {
             evaluations: 1,
             convergence: Vec::new(),
             space: None,
-        };
+        }
+    }
+
+    #[test]
+    fn on_one_amplitude_models_of_free_weights_neither_win_nor_set_the_measure() {
+        let one = session(EXCITATIONS[1]);
         let fits = [fit(Model::Narx, 0.001), fit(Model::BoucWen, 0.1), fit(Model::Duhem, f64::INFINITY)];
         let models = |sessions: Vec<Session>| {
             let problem = Problem::new(sessions, Vec::new(), Conditions::default());
@@ -227,6 +237,24 @@ mod tests {
             assert_eq!((score.parts_um.len(), score.error_um), (3, mean(&score.parts_um)));
         }
         assert!(said.scores[0].error_um <= said.scores[1].error_um);
-        assert_eq!(of([Model::BoucWen, Model::MaxwellSlip]), None, "one that has a chance is no choice");
+        let alone = of([Model::BoucWen, Model::MaxwellSlip]);
+        assert_eq!(alone, Err(Reason::LeastByFar), "one that has a chance is no choice");
+    }
+
+    #[test]
+    fn logs_too_short_to_be_divided_are_told_from_a_model_far_ahead() {
+        let mut short = session(EXCITATIONS[0]);
+        short.instants.truncate(10);
+        short.displacement.truncate(10);
+        let problem = Problem::new(vec![short], Vec::new(), Conditions::default());
+        let options = SearchOptions::default();
+        let search =
+            Identification { problem: &problem, cost: Feedback::Simulation.into(), options: &options, budget: None };
+        let fits = [fit(Model::BoucWen, 0.1), fit(Model::Duhem, 0.1)];
+        let of = |count: usize| {
+            let tried: Vec<(&Fit, f64)> = fits.iter().take(count).map(|fit| (fit, 0.1)).collect();
+            CrossValidation::of(&search, &tried, || ()).unwrap_err()
+        };
+        assert_eq!((of(2), of(1)), (Reason::LeastUndivided, Reason::LeastByFar));
     }
 }

@@ -31,8 +31,12 @@ pub enum Reason {
     AskedFor,
     /// It is the simplest that does as well as the best on parts of the training data that it was not fitted to.
     CrossValidated(CrossValidation),
-    /// Its error in training, once each log's start has settled, is the least by far, or the training data are too short to be divided.
-    LeastInTraining,
+    /// Its error in training, once each log's start has settled, is the least by far.
+    LeastByFar,
+    /// That error is the least, and the training data are too short to leave a part out.
+    LeastUndivided,
+    /// That error is the least, and without a part of the training data no model was found.
+    LeastWithoutParts,
 }
 
 impl Reason {
@@ -40,7 +44,7 @@ impl Reason {
     pub fn cross_validation(&self) -> Option<&CrossValidation> {
         match self {
             Self::CrossValidated(of) => Some(of),
-            Self::AskedFor | Self::LeastInTraining => None,
+            _ => None,
         }
     }
 }
@@ -68,7 +72,7 @@ impl Identification<'_> {
         let tried = eligible(self, &fits);
         let least = tried.iter().min_by(|(_, a), (_, b)| a.total_cmp(b));
         let Some(least) = least.map(|(fit, _)| (fit.model, fit.cost)) else {
-            return Choice { fits, model: None, reason: Reason::LeastInTraining };
+            return Choice { fits, model: None, reason: Reason::LeastByFar };
         };
         let validated = CrossValidation::of(self, &tried, || progress(least.0, least.1));
         let model = validated.as_ref().map_or(least.0, |of| of.score().model);
@@ -79,7 +83,8 @@ impl Identification<'_> {
                 *brief = longer;
             }
         }
-        Choice { fits, model: Some(model), reason: validated.map_or(Reason::LeastInTraining, Reason::CrossValidated) }
+        let reason = validated.map_or_else(|least| least, Reason::CrossValidated);
+        Choice { fits, model: Some(model), reason }
     }
 }
 
