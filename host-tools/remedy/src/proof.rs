@@ -1,7 +1,7 @@
 //! What a table is good for on a board: the voltages that it was learnt on beside the board's, and what a proof fails for.
 
 use super::paste::typed;
-use ::calibration::drive::identified_on;
+use ::calibration::drive::trained_on;
 use bench::{OtherRange, Proven};
 use estimator_core::{Range, Table};
 
@@ -64,17 +64,17 @@ fn within(of: &OtherRange) -> String {
     }
 }
 
-/// A table that knows less of the ADC's range is remarked on.
+/// A table that was learnt on less of the ADC's range is remarked on.
 const NARROW: f32 = 0.1;
 
 /// What is to be said of a table that knows hardly any of what the board's ADC reads: one that was learnt from an amplifier's input
 /// knows volts that are its output's many times over.
 pub fn narrow(table: &Table) -> Option<String> {
     let reads = table.adc.gain_v_per_code * f32::from(table.adc.full_scale);
-    let Range { min, max } = identified_on(table);
+    let Range { min, max } = trained_on(table);
     ((max - min) < NARROW * reads).then(|| {
         format!(
-            "the table knows {min:.3} … {max:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then \
+            "the table was learnt on {min:.3} … {max:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then \
              identify with --voltage-scale, the amplifier's gain",
             100.0 * (max - min) / reads
         )
