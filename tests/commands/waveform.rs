@@ -94,7 +94,8 @@ fn a_line_is_looked_at_played_and_left() {
     );
     assert!(info.contains("Faults   none"), "{info}");
     let again = refused(waveform(&device, &[path]));
-    assert!(again.contains("it plays a waveform: piezo waveform --stop"), "{again}");
+    let stop = format!("piezo waveform --stop --port tcp:{}", device.address());
+    assert!(again.contains(&format!("it plays a waveform: {stop}")), "{again}");
     let left = said(waveform(&device, &["--stop"]));
     assert!(left.contains("leaves its waveform after") && left.contains("goes to rest"), "{left}");
     assert_eq!(health(&device)["mode"], "Estimate");
@@ -120,6 +121,7 @@ fn so_many_lines_are_played_and_no_more() {
     assert!(info.contains("State    has played its waveform"), "{info}");
     let watched = asks(&device, &["monitor", "--seconds", "0.5"]).assert().success().get_output().stderr.clone();
     let watched = String::from_utf8(watched).unwrap();
+    assert!(told.contains(&format!("`piezo waveform --stop --port tcp:{}`", device.address())), "{told}");
     assert!(watched.contains("the device has played its waveform"), "{watched}");
 }
 
