@@ -40,6 +40,9 @@ pub struct Install {
     /// The table's doubts were just said, by the part of learn before.
     #[arg(skip)]
     pub of_learn: bool,
+    /// The range of the logs was typed, and another than the board's is meant.
+    #[arg(skip)]
+    pub range_typed: bool,
     /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
@@ -70,8 +73,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    // Where learn was told a range, it was learnt on that one.
-    let of_board = facts.range_v().filter(|_| !arguments.line && !arguments.of_learn);
+    let of_board = facts.range_v().filter(|_| !arguments.line && !arguments.range_typed);
     let other = of_board.and_then(|board| OtherRange::of(&table, board)).as_ref().map(remedy::other_range);
     remedy::narrow(&table).iter().chain(&other).for_each(|careful| eprintln!("piezo: careful: {careful}"));
     let busy = match arguments.of_learn {
