@@ -10,6 +10,7 @@
 //! are no reason: on one of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there.
 
 use crate::character::Character;
+use crate::cost::Cost;
 use crate::fit::{Fit, Identification};
 use crate::left_out::{LeftOut, parts};
 use crate::model_choice::Reason;
@@ -56,8 +57,8 @@ impl CrossValidation {
     /// Of the fits to everything that may be chosen, as [`eligible`] says it of them.
     ///
     /// # Errors
-    /// There is no choice: fewer than two could be the best, the data are too short to be divided, or without a part none is found. The one
-    /// with the least error in training is then chosen for that.
+    /// Why the least error in training decides: fewer than two could be the best, the data are too short to be divided, or without a part
+    /// none is found.
     pub(crate) fn of(
         identification: &Identification<'_>,
         eligible: &[(&Fit, f64)],
@@ -110,11 +111,10 @@ impl CrossValidation {
 
 /// The fits that may be chosen, admissible and of a model that the logs' amplitudes can determine, and how far each is off in the
 /// training once it has settled, µm.
-pub fn eligible<'f>(identification: &Identification<'_>, fits: &'f [Fit]) -> Vec<(&'f Fit, f64)> {
-    let problem = identification.problem;
+pub fn eligible<'f>(problem: &Problem, cost: Cost, fits: &'f [Fit]) -> Vec<(&'f Fit, f64)> {
     let amplitudes = several_amplitudes(problem);
     let eligible = fits.iter().filter(|fit| fit.cost.is_finite() && (amplitudes || !FREE.contains(&fit.model)));
-    let off = |fit: &'f Fit| Some((fit, problem.error_once_settled(&fit.parameters?, identification.cost)));
+    let off = |fit: &'f Fit| Some((fit, problem.error_once_settled(&fit.parameters?, cost)));
     eligible.filter_map(off).collect()
 }
 
@@ -170,6 +170,10 @@ mod tests {
         Score { model, parameters, error_um: mean(parts_um), parts_um: parts_um.to_vec() }
     }
 
+    fn search<'p>(problem: &'p Problem, options: &'p SearchOptions) -> Identification<'p> {
+        Identification { problem, cost: Feedback::Simulation.into(), options, budget: None }
+    }
+
     fn fit(model: Model, cost: f64) -> Fit {
         Fit {
             model,
@@ -190,14 +194,7 @@ mod tests {
         let fits = [fit(Model::Narx, 0.001), fit(Model::BoucWen, 0.1), fit(Model::Duhem, f64::INFINITY)];
         let models = |sessions: Vec<Session>| {
             let problem = Problem::new(sessions, Vec::new(), Conditions::default());
-            let options = SearchOptions::default();
-            let search = Identification {
-                problem: &problem,
-                cost: Feedback::Simulation.into(),
-                options: &options,
-                budget: None,
-            };
-            eligible(&search, &fits).iter().map(|(fit, _)| fit.model).collect::<Vec<_>>()
+            eligible(&problem, Feedback::Simulation.into(), &fits).iter().map(|(fit, _)| fit.model).collect::<Vec<_>>()
         };
         assert_eq!(models(vec![one.clone()]), [Model::BoucWen]);
         let mut small = one.clone();
@@ -223,13 +220,12 @@ mod tests {
         let sessions: Vec<Session> = EXCITATIONS.into_iter().take(3).map(session).collect();
         let problem = Problem::new(sessions, Vec::new(), Conditions::default());
         let options = SearchOptions { evaluations: 30, ..SearchOptions::default() };
-        let search =
-            Identification { problem: &problem, cost: Feedback::Simulation.into(), options: &options, budget: None };
+        let search = search(&problem, &options);
         let fits = search.brief(&Model::ALL, &mut |_, _| ());
         assert_eq!(fits.len(), Model::ALL.len());
         let of = |models: [Model; 2]| {
             let fits: Vec<Fit> = fits.iter().filter(|fit| models.contains(&fit.model)).cloned().collect();
-            CrossValidation::of(&search, &eligible(&search, &fits), || ())
+            CrossValidation::of(&search, &eligible(&problem, search.cost, &fits), || ())
         };
         let said = of([Model::BoucWen, Model::Duhem]).unwrap();
         assert_eq!((said.left_out, said.scores.len()), (LeftOut::Logs, 2));
@@ -248,13 +244,9 @@ mod tests {
         short.displacement.truncate(10);
         let problem = Problem::new(vec![short], Vec::new(), Conditions::default());
         let options = SearchOptions::default();
-        let search =
-            Identification { problem: &problem, cost: Feedback::Simulation.into(), options: &options, budget: None };
         let fits = [fit(Model::BoucWen, 0.1), fit(Model::Duhem, 0.1)];
-        let of = |count: usize| {
-            let tried: Vec<(&Fit, f64)> = fits.iter().take(count).map(|fit| (fit, 0.1)).collect();
-            CrossValidation::of(&search, &tried, || ()).unwrap_err()
-        };
+        let tried = fits.each_ref().map(|fit| (fit, 0.1));
+        let of = |count| CrossValidation::of(&search(&problem, &options), &tried[..count], || ()).unwrap_err();
         assert_eq!((of(2), of(1)), (Reason::LeastUndivided, Reason::LeastByFar));
     }
 }

@@ -42,10 +42,7 @@ pub enum Reason {
 impl Reason {
     /// What cross-validation has found, where it chose.
     pub fn cross_validation(&self) -> Option<&CrossValidation> {
-        match self {
-            Self::CrossValidated(of) => Some(of),
-            _ => None,
-        }
+        if let Self::CrossValidated(of) = self { Some(of) } else { None }
     }
 }
 
@@ -69,17 +66,15 @@ impl Identification<'_> {
             return Choice { fits, model: Some(model), reason: Reason::AskedFor };
         }
         let mut fits = self.brief(&Model::ALL, progress);
-        let tried = eligible(self, &fits);
+        let tried = eligible(self.problem, self.cost, &fits);
         let least = tried.iter().min_by(|(_, a), (_, b)| a.total_cmp(b));
         let Some(least) = least.map(|(fit, _)| (fit.model, fit.cost)) else {
             return Choice { fits, model: None, reason: Reason::LeastByFar };
         };
         let validated = CrossValidation::of(self, &tried, || progress(least.0, least.1));
         let model = validated.as_ref().map_or(least.0, |of| of.score().model);
-        let found = self.run(&[model], progress);
-        for longer in found {
-            let brief = fits.iter_mut().find(|fit| fit.model == model && longer.cost <= fit.cost);
-            if let Some(brief) = brief {
+        for longer in self.run(&[model], progress) {
+            if let Some(brief) = fits.iter_mut().find(|fit| fit.model == model && longer.cost <= fit.cost) {
                 *brief = longer;
             }
         }
