@@ -109,3 +109,24 @@ fn a_device_or_a_locked_file_is_not_written_over() {
     assert_eq!(fs::read_to_string(&locked).unwrap(), "kept");
     refused(&["identify", MEASURED, "--out", "/dev/null/out"], &["/dev/null/out"]);
 }
+
+#[test]
+fn a_table_of_an_earlier_version_is_made_anew_from_the_logs_that_it_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("table.toml");
+    let whole = fs::read_to_string(data("table/generalised-prandtl-ishlinskii/table.toml")).unwrap();
+    let earlier = whole.replace("memory_at_ends = 0.0\n", "");
+    fs::write(&table, &earlier).unwrap();
+    let anew = "piezo identify picma-p885-1hz.csv --out '<FOLDER>'";
+    let says = ["table.toml: an earlier version of this software made the table, which lacks `memory_at_ends`", anew];
+    refused(&["emit", text(&table), "--face", "toml"], &says);
+    refused(&["validate", text(&table), MEASURED], &says);
+    // The second of the two is what was held out.
+    let (first, second) = earlier.rsplit_once("picma-p885-1hz.csv").unwrap();
+    fs::write(&table, [first, "day 2.csv", second].concat()).unwrap();
+    let anew = "piezo identify picma-p885-1hz.csv --validate-on 'day 2.csv' --out '<FOLDER>'";
+    refused(&["emit", text(&table), "--face", "toml"], &[anew]);
+    // A line that no format was ever without is a slip.
+    fs::write(&table, whole.replace("misfit_um = ", "misfits_um = ")).unwrap();
+    assert!(!refused(&["emit", text(&table), "--face", "toml"], &["misfit"]).contains("earlier version"));
+}

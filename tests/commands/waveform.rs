@@ -14,6 +14,18 @@ use std::time::{Duration, Instant};
 
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
 
+/// Its wires, in a board.toml.
+const BOARD: &str = "\
+adc_span = [-0.378, 3.978]
+adc_full_scale = 65520
+dac_full_scale = 4095
+drive_span = [0.0, 4.0]
+drive_range = [0.3, 3.6]
+drive_rest = 0.5
+drive_slew = 40.0
+sensor_span = [0.0, 50.0]
+";
+
 /// A device that drives an amplifier.
 fn driving() -> EmulatedDevice {
     let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
@@ -94,7 +106,8 @@ fn a_line_is_looked_at_played_and_left() {
     );
     assert!(info.contains("Faults   none"), "{info}");
     let again = refused(waveform(&device, &[path]));
-    assert!(again.contains("it plays a waveform: piezo waveform --stop"), "{again}");
+    let stop = format!("piezo waveform --stop --port tcp:{}", device.address());
+    assert!(again.contains(&format!("it plays a waveform: {stop}")), "{again}");
     let left = said(waveform(&device, &["--stop"]));
     assert!(left.contains("leaves its waveform after") && left.contains("goes to rest"), "{left}");
     assert_eq!(health(&device)["mode"], "Estimate");
@@ -108,6 +121,7 @@ fn so_many_lines_are_played_and_no_more() {
     let path = line(folder.path(), 2.5);
     let told = said(waveform(&device, &[text(&path), "--repeat", "2"]));
     assert!(told.contains("plays 2 lines by itself, then goes to rest"), "{told}");
+    assert!(told.contains(&format!("`piezo waveform --stop --port tcp:{}`", device.address())), "{told}");
     assert!(told.contains("µm, relative to the model's zero"), "what can be held: {told}");
     let start = Instant::now();
     while health(&device)["faults"] != serde_json::json!(["SAFE_OUTPUT"]) {
@@ -169,11 +183,10 @@ fn what_plays_is_ended_by_no_other_verb_unless_it_is_told_so() {
     }
     let unchanged = json(&mut asks(&device, &["reset", "--dry-run", "--json"]));
     assert_eq!(unchanged["restarted"], false, "{unchanged}");
+    assert!(unchanged["refused"][0].as_str().unwrap().contains("plays a waveform"), "{unchanged}");
     // A session leaves it alone, too, and has no --force.
     let board = folder.path().join("board.toml");
-    let spans = "adc_span = [-0.378, 3.978]\nadc_full_scale = 4095\ndac_full_scale = 4095\ndrive_span = [0.0, 4.0]\n";
-    let limits = "drive_range = [0.3, 3.6]\ndrive_rest = 0.5\ndrive_slew = 40.0\nsensor_span = [0.0, 50.0]\n";
-    std::fs::write(&board, [spans, limits].concat()).unwrap();
+    std::fs::write(&board, BOARD).unwrap();
     let session = folder.path().join("session");
     let complaint = refused(asks(&device, &["train", "--board", text(&board), "--out", text(&session)]));
     assert!(complaint.contains("piezo waveform --stop") && !complaint.contains("--force"), "{complaint}");
@@ -221,6 +234,33 @@ fn a_dry_run_says_what_would_be_refused() {
     let shows = shows.each_ref().map(String::as_str);
     assert!(careful(&shows).contains("repeat with --rewired"), "{}", careful(&shows));
     assert!(!careful(&[&shows[..], &["--rewired"]].concat()).contains("--rewired"));
+    // What it prints says the same, and so does the JSON.
+    let looked_at = said(asks(&device, &["push", text(&own), "--dry-run"]));
+    assert!(looked_at.contains(" fits emulated, but would be refused; nothing was written"), "{looked_at}");
+    let looked_at = said(asks(&device, &["push", text(&own), "--reset", "--dry-run"]));
+    assert!(looked_at.contains(" fits emulated; nothing was written"), "{looked_at}");
+    let looked_at = said(asks(&device, &["erase", "--dry-run"]));
+    assert!(looked_at.contains("would be refused") && looked_at.contains("nothing was erased"), "{looked_at}");
+    let refusals = |verb: &[&str]| json(asks(&device, verb).args(["--dry-run", "--json"]))["refused"].clone();
+    for verb in [&["push", text(&own)][..], &["erase"]] {
+        assert!(refusals(verb)[0].as_str().unwrap().contains(estimating), "{verb:?}");
+        assert_eq!(refusals(&[verb, &["--reset"]].concat()), serde_json::json!([]), "{verb:?}");
+    }
+    // By this board's file the DAC rests elsewhere.
+    let board = folder.path().join("board.toml");
+    std::fs::write(&board, BOARD.replace("drive_rest = 0.5", "drive_rest = 1.0")).unwrap();
+    let install = ["install", "--line", "--board", text(&board)];
+    assert!(careful(&install).contains("would jump"), "{}", careful(&install));
+    assert!(refusals(&install)[0].as_str().unwrap().contains("would jump"));
+    assert_eq!(refusals(&[&install[..], &["--rewired"]].concat()), serde_json::json!([]));
+    // A DAC that shows the displacement is another's wire.
+    let shows = ["install", text(&shown), "--board", text(&board)];
+    std::fs::write(
+        &board,
+        BOARD.lines().filter(|line| !line.starts_with("drive_")).fold(String::new(), |a, b| a + b + "\n"),
+    )
+    .unwrap();
+    assert!(refusals(&shows)[0].as_str().unwrap().contains("repeat with --rewired"), "{}", refusals(&shows));
     // What hinders the dry run itself ends it.
     drop(device);
     super::refused(&["push", text(&own), "--dry-run", "--port", "tcp:127.0.0.1:1"], &["tcp:127.0.0.1:1"]);

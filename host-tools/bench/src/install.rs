@@ -12,6 +12,7 @@ use device_link::board;
 use device_link::interrupt::Interrupt;
 use device_link::pil::{Comparison, compare, feed};
 use device_link::table::{in_use, to_record};
+use device_link::write::Writing;
 use estimator_core::{AdcCode, Admitted, DriveLimits, Range, Table};
 use excitation::{Drive, ExcitationError, Request};
 use protocol::Mode;
@@ -97,13 +98,27 @@ pub fn rehearsal(table: &Admitted) -> Result<Vec<AdcCode>, ExcitationError> {
 ///
 /// # Errors
 /// The table is not for this device, the voltage would jump and the board is not `rewired`, or the link fails.
-pub fn may_take(client: &mut Client, table: &Admitted, rewired: bool) -> Result<(), BenchError> {
+fn may_take(client: &mut Client, table: &Admitted, rewired: bool) -> Result<(), BenchError> {
     table.fits(&board::of(&client.identify()?)?)?;
     if let (false, Some(former)) = (rewired, in_use(client)?) {
         // One that cannot be read here is of another format, which the line above has refused, or damaged.
         Table::parse(&former).map_or(Ok(()), |former| Output::same(&former, table))?;
     }
     Ok(())
+}
+
+/// Why a device would not take a table that fits it, or only with a jump of its voltage; empty where it would.
+///
+/// # Errors
+/// The table is not for this device, or the link fails.
+pub fn refusals(client: &mut Client, table: &Admitted, rewired: bool) -> Result<Vec<BenchError>, BenchError> {
+    let writing = Writing { reset: true, rewired, ..Writing::default() };
+    let mut refusals: Vec<BenchError> = writing.refusals(client, Some(table))?.into_iter().map(Into::into).collect();
+    match may_take(client, table, rewired) {
+        Err(jump @ BenchError::WouldJump { .. }) => refusals.push(jump),
+        may => may?,
+    }
+    Ok(refusals)
 }
 
 /// Stores a table, restarts the device, and feeds codes through its tick: how many of the ticks are the host's to the last bit.

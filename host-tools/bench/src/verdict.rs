@@ -42,9 +42,16 @@ pub struct Shares {
     pub half_width_um: Option<f64>,
     /// The voltage went as it never did in the training.
     pub untrained_percent: f64,
-    /// The voltage was beyond what the model was identified on, at an end of the ADC's range, or leapt as the amplifier cannot; or the
-    /// estimate was clamped.
+    /// Any of the next four.
     pub beyond_percent: f64,
+    /// The voltage was beyond what the model was identified on.
+    pub out_of_range_percent: f64,
+    /// It stood at an end of the ADC's range.
+    pub saturated_percent: f64,
+    /// It leapt as the amplifier cannot.
+    pub leapt_percent: f64,
+    /// The estimate was clamped to the table's limits.
+    pub clamped_percent: f64,
 }
 
 impl Shares {
@@ -58,12 +65,17 @@ impl Shares {
             let within = |half: f64| (at.estimate_um - at.sensor_um).abs() <= half;
             at.half_width_um.is_some_and(within) && !at.status.intersects(beyond)
         };
+        let raised = |bits: Status| percent(&|at| at.status.intersects(bits));
         let stated: Vec<f64> = instants.iter().filter_map(|at| at.half_width_um).collect();
         Self {
             held_percent: interval.then(|| percent(&held)),
             half_width_um: (!stated.is_empty()).then(|| stated.iter().sum::<f64>() / stated.len() as f64),
-            untrained_percent: percent(&|at| at.status.contains(Status::UNTRAINED)),
-            beyond_percent: percent(&|at| at.status.intersects(beyond)),
+            untrained_percent: raised(Status::UNTRAINED),
+            beyond_percent: raised(beyond),
+            out_of_range_percent: raised(Status::VOLTAGE_OUT_OF_RANGE),
+            saturated_percent: raised(Status::ADC_SATURATED),
+            leapt_percent: raised(Status::SLEW_EXCEEDED),
+            clamped_percent: raised(Status::CLAMPED),
         }
     }
 }
@@ -142,5 +154,20 @@ mod tests {
         }
         assert!(verdict(0.1, wide, Status::UNTRAINED, None).passed);
         assert!(verdict(0.1, |_| None, sound, Some(2.0)).passed && !verdict(0.1, |_| None, sound, Some(0.5)).passed);
+    }
+
+    #[test]
+    fn each_cause_has_its_own_share() {
+        let statuses = [
+            Status::SLEW_EXCEEDED | Status::CLAMPED,
+            Status::SLEW_EXCEEDED,
+            Status::VOLTAGE_OUT_OF_RANGE,
+            Status::ADC_SATURATED,
+        ];
+        let at = |status| Instant { estimate_um: 0.0, sensor_um: 0.0, half_width_um: None, status };
+        let of =
+            Shares::of(&[&statuses[..], &[Status::empty(); 6]].concat().into_iter().map(at).collect::<Vec<_>>(), false);
+        assert_eq!((of.beyond_percent, of.leapt_percent, of.clamped_percent), (40.0, 20.0, 10.0));
+        assert_eq!((of.out_of_range_percent, of.saturated_percent, of.untrained_percent), (10.0, 10.0, 0.0));
     }
 }

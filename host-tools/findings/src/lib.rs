@@ -5,6 +5,7 @@
 
 mod determination;
 mod doubt;
+mod interval;
 mod proven;
 mod reason;
 mod surveyed;
@@ -13,6 +14,7 @@ mod unsaid;
 
 pub use determination::{DETERMINED, determination};
 pub use doubt::{calibrated, doubt, doubt_json, flaw, implausible};
+pub use interval::interval;
 pub use proven::proven;
 pub use reason::reason;
 pub use surveyed::{remark, surveyed};

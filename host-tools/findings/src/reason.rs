@@ -6,11 +6,22 @@ use identification::{CrossValidation, LeftOut, Reason};
 pub fn reason(reason: &Reason) -> String {
     match reason {
         Reason::AskedFor => "it was asked for.".to_owned(),
-        Reason::LeastInTraining => "once the start of each log has settled, no other comes near its error in training, or the logs are too short to leave a part \
-                                    out; --model takes another."
-            .to_owned(),
+        Reason::LeastByFar => {
+            "once the start of each log has settled, no other comes near its error in training; --model takes another."
+                .to_owned()
+        }
+        Reason::LeastUndivided => least("the logs are too short to leave a part out"),
+        Reason::LeastWithoutParts => least("without a part of the logs no model was found"),
         Reason::CrossValidated(of) => cross_validated(of),
     }
+}
+
+/// Why nothing but the training chose.
+fn least(since: &str) -> String {
+    format!(
+        "once the start of each log has settled, its error in training is the least, and there is no other measure: {since}; \
+         --model takes another."
+    )
 }
 
 /// What is said where a mean difference, µm, is no more than its standard error, µm.

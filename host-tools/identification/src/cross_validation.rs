@@ -10,8 +10,10 @@
 //! are no reason: on one of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there.
 
 use crate::character::Character;
+use crate::cost::Cost;
 use crate::fit::{Fit, Identification};
 use crate::left_out::{LeftOut, parts};
+use crate::model_choice::Reason;
 use crate::problem::Problem;
 use estimator_core::Model;
 use rayon::prelude::*;
@@ -52,20 +54,26 @@ pub struct CrossValidation {
 }
 
 impl CrossValidation {
-    /// Of the fits to everything that may be chosen, as [`eligible`] says it of them; `None` where there is no choice: fewer than two that
-    /// could be the best, or data too short to be divided.
+    /// Of the fits to everything that may be chosen, as [`eligible`] says it of them.
+    ///
+    /// # Errors
+    /// Why the least error in training decides: fewer than two could be the best, the data are too short to be divided, or without a part
+    /// none is found.
     pub(crate) fn of(
         identification: &Identification<'_>,
         eligible: &[(&Fit, f64)],
         mut progress: impl FnMut(),
-    ) -> Option<Self> {
+    ) -> Result<Self, Reason> {
         let problem = identification.problem;
         let least = eligible.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
         let tried: Vec<&Fit> =
             eligible.iter().filter(|(_, error)| *error <= HOPELESS * least).map(|(fit, _)| *fit).collect();
         let (left_out, parts) = parts(problem);
-        if tried.len() < 2 || parts.len() < 2 {
-            return None;
+        if tried.len() < 2 {
+            return Err(Reason::LeastByFar);
+        }
+        if parts.len() < 2 {
+            return Err(Reason::LeastUndivided);
         }
         let mut errors = vec![Vec::new(); tried.len()];
         for part in &parts {
@@ -86,8 +94,8 @@ impl CrossValidation {
             .filter(|score| score.error_um.is_finite())
             .collect();
         scores.sort_by(|a, b| a.error_um.total_cmp(&b.error_um));
-        let chosen = simplest(&scores)?;
-        Some(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
+        let chosen = simplest(&scores).ok_or(Reason::LeastWithoutParts)?;
+        Ok(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
     }
 
     /// By how much a score's errors are larger than the best's, on average over the parts, and the standard error of that, µm.
@@ -103,11 +111,10 @@ impl CrossValidation {
 
 /// The fits that may be chosen, admissible and of a model that the logs' amplitudes can determine, and how far each is off in the
 /// training once it has settled, µm.
-pub fn eligible<'f>(identification: &Identification<'_>, fits: &'f [Fit]) -> Vec<(&'f Fit, f64)> {
-    let problem = identification.problem;
+pub fn eligible<'f>(problem: &Problem, cost: Cost, fits: &'f [Fit]) -> Vec<(&'f Fit, f64)> {
     let amplitudes = several_amplitudes(problem);
     let eligible = fits.iter().filter(|fit| fit.cost.is_finite() && (amplitudes || !FREE.contains(&fit.model)));
-    let off = |fit: &'f Fit| Some((fit, problem.error_once_settled(&fit.parameters?, identification.cost)));
+    let off = |fit: &'f Fit| Some((fit, problem.error_once_settled(&fit.parameters?, cost)));
     eligible.filter_map(off).collect()
 }
 
@@ -151,24 +158,24 @@ fn error(without: &Identification<'_>, fit: &Fit) -> f64 {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use crate::cost::Feedback;
-    use crate::prepared;
+    use crate::fixtures::{duhem, session};
     use crate::{Conditions, SearchOptions};
-    use estimator_core::{DuhemParameters, Parameters};
-    use recordings::prepare::PrepareOptions;
-    use recordings::rig::{EXCITATIONS, Excitation, Rig};
+    use recordings::rig::EXCITATIONS;
     use recordings::session::Session;
 
     fn score(model: Model, parameters: usize, parts_um: &[f64]) -> Score {
         Score { model, parameters, error_um: mean(parts_um), parts_um: parts_um.to_vec() }
     }
 
-    #[test]
-    fn on_one_amplitude_models_of_free_weights_neither_win_nor_set_the_measure() {
-        let one = session(EXCITATIONS[1]);
-        let fit = |model, cost| Fit {
+    fn search<'p>(problem: &'p Problem, options: &'p SearchOptions) -> Identification<'p> {
+        Identification { problem, cost: Feedback::Simulation.into(), options, budget: None }
+    }
+
+    fn fit(model: Model, cost: f64) -> Fit {
+        Fit {
             model,
             parameters: Some(duhem()),
             genes: Vec::new(),
@@ -178,43 +185,21 @@ pub(crate) mod tests {
             evaluations: 1,
             convergence: Vec::new(),
             space: None,
-        };
+        }
+    }
+
+    #[test]
+    fn on_one_amplitude_models_of_free_weights_neither_win_nor_set_the_measure() {
+        let one = session(EXCITATIONS[1]);
         let fits = [fit(Model::Narx, 0.001), fit(Model::BoucWen, 0.1), fit(Model::Duhem, f64::INFINITY)];
         let models = |sessions: Vec<Session>| {
             let problem = Problem::new(sessions, Vec::new(), Conditions::default());
-            let options = SearchOptions::default();
-            let search = Identification {
-                problem: &problem,
-                cost: Feedback::Simulation.into(),
-                options: &options,
-                budget: None,
-            };
-            eligible(&search, &fits).iter().map(|(fit, _)| fit.model).collect::<Vec<_>>()
+            eligible(&problem, Feedback::Simulation.into(), &fits).iter().map(|(fit, _)| fit.model).collect::<Vec<_>>()
         };
         assert_eq!(models(vec![one.clone()]), [Model::BoucWen]);
         let mut small = one.clone();
         small.voltage.iter_mut().for_each(|voltage| *voltage *= 0.3);
         assert_eq!(models(vec![one, small]), [Model::Narx, Model::BoucWen]);
-    }
-
-    /// Of about the rig's gain.
-    pub(crate) fn duhem() -> Parameters {
-        Parameters::Duhem(DuhemParameters {
-            lag_s: 1e-3,
-            alpha_per_v: 0.1,
-            saturation_v: 40.0,
-            voltage_centre_v: 0.0,
-            offset_um: 0.0,
-            f1_um_per_v: 0.2,
-            f3_um_per_v3: 0.0,
-            g0_um_per_v: 0.15,
-            g2_um_per_v3: 0.0,
-        })
-    }
-
-    pub(crate) fn session(excitation: Excitation) -> Session {
-        let log = Rig { duration: 0.5, ..Rig::default() }.log(excitation);
-        prepared(&PrepareOptions::default().resolve(std::slice::from_ref(&log)), &log).unwrap()
     }
 
     #[test]
@@ -235,13 +220,12 @@ pub(crate) mod tests {
         let sessions: Vec<Session> = EXCITATIONS.into_iter().take(3).map(session).collect();
         let problem = Problem::new(sessions, Vec::new(), Conditions::default());
         let options = SearchOptions { evaluations: 30, ..SearchOptions::default() };
-        let search =
-            Identification { problem: &problem, cost: Feedback::Simulation.into(), options: &options, budget: None };
+        let search = search(&problem, &options);
         let fits = search.brief(&Model::ALL, &mut |_, _| ());
         assert_eq!(fits.len(), Model::ALL.len());
         let of = |models: [Model; 2]| {
             let fits: Vec<Fit> = fits.iter().filter(|fit| models.contains(&fit.model)).cloned().collect();
-            CrossValidation::of(&search, &eligible(&search, &fits), || ())
+            CrossValidation::of(&search, &eligible(&problem, search.cost, &fits), || ())
         };
         let said = of([Model::BoucWen, Model::Duhem]).unwrap();
         assert_eq!((said.left_out, said.scores.len()), (LeftOut::Logs, 2));
@@ -249,6 +233,20 @@ pub(crate) mod tests {
             assert_eq!((score.parts_um.len(), score.error_um), (3, mean(&score.parts_um)));
         }
         assert!(said.scores[0].error_um <= said.scores[1].error_um);
-        assert_eq!(of([Model::BoucWen, Model::MaxwellSlip]), None, "one that has a chance is no choice");
+        let alone = of([Model::BoucWen, Model::MaxwellSlip]);
+        assert_eq!(alone, Err(Reason::LeastByFar), "one that has a chance is no choice");
+    }
+
+    #[test]
+    fn logs_too_short_to_be_divided_are_told_from_a_model_far_ahead() {
+        let mut short = session(EXCITATIONS[0]);
+        short.instants.truncate(10);
+        short.displacement.truncate(10);
+        let problem = Problem::new(vec![short], Vec::new(), Conditions::default());
+        let options = SearchOptions::default();
+        let fits = [fit(Model::BoucWen, 0.1), fit(Model::Duhem, 0.1)];
+        let tried = fits.each_ref().map(|fit| (fit, 0.1));
+        let of = |count| CrossValidation::of(&search(&problem, &options), &tried[..count], || ()).unwrap_err();
+        assert_eq!((of(2), of(1)), (Reason::LeastUndivided, Reason::LeastByFar));
     }
 }

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
     use crate::Conditions;
     use crate::cost::Feedback;
-    use crate::cross_validation::tests::{duhem, session};
+    use crate::fixtures::{duhem, session};
     use recordings::rig::EXCITATIONS;
 
     #[test]

@@ -46,6 +46,8 @@ mod division;
 mod doubt;
 pub mod family;
 mod fit;
+#[cfg(test)]
+mod fixtures;
 mod job;
 mod left_out;
 mod model_choice;

@@ -31,17 +31,18 @@ pub enum Reason {
     AskedFor,
     /// It is the simplest that does as well as the best on parts of the training data that it was not fitted to.
     CrossValidated(CrossValidation),
-    /// Its error in training, once each log's start has settled, is the least by far, or the training data are too short to be divided.
-    LeastInTraining,
+    /// Its error in training, once each log's start has settled, is the least by far.
+    LeastByFar,
+    /// That error is the least, and the training data are too short to leave a part out.
+    LeastUndivided,
+    /// That error is the least, and without a part of the training data no model was found.
+    LeastWithoutParts,
 }
 
 impl Reason {
     /// What cross-validation has found, where it chose.
     pub fn cross_validation(&self) -> Option<&CrossValidation> {
-        match self {
-            Self::CrossValidated(of) => Some(of),
-            Self::AskedFor | Self::LeastInTraining => None,
-        }
+        if let Self::CrossValidated(of) = self { Some(of) } else { None }
     }
 }
 
@@ -65,21 +66,20 @@ impl Identification<'_> {
             return Choice { fits, model: Some(model), reason: Reason::AskedFor };
         }
         let mut fits = self.brief(&Model::ALL, progress);
-        let tried = eligible(self, &fits);
+        let tried = eligible(self.problem, self.cost, &fits);
         let least = tried.iter().min_by(|(_, a), (_, b)| a.total_cmp(b));
         let Some(least) = least.map(|(fit, _)| (fit.model, fit.cost)) else {
-            return Choice { fits, model: None, reason: Reason::LeastInTraining };
+            return Choice { fits, model: None, reason: Reason::LeastByFar };
         };
         let validated = CrossValidation::of(self, &tried, || progress(least.0, least.1));
         let model = validated.as_ref().map_or(least.0, |of| of.score().model);
-        let found = self.run(&[model], progress);
-        for longer in found {
-            let brief = fits.iter_mut().find(|fit| fit.model == model && longer.cost <= fit.cost);
-            if let Some(brief) = brief {
+        for longer in self.run(&[model], progress) {
+            if let Some(brief) = fits.iter_mut().find(|fit| fit.model == model && longer.cost <= fit.cost) {
                 *brief = longer;
             }
         }
-        Choice { fits, model: Some(model), reason: validated.map_or(Reason::LeastInTraining, Reason::CrossValidated) }
+        let reason = validated.map_or_else(|least| least, Reason::CrossValidated);
+        Choice { fits, model: Some(model), reason }
     }
 }
 

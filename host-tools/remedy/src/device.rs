@@ -3,6 +3,7 @@
 use super::bench::verb;
 use super::bits::{Meaning, faults, status};
 use super::paste::{typed, with};
+use super::waveform::stop;
 use device_link::busy::Busy;
 use device_link::cycle::CycleError;
 use device_link::pil::{Comparison, FeedError};
@@ -102,12 +103,12 @@ pub fn refusal(refusal: &Refusal) -> String {
     format!("{refusal}{}", remedy(refusal))
 }
 
-fn remedy(refusal: &Refusal) -> &'static str {
-    match refusal {
+fn remedy(refusal: &Refusal) -> String {
+    let remedy = match refusal {
         Refusal::NoDrive => ": piezo emit --drive-span, then push",
         Refusal::NoSetpoint => ": piezo emit --setpoint-span, then push",
         Refusal::NoSetpointInput => ": it takes a board that has one, as the NUCLEO-G474RE",
-        Refusal::Playing => ": piezo waveform --stop",
+        Refusal::Playing => return format!(": {}", stop()),
         Refusal::NotByMode => ": piezo waveform FILE",
         Refusal::NotLoaded { .. } => ": load it again (piezo waveform FILE)",
         Refusal::NoTriggerInput => ": play it without --on-trigger",
@@ -116,7 +117,8 @@ fn remedy(refusal: &Refusal) -> &'static str {
         Refusal::Faulty => ": piezo info says which",
         Refusal::Rewired => ": unplug it, then repeat with --rewired",
         _ => "",
-    }
+    };
+    remedy.to_owned()
 }
 
 pub(super) fn link(error: &LinkError) -> String {
@@ -215,7 +217,7 @@ fn busy(error: &Busy) -> String {
     let port = typed("--port");
     let ends = match error {
         Busy::Link(error) => return link(error),
-        Busy::Drives(Mode::Waveform) => format!("`piezo waveform --stop{port}` ends it"),
+        Busy::Drives(Mode::Waveform) => format!("`{}` ends it", stop()),
         Busy::Drives(Mode::Linearise) => format!("`piezo linearise --stop{port}` ends it"),
         Busy::Drives(_) => format!("Ctrl-C there, or `piezo reset --force{port}`, ends it"),
     };

@@ -1,7 +1,7 @@
 //! Why nothing was identified, compared, reproduced or read as a table.
 
 use super::log::prepare;
-use super::paste::quoted;
+use super::paste::{log, quoted};
 use ::calibration::ConverterMismatch;
 use ::calibration::drive::SetpointMismatch;
 use comparison::ComparisonError;
@@ -9,6 +9,7 @@ use identification::cost::UnusedWeight;
 use identification::validate::{Bound, ScopeError};
 use identification::{CandidateError, JobError};
 use recordings::file::FileError;
+use recordings::{LogUse, Role};
 use std::error::Error;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -140,6 +141,24 @@ fn file(error: &FileError) -> String {
     }
 }
 
+/// The command that makes a table of an earlier version anew from the logs that it names.
+fn anew(logs: &[LogUse]) -> String {
+    let of = |role| {
+        let mut files: Vec<&str> = logs.iter().filter(|log| log.role == role).map(|log| log.file.as_str()).collect();
+        files.dedup();
+        files
+    };
+    let (training, held_out) = (of(Role::Training), of(Role::HeldOut));
+    let others = held_out.iter().filter(|file| !training.contains(file));
+    let held_out: String = others.map(|file| format!(" --validate-on {}", log(file))).collect();
+    let training = if training.is_empty() {
+        "'<LOG>'".to_owned()
+    } else {
+        training.into_iter().map(log).collect::<Vec<_>>().join(" ")
+    };
+    format!("\n    piezo identify {training}{held_out} --out '<FOLDER>'")
+}
+
 fn table(error: &TableFileError) -> String {
     const WANTED: &str = "name the table.toml that `identify` or `emit` wrote";
     match error {
@@ -157,6 +176,9 @@ fn table(error: &TableFileError) -> String {
             }
         }
         TableFileError::OtherFace(error) => other_face(error),
+        TableFileError::Earlier { logs, .. } => {
+            format!("{error}: make it anew, where its logs are and with the options of then{}", anew(logs))
+        }
         // A log in the place of the table, or another face of it.
         TableFileError::NoTable { path, .. } if path.extension().is_none_or(|extension| extension != "toml") => {
             format!("{}: is no table.toml: {WANTED}, and logs after it", path.display())

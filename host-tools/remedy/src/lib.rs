@@ -14,7 +14,9 @@ mod waveform;
 pub use bench::{complaint, identify, stopped};
 pub use bits::{Meaning, faults, remarks, status};
 pub use device::{board, not_estimating, refusal, rehearsed};
-pub use findings::{DETERMINED, calibrated, determination, doubt, doubt_json, proven, reason, remark, surveyed};
+pub use findings::{
+    DETERMINED, calibrated, determination, doubt, doubt_json, interval, proven, reason, remark, surveyed,
+};
 pub use identification::mismatch;
 pub use paste::{learn_from, quoted};
 pub use proof::{narrow, other_range, unproven};

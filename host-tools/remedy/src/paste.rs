@@ -45,15 +45,18 @@ fn command(typed: &[String], options: &[(&str, &str)]) -> String {
 
 /// The command that identifies a table from logs, read as they were here.
 pub fn learn_from(logs: &[PathBuf]) -> String {
-    // What begins with a hyphen is no option.
-    let named = |log: &PathBuf| match log.to_string_lossy() {
-        name if name.starts_with('-') => quoted(&format!("./{name}")),
-        name => quoted(&name),
-    };
     let options: String = ["--columns", "--sensor", "--fs"].into_iter().map(typed).collect();
     let stem = logs.first().and_then(|log| log.file_stem()).unwrap_or_default().to_string_lossy();
     let out = quoted(&format!("out/{stem}"));
-    format!("piezo identify {}{options} --out {out}", logs.iter().map(named).collect::<Vec<_>>().join(" "))
+    format!(
+        "piezo identify {}{options} --out {out}",
+        logs.iter().map(|path| log(&path.to_string_lossy())).collect::<Vec<_>>().join(" ")
+    )
+}
+
+/// A log's name among the arguments, where one that begins with a hyphen is no option.
+pub fn log(name: &str) -> String {
+    if name.starts_with('-') { quoted(&format!("./{name}")) } else { quoted(name) }
 }
 
 /// An option that was typed, with its value, behind a blank; nothing where it was not.

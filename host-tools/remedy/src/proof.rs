@@ -1,9 +1,10 @@
 //! What a table is good for on a board: the voltages that it was learnt on beside the board's, and what a proof fails for.
 
+use super::bits::status;
 use super::paste::typed;
-use ::calibration::drive::identified_on;
-use bench::{OtherRange, Proven};
-use estimator_core::{Range, Table};
+use ::calibration::drive::trained_on;
+use bench::{OtherRange, Proven, Shares};
+use estimator_core::{Range, Status, Table};
 
 /// What a table that was learnt on another range than the board's is good for.
 pub fn other_range(of: &OtherRange) -> String {
@@ -29,10 +30,8 @@ pub fn unproven(proven: &Proven, up_to_hz: f64) -> String {
          (`piezo calibrate`)?"
             .to_owned()
     } else if shares.beyond_percent > OFTEN {
-        format!(
-            "The voltage went beyond the {min:.3} … {max:.3} V that the table was learnt on, leapt, or stood at an end of the ADC's range, or \
-             the estimate was clamped: `piezo info` counts each. Prove within those volts (--range), or {train}"
-        )
+        let within = format!("prove within {min:.3} … {max:.3} V, which the table was learnt on (--range), or {train}");
+        beyond(shares, &within)
     } else if shares.untrained_percent > OFTEN {
         format!(
             "The proof went, within the {min:.3} … {max:.3} V that the table was learnt on, as the training never did: {train}"
@@ -40,6 +39,22 @@ pub fn unproven(proven: &Proven, up_to_hz: f64) -> String {
     } else {
         format!("Train again, longer (--minutes), --up-to {up_to_hz} at least.")
     }
+}
+
+/// How often the table said nothing of the actuator, by cause, and what to do about each: `within` where it knows no more.
+fn beyond(shares: &Shares, within: &str) -> String {
+    let remedy = |bit| status(bit).next().map_or("", |meaning| meaning.remedy);
+    let causes = [
+        (shares.out_of_range_percent, "the voltage was beyond the table's range", within),
+        (shares.clamped_percent, "the estimate was clamped to the table's limits", within),
+        (shares.saturated_percent, "the voltage stood at an end of the ADC's range", remedy(Status::ADC_SATURATED)),
+        (shares.leapt_percent, "the voltage leapt as the amplifier cannot", remedy(Status::SLEW_EXCEEDED)),
+    ];
+    let raised = || causes.iter().filter(|(percent, ..)| *percent > 0.0);
+    let said: Vec<String> = raised().map(|(percent, what, _)| format!("{what} {percent:.1} % of the time")).collect();
+    let mut remedies: Vec<&str> = raised().map(|(.., remedy)| *remedy).collect();
+    remedies.dedup();
+    format!("In the proof {}: {}", said.join(", "), remedies.join("; "))
 }
 
 /// How a table is kept to what it knows, or learns the rest.
@@ -64,17 +79,17 @@ fn within(of: &OtherRange) -> String {
     }
 }
 
-/// A table that knows less of the ADC's range is remarked on.
+/// A table that was learnt on less of the ADC's range is remarked on.
 const NARROW: f32 = 0.1;
 
 /// What is to be said of a table that knows hardly any of what the board's ADC reads: one that was learnt from an amplifier's input
 /// knows volts that are its output's many times over.
 pub fn narrow(table: &Table) -> Option<String> {
     let reads = table.adc.gain_v_per_code * f32::from(table.adc.full_scale);
-    let Range { min, max } = identified_on(table);
+    let Range { min, max } = trained_on(table);
     ((max - min) < NARROW * reads).then(|| {
         format!(
-            "the table knows {min:.3} … {max:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then \
+            "the table was learnt on {min:.3} … {max:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then \
              identify with --voltage-scale, the amplifier's gain",
             100.0 * (max - min) / reads
         )
@@ -89,20 +104,33 @@ mod tests {
 
     #[test]
     fn a_proof_that_fails_says_what_the_training_lacks() {
-        let said = |off_um: f64, beyond_percent, untrained_percent| {
+        let said = |off_um: f64, untrained_percent, [out_of_range, clamped, saturated, leapt]: [f64; 4]| {
             let figures = Figures::of(&[0.0 + off_um, 10.0 + off_um], &[0.0, 10.0]);
-            let shares = Shares { held_percent: None, half_width_um: None, untrained_percent, beyond_percent };
+            let shares = Shares {
+                held_percent: None,
+                half_width_um: None,
+                untrained_percent,
+                beyond_percent: out_of_range + clamped + saturated + leapt,
+                out_of_range_percent: out_of_range,
+                saturated_percent: saturated,
+                leapt_percent: leapt,
+                clamped_percent: clamped,
+            };
             let verdict = Verdict::of(&figures, &shares, None);
             let learnt = Range { min: 0.0, max: 40.0 };
             unproven(&Proven { figures, shares, verdict, learnt, log: "proven.csv".into(), home: Ok(()) }, 20.0)
         };
-        assert!(said(1.0, 0.0, 0.0).starts_with("Train again, longer (--minutes), --up-to 20"));
-        let beyond = said(1.0, 10.0, 0.0);
-        for part in ["beyond the 0.000 … 40.000 V that the table was learnt on", "leapt", "ADC's range", "clamped"] {
-            assert!(beyond.contains(part), "{part:?} is missing in {beyond}");
-        }
-        assert!(said(1.0, 0.0, 10.0).contains("as the training never did: train as the proof goes"));
-        assert!(said(8.0, 0.0, 10.0).contains("is it this actuator's table"));
+        assert!(said(1.0, 0.0, [0.0; 4]).starts_with("Train again, longer (--minutes), --up-to 20"));
+        let (beyond, leapt) = (said(1.0, 0.0, [6.0, 4.0, 0.0, 0.0]), said(1.0, 0.0, [0.0, 0.0, 0.0, 10.0]));
+        assert!(beyond.contains("beyond the table's range 6.0 % of the time, the estimate was clamped"), "{beyond}");
+        assert_eq!(beyond.matches("prove within 0.000 … 40.000 V").count(), 1, "{beyond}");
+        assert!(leapt.contains("leapt as the amplifier cannot 10.0 % of the time: a shielded wire"), "{leapt}");
+        assert!(
+            !leapt.contains("prove within") && !leapt.contains("clamped") && !leapt.contains("piezo info"),
+            "{leapt}"
+        );
+        assert!(said(1.0, 10.0, [0.0; 4]).contains("as the training never did: train as the proof goes"));
+        assert!(said(8.0, 10.0, [0.0; 4]).contains("is it this actuator's table"));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What becomes of a waveform that a device plays from its memory.
 
+use super::paste::typed;
 use bench::waveform::WaveformError;
 use device_link::LinkError;
 use protocol::{Health, Refusal};
@@ -23,17 +24,23 @@ fn waveform(error: &WaveformError) -> String {
         WaveformError::LongWay(_) => format!("{error}: is the slew rate of `piezo info` what the amplifier stands?"),
         WaveformError::NoDrive => super::refusal(&Refusal::NoDrive),
         WaveformError::Link(error @ LinkError::Unknown { .. }) => {
-            format!("{error}: `piezo info` says whether it plays, and `piezo waveform --stop` ends it")
+            let port = typed("--port");
+            format!("{error}: `piezo info{port}` says whether it plays, and `{}` ends it", stop())
         }
         WaveformError::Link(error) => super::device::link(error),
         WaveformError::Inverse(_) | WaveformError::NotPlayed(_) => error.to_string(),
     }
 }
 
+/// The command that ends what the device plays.
+pub(super) fn stop() -> String {
+    format!("piezo waveform --stop{}", typed("--port"))
+}
+
 /// What a device does that has been told to play so many lines, or lines for ever where there are 0.
 pub fn plays(lines: u32, on_trigger: bool) -> String {
     let each = if on_trigger { ", each at a rising edge of its trigger input" } else { "" };
-    let ends = "`piezo waveform --stop`, a fault or a reset";
+    let ends = format!("`{}`, a fault or a reset", stop());
     match lines {
         0 => format!("The device plays lines by itself{each}, until {ends}"),
         1 => format!("The device plays 1 line by itself{each}, then goes to rest; {ends} ends it sooner"),

@@ -78,7 +78,7 @@ fn says(face: &Path) -> Option<String> {
     if face.extension()? == "toml" {
         return match TableFile::load(face) {
             Ok((_, table)) => Some(name(&table)),
-            Err(TableFileError::Refused { .. }) => Some(String::new()),
+            Err(TableFileError::Refused { .. } | TableFileError::Earlier { .. }) => Some(String::new()),
             Err(_) => None,
         };
     }

@@ -2,11 +2,13 @@
 //! trust it. The other two faces, the Rust `const` and the binary record, are made from its `[table]`.
 
 mod constant;
+mod earlier;
 mod faces;
 
 pub use constant::rust_source;
 pub use faces::{FACES, OtherFace, RECORD, agree, name};
 
+use earlier::earlier;
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::table::BoundToTick;
 use estimator_core::{Admitted, Table, TableError};
@@ -74,6 +76,16 @@ pub enum TableFileError {
         /// Where and why.
         error: Box<toml::de::Error>,
     },
+    /// The table in a file is of an earlier version, which had not yet every number that is needed.
+    #[error("{}: an earlier version of this software made the table, which lacks `{field}`", path.display())]
+    Earlier {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// What it lacks.
+        field: &'static str,
+        /// The logs that it was made from and judged on; empty where the file names none that can be read.
+        logs: Vec<LogUse>,
+    },
     /// The table in a file is refused.
     #[error("{}: is refused", path.display())]
     Refused {
@@ -140,8 +152,13 @@ impl TableFile {
     /// # Errors
     /// It is no table, or is refused.
     pub fn parse(path: &Path, text: &str) -> Result<(Self, Admitted), TableFileError> {
-        let file: Self = toml::from_str(text)
-            .map_err(|error| TableFileError::NoTable { path: path.to_owned(), error: Box::new(error) })?;
+        let file: Self = toml::from_str(text).map_err(|error| {
+            let path = path.to_owned();
+            match earlier(&error, text) {
+                Some((field, logs)) => TableFileError::Earlier { path, field, logs },
+                None => TableFileError::NoTable { path, error: Box::new(error) },
+            }
+        })?;
         let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.to_owned(), source })?;
         if let Some(field) = toml::from_str(text).ok().and_then(|value| not_finite(&value)) {
             return Err(TableFileError::NotFinite { path: path.to_owned(), field });

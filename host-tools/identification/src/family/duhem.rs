@@ -1,14 +1,15 @@
-//! Duhem models: lag, α and the voltage at which f saturates are searched; the rest is projected.
+//! Duhem models: lag and α are searched, the voltage at which f saturates follows from the training's; the rest is projected.
 
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
+use calibration::drive::ROOM;
 use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
 use least_squares::Sign;
 
-/// Distance from the centre beyond which f is straight, of the training's span: behind its ends, where f must not fall; further out
-/// the bend of a loop that saturates would let it fall.
-const SATURATION: f64 = 0.55;
+/// Distance from the centre beyond which f is straight, of the training's span: the ends of the table's voltages, up to which f must
+/// not fall; further out the bend of a loop that saturates would let it fall.
+const SATURATION: f64 = 0.5 + ROOM;
 
 /// What is fixed before the search.
 pub struct Family {
@@ -44,7 +45,6 @@ impl super::Family for Family {
         let base = DuhemParameters {
             lag_s: (lag * self.tick) as f32,
             alpha_per_v: (alpha / self.span) as f32,
-            // Beyond every voltage of the table.
             saturation_v: (SATURATION * self.span) as f32,
             voltage_centre_v: self.centre as f32,
             offset_um: 0.0,

@@ -58,26 +58,26 @@ pub struct Interrupting {
 }
 
 impl Interrupting {
-    /// Refuses to end what the device drives, unless that was said; a dry run, which ends nothing, says so.
-    pub fn consent(self, client: &mut Client, dry_run: bool) -> Result<()> {
+    /// Refuses to end what the device drives, unless that was said; a dry run, which ends nothing, says so, and goes on with that.
+    pub fn consent(self, client: &mut Client, dry_run: bool) -> Result<Option<String>> {
         match idle(client) {
-            Err(Busy::Drives(_)) if self.force => Ok(()),
-            Err(busy @ Busy::Drives(_)) if dry_run => {
-                careful(&busy);
-                Ok(())
-            }
-            idle => Ok(idle?),
+            Err(Busy::Drives(_)) if self.force => Ok(None),
+            Err(busy @ Busy::Drives(_)) if dry_run => Ok(Some(careful(&busy))),
+            idle => Ok(idle.map(|()| None)?),
         }
     }
 }
 
 /// Says what would be refused but for the dry run.
-fn careful(refusal: &(dyn Error + 'static)) {
-    eprintln!("piezo: careful: {}", remedy::sentence(refusal));
+pub fn careful(refusal: &(dyn Error + 'static)) -> String {
+    let said = remedy::sentence(refusal);
+    eprintln!("piezo: careful: {said}");
+    said
 }
 
 impl WriteOptions {
-    /// Writes as asked, a table or none; returns the identity after the restart, where there was one. A dry run says what would be refused.
+    /// Writes as asked, a table or none; returns the identity after the restart, where there was one. A dry run says what would be refused,
+    /// and returns it.
     ///
     /// # Errors
     /// The device is estimating and nothing was said about it, or it fails.
@@ -86,14 +86,14 @@ impl WriteOptions {
         client: &mut Client,
         table: Option<&Table>,
         write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
-    ) -> Result<Option<Identity>> {
+    ) -> Result<(Option<Identity>, Vec<String>)> {
         let &Self { while_estimating, pause, reset, rewired, dry_run, interrupting } = self;
-        interrupting.consent(client, dry_run)?;
+        let busy = interrupting.consent(client, dry_run)?;
         let writing = Writing { while_estimating, pause, reset, rewired };
         if dry_run {
-            writing.refusals(client, table)?.iter().for_each(|refusal| careful(refusal));
-            return Ok(None);
+            let refusals = writing.refusals(client, table)?;
+            return Ok((None, busy.into_iter().chain(refusals.iter().map(|refusal| careful(refusal))).collect()));
         }
-        Ok(writing.write(client, write)?)
+        Ok((writing.write(client, write)?, Vec::new()))
     }
 }

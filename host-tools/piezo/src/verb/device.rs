@@ -39,9 +39,10 @@ pub fn checksum(record: &[u8]) -> String {
     format!("{:08x}", record::checksum(record).unwrap_or(0))
 }
 
-/// What a dry run says of a table that could be written.
-pub fn fits_unwritten(name: &Path, table: &Admitted, identity: &Identity) -> String {
-    format!("{} fits {}; nothing was written", called(name, table), identity.board)
+/// What a dry run says of a table that fits a board, after what would be refused.
+pub fn fits_unwritten(name: &Path, table: &Admitted, identity: &Identity, refused: &[String]) -> String {
+    let but = if refused.is_empty() { "" } else { ", but would be refused" };
+    format!("{} fits {}{but}; nothing was written", called(name, table), identity.board)
 }
 
 /// A table as a sentence names it: by its file, its model, and its checksum.

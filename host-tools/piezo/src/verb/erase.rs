@@ -26,7 +26,7 @@ pub struct Erase {
 /// Runs the verb.
 pub fn run(arguments: &Erase) -> Result<bool> {
     let (mut client, identity) = arguments.port.connect()?;
-    let restarted = arguments.write.write(&mut client, None, |client, consent| client.erase(consent))?;
+    let (restarted, refused) = arguments.write.write(&mut client, None, |client, consent| client.erase(consent))?;
     if let Some(identity) = &restarted {
         ensure!(
             identity.source != TableSource::Stored,
@@ -37,9 +37,11 @@ pub fn run(arguments: &Erase) -> Result<bool> {
     let board = &identity.board;
     if arguments.json {
         let source = restarted.as_ref().map(|identity| &identity.source);
-        out(&serde_json::to_string_pretty(&json!({ "erased": !arguments.write.dry_run, "source": source }))?);
+        let erased = !arguments.write.dry_run;
+        out(&serde_json::to_string_pretty(&json!({ "erased": erased, "source": source, "refused": refused }))?);
     } else if arguments.write.dry_run {
-        out(&format!("the parameter store of {board} can be emptied; nothing was"));
+        let would = if refused.is_empty() { "can be done" } else { "would be refused" };
+        out(&format!("emptying the parameter store of {board} {would}; nothing was erased"));
     } else {
         out(&format!("the parameter store of {board} is empty"));
         out(&match &restarted {

@@ -9,7 +9,6 @@ use identifiability::Determination;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
 use identification::{Candidate, Job, ModelChoice, Outcome, StraightLine};
-use prediction_interval::Calibration;
 use recordings::Role;
 use recordings::prepare::Recipe;
 use report::Report;
@@ -84,7 +83,7 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     let determination = identifiability::determination(&outcome.candidate().table, &training);
     let determined = remedy::determination(determination.as_ref());
     let mut verdict = verdict(&outcome);
-    verdict.push(beside(interval.as_ref(), arguments.devices));
+    verdict.push(remedy::interval(interval.as_ref(), arguments.devices));
     write(&folder, arguments, &job, &outcome, &verdict, &determined)?;
     if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict, determination.as_ref())?)?);
@@ -92,22 +91,6 @@ pub fn run(arguments: &Identify) -> Result<bool> {
         summary(arguments, &outcome, &verdict, &determined);
     }
     Ok(true)
-}
-
-/// The interval in words.
-fn beside(interval: Option<&Calibration>, devices: u32) -> String {
-    let Some(Calibration { parameters, own_um }) = interval else {
-        return "There is no interval beside the estimate: no simulated device was asked for, or none could be learnt."
-            .to_owned();
-    };
-    format!(
-        "Beside the estimate stands what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time: \
-         at least ±{:.3} µm, on voltages as they were in the training ({own_um:.3} µm by these logs' own errors alone, \
-         and more by those of {devices} simulated devices that were learnt from the same voltages), more where the voltage goes otherwise or fast, \
-         and up to ±{:.3} µm until a full swing has wiped out how it stood at a start in the middle of its range.",
-        parameters.misfit_um,
-        parameters.misfit_um.hypot(parameters.memory_um[0])
-    )
 }
 
 fn write(

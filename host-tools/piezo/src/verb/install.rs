@@ -3,10 +3,10 @@
 use super::device::{self, note_damage};
 use super::print::{out, progress};
 use crate::option::BoardOption;
-use crate::option::link::{Interrupting, PortOption};
+use crate::option::link::{Interrupting, PortOption, careful};
 use ::calibration::{CalibrationOptions, converter_mismatches};
 use anyhow::Result;
-use bench::{BoardFacts, NO_MODEL, OtherRange, for_board, install, may_take, rehearsal, wire_not_found};
+use bench::{BoardFacts, NO_MODEL, OtherRange, for_board, install, refusals, rehearsal, wire_not_found};
 use clap::Args;
 use device_link::board;
 use device_link::busy::idle_as_started;
@@ -40,6 +40,9 @@ pub struct Install {
     /// The table's doubts were just said, by the part of learn before.
     #[arg(skip)]
     pub of_learn: bool,
+    /// The range of the logs was typed, and another than the board's is meant.
+    #[arg(skip)]
+    pub range_typed: bool,
     /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
@@ -70,19 +73,19 @@ pub fn run(arguments: &Install) -> Result<bool> {
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    // Where learn was told a range, it was learnt on that one.
-    let of_board = facts.range_v().filter(|_| !arguments.line && !arguments.of_learn);
+    let of_board = facts.range_v().filter(|_| !arguments.line && !arguments.range_typed);
     let other = of_board.and_then(|board| OtherRange::of(&table, board)).as_ref().map(remedy::other_range);
     remedy::narrow(&table).iter().chain(&other).for_each(|careful| eprintln!("piezo: careful: {careful}"));
-    match arguments.of_learn {
+    let busy = match arguments.of_learn {
         // Its session found the device idle, and left it as it starts.
-        true => idle_as_started(&mut client)?,
+        true => idle_as_started(&mut client).map(|()| None)?,
         false => arguments.interrupting.consent(&mut client, arguments.dry_run)?,
-    }
+    };
     let stated = (name, table, doubts);
     if arguments.dry_run {
-        may_take(&mut client, &table, arguments.rewired)?;
-        tell(arguments, &stated, &identity, None)?;
+        let refusals = refusals(&mut client, &table, arguments.rewired)?;
+        let refused: Vec<String> = busy.into_iter().chain(refusals.iter().map(|refusal| careful(refusal))).collect();
+        tell(arguments, &stated, &identity, Err(&refused))?;
         return Ok(true);
     }
     let codes = rehearsal(&table)?;
@@ -93,27 +96,29 @@ pub fn run(arguments: &Install) -> Result<bool> {
     bar.finish_and_clear();
     note_damage(&client);
     let compared = compared?;
-    tell(arguments, &stated, &identity, Some(&compared))?;
+    tell(arguments, &stated, &identity, Ok(&compared))?;
     Ok(compared.bit_exact())
 }
 
-/// What was installed, or only looked at: its file, the table, and what to be careful about.
+/// What was installed, or only looked at with what would be refused: its file, the table, and what to be careful about.
 fn tell(
     arguments: &Install,
     (name, table, doubts): &(PathBuf, Admitted, Vec<String>),
     identity: &Identity,
-    compared: Option<&Comparison>,
+    done: Result<&Comparison, &[String]>,
 ) -> Result<()> {
+    let compared = done.ok();
     if arguments.json {
         out(&serde_json::to_string_pretty(&json!({
             "table": name, "checksum": device::checksum(&to_record(table)), "written": compared.is_some(),
             "bit_exact": compared.map(Comparison::bit_exact), "compared": compared, "doubts": doubts,
+            "refused": done.err().unwrap_or_default(),
         }))?);
         return Ok(());
     }
-    out(&match compared {
-        Some(_) => format!("{} is stored, and in use on the board ({})", device::called(name, table), identity.board),
-        None => device::fits_unwritten(name, table, identity),
+    out(&match done {
+        Ok(_) => format!("{} is stored, and in use on the board ({})", device::called(name, table), identity.board),
+        Err(refused) => device::fits_unwritten(name, table, identity, refused),
     });
     let at_start = table.drive.and_then(|drive| drive.setpoint).is_some_and(|setpoint| setpoint.at_start);
     if at_start && compared.is_some() {

@@ -47,7 +47,7 @@ const TICK: &str = "--tick-us";
 pub fn run(arguments: &Learn) -> Result<bool> {
     // Ctrl-C in a part that does not look for it, as identify, ends before the next one, which may move the actuator.
     let interrupt = Interrupt::watch()?;
-    let part = |words| part(words, &interrupt);
+    let part = |words| part(words, &interrupt, arguments.excitation.range.is_some());
     let path =
         |path: PathBuf| path.to_str().map(str::to_owned).with_context(|| format!("{}: is no UTF-8", path.display()));
     let (folder, board) = (path(arguments.out.clone())?, path(arguments.board.board.clone())?);
@@ -115,7 +115,7 @@ fn parse(words: Vec<String>) -> Result<Cli> {
 }
 
 /// Runs a command as if it were typed; `false` where it says so, or was not begun.
-fn part(words: Vec<String>, interrupt: &Interrupt) -> Result<bool> {
+fn part(words: Vec<String>, interrupt: &Interrupt, range_typed: bool) -> Result<bool> {
     let typed = words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     if interrupt.wanted() {
         out(&format!("FAILED: ended by Ctrl-C; what was to come next: piezo {typed}"));
@@ -126,7 +126,7 @@ fn part(words: Vec<String>, interrupt: &Interrupt) -> Result<bool> {
     match &mut part.verb {
         Verb::Train(train) => train.of_learn = true,
         Verb::Identify(identify) => identify.of_learn = true,
-        Verb::Install(install) => install.of_learn = true,
+        Verb::Install(install) => (install.of_learn, install.range_typed) = (true, range_typed),
         _ => {}
     }
     part.run()

@@ -38,7 +38,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    let restarted =
+    let (restarted, refused) =
         arguments.write.write(&mut client, Some(&table), |client, consent| client.push(record.clone(), consent))?;
     if let Some(identity) = &restarted {
         ensure!(
@@ -60,9 +60,10 @@ pub fn run(arguments: &Push) -> Result<bool> {
             "checksum": device::checksum(&record),
             "written": !arguments.write.dry_run,
             "in_use": restarted.is_some(),
+            "refused": refused,
         }))?);
     } else if arguments.write.dry_run {
-        out(&device::fits_unwritten(&arguments.table, &table, &identity));
+        out(&device::fits_unwritten(&arguments.table, &table, &identity, &refused));
     } else if restarted.is_some() {
         out(&format!("{called} is stored, and in use on the board ({})", identity.board));
     } else {

@@ -28,14 +28,14 @@ pub struct Reset {
 /// Runs the verb.
 pub fn run(arguments: &Reset) -> Result<bool> {
     let (mut client, found) = arguments.port.connect()?;
-    arguments.interrupting.consent(&mut client, arguments.dry_run)?;
+    let refused: Vec<String> = arguments.interrupting.consent(&mut client, arguments.dry_run)?.into_iter().collect();
     let identity = if arguments.dry_run { found } else { client.restart()? };
     let checksum = table::in_use(&mut client)?.map(|record| device::checksum(&record));
     if arguments.json {
         let (source, model) = (&identity.source, &identity.model);
-        let summary =
-            json!({ "restarted": !arguments.dry_run, "source": source, "model": model, "checksum": checksum });
-        out(&serde_json::to_string_pretty(&summary)?);
+        out(&serde_json::to_string_pretty(&json!({
+            "restarted": !arguments.dry_run, "source": source, "model": model, "checksum": checksum, "refused": refused,
+        }))?);
     } else {
         let which = checksum.map_or(String::new(), |checksum| format!(" (checksum {checksum})"));
         let is = if arguments.dry_run { "was not restarted" } else { "is back" };

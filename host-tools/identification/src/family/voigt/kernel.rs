@@ -152,21 +152,16 @@ fn tick(displacement: &mut Lanes, input: &Lanes, at: &Interval, weight: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Conditions;
     use crate::cost::{Feedback, Norm};
+    use crate::fixtures::session;
     use crate::search::space::{Ranges, Space};
-    use crate::{Conditions, prepared};
     use estimator_core::{Model, Parameters};
     use proptest::prelude::*;
-    use recordings::prepare::PrepareOptions;
-    use recordings::rig::{EXCITATIONS, Rig};
+    use recordings::rig::EXCITATIONS;
     use recordings::session::Session;
 
     fn problem() -> Problem {
-        let rig = Rig { duration: 0.4, ..Rig::default() };
-        let session = |excitation| {
-            let log = rig.log(excitation);
-            prepared(&PrepareOptions::default().resolve(std::slice::from_ref(&log)), &log).unwrap()
-        };
         let mut sessions: Vec<Session> = EXCITATIONS.into_iter().take(3).map(session).collect();
         sessions[1].rested_v = Some(-3.0);
         sessions[2].lead_in = 20;

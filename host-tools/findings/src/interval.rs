@@ -1,0 +1,51 @@
+//! The ± beside the estimate, in words.
+
+use prediction_interval::Calibration;
+
+/// What the interval says, and where its width comes from: this many simulated devices, and the logs' own errors.
+pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
+    let Some(Calibration { parameters, own_um }) = interval else {
+        return "There is no interval beside the estimate: no simulated device was asked for, or none could be learnt."
+            .to_owned();
+    };
+    let (misfit_um, memory_um) = (parameters.misfit_um, parameters.memory_um[0]);
+    format!(
+        "Beside the estimate stands what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time: \
+         at least ±{misfit_um:.3} µm, on voltages as they were in the training ({own_um:.3} µm by these logs' own errors alone, \
+         and more by those of {devices} simulated devices that were learnt from the same voltages), more where the voltage goes otherwise or fast, \
+         and, until a full swing has wiped out how it stood at a start, up to ±{:.3} µm after one in the middle of its range, and up to \
+         ±{:.3} µm after one at an end of it.",
+        misfit_um.hypot(memory_um),
+        misfit_um.hypot(parameters.memory_at_ends * memory_um)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimator_core::IntervalParameters;
+    use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+
+    #[test]
+    fn a_start_at_an_end_of_the_range_is_told_from_one_in_the_middle() {
+        let parameters = IntervalParameters {
+            memory_um: [4.0; SPANS],
+            memory_at_ends: 0.5,
+            misfit_um: 1.5,
+            rate_ticks: 0.0,
+            spread_um: [0.0; TRIANGLE],
+            prototypes: [[0; PLAYS]; PROTOTYPES],
+            prototype_um: 1.0,
+            untrained_um: 1.0,
+            gain: 0.0,
+            drift_um: 0.0,
+            earliest_s: 0.0,
+        };
+        let said = interval(Some(&Calibration { parameters, own_um: 1.0 }), 12);
+        for part in
+            ["at least ±1.500 µm", "up to ±4.272 µm after one in the middle", "up to ±2.500 µm after one at an end"]
+        {
+            assert!(said.contains(part), "{part:?} is missing in {said}");
+        }
+    }
+}
