@@ -7,6 +7,7 @@
 
 mod device;
 mod gains;
+mod lead_in;
 mod memory_at_ends;
 mod prototypes;
 mod spread;

@@ -1,6 +1,7 @@
 //! What a device's table is off on recordings that it was not learnt on, beside what the interval is made of there.
 
 use crate::device::Device;
+use crate::lead_in::lead_in;
 use estimator_core::interval::{Interval, IntervalState};
 use estimator_core::{Admitted, Estimator, IntervalParameters, Range};
 use identification::Problem;
@@ -77,10 +78,14 @@ fn one(
         0 => vec![(first, 3.0)],
         _ => vec![(even(range), 0.0), (even(range), 0.0), (first, 0.5)],
     };
+    // Of each past, every other recording is of a board that has been running.
+    let before = if number % 4 < 2 { Vec::new() } else { lead_in(first, range, problem.extent().tick) };
+    let from = before.len();
+    let voltage = [before, voltage].concat();
     let normal: f64 = StandardNormal.sample(draw);
     let gain = 1.0 + GAIN * normal;
     let truth: Vec<f64> = device.respond(&past, &voltage).iter().map(|y| gain * y).collect();
-    judged(table, unscaled, &voltage, &device.read(&truth, draw.random()))
+    judged(table, unscaled, &voltage, &device.read(&truth, draw.random()), from)
 }
 
 /// The voltages of a recording, V a tick.
@@ -126,8 +131,15 @@ fn frequency(voltage: &[f64], tick_s: f64) -> f64 {
     turns / 2.0 / (voltage.len().max(1) as f64 * tick_s)
 }
 
-/// The estimates beside what the sensor reads, after each telling: of the mean error over the [`ZERO_WINDOW_S`] up to there.
-fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], sensor: &[f64]) -> Vec<Recording> {
+/// The estimates beside what the sensor reads from the tick `from` on, after each telling: of the mean error over the
+/// [`ZERO_WINDOW_S`] up to there.
+fn judged(
+    table: &Admitted,
+    unscaled: &IntervalParameters,
+    voltage: &[f64],
+    sensor: &[f64],
+    from: usize,
+) -> Vec<Recording> {
     let interval = Interval::<f64>::build(unscaled, table.voltage_range_v.of(), table.sample_period());
     let mut estimator = Estimator::<f64>::new(table);
     let ticks = voltage.len().saturating_sub(1);
@@ -152,7 +164,7 @@ fn judged(table: &Admitted, unscaled: &IntervalParameters, voltage: &[f64], sens
                 recording.push(Sample { error, parts: of });
             }
         }
-        if TOLD.iter().any(|part| (part * ticks as f64) as usize == tick) {
+        if TOLD.iter().any(|part| from + (part * (ticks - from) as f64) as usize == tick) {
             let mut state = *state;
             interval.tell_at_rest(&mut state);
             let before = &offs[offs.len().saturating_sub(window)..];
