@@ -32,6 +32,8 @@ const FREQUENCY: Range<f64> = Range { min: 0.4, max: 2.5 };
 const GAIN: f64 = 0.006;
 /// A step of a staircase is held for so long at least, s: who makes one waits until the actuator has settled.
 const LEAST_HOLD_S: f64 = 0.1;
+/// Where a board has been running, the actuator has rested for so long, s; drawn evenly in its logarithm.
+const RESTED_S: Range<f64> = Range { min: 0.5, max: 5.0 };
 /// A reversal is a retreat by so much of the voltage's span.
 const LARGE: f64 = 0.25;
 
@@ -74,14 +76,21 @@ fn one(
     let voltage = voltage(number, problem, draw);
     let Some(&first) = voltage.first() else { return Vec::new() };
     let mut even = |range: Range<f64>| draw.random_range(range.min..range.max);
-    let past = match number % 2 {
-        0 => vec![(first, 3.0)],
-        _ => vec![(even(range), 0.0), (even(range), 0.0), (first, 0.5)],
+    // Every other recording is of a board that has been running; it rests where the user's recordings begin, or at an end.
+    let begins = || problem.training().next().and_then(|session| session.voltage.first().copied()).unwrap_or(first);
+    let rest = match number % 4 {
+        2 => Some(begins()),
+        3 => Some(if even(range) < range.middle() { range.min } else { range.max }),
+        _ => None,
     };
-    // Of each past, every other recording is of a board that has been running.
-    let before = if number % 4 < 2 { Vec::new() } else { lead_in(first, range, problem.extent().tick) };
-    let from = before.len();
+    let (before, from) = rest.map_or_else(Default::default, |rest| {
+        lead_in(rest, first, range, log_even(&mut even, RESTED_S), problem.extent().tick)
+    });
     let voltage = [before, voltage].concat();
+    let past = match number % 2 {
+        0 => vec![(voltage[0], 3.0)],
+        _ => vec![(even(range), 0.0), (even(range), 0.0), (voltage[0], 0.5)],
+    };
     let normal: f64 = StandardNormal.sample(draw);
     let gain = 1.0 + GAIN * normal;
     let truth: Vec<f64> = device.respond(&past, &voltage).iter().map(|y| gain * y).collect();
@@ -93,9 +102,6 @@ fn voltage(number: usize, problem: &Problem, draw: &mut ChaCha8Rng) -> Vec<f64> 
     let range = problem.training_voltages();
     let (half, tick_s) = (0.5 * range.span(), problem.extent().tick);
     let mut even = |range: Range<f64>| draw.random_range(range.min..range.max);
-    let log_even = |even: &mut dyn FnMut(Range<f64>) -> f64, range: Range<f64>| {
-        libm::exp(even(Range { min: libm::log(range.min), max: libm::log(range.max) }))
-    };
     let frequencies: Vec<f64> = problem.training().map(|session| frequency(&session.voltage, tick_s)).collect();
     let which = even(Range { min: 0.0, max: frequencies.len() as f64 }) as usize;
     let hertz = frequencies.get(which).copied().unwrap_or(1.0) * log_even(&mut even, FREQUENCY);
@@ -116,6 +122,11 @@ fn voltage(number: usize, problem: &Problem, draw: &mut ChaCha8Rng) -> Vec<f64> 
     let stride = (tick_s / STEP_S).round().max(1.0);
     let command = waveform.command(duration_s / tick_s * stride * STEP_S, draw.random());
     command.iter().step_by(stride as usize).map(|volts| range.clamp(offset + volts)).collect()
+}
+
+/// A number of a range, of numbers drawn evenly, that is even in its logarithm.
+fn log_even(even: &mut impl FnMut(Range<f64>) -> f64, range: Range<f64>) -> f64 {
+    libm::exp(even(Range { min: libm::log(range.min), max: libm::log(range.max) }))
 }
 
 /// The voltages of a training session, as far as a recording goes.

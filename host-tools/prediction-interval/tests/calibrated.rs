@@ -5,14 +5,15 @@ use estimator_core::Model;
 use identification::cost::{Cost, Feedback};
 use identification::validate::{Coverage, Scope, compare_within};
 use identification::{Candidate, Conditions, Job, ModelChoice, Prepared, SearchOptions, identify, prepared};
-use plants::{Density, Kind, Plant, Waveform};
+use plants::{Density, Kind, Plant, STEP_S, Waveform};
 use prediction_interval::{Calibration, calibrate};
+use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 
 /// Few, so that the test takes seconds.
 const DEVICES: u32 = 6;
 
-fn learnt(plant: &Plant) -> (Prepared, Candidate, SearchOptions) {
+fn learnt(plant: &Plant, model: Model) -> (Prepared, Candidate, SearchOptions) {
     let sine = |hertz| Waveform::Sine { amplitude: plant.full_v, hertz, offset: 0.0 };
     let search = SearchOptions { evaluations: 60, ..SearchOptions::default() };
     let job = Job {
@@ -31,8 +32,7 @@ fn learnt(plant: &Plant) -> (Prepared, Candidate, SearchOptions) {
         search: search.clone(),
     };
     let prepared = job.prepare(&mut |_, _| ()).unwrap();
-    let models = [Model::GeneralisedPrandtlIshlinskii];
-    let fit = identify(&prepared.problem, &models, job.cost, &search, &mut |_, _| ()).remove(0);
+    let fit = identify(&prepared.problem, &[model], job.cost, &search, &mut |_, _| ()).remove(0);
     let candidate = Candidate::new(&prepared.problem, fit, &prepared.context).unwrap();
     (prepared, candidate, search)
 }
@@ -40,7 +40,7 @@ fn learnt(plant: &Plant) -> (Prepared, Candidate, SearchOptions) {
 #[test]
 fn it_holds_on_recordings_of_another_kind_and_is_narrower_where_the_training_was() {
     let plant = Plant::drawn(Kind::Relays(Density::Lorentzian), 77);
-    let (Prepared { problem, context, .. }, candidate, search) = learnt(&plant);
+    let (Prepared { problem, context, .. }, candidate, search) = learnt(&plant, Model::GeneralisedPrandtlIshlinskii);
     let calibrated = |seed: u32| {
         let context = identification::TableContext { seed, ..context.clone() };
         calibrate(&problem, &candidate, &context, &search, DEVICES, || ()).unwrap()
@@ -69,4 +69,43 @@ fn it_holds_on_recordings_of_another_kind_and_is_narrower_where_the_training_was
     }
     assert!(as_trained.half_width_um < 0.03 * plant.stroke_um, "{as_trained:?}");
     assert!(as_trained.half_width_um < stairs.half_width_um, "{as_trained:?} {stairs:?}");
+}
+
+/// What `piezo zero` does where the board has been running: the actuator rests at an end, and works elsewhere afterwards.
+#[test]
+fn it_holds_what_creeps_from_a_rest_where_the_model_has_no_creep() {
+    let covered = [1, 2, 3, 4].map(|device| {
+        let plant = Plant::drawn(Kind::Relays(Density::Gaussian), device);
+        let (Prepared { problem, context, .. }, candidate, search) = learnt(&plant, Model::PrandtlIshlinskii);
+        let calibration = calibrate(&problem, &candidate, &context, &search, DEVICES, || ()).unwrap();
+        let table = candidate.with_interval(Some(calibration.parameters)).unwrap().table;
+        let log = after_a_rest(&plant);
+        let session = prepared(&context.recipe, &context.recipe.cut(&log)).unwrap();
+        let scope = Scope { zero_at_s: Some(RESTED_S), ..Scope::ALL };
+        let coverage = compare_within(&table, &session, &scope).unwrap().interval.unwrap();
+        assert!(coverage.half_width_um < 0.04 * plant.stroke_um, "device {device}: {coverage:?}");
+        coverage.covered_percent
+    });
+    assert!(covered.iter().sum::<f64>() / 4.0 >= 85.0, "{covered:?}");
+}
+
+/// When the actuator has gone over its range and rested at its lower end, s.
+const RESTED_S: f64 = 4.0;
+
+fn after_a_rest(plant: &Plant) -> Log {
+    let elsewhere = Waveform::Sine { amplitude: 0.4 * plant.full_v, hertz: 3.0, offset: 0.5 * plant.full_v };
+    let ends = [0.0, plant.full_v, -plant.full_v];
+    let steps = |s: f64| (s / STEP_S) as usize;
+    let mut command: Vec<f64> = Vec::new();
+    for pair in ends.windows(2) {
+        command.extend((0..steps(0.5)).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / steps(0.5) as f64));
+    }
+    command.resize(steps(RESTED_S), -plant.full_v);
+    command.extend((0..steps(0.5)).map(|k| -plant.full_v * (1.0 - k as f64 / steps(0.5) as f64)));
+    command.extend(elsewhere.command(3.0, 1));
+    // The rate of the plant's logs.
+    let like = plant.log("after a rest", &elsewhere, 1.0, 1);
+    let every =
+        |values: &[f64]| values.iter().step_by((like.sample_period / STEP_S).round() as usize).copied().collect();
+    Log { voltage: every(&command), displacement: Some(every(&plant.respond(&command))), ..like }
 }
