@@ -24,7 +24,7 @@ pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
             _ if standard_error_um <= 0.0 => "this model has none".to_owned(),
             Told::Well => by_model,
             Told::Partly => format!("{by_model}; to narrow it, record {record}, or more of it"),
-            Told::Slower => format!("not known, no log is that fast: record {record}"),
+            Told::Slower => format!("not known, no log goes as far that fast: record {record}"),
             Told::Not => format!("{by_model}, hardly by these logs: record {record}, or more of it"),
         };
         (what, said)

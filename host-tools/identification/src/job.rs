@@ -217,8 +217,8 @@ impl Job {
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
         let Prepared { problem, context, logs, of_logs, delay_at_bound } = self.prepare(progress)?;
         let identification = Identification { problem: &problem, cost: self.cost, options: &self.search, budget: None };
-        let Choice { fits, model, reason } = identification.choose(self.model, progress);
-        let model = model.ok_or(JobError::NothingFound)?;
+        let Choice { fits, chosen } = identification.choose(self.model, progress);
+        let (model, reason) = chosen.ok_or(JobError::NothingFound)?;
         let (mut candidates, mut failed) = (Vec::new(), Vec::new());
         for fit in fits {
             let model = fit.model;

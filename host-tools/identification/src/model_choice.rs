@@ -51,10 +51,8 @@ impl Reason {
 pub struct Choice {
     /// Every fit, simplest first.
     pub fits: Vec<Fit>,
-    /// The chosen model; `None` where none has an admissible candidate.
-    pub model: Option<Model>,
-    /// Why it was chosen.
-    pub reason: Reason,
+    /// The chosen model, and why it was chosen; `None` where none has an admissible candidate.
+    pub chosen: Option<(Model, Reason)>,
 }
 
 impl Identification<'_> {
@@ -63,13 +61,13 @@ impl Identification<'_> {
     pub fn choose(&self, wanted: ModelChoice, progress: Progress<'_>) -> Choice {
         if let Some(model) = wanted.model() {
             let fits = self.run(&with_contained(model, self.options.start), progress);
-            return Choice { fits, model: Some(model), reason: Reason::AskedFor };
+            return Choice { fits, chosen: Some((model, Reason::AskedFor)) };
         }
         let mut fits = self.brief(&Model::ALL, progress);
         let tried = eligible(self.problem, self.cost, &fits);
         let least = tried.iter().min_by(|(_, a), (_, b)| a.total_cmp(b));
         let Some(least) = least.map(|(fit, _)| (fit.model, fit.cost)) else {
-            return Choice { fits, model: None, reason: Reason::LeastByFar };
+            return Choice { fits, chosen: None };
         };
         let validated = CrossValidation::of(self, &tried, || progress(least.0, least.1));
         let model = validated.as_ref().map_or(least.0, |of| of.score().model);
@@ -79,7 +77,7 @@ impl Identification<'_> {
             }
         }
         let reason = validated.map_or_else(|least| least, Reason::CrossValidated);
-        Choice { fits, model: Some(model), reason }
+        Choice { fits, chosen: Some((model, reason)) }
     }
 }
 

@@ -120,6 +120,10 @@ fn scope(error: &ScopeError) -> String {
 fn other_face(error: &OtherFace) -> String {
     let faces = [&error.named, &error.beside];
     match faces.into_iter().find(|face| face.ends_with("table.toml")) {
+        // It makes no other faces.
+        Some(toml) if *toml == error.beside && error.its.is_none() => {
+            format!("{error}: move {} away, or make it anew from its logs", quoted(&error.beside.display().to_string()))
+        }
         Some(toml) => {
             let other = if *toml == error.named { &error.beside } else { &error.named };
             let folder = toml.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -141,23 +145,30 @@ fn file(error: &FileError) -> String {
     }
 }
 
-/// The command that makes a table of an earlier version anew from the logs that it names.
+/// The command that makes a table of an earlier version anew from the logs that it names: files of one name in several folders
+/// cannot be told from each other, and are left to be filled in.
 fn anew(logs: &[LogUse]) -> String {
     let of = |role| {
-        let mut files: Vec<&str> = logs.iter().filter(|log| log.role == role).map(|log| log.file.as_str()).collect();
-        files.dedup();
-        files
+        let mut of: Vec<&LogUse> = logs.iter().filter(|log| log.role == role).collect();
+        of.dedup_by(|a, b| a.sha256 == b.sha256);
+        of
+    };
+    let named = |of: &LogUse| {
+        let ambiguous = logs.iter().any(|other| other.file == of.file && other.sha256 != of.sha256);
+        if ambiguous { PLACEHOLDER.to_owned() } else { log(&of.file) }
     };
     let (training, held_out) = (of(Role::Training), of(Role::HeldOut));
-    let others = held_out.iter().filter(|file| !training.contains(file));
-    let held_out: String = others.map(|file| format!(" --validate-on {}", log(file))).collect();
+    let others = held_out.iter().filter(|log| training.iter().all(|of| of.sha256 != log.sha256));
+    let held_out: String = others.map(|of| format!(" --validate-on {}", named(of))).collect();
     let training = if training.is_empty() {
-        "'<LOG>'".to_owned()
+        PLACEHOLDER.to_owned()
     } else {
-        training.into_iter().map(log).collect::<Vec<_>>().join(" ")
+        training.into_iter().map(named).collect::<Vec<_>>().join(" ")
     };
     format!("\n    piezo identify {training}{held_out} --out '<FOLDER>'")
 }
+
+const PLACEHOLDER: &str = "'<LOG>'";
 
 fn table(error: &TableFileError) -> String {
     const WANTED: &str = "name the table.toml that `identify` or `emit` wrote";

@@ -1,10 +1,9 @@
 //! What a table is good for on a board: the voltages that it was learnt on beside the board's, and what a proof fails for.
 
-use super::bits::status;
 use super::paste::typed;
 use ::calibration::drive::trained_on;
 use bench::{OtherRange, Proven, Shares};
-use estimator_core::{Range, Status, Table};
+use estimator_core::{Range, Table};
 
 /// What a table that was learnt on another range than the board's is good for.
 pub fn other_range(of: &OtherRange) -> String {
@@ -41,16 +40,22 @@ pub fn unproven(proven: &Proven, up_to_hz: f64) -> String {
     }
 }
 
+/// Unlike the remedies of a status bit, these go by board.toml, which `prove` and `install` ask for.
+const DIVIDER: &str = "less voltage, or a divider for more (piezo divider), then piezo calibrate and piezo install";
+const WIRE: &str =
+    "a sound, shielded wire; is amplifier_slew in board.toml what the amplifier can? then piezo install again";
+/// A cause that was there for less of the time is no reason, and would be printed as 0.0, %.
+const LEAST_SAID_PERCENT: f64 = 0.05;
+
 /// How often the table said nothing of the actuator, by cause, and what to do about each: `within` where it knows no more.
 fn beyond(shares: &Shares, within: &str) -> String {
-    let remedy = |bit| status(bit).next().map_or("", |meaning| meaning.remedy);
     let causes = [
         (shares.out_of_range_percent, "the voltage was beyond the table's range", within),
         (shares.clamped_percent, "the estimate was clamped to the table's limits", within),
-        (shares.saturated_percent, "the voltage stood at an end of the ADC's range", remedy(Status::ADC_SATURATED)),
-        (shares.leapt_percent, "the voltage leapt as the amplifier cannot", remedy(Status::SLEW_EXCEEDED)),
+        (shares.saturated_percent, "the voltage stood at an end of the ADC's range", DIVIDER),
+        (shares.leapt_percent, "the voltage leapt as the amplifier cannot", WIRE),
     ];
-    let raised = || causes.iter().filter(|(percent, ..)| *percent > 0.0);
+    let raised = || causes.iter().filter(|(percent, ..)| *percent >= LEAST_SAID_PERCENT);
     let said: Vec<String> = raised().map(|(percent, what, _)| format!("{what} {percent:.1} % of the time")).collect();
     let mut remedies: Vec<&str> = raised().map(|(.., remedy)| *remedy).collect();
     remedies.dedup();
@@ -124,7 +129,7 @@ mod tests {
         let (beyond, leapt) = (said(1.0, 0.0, [6.0, 4.0, 0.0, 0.0]), said(1.0, 0.0, [0.0, 0.0, 0.0, 10.0]));
         assert!(beyond.contains("beyond the table's range 6.0 % of the time, the estimate was clamped"), "{beyond}");
         assert_eq!(beyond.matches("prove within 0.000 … 40.000 V").count(), 1, "{beyond}");
-        assert!(leapt.contains("leapt as the amplifier cannot 10.0 % of the time: a shielded wire"), "{leapt}");
+        assert!(leapt.contains("leapt as the amplifier cannot 10.0 % of the time: a sound, shielded wire"), "{leapt}");
         assert!(
             !leapt.contains("prove within") && !leapt.contains("clamped") && !leapt.contains("piezo info"),
             "{leapt}"

@@ -21,7 +21,9 @@ fn waveform(error: &WaveformError) -> String {
             format!("{error}: play it more slowly (--every TICKS), or ask for less; --dry-run looks at it again")
         }
         WaveformError::Beyond { .. } => format!("{error}: is it in µm, and relative to the model's zero?"),
-        WaveformError::LongWay(_) => format!("{error}: is the slew rate of `piezo info` what the amplifier stands?"),
+        WaveformError::LongWay(_) => {
+            format!("{error}: is the slew rate of `piezo info{}` what the amplifier stands?", typed("--port"))
+        }
         WaveformError::NoDrive => super::refusal(&Refusal::NoDrive),
         WaveformError::Link(error @ LinkError::Unknown { .. }) => {
             let port = typed("--port");
@@ -52,7 +54,7 @@ pub fn plays(lines: u32, on_trigger: bool) -> String {
 pub fn played(health: &Health, over: bool) -> String {
     let said = format!("{} lines begun, {} triggers ignored", health.lines, health.triggers_ignored);
     match over {
-        true => format!("{said}; it is over, and the voltage at rest or on its way there: piezo waveform plays again"),
+        true => format!("{said}; it is over, and the voltage at rest or on its way there"),
         false => said,
     }
 }

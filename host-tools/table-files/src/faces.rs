@@ -18,7 +18,7 @@ pub(super) const LINE: &str = "// Checksum ";
 
 /// A face lies beside one of another table.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("{}: is the table of checksum {own}, and {} beside it {its}", named.display(), beside.display())]
+#[error("{}: is the table of checksum {own}, and {} beside it {}", named.display(), beside.display(), words(its.as_deref()))]
 pub struct OtherFace {
     /// The face that was named.
     pub named: PathBuf,
@@ -26,8 +26,12 @@ pub struct OtherFace {
     pub own: String,
     /// The other face.
     pub beside: PathBuf,
-    /// What that is.
-    pub its: String,
+    /// The checksum of its table's record, in words; `None` where that is refused.
+    pub its: Option<String>,
+}
+
+fn words(its: Option<&str>) -> String {
+    its.map_or_else(|| "is refused".to_owned(), |its| format!("that of {its}"))
 }
 
 impl TableFile {
@@ -64,7 +68,7 @@ pub fn agree(face: &Path, table: &Admitted) -> Result<(), OtherFace> {
         let beside = face.with_extension(end);
         match says(&beside) {
             Some(its) if its != own => {
-                let its = if its.is_empty() { "is refused".to_owned() } else { format!("that of {its}") };
+                let its = Some(its).filter(|its| !its.is_empty());
                 return Err(OtherFace { named: face.to_owned(), own, beside, its });
             }
             _ => {}

@@ -4,6 +4,8 @@ use super::device::{self, note_damage};
 use super::print::{out, progress};
 use crate::option::BoardOption;
 use crate::option::link::{Interrupting, PortOption, careful};
+use ::calibration::drive::ordered;
+use ::calibration::span::Span;
 use ::calibration::{CalibrationOptions, converter_mismatches};
 use anyhow::Result;
 use bench::{BoardFacts, NO_MODEL, OtherRange, for_board, install, refusals, rehearsal, wire_not_found};
@@ -40,9 +42,9 @@ pub struct Install {
     /// The table's doubts were just said, by the part of learn before.
     #[arg(skip)]
     pub of_learn: bool,
-    /// The range of the logs was typed, and another than the board's is meant.
+    /// The voltages that learn was told, V: they count instead of board.toml's.
     #[arg(skip)]
-    pub range_typed: bool,
+    pub range: Option<Span>,
     /// The file that says what the board's wires stand for.
     #[command(flatten)]
     pub board: BoardOption,
@@ -73,8 +75,8 @@ pub fn run(arguments: &Install) -> Result<bool> {
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    let of_board = facts.range_v().filter(|_| !arguments.line && !arguments.range_typed);
-    let other = of_board.and_then(|board| OtherRange::of(&table, board)).as_ref().map(remedy::other_range);
+    let driven = arguments.range.map(ordered).or(facts.range_v()).filter(|_| !arguments.line);
+    let other = driven.and_then(|driven| OtherRange::of(&table, driven)).as_ref().map(remedy::other_range);
     remedy::narrow(&table).iter().chain(&other).for_each(|careful| eprintln!("piezo: careful: {careful}"));
     let busy = match arguments.of_learn {
         // Its session found the device idle, and left it as it starts.

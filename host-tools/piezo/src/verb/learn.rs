@@ -4,6 +4,7 @@ use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, positive};
 use crate::{Cli, Verb};
+use ::calibration::span::Span;
 use anyhow::{Context, Result};
 use bench::{BenchError, Session, session};
 use clap::{Args, Parser};
@@ -47,7 +48,7 @@ const TICK: &str = "--tick-us";
 pub fn run(arguments: &Learn) -> Result<bool> {
     // Ctrl-C in a part that does not look for it, as identify, ends before the next one, which may move the actuator.
     let interrupt = Interrupt::watch()?;
-    let part = |words| part(words, &interrupt, arguments.excitation.range.is_some());
+    let part = |words| part(words, &interrupt, arguments.excitation.range);
     let path =
         |path: PathBuf| path.to_str().map(str::to_owned).with_context(|| format!("{}: is no UTF-8", path.display()));
     let (folder, board) = (path(arguments.out.clone())?, path(arguments.board.board.clone())?);
@@ -114,8 +115,8 @@ fn parse(words: Vec<String>) -> Result<Cli> {
     Ok(Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?)
 }
 
-/// Runs a command as if it were typed; `false` where it says so, or was not begun.
-fn part(words: Vec<String>, interrupt: &Interrupt, range_typed: bool) -> Result<bool> {
+/// Runs a command as if it were typed, which installs a table for these voltages; `false` where it says so, or was not begun.
+fn part(words: Vec<String>, interrupt: &Interrupt, range: Option<Span>) -> Result<bool> {
     let typed = words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     if interrupt.wanted() {
         out(&format!("FAILED: ended by Ctrl-C; what was to come next: piezo {typed}"));
@@ -126,7 +127,7 @@ fn part(words: Vec<String>, interrupt: &Interrupt, range_typed: bool) -> Result<
     match &mut part.verb {
         Verb::Train(train) => train.of_learn = true,
         Verb::Identify(identify) => identify.of_learn = true,
-        Verb::Install(install) => (install.of_learn, install.range_typed) = (true, range_typed),
+        Verb::Install(install) => (install.of_learn, install.range) = (true, range),
         _ => {}
     }
     part.run()

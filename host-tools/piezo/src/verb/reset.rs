@@ -38,7 +38,11 @@ pub fn run(arguments: &Reset) -> Result<bool> {
         }))?);
     } else {
         let which = checksum.map_or(String::new(), |checksum| format!(" (checksum {checksum})"));
-        let is = if arguments.dry_run { "was not restarted" } else { "is back" };
+        let is = match arguments.dry_run {
+            true if !refused.is_empty() => "was not restarted, and would not be",
+            true => "was not restarted",
+            false => "is back",
+        };
         out(&format!("{} {is}; its table{which} is {}", identity.board, words::source(&identity.source)));
     }
     Ok(true)
