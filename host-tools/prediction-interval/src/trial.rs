@@ -21,7 +21,7 @@ const RECORDINGS: usize = 8;
 /// Periods of a recording, and its length in s, within.
 const PERIODS: f64 = 6.0;
 const LENGTH_S: Range<f64> = Range { min: 2.0, max: 20.0 };
-/// Ticks that it may have at most: all of its length down to ticks of 50 µs.
+/// Ticks that it may have at most, besides what leads to it: all of its length down to ticks of 50 µs.
 const MOST: f64 = 400_000.0;
 /// Amplitude, of the training's.
 const AMPLITUDE: Range<f64> = Range { min: 0.15, max: 1.0 };
@@ -36,6 +36,9 @@ const LEAST_HOLD_S: f64 = 0.1;
 const RESTED_S: Range<f64> = Range { min: 0.5, max: 5.0 };
 /// A reversal is a retreat by so much of the voltage's span.
 const LARGE: f64 = 0.25;
+
+/// Ways of a recording to begin, which every waveform has for one device or another.
+const RESTS: usize = 4;
 
 /// Parts of a half-width whose gains are found.
 pub const PARTS: usize = 6;
@@ -52,7 +55,7 @@ pub struct Sample {
 /// The samples that follow one telling of one recording.
 pub type Recording = Vec<Sample>;
 
-/// Recordings of a device beside the estimates of its table.
+/// What follows each telling of a device's recordings, beside the estimates of its table.
 pub fn recordings(
     device: &Device,
     table: &Admitted,
@@ -61,11 +64,12 @@ pub fn recordings(
     seed: u64,
 ) -> Vec<Recording> {
     let mut draw = ChaCha8Rng::seed_from_u64(seed);
-    (0..RECORDINGS).flat_map(|number| one(number, device, table, unscaled, problem, &mut draw)).collect()
+    let shift = draw.random_range(0..RESTS);
+    (0..RECORDINGS).flat_map(|number| one((number, (number + shift) % RESTS), device, table, unscaled, problem, &mut draw)).collect()
 }
 
 fn one(
-    number: usize,
+    (number, rests): (usize, usize),
     device: &Device,
     table: &Admitted,
     unscaled: &IntervalParameters,
@@ -76,9 +80,9 @@ fn one(
     let voltage = voltage(number, problem, draw);
     let Some(&first) = voltage.first() else { return Vec::new() };
     let mut even = |range: Range<f64>| draw.random_range(range.min..range.max);
-    // Every other recording is of a board that has been running; it rests where the user's recordings begin, or at an end.
+    // Half of the recordings are of a board that has been running; it rests where the user's recordings begin, or at an end.
     let begins = || problem.training().next().and_then(|session| session.voltage.first().copied()).unwrap_or(first);
-    let rest = match number % 4 {
+    let rest = match rests {
         2 => Some(begins()),
         3 => Some(if even(range) < range.middle() { range.min } else { range.max }),
         _ => None,
