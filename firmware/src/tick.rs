@@ -18,7 +18,7 @@ use crate::queues::{Command, Numbered, TickQueues};
 use crate::setpoint::Wish;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
-use crate::watch::{FaultState, Seen, Watch};
+use crate::watch::{FaultState, Seen, Watch, suffers};
 use crate::waveform::{Player, Points};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Estimate, Estimator, Status};
@@ -88,14 +88,14 @@ impl<'q> Tick<'q> {
         let mut read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
         self.telemetry.set_setpoint(read.corrected.setpoint);
         let read = match self.mode {
-            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise | Mode::Waveform => {
+            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
+            Mode::Pause => None,
+            _ => {
                 if let Some(leap) = &mut self.startup.leap {
                     read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
                 }
                 Some(read)
             }
-            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
-            Mode::Pause => None,
         };
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
@@ -151,7 +151,9 @@ impl<'q> Tick<'q> {
         if beyond && !output.safe {
             status |= if drives { Status::OUT_OF_REACH } else { Status::DAC_SATURATED };
         }
-        self.telemetry.count(status);
+        if self.mode != Mode::Pil {
+            self.telemetry.count(status);
+        }
         faults.set(Faults::SAFE_OUTPUT, output.safe);
         self.stream(Sample {
             code: code.0,
@@ -194,7 +196,9 @@ impl<'q> Tick<'q> {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
             FaultState::Recovered(lasted) => {
                 // What it has made of the bad codes is forgotten; this tick's sample still has it.
-                self.restart();
+                if suffers(lasted) {
+                    self.restart();
+                }
                 (faults | lasted, false)
             }
             FaultState::Faulty(lasting) => (faults | lasting, false),
@@ -252,15 +256,18 @@ impl<'q> Tick<'q> {
         }
     }
 
-    /// Begins a mode, wherever the output stands.
+    /// Begins a mode, wherever the output stands. An estimate from the ADC, with which nothing was wrong, goes on.
     fn enter(&mut self, mode: Mode) {
+        let goes_on = self.mode.measures() && mode.measures() && self.watch.sound();
         self.mode = mode;
         self.number = 0;
         self.decimation = Streamed::default();
         self.watch = Watch::new(self.adc_full_scale);
         while self.queues.fed.dequeue().is_some() {}
         while self.queues.references.dequeue().is_some() {}
-        self.restart();
+        if !goes_on {
+            self.restart();
+        }
         if let Some(setpoint) = &mut self.startup.setpoint {
             setpoint.restart();
         }

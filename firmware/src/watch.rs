@@ -126,6 +126,11 @@ impl Watch {
         }
     }
 
+    /// Whether nothing lasts that an estimate [suffers](suffers) from.
+    pub fn sound(&self) -> bool {
+        !suffers(self.found)
+    }
+
     /// Takes what is seen of one tick, and says which faults last after it.
     #[inline]
     pub fn update(&mut self, seen: Seen) -> FaultState {
@@ -153,6 +158,11 @@ impl Watch {
         }
         if self.found.is_empty() { FaultState::Healthy } else { FaultState::Faulty(self.found) }
     }
+}
+
+/// Whether an estimate suffers from any of these faults: of the set-point nothing is estimated.
+pub fn suffers(faults: Faults) -> bool {
+    !Faults::SETPOINT.contains(faults)
 }
 
 /// What [`Watch::update`] finds.

@@ -132,7 +132,12 @@ fn at_the_start_and_where_the_estimate_begins_anew_it_counts_at_once() {
     assert_eq!(bench.sample(AdcCode(50_000)).code, expected);
     (0..100).for_each(|_| bench.measures(3300.0));
     assert!(bench.sample(AdcCode(50_000)).code.abs_diff(expected) <= 1);
-    bench.link.queues.commands.enqueue(Command::SetMode(Mode::Estimate)).unwrap();
+    for mode in [Mode::Pause, Mode::Estimate] {
+        bench.link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+        bench.k += 1;
+        bench.tick.sample(AdcCode(50_000).into(), bench.k * PERIOD);
+        _ = bench.link.queues.samples.dequeue();
+    }
     assert_eq!(bench.sample(AdcCode(50_000)).code, 50_000);
 }
 

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{PERIOD, SAFE, compiled, tick, triangle};
+use common::{LinkEnd, PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimator, Status};
 use firmware::Conversion;
@@ -240,7 +240,70 @@ fn the_bias_is_told_at_the_next_tick_and_ages_until_the_estimate_begins_anew() {
     tick.sample(triangle(511).into(), 511 * PERIOD);
     assert!((link.telemetry.bias_um() - (zeroed - 0.5)).abs() < 1e-5);
     assert_eq!(link.telemetry.bias_age_ticks(), Some(0));
-    link.queues.commands.enqueue(Command::SetMode(Mode::Estimate)).unwrap();
+    link.queues.commands.enqueue(Command::SetMode(Mode::Pause)).unwrap();
     tick.sample(triangle(512).into(), 512 * PERIOD);
     assert_eq!((link.telemetry.bias_um(), link.telemetry.bias_age_ticks()), (0.0, None));
+}
+
+/// Whoever has zeroed at rest wants to know where the actuator is while it is driven, not only before.
+#[test]
+fn the_estimate_and_its_zero_go_on_from_mode_to_mode_unless_something_is_wrong() {
+    let table = driving();
+    let (mut tick, mut link) = tick(Some(&table), Faults::empty());
+    let mut reference = Estimator::<f32>::new(&table);
+    link.telemetry.streaming.store(true, Relaxed);
+    let mut k = 0;
+    let mut next = |link: &mut LinkEnd, command: Option<Command>, code: AdcCode| {
+        command.into_iter().for_each(|command| link.queues.commands.enqueue(command).unwrap());
+        tick.sample(code.into(), k * PERIOD);
+        k += 1;
+        link.queues.samples.dequeue().map(|found| found.sample)
+    };
+    let told = |link: &LinkEnd| link.telemetry.bias_age_ticks().is_some();
+    for code in 0..3_000 {
+        reference.tick(triangle(code));
+        next(&mut link, None, triangle(code));
+    }
+    reference.set_zero(2.0);
+    next(&mut link, Some(Command::SetZero { at_um: 2.0 }), triangle(3_000));
+    reference.tick(triangle(3_000));
+    for (index, mode) in [Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Estimate].into_iter().enumerate() {
+        // No longer than an amplifier may be elsewhere than it is commanded to.
+        for code in 0..100 {
+            let code = 3_001 + 100 * index as u32 + code;
+            let command = (code % 100 == 1).then_some(Command::SetMode(mode));
+            let sample = next(&mut link, command, triangle(code)).expect("a sample a tick");
+            assert_eq!(
+                sample.displacement.to_bits(),
+                reference.tick(triangle(code)).displacement.to_bits(),
+                "{mode:?}"
+            );
+        }
+        assert!(told(&link), "{mode:?}");
+    }
+    // A code that stands still is a fault, after which nothing of before is known.
+    (0..STUCK + 10).for_each(|_| _ = next(&mut link, None, triangle(7)));
+    assert!(link.telemetry.faults().contains(Faults::ADC_STUCK) && told(&link));
+    next(&mut link, Some(Command::SetMode(Mode::Estimate)), triangle(8));
+    assert!(!told(&link));
+    // What is fed is no actuator's.
+    for mode in [Mode::Pil, Mode::Pause] {
+        next(&mut link, Some(Command::SetZero { at_um: 1.0 }), triangle(9));
+        assert!(told(&link));
+        next(&mut link, Some(Command::SetMode(mode)), triangle(10));
+        assert!(!told(&link), "{mode:?}");
+        next(&mut link, Some(Command::SetMode(Mode::Estimate)), triangle(11));
+    }
+}
+
+#[test]
+fn what_is_fed_counts_as_nothing_of_the_actuator() {
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
+    link.queues.commands.enqueue(Command::SetMode(Mode::Pil)).unwrap();
+    for k in 0..10 {
+        link.queues.fed.enqueue(AdcCode(0)).unwrap();
+        tick.sample(triangle(k).into(), k * PERIOD);
+    }
+    let health = [&link.telemetry.voltage_out_of_range, &link.telemetry.adc_saturated];
+    assert_eq!(health.map(|count| count.load(Relaxed)), [0, 0]);
 }

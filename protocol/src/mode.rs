@@ -32,6 +32,12 @@ pub enum Mode {
 }
 
 impl Mode {
+    /// Whether it estimates from what the ADC reads. From one such mode to another the estimate goes on, with its memory and its
+    /// bias, unless something was wrong; any other change begins it anew.
+    pub const fn measures(self) -> bool {
+        !matches!(self, Self::Pil | Self::Pause)
+    }
+
     /// Whether the DAC drives the amplifier in this mode.
     pub const fn drives(self) -> bool {
         matches!(self, Self::Linearise | Self::Waveform) || self.takes_references()

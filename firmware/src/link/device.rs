@@ -193,8 +193,7 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Hands on a command that tells the bias by a displacement, µm.
     fn tell(&mut self, displacement: f32, command: Command) -> Result<(), Refusal> {
-        let table =
-            self.table.as_ref().filter(|_| matches!(self.telemetry.mode(), Mode::Estimate | Mode::Excite | Mode::Pil));
+        let table = self.table.as_ref().filter(|_| self.telemetry.mode() != Mode::Pause);
         let span_um = table.ok_or(Refusal::NotEstimating)?.displacement_limits_um.span();
         if !(Range { min: -span_um, max: span_um }).contains(displacement) {
             return Err(Refusal::BeyondSpan { span_um });
@@ -211,7 +210,7 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn estimating(&self) -> bool {
-        !matches!(self.telemetry.mode(), Mode::Pil | Mode::Pause) && self.table.is_some()
+        self.telemetry.mode().measures() && self.table.is_some()
     }
 
     /// Streaming starts with samples of now and ends with the change of mode.

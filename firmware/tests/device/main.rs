@@ -100,5 +100,7 @@ fn health_has_the_bias_and_its_age() {
     assert!(um == 1.5 && age.is_some(), "{um} {age:?}");
     assert!(bias(&mut bench).1 > age, "it grows old");
     assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done);
+    assert_eq!(bias(&mut bench).0, 1.5, "the estimate goes on");
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
     assert_eq!(bias(&mut bench), (0.0, None));
 }

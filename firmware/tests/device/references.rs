@@ -48,11 +48,6 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
         assert!(bench.device.lent(), "{mode:?} ends with the host that has set it");
         assert_eq!(bench.ask(refer(0, 2.0)), Reply::Referred { next: 64, starved: 0 }, "{mode:?} counts from 0");
     }
-    assert_eq!(
-        bench.ask(Request::SetZero { at_um: 0.0 }),
-        Reply::Refused(Refusal::NotEstimating),
-        "references have the model's zero"
-    );
     let next = |bench: &mut Bench, first| match bench.ask(refer(first, 10.0)) {
         Reply::Referred { next, starved: 0 } => next,
         reply => panic!("{reply:?}"),

@@ -74,16 +74,9 @@ pub(super) fn too_long(drives: bool) -> &'static str {
 
 /// Why a device that does not estimate cannot be told anything, and what makes it estimate again; `None` where it does.
 pub fn not_estimating(mode: Mode, port: &Address) -> Option<String> {
-    // A reset may lead back to the set-point.
-    let verb = match mode {
-        Mode::Linearise => "linearise --stop",
-        Mode::Waveform => "waveform --stop",
-        mode if mode.drives() => "reset --force",
-        _ => "reset",
-    };
     let does = words::mode(mode);
-    let said = || format!("{port}: the device {does}; make it estimate again: piezo {verb} --port {port}");
-    (mode != Mode::Estimate).then(said)
+    let said = || format!("{port}: the device {does}; make it estimate again: piezo reset --port {port}");
+    (!mode.measures()).then(said)
 }
 
 /// How a rehearsal of a table went, a device beside the host.

@@ -9,7 +9,7 @@ use protocol::{Health, Identity};
 use std::path::Path;
 use table_files::TableFile;
 
-/// An error where the device does anything but estimate.
+/// An error where the device estimates nothing from its ADC.
 pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
     if let Some(why) = remedy::not_estimating(health.mode, port) {
         bail!(why);
