@@ -60,6 +60,8 @@ fn it_ticks_in_time_and_streams_every_fourth_tick_without_loss() -> Result<()> {
     let mut bench = started()?;
     let table = bench.table()?;
     assert_eq!(bench.board.oversampling(), (OVERSAMPLED.into(), 0));
+    // After a pause the estimate begins anew with the mode.
+    bench.does(Request::SetMode(Mode::Pause))?;
     bench.does(Request::SetMode(Mode::Estimate))?;
     bench.does(Request::Stream(true))?;
     let first = bench.board.record().conversions.len();
