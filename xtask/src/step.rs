@@ -30,7 +30,7 @@ pub struct Step {
 
 /// Every check, the quick ones first, and those that run beside others before these. `board` is the first of them: its
 /// tests compile while others run.
-pub const STEPS: [Step; 14] = [
+pub const STEPS: [Step; 15] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: fmt },
     Step {
         name: "rules",
@@ -76,6 +76,13 @@ pub const STEPS: [Step; 14] = [
         tools: &[&PYTHON],
         beside: true,
         run: |sh| python::check(sh, &built_piezo(sh)?),
+    },
+    Step {
+        name: "html",
+        about: "mdBook makes HTML of the book without a warning",
+        tools: &[],
+        beside: true,
+        run: html,
     },
     Step { name: "test", about: "unit, property and command tests on the host", tools: &[], beside: false, run: test },
     Step {
@@ -220,6 +227,11 @@ fn board(sh: &Shell) -> Result<()> {
     // The cycles are counted, and held to what the core states, where the documents' figures are made of them.
     let tests = cmd!(sh, "cargo test {BOARD...} --lib --test=image -- --nocapture --skip cycles::no_");
     Ok(tests.env("FIRMWARE_IMAGE", image).env("FIRMWARE_IMAGE_10KHZ", fast).run()?)
+}
+
+/// With a lock and crates of its own, which nothing else here is built with.
+fn html(sh: &Shell) -> Result<()> {
+    Ok(cmd!(sh, "cargo run --quiet --locked --manifest-path book/html/Cargo.toml --target-dir target/html").run()?)
 }
 
 fn browser(sh: &Shell) -> Result<()> {
