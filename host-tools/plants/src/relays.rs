@@ -38,8 +38,9 @@ const REACH: f64 = 1.1;
 /// The relays of a density beside a reversible part.
 pub struct Relays {
     plays: Vec<f64>,
-    /// What the relays of each half-width add as the plays stand.
+    /// What the relays of each half-width add as the plays stand, and all of them.
     sums: Vec<f64>,
+    sum: f64,
     /// Of each half-width, the integral of the density from 0 to the knots.
     integrals: Vec<[f64; KNOTS]>,
     cubic: f64,
@@ -63,8 +64,8 @@ impl Relays {
         // All relays switched from −1 to 1 add 2 × share to a reversible part of 2.
         let total: f64 = integrals.iter().map(|integral| (integral[KNOTS - 1] - integral[0]) / 2.0).sum();
         integrals.iter_mut().flatten().for_each(|value| *value *= share / total);
-        let sums = integrals.iter().map(|integral| interpolated(integral, 0.0)).collect();
-        Self { plays: vec![0.0; WIDTHS], sums, integrals, cubic: 0.06 * draw.normal().clamp(-1.5, 1.5) }
+        let sums: Vec<f64> = integrals.iter().map(|integral| interpolated(integral, 0.0)).collect();
+        Self { plays: vec![0.0; WIDTHS], sum: sums.iter().sum(), sums, integrals, cubic: 0.06 * draw.normal().clamp(-1.5, 1.5) }
     }
 }
 
@@ -75,17 +76,18 @@ fn width(index: usize) -> f64 {
 
 impl Hysteresis for Relays {
     fn step(&mut self, u: f64, _: f64) -> f64 {
-        let mut sum = u + self.cubic * u * u * u;
         let plays = self.plays.iter_mut().zip(&mut self.sums).zip(&self.integrals);
         for (index, ((play, of_width), integral)) in plays.enumerate() {
             let moved = play.clamp(u - width(index), u + width(index));
-            if moved != *play {
-                *play = moved;
-                *of_width = interpolated(integral, moved);
+            if moved == *play {
+                // Two plays differ by no more than their half-widths do: none that is wider moves either.
+                break;
             }
-            sum += *of_width;
+            *play = moved;
+            let before = std::mem::replace(of_width, interpolated(integral, moved));
+            self.sum += *of_width - before;
         }
-        sum
+        u + self.cubic * u * u * u + self.sum
     }
 }
 

@@ -75,7 +75,7 @@ impl Gains {
 /// The interval score, summed over recordings.
 fn score(tried: &[Tried], gains: &Gains) -> f64 {
     let of = |sample: &Sample, own_um: f64, gains: &[f64; PARTS]| {
-        let half_width = own_um.hypot(deviation(&sample.parts, gains));
+        let half_width = (own_um * own_um + variance(&sample.parts, gains)).sqrt();
         half_width + (sample.error - half_width).max(0.0) / (1.0 - COVERED)
     };
     each_of(tried, gains, &of).map(|costs| costs.clone().sum::<f64>() / costs.count() as f64).sum()
@@ -86,7 +86,7 @@ fn score(tried: &[Tried], gains: &Gains) -> f64 {
 fn factor(tried: &[Tried], gains: &Gains) -> f64 {
     let of = |sample: &Sample, own_um: f64, gains: &[f64; PARTS]| {
         let other = (sample.error.powi(2) - own_um.powi(2)).max(0.0).sqrt();
-        other / deviation(&sample.parts, gains)
+        other / variance(&sample.parts, gains).sqrt().max(f64::MIN_POSITIVE)
     };
     let of_all = quantile(each_of(tried, gains, &of).flatten(), COVERED);
     let of_recordings = quantile(each_of(tried, gains, &of).map(|ratios| quantile(ratios, HELD)), RECORDINGS);
@@ -114,9 +114,10 @@ fn quantile(numbers: impl Iterator<Item = f64>, part: f64) -> f64 {
     numbers.get(index.saturating_sub(1)).copied().unwrap_or(1.0)
 }
 
-fn deviation(parts: &[f64; PARTS], gains: &[f64; PARTS]) -> f64 {
+/// Of everything but what the device's own logs say, µm².
+fn variance(parts: &[f64; PARTS], gains: &[f64; PARTS]) -> f64 {
     let square = |(part, gain): (&f64, &f64)| (part * gain) * (part * gain);
-    parts.iter().zip(gains).map(square).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
+    parts.iter().zip(gains).map(square).sum()
 }
 
 #[cfg(test)]
@@ -150,7 +151,7 @@ mod tests {
             let tried = [tried];
             let gains = Gains::of(&tried);
             let of = |sample: &Sample, own_um: f64, gains: &[f64; PARTS]| {
-                f64::from(sample.error <= 1.001 * own_um.hypot(deviation(&sample.parts, gains)))
+                f64::from(sample.error <= 1.001 * own_um.hypot(variance(&sample.parts, gains).sqrt()))
             };
             let each: Vec<f64> = each_of(&tried, &gains, &of).map(|held| held.sum::<f64>() / 140.0).collect();
             assert!(each.iter().sum::<f64>() / 10.0 >= 0.945, "{worse} worse: {each:?}");
