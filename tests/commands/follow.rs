@@ -16,6 +16,11 @@ const DRIVE: DriveCalibration =
 
 /// Follows a swing about a displacement (µm); the device's queue of references lasts for half a second.
 fn followed_about(about: f64, dry_run: bool, plant: impl Plant) -> (Output, Option<String>) {
+    followed(&|t| about + 5.0 * (t * 20.0).sin(), if dry_run { &["--json", "--dry-run"] } else { &["--json"] }, plant)
+}
+
+/// Follows half a second of what is wanted at a time, s.
+fn followed(wanted: &dyn Fn(f64) -> f64, options: &[&str], plant: impl Plant) -> (Output, Option<String>) {
     let table = Table { drive: Some(DRIVE), ..TABLE }.admit().unwrap();
     let flash = RamFlash::new(pages::with(&to_record(&table), 4096).unwrap());
     let device = Emulator::new().flash(flash).plant(plant).speed(0.25).start().unwrap();
@@ -23,14 +28,14 @@ fn followed_about(about: f64, dry_run: bool, plant: impl Plant) -> (Output, Opti
     let trajectory = folder.path().join("wanted.csv");
     let wave = (0..500).map(|k| {
         let t = f64::from(k) * 1e-3;
-        format!("{t:.3},{}\n", about + 5.0 * (t * 20.0).sin())
+        format!("{t:.3},{}\n", wanted(t))
     });
     fs::write(&trajectory, "time_s,displacement_um\n".to_owned() + &wave.collect::<String>()).unwrap();
     let log = folder.path().join("followed.csv");
     let port = format!("tcp:{}", device.address());
     let mut command = piezo();
-    command.args(["follow", text(&trajectory), "--json", "--out", text(&log), "--port", &port]);
-    let done = command.args(dry_run.then_some("--dry-run")).output().unwrap();
+    command.args(["follow", text(&trajectory), "--out", text(&log), "--port", &port]);
+    let done = command.args(options).output().unwrap();
     (done, fs::read_to_string(log).ok())
 }
 
@@ -46,9 +51,34 @@ fn a_dry_run_drives_nothing_and_the_impossible_is_not_tried() {
     let complaint = String::from_utf8(refused.stderr).unwrap();
     assert_eq!(refused.status.code(), Some(2));
     assert!(
-        complaint.contains("nothing was driven") && complaint.contains("hold about") && log.is_none(),
+        complaint.contains("nothing was sent") && complaint.contains("can be held") && log.is_none(),
         "{complaint}"
     );
+}
+
+#[test]
+fn what_leaves_the_reach_on_its_way_is_refused_before_anything_moves_unless_so_much_is_allowed() {
+    let leaves = |t: f64| 20.0 + 200.0 * t;
+    for options in [&[][..], &["--dry-run"], &["--max-error", "1"]] {
+        let (refused, log) = followed(&leaves, options, sound());
+        let complaint = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{options:?} {complaint}");
+        assert!(complaint.contains("stand at a limit") && complaint.contains("--max-error"), "{options:?} {complaint}");
+        assert!(complaint.contains("nothing was sent") && log.is_none(), "{options:?} {complaint}");
+    }
+    let (done, log) = followed(&leaves, &["--max-error", "200"], sound());
+    let said = String::from_utf8(done.stdout).unwrap();
+    assert!(done.status.success() && log.is_some(), "{said}");
+    assert!(said.contains("was out of reach") && said.contains("(on "), "{said}");
+}
+
+#[test]
+fn the_way_to_its_first_point_is_no_part_of_a_trajectory_and_no_limit_in_its_way() {
+    let (done, log) = followed(&|t| 20.0 - 5.0 * (t * 20.0).cos(), &[], sound());
+    let said = String::from_utf8(done.stdout).unwrap();
+    assert!(done.status.success() && log.is_some(), "{said}");
+    assert!(said.contains("of them from rest to where the trajectory begins"), "{said}");
+    assert!(!said.contains("out of reach"), "{said}");
 }
 
 #[test]
@@ -58,8 +88,11 @@ fn what_was_wanted_stands_beside_what_was_estimated() {
     let log = log.unwrap();
     let row = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
     let rows: Vec<Vec<f64>> = log.lines().skip(1).map(row).collect();
-    assert_eq!(rows.len(), 1000);
-    assert!(rows.iter().skip(400).all(|row| (row[2] - row[3]).abs() < 0.3));
+    let said: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    let way = said["approach_ticks"].as_u64().unwrap() as usize;
+    assert_eq!(rows.len(), way + 1000);
+    assert!(rows.iter().skip(way + 3).all(|row| (row[2] - row[3]).abs() < 0.4), "all but the way there");
+    assert!(said["estimate_off_max_um"].as_f64().unwrap() < 0.4);
 }
 
 #[test]
@@ -74,5 +107,7 @@ fn a_fault_on_the_way_is_a_failure_and_the_log_is_kept() {
     };
     let (done, log) = followed_about(20.0, false, breaks);
     assert_eq!(done.status.code(), Some(1));
-    assert_eq!(log.unwrap().lines().count(), 100);
+    // The way there begins slowly: some ticks have the code of the rest.
+    let rows = log.unwrap().lines().count();
+    assert!((100..110).contains(&rows), "{rows}");
 }

@@ -2,10 +2,12 @@
 //!
 //! The reference of tick k moves the DAC at tick k + 1 and the displacement a tick after that, later by the model's delay.
 
+use crate::waveform::{WaveformError, begins_in_reach};
 use device_link::streamed::{Streamed, of_tick_before};
-use estimator_core::{AdcCode, Admitted, DacCode};
-use feedforward::Trajectory;
-use std::fmt::Write as _;
+use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, Status};
+use feedforward::{Plan, Trajectory, approach, near, plan, reach};
+use serde::Serialize;
+use std::fmt::{self, Display, Formatter, Write as _};
 
 /// An estimate this near to what was wanted has met it, as a fraction of the table's span of displacements.
 const MET: f64 = 1e-2;
@@ -25,12 +27,103 @@ pub struct Row {
     pub driven: f64,
 }
 
-/// From where a trajectory was met on.
+/// A trajectory that no limit is in the way of, and the way there from rest.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Foreseen {
+    /// Both, by the device's own model.
+    #[serde(skip)]
+    pub plan: Plan,
+    /// Ticks of the way there.
+    #[serde(rename = "approach_ticks")]
+    pub begins: usize,
+    /// How far the model is off the trajectory, µm.
+    pub off_um: f64,
+    /// On how many ticks of the trajectory a limit is in the way; none where that leads nowhere off.
+    #[serde(rename = "limited_ticks")]
+    pub limited: usize,
+}
+
+impl Foreseen {
+    /// What comes of a trajectory on the device that has this table.
+    ///
+    /// # Errors
+    /// The table does not drive; or a limit keeps the model off by `allowed_um`, without it by what counts as off.
+    pub fn of(table: &Admitted, trajectory: &Trajectory, allowed_um: Option<f64>) -> Result<Self, WaveformError> {
+        let DriveCalibration { limits, .. } = table.drive.ok_or(WaveformError::NoDrive)?;
+        if allowed_um.is_none() {
+            begins_in_reach(table, &limits, trajectory.at(0.0) as f32)?;
+        }
+        let mut whole = approach(table, &limits, trajectory)?;
+        let begins = whole.len();
+        whole.extend(&trajectory.0);
+        let plan = plan(table, &limits, &Trajectory(whole))?;
+        let (near, of_it) = (near(table), &plan.limited[begins..]);
+        let limited = of_it.iter().filter(|&&limited| limited).count();
+        let off_um = plan.round_trip(begins).map_or(0.0, |errors| errors.max_um);
+        // It may begin at a speed that the displacement has only a moment later: no longer than the voltage takes for its range.
+        let tick_s: f64 = table.sample_period();
+        let moment = of_it.len().min((f64::from(limits.range_v.span() / limits.slew_v_per_s) / tick_s) as usize);
+        let starts = of_it[..moment].iter().rposition(|&limited| limited).map_or(0, |last| last + 1);
+        if let Some(short) = plan.shortfall(begins + starts, allowed_um.unwrap_or(near)) {
+            let (ticks, reach_um) = (of_it.len(), reach(table, &limits));
+            return Err(WaveformError::OutOfReach { limited, ticks, off_um: short.most_um, reach_um });
+        }
+        Ok(Self { plan, begins, off_um, limited: if off_um < near { 0 } else { limited } })
+    }
+
+    /// What the device said of it in these samples.
+    pub fn reached(&self, samples: &[Streamed]) -> Reached {
+        let mut status = samples.iter().fold(Status::empty(), |all, of| all | of.sample.status);
+        let own = || samples.iter().filter(|of| of.tick >= self.begins);
+        let limited = own().filter(|of| of.sample.status.contains(Status::OUT_OF_REACH)).count();
+        status.set(Status::OUT_OF_REACH, limited > 0 && self.limited > 0);
+        Reached { status, limited, ticks: own().count() }
+    }
+
+    /// How it was met by as many ticks, in words.
+    pub fn told(&self, ticks: usize, met: Option<Met>) -> String {
+        match met {
+            Some(Met { after_s, mae_um, max_um }) => format!(
+                "{ticks} ticks, the first {} of them from rest to where the trajectory begins; the estimate was {mae_um:.4} µm off the trajectory \
+                 on average, {max_um:.4} µm at most, and first met it after {after_s:.3} s",
+                self.begins
+            ),
+            None => format!(
+                "FAILED: {ticks} ticks, and the estimate never came near what was wanted: does the DAC drive this amplifier, and the ADC read it?"
+            ),
+        }
+    }
+}
+
+/// What the device said of a trajectory.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Reached {
+    /// Of all that it did, but for limits that lead nowhere off or were in the way there.
+    pub status: Status,
+    /// On how many ticks of the trajectory it was at a limit.
+    pub limited: usize,
+    /// Of so many.
+    pub ticks: usize,
+}
+
+impl Display for Foreseen {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { plan, begins, off_um, limited } = self;
+        write!(
+            f,
+            "{} ticks, the first {begins} of them from rest to where the trajectory begins; the device's model is {off_um:.4} µm off it at \
+             most, with a limit in the way on {limited} of its ticks; nothing was driven",
+            plan.voltage.len()
+        )
+    }
+}
+
+/// How well a trajectory was met, the way there left aside.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Met {
-    /// When, s since the first reference.
+    /// When it first was, s since the first reference.
     pub after_s: f64,
-    /// Mean of |estimate − wanted| from there on, µm.
+    /// Mean of |estimate − wanted| over all of it, µm.
     pub mae_um: f64,
     /// The largest, µm.
     pub max_um: f64,
@@ -70,14 +163,14 @@ pub fn csv(rows: &[Row]) -> String {
 }
 
 impl Met {
-    /// Where the estimate met what was wanted; `None` where it never did.
-    pub fn of(table: &Admitted, rows: &[Row]) -> Option<Self> {
+    /// How the estimate met what was wanted behind a way there of so many ticks; `None` where it never did.
+    pub fn of(table: &Admitted, rows: &[Row], begins: usize) -> Option<Self> {
+        let begin_s = (begins as f64 + late(table) - 0.5) * table.sample_period::<f64>();
+        let met = &rows[rows.partition_point(|row| row.seconds < begin_s)..];
         let near = MET * f64::from(table.displacement_limits_um.span());
         let error = |row: &Row| (row.estimated - row.wanted).abs();
-        let from = rows.iter().position(|row| error(row) < near)?;
-        let met = &rows[from..];
         Some(Self {
-            after_s: met[0].seconds,
+            after_s: met.iter().find(|row| error(row) < near)?.seconds,
             mae_um: met.iter().map(error).sum::<f64>() / met.len() as f64,
             max_um: met.iter().map(error).fold(0.0, f64::max),
         })

@@ -2,7 +2,7 @@
 
 use crate::described::believed;
 use device_link::{Client, LinkError, words};
-use estimator_core::{Admitted, DriveCalibration, NoInverse, Pace, Way};
+use estimator_core::{Admitted, DriveCalibration, DriveLimits, NoInverse, Pace, Way};
 use feedforward::{Trajectory, near, plan, reach};
 use protocol::waveform::checksum;
 use protocol::{Health, MOST_POINTS, Mode, Playback};
@@ -24,7 +24,7 @@ pub struct Waveform {
     every: NonZeroU16,
 }
 
-/// Why a waveform is not played.
+/// Why a waveform is not played, or a trajectory not followed.
 #[derive(Debug, thiserror::Error)]
 pub enum WaveformError {
     /// Its points are not so many ticks apart as can be said.
@@ -40,20 +40,20 @@ pub enum WaveformError {
     Points(usize),
     /// The device cannot follow it.
     #[error(
-        "on {limited} of {ticks} ticks of a line the voltage or its slew rate would stand at a limit, and the displacement be up to \
+        "on {limited} of its {ticks} ticks the voltage or its slew rate would stand at a limit, and the displacement be up to \
          {off_um:.3} µm off, where {:.2} … {:.2} µm can be held; nothing was sent", reach_um[0], reach_um[1]
     )]
     OutOfReach {
         /// Ticks at a limit.
         limited: usize,
-        /// Ticks of a line.
+        /// Ticks of a line, or of a trajectory.
         ticks: usize,
         /// Largest distance of the model from what is wanted, µm.
         off_um: f64,
         /// What can be held, µm.
         reach_um: [f64; 2],
     },
-    /// A line cannot begin where it is to.
+    /// It cannot begin where it is to.
     #[error(
         "its first point, {first_um} µm, is beyond what can be held, {:.2} … {:.2} µm; nothing was sent", reach_um[0], reach_um[1]
     )]
@@ -161,6 +161,16 @@ impl Foreseen {
     }
 }
 
+/// Refuses what cannot begin where it is to, µm.
+pub(crate) fn begins_in_reach(table: &Admitted, limits: &DriveLimits, first_um: f32) -> Result<(), WaveformError> {
+    let reach_um = reach(table, limits);
+    let (low, high, near) = (reach_um[0].min(reach_um[1]), reach_um[0].max(reach_um[1]), near(table));
+    match (low - near..=high + near).contains(&f64::from(first_um)) {
+        true => Ok(()),
+        false => Err(WaveformError::Beyond { first_um, reach_um }),
+    }
+}
+
 impl Waveform {
     /// The displacements of a log, as far apart as it says, or `every` so many ticks (s).
     ///
@@ -186,11 +196,8 @@ impl Waveform {
         let (DriveCalibration { limits, .. }, pace) = table.drive.zip(Pace::of(table)).ok_or(WaveformError::NoDrive)?;
         let rest = table.inverse::<f32>(&limits)?.release().displacement;
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
-        let reach_um = reach(table, &limits);
-        let (low, high, near) = (reach_um[0].min(reach_um[1]), reach_um[0].max(reach_um[1]), near(table));
-        if !(low - near..=high + near).contains(&f64::from(first)) {
-            return Err(WaveformError::Beyond { first_um: first, reach_um });
-        }
+        begins_in_reach(table, &limits, first)?;
+        let (reach_um, near) = (reach(table, &limits), near(table));
         let approach_ticks = pace.ticks(rest, first);
         let back_ticks = pace.back(last, first, self.every.get());
         let (between, every) = ((self.points.len() - 1) * usize::from(self.every.get()), usize::from(self.every.get()));

@@ -17,6 +17,11 @@ fn waveform(error: &WaveformError) -> String {
         WaveformError::Points(_) => {
             format!("{error}: leave some out, it is straight between those that are left, and say --every TICKS")
         }
+        WaveformError::OutOfReach { .. } if super::bench::verb("follow") => {
+            format!(
+                "{error}: ask for less or more slowly, or say what is allowed by --max-error; --dry-run looks at it again"
+            )
+        }
         WaveformError::OutOfReach { .. } => {
             format!("{error}: play it more slowly (--every TICKS), or ask for less; --dry-run looks at it again")
         }

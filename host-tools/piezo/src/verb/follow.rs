@@ -3,19 +3,19 @@
 use super::device::note_damage;
 use super::print::{out, progress};
 use crate::option::link::PortOption;
-use crate::option::{LogOptions, Overwrite};
+use crate::option::{LogOptions, Overwrite, not_negative};
 use crate::output::{self, Replacement};
-use ::feedforward::{Trajectory, near, plan};
+use ::feedforward::Trajectory;
 use anyhow::{Context, Result, ensure};
-use bench::followed::{Met, Row, csv, late, rows};
-use bench::{beyond_training, caveats, held, require_model};
+use bench::followed::{Foreseen, Met, Reached, csv, late, rows};
+use bench::{beyond_training, caveats, require_model};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
 use device_link::streamed::Streamed;
 use device_link::{table, words};
-use estimator_core::{Admitted, Status};
-use protocol::{Mode, Refusal};
+use estimator_core::Status;
+use protocol::Mode;
 use serde_json::json;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -35,6 +35,10 @@ pub struct Follow {
     /// Plan it by the device's table, say what would come of it, and drive nothing.
     #[arg(long)]
     pub dry_run: bool,
+    /// Drive it although a limit keeps the device's model off by up to this, µm, and exit with 1 where the estimate is more off. Without
+    /// it, nothing is driven where a limit is in the way.
+    #[arg(long, value_name = "µm", value_parser = not_negative, allow_negative_numbers = true)]
+    pub max_error: Option<f64>,
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
@@ -49,7 +53,7 @@ pub struct Follow {
     pub overwrite: Overwrite,
 }
 
-/// Runs the verb; `false` where a fault ended it or the link fell behind.
+/// Runs the verb; `false` where a fault ended it, the link fell behind, or the trajectory was not met.
 pub fn run(arguments: &Follow) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let log = arguments.log.read_trajectory(&arguments.trajectory)?;
@@ -58,11 +62,16 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let (mut client, _) = arguments.port.connect()?;
     let table = table::running(&mut client)?;
     require_model(&table)?;
-    let trajectory = Trajectory::of(&log, table.sample_period());
-    possible(&table, &trajectory, arguments.dry_run)?;
+    let foreseen = Foreseen::of(&table, &Trajectory::of(&log, table.sample_period()), arguments.max_error)?;
     if arguments.dry_run {
+        out(&if arguments.json { serde_json::to_string_pretty(&foreseen)? } else { foreseen.to_string() });
+        if let (false, Some(drive)) = (arguments.json, table.drive) {
+            let beyond = beyond_training(&table, &foreseen.plan);
+            caveats(&table, &drive.limits).iter().chain(&beyond).for_each(|line| out(line));
+        }
         return Ok(true);
     }
+    let trajectory = Trajectory(foreseen.plan.wanted.clone());
     let references: Vec<f32> = trajectory.0.iter().map(|&wanted| wanted as f32).collect();
     let ticks = references.len() + late(&table).ceil() as usize;
     let bar = progress(ticks as u64);
@@ -88,7 +97,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
         file.write_all(csv(&rows).as_bytes()).with_context(cannot)?;
         file.commit().with_context(cannot)?;
     }
-    tell(arguments, &table, &samples, &followed, &rows)
+    tell(arguments, &samples, &followed, Met::of(&table, &rows, foreseen.begins), &foreseen)
 }
 
 /// The file that becomes the log.
@@ -99,29 +108,16 @@ fn beside(path: &Path, arguments: &Follow) -> Result<Replacement> {
     Replacement::of(path).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
-/// Refuses a trajectory that the device's own model never meets; says what comes of one that it does, where that is wanted.
-fn possible(table: &Admitted, trajectory: &Trajectory, told: bool) -> Result<()> {
-    let drive = table.drive.with_context(|| remedy::refusal(&Refusal::NoDrive))?;
-    let plan = plan(table, &drive.limits, trajectory)?;
-    ensure!(
-        plan.met(0, near(table)).is_some(),
-        "the device's model never meets this trajectory, and nothing was driven: is it relative to the model's zero? {}",
-        held(table, &drive.limits)
-    );
-    if told {
-        let (ticks, beyond) = (plan.voltage.len(), plan.out_of_reach);
-        out(&format!(
-            "{ticks} ticks, on {beyond} of them the voltage or its slew rate would stand at a limit; nothing was driven"
-        ));
-        caveats(table, &drive.limits).iter().chain(&beyond_training(table, &plan)).for_each(|line| out(line));
-    }
-    Ok(())
-}
-
-fn tell(arguments: &Follow, table: &Admitted, samples: &[Streamed], followed: &Played, rows: &[Row]) -> Result<bool> {
-    let status = samples.iter().fold(Status::empty(), |all, of| all | of.sample.status);
-    let met = Met::of(table, rows);
-    let good = followed.stopped.is_empty() && followed.starved == 0;
+fn tell(
+    arguments: &Follow,
+    samples: &[Streamed],
+    followed: &Played,
+    met: Option<Met>,
+    foreseen: &Foreseen,
+) -> Result<bool> {
+    let Reached { status, limited, ticks } = foreseen.reached(samples);
+    let beyond = met.zip(arguments.max_error).filter(|(met, most)| met.max_um > *most);
+    let good = followed.stopped.is_empty() && followed.starved == 0 && met.is_some() && beyond.is_none();
     if arguments.json {
         let summary = json!({
             "out": arguments.out,
@@ -130,6 +126,7 @@ fn tell(arguments: &Follow, table: &Admitted, samples: &[Streamed], followed: &P
             "starved": followed.starved,
             "stopped": followed.stopped.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
             "status": status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
+            "approach_ticks": foreseen.begins,
             "met_after_s": met.map(|met| met.after_s),
             "estimate_off_mae_um": met.map(|met| met.mae_um),
             "estimate_off_max_um": met.map(|met| met.max_um),
@@ -137,20 +134,17 @@ fn tell(arguments: &Follow, table: &Admitted, samples: &[Streamed], followed: &P
         out(&serde_json::to_string_pretty(&summary)?);
         return Ok(good);
     }
-    match met {
-        Some(Met { after_s, mae_um, max_um }) => out(&format!(
-            "{} ticks; the estimate was {mae_um:.4} µm off what was wanted on average, {max_um:.4} µm at most, from {after_s:.3} s on",
-            followed.ticks
-        )),
-        None => out(&format!(
-            "{} ticks; the estimate never came near what was wanted: does the DAC drive this amplifier, and the ADC read it?",
-            followed.ticks
-        )),
-    }
+    out(&foreseen.told(followed.ticks, met));
     if let Some(path) = &arguments.out {
         out(&path.display().to_string());
     }
-    remedy::status(status).for_each(|meaning| out(&format!("- {}\n  → {}", meaning.what, meaning.remedy)));
+    let often = format!(" (on {limited} of {ticks} ticks)");
+    for (bits, often) in [(status - Status::OUT_OF_REACH, ""), (status & Status::OUT_OF_REACH, &often)] {
+        remedy::status(bits).for_each(|meaning| out(&format!("- {}{often}\n  → {}", meaning.what, meaning.remedy)));
+    }
+    if let Some((_, most)) = beyond {
+        out(&format!("FAILED: more than {most} µm off"));
+    }
     if followed.starved > 0 {
         out(&format!(
             "FAILED: the device waited for {} ticks in all for references and held the last one: what was wanted stands too early in \

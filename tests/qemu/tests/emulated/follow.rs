@@ -13,14 +13,19 @@ fn followed(board: &Board) -> Option<Value> {
         return None;
     }
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(output.status.code() == Some(0), report["starved"] == 0, "{report:#}");
+    // The ADC reads a voltage of its own: that is not what fails it.
+    assert_eq!(
+        output.status.code() == Some(0),
+        report["starved"] == 0 && !report["met_after_s"].is_null(),
+        "{report:#}"
+    );
     (report["starved"] == 0).then_some(report)
 }
 
 /// A trajectory a little longer than the device's queue of references lasts: QEMU puts out a sample's every byte by itself, and on two
 /// slow cores its host cannot send references as fast as they are used up. Whole trajectories are the native device's and the board's.
 fn write_wanted(board: &Board) {
-    let wanted: String = (0..250)
+    let wanted: String = (0..200)
         .map(|k| {
             let t = f64::from(k) * 1e-3;
             format!("{t:.3},{:.4}\n", 15.0 + 8.0 * (t * 9.0).sin())
@@ -60,25 +65,22 @@ fn a_trajectory_is_followed_at_the_device_s_pace() {
             followed(&board).map(|report| (report, board, table))
         })
         .expect("not busy all the time");
-    assert_eq!((&report["ticks"], &report["stopped"]), (&Value::from(501), &Value::Array(Vec::new())), "{report:#}");
+    let approach = report["approach_ticks"].as_u64().unwrap() as usize;
+    let ticks = approach + 401;
+    assert_eq!((&report["ticks"], &report["stopped"]), (&Value::from(ticks), &Value::Array(Vec::new())), "{report:#}");
     let log = fs::read_to_string(board.folder.path().join("followed.csv")).unwrap();
-    assert_eq!(log.lines().count(), 501);
+    assert_eq!(log.lines().count(), ticks);
     // The planned voltages are those that the device put out, to half a code of 4.4 V/4095.
     let plan = ["feedforward", "wanted.csv", "--out", "planned.csv"];
     let planned = board.reads("feedforward", &[table.to_str().unwrap(), plan[1], plan[2], plan[3], "--json"]);
-    // The plan goes to where the trajectory begins first; the device went there as fast as it may.
-    let approach = (planned["approach_s"].as_f64().unwrap() / 5e-4).round() as usize;
+    assert_eq!((planned["approach_s"].as_f64().unwrap() / 5e-4).round() as usize, approach, "they go there alike");
     let column = |name: &str, index: usize| -> Vec<f64> {
         let text = fs::read_to_string(board.folder.path().join(name)).unwrap();
         text.lines().skip(1).map(|line| line.split(',').nth(index).unwrap().parse().unwrap()).collect()
     };
     let (planned, driven) = (column("planned.csv", 1), column("followed.csv", 4));
-    // Once on the way. A row's DAC stands for the reference two ticks before it; a plan is a tick ahead of what is wanted.
-    let worst = planned[approach + 299..approach + 480]
-        .iter()
-        .zip(&driven[300..])
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max);
+    // A row's DAC stands for the reference two ticks before it; a plan is a tick ahead of what is wanted.
+    let worst = planned.iter().zip(&driven[1..]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(worst < 1e-3, "{worst} V");
     let health = &board.info()["health"];
     assert_eq!((&health["missed"], &health["mode"]), (&Value::from(0), &Value::from("Estimate")), "{health:#}");
