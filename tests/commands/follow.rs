@@ -1,9 +1,10 @@
 //! `piezo follow` on an emulated device whose DAC drives an amplifier.
 
 use super::{piezo, text};
+use device_link::Client;
 use device_link::pages;
 use device_link::table::to_record;
-use emulator::{Emulator, Plant, TABLE, amplifier};
+use emulator::{EmulatedDevice, Emulator, Plant, TABLE, amplifier};
 use estimator_core::{AdcCode, DriveCalibration, DriveLimits, Range, Table};
 use parameter_store::RamFlash;
 use std::fs;
@@ -19,11 +20,19 @@ fn followed_about(about: f64, dry_run: bool, plant: impl Plant) -> (Output, Opti
     followed(&|t| about + 5.0 * (t * 20.0).sin(), if dry_run { &["--json", "--dry-run"] } else { &["--json"] }, plant)
 }
 
-/// Follows half a second of what is wanted at a time, s.
 fn followed(wanted: &dyn Fn(f64) -> f64, options: &[&str], plant: impl Plant) -> (Output, Option<String>) {
+    followed_by(&driven(plant), wanted, options)
+}
+
+/// A device that drives.
+fn driven(plant: impl Plant) -> EmulatedDevice {
     let table = Table { drive: Some(DRIVE), ..TABLE }.admit().unwrap();
     let flash = RamFlash::new(pages::with(&to_record(&table), 4096).unwrap());
-    let device = Emulator::new().flash(flash).plant(plant).speed(0.25).start().unwrap();
+    Emulator::new().flash(flash).plant(plant).speed(0.25).start().unwrap()
+}
+
+/// Follows half a second of what is wanted at a time, s.
+fn followed_by(device: &EmulatedDevice, wanted: &dyn Fn(f64) -> f64, options: &[&str]) -> (Output, Option<String>) {
     let folder = tempfile::tempdir().unwrap();
     let trajectory = folder.path().join("wanted.csv");
     let wave = (0..500).map(|k| {
@@ -93,6 +102,19 @@ fn what_was_wanted_stands_beside_what_was_estimated() {
     assert_eq!(rows.len(), way + 1000);
     assert!(rows.iter().skip(way + 3).all(|row| (row[2] - row[3]).abs() < 0.4), "all but the way there");
     assert!(said["estimate_off_max_um"].as_f64().unwrap() < 0.4);
+}
+
+#[test]
+fn a_zero_outlives_what_is_followed_which_is_relative_to_the_model_s() {
+    let device = driven(sound());
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    client.set_zero(30.0).unwrap();
+    drop(client);
+    let (done, _) = followed_by(&device, &|t| 20.0 + 5.0 * (t * 20.0).sin(), &["--json"]);
+    let said: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert!(said["estimate_off_max_um"].as_f64().unwrap() < 0.4, "{said}");
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    assert!(client.health().unwrap().bias_um > 10.0);
 }
 
 #[test]

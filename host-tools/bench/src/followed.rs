@@ -134,8 +134,9 @@ pub fn late(table: &Admitted) -> f64 {
     2.0 + f64::from(table.parameters.delay_ticks())
 }
 
-/// The instants of samples, ticks from the one that took the first reference on.
-pub fn rows(table: &Admitted, trajectory: &Trajectory, samples: &[Streamed]) -> Vec<Row> {
+/// The instants of samples, ticks from the one that took the first reference on, of a device whose estimate has this bias, µm: what is
+/// wanted is relative to the model's zero, and so are they.
+pub fn rows(table: &Admitted, trajectory: &Trajectory, samples: &[Streamed], bias_um: f64) -> Vec<Row> {
     let (tick_s, late): (f64, f64) = (table.sample_period(), late(table));
     let row = |before: &Streamed, now: &Streamed| {
         // The code of a sample is put out a tick later.
@@ -144,7 +145,7 @@ pub fn rows(table: &Admitted, trajectory: &Trajectory, samples: &[Streamed]) -> 
         Row {
             seconds: now.tick as f64 * tick_s,
             voltage: table.adc.voltage(AdcCode(now.sample.code)),
-            estimated: now.estimate(&before.sample).into(),
+            estimated: f64::from(now.estimate(&before.sample)) - bias_um,
             wanted: trajectory.at(now.tick as f64 - late),
             driven: of_tick_before(driven[0], driven[1], now.every),
         }

@@ -65,7 +65,13 @@ impl Relays {
         let total: f64 = integrals.iter().map(|integral| (integral[KNOTS - 1] - integral[0]) / 2.0).sum();
         integrals.iter_mut().flatten().for_each(|value| *value *= share / total);
         let sums: Vec<f64> = integrals.iter().map(|integral| interpolated(integral, 0.0)).collect();
-        Self { plays: vec![0.0; WIDTHS], sum: sums.iter().sum(), sums, integrals, cubic: 0.06 * draw.normal().clamp(-1.5, 1.5) }
+        Self {
+            plays: vec![0.0; WIDTHS],
+            sum: sums.iter().sum(),
+            sums,
+            integrals,
+            cubic: 0.06 * draw.normal().clamp(-1.5, 1.5),
+        }
     }
 }
 

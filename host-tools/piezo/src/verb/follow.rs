@@ -26,7 +26,8 @@ pub struct Follow {
     /// Where the displacement is wanted: a log with time and displacement (time_s,displacement_um), relative to the model's
     /// zero; straight between its samples.
     pub trajectory: PathBuf,
-    /// The voltage read by the ADC, the estimate, what was wanted, and the voltage that the DAC stood for, as a log.
+    /// The voltage read by the ADC, the estimate and what was wanted, both relative to the model's zero whatever `piezo zero` has told,
+    /// and the voltage that the DAC stood for, as a log.
     #[arg(long)]
     pub out: Option<PathBuf>,
     /// Stay at the last displacement instead of going back to rest.
@@ -77,6 +78,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let bar = progress(ticks as u64);
     let what = Play { mode: Mode::Follow, goes_on: None, references: &references, hold: arguments.stay, ticks };
     let mut samples = Vec::with_capacity(ticks);
+    let bias_um = client.health()?.bias_um.into();
     let followed = play(&mut client, &what, &interrupt, &mut |of| {
         samples.push(*of);
         bar.set_position(of.tick as u64 + 1);
@@ -91,7 +93,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let followed = followed?;
     rested?;
     note_damage(&client);
-    let rows = rows(&table, &trajectory, &samples);
+    let rows = rows(&table, &trajectory, &samples, bias_um);
     if let (Some(mut file), Some(path)) = (file, &arguments.out) {
         let cannot = || format!("{}: cannot be written", path.display());
         file.write_all(csv(&rows).as_bytes()).with_context(cannot)?;
