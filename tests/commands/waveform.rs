@@ -116,6 +116,19 @@ fn a_line_is_looked_at_played_and_left() {
 }
 
 #[test]
+fn what_is_driven_is_zeroed_and_recorded_as_it_goes() {
+    let (device, folder) = (driving(), tempfile::tempdir().unwrap());
+    said(waveform(&device, &[text(&line(folder.path(), 2.5))]));
+    let zeroed = said(asks(&device, &["zero", "--over-cycle"]));
+    assert!(zeroed.contains("Over one cycle of the voltage"), "{zeroed}");
+    let log = folder.path().join("scan.csv");
+    said(asks(&device, &["record", "--seconds", "0.5", "--out", text(&log)]));
+    assert!(std::fs::read_to_string(log).unwrap().lines().count() > 900);
+    said(waveform(&device, &["--stop"]));
+    assert!(health(&device)["bias_age_ticks"].as_u64() > Some(900), "{}", health(&device));
+}
+
+#[test]
 fn so_many_lines_are_played_and_no_more() {
     let (device, folder) = (driving(), tempfile::tempdir().unwrap());
     let path = line(folder.path(), 2.5);
