@@ -10,6 +10,9 @@
 //! the ridge's choice, the residual is not affected. Other norms than L2 by reweighting the rows.
 
 mod solve;
+mod waiting;
+
+pub use waiting::Waiting;
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -69,7 +72,7 @@ impl Normal {
     /// # Panics
     ///
     /// When they are not as many rows of the columns as there are targets.
-    pub fn add_all(&mut self, rows: &[f64], targets: &[f64], weight: f64) {
+    pub(crate) fn add_all(&mut self, rows: &[f64], targets: &[f64], weight: f64) {
         assert_eq!(rows.len(), targets.len() * self.columns, "rows and targets");
         // Wider instructions where the machine has them; each sum is made of the same additions.
         Arch::new().dispatch(Rows { normal: self, rows, targets, weight });

@@ -1,6 +1,6 @@
 //! Least squares with and without signs, against what defines a solution.
 
-use least_squares::{Normal, Sign};
+use least_squares::{Normal, Sign, Waiting};
 use proptest::prelude::*;
 
 const FREE: Sign = Sign::Free;
@@ -188,12 +188,14 @@ fn the_ridge_draws_towards_zero() {
 /// Rows in numbers that are no multiple of those added together, some with columns of zeros.
 #[test]
 fn rows_added_together_give_the_bits_of_rows_added_one_by_one() {
-    for count in [0, 1, 4, 7, 33] {
+    for count in [0, 1, 4, 7, 33, 64, 65, 130] {
         let row = |i: usize| [1.0 / (1.0 + i as f64), (i as f64).sin(), if i < 9 { 0.0 } else { 1.0 }];
         let rows: Vec<[f64; 3]> = (0..count).map(row).collect();
         let targets: Vec<f64> = (0..count).map(|i| (0.3 * i as f64).cos()).collect();
         let (mut together, mut one_by_one) = (Normal::new(3), Normal::new(3));
-        together.add_all(rows.as_flattened(), &targets, 0.1);
+        let mut waiting = Waiting::of_weight(0.1);
+        rows.iter().zip(&targets).for_each(|(row, &target)| waiting.add(&mut together, row, target));
+        waiting.finish(&mut together);
         rows.iter().zip(&targets).for_each(|(row, &target)| one_by_one.add(row, target, 0.1));
         assert_eq!(together, one_by_one, "{count} rows");
     }

@@ -5,7 +5,7 @@ use super::AnyFamily;
 use crate::problem::Problem;
 use crate::search::Gene;
 use estimator_core::{List, Narx, NarxParameters, Parameters, Published, Recursion};
-use least_squares::{Normal, Sign};
+use least_squares::{Normal, Sign, Waiting};
 use recordings::session::Session;
 
 /// One structure.
@@ -103,7 +103,7 @@ fn add(model: &Narx<f64>, session: &Session, normal: &mut Normal) {
     let weight = 1.0 / session.voltage.len().max(1) as f64;
     let (Some(&voltage), Some(&displacement)) = (session.voltage.first(), session.displacement.first()) else { return };
     let mut state = model.begin(voltage, Some(displacement));
-    let mut row = Vec::with_capacity(normal.columns());
+    let (mut row, mut waiting) = (Vec::with_capacity(normal.columns()), Waiting::of_weight(weight));
     for (instants, values) in session.instants.windows(2).zip(session.displacement.windows(2)) {
         let (&[from, to], &[first, last]) = (instants, values) else { continue };
         for tick in from..to {
@@ -111,7 +111,8 @@ fn add(model: &Narx<f64>, session: &Session, normal: &mut Normal) {
             model.observe(&mut state, session.voltage[tick as usize], at(tick));
             row.clear();
             model.row(&state, |x| row.push(x));
-            normal.add(&row, model.normalise(at(tick + 1)), weight);
+            waiting.add(normal, &row, model.normalise(at(tick + 1)));
         }
     }
+    waiting.finish(normal);
 }

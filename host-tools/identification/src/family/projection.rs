@@ -3,7 +3,7 @@
 use crate::problem::Problem;
 use crate::settled::settled;
 use estimator_core::{Linear, Resonance, ResonanceState};
-use least_squares::{Normal, Sign};
+use least_squares::{Normal, Sign, Waiting};
 use recordings::session::Session;
 
 /// What is solved for besides the model.
@@ -49,7 +49,7 @@ impl<M: Linear<f64>> Projection<'_, M> {
         let mut row = vec![0.0; normal.columns()];
         self.fill(&state, &mut row);
         let mut swings: Vec<ResonanceState<f64>> = row.iter().map(|&x| ResonanceState::rest(x)).collect();
-        let (mut tick, mut rows, mut targets) = (0, Vec::new(), Vec::new());
+        let (mut tick, mut waiting) = (0, Waiting::of_weight(weight));
         for (index, (&instant, &measured)) in session.instants.iter().zip(&session.displacement).enumerate() {
             while tick < instant as usize {
                 self.model.advance(&mut state, session.voltage[tick]);
@@ -68,10 +68,9 @@ impl<M: Linear<f64>> Projection<'_, M> {
                 self.fill(&state, &mut row);
             }
             row.iter_mut().skip(constant).take(1).for_each(|one| *one = 1.0);
-            rows.extend_from_slice(&row);
-            targets.push(target(measured));
+            waiting.add(normal, &row, target(measured));
         }
-        normal.add_all(&rows, &targets, weight);
+        waiting.finish(normal);
     }
 
     /// The unknowns' columns; the constants are left 0.

@@ -11,7 +11,7 @@
 use super::basis::FUNCTIONS;
 use super::columns::{COLUMNS, Stages};
 use super::course::Course;
-use least_squares::{Normal, Sign};
+use least_squares::{Normal, Sign, Waiting};
 use recordings::session::Session;
 
 /// What the start's block counts beside the rest's: few periods, and the least certain.
@@ -146,46 +146,34 @@ impl Blocks {
     }
 }
 
-/// Rows that are added to the normal equations at once.
-const TOGETHER: usize = 64;
-
 /// A part of a session: normal equations of the columns and of the session's constant.
 struct Block {
     normal: Normal,
     /// Where each of its columns stands among those of all sessions.
     columns: Vec<usize>,
-    /// Rows that wait to be added, and their targets.
-    waiting: (Vec<f64>, Vec<f64>),
+    row: Vec<f64>,
+    waiting: Waiting,
     rows: f64,
     share: f64,
 }
 
 impl Block {
     fn new(columns: Vec<usize>, share: f64) -> Self {
-        Self { normal: Normal::new(columns.len()), columns, waiting: Default::default(), rows: 0.0, share }
+        let (normal, waiting) = (Normal::new(columns.len()), Waiting::of_weight(1.0));
+        Self { normal, columns, row: Vec::new(), waiting, rows: 0.0, share }
     }
 
     fn add(&mut self, values: &[f64], target: f64) {
-        let (rows, targets) = &mut self.waiting;
-        rows.extend_from_slice(values);
-        rows.push(1.0);
-        targets.push(target);
+        self.row.clear();
+        self.row.extend_from_slice(values);
+        self.row.push(1.0);
+        self.waiting.add(&mut self.normal, &self.row, target);
         self.rows += 1.0;
-        if targets.len() == TOGETHER {
-            self.flush();
-        }
-    }
-
-    fn flush(&mut self) {
-        let (rows, targets) = &mut self.waiting;
-        self.normal.add_all(rows, targets, 1.0);
-        rows.clear();
-        targets.clear();
     }
 
     /// With all its rows; `None` without any.
     fn finish(mut self) -> Option<Self> {
-        self.flush();
+        self.waiting.finish(&mut self.normal);
         (self.rows > 0.0).then_some(self)
     }
 
