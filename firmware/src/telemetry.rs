@@ -276,10 +276,20 @@ impl Telemetry {
         self.faults_seen.store(self.faults_seen.load(Relaxed) | wrong, Relaxed);
     }
 
+    /// Counts what an estimate's status says; what is fed says nothing of the actuator.
     #[inline]
     pub(crate) fn count(&self, status: Status) {
-        if Status::NOT_SETTLED.union(Status::UNTRAINED).union(Status::SLEW_EXCEEDED).contains(status) {
-            // None that is counted.
+        let none_that_is_counted = Status::NOT_SETTLED.union(Status::UNTRAINED).union(Status::SLEW_EXCEEDED);
+        if !none_that_is_counted.contains(status) {
+            self.count_unless_fed(status);
+        }
+    }
+
+    /// (A function of its own: most ticks do without it.)
+    #[cold]
+    #[inline(never)]
+    fn count_unless_fed(&self, status: Status) {
+        if self.mode() == Mode::Pil {
             return;
         }
         let counters = [

@@ -88,14 +88,14 @@ impl<'q> Tick<'q> {
         let mut read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
         self.telemetry.set_setpoint(read.corrected.setpoint);
         let read = match self.mode {
-            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
-            Mode::Pause => None,
-            _ => {
+            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise | Mode::Waveform => {
                 if let Some(leap) = &mut self.startup.leap {
                     read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
                 }
                 Some(read)
             }
+            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
+            Mode::Pause => None,
         };
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
@@ -151,9 +151,7 @@ impl<'q> Tick<'q> {
         if beyond && !output.safe {
             status |= if drives { Status::OUT_OF_REACH } else { Status::DAC_SATURATED };
         }
-        if self.mode != Mode::Pil {
-            self.telemetry.count(status);
-        }
+        self.telemetry.count(status);
         faults.set(Faults::SAFE_OUTPUT, output.safe);
         self.stream(Sample {
             code: code.0,
