@@ -120,7 +120,7 @@ pub fn narrow(table: &Table) -> Option<String> {
     ((max - min) < NARROW * reads).then(|| {
         format!(
             "the table was learnt on {min:.3} … {max:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then \
-             identify with --voltage-scale, the amplifier's gain",
+             identify with --voltage-scale, the amplifier's gain; else --narrow says that it may be installed",
             100.0 * (max - min) / reads
         )
     })
