@@ -129,7 +129,11 @@ fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
     let emulated = Emulated::start(&board, &["--speed", "8"]);
     let (board, port) = (text(&board), &*emulated.port);
     let link = ["--board", board, "--port", port];
-    let install = [&["install", "tests/data/table/table.toml"], &link[..]].concat();
+    let narrow = [&["install", "tests/data/table/table.toml"], &link[..]].concat();
+    refused(&narrow, &["2.1 % of what the board's ADC reads", "--voltage-scale", "--narrow"]);
+    let looked_at = piezo().args(&narrow).arg("--dry-run").assert().success().get_output().stdout.clone();
+    assert!(String::from_utf8(looked_at).unwrap().contains("but would be refused; nothing was written"));
+    let install = [&narrow[..], &["--narrow"]].concat();
     let line = [&["install", "--line", "--dry-run"], &link[..]].concat();
     let line = piezo().args(&line).assert().success().get_output().stdout.clone();
     let line = String::from_utf8(line).unwrap();

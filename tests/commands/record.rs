@@ -44,6 +44,24 @@ fn what_was_recorded_before_a_device_died_is_a_log() {
 }
 
 #[test]
+fn a_recording_is_written_over_only_where_that_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let (log, port) = (folder.path().join("keep.csv"), format!("tcp:{}", device.address()));
+    let record = ["record", "--out", text(&log), "--seconds", "0.1", "--port", &port];
+    let wanted = folder.path().join("wanted.csv");
+    std::fs::write(&wanted, "time_s,displacement_um\n0,0\n0.1,0.1\n").unwrap();
+    piezo().args(record).assert().success();
+    let kept = std::fs::read(&log).unwrap();
+    let follow = ["follow", text(&wanted), "--out", text(&log), "--port", &port];
+    for verb in [&record[..], &follow] {
+        super::refused(verb, &["keep.csv", "no measurement is written over", "--force"]);
+        assert_eq!(std::fs::read(&log).unwrap(), kept);
+    }
+    piezo().args(record).arg("--force").assert().success();
+}
+
+#[test]
 fn a_recording_of_nothing_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let (done, files) = recorded(silent_from(0), &folder);

@@ -17,7 +17,7 @@ use device_link::Client;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
 use device_link::table;
-use estimator_core::{AdcCode, Admitted, DriveLimits, Range};
+use estimator_core::{AdcCode, Admitted, DriveLimits, Range, record};
 use excitation::{Drive, Request};
 use protocol::{Mode, Sample};
 use std::path::{Path, PathBuf};
@@ -65,6 +65,10 @@ pub struct Proven {
     pub verdict: Verdict,
     /// The voltages that the table was learnt on, V.
     pub learnt: Range,
+    /// The table's own mean absolute error on what was held out, µm, where anything was.
+    pub held_out_um: Option<f64>,
+    /// The checksum of the table, which the device goes on with.
+    pub table: u32,
     /// Where voltage, sensor and estimate since the zero are written.
     pub log: PathBuf,
     /// Whether the voltage is at rest; else what hinders.
@@ -102,7 +106,9 @@ pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(us
     let figures = Figures::of(&estimates, &sensor);
     let shares = Shares::of(&instants, table.interval.is_some());
     let verdict = Verdict::of(&figures, &shares, proof.max_percent);
-    Ok(Proven { figures, shares, verdict, learnt: trained_on(&table), log, home })
+    let held_out_um = table.provenance.validation_mae_um.map(f64::from);
+    let checksum = record::checksum(&table::to_record(&table)).unwrap_or(0);
+    Ok(Proven { figures, shares, verdict, learnt: trained_on(&table), held_out_um, table: checksum, log, home })
 }
 
 /// The drive, and the limits of the table's own.

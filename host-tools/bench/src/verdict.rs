@@ -100,18 +100,33 @@ impl Verdict {
     }
 }
 
+impl Verdict {
+    /// The mean absolute error is more than what is allowed.
+    pub fn too_far_off(&self) -> bool {
+        self.mae_percent > self.most_percent
+    }
+}
+
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { passed, held_percent, mae_percent, most_percent } = self;
+        // Of two, the one that failed it must be told from the other.
+        let which = |missed| match (*passed, missed) {
+            (true, _) => "",
+            (false, true) => " (MISSED)",
+            (false, false) => " (met)",
+        };
         write!(f, "{}: ", if *passed { "PASS" } else { "FAIL" })?;
         if let Some(held) = held_percent {
             write!(
                 f,
                 "the table's ± holds the sensor {held:.1} % of the time, it says {STATED_PERCENT} %, and {ENOUGH_PERCENT} % are \
-                 asked of one recording; "
+                 asked of one recording{}; ",
+                which(*held < ENOUGH_PERCENT)
             )?;
         }
-        write!(f, "the mean absolute error is {mae_percent:.2} % of the stroke, {most_percent} % are allowed")
+        let off = which(self.too_far_off());
+        write!(f, "the mean absolute error is {mae_percent:.2} % of the stroke, {most_percent} % are allowed{off}")
     }
 }
 
@@ -143,6 +158,13 @@ mod tests {
         let said = verdict(1.0, wide, sound, None);
         assert!(!said.passed, "a ± that holds anything");
         assert!(said.to_string().starts_with("FAIL: the table's ± holds the sensor 100.0 %"), "{said}");
+        assert!(
+            said.to_string().contains("one recording (met); ") && said.to_string().ends_with(" (MISSED)"),
+            "{said}"
+        );
+        let said = verdict(0.1, |_| Some(0.05), sound, None).to_string();
+        assert!(said.contains("one recording (MISSED); ") && said.ends_with(" (met)"), "{said}");
+        assert!(!verdict(0.1, wide, sound, None).to_string().contains("met"));
         assert!(verdict(1.0, wide, sound, Some(15.0)).passed);
         assert!(
             !verdict(0.1, |k| (k >= 11).then_some(5.0), sound, None).passed,

@@ -20,23 +20,48 @@ const ANOTHER_S: f64 = 50.0;
 /// Part of the time, %, in which the voltage went where the training did not, that a failed proof is put down to.
 const OFTEN: f64 = 5.0;
 
-/// What to do about a proof that fails, which went up to this frequency.
+/// An error so many times the table's own on what was held out is no longer this actuator's by this table; one of no more than so many
+/// times is the model's.
+const FAR: f64 = 3.0;
+const ALIKE: f64 = 1.5;
+
+/// What to do about a proof that fails, which went up to this frequency, and what the device does from now on.
 pub fn unproven(proven: &Proven, up_to_hz: f64) -> String {
-    let Proven { figures, shares, learnt: Range { min, max }, .. } = proven;
+    format!(
+        "{}\nThe board goes on with this table, of checksum {:08x}, until another is installed.",
+        cure(proven, up_to_hz),
+        proven.table
+    )
+}
+
+fn cure(proven: &Proven, up_to_hz: f64) -> String {
+    let Proven { figures, shares, verdict, learnt: Range { min, max }, held_out_um, .. } = proven;
     let train = format!("train as the proof goes: --up-to {up_to_hz} at least, over its --range");
+    let longer = format!("rain again, longer (--minutes), --up-to {up_to_hz} at least");
+    let another_s = "is it this actuator's table, and is what board.toml says right (`piezo calibrate`)?";
     if figures.mae_percent > ANOTHER_S {
-        "An error as large as this no longer training makes small: is it this actuator's table, and is what board.toml says right \
-         (`piezo calibrate`)?"
-            .to_owned()
-    } else if shares.beyond_percent > OFTEN {
+        return format!("Longer training will not cure an error as large as this: {another_s}");
+    }
+    if shares.beyond_percent > OFTEN {
         let within = format!("prove within {min:.3} … {max:.3} V, which the table was learnt on (--range), or {train}");
-        beyond(shares, &within)
-    } else if shares.untrained_percent > OFTEN {
-        format!(
+        return beyond(shares, &within);
+    }
+    if shares.untrained_percent > OFTEN {
+        return format!(
             "The proof went, within the {min:.3} … {max:.3} V that the table was learnt on, as the training never did: {train}"
-        )
-    } else {
-        format!("Train again, longer (--minutes), --up-to {up_to_hz} at least.")
+        );
+    }
+    let times = held_out_um.filter(|um| *um > 0.0).map(|um| (um, figures.mae_um / um));
+    match times {
+        Some((um, times)) if times > FAR => format!(
+            "The table is {times:.1} times as far off here as it was on what was held out when it was learnt, {um:.3} µm: {another_s} If both are so, \
+             t{longer}."
+        ),
+        Some((um, times)) if times <= ALIKE && verdict.too_far_off() => format!(
+            "The model was as far off on what was held out when it was learnt, {um:.3} µm, and longer training will not cure that: identify with \
+             another --model, or without --model, so that it chooses."
+        ),
+        _ => format!("T{longer}."),
     }
 }
 
@@ -95,7 +120,7 @@ pub fn narrow(table: &Table) -> Option<String> {
     ((max - min) < NARROW * reads).then(|| {
         format!(
             "the table was learnt on {min:.3} … {max:.3} V, {:.1} % of what the board's ADC reads: was it learnt from the amplifier's input? Then \
-             identify with --voltage-scale, the amplifier's gain",
+             identify with --voltage-scale, the amplifier's gain; else --narrow says that it may be installed",
             100.0 * (max - min) / reads
         )
     })
@@ -109,22 +134,39 @@ mod tests {
 
     #[test]
     fn a_proof_that_fails_says_what_the_training_lacks() {
-        let said = |off_um: f64, untrained_percent, [out_of_range, clamped, saturated, leapt]: [f64; 4]| {
-            let figures = Figures::of(&[0.0 + off_um, 10.0 + off_um], &[0.0, 10.0]);
-            let shares = Shares {
-                held_percent: None,
-                half_width_um: None,
-                untrained_percent,
-                beyond_percent: out_of_range + clamped + saturated + leapt,
-                out_of_range_percent: out_of_range,
-                saturated_percent: saturated,
-                leapt_percent: leapt,
-                clamped_percent: clamped,
+        let said_of =
+            |off_um: f64, untrained_percent, [out_of_range, clamped, saturated, leapt]: [f64; 4], held_out_um| {
+                let figures = Figures::of(&[0.0 + off_um, 10.0 + off_um], &[0.0, 10.0]);
+                let shares = Shares {
+                    held_percent: None,
+                    half_width_um: None,
+                    untrained_percent,
+                    beyond_percent: out_of_range + clamped + saturated + leapt,
+                    out_of_range_percent: out_of_range,
+                    saturated_percent: saturated,
+                    leapt_percent: leapt,
+                    clamped_percent: clamped,
+                };
+                let verdict = Verdict::of(&figures, &shares, None);
+                let learnt = Range { min: 0.0, max: 40.0 };
+                let (table, log) = (0x42a0_759b, "proven.csv".into());
+                unproven(&Proven { figures, shares, verdict, learnt, held_out_um, table, log, home: Ok(()) }, 20.0)
             };
-            let verdict = Verdict::of(&figures, &shares, None);
-            let learnt = Range { min: 0.0, max: 40.0 };
-            unproven(&Proven { figures, shares, verdict, learnt, log: "proven.csv".into(), home: Ok(()) }, 20.0)
-        };
+        let said = |off_um, untrained_percent, causes| said_of(off_um, untrained_percent, causes, None);
+        assert!(
+            said(1.0, 0.0, [0.0; 4])
+                .ends_with("\nThe board goes on with this table, of checksum 42a0759b, until another is installed.")
+        );
+        // Beside what the table itself was off.
+        let beside = |held_out_um| said_of(1.0, 0.0, [0.0; 4], Some(held_out_um));
+        let said_of_another_s = beside(0.1);
+        assert!(
+            said_of_another_s.contains("10.0 times as far off here")
+                && said_of_another_s.contains("is it this actuator's table"),
+            "{said_of_another_s}"
+        );
+        assert!(beside(0.9).contains("identify with another --model, or without --model"), "{}", beside(0.9));
+        assert!(beside(0.5).starts_with("Train again, longer"), "{}", beside(0.5));
         assert!(said(1.0, 0.0, [0.0; 4]).starts_with("Train again, longer (--minutes), --up-to 20"));
         let (beyond, leapt) = (said(1.0, 0.0, [6.0, 4.0, 0.0, 0.0]), said(1.0, 0.0, [0.0, 0.0, 0.0, 10.0]));
         assert!(beyond.contains("beyond the table's range 6.0 % of the time, the estimate was clamped"), "{beyond}");

@@ -106,7 +106,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
 fn beside(path: &Path, arguments: &Follow) -> Result<Replacement> {
     ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
     output::not_over(path, &[&arguments.trajectory])?;
-    arguments.overwrite.of(path, "time_s,voltage_V,estimated_displacement_um,")?;
+    arguments.overwrite.of_measurement(path)?;
     Replacement::of(path).with_context(|| format!("{}: cannot be written", path.display()))
 }
 

@@ -7,7 +7,7 @@ use crate::option::link::{Interrupting, PortOption, careful};
 use ::calibration::drive::ordered;
 use ::calibration::span::Span;
 use ::calibration::{CalibrationOptions, converter_mismatches};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use bench::{BoardFacts, NO_MODEL, OtherRange, for_board, install, refusals, rehearsal, wire_not_found};
 use clap::Args;
 use device_link::board;
@@ -33,6 +33,9 @@ pub struct Install {
     /// shows the displacement; or it drives it from another rest, to which it jumps.
     #[arg(long)]
     pub rewired: bool,
+    /// Install a table, too, that was learnt on less than a tenth of what the board's ADC reads.
+    #[arg(long)]
+    pub narrow: bool,
     /// Check everything and write nothing.
     #[arg(long)]
     pub dry_run: bool,
@@ -77,7 +80,11 @@ pub fn run(arguments: &Install) -> Result<bool> {
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
     let driven = arguments.range.map(ordered).or(facts.range_v()).filter(|_| !arguments.line);
     let other = driven.and_then(|driven| OtherRange::of(&table, driven)).as_ref().map(remedy::other_range);
-    remedy::narrow(&table).iter().chain(&other).for_each(|careful| eprintln!("piezo: careful: {careful}"));
+    let (narrow, may) = (remedy::narrow(&table), arguments.narrow || arguments.of_learn);
+    if let Some(narrow) = narrow.as_ref().filter(|_| !may && !arguments.dry_run) {
+        bail!("{}: {narrow}", name.display());
+    }
+    narrow.iter().chain(&other).for_each(|careful| eprintln!("piezo: careful: {careful}"));
     let busy = match arguments.of_learn {
         // Its session found the device idle, and left it as it starts.
         true => idle_as_started(&mut client).map(|()| None)?,
@@ -86,7 +93,8 @@ pub fn run(arguments: &Install) -> Result<bool> {
     let stated = (name, table, doubts);
     if arguments.dry_run {
         let refusals = refusals(&mut client, &table, arguments.rewired)?;
-        let refused: Vec<String> = busy.into_iter().chain(refusals.iter().map(|refusal| careful(refusal))).collect();
+        let refusals = refusals.iter().map(|refusal| careful(refusal));
+        let refused: Vec<String> = narrow.filter(|_| !may).into_iter().chain(busy).chain(refusals).collect();
         tell(arguments, &stated, &identity, Err(&refused))?;
         return Ok(true);
     }

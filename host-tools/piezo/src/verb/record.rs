@@ -51,7 +51,7 @@ pub struct Record {
 pub fn run(arguments: &Record) -> Result<bool> {
     let name = arguments.out.display();
     ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
-    arguments.overwrite.of(&arguments.out, "estimate")?;
+    arguments.overwrite.of_measurement(&arguments.out)?;
     let interrupt = Interrupt::watch()?;
     let cannot_write = || format!("{name}: cannot be written");
     let mut file = Replacement::of(&arguments.out).with_context(cannot_write)?;
