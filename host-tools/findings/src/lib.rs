@@ -11,6 +11,7 @@ mod reason;
 mod surveyed;
 mod table_file;
 mod unsaid;
+mod validated;
 
 pub use determination::{DETERMINED, determination};
 pub use doubt::{calibrated, doubt, doubt_json, flaw, implausible};
@@ -20,3 +21,4 @@ pub use reason::reason;
 pub use surveyed::{remark, surveyed};
 pub use table_file::table_file;
 pub use unsaid::{hold_out, model};
+pub use validated::{EXPLAINED, held, suspicion};

@@ -65,7 +65,9 @@ pub fn recordings(
 ) -> Vec<Recording> {
     let mut draw = ChaCha8Rng::seed_from_u64(seed);
     let shift = draw.random_range(0..RESTS);
-    (0..RECORDINGS).flat_map(|number| one((number, (number + shift) % RESTS), device, table, unscaled, problem, &mut draw)).collect()
+    (0..RECORDINGS)
+        .flat_map(|number| one((number, (number + shift) % RESTS), device, table, unscaled, problem, &mut draw))
+        .collect()
 }
 
 fn one(
