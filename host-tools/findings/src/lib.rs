@@ -14,7 +14,7 @@ mod unsaid;
 mod validated;
 
 pub use determination::{DETERMINED, determination};
-pub use doubt::{calibrated, doubt, doubt_json, flaw, implausible};
+pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, flaw, implausible};
 pub use interval::interval;
 pub use proven::proven;
 pub use reason::reason;

@@ -61,7 +61,7 @@ mod structures;
 mod suspicion;
 mod trial;
 
-pub use baseline::{Baseline, Point, StraightLine};
+pub use baseline::Baseline;
 pub use brief::Brief;
 pub use candidate::{Candidate, CandidateError, TableContext};
 pub use character::Character;
@@ -76,7 +76,8 @@ pub use problem::{Conditions, Problem};
 pub use search::{SearchOptions, Start};
 pub use start::prepared;
 pub use structures::{Found, StructureSearch};
-pub use suspicion::doubts;
+pub use suspicion::{doubts, wide};
 pub use trial::Trial;
 pub use validation as validate;
 pub use validation::reversals;
+pub use validation::{Point, StraightLine};

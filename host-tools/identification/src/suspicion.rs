@@ -1,5 +1,6 @@
 //! When to doubt a result: the thresholds, and what is compared with them.
 
+use crate::baseline::Baseline;
 use crate::candidate::Candidate;
 use crate::character::Character;
 use crate::cost::{Cost, Norm};
@@ -17,6 +18,10 @@ const FAR: f64 = 1.5;
 const DIVERGED: f64 = 10.0;
 /// beyond this fraction of the stroke.
 const DIVERGED_STROKE: f64 = 0.1;
+/// An error of more than this part of a straight line's is none that a model is for.
+const BETTER: f64 = 0.9;
+/// A half-width beyond this percentage of the stroke says next to nothing.
+const WIDE: f64 = 10.0;
 /// Parts of a lag that was said by which the found one may differ.
 const LAG: f64 = 0.1;
 /// A constant offset beyond this fraction of the held-out error.
@@ -94,7 +99,21 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
     doubts
 }
 
-/// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded all the same.
+/// A straight line that does as well as a candidate.
+pub(crate) fn no_better(candidate: &Candidate, line: &Baseline) -> Option<Doubt> {
+    let figures = candidate.held_out_figures().zip(line.held_out);
+    let (of, line) = figures.or(candidate.training_figures().map(|of| (of, line.training)))?;
+    let (error_um, line_um) = (of.mae_um, line.mae_um);
+    (error_um > BETTER * line_um).then_some(Doubt::NoBetterThanLine { error_um, line_um })
+}
+
+/// The interval of a candidate, where it is wide.
+pub fn wide(candidate: &Candidate) -> Option<Doubt> {
+    let half_um = f64::from(candidate.table.interval?.misfit_um);
+    let percent = 100.0 * half_um / candidate.training_figures()?.stroke_um;
+    (percent > WIDE).then_some(Doubt::WideInterval { half_um, percent })
+}
+
 /// Whether a table has the lag that was said, s.
 fn kept(said: f64, candidate: &Candidate) -> bool {
     let Parameters::GeneralisedPrandtlIshlinskii(of) = &candidate.table.parameters else { return false };
@@ -103,6 +122,7 @@ fn kept(said: f64, candidate: &Candidate) -> bool {
     (found - said).abs() <= (LAG * said).max(tick)
 }
 
+/// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded all the same.
 fn unmet_condition(parameters: &Parameters) -> Option<Doubt> {
     let Parameters::Duhem(of) = parameters else { return None };
     of.unmet_condition().map(|condition| Doubt::UnmetCondition { condition })

@@ -9,6 +9,7 @@ mod figures;
 pub mod reversals;
 mod run;
 mod scope;
+mod straight_line;
 mod suspicion;
 mod told;
 
@@ -18,5 +19,6 @@ pub use estimates::{Estimates, Instant, estimates};
 pub use figures::Figures;
 pub use run::Run;
 pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S, errors_within};
+pub use straight_line::{Point, StraightLine};
 pub use suspicion::{Evidence, Suspicion};
 pub use told::{Told, ToldFigures};

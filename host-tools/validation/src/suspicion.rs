@@ -78,7 +78,7 @@ const MATTERS: f64 = 1.0;
 impl Suspicion {
     /// Of a log against a table, by what was told and what is scored; `None` where nothing is suspicious.
     pub fn of(comparison: &Comparison, table: &Table, scope: &Scope, told: Told) -> Option<Self> {
-        let evidence = evidence(comparison, table, scope);
+        let evidence = evidence(comparison, table);
         if !evidence.is_empty() {
             return Some(Self::Another { evidence });
         }
@@ -93,7 +93,7 @@ impl Suspicion {
     }
 }
 
-fn evidence(comparison: &Comparison, table: &Table, scope: &Scope) -> Vec<Evidence> {
+fn evidence(comparison: &Comparison, table: &Table) -> Vec<Evidence> {
     let (from_s, to_s) = comparison.scored_s;
     let trace = &comparison.trace;
     let scored: Vec<usize> = (0..trace.time_s.len()).filter(|&k| (from_s..=to_s).contains(&trace.time_s[k])).collect();
