@@ -93,3 +93,21 @@ fn a_unit_that_is_wrong_by_a_thousand_is_the_first_doubt() {
     let good = identified(&right, &["--devices", "0"]);
     assert!(good.contains("/table.toml LOG`; put it on a board with `piezo install "), "{good}");
 }
+
+#[test]
+fn a_training_log_that_another_program_has_written_is_not_held_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let [truth, point] = ["instruments/truth.csv", "instruments/german_point.csv"].map(super::data);
+    let says = ["german_point.csv: holds the samples of the training log", "truth.csv", "--hold-out"];
+    let out = text(folder.path());
+    refused(&["identify", text(&truth), "--validate-on", text(&point), "--out", out], &says);
+    refused(&["identify", text(&truth), text(&point), "--out", out], &says);
+}
+
+#[test]
+fn a_picture_of_a_log_is_not_named_after_another_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = folder.path().join("log.png");
+    refused(&["look", super::MEASURED, "--out", text(&png)], &["log.png: the picture is SVG", ".svg"]);
+    assert!(!png.exists());
+}

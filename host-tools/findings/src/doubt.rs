@@ -3,9 +3,12 @@
 use crate::surveyed::short;
 use calibration::{Assumed, CalibrationOptions};
 use estimator_core::DuhemCondition;
-use identification::{Converter, Doubt, FEW_REVERSALS, Outcome, wide};
+use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};
 use log_survey::{Flaw, Implausible, Stretch};
 use serde_json::{Value, json};
+
+/// A half-width beyond this percentage of the stroke says next to nothing.
+const WIDE: f64 = 10.0;
 
 /// A doubt as the user reads it.
 pub fn doubt(doubt: &Doubt) -> String {
@@ -127,6 +130,13 @@ pub fn doubt(doubt: &Doubt) -> String {
 pub fn doubt_interval(outcome: &mut Outcome) {
     outcome.doubts.extend(wide(outcome.candidate()));
     outcome.doubts.sort_by_key(Doubt::rank);
+}
+
+/// The interval of a candidate, where it is wide.
+fn wide(candidate: &Candidate) -> Option<Doubt> {
+    let half_um = f64::from(candidate.table.interval?.misfit_um);
+    let percent = 100.0 * half_um / candidate.training_figures()?.stroke_um;
+    (percent > WIDE).then_some(Doubt::WideInterval { half_um, percent })
 }
 
 /// What is doubtful of a stroke.

@@ -90,13 +90,18 @@ pub enum JobError {
     /// A log cannot be brought to the tick.
     #[error(transparent)]
     Prepare(#[from] PrepareError),
-    /// A log is to be fitted to and held out.
-    #[error("{}: holds the same bytes as the training log {}", held_out.display(), training.display())]
+    /// A log is to be fitted to twice, or held out, too.
+    #[error(
+        "{}: holds the {} the training log {}{}", log.display(), if *rewritten { "samples of" } else { "same bytes as" },
+        training.display(), if *rewritten { ", written by another program" } else { "" }
+    )]
     SameLog {
-        /// The log that is held out.
-        held_out: PathBuf,
+        /// The log that is held out, or fitted to as well.
+        log: PathBuf,
         /// The log that is fitted to.
         training: PathBuf,
+        /// The bytes are others, the samples are not.
+        rewritten: bool,
     },
     /// The actuator rests in a part of a log: nothing can be learnt or proven there.
     #[error(

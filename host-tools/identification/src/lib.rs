@@ -76,7 +76,7 @@ pub use problem::{Conditions, Problem};
 pub use search::{SearchOptions, Start};
 pub use start::prepared;
 pub use structures::{Found, StructureSearch};
-pub use suspicion::{doubts, wide};
+pub use suspicion::doubts;
 pub use trial::Trial;
 pub use validation as validate;
 pub use validation::reversals;

@@ -20,8 +20,6 @@ const DIVERGED: f64 = 10.0;
 const DIVERGED_STROKE: f64 = 0.1;
 /// An error of more than this part of a straight line's is none that a model is for.
 const BETTER: f64 = 0.9;
-/// A half-width beyond this percentage of the stroke says next to nothing.
-const WIDE: f64 = 10.0;
 /// Parts of a lag that was said by which the found one may differ.
 const LAG: f64 = 0.1;
 /// A constant offset beyond this fraction of the held-out error.
@@ -105,13 +103,6 @@ pub(crate) fn no_better(candidate: &Candidate, line: &Baseline) -> Option<Doubt>
     let (of, line) = figures.or(candidate.training_figures().map(|of| (of, line.training)))?;
     let (error_um, line_um) = (of.mae_um, line.mae_um);
     (error_um > BETTER * line_um).then_some(Doubt::NoBetterThanLine { error_um, line_um })
-}
-
-/// The interval of a candidate, where it is wide.
-pub fn wide(candidate: &Candidate) -> Option<Doubt> {
-    let half_um = f64::from(candidate.table.interval?.misfit_um);
-    let percent = 100.0 * half_um / candidate.training_figures()?.stroke_um;
-    (percent > WIDE).then_some(Doubt::WideInterval { half_um, percent })
 }
 
 /// Whether a table has the lag that was said, s.
