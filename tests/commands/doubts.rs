@@ -111,3 +111,21 @@ fn a_picture_of_a_log_is_not_named_after_another_format() {
     refused(&["look", super::MEASURED, "--out", text(&png)], &["log.png: the picture is SVG", ".svg"]);
     assert!(!png.exists());
 }
+
+#[test]
+fn a_sensor_s_scale_is_for_the_logs_in_volts_among_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let [truth, volts] = ["instruments/truth.csv", "instruments/sensor_in_volts.csv"].map(super::data);
+    let out = text(folder.path());
+    // They are one recording, which is found once both are read.
+    let both = ["identify", text(&truth), "--validate-on", text(&volts), "--sensor", "10um/V", "--out", out];
+    refused(&both, &["sensor_in_volts.csv: holds the samples of the training log"]);
+    refused(&["identify", text(&truth), "--sensor", "10um/V", "--out", out], &["is in um", "leave --sensor out"]);
+}
+
+#[test]
+fn a_channel_without_a_unit_may_be_the_sensor_s_volts_first() {
+    let saleae = super::data("instruments/saleae.csv");
+    let said = refused(&["look", text(&saleae)], &["displacement=3:<N>um/V", "displacement=3:um"]);
+    assert!(said.find("<N>um/V") < said.find("displacement=3:um"), "{said}");
+}
