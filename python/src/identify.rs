@@ -125,8 +125,9 @@ pub fn identify(
         search: SearchOptions { evaluations, seed, ..SearchOptions::DEFAULT },
     };
     let outcome = py.detach(|| stoppable(&job))??;
-    let (outcome, _) =
+    let (mut outcome, _) =
         py.detach(|| prediction_interval::with_interval(outcome, &job.search, devices, || ())).map_err(refused)?;
+    findings::doubt_interval(&mut outcome);
     py.check_signals()?;
     identified(py, &outcome, &job)
 }

@@ -178,3 +178,78 @@ fn what_cannot_be_scored_or_written_is_refused_by_name_and_value() {
     }
     refused(&["validate", TABLE, MEASURED, "--out", text(folder.path())], &["--out names a file"]);
 }
+
+/// What is said to people of the measured other day, each row of which is changed.
+fn said_of(
+    folder: &tempfile::TempDir,
+    header: &str,
+    changed: impl Fn([f64; 3]) -> [f64; 3],
+    options: &[&str],
+) -> String {
+    let log = fs::read_to_string(super::root().join(OTHER_DAY)).unwrap();
+    let rows = log.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit())).map(|line| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let [time, voltage, displacement] = changed([cells[0], cells[1], cells[2]]);
+        format!("{time:.4},{voltage:.6},{displacement:.6}\n")
+    });
+    let path = folder.path().join("day2.csv");
+    fs::write(&path, format!("{header}\n{}", rows.collect::<String>())).unwrap();
+    let output = piezo().args(["validate", TABLE]).arg(&path).args(options).assert().get_output().clone();
+    String::from_utf8(output.stdout).unwrap()
+}
+
+const COLUMNS: &str = "time_s,voltage_V,displacement_um";
+
+#[test]
+fn a_log_of_another_actuator_unit_or_column_is_suspected_and_says_by_what() {
+    let folder = tempfile::tempdir().unwrap();
+    let suspects = |said: &str, evidence: &[&str]| {
+        for part in [&["day2: is it the actuator that the table was learnt from, and are unit"], evidence].concat() {
+            assert!(said.contains(part), "{part:?} is missing in {said}");
+        }
+    };
+    let larger = said_of(&folder, COLUMNS, |[t, v, y]| [t, v, 2.2 * y], &[]);
+    suspects(&larger, &["goes over 85.0", "the error is 12.", "the ± holds the sensor 2"]);
+    let swapped = said_of(&folder, COLUMNS, |[t, v, y]| [t, y, v], &[]);
+    suspects(&swapped, &["the voltage is beyond what the table was learnt on 100 % of the time"]);
+    suspects(&said_of(&folder, "time_s,voltage_mV,displacement_um", |row| row, &[]), &["the sensor goes over 38."]);
+    let inverted = said_of(&folder, COLUMNS, |[t, v, y]| [t, v, -y], &["--rezero"]);
+    suspects(&inverted, &["without any constant the error is 44."]);
+}
+
+#[test]
+fn a_sensor_that_was_zeroed_anew_is_told_from_an_estimate_that_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |options: &[&str]| said_of(&folder, COLUMNS, |[t, v, y]| [t, v, y + 10.0], options);
+    let failed = said(&["--max-percent", "2"]);
+    let constant = failed.find("day2: a constant -8.").unwrap_or_else(|| panic!("no constant in {failed}"));
+    assert!(
+        failed[constant..].contains("FAILED") && failed.contains("`--told one-cycle` or `--zero-at <S>`"),
+        "{failed}"
+    );
+    for told in [&["--told", "one-cycle"][..], &["--zero-at", "22"], &["--rezero"]] {
+        assert!(!said(told).contains("is most of the error"), "{told:?}");
+    }
+}
+
+#[test]
+fn the_measured_days_raise_no_suspicion_of_another_actuator() {
+    for table in fs::read_dir(super::data("table/models")).unwrap() {
+        let path = table.unwrap().path();
+        let told = ["--told", "one-cycle"];
+        let output = piezo().arg("validate").arg(&path).args([MEASURED, OTHER_DAY]).args(told).assert().success();
+        let said = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+        assert!(
+            !said.contains("is it the actuator") && !said.contains("is most of the error"),
+            "{}: {said}",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn a_status_bit_is_said_with_how_often_and_when_first() {
+    let output = piezo().args(["validate", TABLE, OTHER_DAY]).assert().success();
+    let said = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    assert!(said.contains("31.29 % of the time, first at 0.020 s, the voltage went as it never did"), "{said}");
+}

@@ -1,16 +1,16 @@
 //! What the training determines of an actuator, in words.
 
-use identifiability::{Determination, Experiment, Found, Told};
+use identifiability::{Determination, Experiment, Found, Told, Unknown};
 
 /// What the lines of [`determination`] are.
 pub const DETERMINED: &str =
     "\nWhat the training says of the actuator, ± a standard error, as if the model were right:";
 
 /// What it says, a line each: what it is of, the number with its standard error, and what to record where that is too large.
-pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
-    let Some(of) = of else {
-        let nothing = "nothing: it fits without an error, or has nothing that a log could tell".to_owned();
-        return vec![("The training".to_owned(), nothing)];
+pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, String)> {
+    let of = match of {
+        Ok(of) => of,
+        Err(why) => return vec![("The training".to_owned(), format!("nothing is known of that: {}", unknown(*why)))],
     };
     let worth = format!(
         "{} readings, {:.3} µm off on average without each log's own offset; neighbours repeat one another, so they count as {:.0} independent ones",
@@ -30,6 +30,18 @@ pub fn determination(of: Option<&Determination>) -> Vec<(String, String)> {
         (what, said)
     });
     std::iter::once(("The training".to_owned(), worth)).chain(found).collect()
+}
+
+fn unknown(why: Unknown) -> &'static str {
+    match why {
+        Unknown::NothingRead => "there are no two readings, or their voltage rests",
+        Unknown::Exact => "the model fits without an error, which says nothing of how uncertain its numbers are",
+        Unknown::NoNumber => "the model has no number that a log could tell",
+        Unknown::Held => "none of the model's numbers can be a little other without breaking a rule of its tables",
+        Unknown::Unstable => {
+            "a small change of the model's numbers changes the estimate beyond what can be computed with; another --model may do better"
+        }
+    }
 }
 
 /// What is read off an experiment, and what recording would tell it.

@@ -3,9 +3,12 @@
 use crate::surveyed::short;
 use calibration::{Assumed, CalibrationOptions};
 use estimator_core::DuhemCondition;
-use identification::{Converter, Doubt, FEW_REVERSALS};
+use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};
 use log_survey::{Flaw, Implausible, Stretch};
 use serde_json::{Value, json};
+
+/// A half-width beyond this percentage of the stroke says next to nothing.
+const WIDE: f64 = 10.0;
 
 /// A doubt as the user reads it.
 pub fn doubt(doubt: &Doubt) -> String {
@@ -94,6 +97,14 @@ pub fn doubt(doubt: &Doubt) -> String {
             "the voltage reverses {reversals} times, but only {large} times by more than 10 % of its span: noise passes \
              for reversals; give a --deadband above it"
         ),
+        Doubt::NoBetterThanLine { error_um, line_um } => format!(
+            "the model is off by {error_um:.4} µm and a straight line by {line_um:.4} µm, no better than a straight line: the logs show no \
+             hysteresis that it could learn, or it is none for them; record the full range, slowly, or choose another --model"
+        ),
+        Doubt::WideInterval { half_um, percent } => format!(
+            "the ± beside the estimate is ±{half_um:.3} µm at least, {percent:.0} % of the stroke: from such logs other tables come that \
+             are as far off; record several amplitudes and frequencies over the full range, or choose another --model"
+        ),
         Doubt::ConverterSpan { converter } => format!(
             "the {} does not cover what the logs need: there the converter will stand at its end",
             named(*converter)
@@ -113,6 +124,19 @@ pub fn doubt(doubt: &Doubt) -> String {
              from the sensor's data sheet"
         ),
     }
+}
+
+/// Adds to the doubts of an outcome that of its interval, which comes after them, where it is wide.
+pub fn doubt_interval(outcome: &mut Outcome) {
+    outcome.doubts.extend(wide(outcome.candidate()));
+    outcome.doubts.sort_by_key(Doubt::rank);
+}
+
+/// The interval of a candidate, where it is wide.
+fn wide(candidate: &Candidate) -> Option<Doubt> {
+    let half_um = f64::from(candidate.table.interval?.misfit_um);
+    let percent = 100.0 * half_um / candidate.training_figures()?.stroke_um;
+    (percent > WIDE).then_some(Doubt::WideInterval { half_um, percent })
 }
 
 /// What is doubtful of a stroke.
@@ -228,6 +252,8 @@ mod tests {
             Doubt::SinglePrecision { difference_um: 0.1 },
             Doubt::BeyondTraining { log: "b".into() },
             Doubt::NoisyVoltage { reversals: 900, large: 20 },
+            Doubt::NoBetterThanLine { error_um: 0.2179, line_um: 0.2153 },
+            Doubt::WideInterval { half_um: 2.887, percent: 22.0 },
             Doubt::ConverterSpan { converter: Converter::Adc },
             Doubt::ImplausibleStroke(Implausible { stroke_um: 1e4, span_v: 40.0 }),
             Doubt::CalibrationAssumed { converters: Assumed::Both },

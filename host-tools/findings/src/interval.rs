@@ -5,8 +5,13 @@ use prediction_interval::Calibration;
 /// What the interval says, and where its width comes from: this many simulated devices, and the logs' own errors.
 pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
     let Some(Calibration { parameters, own_um }) = interval else {
-        return "There is no interval beside the estimate: no simulated device was asked for, or none could be learnt."
-            .to_owned();
+        let why = match devices {
+            0 => "no simulated device was asked for (--devices 0)",
+            _ => {
+                "of the simulated devices none could be learnt from voltages such as these: record several cycles of the full range"
+            }
+        };
+        return format!("There is no interval beside the estimate: {why}.");
     };
     let (misfit_um, memory_um) = (parameters.misfit_um, parameters.memory_um[0]);
     format!(
@@ -25,6 +30,11 @@ mod tests {
     use super::*;
     use estimator_core::IntervalParameters;
     use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+
+    #[test]
+    fn why_there_is_none_is_said() {
+        assert!(interval(None, 0).contains("--devices 0") && interval(None, 12).contains("none could be learnt"));
+    }
 
     #[test]
     fn a_start_at_an_end_of_the_range_is_told_from_one_in_the_middle() {

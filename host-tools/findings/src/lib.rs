@@ -11,12 +11,14 @@ mod reason;
 mod surveyed;
 mod table_file;
 mod unsaid;
+mod validated;
 
 pub use determination::{DETERMINED, determination};
-pub use doubt::{calibrated, doubt, doubt_json, flaw, implausible};
+pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, flaw, implausible};
 pub use interval::interval;
 pub use proven::proven;
 pub use reason::reason;
 pub use surveyed::{remark, surveyed};
 pub use table_file::table_file;
 pub use unsaid::{hold_out, model};
+pub use validated::{EXPLAINED, held, suspicion};

@@ -36,6 +36,8 @@ const READINGS: usize = 20_000;
 const STEP: f64 = 1e-3;
 /// What of a condition can be told in f64, by its square.
 const WORST_CONDITION: f64 = 1e8;
+/// How much wider than the table's the limits may be, at either end, of what lies between them.
+const ROOM: [f32; 5] = [1.0, 0.3, 0.1, 0.03, 0.0];
 /// Products of errors that are summed at a time, at most.
 const PRODUCTS: usize = 100_000_000;
 /// Every how many readings are looked at where that does not suffice.
@@ -99,13 +101,27 @@ pub enum Told {
     Slower,
 }
 
-/// What the training sessions determine of a table that was identified from them; `None` where they have no two readings, or
-/// the model no number that a log could tell.
-pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determination> {
-    // Neither an interval nor a drive has a part in it, and limits must not keep a number from moving.
-    let limits = table.displacement_limits_um;
-    let room = Range { min: limits.min - limits.span(), max: limits.max + limits.span() };
-    let table = Table { interval: None, drive: None, displacement_limits_um: room, ..**table }.admit().ok()?;
+/// Why it is not known what logs determine of a table.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Unknown {
+    /// There are no two readings, or their voltage rests.
+    NothingRead,
+    /// The model fits without an error, which says nothing of how uncertain its numbers are.
+    Exact,
+    /// The model has no number that a log could tell.
+    NoNumber,
+    /// No number of the model can be moved, or no table be made with wider limits, without breaking a rule.
+    Held,
+    /// A small change of the numbers changes the estimate by more than can be computed with.
+    Unstable,
+}
+
+/// What the training sessions determine of a table that was identified from them.
+///
+/// # Errors
+/// Why that is not known.
+pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determination, Unknown> {
+    let table = roomy(table).ok_or(Unknown::Held)?;
     let judged: Vec<Judged> = sessions.iter().map(|session| Judged::of(&table, session)).collect();
     let readings: usize = judged.iter().map(|judged| judged.errors.len()).sum();
     let settled: Vec<f64> = judged.iter().flat_map(|judged| &judged.errors[judged.start..]).copied().collect();
@@ -113,8 +129,14 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
     let effective: f64 = judged.iter().flat_map(Judged::blocks).map(effective).sum();
     let voltages = Range::of_values(sessions.iter().flat_map(|session| session.voltage.iter().copied()));
     let (numbers, held) = numbers(&table);
-    if readings < 2 || numbers.is_empty() || mae_um <= 0.0 || voltages.span() <= 0.0 {
-        return None;
+    if readings < 2 || voltages.span() <= 0.0 {
+        return Err(Unknown::NothingRead);
+    }
+    if mae_um <= 0.0 {
+        return Err(Unknown::Exact);
+    }
+    if numbers.is_empty() {
+        return Err(if held > 0 { Unknown::Held } else { Unknown::NoNumber });
     }
     let every = readings.div_ceil(READINGS);
     let experiments = Experiment::all();
@@ -134,13 +156,13 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
             (read, results.map(|(experiment, before)| (experiment.run(changed, voltages) - before) / step).collect())
         })
         .collect();
-    let looked_at = changes.first()?.0.len();
+    let looked_at = changes.first().map_or(0, |(read, _)| read.len());
     let read = DMatrix::from_fn(looked_at, numbers.len(), |reading, number| changes[number].0[reading]);
     let information = read.tr_mul(&read);
     let precision = &information + DMatrix::identity(numbers.len(), numbers.len());
-    let precision = precision.cholesky()?;
+    let precision = precision.cholesky().ok_or(Unknown::Unstable)?;
     let eigenvalues = information.symmetric_eigenvalues();
-    let stroke = before.first().copied()?.abs();
+    let stroke = before.first().map_or(0.0, |stroke| stroke.abs());
     let found = experiments.iter().enumerate().map(|(index, &experiment)| {
         let gradient = DVector::from_iterator(numbers.len(), changes.iter().map(|(_, results)| results[index]));
         let standard_error_um = gradient.dot(&precision.solve(&gradient)).max(0.0).sqrt();
@@ -160,7 +182,7 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
         };
         Found { experiment, value_um, standard_error_um, before_um, told }
     });
-    Some(Determination {
+    Ok(Determination {
         readings,
         effective_readings: effective,
         mae_um,
@@ -168,6 +190,16 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Option<Determin
         held,
         condition: (eigenvalues.max() / eigenvalues.min()).abs().sqrt().min(WORST_CONDITION),
         found: found.collect(),
+    })
+}
+
+/// The table without interval and drive, which have no part in it, and with the widest limits that it is admitted with, since limits must
+/// not keep a number from moving: the feedback of an extremum term goes the further, the wider they are.
+fn roomy(table: &Admitted) -> Option<Admitted> {
+    let limits = table.displacement_limits_um;
+    ROOM.into_iter().find_map(|part| {
+        let room = Range { min: limits.min - part * limits.span(), max: limits.max + part * limits.span() };
+        Table { interval: None, drive: None, displacement_limits_um: room, ..**table }.admit().ok()
     })
 }
 

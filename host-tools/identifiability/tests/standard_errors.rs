@@ -1,7 +1,7 @@
 //! Standard errors are small where the readings say something, and large where they do not.
 
 use estimator_core::{Admitted, Table};
-use identifiability::{Determination, Experiment, Told, determination};
+use identifiability::{Determination, Experiment, Told, Unknown, determination};
 use recordings::session::Session;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -113,6 +113,6 @@ fn a_start_that_the_model_does_not_fit_says_little_and_takes_nothing_from_what_f
 #[test]
 fn nothing_is_said_of_what_has_no_errors() {
     let still = session(&vec![1.0; 4000], 0.0);
-    assert_eq!(determination(&table(), &[&still]), None);
-    assert_eq!(determination(&table(), &[]), None);
+    assert_eq!(determination(&table(), &[&still]), Err(Unknown::NothingRead));
+    assert_eq!(determination(&table(), &[]), Err(Unknown::NothingRead));
 }

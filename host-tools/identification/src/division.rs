@@ -3,6 +3,7 @@
 use crate::job::{Job, JobError};
 use log_survey::range;
 use recordings::log::Log;
+use recordings::{LogUse, Role};
 
 /// The logs of a job, cut.
 pub(crate) struct Parts {
@@ -17,9 +18,12 @@ pub(crate) struct Parts {
 impl Job {
     /// The logs cut and divided into what is fitted to and what is held out.
     pub(crate) fn parts(&self) -> Result<Parts, JobError> {
-        for log in &self.held_out {
-            if let Some(twin) = self.training.iter().find(|other| other.sha256 == log.sha256) {
-                return Err(JobError::SameLog { held_out: log.path.clone(), training: twin.path.clone() });
+        for (at, training) in self.training.iter().enumerate() {
+            let content = LogUse::new(training, Role::Training);
+            let mut others = self.held_out.iter().chain(&self.training[at + 1..]);
+            if let Some(log) = others.find(|other| content.within(other).is_some()) {
+                let (rewritten, log) = (log.sha256 != training.sha256, log.path.clone());
+                return Err(JobError::SameLog { log, training: training.path.clone(), rewritten });
             }
         }
         let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();

@@ -103,6 +103,20 @@ pub enum Doubt {
         /// Those of at least 10 % of the span.
         large: usize,
     },
+    /// A straight line through the training does as well.
+    NoBetterThanLine {
+        /// Simulation MAE on what was held out, else in training, µm.
+        error_um: f64,
+        /// The line's, µm.
+        line_um: f64,
+    },
+    /// The interval beside the estimate is wide.
+    WideInterval {
+        /// Its least half-width, µm.
+        half_um: f64,
+        /// The same in % of the training stroke.
+        percent: f64,
+    },
     /// A converter's span does not cover what the table needs.
     ConverterSpan {
         /// Which converter.
@@ -121,6 +135,29 @@ pub enum Doubt {
         delay_ms: f64,
     },
 }
+
+impl Doubt {
+    /// Whether the table is not to be used before it is mended.
+    pub fn grave(&self) -> bool {
+        self.rank() < OTHER
+    }
+
+    /// Where it stands among others: the gravest first.
+    pub fn rank(&self) -> u8 {
+        match self {
+            Self::ImplausibleStroke(_) | Self::EstimatedDisplacement { .. } => 0,
+            Self::Diverges { .. }
+            | Self::PoorFit { .. }
+            | Self::NoBetterThanLine { .. }
+            | Self::WideInterval { .. }
+            | Self::FewReversals { .. } => 1,
+            _ => OTHER,
+        }
+    }
+}
+
+/// The rank of a doubt that is not grave.
+const OTHER: u8 = 2;
 
 /// A converter of the target.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]

@@ -12,10 +12,10 @@ use crate::model_choice::{Choice, ModelChoice, Reason, with_contained};
 use crate::problem::{Conditions, Problem};
 use crate::search::SearchOptions;
 use crate::start::prepared;
-use crate::suspicion::doubts;
+use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{Implausible, correlation, flaws, gravest, leave_out, sound};
+use log_survey::{Implausible, correlation, flaws, gravest, is_noise, leave_out, range, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -90,13 +90,18 @@ pub enum JobError {
     /// A log cannot be brought to the tick.
     #[error(transparent)]
     Prepare(#[from] PrepareError),
-    /// A log is to be fitted to and held out.
-    #[error("{}: holds the same bytes as the training log {}", held_out.display(), training.display())]
+    /// A log is to be fitted to twice, or held out, too.
+    #[error(
+        "{}: holds the {} the training log {}{}", log.display(), if *rewritten { "samples of" } else { "same bytes as" },
+        training.display(), if *rewritten { ", written by another program" } else { "" }
+    )]
     SameLog {
-        /// The log that is held out.
-        held_out: PathBuf,
+        /// The log that is held out, or fitted to as well.
+        log: PathBuf,
         /// The log that is fitted to.
         training: PathBuf,
+        /// The bytes are others, the samples are not.
+        rewritten: bool,
     },
     /// The actuator rests in a part of a log: nothing can be learnt or proven there.
     #[error(
@@ -121,6 +126,20 @@ pub enum JobError {
     FallsWithVoltage {
         /// Name of the log.
         log: String,
+    },
+    /// The voltages only rise, or only fall.
+    #[error("{log}: the voltage never reverses, and hysteresis is what it does then")]
+    NoReversal {
+        /// Name of the first log.
+        log: String,
+    },
+    /// The displacements are a sensor's noise.
+    #[error("{log}: the displacement is noise ({span_um:.4} µm), which does not go with the voltage")]
+    Noise {
+        /// Name of the first log.
+        log: String,
+        /// What it goes over, µm.
+        span_um: f64,
     },
     /// The model that counts has no admissible candidate.
     #[error("model {model}")]
@@ -216,6 +235,15 @@ impl Job {
     /// A log cannot be used, or the model that counts has no admissible candidate.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
         let Prepared { problem, context, logs, of_logs, delay_at_bound } = self.prepare(progress)?;
+        let character = Character::of(problem.training(), problem.deadband);
+        if let Some(first) = problem.training().next() {
+            if problem.training().all(is_noise) {
+                return Err(JobError::Noise { log: first.name.clone(), span_um: range(&first.displacement) });
+            }
+            if character.reversals == 0 {
+                return Err(JobError::NoReversal { log: first.name.clone() });
+            }
+        }
         let identification = Identification { problem: &problem, cost: self.cost, options: &self.search, budget: None };
         let Choice { fits, chosen } = identification.choose(self.model, progress);
         let (model, reason) = chosen.ok_or(JobError::NothingFound)?;
@@ -227,7 +255,6 @@ impl Job {
                 Err(error) => failed.push((model, error)),
             }
         }
-        let character = Character::of(problem.training(), problem.deadband);
         let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {
             let why = failed.into_iter().find(|(failed, _)| *failed == model);
             return Err(why.map_or(JobError::NothingFound, |(model, source)| JobError::Failed { model, source }));
@@ -237,6 +264,8 @@ impl Job {
         doubts.extend(implausible(&problem).map(Doubt::ImplausibleStroke));
         doubts.extend(self.calibration.assumed().map(|converters| Doubt::CalibrationAssumed { converters }));
         let straight_line = Baseline::of(&problem);
+        doubts.extend(straight_line.and_then(|line| no_better(&candidates[chosen], &line)));
+        doubts.sort_by_key(Doubt::rank);
         Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, problem, context, logs })
     }
 

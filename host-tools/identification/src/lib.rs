@@ -61,7 +61,7 @@ mod structures;
 mod suspicion;
 mod trial;
 
-pub use baseline::{Baseline, Point, StraightLine};
+pub use baseline::Baseline;
 pub use brief::Brief;
 pub use candidate::{Candidate, CandidateError, TableContext};
 pub use character::Character;
@@ -80,3 +80,4 @@ pub use suspicion::doubts;
 pub use trial::Trial;
 pub use validation as validate;
 pub use validation::reversals;
+pub use validation::{Point, StraightLine};

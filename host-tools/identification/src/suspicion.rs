@@ -1,5 +1,6 @@
 //! When to doubt a result: the thresholds, and what is compared with them.
 
+use crate::baseline::Baseline;
 use crate::candidate::Candidate;
 use crate::character::Character;
 use crate::cost::{Cost, Norm};
@@ -17,6 +18,8 @@ const FAR: f64 = 1.5;
 const DIVERGED: f64 = 10.0;
 /// beyond this fraction of the stroke.
 const DIVERGED_STROKE: f64 = 0.1;
+/// An error of more than this part of a straight line's is none that a model is for.
+const BETTER: f64 = 0.9;
 /// Parts of a lag that was said by which the found one may differ.
 const LAG: f64 = 0.1;
 /// A constant offset beyond this fraction of the held-out error.
@@ -94,7 +97,14 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
     doubts
 }
 
-/// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded all the same.
+/// A straight line that does as well as a candidate.
+pub(crate) fn no_better(candidate: &Candidate, line: &Baseline) -> Option<Doubt> {
+    let figures = candidate.held_out_figures().zip(line.held_out);
+    let (of, line) = figures.or(candidate.training_figures().map(|of| (of, line.training)))?;
+    let (error_um, line_um) = (of.mae_um, line.mae_um);
+    (error_um > BETTER * line_um).then_some(Doubt::NoBetterThanLine { error_um, line_um })
+}
+
 /// Whether a table has the lag that was said, s.
 fn kept(said: f64, candidate: &Candidate) -> bool {
     let Parameters::GeneralisedPrandtlIshlinskii(of) = &candidate.table.parameters else { return false };
@@ -103,6 +113,7 @@ fn kept(said: f64, candidate: &Candidate) -> bool {
     (found - said).abs() <= (LAG * said).max(tick)
 }
 
+/// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded all the same.
 fn unmet_condition(parameters: &Parameters) -> Option<Doubt> {
     let Parameters::Duhem(of) = parameters else { return None };
     of.unmet_condition().map(|condition| Doubt::UnmetCondition { condition })

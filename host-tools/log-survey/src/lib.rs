@@ -22,7 +22,7 @@ pub use clock::{Clock, RateSource};
 pub use deadband::{deadband, noise_of};
 pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, sound};
 pub use implausible::Implausible;
-pub use signal::{correlation, range};
+pub use signal::{correlation, is_noise, range};
 pub use stillness::Stillness;
 pub use swings::{Cell, Swings};
 

@@ -1,5 +1,6 @@
 //! Numbers of a signal that outliers do not decide, and how far two go together.
 
+use crate::deadband::noise_of;
 use recordings::session::Session;
 
 /// One value in so many is left out of a range, at either end: a single spike is no movement.
@@ -27,6 +28,17 @@ pub fn correlation(session: &Session) -> f64 {
         [vv + dv * dv, vy + dv * dy, yy + dy * dy]
     });
     if vv * yy > 0.0 { vy / (vv * yy).sqrt() } else { 0.0 }
+}
+
+/// The range of noise is less than so many of its standard deviations: nine in ten thousand of a normal distribution's lie beyond.
+const DEVIATIONS: f64 = 6.0;
+/// What goes with the voltage correlates with it by more than this, one way or the other.
+const GOES_WITH: f64 = 0.5;
+
+/// Whether the displacement is noise alone, which does not go with the voltage.
+pub fn is_noise(session: &Session) -> bool {
+    let noise = noise_of(&session.displacement).unwrap_or(0.0);
+    range(&session.displacement) < DEVIATIONS * noise && correlation(session).abs() < GOES_WITH
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use device_link::words;
 use estimator_core::Status;
 use protocol::Faults;
+use validation::Raised;
 
 /// What a bit means.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -80,8 +81,9 @@ const STATUS: [(Status, &str); 8] = [
     (Status::SLEW_EXCEEDED, "a shielded wire; is --amplifier-slew what the amplifier can?"),
 ];
 
-/// What the bits of a status mean for an estimate, one after the other; empty where none says anything of it.
-pub fn remarks(status: Status) -> String {
+/// What status bits mean for the estimates of a log, each with how often it was raised, one after the other; empty where none says
+/// anything of them.
+pub fn remarks(raised: &[Raised]) -> String {
     let meanings = [
         (
             Status::VOLTAGE_OUT_OF_RANGE,
@@ -96,8 +98,11 @@ pub fn remarks(status: Status) -> String {
         ),
         (Status::SLEW_EXCEEDED, "the voltage leapt as the amplifier cannot; the last one before was taken"),
     ];
-    let raised = meanings.into_iter().filter(|(bit, _)| status.contains(*bit)).map(|(_, meaning)| meaning);
-    raised.collect::<Vec<_>>().join("; ")
+    let said = meanings.into_iter().filter_map(|(bit, meaning)| {
+        let Raised { percent, first_s, .. } = raised.iter().find(|raised| raised.bit == bit)?;
+        Some(format!("{percent:.2} % of the time, first at {first_s:.3} s, {meaning}"))
+    });
+    said.collect::<Vec<_>>().join("; ")
 }
 
 #[cfg(test)]

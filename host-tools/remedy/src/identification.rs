@@ -63,6 +63,16 @@ fn job(error: &JobError) -> String {
             "{error}: if the sensor is mounted the other way add --displacement-scale -1, if the voltage is inverted \
              --voltage-scale -1; else are the columns the right ones?"
         ),
+        JobError::SameLog { rewritten: true, .. } => {
+            format!("{error}: name the recording once; hold out another, or a part of this one with --hold-out")
+        }
+        JobError::NoReversal { .. } => format!(
+            "{error}: record several cycles, up and down over the range; if the log has them, what is fitted to is cut off too early \
+             (--hold-out, --skip-start, --skip-end)"
+        ),
+        JobError::Noise { .. } => format!(
+            "{error}: did the actuator rest, or was the sensor off? Record it moving; else are the columns the right ones (--columns)?"
+        ),
         _ => error.to_string(),
     }
 }

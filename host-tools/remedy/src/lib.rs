@@ -9,6 +9,7 @@ mod log;
 mod paste;
 mod proof;
 mod supply;
+mod verdict;
 mod waveform;
 
 pub use bench::{complaint, identify, stopped};
@@ -21,6 +22,7 @@ pub use identification::mismatch;
 pub use paste::{learn_from, quoted};
 pub use proof::{narrow, other_range, unproven};
 pub use supply::supply;
+pub use verdict::{doubts, next, verdict, zeros};
 pub use waveform::{played, plays};
 
 use std::error::Error;

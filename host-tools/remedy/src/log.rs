@@ -44,12 +44,14 @@ fn fault(fault: &Fault, path: &Path) -> String {
         ),
         Fault::NoColumn { example, with_sensor, rate_needed, .. } => {
             let in_volts = with_sensor.as_ref().map(|example| {
-                let sensor = line(example, *rate_needed);
-                format!("\nor, if that column is the sensor's output in volts, with its scale for <N>{sensor}")
+                line(example, *rate_needed)
             });
             let line = line(example, *rate_needed);
             let open = if example.contains('<') { ", with its number and its unit in the brackets' place" } else { "" };
-            format!("{fault}: name it; if these are meant{open}{line}{}", in_volts.unwrap_or_default())
+            if let Some(in_volts) = in_volts {
+                return format!("{fault}: name it; if it is a sensor's output in volts, with its scale for <N>{in_volts}\nor, if these are meant{open}{line}");
+            }
+            format!("{fault}: name it; if these are meant{open}{line}")
         }
         Fault::Ambiguous { example, .. } => {
             let scale =

@@ -86,6 +86,7 @@ fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
         told: ToldFigures { nothing: figures, first_reading: figures, one_cycle: None, offset: figures },
         scored_s: (5e-4, samples as f64 * 5e-4),
         zeroed_um: None,
+        raised: Vec::new(),
         status: Status::empty(),
         trace: Trace { time_s, voltage, measured, estimated },
     }

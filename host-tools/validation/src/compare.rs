@@ -47,6 +47,17 @@ pub struct Cold {
     pub settled_after_s: Option<f64>,
 }
 
+/// A status bit, and how often it was raised from a log's beginning on.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Raised {
+    /// The bit.
+    pub bit: Status,
+    /// At how many of the measured instants, %.
+    pub percent: f64,
+    /// When first, s since the log's first sample.
+    pub first_s: f64,
+}
+
 /// One log against a table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Comparison {
@@ -74,6 +85,8 @@ pub struct Comparison {
     pub zeroed_um: Option<f64>,
     /// Every status bit that the f32 core raised, from the log's beginning on.
     pub status: Status,
+    /// How often it raised each of them.
+    pub raised: Vec<Raised>,
     /// The reference beside the sensor, from the log's beginning on, not zeroed.
     pub trace: Trace,
 }
@@ -119,6 +132,7 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
             (time(part.scored.start), time(part.scored.end - 1))
         },
         zeroed_um: part.zero.as_ref().map(|_| part.zeroed(&single.errors(session))),
+        raised: raised(&single.status, time),
         status: single.status.into_iter().fold(Status::empty(), Status::union),
         trace: Trace {
             time_s: instants.iter().map(|&instant| time_s(session, instant)).collect(),
@@ -128,6 +142,16 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
             estimated: reference.estimated,
         },
     }
+}
+
+/// The bits of a run's statuses, the first instant of each at a time, s.
+fn raised(statuses: &[Status], time_s: impl Fn(usize) -> f64) -> Vec<Raised> {
+    let of = |bit: Status| {
+        let first = statuses.iter().position(|status| status.contains(bit))?;
+        let count = statuses.iter().filter(|status| status.contains(bit)).count();
+        Some(Raised { bit, percent: 100.0 * count as f64 / statuses.len() as f64, first_s: time_s(first) })
+    };
+    Status::all().iter().filter_map(of).collect()
 }
 
 /// How the interval does of a device that is told its mean error over one cycle; `nothing` is the run of one that is told nothing.

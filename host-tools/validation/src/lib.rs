@@ -9,12 +9,16 @@ mod figures;
 pub mod reversals;
 mod run;
 mod scope;
+mod straight_line;
+mod suspicion;
 mod told;
 
-pub use compare::{Cold, Comparison, Trace, compare, compare_within};
+pub use compare::{Cold, Comparison, Raised, Trace, compare, compare_within};
 pub use coverage::Coverage;
 pub use estimates::{Estimates, Instant, estimates};
 pub use figures::Figures;
 pub use run::Run;
 pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S, errors_within};
+pub use straight_line::{Point, StraightLine};
+pub use suspicion::{Evidence, Suspicion};
 pub use told::{Told, ToldFigures};

@@ -71,9 +71,12 @@ impl Fitting {
         let hold_out = findings::hold_out(self.hold_out, !self.validate_on.is_empty());
         ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
         ensure!(self.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
+        // Together: what is said of all need not hold for each.
+        let mut training = self.files.read_all(&[&self.logs[..], &self.validate_on].concat())?;
+        let held_out = training.split_off(self.logs.len());
         Ok(Job {
-            training: self.files.read_all(&self.logs)?,
-            held_out: self.files.read_all(&self.validate_on)?,
+            training,
+            held_out,
             hold_out,
             prepare: (&self.prepare).into(),
             model: ModelChoice::Auto,

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use clap::Args;
-use recordings::log::{Columns, Log, ReadOptions, Sensitivity, read_remarked, twins};
+use recordings::log::{Columns, Fault, Log, LogError, ReadOptions, Sensitivity, read_remarked, twins};
 use std::path::{Path, PathBuf};
 
 /// What the user says about log files.
@@ -49,10 +49,31 @@ impl LogOptions {
 
     /// Reads every log; refuses none and the same file twice.
     pub fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<Log>> {
-        let logs: Vec<Log> = paths.iter().map(|path| self.read(path)).collect::<Result<_>>()?;
+        let (mut logs, mut of_length, mut applied) = (Vec::new(), None, false);
+        for path in paths {
+            match self.read(path) {
+                Err(error) if is_of_length(&error) => {
+                    logs.push(self.read_by(path, &ReadOptions { sensor: None, ..self.options() })?);
+                    of_length.get_or_insert(error);
+                }
+                read => {
+                    logs.push(read?);
+                    applied = true;
+                }
+            }
+        }
+        // A scale that none of them needs is a mistake; beside others those in µm are read as they are.
+        if let Some(error) = of_length.filter(|_| !applied) {
+            return Err(error);
+        }
         if let Some([log, twin]) = twins(&logs) {
             bail!("{}: holds the same bytes as {}: name each log once", log.path.display(), twin.path.display());
         }
         Ok(logs)
     }
+}
+
+/// Whether a sensor's scale was stated for a displacement that is one already.
+fn is_of_length(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(LogError { fault: Fault::SensitivityOfLength { .. }, .. }))
 }

@@ -1,6 +1,5 @@
 //! `piezo compare`: models × logs → errors on held-out data, parameters, time, instructions.
 
-use super::identify::zeros;
 use super::print::{out, progress};
 use crate::option::{Fitting, OPTIMISERS, Overwrite, STARTS, asked, choice, models};
 use crate::output::{self, PAGE};
@@ -125,7 +124,7 @@ fn facts(arguments: &Compare, cost: Cost, matrix: &Matrix) -> Vec<(String, Strin
     let facts = [
         ("Every model fitted to", used(Role::Training)),
         ("Held out", used(Role::HeldOut)),
-        ("Zero and delay", zeros(recipe)),
+        ("Zero and delay", remedy::zeros(recipe)),
         ("Tick", format!("{} µs, {} where it is the Voigt family's", recipe.tick_us, arguments.fitting.scheme)),
         ("Cost", cost.to_string()),
         (

@@ -76,17 +76,18 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     bar.finish_and_clear();
     let bar = progress(arguments.devices.into());
     bar.set_prefix("interval");
-    let (outcome, interval) =
+    let (mut outcome, interval) =
         prediction_interval::with_interval(outcome, &job.search, arguments.devices, || bar.inc(1))?;
     bar.finish_and_clear();
+    findings::doubt_interval(&mut outcome);
     let training: Vec<_> = outcome.problem.training().collect();
     let determination = identifiability::determination(&outcome.candidate().table, &training);
     let determined = remedy::determination(determination.as_ref());
-    let mut verdict = verdict(&outcome);
+    let mut verdict = remedy::verdict(&outcome);
     verdict.push(remedy::interval(interval.as_ref(), arguments.devices));
     write(&folder, arguments, &job, &outcome, &verdict, &determined)?;
     if arguments.fitting.json {
-        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict, determination.as_ref())?)?);
+        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict, determination.as_ref().ok())?)?);
     } else {
         summary(arguments, &outcome, &verdict, &determined);
     }
@@ -134,44 +135,6 @@ fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<(f64, Estimates)> {
     Some((at, estimates(table, session, &recipe, &scope, Told::FirstReading).ok()?))
 }
 
-/// How good it is, in plain words.
-fn verdict(outcome: &Outcome) -> Vec<String> {
-    let candidate = outcome.candidate();
-    let mut sentences = vec![format!("Model: {}, since {}", candidate.table.model(), remedy::reason(&outcome.reason))];
-    if let Some(held_out) = candidate.held_out_figures() {
-        sentences.push(format!(
-            "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
-             sensor ({:.2} % of the {:.1} µm stroke) and never further than {:.3} µm.",
-            held_out.mae_um,
-            held_out.mae_percent,
-            held_out.stroke_um,
-            held_out.max_um
-        ));
-        if held_out.mae_without_offset_um < 0.8 * held_out.mae_um {
-            sentences.push(format!(
-                "Without a constant offset of {:+.3} µm (drift, creep, or where the session started) it is {:.3} µm ({:.2} %).",
-                held_out.offset_um,
-                held_out.mae_without_offset_um,
-                held_out.mae_without_offset_percent
-            ));
-        }
-    } else if let Some(training) = candidate.training_figures() {
-        sentences.push(format!(
-            "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke); on \
-             other data it was not tested.",
-            training.mae_um,
-            training.mae_percent
-        ));
-    }
-    sentences.push(remedy::proven(&candidate.table));
-    sentences.push(format!("{}.", zeros(&outcome.context.recipe)));
-    sentences.push(format!("On the board {}.", bench::time(&candidate.table)));
-    if let Some(not_found) = bench::wire_not_found(&candidate.table) {
-        sentences.push(format!("On the board {not_found}."));
-    }
-    sentences
-}
-
 fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determined: &[(String, String)]) {
     let figures = |candidate: &Candidate| candidate.held_out_figures().or(candidate.training_figures());
     let held_out = outcome.candidate().held_out_figures().is_some();
@@ -192,26 +155,12 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
     verdict.iter().for_each(|sentence| out(sentence));
     out(remedy::DETERMINED);
     determined.iter().for_each(|(what, found)| out(&format!("  {what:<46} {found}")));
-    out("\nWhen not to trust it:");
-    outcome.doubts.iter().for_each(|doubt| out(&format!("- {}", remedy::doubt(doubt))));
+    out(&format!("\n{}", remedy::doubts(&outcome.doubts)));
     let folder = arguments.out.display();
     out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
     if !arguments.of_learn {
-        out(&format!(
-            "Next: look at report.html; try the table on another recording with `piezo validate {folder}/table.toml LOG`; put it on a board \
-             with `piezo install {folder} --board board.toml --port auto`"
-        ));
+        out(&remedy::next(&outcome.doubts, &arguments.out));
     }
-}
-
-/// Zeros and delay in words.
-pub(super) fn zeros(recipe: &Recipe) -> String {
-    format!(
-        "{:.4} V and {:.4} µm are the model's zero; the sensor's delay is taken as {:.2} ms",
-        recipe.voltage_zero_v,
-        recipe.displacement_zero_um,
-        f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3
-    )
 }
 
 /// Provenance for the report.
@@ -221,7 +170,7 @@ fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, St
     let mut facts = vec![
         ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
         ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme)),
-        ("Zero".to_owned(), zeros(recipe)),
+        ("Zero".to_owned(), remedy::zeros(recipe)),
         ("Cost".to_owned(), cost.to_string()),
         (
             "Search".to_owned(),

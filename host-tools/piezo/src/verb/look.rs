@@ -38,6 +38,11 @@ pub fn run(arguments: &Look) -> Result<bool> {
         arguments.overwrite.of(path, PICTURE)?;
         let page = path.extension().is_some_and(|extension| extension == "html");
         ensure!(
+            page || path.extension().is_none_or(|extension| extension == "svg"),
+            "{}: the picture is SVG: name an .svg file, or an .html file for a page",
+            path.display()
+        );
+        ensure!(
             page || arguments.logs.len() == 1,
             "{}: holds the picture of one log: name an .html file",
             path.display()

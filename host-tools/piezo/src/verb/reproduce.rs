@@ -1,7 +1,6 @@
 //! `piezo reproduce`: the thesis's tables and figures beside those of the same models on the synthetic rig, or on the
 //! user's own logs.
 
-use super::identify::zeros;
 use super::print::{out, progress};
 use crate::option::{LogOptions, Overwrite, PrepareArgs, SearchArgs, asked, choice, limit, models};
 use crate::output::{self, PAGE};
@@ -174,7 +173,7 @@ fn facts(bench: &Bench) -> Vec<(String, String)> {
         ("Actuator", actuator),
         ("Modelled", used(Role::Training)),
         ("Held out", used(Role::HeldOut)),
-        ("Zero and delay", zeros(recipe)),
+        ("Zero and delay", remedy::zeros(recipe)),
         ("Tick", format!("{} µs, forward Euler", recipe.tick_us)),
         (
             "Search",

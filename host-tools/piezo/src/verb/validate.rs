@@ -7,9 +7,9 @@ use crate::option::{DECIMATIONS, LogOptions, Overwrite, ScopeArgs, TOLD, choice,
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use findings::flaw;
+use findings::{EXPLAINED, flaw, held, suspicion};
 use identification::validate::{
-    Comparison, Coverage, Estimates, Figures, Scope, Told, ToldFigures, compare_within, estimates,
+    Comparison, Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates,
 };
 use log_survey::{Flaw, flaws, gravest};
 use recordings::log::Log;
@@ -96,6 +96,9 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         }
     }
     let trained_on: Vec<Option<TrainedOn<'_>>> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();
+    // Without its offset it is judged as if it were told that.
+    let told = if arguments.rezero { Told::Offset } else { arguments.told };
+    let suspicions: Vec<_> = comparisons.iter().map(|of| Suspicion::of(of, &table, &scope, told)).collect();
     let mil = Figures::all(comparisons.iter().map(|c| &c.mil));
     let told = ToldFigures::all(comparisons.iter().map(|c| &c.told));
     let (Some(mil), Some(told)) = (mil, told) else { return Ok(false) };
@@ -110,7 +113,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         output::write(path, written)?;
     }
     if arguments.json {
-        let logs: Vec<Value> = comparisons.iter().zip(&logs).zip(&trained_on).map(to_json).collect();
+        let logs = comparisons.iter().zip(&logs).zip(&trained_on).zip(&suspicions);
+        let logs: Vec<Value> = logs.map(to_json).collect();
         let all = json!({ "mil": mil, "sil": told.first_reading, "told": told });
         let judged =
             json!({ "told": arguments.told, "rezeroed": arguments.rezero, "mae_um": judged, "percent": percent });
@@ -135,6 +139,9 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     if let Some(path) = &arguments.out {
         out(&format!("\nWritten: {} (f32, {})", path.display(), arguments.told));
     }
+    for (comparison, found) in comparisons.iter().zip(&suspicions) {
+        found.iter().for_each(|found| out(&format!("\n{}: {}", comparison.name, suspicion(found))));
+    }
     let limit = |limit: Option<f64>, unit: &str| limit.map_or(String::new(), |limit| format!(" {limit} {unit}"));
     if !passed {
         let (um, of_stroke) = (limit(arguments.max_mae, "µm"), limit(arguments.max_percent, "%"));
@@ -142,15 +149,6 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     }
     Ok(passed)
 }
-
-/// What the lines are.
-const EXPLAINED: &str = "\
-Simulation from each log's first sample, by the f64 reference (MIL) and the f32 core of the target (SIL).
-MIL, SIL         told the sensor's first reading, and nothing after it
-cold             told nothing, as a device that is switched on: at rest for long at the first voltage
-settled          the same from where reversals lie half of the table's voltage range apart
-one cycle        cold; its mean error over the voltage's first full cycle is taken off, what follows is scored
-no offset        cold; its own mean error over all that is scored is taken off, which no device knows beforehand";
 
 /// The lines of a log, or of all, under its name.
 fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figures>) {
@@ -214,18 +212,10 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<&TrainedOn<'_>>,
     if log.displacement_estimated {
         out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
     }
-    let remarks = remedy::remarks(comparison.status);
+    let remarks = remedy::remarks(&comparison.raised);
     if !remarks.is_empty() {
         out(&format!("    {remarks}"));
     }
-}
-
-/// How the interval since something was told did, in words.
-fn held(since: &str, interval: &Coverage) -> String {
-    format!(
-        "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average (the smallest constant that holds as often: {:.3} µm)",
-        interval.covered_percent, interval.half_width_um, interval.best_constant_um
-    )
 }
 
 /// The gravest of each kind of a log's flaws in what was scored, and how many there are of it. Of an estimate none is looked for.
@@ -246,7 +236,9 @@ fn trained_on<'u>(uses: &'u [LogUse], log: &Log) -> Option<TrainedOn<'u>> {
     training.find_map(|used| Some(TrainedOn { used, at_s: used.within(log)? }))
 }
 
-fn to_json(((comparison, log), trained_on): ((&Comparison, &Log), &Option<TrainedOn<'_>>)) -> Value {
+type Judged<'j> = (((&'j Comparison, &'j Log), &'j Option<TrainedOn<'j>>), &'j Option<Suspicion>);
+
+fn to_json((((comparison, log), trained_on), suspicion): Judged<'_>) -> Value {
     let status: Vec<&str> = comparison.status.iter_names().map(|(name, _)| name).collect();
     json!({
         "log": comparison.name,
@@ -261,6 +253,7 @@ fn to_json(((comparison, log), trained_on): ((&Comparison, &Log), &Option<Traine
         "zeroed_um": comparison.zeroed_um,
         "status": status,
         "trained_on_s": trained_on.as_ref().map(|of| of.at_s),
+        "suspicion": suspicion,
         "displacement_estimated": log.displacement_estimated,
         "flaws": flaws_of(log, comparison.scored_s).iter().map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
     })

@@ -1,0 +1,51 @@
+//! What a table's errors on a log are, and whether they say anything of the table, in words.
+
+use identification::validate::{Coverage, Evidence, Suspicion};
+
+/// What the lines of a validation are.
+pub const EXPLAINED: &str = "\
+Simulation from each log's first sample, by the f64 reference (MIL) and the f32 core of the target (SIL).
+MIL, SIL         told the sensor's first reading, which the model starts from; a constant that the sensor is off by stays
+cold             told nothing, as a device that is switched on: at rest for long at the first voltage
+settled          the same from where reversals lie half of the table's voltage range apart
+one cycle        cold; its mean error over the voltage's first full cycle is taken off, what follows is scored
+no offset        cold; its own mean error over all that is scored is taken off, which no device knows beforehand";
+
+/// How the interval since something was told did.
+pub fn held(since: &str, interval: &Coverage) -> String {
+    format!(
+        "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average (the smallest constant that holds as often: {:.3} µm)",
+        interval.covered_percent, interval.half_width_um, interval.best_constant_um
+    )
+}
+
+/// Why the errors on a log say little of the table, and what to look at.
+pub fn suspicion(suspicion: &Suspicion) -> String {
+    match suspicion {
+        Suspicion::Another { evidence: all } => format!(
+            "is it the actuator that the table was learnt from, and are unit, sign and columns right (--columns, --sensor)? {}",
+            all.iter().map(evidence).collect::<Vec<_>>().join("; ")
+        ),
+        Suspicion::Constant { offset_um, mae_um, without_um } => format!(
+            "a constant {offset_um:+.3} µm is most of the error of {mae_um:.3} µm, and without it {without_um:.3} µm are left: was the sensor \
+             zeroed anew, or has it drifted? `--told one-cycle` or `--zero-at <S>`, for <S> a time at which it is known, takes it off"
+        ),
+    }
+}
+
+fn evidence(evidence: &Evidence) -> String {
+    match evidence {
+        Evidence::Beyond { percent } => {
+            format!("the voltage is beyond what the table was learnt on {percent:.0} % of the time")
+        }
+        Evidence::Span { measured_um, estimated_um } => format!(
+            "the sensor goes over {measured_um:.3} µm where the table says {estimated_um:.3} µm of the same voltages"
+        ),
+        Evidence::Error { percent, training_um } => format!(
+            "without any constant the error is {percent:.1} % of the stroke, and it was {training_um:.3} µm in training"
+        ),
+        Evidence::Interval { held_percent } => {
+            format!("the ± holds the sensor {held_percent:.1} % of the time, and says 95 %")
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! How good an identification is, and what comes next, in words.
+
+use super::paste::{quoted, typed};
+use identification::{Doubt, Outcome};
+use recordings::prepare::Recipe;
+use std::path::Path;
+
+/// How good it is, in plain words.
+pub fn verdict(outcome: &Outcome) -> Vec<String> {
+    let candidate = outcome.candidate();
+    let mut sentences =
+        vec![format!("Model: {}, since {}", candidate.table.model(), findings::reason(&outcome.reason))];
+    if let Some(held_out) = candidate.held_out_figures() {
+        sentences.push(format!(
+            "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
+             sensor ({:.2} % of the {:.1} µm stroke) and never further than {:.3} µm.",
+            held_out.mae_um,
+            held_out.mae_percent,
+            held_out.stroke_um,
+            held_out.max_um
+        ));
+        if held_out.mae_without_offset_um < 0.8 * held_out.mae_um {
+            sentences.push(format!(
+                "Without a constant offset of {:+.3} µm (drift, creep, or where the session started) it is {:.3} µm ({:.2} %).",
+                held_out.offset_um,
+                held_out.mae_without_offset_um,
+                held_out.mae_without_offset_percent
+            ));
+        }
+    } else if let Some(training) = candidate.training_figures() {
+        sentences.push(format!(
+            "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke); on \
+             other data it was not tested.",
+            training.mae_um,
+            training.mae_percent
+        ));
+    }
+    sentences.push(findings::proven(&candidate.table));
+    sentences.push(format!("{}.", zeros(&outcome.context.recipe)));
+    sentences.push(format!("On the board {}.", bench::time(&candidate.table)));
+    if let Some(not_found) = bench::wire_not_found(&candidate.table) {
+        sentences.push(format!("On the board {not_found}."));
+    }
+    sentences
+}
+
+/// Zeros and delay in words.
+pub fn zeros(recipe: &Recipe) -> String {
+    format!(
+        "{:.4} V and {:.4} µm are the model's zero; the sensor's delay is taken as {:.2} ms",
+        recipe.voltage_zero_v,
+        recipe.displacement_zero_um,
+        f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3
+    )
+}
+
+/// What comes after a table was written to a folder: what to mend where a doubt is grave, which stand first.
+pub fn next(doubts: &[Doubt], folder: &Path) -> String {
+    let folder = quoted(&folder.display().to_string());
+    if doubts.first().is_some_and(Doubt::grave) {
+        return "Next: mend what the first doubt names, and identify again; until then the table belongs on no board. report.html shows the errors"
+            .to_owned();
+    }
+    let board = Some(typed("--board")).filter(|typed| !typed.is_empty()).unwrap_or(" --board board.toml".to_owned());
+    format!(
+        "Next: look at report.html; try the table on another recording with `piezo validate {folder}/table.toml LOG`; put it on a board \
+         with `piezo install {folder}{board} --port auto`"
+    )
+}
+
+/// The doubts, the gravest first, or that there is none.
+pub fn doubts(doubts: &[Doubt]) -> String {
+    if doubts.is_empty() {
+        return "No doubt was found. That is no proof: an actuator that is warmer, aged, differently loaded, or driven in another way than in \
+                these logs may behave otherwise."
+            .to_owned();
+    }
+    let said = doubts.iter().map(|doubt| format!("\n- {}", findings::doubt(doubt)));
+    format!("When not to trust it:{}", said.collect::<String>())
+}

@@ -1,0 +1,127 @@
+//! Why the figures of a log say little of the table: the log is of another actuator, or read in another unit, or its sensor has
+//! another zero.
+
+use crate::compare::Comparison;
+use crate::scope::Scope;
+use crate::told::Told;
+use estimator_core::Table;
+use log_survey::range;
+use serde::Serialize;
+
+/// A reason to look at the log before its figures are believed.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+#[serde(tag = "suspicion", rename_all = "kebab-case")]
+pub enum Suspicion {
+    /// The log does not go with the table, whatever constant is taken off.
+    Another {
+        /// What speaks for it.
+        evidence: Vec<Evidence>,
+    },
+    /// A constant is most of the error.
+    Constant {
+        /// Median of estimate − sensor, µm.
+        offset_um: f64,
+        /// Mean absolute error, µm.
+        mae_um: f64,
+        /// The same without the offset, µm.
+        without_um: f64,
+    },
+}
+
+/// What speaks for another actuator, unit or column.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+#[serde(tag = "evidence", rename_all = "kebab-case")]
+pub enum Evidence {
+    /// Most of the voltage lies beyond what the table was learnt on.
+    Beyond {
+        /// Part of what is scored, %.
+        percent: f64,
+    },
+    /// The sensor goes over much more or much less than the table says of the same voltages.
+    Span {
+        /// What the sensor goes over, µm.
+        measured_um: f64,
+        /// What the estimate does, µm.
+        estimated_um: f64,
+    },
+    /// The error is large even without an offset.
+    Error {
+        /// Mean absolute error without the offset, % of the log's stroke.
+        percent: f64,
+        /// Mean absolute error in the table's training, µm.
+        training_um: f64,
+    },
+    /// The interval holds the sensor far less often than it says, wherever the displacement was told.
+    Interval {
+        /// How often it does, %, at best.
+        held_percent: f64,
+    },
+}
+
+/// An interval that says 95 % and holds less than this, %, does not hold on this log.
+const HELD: f64 = 50.0;
+/// A larger error without its offset, % of the log's stroke,
+const ERROR: f64 = 10.0;
+/// and than so many times that of the training.
+const TIMES: f64 = 3.0;
+/// Spans that differ by this factor are not one actuator's.
+const SPAN: f64 = 1.5;
+/// Part of the table's limits that a log goes over, at least, where its stroke says something.
+const MOVES: f64 = 0.03;
+/// Part of what is scored beyond the table's voltages, %.
+const BEYOND: f64 = 50.0;
+/// The error without its offset is at most this part of one that is mostly offset.
+const WITHOUT: f64 = 0.3;
+/// An offset that matters: of the stroke, %.
+const MATTERS: f64 = 1.0;
+
+impl Suspicion {
+    /// Of a log against a table, by what was told and what is scored; `None` where nothing is suspicious.
+    pub fn of(comparison: &Comparison, table: &Table, scope: &Scope, told: Told) -> Option<Self> {
+        let evidence = evidence(comparison, table);
+        if !evidence.is_empty() {
+            return Some(Self::Another { evidence });
+        }
+        let zeroed = scope.zero_at_s.is_some() || matches!(told, Told::OneCycle | Told::Offset);
+        let figures = comparison.told.get(told).filter(|_| !zeroed)?;
+        let (offset_um, mae_um, without_um) = (figures.offset_um, figures.mae_um, figures.mae_without_offset_um);
+        (without_um < WITHOUT * mae_um && figures.mae_percent > MATTERS).then_some(Self::Constant {
+            offset_um,
+            mae_um,
+            without_um,
+        })
+    }
+}
+
+fn evidence(comparison: &Comparison, table: &Table) -> Vec<Evidence> {
+    let (from_s, to_s) = comparison.scored_s;
+    let trace = &comparison.trace;
+    let scored: Vec<usize> = (0..trace.time_s.len()).filter(|&k| (from_s..=to_s).contains(&trace.time_s[k])).collect();
+    let known: Vec<usize> =
+        scored.iter().copied().filter(|&k| table.voltage_range_v.contains(trace.voltage[k] as f32)).collect();
+    let span = |of: &[f64], at: &[usize]| range(&at.iter().map(|&k| of[k]).collect::<Vec<_>>());
+    let least_um = MOVES * f64::from(table.displacement_limits_um.span());
+    let mut found = Vec::new();
+    let percent = 100.0 - 100.0 * known.len() as f64 / scored.len().max(1) as f64;
+    if percent > BEYOND {
+        found.push(Evidence::Beyond { percent });
+    } else {
+        let (measured_um, estimated_um) = (span(&trace.measured, &known), span(&trace.estimated, &known));
+        let (less, more) = (measured_um.min(estimated_um), measured_um.max(estimated_um));
+        if more > least_um && more > SPAN * less {
+            found.push(Evidence::Span { measured_um, estimated_um });
+        }
+    }
+    let (figures, training_um) = (comparison.told.offset, f64::from(table.provenance.train_mae_um));
+    // Of an actuator that rests the error is a large part of next to nothing.
+    let large = figures.mae_without_offset_percent > ERROR && figures.mae_without_offset_um > TIMES * training_um;
+    if large && span(&trace.measured, &scored) > least_um {
+        found.push(Evidence::Error { percent: figures.mae_without_offset_percent, training_um });
+    }
+    // A sensor that was zeroed anew spoils the one since the first reading, a transient in the first cycle the other.
+    let held = comparison.interval_one_cycle.map(|since_cycle| {
+        comparison.interval.map_or(0.0, |since| since.covered_percent).max(since_cycle.covered_percent)
+    });
+    found.extend(held.filter(|&percent| percent < HELD).map(|held_percent| Evidence::Interval { held_percent }));
+    found
+}

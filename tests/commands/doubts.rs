@@ -1,0 +1,131 @@
+//! What `identify` refuses to learn from, what it doubts, and what it says comes next.
+
+use super::{json, piezo, refused, text};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A log at 200 Hz of this voltage and displacement at a time, s.
+fn log(folder: &Path, name: &str, header: &str, rows: u32, of: impl Fn(u32) -> (f64, f64)) -> PathBuf {
+    let row = |k: u32| format!("{:.4},{:.5},{:.5}\n", f64::from(k) * 0.005, of(k).0, of(k).1);
+    let path = folder.join(name);
+    fs::write(&path, format!("{header}\n{}", (0..rows).map(row).collect::<String>())).unwrap();
+    path
+}
+
+const COLUMNS: &str = "time_s,voltage_V,displacement_um";
+
+/// Noise of a standard deviation of 1, the same in every run.
+fn noise(k: u32) -> f64 {
+    let draw = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1u32 << 24);
+    (0..12).map(|n| draw(12 * k + n + 1)).sum::<f64>() - 6.0
+}
+
+/// Sine of 1 Hz, 0 … 40 V.
+fn sine(k: u32) -> f64 {
+    20.0 - 20.0 * (std::f64::consts::TAU * f64::from(k) * 0.005).cos()
+}
+
+#[test]
+fn a_log_without_a_reversal_or_of_noise_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let ramp = log(folder.path(), "ramp.csv", COLUMNS, 49, |k| (f64::from(k), 0.3 * f64::from(k) + 0.01 * noise(k)));
+    refused(&["identify", text(&ramp), "--out", text(&out)], &["ramp: the voltage never reverses", "several cycles"]);
+    let rest = log(folder.path(), "rest.csv", COLUMNS, 2000, |k| (1.0 + 0.005 * noise(k + 9_000), 0.005 * noise(k)));
+    refused(
+        &["identify", text(&rest), "--out", text(&out)],
+        &["rest: the displacement is noise", "did the actuator rest"],
+    );
+    assert!(!out.join("table.toml").exists(), "nothing may be written");
+}
+
+fn identified(log: &Path, options: &[&str]) -> String {
+    let out = log.with_extension("out");
+    let output = piezo().arg("identify").arg(log).args(["--model", "voigt", "--out"]).arg(out).args(options).assert();
+    String::from_utf8(output.success().get_output().stdout.clone()).unwrap()
+}
+
+#[test]
+fn a_model_that_is_no_better_than_a_straight_line_is_doubted_and_led_to_no_board() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = log(folder.path(), "line.csv", COLUMNS, 2000, |k| (sine(k), 0.3 * sine(k) + 0.2 * noise(k)));
+    let said = identified(&line, &["--devices", "0"]);
+    assert!(
+        said.contains("When not to trust it:\n- the model is off by")
+            && said.contains("no better than a straight line"),
+        "{said}"
+    );
+    assert!(said.contains("Next: mend what the first doubt names") && !said.contains("piezo install"), "{said}");
+    assert!(
+        said.contains("no simulated device was asked for (--devices 0)") && !said.contains("none could be learnt"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_wide_interval_is_a_doubt_and_extremum_terms_have_a_determination() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = text(&super::data("instruments/truth.csv")).to_owned();
+    let found = json(
+        piezo()
+            .args(["identify", &truth, "--model", "enhanced", "--devices", "4", "--json", "--out"])
+            .arg(folder.path()),
+    );
+    let doubts: Vec<&Value> = found["doubts"].as_array().unwrap().iter().map(|doubt| &doubt["doubt"]).collect();
+    assert_eq!(doubts[0], "wide-interval", "{doubts:?}");
+    assert_eq!(found["determination"]["found"].as_array().map(Vec::len), Some(6), "{}", found["determination"]);
+}
+
+#[test]
+fn a_unit_that_is_wrong_by_a_thousand_is_the_first_doubt() {
+    let folder = tempfile::tempdir().unwrap();
+    let loop_of = |k: u32| (sine(k), 0.3 * sine(k.saturating_sub(8)) + 0.01 * noise(k));
+    let wrong = log(folder.path(), "mv.csv", "time_s,voltage_mV,displacement_um", 2000, loop_of);
+    let said = identified(&wrong, &["--devices", "0"]);
+    let first = said.split("When not to trust it:\n- ").nth(1).unwrap_or_else(|| panic!("no doubts in {said}"));
+    assert!(
+        first.starts_with("the displacement goes over") && first.contains("which is no piezo actuator's"),
+        "{first}"
+    );
+    assert!(!said.contains("piezo install"), "{said}");
+    let right = log(folder.path(), "v.csv", COLUMNS, 2000, loop_of);
+    let good = identified(&right, &["--devices", "0"]);
+    assert!(good.contains("/table.toml LOG`; put it on a board with `piezo install "), "{good}");
+}
+
+#[test]
+fn a_training_log_that_another_program_has_written_is_not_held_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let [truth, point] = ["instruments/truth.csv", "instruments/german_point.csv"].map(super::data);
+    let says = ["german_point.csv: holds the samples of the training log", "truth.csv", "--hold-out"];
+    let out = text(folder.path());
+    refused(&["identify", text(&truth), "--validate-on", text(&point), "--out", out], &says);
+    refused(&["identify", text(&truth), text(&point), "--out", out], &says);
+}
+
+#[test]
+fn a_picture_of_a_log_is_not_named_after_another_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = folder.path().join("log.png");
+    refused(&["look", super::MEASURED, "--out", text(&png)], &["log.png: the picture is SVG", ".svg"]);
+    assert!(!png.exists());
+}
+
+#[test]
+fn a_sensor_s_scale_is_for_the_logs_in_volts_among_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let [truth, volts] = ["instruments/truth.csv", "instruments/sensor_in_volts.csv"].map(super::data);
+    let out = text(folder.path());
+    // They are one recording, which is found once both are read.
+    let both = ["identify", text(&truth), "--validate-on", text(&volts), "--sensor", "10um/V", "--out", out];
+    refused(&both, &["sensor_in_volts.csv: holds the samples of the training log"]);
+    refused(&["identify", text(&truth), "--sensor", "10um/V", "--out", out], &["is in um", "leave --sensor out"]);
+}
+
+#[test]
+fn a_channel_without_a_unit_may_be_the_sensor_s_volts_first() {
+    let saleae = super::data("instruments/saleae.csv");
+    let said = refused(&["look", text(&saleae)], &["displacement=3:<N>um/V", "displacement=3:um"]);
+    assert!(said.find("<N>um/V") < said.find("displacement=3:um"), "{said}");
+}
