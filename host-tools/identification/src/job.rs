@@ -92,8 +92,9 @@ pub enum JobError {
     Prepare(#[from] PrepareError),
     /// A log is to be fitted to twice, or held out, too.
     #[error(
-        "{}: holds the {} the training log {}{}", log.display(), if *rewritten { "samples of" } else { "same bytes as" },
-        training.display(), if *rewritten { ", written by another program" } else { "" }
+        "{}: {} {}", log.display(),
+        if *rewritten { "holds the samples of the training log, written by another program," } else { "holds the same bytes as the training log" },
+        training.display()
     )]
     SameLog {
         /// The log that is held out, or fitted to as well.
