@@ -126,7 +126,7 @@ impl Watch {
         }
     }
 
-    /// Whether nothing lasts that an estimate [suffers](suffers) from.
+    /// Whether nothing lasts that an estimate [`suffers`] from.
     pub fn sound(&self) -> bool {
         !suffers(self.found)
     }

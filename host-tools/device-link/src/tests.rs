@@ -78,9 +78,11 @@ fn a_bias_that_is_told_is_added_and_its_age_is_known() {
     assert!(health.bias_um == 1.5 && health.bias_age_ticks.is_some(), "{health:?}");
     let Err(LinkError::Refused { refusal, .. }) = client.set_zero(1e6) else { panic!() };
     assert!(matches!(*refusal, Refusal::BeyondSpan { span_um } if span_um > 0.0), "{refusal}");
-    client.set_mode(Mode::Estimate).unwrap();
-    let health = client.health().unwrap();
-    assert_eq!((health.bias_um, health.bias_age_ticks), (0.0, None), "the estimate starts anew without");
+    for (mode, bias_um) in [(Mode::Estimate, 1.5), (Mode::Pause, 0.0)] {
+        client.set_mode(mode).unwrap();
+        let health = client.health().unwrap();
+        assert_eq!((health.bias_um, health.bias_age_ticks.is_some()), (bias_um, bias_um > 0.0), "{mode:?}");
+    }
 }
 
 #[test]
