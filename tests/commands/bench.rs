@@ -9,6 +9,7 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 pub struct Emulated {
     process: Child,
     pub port: String,
+    pub next: String,
     lines: Lines<BufReader<ChildStdout>>,
 }
 
@@ -25,7 +26,7 @@ impl Emulated {
         // The command that is to be typed next.
         let next = lines.by_ref().map(Result::unwrap).find(|line| line.contains("--port tcp:")).unwrap();
         let port = next.split(' ').find(|word| word.starts_with("tcp:")).unwrap().to_owned();
-        Self { process, port, lines }
+        Self { process, port, next, lines }
     }
 
     /// The next line that it prints.
@@ -132,7 +133,9 @@ fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
     let narrow = [&["install", "tests/data/table/table.toml"], &link[..]].concat();
     refused(&narrow, &["2.1 % of what the board's ADC reads", "--voltage-scale", "--narrow"]);
     let looked_at = piezo().args(&narrow).arg("--dry-run").assert().success().get_output().stdout.clone();
-    assert!(String::from_utf8(looked_at).unwrap().contains("but would be refused; nothing was written"));
+    let looked_at = String::from_utf8(looked_at).unwrap();
+    assert!(looked_at.contains("but would be refused; nothing was written"), "{looked_at}");
+    assert!(looked_at.contains(" as calibrated for this board; made from 61a7024e)"), "{looked_at}");
     let install = [&narrow[..], &["--narrow"]].concat();
     let line = [&["install", "--line", "--dry-run"], &link[..]].concat();
     let line = piezo().args(&line).assert().success().get_output().stdout.clone();

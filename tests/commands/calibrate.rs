@@ -77,6 +77,7 @@ fn typed(arguments: &[&str], instrument: &str, emulated: &mut Emulated) -> Strin
 fn two_readings_make_a_file_that_says_how_the_board_is_wired() {
     let folder = tempfile::tempdir().unwrap();
     let (board, mut emulated) = wired_otherwise(folder.path(), "1");
+    assert!(emulated.next.ends_with(&format!("--board {board} --drive-to 10:90")), "{}", emulated.next);
     let before = std::fs::read_to_string(&board).unwrap();
     let driven = ["--board", &*board, "--drive-to", "10:90"];
     // Known before, and nothing is written.

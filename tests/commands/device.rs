@@ -38,6 +38,8 @@ fn a_port_that_is_not_there_is_named_with_what_to_do() {
     let socket = format!("tcp:{free}");
     for verb in VERBS {
         refused(&[verb, &["--port", text(&port)]].concat(), &["ttyACM7", "no such port", "port"]);
+        let meant = ["127.0.0.1:4740: there is no such port", "--port tcp:127.0.0.1:4740", "port"];
+        refused(&[verb, &["--port", "127.0.0.1:4740"]].concat(), &meant);
         refused(&[verb, &["--port", &socket]].concat(), &[&socket, "nothing listens", "cargo xtask emulate"]);
         refused(&[verb, &["--port", "tcp:nowhere"]].concat(), &["tcp:HOST:PORT"]);
         // Never without a port: a test finds no board that is plugged in.

@@ -40,7 +40,7 @@ pub use described::{beyond_training, caveats, describe, held, time, title, wire_
 pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
-pub use install::{for_board, install, refusals, rehearsal};
+pub use install::{for_board, install, made_from, refusals, rehearsal};
 pub use loan::FORMER;
 pub use log::{Session, session};
 pub use other_range::OtherRange;

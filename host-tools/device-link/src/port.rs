@@ -41,7 +41,7 @@ impl FromStr for Address {
         };
         match socket.rsplit_once(':') {
             Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(Self::Tcp(socket.to_owned())),
-            _ => Err("expected tcp:HOST:PORT, as tcp:127.0.0.1:4444".to_owned()),
+            _ => Err("expected tcp:HOST:PORT, as tcp:127.0.0.1:4740".to_owned()),
         }
     }
 }

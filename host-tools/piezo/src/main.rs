@@ -142,7 +142,7 @@ enum Verb {
     Erase(erase::Erase),
     /// Logs through the device's tick, compared bit for bit with the host (processor in the loop).
     #[command(
-        after_help = "Example: piezo pil out/board/table.toml tests/data/picma-p885-1hz.csv --port tcp:127.0.0.1:4444"
+        after_help = "Example: piezo pil out/board/table.toml tests/data/picma-p885-1hz.csv --port tcp:127.0.0.1:4740"
     )]
     Pil(pil::Pil),
     /// Restarts the device.

@@ -26,12 +26,8 @@ impl Overwrite {
 
     /// Refuses to write over what was measured once: nobody can measure it again.
     pub fn of_measurement(self, path: &Path) -> Result<()> {
-        ensure!(
-            self.force || !path.metadata().is_ok_and(|of| of.is_file() && of.len() > 0),
-            "{}: is there already, and no measurement is written over: name another with --out, or lose it with --force",
-            path.display()
-        );
-        Ok(())
+        let free = self.force || !path.metadata().is_ok_and(|of| of.is_file() && of.len() > 0);
+        free.then_some(()).with_context(|| remedy::kept(path))
     }
 }
 

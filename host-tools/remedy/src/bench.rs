@@ -4,8 +4,8 @@ use super::bits::faults;
 use super::device::too_long;
 use super::paste::{quoted, typed, with};
 use bench::calibrate::CalibrationError;
-use bench::{AnotherBoard, BenchError, BoardFileError, Complaint, WiringError};
-use emulator::EmulatorError;
+use bench::{AnotherBoard, BenchError, BoardFileError, Complaint, Wiring, WiringError};
+use emulator::{Bench, EmulatorError};
 use estimator_core::table::Misfit;
 use excitation::ExcitationError;
 use protocol::Faults;
@@ -51,6 +51,28 @@ pub fn complaint(complaint: &Complaint) -> String {
 
 /// What a drive by a calibration that is wrong ends with, while that is what is to be calibrated.
 const NEAR: &str = "--drive-to needs a calibration that is right to some 5 % already: else calibrate by hand first, without --drive-to";
+
+/// A calibration reads as far from the range's ends, of it.
+const INNER: f32 = 0.1;
+
+/// What an emulated bench is, and what to type next, to learn from it or else to calibrate it, by these options.
+pub fn introduced(bench: &Bench, wiring: &Wiring, learns: bool, options: &str) -> (String, String) {
+    let (limits, sensor) = (wiring.drive().limits, wiring.sensor);
+    let range = limits.range_v;
+    let described = format!(
+        "Its DAC drives an amplifier of {} … {} V ({} V/s, rest at {} V), its ADC reads that voltage and a sensor of {} … {} µm beside an actuator \
+         with a stroke of {:.1} µm",
+        range.min, range.max, limits.slew_v_per_s, limits.rest_v, sensor.zero_um, sensor.full_um, bench.stroke_um
+    );
+    // Nobody sets its voltage by hand: the board drives there.
+    let inner = INNER * range.span();
+    let (low, high) = (range.min + inner, range.max - inner);
+    let next = match learns {
+        true => format!("from board and sensor to a proven table:\n\n    piezo learn {options} --out p885"),
+        false => format!("measure what it is wired with:\n\n    piezo calibrate {options} --drive-to {low}:{high}"),
+    };
+    (described, next)
+}
 
 /// Whether this verb was typed.
 pub(super) fn verb(name: &str) -> bool {

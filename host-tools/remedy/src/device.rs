@@ -131,6 +131,10 @@ pub(super) fn link(error: &LinkError) -> String {
 
 fn port(error: &PortError) -> String {
     match error {
+        // A socket's address is no port's name.
+        PortError::Missing { port, .. } if format!("tcp:{port}").parse::<Address>().is_ok() => {
+            format!("{error}; a socket's is --port tcp:{port}")
+        }
         PortError::NoBoard { .. } => format!(
             "{error}. Is the cable one for data, and at the connector of the probe (USB ST-LINK)? Is the lamp LD1 lit? Another \
              serial port is named with --port, an emulated board with --port tcp:HOST:PORT"

@@ -16,6 +16,10 @@ use std::path::Path;
 use table_files::{OtherFace, TableFileError};
 use thesis::ThesisError;
 
+/// What Ctrl-C does while learn identifies.
+pub const ENDS: &str = "Ctrl-C: it ends when this part has, and a second Ctrl-C ends it at once. What was recorded is kept: the same line learns \
+                        from it";
+
 /// The error with its remedy, if it is one of these.
 pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
     error

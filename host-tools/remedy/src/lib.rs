@@ -12,13 +12,14 @@ mod supply;
 mod verdict;
 mod waveform;
 
-pub use bench::{complaint, identify, stopped};
+pub use bench::{complaint, identify, introduced, stopped};
 pub use bits::{Meaning, faults, remarks, status};
 pub use device::{board, not_estimating, refusal, rehearsed};
 pub use findings::{
     DETERMINED, calibrated, determination, doubt, doubt_json, interval, proven, reason, remark, surveyed,
 };
-pub use identification::mismatch;
+pub use identification::{ENDS, mismatch};
+pub use log::kept;
 pub use paste::{learn_from, quoted};
 pub use proof::{narrow, other_range, unproven};
 pub use supply::supply;

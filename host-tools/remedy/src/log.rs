@@ -126,3 +126,11 @@ pub fn prepare(error: &PrepareError) -> String {
         PrepareError::NoDisplacement { .. } => error.to_string(),
     }
 }
+
+/// What is said of a recording in a result's place.
+pub fn kept(path: &Path) -> String {
+    format!(
+        "{}: is there already, and no measurement is written over: name another with --out, or lose it with --force",
+        path.display()
+    )
+}

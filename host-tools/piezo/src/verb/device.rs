@@ -47,7 +47,10 @@ pub fn fits_unwritten(name: &Path, table: &Admitted, identity: &Identity, refuse
 
 /// A table as a sentence names it: by its file, its model, and its checksum.
 pub fn called(name: &Path, table: &Admitted) -> String {
-    let (name, title, checksum) = (name.display(), bench::title(table), checksum(&to_record(table)));
+    let own = checksum(&to_record(table));
+    let from = bench::made_from(name).map(|record| checksum(&record)).filter(|from| *from != own);
+    let from = from.map_or(String::new(), |from| format!(" as calibrated for this board; made from {from}"));
+    let (name, title, checksum) = (name.display(), bench::title(table), own + &from);
     match bench::is_line(table) {
         true => format!("{name} (checksum {checksum})"),
         false => format!("{name} ({title}, checksum {checksum})"),

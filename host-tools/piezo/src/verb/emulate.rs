@@ -67,7 +67,6 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         Some(wired) => Wiring::new(&BoardFacts::read(wired)?, TICK_US).with_context(|| wired.display().to_string())?,
         None => wiring.clone(),
     };
-    let (sensor, drive) = (wiring.sensor, wiring.drive());
     let bench = emulated(&truth, arguments.device, arguments.seed);
     // The sensor's display counts from where its scale does.
     let display_um = truth.sensor.zero_um - bench.sensor_um.map_or(0.0, |(zero, _)| zero);
@@ -79,38 +78,24 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         Some(path) => emulator.flash(FileFlash::open(path, &erased)?).start()?,
         None => emulator.flash(RamFlash::new(erased)).start()?,
     };
-    let (port, range) = (device.address(), drive.limits.range_v);
+    let port = device.address();
     let kept = match &arguments.flash {
         Some(path) => format!("Its tables are kept in {}.", path.display()),
         None => "Its tables are gone when it ends.".to_owned(),
     };
-    let next = match &arguments.wired {
-        Some(_) => format!("measure what it is wired with:\n\n    piezo calibrate --port tcp:{port} --board {board}"),
-        None => format!(
-            "from board and sensor to a proven table:\n\n    piezo learn --port tcp:{port} --board {board} --out p885"
-        ),
+    let wired = match (&arguments.wired, written) {
+        (Some(wired), _) => format!("is what is believed; it is wired as {} says", wired.display()),
+        (None, true) => "was written, and says how it is wired".to_owned(),
+        (None, false) => "was there, and says how it is wired".to_owned(),
     };
+    let (described, next) =
+        remedy::introduced(&bench, &wiring, arguments.wired.is_none(), &format!("--port tcp:{port} --board {board}"));
     out(&format!(
         "An emulated board, its firmware as on a real one; {} s of it pass in a second. {kept} Ctrl-C ends it.\n\
-         Its DAC drives an amplifier of {} … {} V ({} V/s, rest at {} V), its ADC reads that voltage and a sensor of {} … {} µm \
-         beside an actuator with a stroke of {:.1} µm ({}; seed {}).\n\
-         {board} {}.\n\
-         In another terminal, {next}",
+         {described} ({}; seed {}).\n{board} {wired}.\nIn another terminal, {next}",
         arguments.speed,
-        range.min,
-        range.max,
-        drive.limits.slew_v_per_s,
-        drive.limits.rest_v,
-        sensor.zero_um,
-        sensor.full_um,
-        bench.stroke_um,
         arguments.device.name(),
-        arguments.seed,
-        match (&arguments.wired, written) {
-            (Some(wired), _) => format!("is what is believed; it is wired as {} says", wired.display()),
-            (None, true) => "was written, and says how it is wired".to_owned(),
-            (None, false) => "was there, and says how it is wired".to_owned(),
-        }
+        arguments.seed
     ));
     let mut readings = Readings::default();
     while !interrupt.wanted() {

@@ -124,6 +124,9 @@ fn part(words: Vec<String>, interrupt: &Interrupt, range: Option<Span>) -> Resul
     }
     out(&format!("\n$ piezo {typed}"));
     let mut part = parse(words)?;
+    // The other parts look for it themselves.
+    let _listens =
+        matches!(part.verb, Verb::Identify(_)).then(|| interrupt.then(|| eprintln!("piezo: {}", remedy::ENDS)));
     match &mut part.verb {
         Verb::Train(train) => train.of_learn = true,
         Verb::Identify(identify) => identify.of_learn = true,
