@@ -2,10 +2,12 @@
 //!
 //! ```text
 //! held = ticks with |e| ≤ ±, a ± that was stated, neither the voltage nor the estimate at a limit, and no voltage that leapt, of all
-//! PASS = mean |e| ≤ most  and, where the table states a ±,  held ≥ 90 %
+//! PASS = mean |e| ≤ most  and, where the table states a ±,  held ≥ 80 %
 //! ```
 //!
-//! The ± says 95 %, over recordings and devices; of one recording, whose errors are all of one piece, nine tenths are asked.
+//! The ± says 95 %, over recordings and devices. The errors of one recording are all of one piece: a ± that is as good as it says
+//! holds one recording in ten for less than nine tenths of its time (`identify` makes it so). So that hardly a sound table fails, four
+//! fifths are asked of one.
 //! A ± however wide holds the sensor; so the mean error must be small beside it in any case.
 
 use estimator_core::Status;
@@ -16,7 +18,7 @@ use validation::Figures;
 /// How often the table's ± says that it holds the sensor, %.
 pub const STATED_PERCENT: f64 = 95.0;
 /// How often it must hold it in one recording, %.
-const ENOUGH_PERCENT: f64 = 90.0;
+const ENOUGH_PERCENT: f64 = 80.0;
 /// The mean absolute error that passes where nothing else is asked for, % of the stroke.
 pub const MOST_PERCENT: f64 = 2.0;
 
@@ -134,14 +136,14 @@ impl fmt::Display for Verdict {
 mod tests {
     use super::*;
 
-    /// A hundred ticks over 10 µm, off by so much (µm), with this ±, and what the board says of the first eleven.
+    /// A hundred ticks over 10 µm, off by so much (µm), with this ±, and what the board says of the first 21.
     fn verdict(off_um: f64, half_width_um: impl Fn(usize) -> Option<f64>, odd: Status, most: Option<f64>) -> Verdict {
         let instants: Vec<Instant> = (0..100)
             .map(|k| Instant {
                 estimate_um: 0.1 * k as f64 + off_um,
                 sensor_um: 0.1 * k as f64,
                 half_width_um: half_width_um(k),
-                status: if k < 11 { odd } else { Status::empty() },
+                status: if k < 21 { odd } else { Status::empty() },
             })
             .collect();
         let (estimates, sensor): (Vec<f64>, Vec<f64>) =
@@ -167,10 +169,10 @@ mod tests {
         assert!(!verdict(0.1, wide, sound, None).to_string().contains("met"));
         assert!(verdict(1.0, wide, sound, Some(15.0)).passed);
         assert!(
-            !verdict(0.1, |k| (k >= 11).then_some(5.0), sound, None).passed,
-            "more than a tenth of the ticks state no ±"
+            !verdict(0.1, |k| (k >= 21).then_some(5.0), sound, None).passed,
+            "more than a fifth of the ticks state no ±"
         );
-        assert!(verdict(0.1, |k| (k >= 10).then_some(5.0), sound, None).passed, "a tenth may be outside");
+        assert!(verdict(0.1, |k| (k >= 20).then_some(5.0), sound, None).passed, "a fifth may be outside");
         for odd in [Status::CLAMPED, Status::VOLTAGE_OUT_OF_RANGE, Status::ADC_SATURATED, Status::SLEW_EXCEEDED] {
             assert!(!verdict(0.1, wide, odd, None).passed, "{odd:?}");
         }
