@@ -260,10 +260,12 @@ impl<'q> Tick<'q> {
         self.mode = mode;
         self.number = 0;
         self.decimation = Streamed::default();
-        self.watch = Watch::new(self.adc_full_scale);
         while self.queues.fed.dequeue().is_some() {}
         while self.queues.references.dequeue().is_some() {}
-        if !goes_on {
+        if goes_on {
+            self.watch.go_on();
+        } else {
+            self.watch = Watch::new(self.adc_full_scale);
             self.restart();
         }
         if let Some(setpoint) = &mut self.startup.setpoint {

@@ -126,6 +126,12 @@ impl Watch {
         }
     }
 
+    /// For another mode, into which a [sound](Self::sound) estimate goes on: forgets what was seen of a drive and its set-point.
+    pub fn go_on(&mut self) {
+        (self.setpoint.last, self.setpoint.same, self.setpoint.saturated) = (None, 0, 0);
+        (self.astray, self.found, self.hold) = (0, Faults::empty(), 0);
+    }
+
     /// Whether nothing lasts that an estimate [`suffers`] from.
     pub fn sound(&self) -> bool {
         !suffers(self.found)

@@ -6,6 +6,7 @@ use common::driven::{Bench, REST, STRIDE};
 use common::{FACTS, SETPOINT, linearising, started};
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Table};
 use firmware::drive::REFERENCE_TIMEOUT_TICKS;
+use firmware::queues::Command;
 use firmware::restarts::Restarts;
 use firmware::setpoint::CALM_TICKS;
 use firmware::startup::Startup;
@@ -217,4 +218,22 @@ fn a_board_that_gives_no_code_stays_at_rest() {
     for _ in 0..3 * CALM_TICKS {
         assert_eq!(device.bench.step().0, REST);
     }
+}
+
+/// Of the set-point nothing is estimated: a controller that is off for a while takes no zero with it.
+#[test]
+fn a_set_point_that_fails_and_comes_back_leaves_the_zero_alone_and_a_monitor_s_end_does_not() {
+    let mut device = Controlled::new(false, &FACTS, false);
+    device.run(10);
+    device.bench.link.queues.commands.enqueue(Command::SetZero { at_um: 2.0 }).unwrap();
+    device.run(10);
+    device.bench.set(Mode::Linearise);
+    device.run(2 * CALM_TICKS);
+    let told = |device: &Controlled| device.bench.link.telemetry.bias_age_ticks().is_some();
+    device.wants = AdcCode(0);
+    assert!(device.run(2 * SATURATED).1.contains(Faults::SETPOINT) && told(&device));
+    device.wants = code(30.0);
+    assert!(!device.run(2 * HOLD).1.contains(Faults::SETPOINT) && told(&device));
+    (0..2 * SATURATED).for_each(|_| _ = device.step_with(AdcCode(0)));
+    assert!(!device.run(2 * HOLD).1.contains(Faults::ADC_SATURATED) && !told(&device));
 }

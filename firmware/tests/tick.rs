@@ -296,6 +296,19 @@ fn the_estimate_and_its_zero_go_on_from_mode_to_mode_unless_something_is_wrong()
     }
 }
 
+/// A host that sets modes again and again would otherwise never hear of it.
+#[test]
+fn a_monitor_that_stands_still_is_found_across_modes() {
+    let (mut tick, mut link) = tick(Some(&driving()), Faults::empty());
+    let mut stands = |link: &mut LinkEnd, ticks: std::ops::Range<u32>| {
+        ticks.for_each(|k| _ = tick.sample(triangle(7).into(), k * PERIOD));
+        link.telemetry.faults().contains(Faults::ADC_STUCK)
+    };
+    assert!(!stands(&mut link, 0..STUCK - 10));
+    link.queues.commands.enqueue(Command::SetMode(Mode::Estimate)).unwrap();
+    assert!(stands(&mut link, STUCK - 10..STUCK + 10));
+}
+
 #[test]
 fn what_is_fed_counts_as_nothing_of_the_actuator() {
     let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());

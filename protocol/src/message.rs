@@ -59,20 +59,20 @@ pub enum Request {
     },
     /// Stream samples, or stop. → [`Reply::Done`]
     Stream(bool),
-    /// Tell the bias by a displacement that is known now, in [`Mode::Estimate`] and [`Mode::Excite`]; until the estimate
-    /// starts anew. → [`Reply::Done`]
+    /// Tell the bias by a displacement that is known now, in every mode but [`Mode::Pause`]; until the estimate starts anew.
+    /// → [`Reply::Done`]
     SetZero {
         /// What the displacement of now is called, µm; no larger than the span of the table's displacement limits.
         at_um: f32,
     },
-    /// Shift the bias, in [`Mode::Estimate`] and [`Mode::Excite`]; until the estimate starts anew. → [`Reply::Done`]
+    /// Shift the bias, in every mode but [`Mode::Pause`]; until the estimate starts anew. → [`Reply::Done`]
     ShiftBias {
         /// What is added to the displacement from now on, µm; no larger than the span of the table's displacement limits.
         by_um: f32,
     },
-    /// Change what the tick does, but for [`Mode::Waveform`]; the estimate starts anew, from rest, samples are counted from 0, and streaming ends. To a
-    /// device that follows its set-point, or waits for that, [`Mode::Linearise`] says nothing new and changes nothing.
-    /// → [`Reply::Done`]
+    /// Change what the tick does, but for [`Mode::Waveform`]; samples are counted from 0, and streaming ends. The estimate goes on from
+    /// one mode that [measures](Mode::measures) to another, unless a fault lasts; else it starts anew, from rest. To a device that
+    /// follows its set-point, or waits for that, [`Mode::Linearise`] says nothing new and changes nothing. → [`Reply::Done`]
     SetMode(Mode),
     /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]
     Feed(Codes),

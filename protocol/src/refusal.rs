@@ -18,7 +18,7 @@ pub enum Refusal {
     /// There is no table to send.
     #[error("it has no admissible table")]
     NoTable,
-    /// There is no displacement to tell the bias by: nothing is being estimated from the ADC.
+    /// There is no displacement to tell the bias by: it pauses, or has no table.
     #[error("it is not estimating")]
     NotEstimating,
     /// What the displacement is to be called, or to be shifted by, cannot be true.

@@ -50,7 +50,7 @@ pub struct Cold {
 /// A status bit, and how often it was raised from a log's beginning on.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Raised {
-    /// The bit.
+    /// What was raised: one bit of the status.
     pub bit: Status,
     /// At how many of the measured instants, %.
     pub percent: f64,
