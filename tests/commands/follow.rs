@@ -118,8 +118,34 @@ fn a_zero_outlives_what_is_followed_which_is_relative_to_the_model_s() {
 }
 
 #[test]
+fn a_log_that_is_there_is_in_no_dry_run_s_way_and_json_says_whether_it_passed() {
+    let device = driven(sound());
+    let folder = tempfile::tempdir().unwrap();
+    let (wanted, log) = (folder.path().join("wanted.csv"), folder.path().join("followed.csv"));
+    fs::write(&wanted, "time_s,displacement_um\n0.0,15\n0.1,20\n").unwrap();
+    fs::write(&log, "kept").unwrap();
+    let port = format!("tcp:{}", device.address());
+    let follow = |options: &[&str]| {
+        let mut command = piezo();
+        command.args(["follow", text(&wanted), "--out", text(&log), "--port", &port]).args(options).output().unwrap()
+    };
+    assert!(follow(&["--dry-run"]).status.success());
+    assert_eq!((follow(&[]).status.code(), fs::read_to_string(&log).unwrap().as_str()), (Some(2), "kept"));
+    let done = follow(&["--force", "--json"]);
+    let said: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!((said["passed"].as_bool(), done.status.code()), (Some(true), Some(0)), "{said}");
+}
+
+#[test]
+fn the_moment_in_which_a_speed_is_come_to_counts_neither_in_the_plan_nor_in_what_is_allowed() {
+    let (done, _) = followed(&|t| 15.0 + 100.0 * t.min(0.06), &["--max-error", "0.1"], sound());
+    let said = String::from_utf8(done.stdout).unwrap();
+    assert!(done.status.success() && said.contains("it begins at a speed"), "{said}");
+}
+
+#[test]
 fn a_fault_on_the_way_is_a_failure_and_the_log_is_kept() {
-    // Saturated from the 80th tick on at which the amplifier has moved, which is a fault after twenty.
+    // Saturated from the 80th tick on at which the amplifier has moved, which is a fault after twenty, on the way to the first point.
     let (mut amplifier, mut moved) = (sound(), 0);
     let rest = DRIVE.code(LIMITS.rest_v, TABLE.dac.full_scale);
     let breaks = move |dac| {
@@ -127,8 +153,10 @@ fn a_fault_on_the_way_is_a_failure_and_the_log_is_kept() {
         let conversion = amplifier.sample(dac);
         if moved < 80 { conversion } else { AdcCode(TABLE.adc.full_scale).into() }
     };
-    let (done, log) = followed_about(20.0, false, breaks);
+    let (done, log) = followed(&|t| 20.0 + 5.0 * (t * 20.0).sin(), &[], breaks);
+    let said = String::from_utf8(done.stdout).unwrap();
     assert_eq!(done.status.code(), Some(1));
+    assert!(said.contains("a fault sent the drive back") && !said.contains("never came near"), "{said}");
     // The way there begins slowly: some ticks have the code of the rest.
     let rows = log.unwrap().lines().count();
     assert!((100..110).contains(&rows), "{rows}");

@@ -36,6 +36,9 @@ pub struct Foreseen {
     /// Ticks of the way there.
     #[serde(rename = "approach_ticks")]
     pub begins: usize,
+    /// From which tick on errors count: a trajectory may begin at a speed that the displacement has only a moment later.
+    #[serde(skip)]
+    counts: usize,
     /// How far the model is off the trajectory, µm.
     pub off_um: f64,
     /// On how many ticks of the trajectory a limit is in the way; none where that leads nowhere off.
@@ -59,16 +62,16 @@ impl Foreseen {
         let plan = plan(table, &limits, &Trajectory(whole))?;
         let (near, of_it) = (near(table), &plan.limited[begins..]);
         let limited = of_it.iter().filter(|&&limited| limited).count();
-        let off_um = plan.round_trip(begins).map_or(0.0, |errors| errors.max_um);
-        // It may begin at a speed that the displacement has only a moment later: no longer than the voltage takes for its range.
+        // A moment is no longer than the voltage takes for its range.
         let tick_s: f64 = table.sample_period();
         let moment = of_it.len().min((f64::from(limits.range_v.span() / limits.slew_v_per_s) / tick_s) as usize);
-        let starts = of_it[..moment].iter().rposition(|&limited| limited).map_or(0, |last| last + 1);
-        if let Some(short) = plan.shortfall(begins + starts, allowed_um.unwrap_or(near)) {
+        let counts = begins + of_it[..moment].iter().rposition(|&limited| limited).map_or(0, |last| last + 1);
+        let off_um = plan.round_trip(counts).map_or(0.0, |errors| errors.max_um);
+        if let Some(short) = plan.shortfall(counts, allowed_um.unwrap_or(near)) {
             let (ticks, reach_um) = (of_it.len(), reach(table, &limits));
             return Err(WaveformError::OutOfReach { limited, ticks, off_um: short.most_um, reach_um });
         }
-        Ok(Self { plan, begins, off_um, limited: if off_um < near { 0 } else { limited } })
+        Ok(Self { plan, begins, counts, off_um, limited: if off_um < near { 0 } else { limited } })
     }
 
     /// What the device said of it in these samples.
@@ -82,10 +85,14 @@ impl Foreseen {
 
     /// How it was met by as many ticks, in words.
     pub fn told(&self, ticks: usize, met: Option<Met>) -> String {
+        let aside = match self.counts - self.begins {
+            0 => String::new(),
+            ticks => format!(" without its first {ticks} ticks, as it begins at a speed,"),
+        };
         match met {
             Some(Met { after_s, mae_um, max_um }) => format!(
                 "{ticks} ticks, the first {} of them from rest to where the trajectory begins; the estimate was {mae_um:.4} µm off the trajectory \
-                 on average, {max_um:.4} µm at most, and first met it after {after_s:.3} s",
+                 on average,{aside} {max_um:.4} µm at most, and first met it after {after_s:.3} s",
                 self.begins
             ),
             None => format!(
@@ -108,7 +115,7 @@ pub struct Reached {
 
 impl Display for Foreseen {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { plan, begins, off_um, limited } = self;
+        let Self { plan, begins, off_um, limited, .. } = self;
         write!(
             f,
             "{} ticks, the first {begins} of them from rest to where the trajectory begins; the device's model is {off_um:.4} µm off it at \
@@ -123,7 +130,7 @@ impl Display for Foreseen {
 pub struct Met {
     /// When it first was, s since the first reference.
     pub after_s: f64,
-    /// Mean of |estimate − wanted| over all of it, µm.
+    /// Mean of |estimate − wanted| over all of it that counts, µm.
     pub mae_um: f64,
     /// The largest, µm.
     pub max_um: f64,
@@ -164,9 +171,9 @@ pub fn csv(rows: &[Row]) -> String {
 }
 
 impl Met {
-    /// How the estimate met what was wanted behind a way there of so many ticks; `None` where it never did.
-    pub fn of(table: &Admitted, rows: &[Row], begins: usize) -> Option<Self> {
-        let begin_s = (begins as f64 + late(table) - 0.5) * table.sample_period::<f64>();
+    /// How the estimate met what was foreseen; `None` where it never did.
+    pub fn of(table: &Admitted, rows: &[Row], foreseen: &Foreseen) -> Option<Self> {
+        let begin_s = (foreseen.counts as f64 + late(table) - 0.5) * table.sample_period::<f64>();
         let met = &rows[rows.partition_point(|row| row.seconds < begin_s)..];
         let near = MET * f64::from(table.displacement_limits_um.span());
         let error = |row: &Row| (row.estimated - row.wanted).abs();

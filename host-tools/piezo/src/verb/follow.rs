@@ -30,7 +30,8 @@ pub struct Follow {
     /// and the voltage that the DAC stood for, as a log.
     #[arg(long)]
     pub out: Option<PathBuf>,
-    /// Stay at the last displacement instead of going back to rest.
+    /// Stay at the last displacement instead of going back to rest. The next `follow` goes
+    /// there first, as fast as the drive may.
     #[arg(long)]
     pub stay: bool,
     /// Plan it by the device's table, say what would come of it, and drive nothing.
@@ -59,7 +60,8 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let log = arguments.log.read_trajectory(&arguments.trajectory)?;
     // A log that cannot be written is no reason to have driven an actuator.
-    let file = arguments.out.as_deref().map(|path| beside(path, arguments)).transpose()?;
+    let out_file = arguments.out.as_deref().filter(|_| !arguments.dry_run);
+    let file = out_file.map(|path| beside(path, arguments)).transpose()?;
     let (mut client, _) = arguments.port.connect()?;
     let table = table::running(&mut client)?;
     require_model(&table)?;
@@ -78,13 +80,14 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let bar = progress(ticks as u64);
     let what = Play { mode: Mode::Follow, goes_on: None, references: &references, hold: arguments.stay, ticks };
     let mut samples = Vec::with_capacity(ticks);
-    let bias_um = client.health()?.bias_um.into();
     let followed = play(&mut client, &what, &interrupt, &mut |of| {
         samples.push(*of);
         bar.set_position(of.tick as u64 + 1);
         true
     });
     bar.finish_and_clear();
+    // A fault, or a mode that is set while one lasts, takes the bias away.
+    let health = client.health();
     // Whatever happened, it goes to rest, but where it is to stay.
     let rested = match (&followed, arguments.stay) {
         (Ok(followed), true) if followed.stopped.is_empty() => client.stream(false),
@@ -93,13 +96,13 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let followed = followed?;
     rested?;
     note_damage(&client);
-    let rows = rows(&table, &trajectory, &samples, bias_um);
+    let rows = rows(&table, &trajectory, &samples, health?.bias_um.into());
     if let (Some(mut file), Some(path)) = (file, &arguments.out) {
         let cannot = || format!("{}: cannot be written", path.display());
         file.write_all(csv(&rows).as_bytes()).with_context(cannot)?;
         file.commit().with_context(cannot)?;
     }
-    tell(arguments, &samples, &followed, Met::of(&table, &rows, foreseen.begins), &foreseen)
+    tell(arguments, &samples, &followed, Met::of(&table, &rows, &foreseen), &foreseen)
 }
 
 /// The file that becomes the log.
@@ -122,6 +125,7 @@ fn tell(
     let good = followed.stopped.is_empty() && followed.starved == 0 && met.is_some() && beyond.is_none();
     if arguments.json {
         let summary = json!({
+            "passed": good,
             "out": arguments.out,
             "ticks": followed.ticks,
             "samples": samples.len(),
@@ -129,6 +133,7 @@ fn tell(
             "stopped": followed.stopped.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
             "status": status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
             "approach_ticks": foreseen.begins,
+            "limited_ticks": limited,
             "met_after_s": met.map(|met| met.after_s),
             "estimate_off_mae_um": met.map(|met| met.mae_um),
             "estimate_off_max_um": met.map(|met| met.max_um),
@@ -136,7 +141,9 @@ fn tell(
         out(&serde_json::to_string_pretty(&summary)?);
         return Ok(good);
     }
-    out(&foreseen.told(followed.ticks, met));
+    if met.is_some() || followed.stopped.is_empty() {
+        out(&foreseen.told(followed.ticks, met));
+    }
     if let Some(path) = &arguments.out {
         out(&path.display().to_string());
     }
