@@ -102,6 +102,15 @@ fn a_training_log_that_another_program_has_written_is_not_held_out() {
     let out = text(folder.path());
     refused(&["identify", text(&truth), "--validate-on", text(&point), "--out", out], &says);
     refused(&["identify", text(&truth), text(&point), "--out", out], &says);
+    // A sixth of it, whichever of the two is named first.
+    let part = folder.path().join("part.csv");
+    let whole = fs::read_to_string(&truth).unwrap();
+    let rows: Vec<&str> = whole.lines().collect();
+    let sixth = rows.len() / 6;
+    fs::write(&part, [&rows[..1], &rows[2 * sixth..3 * sixth]].concat().join("\n") + "\n").unwrap();
+    let holds = ["holds the samples of the training log"];
+    refused(&["identify", text(&truth), "--validate-on", text(&part), "--out", out], &holds);
+    refused(&["identify", text(&part), "--validate-on", text(&truth), "--out", out], &holds);
 }
 
 #[test]

@@ -231,7 +231,10 @@ fn board(sh: &Shell) -> Result<()> {
 
 /// With a lock and crates of its own, which nothing else here is built with.
 fn html(sh: &Shell) -> Result<()> {
-    Ok(cmd!(sh, "cargo run --quiet --locked --manifest-path book/html/Cargo.toml --target-dir target/html").run()?)
+    let own = ["--manifest-path", "book/html/Cargo.toml"];
+    cmd!(sh, "cargo fmt {own...} --check").run()?;
+    cmd!(sh, "cargo clippy --quiet --locked {own...} --target-dir target/html -- -D warnings").run()?;
+    Ok(cmd!(sh, "cargo run --quiet --locked {own...} --target-dir target/html").run()?)
 }
 
 fn browser(sh: &Shell) -> Result<()> {

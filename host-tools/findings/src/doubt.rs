@@ -102,8 +102,8 @@ pub fn doubt(doubt: &Doubt) -> String {
              hysteresis that it could learn, or it is none for them; record the full range, slowly, or choose another --model"
         ),
         Doubt::WideInterval { half_um, percent } => format!(
-            "the ± beside the estimate is ±{half_um:.3} µm at least, {percent:.0} % of the stroke: from such logs other tables come that \
-             are as far off; record several amplitudes and frequencies over the full range, or choose another --model"
+            "the ± beside the estimate is ±{half_um:.3} µm at least, {percent:.0} % of the stroke: another table made from logs like these \
+             could be as far off; record several amplitudes and frequencies over the full range, or choose another --model"
         ),
         Doubt::ConverterSpan { converter } => format!(
             "the {} does not cover what the logs need: there the converter will stand at its end",

@@ -21,7 +21,9 @@ impl Job {
         for (at, training) in self.training.iter().enumerate() {
             let content = LogUse::new(training, Role::Training);
             let mut others = self.held_out.iter().chain(&self.training[at + 1..]);
-            if let Some(log) = others.find(|other| content.within(other).is_some()) {
+            // Either may be a part of the other.
+            let part = |other: &Log| LogUse::new(other, Role::Training).within(training).is_some();
+            if let Some(log) = others.find(|other| content.within(other).is_some() || part(other)) {
                 let (rewritten, log) = (log.sha256 != training.sha256, log.path.clone());
                 return Err(JobError::SameLog { log, training: training.path.clone(), rewritten });
             }

@@ -21,7 +21,7 @@ pub use findings::{
 pub use identification::{ENDS, mismatch};
 pub use log::kept;
 pub use paste::{learn_from, quoted};
-pub use proof::{narrow, other_range, unproven};
+pub use proof::{narrow, other_range, unproven, zeroed};
 pub use supply::supply;
 pub use verdict::{doubts, next, verdict, zeros};
 pub use waveform::{played, plays};

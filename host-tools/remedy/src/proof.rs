@@ -15,6 +15,14 @@ pub fn other_range(of: &OtherRange) -> String {
     }
 }
 
+/// What a proof leaves behind.
+pub fn zeroed() -> String {
+    format!(
+        "The board calls the displacement at rest 0 since: `piezo zero --at '<UM>'{}` tells it another.",
+        typed("--port")
+    )
+}
+
 /// An error of so much of the stroke, %, is none that a longer training makes smaller.
 const ANOTHER_S: f64 = 50.0;
 /// Part of the time, %, in which the voltage went where the training did not, that a failed proof is put down to.

@@ -82,8 +82,9 @@ impl Suspicion {
         if !evidence.is_empty() {
             return Some(Self::Another { evidence });
         }
-        let zeroed = scope.zero_at_s.is_some() || matches!(told, Told::OneCycle | Told::Offset);
-        let figures = comparison.told.get(told).filter(|_| !zeroed)?;
+        // Told nothing, it may be off by where it started; otherwise zeroed, the offset is taken off.
+        let read = told == Told::FirstReading && scope.zero_at_s.is_none();
+        let figures = comparison.told.get(told).filter(|_| read)?;
         let (offset_um, mae_um, without_um) = (figures.offset_um, figures.mae_um, figures.mae_without_offset_um);
         (without_um < WITHOUT * mae_um && figures.mae_percent > MATTERS).then_some(Self::Constant {
             offset_um,

@@ -8,7 +8,7 @@ use clap::Args;
 use identifiability::Determination;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
-use identification::{Candidate, Job, ModelChoice, Outcome, StraightLine};
+use identification::{Candidate, Doubt, Job, ModelChoice, Outcome, StraightLine};
 use recordings::Role;
 use recordings::prepare::Recipe;
 use report::Report;
@@ -91,7 +91,13 @@ pub fn run(arguments: &Identify) -> Result<bool> {
     } else {
         summary(arguments, &outcome, &verdict, &determined);
     }
-    Ok(true)
+    // Learn installs no table that belongs on no board.
+    Ok(!(arguments.of_learn && unfit(&outcome)))
+}
+
+/// Whether the table is not to be used as it is.
+fn unfit(outcome: &Outcome) -> bool {
+    outcome.doubts.first().is_some_and(Doubt::grave)
 }
 
 fn write(
@@ -158,7 +164,7 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
     out(&format!("\n{}", remedy::doubts(&outcome.doubts)));
     let folder = arguments.out.display();
     out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
-    if !arguments.of_learn {
+    if !arguments.of_learn || unfit(outcome) {
         out(&remedy::next(&outcome.doubts, &arguments.out));
     }
 }

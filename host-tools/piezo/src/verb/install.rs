@@ -80,7 +80,8 @@ pub fn run(arguments: &Install) -> Result<bool> {
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
     let driven = arguments.range.map(ordered).or(facts.range_v()).filter(|_| !arguments.line);
     let other = driven.and_then(|driven| OtherRange::of(&table, driven)).as_ref().map(remedy::other_range);
-    let (narrow, may) = (remedy::narrow(&table), arguments.narrow || arguments.of_learn);
+    let narrow = remedy::narrow(&table).filter(|_| !arguments.line);
+    let may = arguments.narrow || arguments.of_learn;
     if let Some(narrow) = narrow.as_ref().filter(|_| !may && !arguments.dry_run) {
         bail!("{}: {narrow}", name.display());
     }

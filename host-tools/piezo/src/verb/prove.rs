@@ -93,5 +93,6 @@ fn tell(arguments: &Prove, proven: &Proven) -> Result<()> {
     if !verdict.passed {
         out(&remedy::unproven(proven, arguments.up_to));
     }
+    out(&remedy::zeroed());
     Ok(())
 }

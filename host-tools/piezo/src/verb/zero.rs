@@ -104,7 +104,7 @@ pub fn run(arguments: &Zero) -> Result<bool> {
     }
     out(&format!("The device: {}", words::bias(&health, identity.tick_us)));
     out(
-        "The bias lasts until the device is restarted (train, install, push do), is fed codes or paused (pil), or has had a fault.",
+        "The bias lasts until the device is zeroed again (prove does), restarted (reset, train, install), paused or fed codes (push --pause, pil), or has had a fault.",
     );
     Ok(true)
 }
