@@ -90,6 +90,12 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     assert!(!warned.contains("the board's range"), "{warned}");
     assert!(printed.contains("has a whole session, which is learnt from as it is: nothing is recorded"), "{printed}");
     assert!(!printed.contains("$ piezo train") && printed.contains("PASS: "), "{printed}");
+    // A model that is no better than a straight line is not installed over it.
+    std::fs::remove_dir_all(out.join("proof")).unwrap();
+    let poor = ["--", "--model", "voigt", "--generations", "2", "--population", "8", "--devices", "0"];
+    let ended = piezo().args([&link[..], &range, &short, &poor].concat()).assert().code(1).get_output().clone();
+    let printed = String::from_utf8(ended.stdout).unwrap();
+    assert!(printed.contains("belongs on no board") && !printed.contains("$ piezo install"), "{printed}");
     // What it has left is in use: it proves again, on another draw, and is told from a table that is not good enough.
     let again = ["--seconds", "8", "--up-to", "20", "--seed", "9", "--json", "--board", board, "--port", port];
     let proof = out.join("again");
