@@ -1,9 +1,10 @@
 //! A device that streams each tick for hours of its own time, and a host that receives the stream and computes each sample itself.
 //!
-//! The device is the firmware's own library behind a socket, as fast as this machine lets it: tick, queues, link. What its
-//! converter reads is a function of the tick's number alone, so that the host knows it even of samples that never came.
+//! The device is the firmware's own library behind a socket, as fast as this machine lets it: tick, queues, link. Or it is the
+//! image for the MPS2 in QEMU, whose bits are those of a Cortex-M4F. What the converter reads is a function of the tick's number
+//! alone ([`signal`]), so that the host knows it even of samples that never came.
 
-mod signal;
+pub mod signal;
 
 use device_link::{Address, Client, LinkError};
 use emulator::{Conversion, EmulatedDevice, Emulator, EmulatorError, TABLE};
@@ -11,7 +12,7 @@ use estimator_core::table::TableError;
 use estimator_core::{AdcCode, DacCode, Estimate, Estimator};
 use protocol::Samples;
 use protocol::sample::MAX_BATCH;
-use signal::code;
+use signal::{Signal, swings};
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
@@ -85,26 +86,27 @@ pub fn device() -> Result<EmulatedDevice, EmulatorError> {
     let mut read = 0;
     let plant = move |_: DacCode| -> Conversion {
         read += 1;
-        code(read - 1).into()
+        swings(read - 1).into()
     };
     Emulator::new().speed(SPEED).plant(plant).start()
 }
 
 impl Soak {
-    /// Has a device stream so many ticks.
+    /// Has a [`device`] stream so many ticks.
     ///
     /// # Errors
     /// The device does not start, or its stream ends or comes in another order.
     pub fn of(ticks: u32) -> Result<Self, SoakError> {
         let device = device()?;
-        Self::at(&device.address().into(), ticks)
+        Self::at(&device.address().into(), swings, ticks)
     }
 
-    /// Has the [`device`] at an address stream so many ticks; it has been started for this.
+    /// Has the device at an address stream so many ticks. It has been started for this, with the compiled table, and its
+    /// converter reads this signal.
     ///
     /// # Errors
     /// Its stream ends or comes in another order.
-    pub fn at(address: &Address, ticks: u32) -> Result<Self, SoakError> {
+    pub fn at(address: &Address, signal: Signal, ticks: u32) -> Result<Self, SoakError> {
         let (mut client, _) = Client::connect(address)?;
         client.stream(true)?;
         let (start, mut soak) = (Instant::now(), Self::default());
@@ -113,7 +115,7 @@ impl Soak {
             begun.push(next(&mut client)?);
         }
         let codes: Vec<u16> = begun.iter().flat_map(|batch| &batch.samples).map(|sample| sample.code).collect();
-        let mut host = Host::new(begun[0].first, &codes)?;
+        let mut host = Host::new(signal, begun[0].first, &codes)?;
         let mut begun = begun.into_iter();
         while soak.ticks < ticks {
             let batch = begun.next().map_or_else(|| next(&mut client), Ok)?;
@@ -164,6 +166,7 @@ fn next(client: &mut Client) -> Result<Samples, SoakError> {
 
 /// The host's own estimator, tick by tick as the device's.
 struct Host {
+    signal: Signal,
     estimator: Estimator<f32>,
     /// The converter's tick at the estimator's first.
     origin: u32,
@@ -173,12 +176,12 @@ struct Host {
 
 impl Host {
     /// Up to the first sample, which has this number.
-    fn new(first: u32, codes: &[u16]) -> Result<Self, SoakError> {
+    fn new(signal: Signal, first: u32, codes: &[u16]) -> Result<Self, SoakError> {
         let codes = &codes[..codes.len().min(*CODES.end())];
-        let here = |at: &u32| (*at..).zip(codes).all(|(at, found)| code(at).0 == *found);
+        let here = |at: &u32| (*at..).zip(codes).all(|(at, found)| signal(at).0 == *found);
         let found = (first..first.saturating_add(FARTHEST)).find(here).ok_or(SoakError::Strange)?;
         let estimator = Estimator::new(&TABLE.admit()?);
-        let mut host = Self { estimator, origin: found - first, next: 0 };
+        let mut host = Self { signal, estimator, origin: found - first, next: 0 };
         host.skip(first);
         Ok(host)
     }
@@ -190,7 +193,7 @@ impl Host {
     }
 
     fn tick(&mut self) -> (AdcCode, Estimate<f32>) {
-        let code = code(self.origin.wrapping_add(self.next));
+        let code = (self.signal)(self.origin.wrapping_add(self.next));
         self.next = self.next.wrapping_add(1);
         (code, self.estimator.tick(code))
     }

@@ -2,6 +2,12 @@
 
 use estimator_core::AdcCode;
 
+/// The code of a tick, counted from the converter's first.
+pub type Signal = fn(u32) -> AdcCode;
+
+/// Ticks of the triangle.
+const SECOND: u32 = 2_000;
+
 /// Ticks of a swing up and down.
 const PERIOD: u32 = 1_900;
 /// The middle of the range, and how far a swing goes from there at most.
@@ -12,8 +18,16 @@ const PARTS: [i64; 7] = [100, 60, 90, 30, 75, 45, 100];
 /// Every so many ticks, a glitch to an end of the range.
 const GLITCH: u32 = 9_973;
 
-/// The code of a tick: swings of several sizes, noise, and now and then a glitch.
-pub fn code(tick: u32) -> AdcCode {
+/// What stands for a converter in the image for the MPS2 (`firmware/src/board/mps2_an386/main.rs`): a triangle of 1 Hz between
+/// 3,000 and 62,000.
+pub fn triangle(tick: u32) -> AdcCode {
+    let phase = tick % SECOND;
+    // At most 62,000.
+    AdcCode((3_000 + 118_000 * phase.min(SECOND - phase) / SECOND) as u16)
+}
+
+/// Swings of several sizes, noise, and now and then a glitch: the [`crate::device`]'s.
+pub fn swings(tick: u32) -> AdcCode {
     let noise = mixed(tick);
     if tick % GLITCH == GLITCH - 1 {
         return AdcCode(if noise.is_multiple_of(2) { 0 } else { 65_520 });

@@ -3,6 +3,7 @@
 use emulator::faults::decode;
 use emulator::{Direction, FaultyLine};
 use protocol::ToHost;
+use soak::signal::swings;
 use soak::{Soak, SoakError, device};
 
 #[test]
@@ -20,6 +21,6 @@ fn a_batch_that_comes_twice_ends_it() {
             frame.extend(frame.clone());
         }
     });
-    let soak = Soak::at(&line.unwrap().address().into(), 10_000);
+    let soak = Soak::at(&line.unwrap().address().into(), swings, 10_000);
     assert!(matches!(soak, Err(SoakError::Reordered { first, next }) if first < next), "{soak:?}");
 }

@@ -2,6 +2,7 @@
 
 use qemu_test::Board;
 use serde_json::Value;
+use soak::{Soak, signal};
 use std::fs;
 
 #[test]
@@ -32,4 +33,12 @@ fn monitor_and_zero() {
     assert!(info.contains("mps2-an386") && info.contains("Voigt (4.8)"), "{info}");
     let health = &board.info()["health"];
     assert_eq!((&health["missed"], &health["samples_dropped"]), (&Value::from(0), &Value::from(0)), "{health:#}");
+}
+
+#[test]
+fn every_sample_of_the_stream_has_the_host_s_bits() {
+    let board = Board::power_on();
+    let soak = Soak::at(&board.address().parse().unwrap(), signal::triangle, 6_000).unwrap();
+    println!("{soak}");
+    assert!(soak.sound() && soak.ticks >= 6_000 && soak.missing == 0, "{soak:?}");
 }
