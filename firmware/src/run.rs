@@ -64,6 +64,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
         facts,
         table,
         source,
+        fallback,
         last_words,
         store,
         telemetry,

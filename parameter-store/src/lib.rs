@@ -55,6 +55,9 @@ pub enum StoreError {
     /// What was read back is not what was written.
     #[error("what was read back is not what was written: the flash is worn or protected; try again")]
     NotWritten,
+    /// Something lies in the pages, and no whole record.
+    #[error("the stored table is damaged, by a write that was cut or by decay")]
+    Damaged,
 }
 
 /// The store in two pages of a flash.
@@ -63,6 +66,18 @@ pub struct ParameterStore<F: NorFlash> {
     /// Start of either page, bytes from the flash's start.
     pages: [u32; 2],
     buffer: [u8; BUFFER],
+}
+
+/// What lies in a page, as far as a record can reach.
+#[derive(Clone, Copy)]
+enum Content {
+    Blank,
+    Damaged,
+    /// A whole record of this length, in the buffer.
+    Record {
+        number: u32,
+        length: usize,
+    },
 }
 
 /// The newest record.
@@ -84,19 +99,35 @@ impl<F: NorFlash> ParameterStore<F> {
     }
 
     /// The newest whole record; `None` in an empty store.
+    ///
+    /// # Errors
+    /// The flash reports one, or the store is neither empty nor has a whole record ([`StoreError::Damaged`]).
     pub async fn load(&mut self) -> Result<Option<&[u8]>, StoreError> {
-        let Some(newest) = self.newest().await? else { return Ok(None) };
+        let Some(newest) = self.newest().await? else {
+            for page in 0..self.pages.len() {
+                if !matches!(self.read(page).await?, Content::Blank) {
+                    return Err(StoreError::Damaged);
+                }
+            }
+            return Ok(None);
+        };
         // Read again: the buffer may hold the other page.
-        let length = self.read(newest.page).await?.map_or(0, |(_, length)| length);
-        Ok(self.buffer.get(HEADER..HEADER + length))
+        match self.read(newest.page).await? {
+            Content::Record { length, .. } => Ok(self.buffer.get(HEADER..HEADER + length)),
+            Content::Blank | Content::Damaged => Err(StoreError::Damaged),
+        }
     }
 
-    /// Writes a record. A power cut at any instant leaves the last record or this one.
+    /// Writes a record, unless it is the newest: whoever asks twice keeps the one before. A power cut at any instant leaves
+    /// the last record or this one.
     pub async fn store(&mut self, record: &[u8]) -> Result<(), StoreError> {
         if record.len() > MAX_RECORD {
             return Err(StoreError::TooLong);
         }
         let newest = self.newest().await?;
+        if newest.is_some() && self.load().await? == Some(record) {
+            return Ok(());
+        }
         let (page, number) = newest.map_or((0, 0), |last| (1 - last.page, last.number.wrapping_add(1)));
         self.clear(page).await?;
 
@@ -112,7 +143,11 @@ impl<F: NorFlash> ParameterStore<F> {
 
         // A flash driver need not notice a failed write (embassy-stm32 0.6's interrupt clears the error flags).
         match self.read(page).await? {
-            Some((found, length)) if found == number && self.buffer[HEADER..HEADER + length] == *record => Ok(()),
+            Content::Record { number: found, length }
+                if found == number && self.buffer[HEADER..HEADER + length] == *record =>
+            {
+                Ok(())
+            }
             _ => Err(StoreError::NotWritten),
         }
     }
@@ -127,7 +162,7 @@ impl<F: NorFlash> ParameterStore<F> {
     async fn newest(&mut self) -> Result<Option<Newest>, StoreError> {
         let mut newest: Option<Newest> = None;
         for page in 0..self.pages.len() {
-            let Some((number, _)) = self.read(page).await? else { continue };
+            let Content::Record { number, .. } = self.read(page).await? else { continue };
             // Numbers wrap; the two that are compared are neighbours.
             if newest.is_none_or(|other| number.wrapping_sub(other.number) < u32::MAX / 2) {
                 newest = Some(Newest { page, number });
@@ -136,17 +171,20 @@ impl<F: NorFlash> ParameterStore<F> {
         Ok(newest)
     }
 
-    /// Reads a page into the buffer: number and length of its record, if it is whole.
-    async fn read(&mut self, page: usize) -> Result<Option<(u32, usize)>, StoreError> {
+    /// Reads a page into the buffer, as far as a record can reach.
+    async fn read(&mut self, page: usize) -> Result<Content, StoreError> {
         self.flash.read(self.pages[page], &mut self.buffer).await.map_err(|_| StoreError::Flash)?;
+        if self.buffer.iter().all(|&byte| byte == 0xFF) {
+            return Ok(Content::Blank);
+        }
         let [n0, n1, n2, n3, l0, l1, l2, l3, ..] = self.buffer;
-        let length = u32::from_le_bytes([l0, l1, l2, l3]) as usize;
+        let (number, length) = (u32::from_le_bytes([n0, n1, n2, n3]), u32::from_le_bytes([l0, l1, l2, l3]) as usize);
         if length > MAX_RECORD {
-            return Ok(None);
+            return Ok(Content::Damaged);
         }
         let (content, rest) = self.buffer.split_at(HEADER + length);
         let whole = rest.first_chunk().is_some_and(|stored| u32::from_le_bytes(*stored) == CRC.checksum(content));
-        Ok(whole.then_some((u32::from_le_bytes([n0, n1, n2, n3]), length)))
+        Ok(if whole { Content::Record { number, length } } else { Content::Damaged })
     }
 
     /// Erases a page and sees that it is blank, all of it.

@@ -1,8 +1,8 @@
 //! The flash decays: any bit of the pages flips, any word is torn. The store gives the newest record that is whole, never another,
-//! and none only where none is whole.
+//! and where none is whole says that there was one.
 
 use embassy_futures::block_on;
-use parameter_store::{ParameterStore, RamFlash};
+use parameter_store::{ParameterStore, RamFlash, StoreError};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -29,9 +29,16 @@ fn store(memory: &mut [u8]) -> ParameterStore<RamFlash<&mut [u8]>> {
     ParameterStore::new(RamFlash::new(memory), 0..2 * PAGE as u32).unwrap()
 }
 
+/// The record; `None` where the store says that it is damaged, and never because it is empty.
 fn load(memory: &[u8]) -> Option<Vec<u8>> {
     let mut memory = memory.to_vec();
-    block_on(store(&mut memory).load()).unwrap().map(<[u8]>::to_vec)
+    match block_on(store(&mut memory).load()) {
+        Ok(found) => Some(found.expect("nothing here is blank").to_vec()),
+        Err(error) => {
+            assert_eq!(error, StoreError::Damaged);
+            None
+        }
+    }
 }
 
 impl Pages {

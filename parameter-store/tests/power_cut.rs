@@ -1,5 +1,5 @@
 //! Power is cut at every flash write and erase, and every bit concerned is left old or new, by chance; the store must hold
-//! the old record or the new one, never none, and go on working.
+//! the old record or the new one, never none, and go on working. Where there was none, it is empty, or says that a write was cut.
 
 use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
@@ -108,8 +108,15 @@ fn store(chip: &RefCell<Chip>) -> ParameterStore<Flash<'_>> {
     ParameterStore::new(Flash(chip), 0..2 * PAGE as u32).unwrap()
 }
 
+/// The newest record; `None` where the store is empty or says that what it held is damaged.
 fn stored(chip: &RefCell<Chip>) -> Option<Vec<u8>> {
-    block_on(store(chip).load()).unwrap().map(<[u8]>::to_vec)
+    match block_on(store(chip).load()) {
+        Ok(record) => record.map(<[u8]>::to_vec),
+        Err(error) => {
+            assert_eq!(error, StoreError::Damaged);
+            None
+        }
+    }
 }
 
 /// A record that tells its number; not all are of one length.
@@ -204,10 +211,23 @@ fn whatever_lies_in_the_pages_a_record_can_be_written() {
     ChaCha8Rng::seed_from_u64(1).fill_bytes(&mut noise);
     for mut memory in [vec![0; 2 * PAGE], vec![0x55; 2 * PAGE], vec![0xFE; 2 * PAGE], noise] {
         let mut store = ParameterStore::new(RamFlash::new(&mut memory), 0..2 * PAGE as u32).unwrap();
-        assert_eq!(block_on(store.load()), Ok(None));
+        assert_eq!(block_on(store.load()), Err(StoreError::Damaged));
         block_on(store.store(&record(1))).unwrap();
         assert_eq!(block_on(store.load()), Ok(Some(&*record(1))));
+        block_on(store.erase()).unwrap();
+        assert_eq!(block_on(store.load()), Ok(None));
     }
+}
+
+#[test]
+fn a_record_that_is_stored_already_costs_nothing_and_leaves_the_one_before() {
+    let chip = Chip::new();
+    (0..2).for_each(|number| block_on(store(&chip).store(&record(number))).unwrap());
+    let (memory, erases) = (chip.borrow().memory.clone(), chip.borrow().erases);
+    block_on(store(&chip).store(&record(1))).unwrap();
+    assert!(chip.borrow().memory == memory && chip.borrow().erases == erases, "something was written");
+    block_on(store(&chip).store(&record(0))).unwrap();
+    assert_eq!((stored(&chip), chip.borrow().erases), (Some(record(0)), erases + 1), "the older one is no newest");
 }
 
 #[test]

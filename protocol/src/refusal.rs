@@ -45,8 +45,9 @@ pub enum Refusal {
     /// There is a fault that keeps the DAC at its safe value: nothing can be followed.
     #[error("a fault keeps its output at rest")]
     Faulty,
-    /// The DAC drives the amplifier by one of the tables only: the one in use, or the one that would be used.
-    #[error("the new table changes what the DAC output is connected to (amplifier or display)")]
+    /// The DAC drives the amplifier by one of the tables only: the one in use, or the one that would be used. Or something is
+    /// stored that could not be used, and nobody knows what the DAC is wired for.
+    #[error("the new table changes, or may change, what the DAC output is connected to (amplifier or display)")]
     Rewired,
     /// References came, but the mode is none that takes them ([`Mode::takes_references`](crate::Mode::takes_references)).
     #[error("it takes references in the modes that drive by them only")]

@@ -32,6 +32,8 @@ pub struct Device<'q, F: NorFlash> {
     pub table: Option<Admitted>,
     /// Where it comes from.
     pub source: TableSource,
+    /// Something is stored that could not be used: nobody knows what the output is wired for.
+    pub fallback: bool,
     /// The last run's message.
     pub last_words: Option<Text<160>>,
     /// The parameter store.
@@ -183,7 +185,7 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Whether the next table may be one by which the DAC drives the amplifier, or no longer does.
     fn may_rewire(&self, drives: bool, rewired: bool) -> Result<(), Refusal> {
-        let same = self.table.is_none_or(|table| table.drive.is_some() == drives);
+        let same = !self.fallback && self.table.is_none_or(|table| table.drive.is_some() == drives);
         if same || rewired { Ok(()) } else { Err(Refusal::Rewired) }
     }
 
@@ -220,9 +222,11 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.streaming.store(on, Relaxed);
     }
 
-    /// Whether the mode is one that lasts only while the host that has set it speaks.
+    /// Whether the mode is one that lasts only while the host that has set it speaks. Where the monitor's wire may be off it lasts,
+    /// at rest, until a host says otherwise: what begins a mode believes the voltage that it finds.
     pub fn lent(&self) -> bool {
-        !self.telemetry.mode().lasts() && !self.telemetry.holding.load(Relaxed)
+        let believed = !self.telemetry.faults().contains(Faults::SLEW_EXCEEDED);
+        !self.telemetry.mode().lasts() && !self.telemetry.holding.load(Relaxed) && believed
     }
 
     /// Changes what the tick does, which takes a tick.

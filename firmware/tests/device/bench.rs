@@ -58,7 +58,7 @@ impl Bench {
     }
 
     /// A device whose converter gives this, by the tick's number and what the DAC puts out.
-    fn with(
+    pub fn with(
         table: Option<Admitted>,
         (mut tick, rest): (Tick<'static>, LinkEnd),
         conversion: impl Fn(u32, DacCode) -> Conversion + Send + 'static,
@@ -89,6 +89,7 @@ impl Bench {
             facts: FACTS,
             table,
             source: TableSource::Compiled { reason: text("no table is stored") },
+            fallback: false,
             last_words: Some(text("panicked")),
             store: flash(vec![0xFF; 4096]),
             telemetry: rest.telemetry,

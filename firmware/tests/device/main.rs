@@ -10,10 +10,12 @@ mod tables;
 mod waveform;
 
 use bench::{Bench, TICKS, push};
-use common::{compiled, driving, other, record};
+use common::{compiled, driving, other, record, tick};
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
-use estimator_core::{Admitted, IntervalParameters, Table};
-use protocol::{Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
+use estimator_core::{AdcCode, Admitted, IntervalParameters, Table};
+use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
+use std::sync::Arc;
 
 #[test]
 fn it_says_who_and_how_it_is() {
@@ -103,4 +105,29 @@ fn health_has_the_bias_and_its_age() {
     assert_eq!(bias(&mut bench).0, 1.5, "the estimate goes on");
     assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
     assert_eq!(bias(&mut bench), (0.0, None));
+}
+
+#[test]
+fn no_lease_ends_a_fault_of_the_monitor_s_wire() {
+    let table = Table { amplifier_slew_v_per_s: Some(50.0), ..*driving() };
+    let table = table.admit().expect("the amplifier is faster than the drive");
+    let off = Arc::new(AtomicBool::new(false));
+    let wire = off.clone();
+    let mut bench = Bench::with(Some(table), tick(Some(&table), Faults::empty()), move |k, dac| {
+        let AdcCode(monitor) = table.adc.code(table.drive.unwrap().voltage::<f32>(dac));
+        let open = if wire.load(Relaxed) { 20_000 } else { 0 };
+        AdcCode(monitor + open + (k % 2) as u16).into()
+    });
+    assert_eq!(bench.ask(Request::SetMode(Mode::Excite)), Reply::Done);
+    std::thread::sleep(TICKS);
+    assert!(bench.device.lent(), "a host that vanishes is not waited for");
+    off.store(true, Relaxed);
+    bench.until(Faults::SLEW_EXCEEDED);
+    assert!(!bench.device.lent(), "to begin a mode would be to believe the open input");
+    off.store(false, Relaxed);
+    let begun = std::time::Instant::now();
+    while !bench.device.lent() {
+        assert!(begun.elapsed().as_secs() < 20, "the wire is back: {:?}", bench.device.telemetry.faults());
+        std::thread::sleep(TICKS);
+    }
 }

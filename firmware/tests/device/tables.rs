@@ -78,6 +78,20 @@ fn the_dac_is_not_rewired_by_a_table_alone() {
 }
 
 #[test]
+fn nothing_is_written_unasked_where_nobody_knows_what_the_dac_is_wired_for() {
+    let mut bench = Bench::new(Some(compiled()));
+    bench.device.fallback = true;
+    for drives_or_not in [driving(), compiled()] {
+        let push = |rewired| Request::Push { record: record(&drives_or_not), while_estimating: true, rewired };
+        assert_eq!(bench.ask(push(false)), Reply::Refused(Refusal::Rewired));
+        assert_eq!(bench.ask(push(true)), Reply::Done);
+    }
+    let erase = |rewired| Request::Erase { while_estimating: true, rewired };
+    assert_eq!(bench.ask(erase(false)), Reply::Refused(Refusal::Rewired));
+    assert_eq!(bench.ask(erase(true)), Reply::Done);
+}
+
+#[test]
 fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_why() {
     let choose = |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, &FACTS));
     let mut store = flash(vec![0xFF; 4096]);

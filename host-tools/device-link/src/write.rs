@@ -4,7 +4,7 @@ use crate::client::{Client, WriteConsent};
 use crate::error::LinkError;
 use crate::table;
 use estimator_core::Table;
-use protocol::{Identity, Mode, Refusal};
+use protocol::{Faults, Identity, Mode, Refusal};
 use std::fmt::Display;
 
 /// How flash is written.
@@ -57,7 +57,8 @@ pub fn sentences(wrong: &impl Display, known: &str) -> String {
 
 impl Writing {
     /// Why a device would not be written as asked, or refuse it: by what it does, and by its own table beside the one to be written, where
-    /// it is to be one; an erased store leaves it to the one of the firmware image, which is not known here.
+    /// it is to be one; an erased store leaves it to the one of the firmware image, which is not known here. Where a stored table could
+    /// not be used, what the device runs says nothing of its wires.
     ///
     /// # Errors
     /// The link fails.
@@ -70,7 +71,8 @@ impl Writing {
         // One that cannot be read is refused for that.
         let former = table::in_use(client)?.and_then(|record| Table::parse(&record).ok());
         let rewires = table.zip(former).is_some_and(|(table, former)| table.drive.is_some() != former.drive.is_some());
-        if rewires && !self.rewired {
+        let unknown = client.health()?.faults.contains(Faults::TABLE_FALLBACK);
+        if (rewires || unknown) && !self.rewired {
             let refusal = Box::new(Refusal::Rewired);
             refusals.push(LinkError::Refused { port: client.address().clone(), refusal }.into());
         }
@@ -232,6 +234,25 @@ mod tests {
         assert_eq!(refused(reset, None), "");
         assert!(refused(reset, Some(&driving)).contains("the DAC"));
         assert_eq!(refused(Writing { rewired: true, ..reset }, Some(&driving)), "");
+    }
+
+    #[test]
+    fn where_what_is_stored_is_damaged_nothing_is_written_before_the_dac_is_unplugged() {
+        let device = Emulator::new().flash(RamFlash::new(vec![0; 4096])).speed(8.0).start().unwrap();
+        let (mut client, identity) = Client::connect(&device.address().into()).unwrap();
+        let TableSource::Compiled { reason } = identity.source else { panic!("{:?}", identity.source) };
+        assert!(reason.contains("damaged"), "{reason}");
+        let reset = Writing { reset: true, ..CAREFUL };
+        for table in [Some(&TABLE), None] {
+            let refusals = reset.refusals(&mut client, table).unwrap();
+            assert!(matches!(&refusals[..], [WriteError::Link(LinkError::Refused { .. })]), "{refusals:?}");
+            assert!(Writing { rewired: true, ..reset }.refusals(&mut client, table).unwrap().is_empty());
+        }
+        let record = to_record(&TABLE.admit().unwrap());
+        let push = |client: &mut Client, consent| client.push(record.clone(), consent);
+        assert!(reset.write(&mut client, push).unwrap_err().to_string().contains("may change"));
+        let written = Writing { rewired: true, ..reset }.write(&mut client, push).unwrap();
+        assert_eq!(written.unwrap().source, TableSource::Stored);
     }
 
     #[test]

@@ -32,7 +32,7 @@ const FAULTS: [(Faults, &str); 12] = [
     (Faults::NO_TABLE, "give it one: piezo push"),
     (
         Faults::TABLE_FALLBACK,
-        "piezo info says why; store it again: piezo push. After failures in a row, piezo reset reads the store again",
+        "piezo info says why. After failures in a row, piezo reset reads the store again. Else unplug the DAC's output, since nobody knows what it is wired for, and store the table again: piezo push --rewired",
     ),
     (Faults::CLOCK, "piezo reset looks for the crystal again; if it does not start then either, replace the board"),
     (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, and mend the supply"),

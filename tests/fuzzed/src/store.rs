@@ -4,7 +4,7 @@
 use crate::torn_flash::{Chip, Cut, Flash, PAGE};
 use arbitrary::{Arbitrary, Unstructured};
 use embassy_futures::block_on;
-use parameter_store::{MAX_RECORD, ParameterStore};
+use parameter_store::{MAX_RECORD, ParameterStore, StoreError};
 use std::cell::RefCell;
 
 /// Most steps of an input, so that each is quick.
@@ -56,8 +56,15 @@ fn store(chip: &RefCell<Chip>) -> ParameterStore<Flash<'_>> {
     ParameterStore::new(Flash(chip), 0..2 * PAGE as u32).expect("the pages fit")
 }
 
+/// The newest record; `None` where there is none, or none that is whole.
 fn load(chip: &RefCell<Chip>) -> Option<Vec<u8>> {
-    block_on(store(chip).load()).expect("the flash reads").map(<[u8]>::to_vec)
+    match block_on(store(chip).load()) {
+        Ok(record) => record.map(<[u8]>::to_vec),
+        Err(error) => {
+            assert_eq!(error, StoreError::Damaged);
+            None
+        }
+    }
 }
 
 impl Known {
