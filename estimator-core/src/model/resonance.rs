@@ -69,6 +69,12 @@ impl<T: Real> ResonanceState<T> {
     pub fn rest(displacement: T) -> Self {
         Self { input: displacement, displacement, velocity: T::zero() }
     }
+
+    /// The same state for ticks that are so many times as long.
+    #[must_use]
+    pub fn of_longer_ticks(self, times: T) -> Self {
+        Self { velocity: self.velocity * times, ..self }
+    }
 }
 
 impl<T: Real> Resonance<T> {

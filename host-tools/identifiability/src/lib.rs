@@ -25,7 +25,7 @@ use estimator_core::{Admitted, Range, Status, Table};
 use nalgebra::{DMatrix, DVector};
 use numbers::{Number, numbers};
 use rayon::prelude::*;
-use recordings::session::Session;
+use recordings::session::{Session, one_of_each};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 use validation::Run;
@@ -148,8 +148,8 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
         .map(|Number { changed, step }| {
             let read = sessions.iter().zip(&judged).zip(&weights).flat_map(|((session, before), weights)| {
                 let after = Judged::of(changed, session).errors;
-                let both = after.into_iter().zip(&before.errors).step_by(every).zip(weights);
-                both.map(|((after, before), weight)| (after - before) / step * weight).collect::<Vec<f64>>()
+                let both = one_of_each(every, after.len()).zip(weights);
+                both.map(|(at, weight)| (after[at] - before.errors[at]) / step * weight).collect::<Vec<f64>>()
             });
             let read = read.collect();
             let results = experiments.iter().zip(&before);
@@ -245,8 +245,7 @@ impl Judged {
             (effective(block) / block.len().max(1) as f64 * every as f64 / FRAC_PI_2).sqrt() / noise
         };
         let [start, settled] = self.blocks().map(weight);
-        (0..self.errors.len())
-            .step_by(every)
+        one_of_each(every, self.errors.len())
             .map(|reading| if reading < self.start { start } else { settled })
             .collect()
     }

@@ -6,11 +6,13 @@
 
 mod blocks;
 mod clock;
+mod corners;
 mod deadband;
 mod flaw;
 mod implausible;
 mod noise;
 mod signal;
+mod start;
 mod stillness;
 mod swings;
 
@@ -19,10 +21,12 @@ use serde::Serialize;
 
 pub use blocks::Block;
 pub use clock::{Clock, RateSource};
+pub use corners::{corners, corners_left_out, stands_still_s};
 pub use deadband::{deadband, noise_of};
 pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, sound};
 pub use implausible::Implausible;
 pub use signal::{correlation, is_noise, range};
+pub use start::prepared;
 pub use stillness::Stillness;
 pub use swings::{Cell, Swings};
 

@@ -15,6 +15,7 @@ use estimator_core::model::play;
 use estimator_core::{IntervalParameters, Range};
 use identification::Problem;
 use nalgebra::SMatrix;
+use recordings::session::one_of_each;
 
 /// α: how far a weight may be off where nothing is known of it, of itself.
 const PRIOR: f64 = 0.3;
@@ -23,7 +24,7 @@ const WORTH: f64 = 1000.0;
 /// Half-width at which the plays weigh 1/e, of half the voltage range; and what they weigh in all, of the stroke.
 const LAW: f64 = 0.45;
 const HYSTERETIC: f64 = 0.5;
-/// Ticks from one sample of where the voltage has been to the next.
+/// Of so many ticks one is a sample of where the voltage has been.
 const EVERY: usize = 10;
 /// Of where the training has been no more places are looked at.
 const MOST: usize = 20_000;
@@ -54,7 +55,7 @@ pub fn learnt(
     let factor = covariance.cholesky().map_or(SMatrix::zeros(), |cholesky| cholesky.l());
     let spread = SMatrix::<f64, PLAYS, PLAYS>::from_diagonal(&weights) * factor;
     let step = been.len().div_ceil(MOST).max(1);
-    let seen: Vec<Plays> = been.iter().step_by(step).map(|place| spread.transpose() * place).collect();
+    let seen: Vec<Plays> = one_of_each(step, been.len()).map(|at| spread.transpose() * been[at]).collect();
     let centres = prototypes(&seen);
     let reach = centres.iter().map(|centre| centre.amax()).fold(0.0, f64::max);
     let unit = if reach > 0.0 { reach / f64::from(i8::MAX) } else { 1.0 };
@@ -90,11 +91,12 @@ fn places(voltage: &[f64], range: Range<f64>) -> Vec<Plays> {
     let Some(&first) = voltage.first() else { return Vec::new() };
     let mut plays = HALF_WIDTHS.map(|r| play(0.0, at(first), f64::from(r)));
     let mut places = Vec::with_capacity(voltage.len() / EVERY + 1);
+    let mut counted = one_of_each(EVERY, voltage.len()).peekable();
     for (tick, &volts) in voltage.iter().enumerate() {
         for (memory, r) in plays.iter_mut().zip(HALF_WIDTHS) {
             *memory = play(*memory, at(volts), f64::from(r));
         }
-        if tick % EVERY == 0 {
+        if counted.next_if_eq(&tick).is_some() {
             places.push(Plays::from(plays));
         }
     }

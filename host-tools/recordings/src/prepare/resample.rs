@@ -1,8 +1,8 @@
 //! Bringing samples to the tick.
 //!
 //! A log faster than the tick loses samples: every n-th stays (the thesis took every fifth), or the mean of each n. Where the
-//! rates are no multiples, what stays is interpolated linearly. A log slower than the tick keeps all its displacements, each at
-//! the nearest tick, and has its voltage interpolated linearly in between.
+//! rates are no multiples, what stays is interpolated linearly. A log slower than the tick keeps as many displacements as it has,
+//! each brought to the nearest tick, and has its voltage at every tick; both are interpolated linearly.
 
 use serde::{Deserialize, Serialize};
 
@@ -63,8 +63,8 @@ fn slower(voltage: &[f64], displacement: &[f64], ratio: f64) -> AtTick {
     let last = instants.last().copied().unwrap_or(0);
     AtTick {
         voltage: (0..=last).map(|tick| interpolated(voltage, f64::from(tick) / ratio)).collect(),
+        displacement: instants.iter().map(|&tick| interpolated(displacement, f64::from(tick) / ratio)).collect(),
         instants,
-        displacement: displacement.to_vec(),
     }
 }
 
@@ -104,6 +104,18 @@ mod tests {
         let at_tick = to_tick(&rows, &rows, 2.0 / 3.0, Decimation::Every).unwrap();
         assert_eq!(at_tick.displacement.len(), 67);
         assert!((at_tick.displacement[2] - 3.0).abs() < 1e-12 && (at_tick.voltage[1] - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn both_columns_of_a_slower_log_are_those_of_the_same_tick() {
+        let rows = ramp(100);
+        for ratio in [1.953, 2.0, 10.0, 2.5] {
+            let at_tick = to_tick(&rows, &rows, ratio, Decimation::Every).unwrap();
+            assert_eq!(at_tick.displacement.len(), 100);
+            for (&instant, displacement) in at_tick.instants.iter().zip(&at_tick.displacement) {
+                assert!((at_tick.voltage[instant as usize] - displacement).abs() < 1e-9, "{ratio}: tick {instant}");
+            }
+        }
     }
 
     #[test]

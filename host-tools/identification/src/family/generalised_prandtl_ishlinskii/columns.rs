@@ -38,6 +38,8 @@ pub struct Stages<'a> {
 
 /// Lag, creep and slew limit for a step of one length.
 struct Dynamics {
+    /// s.
+    period: f64,
     lag: RampLag<f64>,
     /// k and β ([`RampLag`]) and gain of each creep element.
     creep: Vec<(f64, f64, f64)>,
@@ -56,6 +58,8 @@ struct Memory {
     /// Output of each creep element.
     creep: Vec<Values>,
     swings: Option<[ResonanceState<f64>; COLUMNS]>,
+    /// Of the step before, s.
+    period: f64,
 }
 
 impl Stages<'_> {
@@ -71,12 +75,13 @@ impl Stages<'_> {
     fn walk_each(&self, session: &Session, course: &Course, mut each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
         let Some(&first) = session.voltage.first() else { return };
         let rest = session.rested_v.unwrap_or(first);
-        let mut memory = self.rest(rest);
+        let mut memory = self.rest(rest, session.tick_s);
         let mut paces = Paces { stages: self, tick_s: session.tick_s, known: Vec::new() };
         // A jump at the first sample is one, and no ramp towards the second.
         let jump = self.delay_ticks as u32 + 2;
-        let late = self.delay_ticks.ceil() as u32;
-        let mut corners = course.corners.iter().map(|tick| tick + late).peekable();
+        // A delay of no whole ticks has a jump of the voltage begin within one tick and end in the next.
+        let late = [self.delay_ticks.floor(), self.delay_ticks.ceil()].map(|ticks| ticks as u32);
+        let mut corners = course.corners.iter().flat_map(|tick| late.map(|late| tick + late)).peekable();
         let mut columns = self.step(&mut memory, paces.of(1), self.delayed(&session.voltage, 0.0, rest));
         let mut tick = 0;
         for &index in &course.readings {
@@ -103,6 +108,7 @@ impl Stages<'_> {
 
     fn dynamics(&self, period: f64) -> Dynamics {
         Dynamics {
+            period,
             lag: RampLag::build(self.lag_s, period),
             creep: self.creep.iter().map(|&(time, gain)| element(time, gain, period)).collect(),
             most: if self.slew_v_per_s > 0.0 { self.slew_v_per_s * period } else { f64::INFINITY },
@@ -110,10 +116,11 @@ impl Stages<'_> {
         }
     }
 
-    fn rest(&self, voltage: f64) -> Memory {
+    fn rest(&self, voltage: f64, period: f64) -> Memory {
         let plays: Vec<_> = self.plays.iter().map(|&(r, weight)| (r, weight, self.rested(voltage, r))).collect();
         let driven = self.hysteretic(&plays);
-        Memory { input: RampLagged::at(voltage), plays, driven, creep: vec![driven; self.creep.len()], swings: None }
+        let creep = vec![driven; self.creep.len()];
+        Memory { input: RampLagged::at(voltage), plays, driven, creep, swings: None, period }
     }
 
     #[inline(always)]
@@ -146,10 +153,15 @@ impl Stages<'_> {
         let mut columns = std::array::from_fn(|j| if j < FUNCTIONS { reversible[j] } else { crept[j - FUNCTIONS] });
         if let Some(resonance) = &dynamics.resonance {
             let swings = memory.swings.get_or_insert_with(|| columns.map(ResonanceState::rest));
+            if memory.period != dynamics.period {
+                let times = dynamics.period / memory.period;
+                *swings = swings.map(|swing| swing.of_longer_ticks(times));
+            }
             for (column, swing) in columns.iter_mut().zip(swings) {
                 *column = resonance.step(swing, *column);
             }
         }
+        memory.period = dynamics.period;
         columns
     }
 

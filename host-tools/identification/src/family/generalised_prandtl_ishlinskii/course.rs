@@ -3,22 +3,28 @@
 //! next the voltage runs straight, as every stage takes it to; passed over, a reversal would leave its loop too narrow.
 
 use crate::settled::settled;
-use recordings::session::Session;
+use log_survey::{corners, corners_left_out, stands_still_s};
+use recordings::session::{Session, one_of_each};
 use std::ops::RangeInclusive;
 
-/// Most readings that count, of all sessions; of more, every n-th.
+/// Most readings that count, of all sessions; of more, one of each n.
 const READINGS: usize = 10_000;
 /// Most of one session, which may have the fewest however many sessions there are.
 const OF_ONE: RangeInclusive<usize> = 1_000..=5_000;
+
+/// A voltage that stands still for so long at first, s, is that of an actuator at rest.
+const RESTS_S: f64 = 0.1;
 
 /// The way through a session.
 pub struct Course {
     /// The measured instants, by their index, that count.
     pub readings: Vec<usize>,
-    /// Ticks of the voltage's corners; none where every reading counts.
+    /// Ticks of the voltage's corners where readings are passed over or were left out.
     pub corners: Vec<u32>,
     /// Index of the first instant that the session's start does not reach.
     pub settled: usize,
+    /// The actuator had rested before: so it is stated, or the voltage stands still first.
+    pub at_rest: bool,
 }
 
 impl Course {
@@ -32,49 +38,31 @@ impl Course {
     pub fn within(most: usize, session: &Session, deadband: f64) -> Self {
         let settled = settled(session);
         let stride = session.instants.len().div_ceil(most).max(1);
-        let counts = |index: &usize| index.is_multiple_of(stride) || (*index < settled && settled < most);
-        let corners = if stride > 1 { corners(&session.voltage, deadband) } else { Vec::new() };
-        Self { readings: (0..session.instants.len()).filter(counts).collect(), corners, settled }
+        let all = session.instants.len();
+        let start = if settled < most { settled } else { 0 };
+        let readings = (0..start).chain(one_of_each(stride, all).skip_while(|index| *index < start)).collect();
+        let corners = match stride {
+            1 => corners_left_out(&session.voltage, &session.instants, deadband),
+            _ => corners(&session.voltage, deadband),
+        };
+        let at_rest = session.rested_v.is_some() || stands_still_s(session, deadband) >= RESTS_S;
+        Self { readings, corners, settled, at_rest }
     }
-}
-
-/// Ticks between which a voltage (V) stays within `deadband` (V) of a straight line through its first: the swinging door of
-/// process historians (Bristol, Swinging Door Trending, 1990).
-fn corners(voltage: &[f64], deadband: f64) -> Vec<u32> {
-    let mut found = Vec::new();
-    let mut anchor = 0;
-    let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
-    for tick in 1..voltage.len() {
-        let slope = |volts: f64, anchor: usize| (volts - voltage[anchor]) / (tick - anchor) as f64;
-        let door = |anchor| (slope(voltage[tick] - deadband, anchor), slope(voltage[tick] + deadband, anchor));
-        let (low, high) = door(anchor);
-        (least, most) = (f64::max(least, low), f64::min(most, high));
-        if least > most {
-            anchor = tick - 1;
-            found.push(anchor as u32);
-            (least, most) = door(anchor);
-        }
-    }
-    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Ten swings, of which two are left out: what is passed over is gone through, and nothing else.
     #[test]
-    fn corners_are_where_a_voltage_turns_leaps_or_bends_and_nowhere_else() {
-        let triangle: Vec<f64> = (0..400).map(|k| f64::from((k % 200_i32 - 100).abs()) * 0.5).collect();
-        assert_eq!(corners(&triangle, 0.01), [100, 200, 300]);
-        let noisy: Vec<f64> =
-            triangle.iter().enumerate().map(|(k, v)| v + if k % 2 == 0 { 0.04 } else { 0.0 }).collect();
-        let found = corners(&noisy, 0.1);
-        assert!((3..8).contains(&found.len()), "{found:?}");
-        let leap: Vec<f64> = (0..50).map(|k| if k < 20 { 1.0 } else { 3.0 }).collect();
-        assert_eq!(corners(&leap, 0.1), [19, 20]);
-        let arc: Vec<f64> = (0..1000).map(|k| 10.0 * libm::sin(f64::from(k) * 6.283e-3)).collect();
-        let found = corners(&arc, 0.1);
-        assert!((5..20).contains(&found.len()), "{found:?}");
-        assert!(corners(&[], 0.1).is_empty() && corners(&[7.0], 0.1).is_empty());
+    fn what_is_left_out_is_gone_through_by_its_corners() {
+        let voltage: Vec<f64> = (0..1_000).map(|k| f64::from((k % 100_i32 - 50).abs())).collect();
+        let instants: Vec<u32> = (0..1_000).step_by(2).filter(|tick| !(400..600).contains(tick)).collect();
+        let displacement = vec![0.0; instants.len()];
+        let session = Session::new("log".into(), voltage, instants, displacement, 5e-4);
+        assert_eq!(Course::within(5_000, &session, 0.1).corners, [400, 450, 500, 550]);
+        let whole = Session { instants: (0..500).map(|k| 2 * k).collect(), displacement: vec![0.0; 500], ..session };
+        assert!(Course::within(5_000, &whole, 0.1).corners.is_empty());
     }
 }

@@ -6,11 +6,17 @@
 //! ```
 //!
 //! Least squares weighs each block by 1/c_b, which are found by turns. What an unknown start leaves behind makes the start's
-//! block loud, and it then says little. Each session has a constant of its own, for drift and for the sensor's zero.
+//! block loud, and it then says little. It is never believed to be quieter than its session's rest: a start at which nothing
+//! moves, read by a coarse sensor, has no error at all. Each session has a constant of its own, for drift and for the sensor's zero.
+//!
+//! A session whose voltage moves from its first sample on may have begun in creep that nobody saw. What that leaves are decays,
+//! Σ_t a_t·exp(−t/T_t), one for each element of creep. Their sizes are solved for, under a prior that is narrow and has wide
+//! tails (Cauchy's): most such sessions begin at rest and have none, and where one has, they are large.
 
 use super::basis::FUNCTIONS;
 use super::columns::{COLUMNS, Stages};
 use super::course::Course;
+use super::{CREEP_TIMES, WORTH};
 use least_squares::{Normal, Sign, Waiting};
 use recordings::session::Session;
 
@@ -18,8 +24,14 @@ use recordings::session::Session;
 const START: f64 = 0.3;
 /// Turns between coefficients and noise.
 const TURNS: usize = 3;
-/// A block is not believed to be quieter than this part of the quietest; it keeps one from deciding alone.
+/// A part of the quietest block's noise that every block's is believed to have beside its own.
 const QUIET: f64 = 0.1;
+/// Scale of the prior of a decay's size, of the stroke.
+const DECAY: f64 = 1e-3;
+/// A decay whose time constant is more than so many times as long as its session is nothing but the session's constant.
+const LONG: f64 = 5.0;
+/// Least root mean square error that a block is believed to have, of the stroke.
+const LEAST: f64 = 1e-4;
 /// A ridge that is nothing but for columns that are alike.
 const RIDGE: f64 = 1e-9;
 
@@ -35,14 +47,15 @@ pub struct Solution {
     pub total: f64,
 }
 
-/// The coefficients that fit sessions best, each on its course. `floor` is the least slope of the reversible part, µm/V.
-pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, floor: f64) -> Option<Solution> {
-    let mut blocks = Blocks::new(COLUMNS, sessions.len());
+/// The coefficients that fit sessions best, each on its course; their stroke is `stroke` µm. `floor` is the least slope of the
+/// reversible part, µm/V.
+pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, stroke: f64, floor: f64) -> Option<Solution> {
+    let mut blocks = Blocks::new(COLUMNS, sessions, stroke);
     for (number, (session, course)) in sessions.iter().enumerate() {
         let mut rows = blocks.of(number);
         stages.walk(session, course, |index, values, input| {
             let target = session.displacement[index] - floor * (input - stages.span.min);
-            rows.add(index < course.settled, values, target);
+            rows.add(session.instants[index], index < course.settled, values, target);
         });
         rows.finish();
     }
@@ -78,21 +91,26 @@ pub struct Balanced {
 /// The starts and the rests of some sessions.
 pub struct Blocks {
     common: usize,
-    sessions: usize,
+    /// Of the sessions' strokes, µm.
+    stroke: f64,
+    /// Time constants, in ticks, of the decays that each session begins with.
+    decays: Vec<Vec<f64>>,
     blocks: Vec<Block>,
 }
 
 /// The start and the rest of a session that is being added.
 pub struct Rows<'a> {
     to: &'a mut Vec<Block>,
+    decays: &'a [f64],
     start: Block,
     rest: Block,
 }
 
 impl Rows<'_> {
-    /// A reading: its columns, and what they are to make.
-    pub fn add(&mut self, start: bool, values: &[f64], target: f64) {
-        (if start { &mut self.start } else { &mut self.rest }).add(values, target);
+    /// A reading: its tick, its columns, and what they are to make.
+    pub fn add(&mut self, tick: u32, start: bool, values: &[f64], target: f64) {
+        let own = std::iter::once(1.0).chain(self.decays.iter().map(|time| libm::exp(-f64::from(tick) / time)));
+        (if start { &mut self.start } else { &mut self.rest }).add(values, own, target);
     }
 
     /// The session is whole.
@@ -102,24 +120,30 @@ impl Rows<'_> {
 }
 
 impl Blocks {
-    /// For sessions that have so many columns in common, beside the constant that each has.
-    pub fn new(common: usize, sessions: usize) -> Self {
-        Self { common, sessions, blocks: Vec::new() }
+    /// For sessions that have so many columns in common, beside those that each has for itself, and a stroke (µm).
+    pub fn new(common: usize, sessions: &[(&Session, &Course)], stroke: f64) -> Self {
+        let decays = sessions.iter().map(|(session, course)| if course.at_rest { Vec::new() } else { decays(session) });
+        Self { common, stroke, decays: decays.collect(), blocks: Vec::new() }
     }
 
     /// Where the readings of a session go, by its number.
     pub fn of(&mut self, session: usize) -> Rows<'_> {
-        let columns: Vec<usize> = (0..self.common).chain([self.common + session]).collect();
-        let [start, rest] = [START, 1.0].map(|share| Block::new(columns.clone(), share));
-        Rows { to: &mut self.blocks, start, rest }
+        let before: usize = self.decays[..session].iter().map(Vec::len).sum();
+        let decays = self.common + self.decays.len() + before;
+        let own = [self.common + session].into_iter().chain(decays..decays + self.decays[session].len());
+        let columns: Vec<usize> = (0..self.common).chain(own).collect();
+        let [start, rest] = [true, false].map(|of_start| Block::new(columns.clone(), of_start));
+        Rows { to: &mut self.blocks, decays: &self.decays[session], start, rest }
     }
 
     /// The coefficients of all blocks, each weighed by its own noise; `None` where they have none.
     pub fn balanced(&self, priors: &[Prior]) -> Option<Balanced> {
-        let columns = self.common + self.sessions;
-        let signs = [vec![Sign::NonNegative; self.common], vec![Sign::Free; self.sessions]].concat();
+        let (sessions, decays) = (self.decays.len(), self.decays.iter().map(Vec::len).sum::<usize>());
+        let columns = self.common + sessions + decays;
+        let signs = [vec![Sign::NonNegative; self.common], vec![Sign::Free; sessions + decays]].concat();
+        let scale = DECAY * self.stroke;
         let mut weights: Vec<f64> = self.blocks.iter().map(|block| block.share).collect();
-        let mut found = Vec::new();
+        let mut found = vec![0.0; columns];
         let mut errors = Vec::new();
         for turn in 0..TURNS {
             let mut normal = Normal::new(columns).ridge(RIDGE);
@@ -127,26 +151,51 @@ impl Blocks {
                 normal.merge(&block.normal, &block.columns, weight / block.rows);
             }
             // At first the weights are no noises yet.
-            for prior in priors.iter().filter(|_| turn > 0) {
+            let decays = (self.common + sessions..columns).map(|column| Prior {
+                column,
+                towards: 0.0,
+                within: if turn > 1 { scale.hypot(found[column]) } else { scale },
+                weight: 2.0 / WORTH,
+            });
+            for prior in decays.chain(priors.iter().copied()).filter(|_| turn > 0) {
                 let mut row = vec![0.0; columns];
                 row[prior.column] = 1.0 / prior.within;
                 normal.add(&row, prior.towards / prior.within, prior.weight);
             }
             found = normal.solve(&signs)?;
-            errors = self.blocks.iter().map(|block| block.mean_square_error(&found)).collect();
+            errors = self.errors(&found);
             let quietest = errors.iter().copied().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
             let weigh = |(block, error): (&Block, &f64)| block.share / (error + QUIET * quietest);
             weights = self.blocks.iter().zip(&errors).map(weigh).collect();
         }
         let shares: f64 = self.blocks.iter().map(|block| block.share).sum();
         let logarithms = self.blocks.iter().zip(&errors).map(|(block, error)| block.share * libm::log(*error));
-        let total = logarithms.sum::<f64>() / shares;
-        let constants = found.split_off(self.common);
+        let mut constants = found.split_off(self.common);
+        let unlikely =
+            constants.split_off(sessions).into_iter().map(|decay| libm::log1p((decay / scale) * (decay / scale)));
+        let total = logarithms.sum::<f64>() / shares + 2.0 / WORTH * unlikely.sum::<f64>() / sessions as f64;
         total.is_finite().then_some(Balanced { found, constants, total })
     }
 }
 
-/// A part of a session: normal equations of the columns and of the session's constant.
+/// Time constants, in ticks, of the decays that a session may begin with.
+fn decays(session: &Session) -> Vec<f64> {
+    let longest = LONG * session.voltage.len() as f64;
+    CREEP_TIMES.iter().map(|time| time / session.tick_s).filter(|ticks| (1.0..longest).contains(ticks)).collect()
+}
+
+impl Blocks {
+    /// The mean square error that each block is believed to have, µm².
+    fn errors(&self, found: &[f64]) -> Vec<f64> {
+        let least = (LEAST * self.stroke) * (LEAST * self.stroke);
+        let own: Vec<f64> = self.blocks.iter().map(|block| block.mean_square_error(found).max(least)).collect();
+        // Behind a start stands the rest of its session, where there is any.
+        let rest = |at: usize| if self.blocks[at].of_start { own.get(at + 1).copied().unwrap_or(0.0) } else { 0.0 };
+        (0..own.len()).map(|at| own[at].max(rest(at))).collect()
+    }
+}
+
+/// A part of a session: normal equations of the columns, of the session's constant and of its decays.
 struct Block {
     normal: Normal,
     /// Where each of its columns stands among those of all sessions.
@@ -155,18 +204,21 @@ struct Block {
     waiting: Waiting,
     rows: f64,
     share: f64,
+    /// Whether it is a session's start, which the session's rest follows.
+    of_start: bool,
 }
 
 impl Block {
-    fn new(columns: Vec<usize>, share: f64) -> Self {
+    fn new(columns: Vec<usize>, of_start: bool) -> Self {
         let (normal, waiting) = (Normal::new(columns.len()), Waiting::of_weight(1.0));
-        Self { normal, columns, row: Vec::new(), waiting, rows: 0.0, share }
+        let share = if of_start { START } else { 1.0 };
+        Self { normal, columns, row: Vec::new(), waiting, rows: 0.0, share, of_start }
     }
 
-    fn add(&mut self, values: &[f64], target: f64) {
+    fn add(&mut self, values: &[f64], own: impl Iterator<Item = f64>, target: f64) {
         self.row.clear();
         self.row.extend_from_slice(values);
-        self.row.push(1.0);
+        self.row.extend(own);
         self.waiting.add(&mut self.normal, &self.row, target);
         self.rows += 1.0;
     }

@@ -41,8 +41,6 @@ struct Readings {
     columns: Vec<[f64; ALL]>,
     /// µm.
     targets: Vec<f64>,
-    /// How many belong to the start.
-    start: usize,
 }
 
 /// Frees the weights of the best candidate's solution; `None` where the least squares have no solution.
@@ -68,13 +66,14 @@ pub fn freed(
     let (mut weights, mut solution) = (by_law, None);
     for _ in 0..TURNS {
         let Solution { envelope, .. } = solution.as_ref().unwrap_or(law);
-        let of_plays = solve(&readings, &priors, PLAYS, |columns, play| {
+        let of_plays = solve(&readings, sessions, family.stroke, &priors, PLAYS, |columns, play| {
             own(columns, play).iter().zip(envelope).map(|(column, weight)| column * weight).sum()
         })?;
         weights.copy_from_slice(of_plays.found.get(FUNCTIONS..)?);
-        let Balanced { mut found, constants, total } = solve(&readings, &[], FUNCTIONS, |columns, function| {
-            weights.iter().enumerate().map(|(play, weight)| weight * own(columns, play)[function]).sum()
-        })?;
+        let Balanced { mut found, constants, total } =
+            solve(&readings, sessions, family.stroke, &[], FUNCTIONS, |columns, function| {
+                weights.iter().enumerate().map(|(play, weight)| weight * own(columns, play)[function]).sum()
+            })?;
         let envelope = found.split_off(FUNCTIONS);
         let offset = constants.iter().sum::<f64>() / constants.len() as f64;
         solution = Some(Solution { reversible: found, envelope, offset, total });
@@ -90,17 +89,19 @@ fn own(columns: &[f64; ALL], play: usize) -> &[f64] {
 /// The least squares of the reversible part and of so many more columns, which are made of those of the plays.
 fn solve(
     readings: &[Readings],
+    sessions: &[(&Session, &Course)],
+    stroke: f64,
     priors: &[Prior],
     count: usize,
     column: impl Fn(&[f64; ALL], usize) -> f64,
 ) -> Option<Balanced> {
-    let mut blocks = Blocks::new(FUNCTIONS + count, readings.len());
-    for (number, session) in readings.iter().enumerate() {
+    let mut blocks = Blocks::new(FUNCTIONS + count, sessions, stroke);
+    for (number, (read, (session, course))) in readings.iter().zip(sessions).enumerate() {
         let mut rows = blocks.of(number);
-        for (index, (columns, &target)) in session.columns.iter().zip(&session.targets).enumerate() {
+        for ((columns, &target), &index) in read.columns.iter().zip(&read.targets).zip(&course.readings) {
             let made = (0..count).map(|number| column(columns, number));
             let row: Vec<f64> = columns[..FUNCTIONS].iter().copied().chain(made).collect();
-            rows.add(index < session.start, &row, target);
+            rows.add(session.instants[index], index < course.settled, &row, target);
         }
         rows.finish();
     }
@@ -110,7 +111,7 @@ fn solve(
 /// A walk for each play alone: creep and resonance are linear, so that their columns add up to the model's.
 fn read(family: &Family, values: &Values, session: &Session, course: &Course) -> Readings {
     let creep = family.creep(values.creep);
-    let mut readings = Readings { columns: Vec::new(), targets: Vec::new(), start: 0 };
+    let mut readings = Readings { columns: Vec::new(), targets: Vec::new() };
     for (number, &(half_width, _)) in family.plays.iter().enumerate() {
         let alone = [(half_width, 1.0)];
         let stages: Stages<'_> = family.stages(values, &alone, &creep);
@@ -122,7 +123,6 @@ fn read(family: &Family, values: &Values, session: &Session, course: &Course) ->
                 all[..FUNCTIONS].copy_from_slice(reversible);
                 readings.columns.push(all);
                 readings.targets.push(session.displacement[index] - family.least_slope() * (input - family.span.min));
-                readings.start += usize::from(index < course.settled);
             }
             readings.columns[reading][FUNCTIONS * (1 + number)..][..FUNCTIONS].copy_from_slice(hysteretic);
             reading += 1;

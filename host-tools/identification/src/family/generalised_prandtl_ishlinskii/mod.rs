@@ -42,6 +42,11 @@ const LATE: f64 = 2e-3;
 /// tick at least.
 const SAID: f64 = 0.05;
 
+/// How far the voltage goes within this time, s, does not depend on how short the tick is, as it does at a step.
+const SUSTAINED_S: f64 = 0.1;
+/// The slowest slew limit that is searched, of that.
+const SLOWEST: f64 = 0.05;
+
 /// What the model has besides hysteresis, creep and lag.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Extra {
@@ -61,18 +66,24 @@ struct Family {
     plays: [(f64, f64); PLAYS],
     stroke: f64,
     tick: f64,
-    /// Steepest voltage, V/s.
-    steepest: f64,
+    /// Slew limits that are searched, V/s.
+    slews: Range<f64>,
 }
 
 /// Simplest first. A log slower than the tick shows neither slew nor resonance, and a single frequency cannot tell them from
 /// hysteresis.
 pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
-    let fast = problem.training().any(|session| session.instants.len() == session.voltage.len())
+    let fast = problem.training().any(at_every_tick)
         && !Character::of(problem.training(), problem.deadband).single_frequency();
     let extras: &[Extra] = if fast { &[Extra::Nothing, Extra::Slew, Extra::Resonance] } else { &[Extra::Nothing] };
     let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
     extras.iter().map(|&extra| Box::new(Family::new(extra, courses.clone(), problem)) as AnyFamily).collect()
+}
+
+/// Whether a session was measured at every tick, whatever of it is left out.
+fn at_every_tick(session: &Session) -> bool {
+    let next = session.instants.windows(2).filter(|pair| pair[1] == pair[0] + 1).count();
+    2 * next > session.instants.len()
 }
 
 /// A candidate's values by name.
@@ -107,8 +118,6 @@ impl Family {
     fn new(extra: Extra, courses: Arc<[Course]>, problem: &Problem) -> Self {
         let tick = problem.extent().tick;
         let span = problem.training_voltages();
-        let steps = problem.training().flat_map(|session| session.voltage.windows(2));
-        let largest = steps.filter_map(|pair| Some((pair.last()? - pair.first()?).abs())).fold(0.0, f64::max);
         let radius = 0.5 * span.span();
         let half_width = |i: usize| libm::pow(NARROWEST, 1.0 - i as f64 / (PLAYS - 1) as f64);
         let before = |i: usize| if i == 0 { 0.0 } else { half_width(i - 1) };
@@ -120,7 +129,7 @@ impl Family {
             plays: std::array::from_fn(|i| (radius * half_width(i), half_width(i) - before(i))),
             stroke: problem.stroke().span(),
             tick,
-            steepest: (largest / tick).max(f64::MIN_POSITIVE),
+            slews: slews(problem, tick),
         }
     }
 
@@ -133,7 +142,7 @@ impl Family {
             law: next()?,
             creep: [next()?, next()?],
             rest_memory: next()?,
-            slew_v_per_s: if self.extra == Extra::Nothing { 0.0 } else { next()? * self.steepest },
+            slew_v_per_s: if self.extra == Extra::Nothing { 0.0 } else { next()? },
             resonance: if self.extra == Extra::Resonance { [next()?, next()?] } else { [0.0, 0.0] },
         })
     }
@@ -180,7 +189,7 @@ impl Family {
     fn solve(&self, values: &Values, problem: &Problem) -> Option<Solution> {
         let sessions = self.sessions(problem);
         let (plays, creep) = (self.weighed(values.law), self.creep(values.creep));
-        fit::solve(&sessions, &self.stages(values, &plays, &creep), self.least_slope())
+        fit::solve(&sessions, &self.stages(values, &plays, &creep), self.stroke, self.least_slope())
     }
 
     fn sessions<'a>(&'a self, problem: &'a Problem) -> Vec<(&'a Session, &'a Course)> {
@@ -219,6 +228,21 @@ impl Family {
     }
 }
 
+/// Slew limits that are searched, V/s. The least is a part of what the training's voltage does in a tenth of a second, since a step is as
+/// steep as the tick is short; in their middle, where a search begins, is the steepest tick, at which nothing is limited yet.
+fn slews(problem: &Problem, tick: f64) -> Range<f64> {
+    let within = |ticks: usize| {
+        let changes = problem.training().flat_map(move |session| {
+            let later = session.voltage.iter().skip(ticks);
+            session.voltage.iter().zip(later).map(|(from, to)| (to - from).abs())
+        });
+        changes.fold(0.0, f64::max) / (ticks as f64 * tick)
+    };
+    let steepest = within(1).max(f64::MIN_POSITIVE);
+    let least = SLOWEST * within((SUSTAINED_S / tick).ceil() as usize).clamp(1e-3 * steepest, steepest);
+    Range { min: least, max: steepest * (steepest / least) }
+}
+
 impl super::Family for Family {
     type Found = Parameters;
 
@@ -232,7 +256,7 @@ impl super::Family for Family {
             Gene::linear("memory", "memory at rest", "", 0.0, 1.0),
         ];
         if self.extra != Extra::Nothing {
-            genes.push(Gene::logarithmic("slew", "slew limit, of the steepest voltage", "", 0.05, 20.0));
+            genes.push(Gene::logarithmic("slew", "slew limit", "V/s", self.slews.min, self.slews.max));
         }
         if self.extra == Extra::Resonance {
             let most = 0.45 / self.tick;
