@@ -14,7 +14,7 @@ use crate::search::SearchOptions;
 use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{Implausible, correlation, flaws, gravest, is_noise, leave_out, prepared, range, sound};
+use log_survey::{Implausible, falls, flaws, gravest, is_noise, leave_out, prepared, range, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -194,16 +194,18 @@ impl Job {
         }
         let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
-        let session = |log: &Log| -> Result<Session, PrepareError> {
+        let mut repaired = Vec::new();
+        let mut session = |log: &Log| -> Result<Session, PrepareError> {
             let mut session = prepared(&recipe, log)?;
-            if self.conditions.repair {
-                leave_out(&mut session, &flaws(log), f64::from(recipe.delay_ticks) * recipe.tick_s());
+            let delay_s = f64::from(recipe.delay_ticks) * recipe.tick_s();
+            if self.conditions.repair && leave_out(&mut session, &flaws(log), delay_s) > 0 {
+                repaired.push(log.name.clone());
             }
             Ok(session)
         };
-        let sessions = |logs: &[Log]| logs.iter().map(session).collect::<Result<Vec<_>, _>>();
+        let mut sessions = |logs: &[Log]| logs.iter().map(&mut session).collect::<Result<Vec<_>, _>>();
         let learnt_from = sessions(&training)?;
-        if let Some(falling) = learnt_from.iter().find(|session| correlation(session) < FALLS) {
+        if let Some(falling) = learnt_from.iter().find(|session| falls(session)) {
             return Err(JobError::FallsWithVoltage { log: falling.name.clone() });
         }
         let mut validation = sessions(&held_out)?;
@@ -224,7 +226,7 @@ impl Job {
                 seed: self.search.seed,
             },
             logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
-            of_logs: [self.estimates(), self.flawed()].concat(),
+            of_logs: [self.estimates(), self.flawed(&repaired)].concat(),
             delay_at_bound: estimated.filter(|delay| delay.at_bound).map(|_| Doubt::DelayAtBound { delay_ms }),
         })
     }
@@ -275,11 +277,11 @@ impl Job {
         logs.map(|log| Doubt::EstimatedDisplacement { log: log.name.clone() }).collect()
     }
 
-    /// A doubt for each kind of flaw of each log.
-    fn flawed(&self) -> Vec<Doubt> {
+    /// A doubt for each kind of flaw of each log; `repaired` are the logs of which what was measured there was left out.
+    fn flawed(&self, repaired: &[String]) -> Vec<Doubt> {
         let mut doubts = Vec::new();
         for log in self.training.iter().chain(&self.held_out) {
-            let left_out = self.conditions.repair;
+            let left_out = repaired.contains(&log.name);
             for (worst, count) in gravest(&flaws(&self.prepare.cut(log))) {
                 doubts.push(Doubt::Flawed { log: log.name.clone(), worst, count, left_out });
             }
@@ -297,9 +299,6 @@ fn implausible(problem: &Problem) -> Option<Implausible> {
     let span = |of: fn(&Session) -> &[f64]| Range::of_values(problem.training().flat_map(of).copied()).span();
     Implausible::of(span(|session| &session.displacement), span(|session| &session.voltage))
 }
-
-/// A displacement whose correlation with the voltage is below this falls with it.
-const FALLS: f64 = -0.5;
 
 /// Callbacks of brief searches of all models and a long one, roughly, for a progress bar.
 const OF_ALL: u64 = 1_200;

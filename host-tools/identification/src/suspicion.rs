@@ -5,7 +5,7 @@ use crate::candidate::Candidate;
 use crate::character::Character;
 use crate::cost::{Cost, Norm};
 use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
-use crate::validate::Trace;
+use crate::validate::{Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
 
 /// More reversals than this multiple of the large ones are noise.
@@ -48,17 +48,14 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
             doubts.push(Doubt::Diverges { fed_um, simulation_um });
         }
     }
-    if let Some(training) = training.filter(|training| training.mae_percent > POOR) {
-        doubts.push(Doubt::PoorFit { percent: training.mae_percent });
-    }
+    doubts.extend(training.as_ref().and_then(poor));
     match (training, held_out) {
         (Some(training), Some(held_out)) => {
             if held_out.mae_um > FAR * training.mae_um {
                 doubts.push(Doubt::HeldOutFar { training_um: training.mae_um, held_out_um: held_out.mae_um });
             }
-            if held_out.offset_um.abs() > DRIFT * held_out.mae_um {
-                doubts.push(Doubt::Drift { offset_um: held_out.offset_um });
-            }
+            let offsets: Vec<f64> = candidate.held_out.iter().map(|log| log.mil.offset_um).collect();
+            doubts.extend(drift(&offsets, held_out.mae_um));
         }
         _ => doubts.push(Doubt::NothingHeldOut),
     }
@@ -95,6 +92,19 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
         doubts.push(Doubt::SinglePrecision { difference_um });
     }
     doubts
+}
+
+/// An error that is much of the stroke of all logs: a small swing's may be much of its own.
+fn poor(training: &Figures) -> Option<Doubt> {
+    let percent = 100.0 * training.mae_um / training.stroke_um;
+    (percent > POOR).then_some(Doubt::PoorFit { percent })
+}
+
+/// Constants that are much of the error: of several logs one may be off up and another down. The largest is named.
+fn drift(offsets_um: &[f64], mae_um: f64) -> Option<Doubt> {
+    let mean_um = offsets_um.iter().map(|offset| offset.abs()).sum::<f64>() / offsets_um.len().max(1) as f64;
+    let largest = offsets_um.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    (mean_um > DRIFT * mae_um).then_some(Doubt::Drift { offset_um: largest })
 }
 
 /// A straight line that does as well as a candidate.
@@ -171,6 +181,16 @@ mod tests {
         let until = transient(&trace(|k| ripple(k) + if k < 30 { 1.0 } else { 0.0 })).unwrap();
         assert!((until - 0.30).abs() < 1e-9, "{until}");
         assert_eq!(transient(&trace(|k| ripple(k) + if k % 200 < 30 { 1.0 } else { 0.0 })), None);
+    }
+
+    #[test]
+    fn a_small_swing_s_percentage_makes_no_poor_fit_and_offsets_of_either_sign_make_a_drift() {
+        let of = |stroke: f64, error: f64| Figures::of(&[error, stroke - error], &[0.0, stroke]);
+        let [large, small] = [of(10.0, 0.03), of(0.1, 0.03)];
+        assert_eq!(poor(&Figures::all([large, small].iter()).unwrap()), None);
+        assert!(matches!(poor(&of(10.0, 1.0)), Some(Doubt::PoorFit { percent }) if (percent - 10.0).abs() < 1e-9));
+        assert!(matches!(drift(&[0.9, -1.0], 1.0), Some(Doubt::Drift { offset_um: -1.0 })));
+        assert!(drift(&[0.1, -0.1], 1.0).is_none() && drift(&[], 1.0).is_none());
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub use corners::{corners, corners_left_out, stands_still_s};
 pub use deadband::{deadband, noise_of};
 pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, sound};
 pub use implausible::Implausible;
-pub use signal::{correlation, is_noise, range};
+pub use signal::{falls, is_noise, range};
 pub use start::prepared;
 pub use stillness::Stillness;
 pub use swings::{Cell, Swings};

@@ -19,9 +19,15 @@ pub fn range(values: &[f64]) -> f64 {
 
 /// Correlation of voltage and displacement at the measured instants, −1 … 1; 0 where one of them rests.
 pub fn correlation(session: &Session) -> f64 {
-    let pairs = session.instants.iter().zip(&session.displacement);
-    let pairs = pairs.map(|(&instant, &displacement)| (session.voltage[instant as usize], displacement));
-    let count = session.instants.len().max(1) as f64;
+    correlation_behind(session, 0)
+}
+
+/// The same with the voltage of so many ticks before.
+fn correlation_behind(session: &Session, ticks: u32) -> f64 {
+    let first = session.instants.partition_point(|&instant| instant < ticks);
+    let pairs = session.instants[first..].iter().zip(&session.displacement[first..]);
+    let pairs = pairs.map(|(&instant, &displacement)| (session.voltage[(instant - ticks) as usize], displacement));
+    let count = (session.instants.len() - first).max(1) as f64;
     let (v, y) = pairs.clone().fold((0.0, 0.0), |(v, y), pair| (v + pair.0 / count, y + pair.1 / count));
     let [vv, vy, yy] = pairs.fold([0.0; 3], |[vv, vy, yy], pair| {
         let (dv, dy) = (pair.0 - v, pair.1 - y);
@@ -29,6 +35,35 @@ pub fn correlation(session: &Session) -> f64 {
     });
     if vv * yy > 0.0 { vy / (vv * yy).sqrt() } else { 0.0 }
 }
+
+/// Whether the displacement falls while the voltage rises. A sensor that is late by half a period looks so, too: then they go together with
+/// the voltage of some ms before, and before that never better against each other than without.
+pub fn falls(session: &Session) -> bool {
+    let now = correlation(session);
+    if now > -AGAINST {
+        return false;
+    }
+    let mut least = now;
+    for part in 1..=STEPS {
+        let behind =
+            correlation_behind(session, (LATEST_S * f64::from(part) / f64::from(STEPS) / session.tick_s) as u32);
+        least = least.min(behind);
+        if behind > AGAINST {
+            return now < -SURELY || least < now - BETTER;
+        }
+    }
+    true
+}
+
+/// What falls correlates below minus this,
+const AGAINST: f64 = 0.5;
+/// below minus this whatever else is so,
+const SURELY: f64 = 0.9;
+/// or by this much less with an earlier voltage.
+const BETTER: f64 = 0.02;
+/// The latest that a sensor is expected to be, s, and in how many steps that is looked at.
+const LATEST_S: f64 = 0.05;
+const STEPS: u32 = 50;
 
 /// The range of noise is less than so many of its standard deviations: nine in ten thousand of a normal distribution's lie beyond.
 const DEVIATIONS: f64 = 6.0;
@@ -57,5 +92,22 @@ mod tests {
             correlation(&Session::new("".into(), voltage, (0..20).collect(), displacement, 5e-4))
         };
         assert!((of(2.0) - 1.0).abs() < 1e-12 && (of(-0.1) + 1.0).abs() < 1e-12 && of(0.0) == 0.0);
+    }
+
+    /// Sines at 2 kHz; the displacement is `slope` times the voltage of some ms before.
+    #[test]
+    fn a_late_sensor_is_told_from_a_displacement_that_falls() {
+        let of = |slope: f64, late_ms: f64, hertz: f64| {
+            let volts = |tick: f64| 50.0 - 50.0 * libm::cos(std::f64::consts::TAU * hertz * 5e-4 * tick);
+            let voltage: Vec<f64> = (0..2000).map(|tick| volts(f64::from(tick))).collect();
+            let displacement = (0..2000).map(|tick| slope * volts(f64::from(tick) - 2.0 * late_ms)).collect();
+            falls(&Session::new("".into(), voltage, (0..2000).collect(), displacement, 5e-4))
+        };
+        for (late_ms, hertz) in [(0.0, 1.0), (0.0, 30.0), (12.0, 30.0), (25.0, 15.0), (3.0, 100.0)] {
+            assert!(!of(0.1, late_ms, hertz), "{late_ms} ms late at {hertz} Hz");
+        }
+        for (late_ms, hertz) in [(0.0, 1.0), (0.0, 30.0), (3.0, 30.0), (1.0, 100.0), (8.0, 10.0)] {
+            assert!(of(-0.1, late_ms, hertz), "falls, {late_ms} ms late at {hertz} Hz");
+        }
     }
 }

@@ -167,6 +167,8 @@ fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
         Parameters::GeneralisedPrandtlIshlinskii(of) => {
             f64::from(of.delay_ticks).max(0.0) * tick_s + f64::from(of.lag_s)
         }
+        Parameters::BoucWen(of) => of.lag_s.into(),
+        Parameters::Duhem(of) => of.lag_s.into(),
         _ => 0.0,
     }
 }
