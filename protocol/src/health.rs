@@ -27,7 +27,7 @@ bitflags::bitflags! {
 pub struct Health {
     /// What the tick does.
     pub mode: Mode,
-    /// Ticks since start, of any mode.
+    /// Ticks since start, of any mode, modulo 2³²: 24.9 days at 2 kHz, after which it counts from 0 again.
     pub ticks: u32,
     /// What is wrong now.
     pub faults: Faults,
