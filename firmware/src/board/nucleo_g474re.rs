@@ -149,7 +149,7 @@ async fn main(_spawner: Spawner) {
     let (p, clock_good) = clocks::start();
     let options = pac::FLASH.optr().read();
     // Otherwise a page is 4 KiB, both parameter pages are one, and an erase stops the code.
-    assert!(options.dbank(), "the flash is not in dual-bank mode: set the option bit DBANK");
+    let no_store = (!options.dbank()).then_some("the flash is not in dual-bank mode: set the option bit DBANK");
     // Cannot fail: this is the only call.
     let mut core = cortex_m::Peripherals::take().expect("the core's peripherals are taken once");
     core.DCB.enable_trace();
@@ -201,6 +201,7 @@ async fn main(_spawner: Spawner) {
         measure_supply: || Some(supply::measure()),
         brown_out_level: Some(options.bor_lev()),
         clock_good,
+        no_store,
         supply_good: supply::good,
         flash_errors: failure::flash_errors,
         line_errors: line::errors,

@@ -190,6 +190,9 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn may_write(&self, while_estimating: bool) -> Result<(), Refusal> {
+        if let Some(reason) = self.facts.no_store {
+            return Err(Refusal::Store(text(reason)));
+        }
         if self.estimating() && !while_estimating { Err(Refusal::Estimating) } else { Ok(()) }
     }
 

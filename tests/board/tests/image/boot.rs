@@ -1,9 +1,9 @@
 //! From power-on to the first estimates: pins and clocks, the DAC's first code, the supply, why the device started.
 
-use crate::common::{Bench, EARLY, PARTS, PERIOD, VALID, shown, triangle, valid_since};
+use crate::common::{Bench, EARLY, PARTS, PERIOD, VALID, push, reseeded, shown, triangle, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Board, Conversion, Image, Pin, Port, Reset, Stop};
-use protocol::{Faults, Request, ResetCause};
+use protocol::{Faults, Refusal, Reply, Request, ResetCause, TableSource};
 
 /// Clocks of 16 MHz in the 100 ms that a crystal is waited for.
 const PATIENCE: u64 = 1_600_000;
@@ -211,6 +211,34 @@ fn a_crystal_that_does_not_start_leaves_a_device_that_says_so_and_estimates_noth
         bench.run(0.1)?;
         assert_eq!(bench.health()?.faults, Faults::empty(), "{cause:?}: it has started");
     }
+    Ok(())
+}
+
+#[test]
+fn a_flash_of_one_bank_is_told_over_the_link_and_never_written() -> Result<()> {
+    let mut bench = Bench::started()?;
+    let table = bench.table()?;
+    let stored = reseeded(&table, 7);
+    bench.push(&stored)?;
+    let (operations, safe) = (bench.operations(), table.dac.code(0.0f32).0);
+    bench.board.set_two_banks(false);
+    for cause in [Reset::PowerOn, Reset::Pin, Reset::Software, Reset::Software, Reset::Software, Reset::Pin] {
+        let first = bench.board.record().outputs.len();
+        bench.reboot(cause)?;
+        bench.run(0.1)?;
+        assert_eq!(bench.health()?.faults, Faults::TABLE_FALLBACK | Faults::SAFE_OUTPUT, "{cause:?}");
+        assert!(bench.board.record().outputs[first..].iter().all(|latch| latch.code == safe), "{cause:?}");
+    }
+    let TableSource::Compiled { reason } = bench.identity()?.source else { panic!("a table was read") };
+    assert!(reason.contains("set the option bit DBANK"), "{reason}");
+    for request in [push(&stored), Request::Erase { while_estimating: true, rewired: true }] {
+        let Reply::Refused(Refusal::Store(reason)) = bench.ask(request)? else { panic!("the flash is written") };
+        assert!(reason.contains("set the option bit DBANK"), "{reason}");
+    }
+    assert_eq!(bench.operations(), operations);
+    bench.board.set_two_banks(true);
+    bench.reboot(Reset::PowerOn)?;
+    assert_eq!((bench.identity()?.source, bench.health()?.faults), (TableSource::Stored, Faults::empty()));
     Ok(())
 }
 
