@@ -144,6 +144,7 @@ async fn main(_spawner: Spawner) {
     let reset = reset_cause();
     // SAFETY: once, before the tick and every task.
     let restarts = unsafe { restarts::count(reset) };
+    freeze_in_debug();
     // With its reset values, half a second: a crystal that does not start must not be waited for for ever.
     pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::START));
     let (p, clock_good) = clocks::start();
@@ -289,6 +290,16 @@ fn trigger<T: BasicInstance>(timer: Peri<'static, T>, hz: u32) -> Timer<'static,
     let counts = (u32::from(registers.psc().read()) + 1) * (u32::from(registers.arr().read().arr()) + 1);
     assert!(counts * hz == timer.get_clock_frequency().0, "a timer does not reach {hz} Hz: {counts} counts");
     timer
+}
+
+/// Has a debugger that halts the core halt the watchdog with it, which else resets the board in the midst of a look, and TIM6 and TIM7,
+/// without which DMA would go on putting the last two ticks' codes out in turns: the output stays at its last code.
+fn freeze_in_debug() {
+    pac::DBGMCU.apb1lfzr().modify(|w| {
+        w.set_iwdg(true);
+        w.set_tim6(true);
+        w.set_tim7(true);
+    });
 }
 
 /// Why the chip started; clears the flags for the next time.

@@ -10,13 +10,17 @@ const PATIENCE: u64 = 1_600_000;
 /// A register of GPIOA.
 const AFRL: u32 = 0x4800_0020;
 
+/// A register of DBGMCU: what stands still where a debugger halts the core. Bits of TIM6, TIM7 and IWDG.
+const APB1FZR1: u32 = 0xE004_2008;
+const FROZEN: u32 = 1 << 4 | 1 << 5 | 1 << 12;
+
 /// VREFINT's code at a supply, mV, added up sixteen times, where the factory read 1650 at 3.0 V.
 fn reference(supply_mv: u32) -> u16 {
     (16 * 1650 * 3000 / supply_mv) as u16
 }
 
 /// Registers that the firmware touches and no model has a rule for: plain memory, which is enough for them.
-const PLAIN: [(u32, &str); 25] = [
+const PLAIN: [(u32, &str); 26] = [
     (0x4000_7000, "PWR_CR1"),
     (0x4000_7008, "PWR_CR3"),
     (0x4000_8004, "LPUART_CR2"),
@@ -42,6 +46,7 @@ const PLAIN: [(u32, &str); 25] = [
     (0xE000_ED88, "CPACR"),
     (0xE000_EDFC, "DEMCR"),
     (0xE004_2004, "DBGMCU_CR"),
+    (APB1FZR1, "DBGMCU_APB1FZR1"),
 ];
 
 #[test]
@@ -54,6 +59,7 @@ fn pins_clocks_and_converters_are_set_up() -> Result<()> {
     assert_eq!(board.mode(VALID), 1, "VALID is an output");
     assert_eq!(board.plain(AFRL) >> 8 & 0xFF, 0xCC, "LPUART1 is alternate function 12");
     assert_eq!(board.oversampling(), (16, 0));
+    assert_eq!(board.plain(APB1FZR1), FROZEN, "a debugger halts the timers with the core");
     let record = board.record();
     assert!(record.unclocked.is_empty(), "{:x?}", record.unclocked);
     assert!(record.faults.is_empty(), "{:?}", record.faults);
