@@ -59,7 +59,7 @@ pub struct Health {
     pub samples_dropped: u32,
     /// Frames refused by the device.
     pub frames_refused: u32,
-    /// Errors of the serial line (overrun, framing, noise).
+    /// Errors of the serial line (overrun, framing, noise, and what could not be sent).
     pub line_errors: u32,
     /// Flash words that could not be corrected, as a power cut during a write leaves them.
     pub flash_errors: u32,

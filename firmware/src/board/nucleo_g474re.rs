@@ -90,8 +90,8 @@ const _: () = assert!(100 * ALLOWED >= ALLOWED_PERCENT * (CORE_HZ / TICK_HZ), "t
 const CONVERSION: u32 = 3 * OVERSAMPLED as u32 * 60 * 4 + 100;
 /// `OVSR`: the ratio is 2 to this plus one.
 const RATIO: u8 = OVERSAMPLED.ilog2() as u8 - 1;
-/// Longest that the tick or the main loop may stand still, µs; a start that must repair the parameter pages (two erases of
-/// up to 25 ms) fits.
+/// Longest that the tick or the main loop may stand still, µs. What takes longest in a start, to wait for the crystal, is before; a
+/// write of the flash lets both go on.
 const WATCHDOG_US: u32 = 200_000;
 
 /// What the converter's interrupt owns.
