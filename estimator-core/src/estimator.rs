@@ -147,12 +147,14 @@ impl<T: Real> Estimator<T> {
         self.bias
     }
 
-    /// Whether a displacement may be told now: not before the first tick, nor so soon after it that an actuator which moved
+    /// Whether a displacement may be told now: not before the first tick (of a table without an interval, nor before
+    /// [`start_at`](Self::start_at)), nor so soon after it that an actuator which moved
     /// then is still on its way ([`IntervalParameters::earliest_s`](crate::IntervalParameters::earliest_s)).
     pub fn may_be_told(&self) -> bool {
         match (&self.interval, &self.interval_state) {
             (Some(interval), Some(state)) => interval.may_be_told(state),
-            _ => self.displacement.is_some(),
+            (Some(_), None) => false,
+            (None, _) => self.displacement.is_some(),
         }
     }
 

@@ -1,5 +1,5 @@
 //! Which table the estimator runs: the newest stored one, else the compiled one, else none; and why. A device that has failed
-//! again and again leaves the store alone.
+//! again and again leaves the store alone, and so does one whose flash cannot hold it.
 
 use crate::facts::Facts;
 use crate::restarts::Restarts;
@@ -29,6 +29,8 @@ pub async fn choose<F: NorFlash>(store: &mut ParameterStore<F>, compiled: Table,
     let (reason, fallback) = if restarts.too_many() {
         let Restarts { count, .. } = restarts;
         (text(format_args!("it failed {count} times in a row, so that the store is not read before a reset")), true)
+    } else if let Some(reason) = facts.no_store {
+        (text(reason), true)
     } else {
         match store.load().await {
             Ok(Some(record)) => match parse(record, board) {

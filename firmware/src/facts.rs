@@ -38,6 +38,8 @@ pub struct Facts {
     pub brown_out_level: Option<u8>,
     /// Whether the ticks are as far apart as they should be: where the crystal did not start, nobody knows.
     pub clock_good: bool,
+    /// Why the parameter store is neither read nor written, where the board cannot have one.
+    pub no_store: Option<&'static str>,
     /// Whether so many mV are within tolerance.
     pub supply_good: fn(f32) -> bool,
     /// Uncorrectable flash words met so far.

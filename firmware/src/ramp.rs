@@ -1,4 +1,5 @@
-//! The way from the DAC's code to its safe one, for whoever has to go it without the tick: after a panic or a hard fault.
+//! How far the DAC's code may go in a tick, and the way to its safe one for whoever has to go it without the tick: after a panic or
+//! a hard fault.
 
 use estimator_core::DacCode;
 

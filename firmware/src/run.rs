@@ -70,7 +70,7 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
         telemetry,
         queues: link_queues,
         frames_refused: 0,
-        read_errors: 0,
+        line_errors: 0,
         referred: Taken::default(),
         waveform: Loaded::new(points),
     };

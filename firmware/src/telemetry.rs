@@ -1,5 +1,6 @@
-//! What the tick leaves for others to read. The tick is the only writer but for [`Telemetry::forget`] and
-//! the supply, and nothing interrupts it, so plain loads and stores are enough.
+//! What the tick leaves for others to read, and the little that they leave for it: the supply, and whether samples are streamed.
+//! Of each value either the tick is the only writer, but for [`Telemetry::forget`], or the main loop is; and nothing interrupts the
+//! tick, so plain loads and stores are enough.
 
 use crate::correction::Given;
 use crate::facts::Facts;

@@ -27,7 +27,7 @@ bitflags::bitflags! {
 pub struct Health {
     /// What the tick does.
     pub mode: Mode,
-    /// Ticks since start, of any mode.
+    /// Ticks since start, of any mode, modulo 2³²: 24.9 days at 2 kHz, after which it counts from 0 again.
     pub ticks: u32,
     /// What is wrong now.
     pub faults: Faults,
@@ -59,7 +59,7 @@ pub struct Health {
     pub samples_dropped: u32,
     /// Frames refused by the device.
     pub frames_refused: u32,
-    /// Errors of the serial line (overrun, framing, noise).
+    /// Errors of the serial line (overrun, framing, noise, and what could not be sent).
     pub line_errors: u32,
     /// Flash words that could not be corrected, as a power cut during a write leaves them.
     pub flash_errors: u32,

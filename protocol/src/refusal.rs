@@ -70,7 +70,7 @@ pub enum Refusal {
     /// The board has no input for a trigger.
     #[error("this board has no input for a trigger")]
     NoTriggerInput,
-    /// Too many requests at once; ask again.
+    /// Too many requests at once; ask again. A mode may be entered all the same where the tick comes later than it was waited for.
     #[error("it is busy; ask again")]
     Busy,
     /// The request was of another protocol version. The reply says which the device speaks by its own frame.

@@ -21,9 +21,12 @@
 //! (`piezo identify`). 95 % holds over time, averaged over recordings and devices like those; it says nothing of the
 //! absolute displacement, of load, or of temperature beyond drift, and there is none before the displacement was told.
 
+mod age;
 mod parameters;
 
 pub use parameters::IntervalParameters;
+
+use age::{Age, BEGINNING_S};
 
 use crate::math::Real;
 use crate::model::play;
@@ -44,11 +47,6 @@ pub const TRIANGLE: usize = PLAYS * (PLAYS + 1) / 2;
 
 /// The fastest change is forgotten in this time, s.
 const FORGOTTEN_S: f32 = 5e-3;
-/// The age counts from this long before the start, s: creep begins somewhere.
-const BEGINNING_S: f32 = 0.05;
-/// The age is stepped on when the time since then has grown by this factor, and by its decimal logarithm.
-const STEP: f32 = 65.0 / 64.0;
-const STEP_DECADES: f32 = 0.006_733_383;
 
 /// Where the plays stand, as the interval sees it: Lᵀp, µm.
 pub type Place<T> = [T; PLAYS];
@@ -70,7 +68,8 @@ pub struct Interval<T> {
     keep: T,
     /// Ticks that lie before the start.
     before: T,
-    earliest: T,
+    /// Ticks after it from which on a displacement may be told.
+    earliest: u32,
 }
 
 /// What it remembers.
@@ -82,9 +81,7 @@ pub struct IntervalState<T> {
     open: T,
     displacement: T,
     fastest: T,
-    ticks: u32,
-    /// Ticks since the beginning at which the age is stepped on.
-    next: T,
+    age: Age<T>,
     place: Place<T>,
     /// n of that place, µm.
     off: T,
@@ -154,7 +151,8 @@ impl<T: Real> Interval<T> {
             drift: T::of(p.drift_um),
             keep: (-sample_period / T::of(FORGOTTEN_S)).exp(),
             before: T::of(BEGINNING_S) / sample_period,
-            earliest: T::of(p.earliest_s) / sample_period,
+            // To the nearest tick.
+            earliest: (T::of(p.earliest_s) / sample_period + T::of(0.5)).to_u32_saturating(),
         }
     }
 
@@ -168,8 +166,7 @@ impl<T: Real> Interval<T> {
             open: self.open(voltage),
             displacement,
             fastest: T::zero(),
-            ticks: 0,
-            next: self.before * T::of(STEP),
+            age: Age::start(self.before),
             off: self.off(&place),
             place,
             told: None,
@@ -187,7 +184,11 @@ impl<T: Real> Interval<T> {
         let before = self.keep * state.fastest;
         state.displacement = displacement;
         state.fastest = if change > before { change } else { before };
-        self.age(state);
+        if let Some(decades) = state.age.tick()
+            && let Some(told) = &mut state.told
+        {
+            told.decades = told.decades + decades;
+        }
         state.place = self.place(&state.plays);
         state.off = self.off(&state.place);
         Width { half: self.parts(state).map(|parts| parts.half()), untrained: state.off > self.untrained }
@@ -205,7 +206,7 @@ impl<T: Real> Interval<T> {
 
     /// Whether it is late enough after the start for a displacement to be told.
     pub fn may_be_told(&self, state: &IntervalState<T>) -> bool {
-        T::of(state.ticks as f32) >= self.earliest
+        state.age.reaches(self.earliest)
     }
 
     /// As [`tell`](Self::tell), of an actuator that is known to rest, however early.
@@ -226,16 +227,6 @@ impl<T: Real> Interval<T> {
             gain: self.gain * (state.displacement - told.displacement).abs(),
             drift: self.drift * told.decades,
         })
-    }
-
-    fn age(&self, state: &mut IntervalState<T>) {
-        state.ticks = state.ticks.saturating_add(1);
-        if self.before + T::of(state.ticks as f32) >= state.next {
-            state.next = state.next * T::of(STEP);
-            if let Some(told) = &mut state.told {
-                told.decades = told.decades + T::of(STEP_DECADES);
-            }
-        }
     }
 
     /// b of a start at a voltage, 0 … 1.

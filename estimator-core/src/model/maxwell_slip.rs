@@ -45,8 +45,6 @@ pub struct MaxwellSlipParameters {
     pub offset_v: f32,
 }
 
-impl MaxwellSlipParameters {}
-
 impl Published for MaxwellSlipParameters {
     type Coefficients<T: Real> = MaxwellSlip<T>;
 

@@ -103,6 +103,14 @@ const OFFSET_RULE: Rule = "the DAC's offset_code must lie within a million codes
 const LARGEST_VOLTAGE_V: f32 = 1e5;
 /// A range of voltages narrower than this (V) is refused: no converter sees it, and what is divided by it may be no number.
 const LEAST_VOLTAGES_V: f32 = 1e-6;
+/// What a drive changes its voltage by in a tick is so many machine epsilons of its largest voltage at least. Each change is then
+/// rounded by less than a thirtieth; by one of half an epsilon the voltage would stand still.
+const LEAST_STRIDE_EPSILONS: f32 = 16.0;
+const STRIDE_RULE: Rule =
+    "the drive's slew_v_per_s must be larger: a tick's change of the voltage would be lost in rounding";
+/// A drive goes through its range in this time at most, s. A device that fails goes to rest before it starts anew, and answers
+/// nobody meanwhile; an actuator creeps as much in ten minutes as a slower ramp is there to avoid.
+const LONGEST_WAY_S: f32 = 600.0;
 
 impl Admitted {
     /// How far voltages in step with the model's resonance could make the displacement swing, µm, where that is beyond the
@@ -123,12 +131,24 @@ impl Admitted {
         let zero = self.voltage_zero_v;
         let Range { min, max } = self.voltage_range_v;
         limits.check(Range { min: min + zero, max: max + zero }).map_err(NoInverse::Limits)?;
+        if !self.resolves_stride::<T>(limits) {
+            return Err(NoInverse::Limits(STRIDE_RULE));
+        }
         let context = InverseContext {
             voltage_zero: T::of(zero),
             sample_period: self.sample_period(),
             displacement_span: T::of(self.displacement_limits_um.span()),
         };
         Inverse::build(&self.engine(), &context, limits)
+    }
+
+    /// Whether an inverse that computes in `T` tells its voltages of two ticks apart, at its slowest and wherever in its range.
+    fn resolves_stride<T: Real>(&self, limits: &DriveLimits) -> bool {
+        let Range { min, max } = limits.range_v;
+        let zero = self.voltage_zero_v;
+        let largest = T::of((min - zero).abs().max((max - zero).abs()));
+        let stride = T::of(limits.slew_v_per_s) * self.sample_period();
+        stride >= T::of(LEAST_STRIDE_EPSILONS) * T::epsilon() * largest
     }
 
     fn check_drive(&self, drive: &DriveCalibration) -> Result<(), TableError> {
@@ -148,6 +168,11 @@ impl Admitted {
             });
         }
         self.inverse::<f32>(&limits).map_err(TableError::Drive)?;
+        if limits.range_v.span() > LONGEST_WAY_S * limits.slew_v_per_s {
+            return Err(TableError::OutOfRange {
+                rule: "the drive's slew_v_per_s must be so large that its range_v is gone through in 10 minutes",
+            });
+        }
         if let Some(setpoint) = setpoint {
             let checked = setpoint.check(self.displacement_limits_um, self.adc.full_scale);
             checked.map_err(|rule| TableError::OutOfRange { rule })?;

@@ -37,6 +37,7 @@ fn there_is_none_before_a_displacement_is_told_or_too_soon() {
     assert_eq!(estimator.tick_volts(0.0).half_width, None);
     // At rest a start is known at once.
     estimator.start_at(0.0);
+    assert!(!estimator.may_be_told() && !estimator.set_zero(1.0), "before the first tick");
     assert!(estimator.tick_volts(0.0).half_width.is_some());
 }
 

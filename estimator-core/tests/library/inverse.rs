@@ -255,6 +255,30 @@ fn models_and_limits_without_an_inverse_are_refused() {
     }
 }
 
+/// Of 60 V at 2 kHz an epsilon is 7.2 µV, and 16 of them a tick are 0.229 V/s; in f64 nothing is lost.
+#[test]
+fn a_drive_so_slow_that_its_steps_are_lost_or_take_hours_is_refused() {
+    let table = table_of(Model::MaxwellSlip);
+    let with = |slew_v_per_s| DriveLimits { slew_v_per_s, ..LIMITS };
+    let driving = |slew, sample_period_us| {
+        let drive = Some(DriveCalibration { limits: with(slew), ..DRIVE });
+        Table { drive, sample_period_us, ..table }.admit().map(drop)
+    };
+    assert_eq!(driving(0.23, 500), Ok(()));
+    let lost = driving(0.228, 500).unwrap_err();
+    assert!(lost.to_string().contains("slew_v_per_s must be larger"), "{lost}");
+    let slow = table.admit().unwrap();
+    assert!(matches!(slow.inverse::<f32>(&with(0.228)), Err(NoInverse::Limits(_))));
+    assert!(slow.inverse::<f64>(&with(1e-9)).is_ok());
+    // What is admitted goes as fast as it is allowed to, wherever in the range.
+    let mut inverse = slow.inverse::<f32>(&DriveLimits { rest_v: 55.0, ..with(0.23) }).unwrap();
+    let gone = f64::from((0..20_000).fold(0.0, |_, _| inverse.steer(60.0).voltage)) - 55.0;
+    assert!((gone - 2.3).abs() < 0.03 * 2.3, "{gone} V in 10 s");
+    assert_eq!(driving(0.11, 20_000), Ok(()));
+    let hours = driving(0.09, 20_000).unwrap_err();
+    assert!(hours.to_string().contains("in 10 minutes"), "{hours}");
+}
+
 #[test]
 fn a_drive_faster_than_the_amplifier_is_refused() {
     let with = |slew: f32| {

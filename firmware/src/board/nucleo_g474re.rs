@@ -90,8 +90,8 @@ const _: () = assert!(100 * ALLOWED >= ALLOWED_PERCENT * (CORE_HZ / TICK_HZ), "t
 const CONVERSION: u32 = 3 * OVERSAMPLED as u32 * 60 * 4 + 100;
 /// `OVSR`: the ratio is 2 to this plus one.
 const RATIO: u8 = OVERSAMPLED.ilog2() as u8 - 1;
-/// Longest that the tick or the main loop may stand still, µs; a start that must repair the parameter pages (two erases of
-/// up to 25 ms) fits.
+/// Longest that the tick or the main loop may stand still, µs. What takes longest in a start, to wait for the crystal, is before; a
+/// write of the flash lets both go on.
 const WATCHDOG_US: u32 = 200_000;
 
 /// What the converter's interrupt owns.
@@ -144,12 +144,13 @@ async fn main(_spawner: Spawner) {
     let reset = reset_cause();
     // SAFETY: once, before the tick and every task.
     let restarts = unsafe { restarts::count(reset) };
+    freeze_in_debug();
     // With its reset values, half a second: a crystal that does not start must not be waited for for ever.
     pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::START));
     let (p, clock_good) = clocks::start();
     let options = pac::FLASH.optr().read();
     // Otherwise a page is 4 KiB, both parameter pages are one, and an erase stops the code.
-    assert!(options.dbank(), "the flash is not in dual-bank mode: set the option bit DBANK");
+    let no_store = (!options.dbank()).then_some("the flash is not in dual-bank mode: set the option bit DBANK");
     // Cannot fail: this is the only call.
     let mut core = cortex_m::Peripherals::take().expect("the core's peripherals are taken once");
     core.DCB.enable_trace();
@@ -201,6 +202,7 @@ async fn main(_spawner: Spawner) {
         measure_supply: || Some(supply::measure()),
         brown_out_level: Some(options.bor_lev()),
         clock_good,
+        no_store,
         supply_good: supply::good,
         flash_errors: failure::flash_errors,
         line_errors: line::errors,
@@ -288,6 +290,16 @@ fn trigger<T: BasicInstance>(timer: Peri<'static, T>, hz: u32) -> Timer<'static,
     let counts = (u32::from(registers.psc().read()) + 1) * (u32::from(registers.arr().read().arr()) + 1);
     assert!(counts * hz == timer.get_clock_frequency().0, "a timer does not reach {hz} Hz: {counts} counts");
     timer
+}
+
+/// Has a debugger that halts the core halt the watchdog with it, which else resets the board in the midst of a look, and TIM6 and TIM7,
+/// without which DMA would go on putting the last two ticks' codes out in turns: the output stays at its last code.
+fn freeze_in_debug() {
+    pac::DBGMCU.apb1lfzr().modify(|w| {
+        w.set_iwdg(true);
+        w.set_tim6(true);
+        w.set_tim7(true);
+    });
 }
 
 /// Why the chip started; clears the flags for the next time.

@@ -44,8 +44,8 @@ pub struct Device<'q, F: NorFlash> {
     pub queues: LinkQueues<'q>,
     /// Frames refused so far.
     pub frames_refused: u32,
-    /// Errors of the serial line that its driver has reported so far.
-    pub read_errors: u32,
+    /// Errors of the serial line that its driver has reported so far, of either direction.
+    pub line_errors: u32,
     /// The references of the mode so far.
     pub referred: Taken,
     /// The waveform in memory.
@@ -145,7 +145,7 @@ impl<F: NorFlash> Device<'_, F> {
             out_of_reach: telemetry.out_of_reach.load(Relaxed),
             samples_dropped: telemetry.dropped.load(Relaxed),
             frames_refused: self.frames_refused,
-            line_errors: (self.facts.line_errors)().wrapping_add(self.read_errors),
+            line_errors: (self.facts.line_errors)().wrapping_add(self.line_errors),
             flash_errors: (self.facts.flash_errors)(),
             bias_um: telemetry.bias_um(),
             bias_age_ticks: telemetry.bias_age_ticks(),
@@ -161,7 +161,7 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.forget();
         self.last_words = None;
         self.frames_refused = 0;
-        self.read_errors = 0;
+        self.line_errors = 0;
     }
 
     fn record(&self) -> Option<Record> {
@@ -190,6 +190,9 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn may_write(&self, while_estimating: bool) -> Result<(), Refusal> {
+        if let Some(reason) = self.facts.no_store {
+            return Err(Refusal::Store(text(reason)));
+        }
         if self.estimating() && !while_estimating { Err(Refusal::Estimating) } else { Ok(()) }
     }
 

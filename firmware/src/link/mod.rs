@@ -67,7 +67,7 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
                         return;
                     }
                 }
-                Either::First(Err(_)) => self.device.read_errors = self.device.read_errors.wrapping_add(1),
+                Either::First(Err(_)) => self.device.line_errors = self.device.line_errors.wrapping_add(1),
                 Either::Second(()) => {}
             }
             self.carry().await;
@@ -153,7 +153,7 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
     async fn send(&mut self, message: &ToHost) {
         let Some(frame) = encode(message, &mut self.frame) else { return };
         if self.transmitter.write_all(frame).await.is_err() || self.transmitter.flush().await.is_err() {
-            self.device.read_errors = self.device.read_errors.wrapping_add(1);
+            self.device.line_errors = self.device.line_errors.wrapping_add(1);
         }
     }
 }

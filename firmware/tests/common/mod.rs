@@ -35,6 +35,7 @@ pub const FACTS: Facts = Facts {
     measure_supply: || Some(3301.0),
     brown_out_level: Some(4),
     clock_good: true,
+    no_store: None,
     supply_good: |mv| mv > 3135.0,
     flash_errors: || 3,
     line_errors: || 0,

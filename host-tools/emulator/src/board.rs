@@ -94,6 +94,7 @@ pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
         measure_supply: || None,
         brown_out_level: None,
         clock_good: true,
+        no_store: None,
         supply_good: |_| true,
         flash_errors: || 0,
         line_errors: || 0,

@@ -57,6 +57,17 @@ pub fn stands_still_s(session: &Session, deadband: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// Ten swings, of which two are left out: what is passed over is gone through, and nothing else.
+    #[test]
+    fn what_is_left_out_is_gone_through_by_its_corners() {
+        let voltage: Vec<f64> = (0..1_000).map(|k| f64::from((k % 100_i32 - 50).abs())).collect();
+        let measured = |left_out: Range<u32>| -> Vec<u32> {
+            (0..1_000).step_by(2).filter(|tick| !left_out.contains(tick)).collect()
+        };
+        assert_eq!(corners_left_out(&voltage, &measured(400..600), 0.1), [400, 450, 500, 550]);
+        assert!(corners_left_out(&voltage, &measured(0..0), 0.1).is_empty());
+    }
+
     #[test]
     fn corners_are_where_a_voltage_turns_leaps_or_bends_and_nowhere_else() {
         let triangle: Vec<f64> = (0..400).map(|k| f64::from((k % 200_i32 - 100).abs()) * 0.5).collect();

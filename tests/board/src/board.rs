@@ -247,6 +247,14 @@ impl Board {
         machine.bench.options = Some(machine.flash.options & !(7 << 8) | u32::from(level & 7) << 8);
     }
 
+    /// The flash is in one bank or in two (DBANK) from the next start on, as if a probe had written the option bytes. What lies
+    /// where is as with two: in one nothing but the code is to be read, and nothing to be written.
+    pub fn set_two_banks(&mut self, two: bool) {
+        const DBANK: u32 = 1 << 22;
+        let machine = self.machine_mut();
+        machine.bench.options = Some(machine.flash.options & !DBANK | if two { DBANK } else { 0 });
+    }
+
     /// Bank 2 of the flash.
     #[must_use]
     pub fn contents(&self) -> &Contents {

@@ -41,6 +41,7 @@ const FACTS: Facts = Facts {
     measure_supply: || None,
     brown_out_level: None,
     clock_good: true,
+    no_store: None,
     supply_good: |_| true,
     flash_errors: || 0,
     line_errors: || 0,

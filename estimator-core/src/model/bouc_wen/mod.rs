@@ -53,8 +53,6 @@ pub struct BoucWenParameters {
     pub c_um_per_v: f32,
 }
 
-impl BoucWenParameters {}
-
 impl Published for BoucWenParameters {
     type Coefficients<T: Real> = BoucWen<T>;
 

@@ -49,8 +49,6 @@ pub struct PrandtlIshlinskiiParameters {
     pub memory_v: Range,
 }
 
-impl PrandtlIshlinskiiParameters {}
-
 impl Published for PrandtlIshlinskiiParameters {
     type Coefficients<T: Real> = PrandtlIshlinskii<T>;
 

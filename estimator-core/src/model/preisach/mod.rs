@@ -47,8 +47,6 @@ pub struct PreisachParameters {
     pub offset_um: f32,
 }
 
-impl PreisachParameters {}
-
 /// The largest quotient that `build` makes with the span of the voltages.
 const SIDE_LIMIT: f32 = SIDE as f32;
 

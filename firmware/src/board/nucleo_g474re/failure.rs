@@ -13,6 +13,8 @@ use super::{TELEMETRY, clocks, output};
 
 /// Whether the parameter store is being read.
 pub static READING_STORE: AtomicBool = AtomicBool::new(false);
+/// Whether a panic has come.
+static PANICS: AtomicBool = AtomicBool::new(false);
 /// Flash words that could not be corrected.
 static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
 
@@ -37,12 +39,17 @@ fn output_safe() {
     }
 }
 
+/// The message is kept for the next start, and told to a probe that listens.
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
-    output_safe();
-    // SAFETY: nothing else runs any more.
-    unsafe { last_words::keep_panic(info) };
+    // A second panic is one of these steps themselves, as of a log that the first has come amid: it says nothing more.
+    if !PANICS.swap(true, Relaxed) {
+        output_safe();
+        // SAFETY: nothing else runs any more.
+        unsafe { last_words::keep_panic(info) };
+        defmt::error!("{}", defmt::Display2Format(info));
+    }
     SCB::sys_reset()
 }
 

@@ -69,11 +69,13 @@ fn lines(found: &Found) -> Vec<String> {
         ),
     ];
     lines.extend(table_lines(identity, table.as_ref()));
-    let seconds = f64::from(health.ticks) * f64::from(identity.tick_us) * 1e-6;
+    let [seconds, turn] =
+        [f64::from(health.ticks), f64::from(u32::MAX)].map(|ticks| ticks * f64::from(identity.tick_us) * 1e-6);
     lines.push(format!(
-        "State    {}; started {} ticks ({seconds:.1} s) ago: {}",
+        "State    {}; started {} ticks ({seconds:.1} s, modulo {:.1} days) ago: {}",
         words::state(health),
         health.ticks,
+        turn / 86_400.0,
         words::reset(health.reset, health.last_words.is_some())
     ));
     lines.push(format!("Zero     {}", words::bias(health, identity.tick_us)));

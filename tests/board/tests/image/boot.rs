@@ -1,14 +1,18 @@
 //! From power-on to the first estimates: pins and clocks, the DAC's first code, the supply, why the device started.
 
-use crate::common::{Bench, EARLY, PARTS, PERIOD, VALID, shown, triangle, valid_since};
+use crate::common::{Bench, EARLY, PARTS, PERIOD, VALID, push, reseeded, shown, triangle, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Board, Conversion, Image, Pin, Port, Reset, Stop};
-use protocol::{Faults, Request, ResetCause};
+use protocol::{Faults, Refusal, Reply, Request, ResetCause, TableSource};
 
 /// Clocks of 16 MHz in the 100 ms that a crystal is waited for.
 const PATIENCE: u64 = 1_600_000;
 /// A register of GPIOA.
 const AFRL: u32 = 0x4800_0020;
+
+/// A register of DBGMCU: what stands still where a debugger halts the core. Bits of TIM6, TIM7 and IWDG.
+const APB1FZR1: u32 = 0xE004_2008;
+const FROZEN: u32 = 1 << 4 | 1 << 5 | 1 << 12;
 
 /// VREFINT's code at a supply, mV, added up sixteen times, where the factory read 1650 at 3.0 V.
 fn reference(supply_mv: u32) -> u16 {
@@ -16,7 +20,7 @@ fn reference(supply_mv: u32) -> u16 {
 }
 
 /// Registers that the firmware touches and no model has a rule for: plain memory, which is enough for them.
-const PLAIN: [(u32, &str); 25] = [
+const PLAIN: [(u32, &str); 26] = [
     (0x4000_7000, "PWR_CR1"),
     (0x4000_7008, "PWR_CR3"),
     (0x4000_8004, "LPUART_CR2"),
@@ -42,6 +46,7 @@ const PLAIN: [(u32, &str); 25] = [
     (0xE000_ED88, "CPACR"),
     (0xE000_EDFC, "DEMCR"),
     (0xE004_2004, "DBGMCU_CR"),
+    (APB1FZR1, "DBGMCU_APB1FZR1"),
 ];
 
 #[test]
@@ -54,6 +59,7 @@ fn pins_clocks_and_converters_are_set_up() -> Result<()> {
     assert_eq!(board.mode(VALID), 1, "VALID is an output");
     assert_eq!(board.plain(AFRL) >> 8 & 0xFF, 0xCC, "LPUART1 is alternate function 12");
     assert_eq!(board.oversampling(), (16, 0));
+    assert_eq!(board.plain(APB1FZR1), FROZEN, "a debugger halts the timers with the core");
     let record = board.record();
     assert!(record.unclocked.is_empty(), "{:x?}", record.unclocked);
     assert!(record.faults.is_empty(), "{:?}", record.faults);
@@ -211,6 +217,34 @@ fn a_crystal_that_does_not_start_leaves_a_device_that_says_so_and_estimates_noth
         bench.run(0.1)?;
         assert_eq!(bench.health()?.faults, Faults::empty(), "{cause:?}: it has started");
     }
+    Ok(())
+}
+
+#[test]
+fn a_flash_of_one_bank_is_told_over_the_link_and_never_written() -> Result<()> {
+    let mut bench = Bench::started()?;
+    let table = bench.table()?;
+    let stored = reseeded(&table, 7);
+    bench.push(&stored)?;
+    let (operations, safe) = (bench.operations(), table.dac.code(0.0f32).0);
+    bench.board.set_two_banks(false);
+    for cause in [Reset::PowerOn, Reset::Pin, Reset::Software, Reset::Software, Reset::Software, Reset::Pin] {
+        let first = bench.board.record().outputs.len();
+        bench.reboot(cause)?;
+        bench.run(0.1)?;
+        assert_eq!(bench.health()?.faults, Faults::TABLE_FALLBACK | Faults::SAFE_OUTPUT, "{cause:?}");
+        assert!(bench.board.record().outputs[first..].iter().all(|latch| latch.code == safe), "{cause:?}");
+    }
+    let TableSource::Compiled { reason } = bench.identity()?.source else { panic!("a table was read") };
+    assert!(reason.contains("set the option bit DBANK"), "{reason}");
+    for request in [push(&stored), Request::Erase { while_estimating: true, rewired: true }] {
+        let Reply::Refused(Refusal::Store(reason)) = bench.ask(request)? else { panic!("the flash is written") };
+        assert!(reason.contains("set the option bit DBANK"), "{reason}");
+    }
+    assert_eq!(bench.operations(), operations);
+    bench.board.set_two_banks(true);
+    bench.reboot(Reset::PowerOn)?;
+    assert_eq!((bench.identity()?.source, bench.health()?.faults), (TableSource::Stored, Faults::empty()));
     Ok(())
 }
 

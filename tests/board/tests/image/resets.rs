@@ -191,6 +191,29 @@ fn a_panic_leaves_its_message() -> Result<()> {
     )
 }
 
+/// Bytes that the firmware has logged for a probe, where they have not gone round: the write offset of the first channel of RTT, whose
+/// control block begins with a name of 16 bytes.
+fn logged(board: &Board) -> Result<u32> {
+    let name = [*b"SEGG", *b"ER R"].map(u32::from_le_bytes);
+    for at in STATICS.step_by(4) {
+        if name == [board.peek(at)?, board.peek(at + 4)?] {
+            return board.peek(at + 36);
+        }
+    }
+    anyhow::bail!("there is no RTT")
+}
+
+#[test]
+fn a_panic_is_told_to_a_probe() -> Result<()> {
+    let (mut bench, safe) = running()?;
+    let before = logged(&bench.board)?;
+    bench.board.poke(ICSR, NMIPENDSET)?;
+    assert_eq!(bench.board.run(1e-3)?, Stop::Reset(Reset::Software));
+    assert!(logged(&bench.board)? > before + 40, "its message");
+    assert_eq!(bench.board.output(), Some(safe));
+    Ok(())
+}
+
 #[test]
 fn last_words_survive_the_watchdog_and_the_pin_but_not_the_loss_of_power() -> Result<()> {
     for (cause, survives) in [(Reset::Pin, true), (Reset::Watchdog, true), (Reset::PowerOn, false)] {

@@ -49,20 +49,3 @@ impl Course {
         Self { readings, corners, settled, at_rest }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Ten swings, of which two are left out: what is passed over is gone through, and nothing else.
-    #[test]
-    fn what_is_left_out_is_gone_through_by_its_corners() {
-        let voltage: Vec<f64> = (0..1_000).map(|k| f64::from((k % 100_i32 - 50).abs())).collect();
-        let instants: Vec<u32> = (0..1_000).step_by(2).filter(|tick| !(400..600).contains(tick)).collect();
-        let displacement = vec![0.0; instants.len()];
-        let session = Session::new("log".into(), voltage, instants, displacement, 5e-4);
-        assert_eq!(Course::within(5_000, &session, 0.1).corners, [400, 450, 500, 550]);
-        let whole = Session { instants: (0..500).map(|k| 2 * k).collect(), displacement: vec![0.0; 500], ..session };
-        assert!(Course::within(5_000, &whole, 0.1).corners.is_empty());
-    }
-}
