@@ -95,7 +95,7 @@ impl Bench {
             telemetry: rest.telemetry,
             queues: rest.queues,
             frames_refused: 4,
-            read_errors: 5,
+            line_errors: 5,
             referred: Taken::default(),
             waveform: Loaded::new(rest.points),
         }
