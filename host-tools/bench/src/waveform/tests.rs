@@ -97,8 +97,17 @@ fn the_way_back_is_judged_too() {
     assert_eq!(open.judged_ticks, open.line_ticks);
 }
 
+/// Of voltages to both sides of the model's zero, the largest of which are half as large as their span, and a drive that is nearly the
+/// slowest that is admitted.
 #[test]
 fn a_way_that_is_too_long_to_be_looked_at_is_refused() {
-    let still = Waveform::of(&log(20, 5.0, round(20)), TICK_S, None).unwrap();
-    assert!(matches!(still.foreseen(&driving_at(0.001)), Err(WaveformError::LongWay(2_000_001..))));
+    let table = driving_at(40.0);
+    let drive = table.drive.unwrap();
+    let limits = DriveLimits { rest_v: 0.0, slew_v_per_s: 0.007, ..drive.limits };
+    let [voltage_range_v, displacement_limits_um] = [(-1.8, 1.8), (-30.0, 30.0)].map(|(min, max)| Range { min, max });
+    let drive = Some(DriveCalibration { limits, ..drive });
+    let slow = Table { voltage_zero_v: 1.8, voltage_range_v, displacement_limits_um, drive, ..*table }.admit().unwrap();
+    let still = Waveform::of(&log(20, 5.0, |_| 15.0), TICK_S, None).unwrap();
+    let found = still.foreseen(&slow);
+    assert!(matches!(found, Err(WaveformError::LongWay(2_000_001..))), "{found:?}");
 }
