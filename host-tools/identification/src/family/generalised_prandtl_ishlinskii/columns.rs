@@ -38,7 +38,7 @@ pub struct Stages<'a> {
 
 /// Lag, creep and slew limit for a step of one length.
 struct Dynamics {
-    /// s.
+    /// Length of the step, s.
     period: f64,
     lag: RampLag<f64>,
     /// k and β ([`RampLag`]) and gain of each creep element.
