@@ -11,11 +11,11 @@ use super::streamed::{estimate_at, status_at};
 use super::window::{Continuity, Numbers, samples_in};
 use super::words;
 use estimator_core::{AdcCalibration, AdcCode, Admitted, Range, Status};
+use log_survey::reversals::first_cycle;
 use protocol::{Faults, Sample};
 use serde::Serialize;
 use std::num::NonZeroU8;
 use std::time::{Duration, Instant};
-use validation::reversals::first_cycle;
 
 /// Part of the table's voltage range that a cycle spans at least.
 pub const LEAST_SPAN: f64 = 0.05;

@@ -9,13 +9,13 @@
 //! Friedman, *The Elements of Statistical Learning*, 7.10, with the standard error of the difference: parts are harder or easier for all models alike). A few numbers fewer
 //! are no reason: on one of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there.
 
-use crate::character::Character;
 use crate::cost::Cost;
 use crate::fit::{Fit, Identification};
 use crate::left_out::{LeftOut, parts};
 use crate::model_choice::Reason;
 use crate::problem::Problem;
 use estimator_core::Model;
+use log_survey::Character;
 use rayon::prelude::*;
 use serde::Serialize;
 

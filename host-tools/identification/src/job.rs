@@ -2,7 +2,6 @@
 
 use crate::baseline::Baseline;
 use crate::candidate::{Candidate, CandidateError, TableContext};
-use crate::character::Character;
 use crate::cost::Cost;
 use crate::delay::{Delay, DelaySearch};
 use crate::division::Parts;
@@ -14,6 +13,7 @@ use crate::search::SearchOptions;
 use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
+use log_survey::Character;
 use log_survey::{Implausible, falls, flaws, gravest, is_noise, leave_out, prepared, range, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};

@@ -1,7 +1,7 @@
 //! What of the training data is left out in turn: whole logs, or a stretch of time of each.
 
 use crate::problem::Problem;
-use crate::settled::{judged_once_settled, settled};
+use log_survey::settled::{judged_once_settled, settled};
 use recordings::session::Session;
 use serde::Serialize;
 

@@ -4,13 +4,13 @@
 
 use crate::cost::Cost;
 use crate::search::space::Extent;
-use crate::settled::settled;
 use crate::simulation::{mean_error, mean_error_from};
 use crate::trial::Trial;
 use calibration::CalibrationOptions;
 use calibration::drive::ROOM;
 use estimator_core::extremum::between_codes;
 use estimator_core::{Discretisation, Inadmissible, Process, Range, Scheme};
+use log_survey::settled::settled;
 use recordings::session::Session;
 
 /// What the user fixes before the search starts.

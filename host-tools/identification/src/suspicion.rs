@@ -2,11 +2,11 @@
 
 use crate::baseline::Baseline;
 use crate::candidate::Candidate;
-use crate::character::Character;
 use crate::cost::{Cost, Norm};
 use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::{Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
+use log_survey::Character;
 
 /// More reversals than this multiple of the large ones are noise.
 const NOISY: usize = 3;

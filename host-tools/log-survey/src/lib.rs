@@ -5,12 +5,15 @@
 //! neighbouring rows are kept as their extremes.
 
 mod blocks;
+mod character;
 mod clock;
 mod corners;
 mod deadband;
 mod flaw;
 mod implausible;
 mod noise;
+pub mod reversals;
+pub mod settled;
 mod signal;
 mod start;
 mod stillness;
@@ -20,6 +23,7 @@ use recordings::log::{Chosen, LogError, Reading, Remark, Row};
 use serde::Serialize;
 
 pub use blocks::Block;
+pub use character::Character;
 pub use clock::{Clock, RateSource};
 pub use corners::{corners, corners_left_out, stands_still_s};
 pub use deadband::{deadband, noise_of};

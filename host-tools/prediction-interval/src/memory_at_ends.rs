@@ -6,7 +6,7 @@
 use estimator_core::interval::SPANS;
 use estimator_core::{Admitted, Estimator, Range};
 use identification::Problem;
-use identification::settled;
+use log_survey::settled;
 use recordings::session::Session;
 use validation::ZERO_WINDOW_S;
 

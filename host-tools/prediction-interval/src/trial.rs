@@ -5,7 +5,7 @@ use crate::lead_in::lead_in;
 use estimator_core::interval::{Interval, IntervalState};
 use estimator_core::{Admitted, Estimator, IntervalParameters, Range};
 use identification::Problem;
-use identification::reversals::reversals;
+use log_survey::reversals::reversals;
 use plants::{STEP_S, Waveform};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,6 +1,6 @@
 //! What is drawn of a long log: no more points than the eye can tell apart, and every extreme of them.
 
-use identification::reversals::reversals;
+use log_survey::reversals::reversals;
 use std::ops::RangeInclusive;
 
 /// A point of a line, in the data's units.

@@ -6,7 +6,6 @@ mod compare;
 mod coverage;
 mod estimates;
 mod figures;
-pub mod reversals;
 mod run;
 mod scope;
 mod straight_line;

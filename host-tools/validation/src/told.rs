@@ -12,9 +12,9 @@
 
 use crate::coverage::Coverage;
 use crate::figures::Figures;
-use crate::reversals::first_cycle;
 use crate::run::Run;
 use crate::scope::{FEWEST, Part, ScopeError, mean};
+use log_survey::reversals::first_cycle;
 use recordings::session::Session;
 use serde::Serialize;
 use std::fmt;

@@ -1,9 +1,9 @@
 //! The least squares inside the search.
 
 use crate::problem::Problem;
-use crate::settled::settled;
 use estimator_core::{Linear, Resonance, ResonanceState};
 use least_squares::{Normal, Sign, Waiting};
+use log_survey::settled::settled;
 use recordings::session::Session;
 
 /// What is solved for besides the model.

@@ -5,10 +5,10 @@
 //! instants. Densities that come out negative, as noise makes them, are clipped.
 
 use crate::problem::Problem;
-use crate::reversals::reversals;
 use crate::search::Gene;
 use estimator_core::model::{SIDE, densities_from_reversal_curves};
 use estimator_core::{List, Parameters, PreisachParameters, Published};
+use log_survey::reversals::reversals;
 use recordings::session::Session;
 
 /// Fewer curves than this describe no plane.

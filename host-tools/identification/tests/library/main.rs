@@ -2,11 +2,9 @@
 
 mod adversary;
 mod baseline;
-mod character;
 mod cost;
 mod fit;
 mod genetic_algorithm;
 mod preisach;
-mod reversals;
 mod search;
 mod space;

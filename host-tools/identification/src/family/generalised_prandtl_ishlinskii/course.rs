@@ -2,7 +2,7 @@
 //! the voltage's corners, too: those of a polyline that the voltage leaves by no more than a deadband. From one such tick to the
 //! next the voltage runs straight, as every stage takes it to; passed over, a reversal would leave its loop too narrow.
 
-use crate::settled::settled;
+use log_survey::settled::settled;
 use log_survey::{corners, corners_left_out, stands_still_s};
 use recordings::session::{Session, one_of_each};
 use std::ops::RangeInclusive;

@@ -12,7 +12,6 @@ mod fit;
 mod freed;
 
 use super::AnyFamily;
-use crate::character::Character;
 use crate::cost::{Cost, Feedback};
 use crate::problem::Problem;
 use crate::search::Gene;
@@ -22,6 +21,7 @@ use course::Course;
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
 use fit::Solution;
 use freed::{Freed, freed};
+use log_survey::Character;
 use recordings::session::Session;
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! The one finder of reversals.
 
-use identification::reversals::reversals;
+use log_survey::reversals::reversals;
 
 #[test]
 fn the_extremes_are_found_and_a_ripple_is_none() {

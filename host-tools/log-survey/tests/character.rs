@@ -1,6 +1,6 @@
 //! What logs exercise, of signals whose frequencies and amplitudes are known.
 
-use identification::Character;
+use log_survey::Character;
 use recordings::session::Session;
 
 fn session(voltage: Vec<f64>) -> Session {
