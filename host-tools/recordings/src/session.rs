@@ -39,6 +39,13 @@ impl Session {
         debug_assert!(instants.first() == Some(&0) && instants.len() == displacement.len());
         Self { name, voltage, instants, displacement, start_s: 0.0, tick_s, rested_v: None, lead_in: 0 }
     }
+
+    /// From one measured instant to the next, s: the middle one of all, whatever was left out; infinite of a single instant.
+    pub fn interval_s(&self) -> f64 {
+        let mut ticks: Vec<u32> = self.instants.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let middle = ticks.len() / 2;
+        if ticks.is_empty() { f64::INFINITY } else { f64::from(*ticks.select_nth_unstable(middle).1) * self.tick_s }
+    }
 }
 
 #[cfg(test)]

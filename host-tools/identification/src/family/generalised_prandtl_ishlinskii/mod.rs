@@ -42,6 +42,11 @@ const LATE: f64 = 2e-3;
 /// tick at least.
 const SAID: f64 = 0.05;
 
+/// Longest interval of readings, s, at which a resonance is looked for.
+const SWINGS_S: f64 = 2e-3;
+/// The highest natural frequency that is looked for, of the readings' frequency.
+const HIGHEST: f64 = 0.45;
+
 /// How far the voltage goes within this time, s, does not depend on how short the tick is, as it does at a step.
 const SUSTAINED_S: f64 = 0.1;
 /// The slowest slew limit that is searched, of that.
@@ -66,24 +71,24 @@ struct Family {
     plays: [(f64, f64); PLAYS],
     stroke: f64,
     tick: f64,
+    /// The least from one reading of a session to the next, s.
+    interval_s: f64,
     /// Slew limits that are searched, V/s.
     slews: Range<f64>,
 }
 
-/// Simplest first. A log slower than the tick shows neither slew nor resonance, and a single frequency cannot tell them from
-/// hysteresis.
+/// Simplest first. A single frequency cannot tell a slew limit or a resonance from hysteresis; a log that is read too seldom shows
+/// no resonance.
 pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
-    let fast = problem.training().any(at_every_tick)
-        && !Character::of(problem.training(), problem.deadband).single_frequency();
-    let extras: &[Extra] = if fast { &[Extra::Nothing, Extra::Slew, Extra::Resonance] } else { &[Extra::Nothing] };
+    let single = Character::of(problem.training(), problem.deadband).single_frequency();
+    let swings = problem.training().any(|session| session.interval_s() <= SWINGS_S);
+    let extras: &[Extra] = match (single, swings) {
+        (true, _) => &[Extra::Nothing],
+        (false, false) => &[Extra::Nothing, Extra::Slew],
+        (false, true) => &[Extra::Nothing, Extra::Slew, Extra::Resonance],
+    };
     let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
     extras.iter().map(|&extra| Box::new(Family::new(extra, courses.clone(), problem)) as AnyFamily).collect()
-}
-
-/// Whether a session was measured at every tick, whatever of it is left out.
-fn at_every_tick(session: &Session) -> bool {
-    let next = session.instants.windows(2).filter(|pair| pair[1] == pair[0] + 1).count();
-    2 * next > session.instants.len()
 }
 
 /// A candidate's values by name.
@@ -129,6 +134,7 @@ impl Family {
             plays: std::array::from_fn(|i| (radius * half_width(i), half_width(i) - before(i))),
             stroke: problem.stroke().span(),
             tick,
+            interval_s: problem.training().map(Session::interval_s).fold(f64::INFINITY, f64::min).max(tick),
             slews: slews(problem, tick),
         }
     }
@@ -259,7 +265,7 @@ impl super::Family for Family {
             genes.push(Gene::logarithmic("slew", "slew limit", "V/s", self.slews.min, self.slews.max));
         }
         if self.extra == Extra::Resonance {
-            let most = 0.45 / self.tick;
+            let most = HIGHEST / self.interval_s;
             genes.push(Gene::logarithmic("resonance", "natural frequency", "Hz", 0.02 * most, most));
             genes.push(Gene::logarithmic("damping", "ζ of the resonance", "", 0.003, 0.7));
         }

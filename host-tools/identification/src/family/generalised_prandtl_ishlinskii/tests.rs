@@ -55,6 +55,29 @@ fn what_is_found_is_what_the_model_runs() {
     });
 }
 
+/// A log of 1 kHz at a tick of 2 kHz, of an amplifier that is slower than steps of two lengths.
+#[test]
+fn a_slew_limit_shows_in_a_log_that_is_slower_than_the_tick() {
+    const LIMIT: f64 = 300.0;
+    let mut session = session(2);
+    let steps = |k: u32| f64::from(k / if k < 2_000 { 200 } else { 80 } % 2);
+    session.voltage = (0..4_000).map(|k| 10.0 * steps(k)).collect();
+    let slow = |u: &mut f64, &volts: &f64| {
+        *u += (volts - *u).clamp(-LIMIT * 5e-4, LIMIT * 5e-4);
+        Some(0.15 * *u)
+    };
+    session.displacement = session.voltage.iter().scan(0.0, slow).step_by(2).collect();
+    let problem = Problem::new(vec![session], vec![], Conditions::default());
+    assert_eq!(structures(&problem).len(), 3, "slew and resonance are looked for");
+    let family = Family::new(Extra::Slew, Course::of_all(problem.training(), problem.deadband).into(), &problem);
+    let total = |slew: f64| {
+        let values = family.values(&[0.0, 0.1, 0.5, 1e-4, 1e-4, 0.0, slew]).unwrap();
+        family.solve(&values, &problem).unwrap().total
+    };
+    let [with, without] = [LIMIT, family.slews.max].map(total);
+    assert!(family.slews.min < LIMIT && with < without - 4.0, "ln µm²: {with} with the limit, {without} without");
+}
+
 /// The ends of the span are rounded one by one, and its half may come out less than the widest play's half-width.
 #[test]
 fn voltages_are_no_reason_to_find_nothing_whatever_they_are_rounded_to() {
