@@ -13,10 +13,13 @@ use crate::cost::Cost;
 use crate::fit::{Fit, Identification};
 use crate::left_out::{LeftOut, parts};
 use crate::model_choice::Reason;
-use crate::problem::Problem;
+use crate::problem::{Problem, errors_once_settled};
+use crate::simulation::{errors_from, mean, mean_size};
+use crate::trial::Trial;
 use estimator_core::Model;
 use log_survey::Character;
 use rayon::prelude::*;
+use recordings::session::Session;
 use serde::Serialize;
 
 /// Candidates for each searched number, from where the fit to everything ended.
@@ -78,7 +81,7 @@ impl CrossValidation {
         let mut errors = vec![Vec::new(); tried.len()];
         for part in &parts {
             let without = Identification { problem: part, ..*identification };
-            let of_part: Vec<f64> = tried.par_iter().map(|fit| error(&without, fit)).collect();
+            let of_part: Vec<f64> = tried.par_iter().map(|fit| error(&without, left_out, fit)).collect();
             errors.iter_mut().zip(of_part).for_each(|(errors, error)| errors.push(error));
             progress();
         }
@@ -139,10 +142,6 @@ fn difference(score: &Score, best: &Score) -> (f64, f64) {
     (mean(&differences), standard_error(&differences))
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 /// Of the mean of some values; 0 of a single one.
 fn standard_error(values: &[f64]) -> f64 {
     let (count, mean) = (values.len() as f64, mean(values));
@@ -151,10 +150,23 @@ fn standard_error(values: &[f64]) -> f64 {
 }
 
 /// Of a model that is fitted without a part on that part, µm.
-fn error(without: &Identification<'_>, fit: &Fit) -> f64 {
+fn error(without: &Identification<'_>, what: LeftOut, fit: &Fit) -> f64 {
     let found = without.again(fit, OF_A_NUMBER * fit.genes.len().max(1));
-    let error = found.parameters.and_then(|parameters| without.problem.held_out(&parameters, without.cost));
-    error.unwrap_or(f64::INFINITY)
+    found.parameters.map_or(f64::INFINITY, |parameters| on_left_out(without.problem, what, &parameters, without.cost))
+}
+
+/// Simulation error on what a problem was left without in the norm of a cost, µm: on a whole log beside its own constant, on a stretch of a
+/// log beside the constant of what was kept of it.
+pub fn on_left_out(problem: &Problem, what: LeftOut, trial: &impl Trial, cost: Cost) -> f64 {
+    let model = trial.model(&problem.discretisation());
+    let on = |(out, kept): (&Session, Option<&Session>)| {
+        let errors = errors_from(out.lead_in, out, model.clone());
+        let constant = kept.map_or_else(|| mean(&errors), |kept| mean(&errors_once_settled(kept, &model)));
+        mean_size(&errors, constant, cost.norm)
+    };
+    let kept = problem.training().map(Some).filter(|_| what == LeftOut::Blocks).chain(std::iter::repeat(None));
+    let sizes: Vec<f64> = problem.validation().zip(kept).map(on).collect();
+    cost.norm.error(mean(&sizes))
 }
 
 #[cfg(test)]
@@ -164,7 +176,6 @@ mod tests {
     use crate::fixtures::{duhem, session};
     use crate::{Conditions, SearchOptions};
     use recordings::rig::EXCITATIONS;
-    use recordings::session::Session;
 
     fn score(model: Model, parameters: usize, parts_um: &[f64]) -> Score {
         Score { model, parameters, error_um: mean(parts_um), parts_um: parts_um.to_vec() }

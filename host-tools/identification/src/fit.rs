@@ -105,6 +105,18 @@ impl Identification<'_> {
         fits
     }
 
+    /// What fits of one model are told apart by: their cost, but in simulation the problem's
+    /// [`error_once_settled`](Problem::error_once_settled), since a sensor's zero and how a log began are no merit of a fit; infinite where
+    /// nothing was found.
+    pub(crate) fn off(&self, fit: &Fit) -> f64 {
+        match fit.parameters {
+            Some(parameters) if fit.cost.is_finite() && self.cost.weight() == 0.0 => {
+                self.problem.error_once_settled(&parameters, self.cost)
+            }
+            _ => fit.cost,
+        }
+    }
+
     /// The model of a fit once more, on other sessions, from where that one ended: one structure and one search of so many
     /// candidates.
     pub fn again(&self, fit: &Fit, evaluations: usize) -> Fit {

@@ -60,6 +60,7 @@ mod tests {
     use super::*;
     use crate::Conditions;
     use crate::cost::Feedback;
+    use crate::cross_validation::on_left_out;
     use crate::fixtures::{duhem, session};
     use recordings::rig::EXCITATIONS;
 
@@ -99,9 +100,32 @@ mod tests {
             let problem = Problem::new(vec![session.clone(); LOGS], Vec::new(), Conditions::default());
             let (left_out, parts) = parts(&problem);
             assert_eq!(left_out, LeftOut::Logs);
-            let judged = |part: &Problem| part.held_out(&parameters, Feedback::Simulation.into());
+            let judged = |part: &Problem| on_left_out(part, left_out, &parameters, Feedback::Simulation.into());
             parts.iter().map(judged).collect::<Vec<_>>()
         };
         assert_eq!(logs(&session), logs(&otherwise));
+    }
+
+    #[test]
+    fn the_sensor_s_zero_of_a_log_decides_nothing() {
+        let (parameters, cost) = (duhem(), Feedback::Simulation.into());
+        let errors = |zeros: &[f64]| {
+            let sessions = zeros.iter().zip(EXCITATIONS).map(|(zero, excitation)| {
+                let of = session(excitation);
+                let displacement = of.displacement.iter().map(|reading| reading + zero).collect();
+                Session { displacement, ..of }
+            });
+            let problem = Problem::new(sessions.collect(), Vec::new(), Conditions::default());
+            let (what, parts) = parts(&problem);
+            let of_parts = parts.iter().map(|part| on_left_out(part, what, &parameters, cost));
+            (what, [vec![problem.error_once_settled(&parameters, cost)], of_parts.collect()].concat())
+        };
+        for (what, zeros) in [(LeftOut::Logs, &[0.4, -0.7, 0.3][..]), (LeftOut::Blocks, &[0.4, -0.7])] {
+            let (alike, apart) = (errors(&vec![0.0; zeros.len()]), errors(zeros));
+            assert_eq!((alike.0, apart.0), (what, what));
+            // What is told at the start stays in the memory for a while.
+            let near = |(alike, apart): (&f64, &f64)| (apart / alike - 1.0).abs() < 0.2;
+            assert!(alike.1.iter().zip(&apart.1).all(near), "{what:?}: {:?} µm, not {:?} µm", apart.1, alike.1);
+        }
     }
 }

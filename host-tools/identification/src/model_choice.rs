@@ -72,7 +72,7 @@ impl Identification<'_> {
         let validated = CrossValidation::of(self, &tried, || progress(least.0, least.1));
         let model = validated.as_ref().map_or(least.0, |of| of.score().model);
         for longer in self.run(&[model], progress) {
-            if let Some(brief) = fits.iter_mut().find(|fit| fit.model == model && longer.cost <= fit.cost) {
+            if let Some(brief) = fits.iter_mut().find(|fit| fit.model == model && self.off(&longer) <= self.off(fit)) {
                 *brief = longer;
             }
         }

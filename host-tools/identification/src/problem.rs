@@ -4,7 +4,7 @@
 
 use crate::cost::Cost;
 use crate::search::space::Extent;
-use crate::simulation::{mean_error, mean_error_from};
+use crate::simulation::{errors_from, mean as mean_of, mean_error, mean_size};
 use crate::trial::Trial;
 use calibration::CalibrationOptions;
 use calibration::drive::ROOM;
@@ -118,12 +118,12 @@ impl Problem {
     }
 
     /// Simulation error on the training sessions in the norm of a cost, µm, of what follows once each voltage has been near both
-    /// ends of its range.
+    /// ends of its range, beside each session's own constant: the sensor's zero may differ from one log to the next.
     pub fn error_once_settled(&self, trial: &impl Trial, cost: Cost) -> f64 {
         let model = trial.model(&self.discretisation());
         let of = |session: &Session| {
-            let first = session.lead_in.max(settled(session));
-            mean_error_from(first, session, model.clone(), cost.in_simulation())
+            let errors = errors_once_settled(session, &model);
+            mean_size(&errors, mean_of(&errors), cost.norm)
         };
         mean(&self.training, cost, of)
     }
@@ -189,6 +189,11 @@ impl Problem {
         // The widest limits first: nearly every set that has any has those.
         LIMIT_STEPS.into_iter().rev().any(|step| model.bound(voltage, self.limits_at(step)).is_ok())
     }
+}
+
+/// A model's errors (µm) on what follows a session's start.
+pub fn errors_once_settled(session: &Session, model: &impl Process<f64>) -> Vec<f64> {
+    errors_from(session.lead_in.max(settled(session)), session, model.clone())
 }
 
 /// A model's error (µm) over sessions, each weighing the same whatever its length.

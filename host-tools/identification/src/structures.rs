@@ -12,7 +12,7 @@ use estimator_core::Model;
 const MANY: usize = 6;
 /// The method that searches such a structure besides the one that was chosen.
 const SECOND: Optimiser = Optimiser::DifferentialEvolution;
-/// A richer structure must better the simpler one's cost by this factor.
+/// A richer structure must be off, once the logs have settled, by so much less than the simpler one.
 const BETTER: f64 = 0.97;
 
 /// What the search of one structure has found.
@@ -111,7 +111,7 @@ impl Identification<'_> {
     /// Of several structures each is started from the one before it, and the simplest that no other betters counts.
     /// They share the budget by what they search.
     pub(super) fn projected(&self, model: Model, structures: &[AnyFamily], progress: Progress<'_>) -> Fit {
-        let mut best: Option<Fit> = None;
+        let mut best: Option<(Fit, f64)> = None;
         let mut evaluations = 0;
         for (index, family) in structures.iter().enumerate() {
             let allowed = match self.budget {
@@ -126,14 +126,16 @@ impl Identification<'_> {
                 break;
             }
             let methods = self.methods(family);
-            let found = self.structure(model, family.as_ref(), &methods, allowed, best.as_ref(), progress);
+            let simpler = best.as_ref().map(|(fit, _)| fit);
+            let found = self.structure(model, family.as_ref(), &methods, allowed, simpler, progress);
             evaluations += found.evaluations;
-            if best.as_ref().is_none_or(|best| found.cost < BETTER * best.cost) {
-                best = Some(found);
+            let off = self.off(&found);
+            if best.as_ref().is_none_or(|(_, best)| off < BETTER * best) {
+                best = Some((found, off));
             }
         }
         // Only the Voigt family has no structures, and it does not come here.
-        let best = best.expect("a model has a structure");
+        let (best, _) = best.expect("a model has a structure");
         Fit { evaluations, ..best }
     }
 
