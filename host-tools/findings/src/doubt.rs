@@ -22,14 +22,14 @@ pub fn doubt(doubt: &Doubt) -> String {
             "`{gene}` ended at the end of its range ({value:.4}): the optimum may lie beyond, or the logs do not \
              determine it; record more frequencies and amplitudes, or choose a simpler --model"
         ),
-        Doubt::PoorFit { percent } => format!(
-            "in training the error is {percent:.1} % of the stroke: the model does not describe these logs; are the \
-             columns, units and zeros right, and is the sensor's delay within reason (--delay)?"
+        Doubt::PoorFit { log, percent } => format!(
+            "in training the error on {log} is {percent:.1} % of the stroke: the model does not describe this log; are its \
+             columns, units and zeros right, is the sensor's delay within reason (--delay), and was the amplifier at its limit?"
         ),
         Doubt::Flawed { log, worst, count, left_out } => flawed(log, worst, *count, *left_out),
         Doubt::HeldOutFar { training_um, held_out_um } => format!(
-            "on the held-out data the error is {held_out_um:.3} µm, in training {training_um:.3} µm: the model has \
-             learnt this recording rather than the actuator, or the two were recorded under other conditions"
+            "on the held-out data the error without offset is {held_out_um:.3} µm, in training {training_um:.3} µm: the model \
+             has learnt this recording rather than the actuator, or the two were recorded under other conditions"
         ),
         Doubt::NothingHeldOut => {
             "nothing was held out, so nothing is known of data it has not seen: use --validate-on or --hold-out"
@@ -98,7 +98,7 @@ pub fn doubt(doubt: &Doubt) -> String {
              for reversals; give a --deadband above it"
         ),
         Doubt::NoBetterThanLine { error_um, line_um } => format!(
-            "the model is off by {error_um:.4} µm and a straight line by {line_um:.4} µm, no better than a straight line: the logs show no \
+            "without offset the model is off by {error_um:.4} µm and a straight line by {line_um:.4} µm, no better than a straight line: the logs show no \
              hysteresis that it could learn, or it is none for them; record the full range, slowly, or choose another --model"
         ),
         Doubt::WideInterval { half_um, percent } => format!(
@@ -235,7 +235,7 @@ mod tests {
         let all = [
             Doubt::EstimatedDisplacement { log: "c".into() },
             Doubt::AtBound { gene: "p", value: 2.5 },
-            Doubt::PoorFit { percent: 40.0 },
+            Doubt::PoorFit { log: "d".into(), percent: 40.0 },
             Doubt::Flawed { log: "e".into(), worst: FLAW, count: 3, left_out: false },
             Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
             Doubt::NothingHeldOut,

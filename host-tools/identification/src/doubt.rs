@@ -23,7 +23,9 @@ pub enum Doubt {
     },
     /// The model does not describe the logs.
     PoorFit {
-        /// Simulation MAE in training, % of the stroke.
+        /// Name of the log on which the error is largest.
+        log: String,
+        /// Simulation MAE on it in training, % of the stroke of all logs.
         percent: f64,
     },
     /// A log holds what is no measurement.
@@ -39,9 +41,9 @@ pub enum Doubt {
     },
     /// The error on what was held out is far from the training error.
     HeldOutFar {
-        /// Simulation MAE in training, µm.
+        /// Simulation MAE without offset in training, µm.
         training_um: f64,
-        /// Simulation MAE on what was held out, µm.
+        /// Simulation MAE without offset on what was held out, µm.
         held_out_um: f64,
     },
     /// Nothing was held out.
@@ -105,7 +107,7 @@ pub enum Doubt {
     },
     /// A straight line through the training does as well.
     NoBetterThanLine {
-        /// Simulation MAE on what was held out, else in training, µm.
+        /// Simulation MAE without offset on what was held out, else in training, µm.
         error_um: f64,
         /// The line's, µm.
         line_um: f64,

@@ -12,7 +12,7 @@ use log_survey::Character;
 const NOISY: usize = 3;
 /// Training error beyond this percentage of the stroke is no description.
 const POOR: f64 = 5.0;
-/// Held-out error beyond this multiple of the training error.
+/// Held-out error beyond this multiple of the training error, each beside the logs' own constants.
 const FAR: f64 = 1.5;
 /// Simulation error beyond this multiple of the error that a fit with feedback has with it, and
 const DIVERGED: f64 = 10.0;
@@ -48,11 +48,12 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
             doubts.push(Doubt::Diverges { fed_um, simulation_um });
         }
     }
-    doubts.extend(training.as_ref().and_then(poor));
+    doubts.extend(poor(candidate.training.iter().map(|log| (&*log.name, log.mil))));
     match (training, held_out) {
         (Some(training), Some(held_out)) => {
-            if held_out.mae_um > FAR * training.mae_um {
-                doubts.push(Doubt::HeldOutFar { training_um: training.mae_um, held_out_um: held_out.mae_um });
+            let (training_um, held_out_um) = (training.mae_without_offset_um, held_out.mae_without_offset_um);
+            if held_out_um > FAR * training_um {
+                doubts.push(Doubt::HeldOutFar { training_um, held_out_um });
             }
             let offsets: Vec<f64> = candidate.held_out.iter().map(|log| log.mil.offset_um).collect();
             doubts.extend(drift(&offsets, held_out.mae_um));
@@ -94,10 +95,12 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
     doubts
 }
 
-/// An error that is much of the stroke of all logs: a small swing's may be much of its own.
-fn poor(training: &Figures) -> Option<Doubt> {
-    let percent = 100.0 * training.mae_um / training.stroke_um;
-    (percent > POOR).then_some(Doubt::PoorFit { percent })
+/// An error on a log that is much of the stroke of all logs: a small swing's may be much of its own. The log with the largest is named.
+fn poor<'a>(logs: impl Iterator<Item = (&'a str, Figures)> + Clone) -> Option<Doubt> {
+    let stroke_um = logs.clone().map(|(_, figures)| figures.stroke_um).fold(0.0, f64::max);
+    let (log, worst) = logs.max_by(|(_, a), (_, b)| a.mae_um.total_cmp(&b.mae_um))?;
+    let percent = 100.0 * worst.mae_um / stroke_um;
+    (percent > POOR).then_some(Doubt::PoorFit { log: log.to_owned(), percent })
 }
 
 /// Constants that are much of the error: of several logs one may be off up and another down. The largest is named.
@@ -111,7 +114,7 @@ fn drift(offsets_um: &[f64], mae_um: f64) -> Option<Doubt> {
 pub(crate) fn no_better(candidate: &Candidate, line: &Baseline) -> Option<Doubt> {
     let figures = candidate.held_out_figures().zip(line.held_out);
     let (of, line) = figures.or(candidate.training_figures().map(|of| (of, line.training)))?;
-    let (error_um, line_um) = (of.mae_um, line.mae_um);
+    let (error_um, line_um) = (of.mae_without_offset_um, line.mae_without_offset_um);
     (error_um > BETTER * line_um).then_some(Doubt::NoBetterThanLine { error_um, line_um })
 }
 
@@ -184,11 +187,16 @@ mod tests {
     }
 
     #[test]
-    fn a_small_swing_s_percentage_makes_no_poor_fit_and_offsets_of_either_sign_make_a_drift() {
+    fn one_log_that_is_missed_makes_a_poor_fit_and_a_small_swing_s_percentage_none_and_offsets_of_either_sign_make_a_drift()
+     {
         let of = |stroke: f64, error: f64| Figures::of(&[error, stroke - error], &[0.0, stroke]);
         let [large, small] = [of(10.0, 0.03), of(0.1, 0.03)];
-        assert_eq!(poor(&Figures::all([large, small].iter()).unwrap()), None);
-        assert!(matches!(poor(&of(10.0, 1.0)), Some(Doubt::PoorFit { percent }) if (percent - 10.0).abs() < 1e-9));
+        assert_eq!(poor([("large", large), ("small", small)].into_iter()), None);
+        let missed = [("large", large), ("missed", of(8.0, 1.0)), ("small", small)];
+        let found = poor(missed.into_iter());
+        assert!(
+            matches!(found, Some(Doubt::PoorFit { log, percent }) if log == "missed" && (percent - 10.0).abs() < 1e-9)
+        );
         assert!(matches!(drift(&[0.9, -1.0], 1.0), Some(Doubt::Drift { offset_um: -1.0 })));
         assert!(drift(&[0.1, -0.1], 1.0).is_none() && drift(&[], 1.0).is_none());
     }
