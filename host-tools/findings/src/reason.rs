@@ -24,10 +24,15 @@ fn least(since: &str) -> String {
     )
 }
 
-/// What is said where a mean difference, µm, is no more than its standard error, µm.
-fn close((difference_um, error_um): (f64, f64)) -> String {
-    match difference_um <= error_um {
-        true => format!(", and the choice is close: the difference is {difference_um:.3} ± {error_um:.3} µm"),
+/// What is said where the mean logarithm of the next model's errors, beside the best's, is no more than its standard error.
+fn close((difference, error): (f64, f64)) -> String {
+    let percent = |logarithm: f64| 100.0 * logarithm.exp_m1();
+    match difference <= error {
+        true => format!(
+            ", and the choice is close: {:.0} % more, with a standard error of {:.0} %",
+            percent(difference),
+            percent(error)
+        ),
         false => String::new(),
     }
 }
@@ -70,7 +75,7 @@ mod tests {
         let score = |model, parts: [f64; 4]| Score {
             model,
             parameters: 9,
-            error_um: parts.iter().sum::<f64>() / 4.0,
+            error_um: parts.iter().product::<f64>().powf(0.25),
             parts_um: parts.to_vec(),
         };
         let said = |next: [f64; 4]| {
@@ -78,7 +83,7 @@ mod tests {
             cross_validated(&CrossValidation { left_out: LeftOut::Logs, scores, chosen: 0, amplitudes: true })
         };
         let close = said([0.078, 0.085, 0.08, 0.089]);
-        assert!(close.contains("the choice is close: the difference is 0.002 ± 0.002 µm"), "{close}");
+        assert!(close.contains("the choice is close: 2 % more, with a standard error of 3 %"), "{close}");
         let clear = said([0.18, 0.185, 0.182, 0.181]);
         assert!(!clear.contains("close"), "{clear}");
     }

@@ -4,8 +4,9 @@
 
 use crate::cost::Cost;
 use crate::search::space::Extent;
-use crate::simulation::{errors_from, mean as mean_of, mean_error, mean_size};
+use crate::simulation::{errors_from, mean_error, mean_size};
 use crate::trial::Trial;
+use crate::validate::statistics;
 use calibration::CalibrationOptions;
 use calibration::drive::ROOM;
 use estimator_core::extremum::between_codes;
@@ -123,7 +124,7 @@ impl Problem {
         let model = trial.model(&self.discretisation());
         let of = |session: &Session| {
             let errors = errors_once_settled(session, &model);
-            mean_size(&errors, mean_of(&errors), cost.norm)
+            mean_size(&errors, statistics::mean(&errors), cost.norm)
         };
         mean(&self.training, cost, of)
     }

@@ -64,11 +64,6 @@ pub fn mean_size(errors: &[f64], constant: f64, norm: Norm) -> f64 {
     if mean.is_finite() { mean } else { f64::INFINITY }
 }
 
-/// The mean of some numbers, 0 of none.
-pub fn mean(of: &[f64]) -> f64 {
-    of.iter().sum::<f64>() / of.len().max(1) as f64
-}
-
 /// From the one to the other by a weight; exactly the one at 0, the other at 1.
 fn mixed(one: f64, other: f64, weight: f64) -> f64 {
     (1.0 - weight) * one + weight * other

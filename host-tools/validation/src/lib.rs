@@ -8,6 +8,7 @@ mod estimates;
 mod figures;
 mod run;
 mod scope;
+pub mod statistics;
 mod straight_line;
 mod suspicion;
 mod told;

@@ -5,6 +5,7 @@
 //! was off at T. That error is the mean over the [`ZERO_WINDOW_S`] up to T, so that it is not one reading's noise; only
 //! what comes after T is scored.
 
+use crate::statistics::mean;
 use recordings::session::Session;
 use std::fmt;
 use std::ops::Range;
@@ -98,11 +99,6 @@ impl Part {
     pub fn zeroed(&self, errors: &[f64]) -> f64 {
         self.zero.as_ref().map_or(0.0, |window| mean(&errors[window.clone()]))
     }
-}
-
-/// Mean; 0 of nothing.
-pub(crate) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// Time of a measured instant, s since the log's first sample.

@@ -13,7 +13,8 @@
 use crate::coverage::Coverage;
 use crate::figures::Figures;
 use crate::run::Run;
-use crate::scope::{FEWEST, Part, ScopeError, mean};
+use crate::scope::{FEWEST, Part, ScopeError};
+use crate::statistics::mean;
 use log_survey::reversals::first_cycle;
 use recordings::session::Session;
 use serde::Serialize;
