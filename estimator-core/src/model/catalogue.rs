@@ -1,8 +1,8 @@
 //! The one list of models. A line makes a model a choice of the table, of the tools and of the firmware.
 //!
 //! To add one: a file with its parameters ([`Published`]) and its recursion, the parameters' `pub use` in `model` and at the
-//! root of this crate, where tables written as Rust find them, and a line at the end of this file. The example `own_model`
-//! of the crate `identification` has every step.
+//! root of this crate, where tables written as Rust find them, and a line at the end of this file.
+//! No other source of this crate lists them. The example `own_model` of the crate `identification` has every step.
 
 use super::published::{Discretisation, Published};
 use super::{Process, Recursion, Running};
@@ -17,7 +17,7 @@ type Coefficients<P, T> = <P as Published>::Coefficients<T>;
 type RunningOf<P, T> = Running<Coefficients<P, T>, <Coefficients<P, T> as Recursion<T>>::State>;
 
 macro_rules! models {
-    ($($(#[doc = $line:literal])+ $model:ident, $name:literal, $label:literal, $parameters:ident;)*) => {
+    ($($(#[doc = $line:literal])+ $model:ident, $name:literal, $label:literal, $parameters:ident, $cycles:expr;)*) => {
         /// Which model a table has.
         #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
         pub enum Model {
@@ -36,6 +36,12 @@ macro_rules! models {
             /// What it is, in a sentence.
             pub const fn description(self) -> &'static str {
                 match self { $(Self::$model => concat!($($line),+).trim_ascii(),)* }
+            }
+
+            /// Most cycles of its tick on the board, to estimate and to drive; [`Parameters::most_cycles`] tells a model's parameters
+            /// apart.
+            pub(crate) const fn most_cycles(self) -> (u32, u32) {
+                match self { $(Self::$model => $cycles,)* }
             }
         }
 
@@ -143,30 +149,32 @@ macro_rules! models {
     };
 }
 
+// Of each: what it is, the name, the label, the parameters; and the most cycles of a tick on the board, to estimate and to drive, of
+// which `table/cycles.rs` says more. A model without an inverse has the first twice.
 models! {
     /// Eq. (4.8): five parameters, no extremum term.
-    Voigt, "voigt", "Voigt (4.8)", VoigtParameters;
+    Voigt, "voigt", "Voigt (4.8)", VoigtParameters, (10_200, 19_800);
     /// Eq. (5.4): the voltage-extremum term `g, h`.
-    VoltageExtremum, "voltage-extremum", "voltage-extremum (5.4)", VoigtParameters;
+    VoltageExtremum, "voltage-extremum", "voltage-extremum (5.4)", VoigtParameters, (10_200, 36_400);
     /// Eq. (5.5): the displacement-extremum term `e, f`.
-    DisplacementExtremum, "displacement-extremum", "displacement-extremum (5.5)", VoigtParameters;
+    DisplacementExtremum, "displacement-extremum", "displacement-extremum (5.5)", VoigtParameters, (10_200, 20_900);
     /// Eq. (5.3): both extremum terms.
-    Enhanced, "enhanced", "enhanced (5.3)", VoigtParameters;
+    Enhanced, "enhanced", "enhanced (5.3)", VoigtParameters, (10_200, 41_500);
     /// Kelvin–Voigt elements in series, Eq. (3.20).
-    VoigtChain, "voigt-chain", "Voigt chain (3.20)", VoigtChainParameters;
+    VoigtChain, "voigt-chain", "Voigt chain (3.20)", VoigtChainParameters, (11_300, 40_600);
     /// Play operators and a superposition of dead zones, Eq. (3.6–3.9).
-    PrandtlIshlinskii, "prandtl-ishlinskii", "Prandtl–Ishlinskii (3.9)", PrandtlIshlinskiiParameters;
+    PrandtlIshlinskii, "prandtl-ishlinskii", "Prandtl–Ishlinskii (3.9)", PrandtlIshlinskiiParameters, (11_200, 30_200);
     /// Elasto-slide elements in parallel, Eq. (3.10).
-    MaxwellSlip, "maxwell-slip", "Maxwell-slip (3.10)", MaxwellSlipParameters;
+    MaxwellSlip, "maxwell-slip", "Maxwell-slip (3.10)", MaxwellSlipParameters, (10_500, 21_900);
     /// Coleman and Hodgdon's form of Eq. (3.11).
-    Duhem, "duhem", "Duhem (3.11)", DuhemParameters;
+    Duhem, "duhem", "Duhem (3.11)", DuhemParameters, (9_500, 16_400);
     /// Of the Duhem family: Bouc–Wen with asymmetry.
-    BoucWen, "bouc-wen", "Bouc–Wen", BoucWenParameters;
+    BoucWen, "bouc-wen", "Bouc–Wen", BoucWenParameters, (9_200, 20_500);
     /// Relays with a density on a grid, Eq. (3.1–3.5).
-    Preisach, "preisach", "Preisach (3.1)", PreisachParameters;
+    Preisach, "preisach", "Preisach (3.1)", PreisachParameters, (20_300, 106_500);
     /// Black box of Table 5.1: a polynomial of past voltages and displacements, and of extrema.
-    Narx, "narx", "NARX (Table 5.1)", NarxParameters;
+    Narx, "narx", "NARX (Table 5.1)", NarxParameters, (51_000, 51_000);
     /// Fifteen play operators behind one envelope in a chain with delay, lag, creep and resonance.
     GeneralisedPrandtlIshlinskii, "generalised-prandtl-ishlinskii", "generalised Prandtl–Ishlinskii",
-        GeneralisedPrandtlIshlinskiiParameters;
+        GeneralisedPrandtlIshlinskiiParameters, (19_000, 50_900);
 }

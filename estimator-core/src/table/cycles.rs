@@ -5,14 +5,15 @@
 //! model (a full memory, a search that ends with its last step), counted with every documented cost at its most and empty
 //! caches, and [`MARGIN_PERCENT`] beyond, rounded up by a few more: where the linker puts the code moves them by 2 %. That is no proof that
 //! no input takes more. `cargo xtask cycles` prints what they are made of; the check `figures` fails where the margin has become
-//! less than 7 %, or far too large.
+//! less than 7 %, or far too large. Those of a model stand in its line of the [catalogue](crate::model::catalogue); here are those of
+//! a table that takes other ones than its model.
 //!
 //! A tick may take [`ALLOWED_PERCENT`] of its time: the rest is the serial line's, the flash's and the host's. That so much is left
 //! between the converter's end and the next trigger, the board's image sees to at each of its rates. At 1 kHz the output's codes are
 //! twice as many as where the cycles were counted, at 2 kHz: some hundreds, which the margin holds.
 
 use super::{Misfit, Table};
-use crate::model::{Model, Parameters};
+use crate::model::Parameters;
 
 /// What is added to the most that was observed, %.
 pub const MARGIN_PERCENT: u32 = 10;
@@ -86,7 +87,7 @@ impl Parameters {
         let (estimate, drive) = match self {
             Self::BoucWen(of) if of.n == 2.0 => BOUC_WEN_SQUARE,
             Self::BoucWen(of) if of.n != 1.0 => BOUC_WEN_POWER,
-            _ => most_cycles(self.model()),
+            _ => self.model().most_cycles(),
         };
         if drives { drive } else { estimate }
     }
@@ -99,25 +100,6 @@ const BOUC_WEN_POWER: (u32, u32) = (88_000, 245_900);
 
 /// Of a straight line.
 const STRAIGHT_LINE: (u32, u32) = (4_200, 8_300);
-
-/// To estimate, and to drive.
-const fn most_cycles(model: Model) -> (u32, u32) {
-    match model {
-        Model::Voigt => (10_200, 19_800),
-        Model::VoltageExtremum => (10_200, 36_400),
-        Model::DisplacementExtremum => (10_200, 20_900),
-        Model::Enhanced => (10_200, 41_500),
-        Model::VoigtChain => (11_300, 40_600),
-        Model::PrandtlIshlinskii => (11_200, 30_200),
-        Model::MaxwellSlip => (10_500, 21_900),
-        Model::Duhem => (9_500, 16_400),
-        Model::BoucWen => (9_200, 20_500),
-        Model::Preisach => (20_300, 106_500),
-        // It has no inverse.
-        Model::Narx => (51_000, 51_000),
-        Model::GeneralisedPrandtlIshlinskii => (19_000, 50_900),
-    }
-}
 
 #[cfg(test)]
 mod tests {

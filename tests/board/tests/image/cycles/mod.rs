@@ -241,7 +241,7 @@ fn measure_all(drives: bool) -> Result<()> {
     let wrong = models.map(|model| measure(model, drives)).collect::<Result<Vec<_>>>()?.concat();
     ensure!(
         wrong.is_empty(),
-        "{}\nstate {MARGIN_PERCENT} % more than was observed in estimator-core/src/table/cycles.rs",
+        "{}\nstate {MARGIN_PERCENT} % more than was observed, in the model's line of estimator-core/src/model/catalogue.rs",
         wrong.join("\n")
     );
     Ok(())
