@@ -11,28 +11,35 @@
 //!    `mod toy;` and `pub use toy::{Toy, ToyParameters};` in `model/mod.rs`; `ToyParameters` in the `pub use model::{…}` of
 //!    `lib.rs`, too.
 //! 2. At the end of `estimator-core/src/model/catalogue.rs`, the sentence of `--help` and the line of the model, last, since
-//!    records number the models by their order:
+//!    records number the models by their order. The two numbers are the most cycles that a tick takes on the board, to estimate
+//!    and to drive, by which a board refuses a table; `table/cycles.rs` says what they are. Begin with too many: `cargo xtask cycles`
+//!    fails, and says how many are observed and what to state.
 //!
 //!        /// Straight line behind a first-order lag.
-//!        Toy, "toy", "straight line with lag", ToyParameters;
+//!        Toy, "toy", "straight line with lag", ToyParameters, (20_000, 50_000);
 //!
-//! 3. Part 2 becomes `host-tools/identification/src/family/toy.rs`, without `impl Trial`: [`Parameters`](estimator_core::Parameters)
+//! 3. Part 2 becomes `host-tools/identification/src/family/toy.rs`, `pub`, without `impl Trial`: [`Parameters`](estimator_core::Parameters)
 //!    has it. `type Found = Parameters`, and `project` ends in `.then_some(Parameters::Toy(parameters))`. `mod toy;` and an arm of
 //!    `of` in `family/mod.rs`, for which the compiler asks: `Model::Toy => vec![Box::new(toy::ToyFamily)]`. A family whose ranges
-//!    follow from the logs (a play's half-width, say) takes the [`Problem`] in a `new`, as `family/duhem.rs` does.
+//!    follow from the logs (a play's half-width, say) takes the [`Problem`] in a `new`, as `family/duhem.rs` does. The lag of a
+//!    model that has one, as this has, is told to `late_s` in `host-tools/prediction-interval/src/lib.rs`, which takes none of others.
 //!
 //! `cargo run --release -- identify tests/data/picma-p885-1hz.csv --model toy --out out/toy` then runs, and so does every other
 //! verb. What goes through all models wants the new one:
 //!
-//! 4. A set of it in `estimator-core/tests/common/models.rs` (the compiler asks), and its bits in `tests/bits.rs` beside that (the
-//!    test prints the line). A model without an inverse is left out as `Narx` is, there and in `tests/inverse.rs`.
-//! 5. Its identified table, `tests/data/table/models/toy.toml` (the README there says how), which the tests in QEMU and
-//!    `cargo xtask size --models` run; the instructions of its tick in `xtask/src/figures/ceiling.rs` (`cargo xtask figures`
-//!    says how many). `cargo xtask figures models tracking` writes its rows in the book; the column of words is yours.
+//! 4. In `estimator-core/tests/library/`: a set of it in `common/models.rs` (the compiler asks), its bits in `bits.rs` (the test
+//!    prints the line), and what its `f32` is off by in `precision.rs`, whose list leaves out what it does not name. A model without
+//!    an inverse is left out as `Narx` is, in `common/models.rs` and in `inverse.rs`; outside the core, in `measure_all` and `line.rs`
+//!    of `tests/board/tests/image` and where `xtask/src/cycles.rs` counts its rows.
+//! 5. Its identified table, `tests/data/table/models/toy.toml` (`README.md` in the folder above says how), which the tests in QEMU, of
+//!    C and of the fuzzer's inputs and `cargo xtask size --models` run; the instructions of its tick in `CEILINGS` of
+//!    `xtask/src/figures/ceiling.rs` (`cargo xtask figures` says how many). `cargo xtask figures models cycles tracking` writes its
+//!    rows in the book; the column of words is yours. The inputs of `tests/data/fuzz` want it, too: `cargo run --package fuzzed --example
+//!    seeds FOLDER` writes them.
 //! 6. The record's format: bump `VERSION` in `estimator-core/src/record.rs` unless it was bumped since the last release, since
 //!    older firmware cannot read the model. With it change the version and the CRC of `record_is_pinned` in
-//!    `estimator-core/tests/table.rs`, the two `table.bin` in `tests/data/table` (`cargo run --release -- emit FOLDER/table.toml
-//!    --out FOLDER` writes them), and the line in CHANGELOG.md.
+//!    `estimator-core/tests/library/table.rs`, the two `table.bin` in `tests/data/table` (`cargo run --release -- emit
+//!    FOLDER/table.toml --out FOLDER` writes them), and the line in CHANGELOG.md.
 
 use estimator_core::admissible::within;
 use estimator_core::model::{Lag, Relaxed};
