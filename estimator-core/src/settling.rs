@@ -1,7 +1,7 @@
 //! Whether the estimate still depends on where it was assumed to start.
 //!
-//! Hysteresis forgets what lies within a full swing of the voltage, and so does the estimate: it counts as settled once
-//! the voltage has turned at either end of a swing of [`SETTLED_SWING`] of the table's voltage range.
+//! Hysteresis forgets what lies within a swing of the voltage, and so does the estimate: it counts as settled once the voltage
+//! has turned at either end of a swing of half of the table's voltage range ([`SETTLED_SWING`]).
 
 use crate::extremum::Tracker;
 use crate::math::Real;
@@ -30,7 +30,7 @@ impl<T: Real> Settling<T> {
         }
     }
 
-    /// Takes this tick's voltage (V); `true` from the tick on that reveals the second end of a full swing.
+    /// Takes this tick's voltage (V); `true` from the tick on that reveals the second end of a swing of half the range.
     pub fn settles(&mut self, voltage: T) -> bool {
         // Only the voltages of the reversals are asked for.
         if !self.tracker.update(voltage, T::zero()) {
