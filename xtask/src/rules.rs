@@ -17,7 +17,7 @@ const NO_EXAMPLES: &str = "doctest = false";
 const MOST_LINES: usize = 5500;
 /// The identification is a library for others, too: it must not bring them a command line, a serial port or a terminal.
 const IDENTIFICATION: &str = "identification";
-const NOT_OF_IDENTIFICATION: [&str; 5] = ["clap", "anyhow", "serialport", "askama", "indicatif"];
+const NOT_OF_IDENTIFICATION: [&str; 6] = ["clap", "anyhow", "serialport", "askama", "crossterm", "indicatif"];
 
 /// Checks them.
 ///
