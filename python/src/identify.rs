@@ -230,5 +230,5 @@ fn check(prepare: &PrepareOptions) -> PyResult<()> {
         skip_end_s: prepare.skip_end,
         ..Recipe::at_tick(prepare.tick_us)
     };
-    recipe.fault().map_or(Ok(()), |rule| Err(PiezoError::new_err(rule)))
+    recipe.check().map_err(refused)
 }

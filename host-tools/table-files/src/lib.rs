@@ -14,7 +14,7 @@ use estimator_core::table::BoundToTick;
 use estimator_core::{Admitted, Table, TableError};
 use identification::SearchOptions;
 use identification::cost::{Feedback, Norm};
-use recordings::prepare::Recipe;
+use recordings::prepare::{Recipe, RecipeError};
 use recordings::{LogUse, Role, file};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -119,9 +119,9 @@ pub enum Refused {
     /// By itself.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// The recipe breaks this rule.
+    /// The recipe breaks a rule.
     #[error("[recipe] {0}")]
-    Recipe(&'static str),
+    Recipe(RecipeError),
     /// Recipe and table are not of one identification.
     #[error("[recipe] and [table] differ in the tick or a zero: change both, or neither")]
     Differ,
@@ -172,9 +172,7 @@ impl TableFile {
     /// The table breaks a rule, alone or together with the recipe.
     pub fn admit(&self) -> Result<Admitted, Refused> {
         let admitted = self.table.admit()?;
-        if let Some(rule) = self.recipe.fault() {
-            return Err(Refused::Recipe(rule));
-        }
+        self.recipe.check().map_err(Refused::Recipe)?;
         let (recipe, table) = (&self.recipe, &self.table);
         let same = recipe.tick_us == table.sample_period_us
             && recipe.voltage_zero_v as f32 == table.voltage_zero_v

@@ -7,5 +7,5 @@ mod recipe;
 mod resample;
 
 pub use options::{AutoOr, PrepareOptions};
-pub use recipe::{PrepareError, Recipe};
+pub use recipe::{PrepareError, Recipe, RecipeError};
 pub use resample::Decimation;

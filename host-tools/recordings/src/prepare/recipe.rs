@@ -29,6 +29,11 @@ pub struct Recipe {
     pub decimation: Decimation,
 }
 
+/// The rule that a recipe breaks, in words.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct RecipeError(&'static str);
+
 /// Why a log cannot be brought to the tick.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum PrepareError {
@@ -110,8 +115,11 @@ impl Recipe {
         }
     }
 
-    /// What keeps the recipe from being used, if anything.
-    pub fn fault(&self) -> Option<&'static str> {
+    /// Whether it can be used.
+    ///
+    /// # Errors
+    /// The first of its rules that does not hold.
+    pub fn check(&self) -> Result<(), RecipeError> {
         let scale = |x: f64| x.is_finite() && x != 0.0;
         let duration = |x: f64| x.is_finite() && x >= 0.0;
         let rules = [
@@ -124,7 +132,7 @@ impl Recipe {
             ("skip_start_s must be 0 or positive", duration(self.skip_start_s)),
             ("skip_end_s must be 0 or positive", duration(self.skip_end_s)),
         ];
-        rules.into_iter().find(|(_, holds)| !holds).map(|(rule, _)| rule)
+        rules.into_iter().find(|(_, holds)| !holds).map_or(Ok(()), |(rule, _)| Err(RecipeError(rule)))
     }
 
     /// Tick, s.
@@ -242,6 +250,14 @@ mod tests {
         assert!((session.start_s - 0.01).abs() < 1e-12);
         let all = Recipe { skip_start_s: 1.0, ..recipe };
         assert!(matches!(all.session(&all.cut(&log(100, 2000.0))), Err(PrepareError::TooShort { left: 0, .. })));
+    }
+
+    #[test]
+    fn a_recipe_that_breaks_a_rule_is_refused_by_it() {
+        assert_eq!(recipe().check(), Ok(()));
+        let said = |recipe: Recipe| recipe.check().unwrap_err().to_string();
+        assert_eq!(said(Recipe { voltage_scale: 0.0, ..recipe() }), "voltage_scale must be a number other than 0");
+        assert_eq!(said(Recipe { delay_ticks: 2000, ..recipe() }), "delay_ticks must be below a second");
     }
 
     #[test]
