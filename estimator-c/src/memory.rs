@@ -6,10 +6,10 @@ use core::ptr::NonNull;
 /// What `begun` says once there is a value. Memory of zeros, as static memory is in C, has none.
 pub(crate) const BEGUN: u32 = 0x505A_4547;
 
-/// A structure of C: a word that says whether there is a value, and room for it.
+/// A structure of C: a word that says whether there is a value, and storage for it.
 ///
 /// # Safety
-/// `room` points into the structure, and has the size and the alignment of a `Value` at least.
+/// `storage` points into the structure, and has the size and the alignment of a `Value` at least.
 pub(crate) unsafe trait Memory {
     /// What lies in it.
     type Value;
@@ -18,7 +18,7 @@ pub(crate) unsafe trait Memory {
     fn begun(this: *mut Self) -> *mut u32;
 
     /// Where the value is.
-    fn room(this: *mut Self) -> *mut Self::Value;
+    fn storage(this: *mut Self) -> *mut Self::Value;
 }
 
 /// Puts a value into memory. One that was there is forgotten: it owns nothing outside of itself.
@@ -31,7 +31,7 @@ pub(crate) unsafe fn put<M: Memory>(memory: *mut M, value: M::Value) -> Result<(
     }
     // SAFETY: the caller's promise, and the trait's. The memory may be uninitialised: it is written only.
     unsafe {
-        M::room(memory).write(value);
+        M::storage(memory).write(value);
         M::begun(memory).write(BEGUN);
     }
     Ok(())
@@ -51,7 +51,7 @@ pub(crate) unsafe fn get<'a, M: Memory>(memory: *mut M) -> Result<&'a mut M::Val
         return Err(PiezoResult::NotBegun);
     }
     // SAFETY: only `put` writes the word, after the value.
-    Ok(unsafe { &mut *M::room(memory) })
+    Ok(unsafe { &mut *M::storage(memory) })
 }
 
 /// Where a result goes.
@@ -99,7 +99,7 @@ macro_rules! memory {
                 this.wrapping_byte_add(core::mem::offset_of!(Self, begun)).cast()
             }
 
-            fn room(this: *mut Self) -> *mut $value {
+            fn storage(this: *mut Self) -> *mut $value {
                 this.wrapping_byte_add(core::mem::offset_of!(Self, words)).cast()
             }
         }

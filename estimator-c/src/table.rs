@@ -84,14 +84,14 @@ pub unsafe extern "C" fn piezo_table_read(
     })
 }
 
-/// Room for text; its last byte stays 0.
+/// A buffer for text; its last byte stays 0.
 struct Text<'a>(&'a mut [u8]);
 
 impl Write for Text<'_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        let room = text.len().min(self.0.len().saturating_sub(1));
+        let capacity = self.0.len().saturating_sub(1);
         // No character is cut in two.
-        let fits = (0..=room).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
+        let fits = (0..=text.len().min(capacity)).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
         let (here, rest) = core::mem::take(&mut self.0).split_at_mut(fits);
         here.copy_from_slice(&text.as_bytes()[..fits]);
         self.0 = rest;

@@ -21,7 +21,7 @@ pub fn ticks<'py, S: Clone + Send, T: Element>(
     tick: impl Fn(&mut S, usize) -> (f32, f32, T) + Sync,
 ) -> PyResult<Run<'py, T>> {
     let mut ahead = running.clone();
-    let (mut first, mut second, mut third) = (room(count)?, room(count)?, room(count)?);
+    let (mut first, mut second, mut third) = (reserved(count)?, reserved(count)?, reserved(count)?);
     for from in (0..count).step_by(STRETCH) {
         py.detach(|| {
             for at in from..count.min(from + STRETCH) {
@@ -38,7 +38,7 @@ pub fn ticks<'py, S: Clone + Send, T: Element>(
 }
 
 /// A list that this many fit into.
-fn room<T>(count: usize) -> PyResult<Vec<T>> {
+fn reserved<T>(count: usize) -> PyResult<Vec<T>> {
     let mut list = Vec::new();
     let enough = list.try_reserve_exact(count);
     enough.map_err(|error| PyMemoryError::new_err(format!("of {count} ticks: {error}")))?;

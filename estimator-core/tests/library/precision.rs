@@ -118,8 +118,8 @@ fn table(model: Model, random: &mut Random) -> Admitted {
         let reach = table.engine::<f32>().bound(table.voltage_range_v, WIDE);
         let limits = match reach {
             Ok(reach) if reach != WIDE => {
-                let room = 1e-3 * reach.span();
-                Range { min: reach.min - room, max: reach.max + room }
+                let margin = 1e-3 * reach.span();
+                Range { min: reach.min - margin, max: reach.max + margin }
             }
             _ => base.displacement_limits_um,
         };

@@ -288,18 +288,18 @@ impl<F: NorFlash> Device<'_, F> {
         // What was taken before is passed over. A gap, or a frame that is late by more than its length, is left alone.
         let known = self.referred.next.wrapping_sub(first) as usize;
         if let Some(new) = references.get(known..) {
-            let mut room = true;
+            let mut queued = true;
             for &reference in new {
                 let starved = self.telemetry.starved.load(Relaxed);
-                room = self.queues.references.enqueue(reference).is_ok();
-                if !room {
+                queued = self.queues.references.enqueue(reference).is_ok();
+                if !queued {
                     break;
                 }
                 self.referred.next = self.referred.next.wrapping_add(1);
                 self.referred.starved = starved;
             }
             // What is held is the last of them, never one on the way.
-            if go && self.queues.commands.enqueue(Command::Go { hold: hold && room }).is_err() {
+            if go && self.queues.commands.enqueue(Command::Go { hold: hold && queued }).is_err() {
                 return Reply::Refused(Refusal::Busy);
             }
         }

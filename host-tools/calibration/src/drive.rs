@@ -35,8 +35,8 @@ pub const ROOM: f64 = 0.05;
 /// The voltages at the amplifier that the training of a table's model went over, V: what it was identified on without the room beyond.
 pub fn trained_on(table: &Table) -> Range {
     let Range { min, max } = identified_on(table);
-    let room = (max - min) * (ROOM / (1.0 + 2.0 * ROOM)) as f32;
-    Range { min: min + room, max: max - room }
+    let margin = (max - min) * (ROOM / (1.0 + 2.0 * ROOM)) as f32;
+    Range { min: min + margin, max: max - margin }
 }
 
 /// Limits within a range, at rest at 0 V or next to it where nothing is said.

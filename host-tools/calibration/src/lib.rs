@@ -40,8 +40,8 @@ pub struct CalibrationOptions {
 
 /// A 12-bit converter.
 const FULL_SCALE: u16 = 4095;
-/// Assumed room of the ADC beyond the table's voltages, as a fraction of their span.
-const ADC_ROOM: f64 = 0.05;
+/// Assumed margin of the ADC beyond the table's voltages, as a fraction of their span.
+const ADC_MARGIN: f64 = 0.05;
 
 impl CalibrationOptions {
     /// Of which converters nobody says what their codes are; `None` where both are stated.
@@ -61,7 +61,7 @@ impl CalibrationOptions {
         voltage_zero: f64,
         limits: Range<f64>,
     ) -> (AdcCalibration, DacCalibration) {
-        let margin = ADC_ROOM * voltage.span();
+        let margin = ADC_MARGIN * voltage.span();
         let adc = self
             .adc_span
             .unwrap_or(Span { zero: voltage_zero + voltage.min - margin, full: voltage_zero + voltage.max + margin });

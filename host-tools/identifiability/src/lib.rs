@@ -37,7 +37,7 @@ const STEP: f64 = 1e-3;
 /// What of a condition can be told in f64, by its square.
 const WORST_CONDITION: f64 = 1e8;
 /// How much wider than the table's the limits may be, at either end, of what lies between them.
-const ROOM: [f32; 5] = [1.0, 0.3, 0.1, 0.03, 0.0];
+const WIDENED_BY: [f32; 5] = [1.0, 0.3, 0.1, 0.03, 0.0];
 /// Products of errors that are summed at a time, at most.
 const PRODUCTS: usize = 100_000_000;
 /// Every how many readings are looked at where that does not suffice.
@@ -121,7 +121,7 @@ pub enum Unknown {
 /// # Errors
 /// Why that is not known.
 pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determination, Unknown> {
-    let table = roomy(table).ok_or(Unknown::Held)?;
+    let table = with_widest_limits(table).ok_or(Unknown::Held)?;
     let judged: Vec<Judged> = sessions.iter().map(|session| Judged::of(&table, session)).collect();
     let readings: usize = judged.iter().map(|judged| judged.errors.len()).sum();
     let settled: Vec<f64> = judged.iter().flat_map(|judged| &judged.errors[judged.start..]).copied().collect();
@@ -195,11 +195,11 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
 
 /// The table without interval and drive, which have no part in it, and with the widest limits that it is admitted with, since limits must
 /// not keep a number from moving: the feedback of an extremum term goes the further, the wider they are.
-fn roomy(table: &Admitted) -> Option<Admitted> {
+fn with_widest_limits(table: &Admitted) -> Option<Admitted> {
     let limits = table.displacement_limits_um;
-    ROOM.into_iter().find_map(|part| {
-        let room = Range { min: limits.min - part * limits.span(), max: limits.max + part * limits.span() };
-        Table { interval: None, drive: None, displacement_limits_um: room, ..**table }.admit().ok()
+    WIDENED_BY.into_iter().find_map(|part| {
+        let widened = Range { min: limits.min - part * limits.span(), max: limits.max + part * limits.span() };
+        Table { interval: None, drive: None, displacement_limits_um: widened, ..**table }.admit().ok()
     })
 }
 

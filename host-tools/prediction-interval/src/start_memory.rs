@@ -90,8 +90,8 @@ mod tests {
         parameters.creep_gains = List::collect(parameters.creep_gains.iter().map(|_| 0.0)).unwrap();
         let parameters = Parameters::GeneralisedPrandtlIshlinskii(parameters);
         let limits = creeps.displacement_limits_um;
-        let room = Range { min: limits.min - limits.span(), max: limits.max + limits.span() };
-        let stands = Table { parameters, displacement_limits_um: room, ..*creeps }.admit().unwrap();
+        let widened = Range { min: limits.min - limits.span(), max: limits.max + limits.span() };
+        let stands = Table { parameters, displacement_limits_um: widened, ..*creeps }.admit().unwrap();
         let (creeping, standing) = (start_memory(&creeps), start_memory(&stands));
         // Half a range wipes out most of it.
         for eighth in 0..4 {

@@ -286,8 +286,9 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
 
     /// Without delay, foresight and resonance, most of the memory need not be copied.
     fn peek(&self, state: &GeneralisedPrandtlIshlinskiiState<T>, voltage: T) -> T {
-        let prompt = self.delay == 0 && self.older == T::zero() && self.ahead == T::zero() && self.resonance.is_none();
-        if !prompt {
+        let lag_only =
+            self.delay == 0 && self.older == T::zero() && self.ahead == T::zero() && self.resonance.is_none();
+        if !lag_only {
             return self.step(&mut state.clone(), voltage);
         }
         let u = self.lagged(&mut { state.input }, voltage);
