@@ -1,8 +1,7 @@
 //! Which resistors: all triples of a series are tried, and the one is taken that uses most of the converter's range.
 
 use crate::series::Series;
-use crate::stage::OUTPUT_PIN_V;
-use crate::{Divider, PIN_V};
+use crate::{Divider, OUTPUT_PIN_V, PIN_V};
 
 /// What the node's resistance may be, Ω: the source carries it, and the follower's input current does not show on it.
 const IMPEDANCE: (f64, f64) = (2e3, 4.5e3);

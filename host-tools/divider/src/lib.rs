@@ -27,7 +27,7 @@ pub use input_stage::{Cost, InputStage, Source};
 pub use output_stage::{OutputStage, TOLERANCE};
 pub use sampling::Sampling;
 pub use series::Series;
-pub use stage::{OUTPUT_PIN_V, Stage};
+pub use stage::Stage;
 
 use serde::Serialize;
 
@@ -39,6 +39,9 @@ pub const FULL_SCALE: u16 = 65_520;
 pub const CODES_A_STEP: f64 = 16.0;
 /// Where the pin is to stay, V: the codes beyond are kept for finding a voltage that is out of range.
 pub const PIN_V: (f64, f64) = (0.15, 3.15);
+/// What of the output pin's range is used, V: without 7 % at either end, which are left to the DAC's own buffer (it reaches
+/// 0.2 … 3.1 V; data sheet of the STM32G474, "DAC characteristics").
+pub const OUTPUT_PIN_V: (f64, f64) = (0.231, 3.069);
 
 /// Three resistors, Ω.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]

@@ -15,12 +15,9 @@
 
 use crate::choice::ordered;
 use crate::series::Series;
-use crate::{DividerError, REFERENCE_V};
+use crate::{DividerError, OUTPUT_PIN_V, REFERENCE_V};
 use serde::Serialize;
 
-/// What of the pin's range is used, V: without 7 % at either end, which are left to the DAC's own buffer (it reaches 0.2 … 3.1 V; data
-/// sheet of the STM32G474, "DAC characteristics").
-pub const OUTPUT_PIN_V: (f64, f64) = (0.231, 3.069);
 /// What RF may be, Ω: the operational amplifier drives it, and its input current does not show on it.
 const FEEDBACK: (f64, f64) = (1e4, 1e5);
 
