@@ -1,6 +1,6 @@
 //! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
-use crate::surveyed::short;
+use crate::short::short;
 use calibration::{Assumed, CalibrationOptions};
 use estimator_core::DuhemCondition;
 use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};

@@ -8,6 +8,7 @@ mod doubt;
 mod interval;
 mod proven;
 mod reason;
+mod short;
 mod surveyed;
 mod table_file;
 mod unsaid;

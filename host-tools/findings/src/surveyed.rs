@@ -1,6 +1,7 @@
 //! What was understood of a log before anything is fitted to it, in words.
 
-use crate::implausible;
+use crate::doubt::implausible;
+use crate::short::short;
 use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey};
 use recordings::log::Remark;
 
@@ -134,14 +135,5 @@ fn swings(line: &mut dyn FnMut(&str, &str), survey: &Survey) {
     for Cell { amplitude_v, frequency_hz, half_cycles } in &swings.cells {
         let from_to = |(from, to): (f64, f64)| format!("{} … {}", short(from), short(to));
         line("", &format!("{:>17} × {:<15} {half_cycles:>8}", from_to(*amplitude_v), from_to(*frequency_hz)));
-    }
-}
-
-/// A number of four significant digits.
-pub fn short(x: f64) -> String {
-    let text = format!("{x:.3e}");
-    match text.parse::<f64>() {
-        Ok(x) if x == 0.0 || (1e-4..1e6).contains(&x.abs()) => format!("{x}"),
-        _ => text,
     }
 }
