@@ -1,7 +1,9 @@
 //! The faces of a table side by side: what table.toml, table.rs and table.bin of one folder say is one table, known by its
 //! record's checksum. A program that is killed between two renames, or an edit of one face, leaves faces of two.
 
-use super::{TableFile, TableFileError, record, rust_source};
+use super::constant::{LINE, rust_source};
+use super::name::name;
+use super::{TableFile, TableFileError, record};
 use estimator_core::{Admitted, record::checksum};
 use recordings::file;
 use std::path::{Path, PathBuf};
@@ -13,8 +15,6 @@ pub const FACES: [(&str, &str); 3] =
 pub const RECORD: (&str, &str) = ("table.bin", "PZTB");
 /// Ends of the faces' names.
 const ENDS: [&str; 3] = ["toml", "rs", "bin"];
-/// How the line of `table.rs` that has the checksum begins.
-pub(super) const LINE: &str = "// Checksum ";
 
 /// A face lies beside one of another table.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
@@ -47,11 +47,6 @@ impl TableFile {
             ("table.bin", record(&admitted)),
         ])
     }
-}
-
-/// The checksum of a table's record, as it names the table for people.
-pub fn name(table: &Admitted) -> String {
-    format!("{:08x}", checksum(&record(table)).unwrap_or_default())
 }
 
 /// Compares the table of a face with the other faces beside it, of the same name but for its end. What is none of ours is not

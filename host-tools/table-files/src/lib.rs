@@ -4,9 +4,11 @@
 mod constant;
 mod earlier;
 mod faces;
+mod name;
 
 pub use constant::rust_source;
-pub use faces::{FACES, OtherFace, RECORD, agree, name};
+pub use faces::{FACES, OtherFace, RECORD, agree};
+pub use name::name;
 
 use earlier::earlier;
 use estimator_core::record::MAX_LENGTH;
