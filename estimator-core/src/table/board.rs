@@ -62,6 +62,15 @@ impl Table {
             self.in_time()
         }
     }
+
+    /// Whether its tick is done in time.
+    ///
+    /// # Errors
+    /// It takes more than [`ALLOWED_PERCENT`] of its time.
+    pub fn in_time(&self) -> Result<(), Misfit> {
+        let cycles = self.cycles();
+        if cycles.in_time() { Ok(()) } else { Err(Misfit::Cycles { cycles, drives: self.drive.is_some() }) }
+    }
 }
 
 /// How long it takes. It ends a sentence that begins with the table, and a device's message has to hold it.
@@ -109,6 +118,9 @@ mod tests {
             said(Board { adc_full_scale: 65_520, dac_full_scale: 1023, ..board }),
             "made for an ADC up to 4095, not 65520, and a DAC up to 4095, not 1023"
         );
+        let hurried = Table { sample_period_us: 10, ..*table };
+        let cycles = hurried.cycles();
+        assert_eq!(hurried.in_time(), Err(Misfit::Cycles { cycles, drives: false }));
         // What differs first in the order of remedies is what is said.
         assert!(matches!(table.fits(&Board { tick_us: 100, adc_full_scale: 1, ..board }), Err(Misfit::Tick { .. })));
     }
