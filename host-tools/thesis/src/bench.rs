@@ -1,7 +1,6 @@
 //! What the items are reproduced on: the synthetic rig's logs or the user's own, prepared once, and the models that
 //! have been identified on them, each once.
 
-use crate::QUICK_SEEDS;
 use crate::error::ThesisError;
 use comparison::Say;
 use estimator_core::Model;
@@ -14,6 +13,9 @@ use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 use recordings::rig::{EXCITATIONS, Rig, VALIDATION};
 use report::Grid;
+
+/// Seeds where nothing else is said: a look, not a result.
+pub const QUICK_SEEDS: u32 = 1;
 
 /// Logs and what was identified on them.
 pub struct Bench {

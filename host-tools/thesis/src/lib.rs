@@ -24,8 +24,7 @@ mod search;
 mod shapes;
 mod tracking;
 
-pub use bench::Bench;
-pub use elsewhere::QUICK_SEEDS;
+pub use bench::{Bench, QUICK_SEEDS};
 pub use error::ThesisError;
 use identification::{Progress, SearchOptions};
 use report::Section;

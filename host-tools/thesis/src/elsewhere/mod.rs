@@ -21,9 +21,6 @@ use report::{Grid, Section, shown};
 use subject::{Subject, plants, sessions, thesis_rig};
 use summary::{Range, Row, rows};
 
-/// Seeds where nothing else is said: a look, not a result.
-pub const QUICK_SEEDS: u32 = 1;
-
 /// Steps of the progress bar for each seed: one a subject.
 pub fn generations(_search: &SearchOptions) -> u64 {
     2 * plants::CATALOGUE.len() as u64 + 2
