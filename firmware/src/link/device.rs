@@ -1,6 +1,6 @@
 //! What the device answers to a request.
 
-use super::waveform::Loaded;
+use super::loaded::Loaded;
 use crate::boot;
 use crate::compiled::TABLE;
 use crate::facts::Facts;

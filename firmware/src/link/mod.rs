@@ -4,10 +4,11 @@
 //! the tick and counted, and the gap shows in the samples' numbers.
 
 mod device;
+mod loaded;
 mod waveform;
 
 pub use device::{Device, Taken};
-pub use waveform::Loaded;
+pub use loaded::Loaded;
 
 use crate::panel::{Front, Panel};
 use crate::rate::STREAM_EVERY;

@@ -1,26 +1,11 @@
 //! The waveform that is loaded and played.
 
-use super::Device;
+use super::device::Device;
+use super::loaded::Loaded;
 use crate::queues::Command;
-use crate::waveform::Points;
 use embedded_storage_async::nor_flash::NorFlash;
 use protocol::waveform::checksum;
 use protocol::{MOST_POINTS, Mode, Playback, References, Refusal, Reply};
-
-/// What has been loaded, and how it was to be played last.
-pub struct Loaded<'q> {
-    /// The tick's memory of it.
-    points: &'q Points,
-    count: u16,
-    played: Option<Playback>,
-}
-
-impl<'q> Loaded<'q> {
-    /// Nothing yet.
-    pub fn new(points: &'q Points) -> Self {
-        Self { points, count: 0, played: None }
-    }
-}
 
 impl<F: NorFlash> Device<'_, F> {
     pub(super) fn load(&mut self, first: u16, points: &References) -> Reply {
