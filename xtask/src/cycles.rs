@@ -13,7 +13,7 @@ use xshell::{Shell, cmd};
 
 use crate::{
     embedded::{self, Board},
-    step::BOARD,
+    packages::BOARD,
     tool::{self, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG},
 };
 

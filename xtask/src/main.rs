@@ -14,6 +14,7 @@ mod emulate;
 mod figures;
 mod image;
 mod outcome;
+mod packages;
 mod python;
 mod qemu;
 mod root;

@@ -7,8 +7,8 @@ use xshell::{Shell, cmd};
 use crate::{
     artifact,
     embedded::{self, Board},
+    packages::HOST,
     qemu::{self, Qemu},
-    step::HOST,
     tool::{self, EMBEDDED, QEMU},
 };
 

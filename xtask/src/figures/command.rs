@@ -19,8 +19,8 @@ use xshell::{Cmd, Shell, cmd};
 use super::resistors::ENDS;
 use crate::{
     artifact, cycles,
+    packages::HOST,
     size::{self, LOG},
-    step::HOST,
 };
 
 /// Another session of the actuator whose log is identified from.
