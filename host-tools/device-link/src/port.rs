@@ -140,7 +140,7 @@ impl Address {
     /// No board is plugged in, or several are.
     pub fn resolved(&self) -> Result<Self, PortError> {
         match self {
-            Self::Auto => Ok(Self::Serial(stlink::only(&ports())?)),
+            Self::Auto => Ok(Self::Serial(only(&ports())?)),
             stated => Ok(stated.clone()),
         }
     }
@@ -201,13 +201,22 @@ fn ports() -> Vec<SerialPortInfo> {
     serialport::available_ports().unwrap_or_default()
 }
 
+/// The port of the only board among those of a machine.
+fn only(ports: &[SerialPortInfo]) -> Result<String, PortError> {
+    match &stlink::plugged(ports)[..] {
+        [board] => Ok(board.port.clone()),
+        [] => Err(PortError::NoBoard { there: ports.iter().map(described).collect() }),
+        several => Err(PortError::Several { boards: several.to_vec() }),
+    }
+}
+
 /// The serial ports of this machine, with what is plugged in.
 fn there() -> Vec<String> {
     ports().iter().map(described).collect()
 }
 
 /// A port's name, with what is plugged in.
-pub fn described(port: &SerialPortInfo) -> String {
+fn described(port: &SerialPortInfo) -> String {
     match &port.port_type {
         SerialPortType::UsbPort(UsbPortInfo { product: Some(product), .. }) => {
             format!("{} ({product})", port.port_name)
@@ -250,5 +259,36 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         let address = Address::Serial(file.path().display().to_string());
         assert!(matches!(address.open(), Err(PortError::Unusable { .. })));
+    }
+
+    #[test]
+    fn where_there_is_none_the_ports_that_there_are_are_named() {
+        let refused = only(&[port("/dev/ttyS0", SerialPortType::PciPort)]).unwrap_err().to_string();
+        assert!(refused.contains("no board") && refused.contains("/dev/ttyS0"), "{refused}");
+        let refused = only(&[]).unwrap_err().to_string();
+        assert!(refused.contains("no serial port"), "{refused}");
+    }
+
+    #[test]
+    fn of_several_boards_none_is_taken_and_each_is_named() {
+        let board = |name, serial: &str| {
+            // Its fields differ with its features.
+            let usb = UsbPortInfo {
+                vid: 0x0483,
+                pid: 0x374b,
+                serial_number: Some(serial.to_owned()),
+                manufacturer: None,
+                product: None,
+            };
+            port(name, SerialPortType::UsbPort(usb))
+        };
+        let (one, other) = (board("COM7", "066A"), board("COM3", "0039"));
+        assert_eq!(only(std::slice::from_ref(&one)).unwrap(), "COM7");
+        let refused = only(&[one, other]).unwrap_err().to_string();
+        assert!(refused.contains("2 boards") && refused.contains("0039, 066A"), "{refused}");
+    }
+
+    fn port(name: &str, port_type: SerialPortType) -> SerialPortInfo {
+        SerialPortInfo { port_name: name.to_owned(), port_type }
     }
 }

@@ -1,7 +1,5 @@
-//! The board that is plugged in, where there is one: the virtual serial port of an ST-Link, the debug probe that a NUCLEO board
-//! carries on it.
+//! The boards that are plugged in, by the virtual serial port of an ST-Link, the debug probe that a NUCLEO board carries on it.
 
-use super::port::{PortError, described};
 use serialport::{SerialPortInfo, SerialPortType};
 
 /// USB vendor number of STMicroelectronics.
@@ -20,20 +18,8 @@ pub struct Plugged {
     pub serial: String,
 }
 
-/// The only board among the ports of a machine.
-///
-/// # Errors
-/// There is none, or more than one.
-pub fn only(ports: &[SerialPortInfo]) -> Result<String, PortError> {
-    match &plugged(ports)[..] {
-        [board] => Ok(board.port.clone()),
-        [] => Err(PortError::NoBoard { there: ports.iter().map(described).collect() }),
-        several => Err(PortError::Several { boards: several.to_vec() }),
-    }
-}
-
 /// The boards among the ports of a machine, by the names of their ports.
-fn plugged(ports: &[SerialPortInfo]) -> Vec<Plugged> {
+pub fn plugged(ports: &[SerialPortInfo]) -> Vec<Plugged> {
     let mut found: Vec<Plugged> = ports.iter().filter_map(board).collect();
     found.sort_by(|one, other| one.port.cmp(&other.port));
     found
@@ -62,12 +48,16 @@ mod tests {
         SerialPortInfo { port_name: name.to_owned(), port_type }
     }
 
+    fn named(port: &str, serial: &str) -> Plugged {
+        Plugged { port: port.to_owned(), serial: serial.to_owned() }
+    }
+
     fn built_in(name: &str) -> SerialPortInfo {
         SerialPortInfo { port_name: name.to_owned(), port_type: SerialPortType::PciPort }
     }
 
     #[test]
-    fn the_only_board_is_taken_whatever_else_is_plugged_in() {
+    fn a_board_is_found_whatever_else_is_plugged_in() {
         let ports = [
             built_in("/dev/ttyS0"),
             usb("/dev/ttyUSB0", 0x0403, 0x6001, Some("FTDI")),
@@ -75,24 +65,14 @@ mod tests {
             usb("/dev/ttyACM0", 0x0483, 0x5740, Some("2071")),
             usb("/dev/ttyACM1", 0x0483, 0x374e, Some("0039")),
         ];
-        assert_eq!(only(&ports).unwrap(), "/dev/ttyACM1");
+        assert_eq!(plugged(&ports), [named("/dev/ttyACM1", "0039")]);
         let twice = ["/dev/tty.usbmodem1", "/dev/cu.usbmodem1"].map(|name| usb(name, 0x0483, 0x374b, Some("066A")));
-        assert_eq!(only(&twice).unwrap(), "/dev/cu.usbmodem1");
+        assert_eq!(plugged(&twice), [named("/dev/cu.usbmodem1", "066A")]);
     }
 
     #[test]
-    fn of_several_none_is_taken_and_each_is_named() {
+    fn of_several_each_is_found() {
         let ports = [usb("COM7", 0x0483, 0x374b, None), usb("COM3", 0x0483, 0x374e, Some("0039"))];
-        let Err(PortError::Several { boards }) = only(&ports) else { panic!("one of two was taken") };
-        let named = |port: &str, serial: &str| Plugged { port: port.to_owned(), serial: serial.to_owned() };
-        assert_eq!(boards, [named("COM3", "0039"), named("COM7", "")]);
-    }
-
-    #[test]
-    fn where_there_is_none_the_ports_that_there_are_are_named() {
-        let refused = only(&[built_in("/dev/ttyS0")]).unwrap_err().to_string();
-        assert!(refused.contains("no board") && refused.contains("/dev/ttyS0"), "{refused}");
-        let refused = only(&[]).unwrap_err().to_string();
-        assert!(refused.contains("no serial port"), "{refused}");
+        assert_eq!(plugged(&ports), [named("COM3", "0039"), named("COM7", "")]);
     }
 }
