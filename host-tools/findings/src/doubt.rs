@@ -192,9 +192,12 @@ pub fn flaw(worst: &Flaw, count: usize) -> String {
     let Stretch { from_s, to_s } = worst.at();
     let times = if count == 1 { String::new() } else { format!(" {count} times, the gravest") };
     match worst {
-        Flaw::Spike { leap_um, .. } => {
+        Flaw::Spike { leap_um, back: true, .. } => {
             format!("the displacement leaps away and back{times} by {leap_um:.3} µm at {from_s:.4} s")
         }
+        Flaw::Spike { leap_um, back: false, .. } => format!(
+            "the displacement leaps{times} by {leap_um:.3} µm at {from_s:.4} s, where the log begins or ends (a line cut in mid-number?)"
+        ),
         Flaw::Frozen { voltage_v, .. } => format!(
             "the displacement stands still{times} from {from_s:.4} to {to_s:.4} s while the voltage moves by {voltage_v:.2} V \
              (a sensor beyond its range, off, or read too slowly)"
@@ -222,7 +225,7 @@ fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
 mod tests {
     use super::*;
 
-    const FLAW: Flaw = Flaw::Spike { at: Stretch { from_s: 1.0, to_s: 1.0 }, leap_um: 9.0 };
+    const FLAW: Flaw = Flaw::Spike { at: Stretch { from_s: 1.0, to_s: 1.0 }, leap_um: 9.0, back: true };
 
     #[test]
     fn a_stroke_is_doubted_by_the_limits_that_are_asked() {

@@ -11,13 +11,15 @@ use std::mem::discriminant;
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Flaw {
-    /// The displacement leaps away and back within three rows, by this many µm.
+    /// The displacement leaps away and back within three rows, or in the first or last three, by this many µm.
     Spike {
         /// The rows that it takes.
         #[serde(flatten)]
         at: Stretch,
         /// How far, µm.
         leap_um: f64,
+        /// It leaps back; else it is where the log begins or ends.
+        back: bool,
     },
     /// The displacement is one number while the voltage moves: a sensor that was off, beyond its range, or read too slowly.
     Frozen {
@@ -55,6 +57,8 @@ const STEPS: f64 = 6.0;
 const LEAP: f64 = 0.05;
 /// and comes back to where it left by this part of its leap.
 const BACK: f64 = 0.3;
+/// What a step of the voltage explains of a leap in the same rows, as a multiple of what the stroke has to it.
+const EXPLAINED: f64 = 2.0;
 /// Fewest rows of one number that are a stretch.
 const ROWS: usize = 8;
 /// Smallest part of the voltage's or the displacement's range that is a movement.
@@ -89,10 +93,17 @@ pub fn flaws(log: &Log) -> Vec<Flaw> {
         from_s: log.start_s + first as f64 * log.sample_period,
         to_s: log.start_s + last as f64 * log.sample_period,
     };
-    let mut found: Vec<Flaw> = spikes(displacement, stroke)
-        .into_iter()
-        .map(|(first, last, leap_um)| Flaw::Spike { at: at(first, last), leap_um })
-        .collect();
+    let least = least_leap(displacement, stroke);
+    let inside = spikes(displacement, least);
+    let [start, end] = at_ends(displacement, &log.voltage, stroke / volts, least);
+    let clear = |first: usize, last: usize| inside.iter().all(|of| of.1 + 1 < first || last + 1 < of.0);
+    let end_spike = |of: Option<(usize, usize, f64)>| {
+        let (first, last, leap_um) = of.filter(|of| clear(of.0, of.1))?;
+        Some(Flaw::Spike { at: at(first, last), leap_um, back: false })
+    };
+    let spike = |&(first, last, leap_um): &_| Flaw::Spike { at: at(first, last), leap_um, back: true };
+    let mut found: Vec<Flaw> =
+        end_spike(start).into_iter().chain(inside.iter().map(spike)).chain(end_spike(end)).collect();
     if resolution(displacement) < COARSE * stroke {
         let frozen = runs(displacement).filter_map(|(first, last)| {
             let voltage_v = extent(&log.voltage[first..=last]);
@@ -118,20 +129,27 @@ pub fn gravest(flaws: &[Flaw]) -> Vec<(Flaw, usize)> {
 }
 
 /// Leaves what was measured in the flaws of its log out of a session whose sensor is late by `delay_s`; the voltage stays.
-/// Returns how many instants it were: none where it would be most of them.
+/// Returns how many instants it were, the first among them where it has another's value: none where it would be most of them.
 pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> usize {
+    let (start_s, tick_s) = (session.start_s, session.tick_s);
     let flawed = |instant: u32| {
         // A session has what was seen at the tick at which it happened.
-        let time = session.start_s + f64::from(instant) * session.tick_s + delay_s;
+        let time = start_s + f64::from(instant) * tick_s + delay_s;
         // What was resampled between a good row and a flawed one is neither.
-        let near = |at: Stretch| time > at.from_s - session.tick_s && time < at.to_s + session.tick_s;
-        instant > 0 && flaws.iter().any(|flaw| near(flaw.at()))
+        let near = |at: Stretch| time > at.from_s - tick_s && time < at.to_s + tick_s;
+        flaws.iter().any(|flaw| near(flaw.at()))
     };
     let kept: Vec<bool> = session.instants.iter().map(|&instant| !flawed(instant)).collect();
     let left_out = kept.iter().filter(|kept| !**kept).count();
     if left_out as f64 > MOST * kept.len() as f64 {
         return 0;
     }
+    // A session begins at its first instant: that stays, and has what was soundly measured next.
+    let next = kept.iter().position(|kept| *kept).unwrap_or(0);
+    if next > 0 {
+        session.displacement[0] = session.displacement[next];
+    }
+    let kept: Vec<bool> = kept.iter().enumerate().map(|(at, kept)| at == 0 || *kept).collect();
     let before = kept.iter().take(session.lead_in).filter(|kept| !**kept).count();
     session.lead_in -= before;
     let mut keep = kept.iter();
@@ -155,12 +173,32 @@ pub fn sound(log: &Log, flaws: &[Flaw]) -> Log {
     Log { voltage: rows(&log.voltage), displacement: log.displacement.as_deref().map(rows), ..log.clone() }
 }
 
-/// First and last row of each spike, and its leap.
-fn spikes(values: &[f64], stroke: f64) -> Vec<(usize, usize, f64)> {
+/// The least leap of a spike.
+fn least_leap(values: &[f64], stroke: f64) -> f64 {
     let mut steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let usual = steps.len() - 1 - steps.len() / 20;
     let usual = *steps.select_nth_unstable_by(usual, f64::total_cmp).1;
-    let least = (STEPS * usual).max(LEAP * stroke);
+    (STEPS * usual).max(LEAP * stroke)
+}
+
+/// First and last row of a leap within the first rows, and of one within the last, and how far it is: further than the voltage's
+/// steps there explain, at so many µm/V. Before the log the voltage may have been 0 V.
+fn at_ends(values: &[f64], voltage: &[f64], um_per_v: f64, least: f64) -> [Option<(usize, usize, f64)>; 2] {
+    let count = values.len();
+    let step = |of: &[f64]| of.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    let leaps = |from_end: &dyn Fn(usize) -> f64, step_v: f64| {
+        (1..=SPIKE_ROWS).find_map(|rows| {
+            let leap = (0..rows).map(|row| (from_end(row) - from_end(rows)).abs()).fold(f64::INFINITY, f64::min);
+            (leap > least + EXPLAINED * um_per_v * step_v).then_some((rows, leap))
+        })
+    };
+    let start = leaps(&|row| values[row], step(&voltage[..2 * ROWS]).max(voltage[0].abs()));
+    let end = leaps(&|row| values[count - 1 - row], step(&voltage[count - 2 * ROWS..]));
+    [start.map(|(rows, leap)| (0, rows - 1, leap)), end.map(|(rows, leap)| (count - rows, count - 1, leap))]
+}
+
+/// First and last row of each spike that leaps by more than so much and back, and its leap.
+fn spikes(values: &[f64], least: f64) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::new();
     let mut row = 1;
     while row < values.len() {

@@ -2,6 +2,7 @@
 
 use super::*;
 use plants::{CATALOGUE, Plant, Waveform};
+use recordings::prepare::PrepareOptions;
 use recordings::rig::{EXCITATIONS, Rig};
 
 fn log() -> Log {
@@ -56,6 +57,43 @@ fn spikes_are_found_one_by_one() {
     assert!(found.iter().all(|flaw| matches!(flaw, Flaw::Spike { leap_um, .. } if (leap_um - 20.0).abs() < 1.0)));
 }
 
+/// As a last line cut in mid-number has it.
+#[test]
+fn a_leap_at_either_end_need_not_come_back() {
+    let last = log().voltage.len() - 1;
+    for rows in [last..last + 1, last - 2..last + 1, 0..1, 0..2] {
+        let leaps = changed(|row, v, y| (v, if rows.contains(&row) { y - 15.0 } else { y }));
+        let found = flaws(&leaps);
+        let [Flaw::Spike { at, leap_um, back: false }] = found[..] else { panic!("{rows:?}: {found:?}") };
+        let row = |time: f64| (time / leaps.sample_period).round() as usize;
+        assert_eq!(row(at.from_s)..row(at.to_s) + 1, rows, "{found:?}");
+        assert!((leap_um - 15.0).abs() < 1.0, "{rows:?}: {found:?}");
+        let recipe = PrepareOptions { tick_us: 100, ..PrepareOptions::default() }.resolve(&[sound(&leaps, &found)]);
+        let clean = recipe.session(&log()).unwrap();
+        let mut session = recipe.session(&leaps).unwrap();
+        let off = |session: &Session| {
+            let pairs = session.instants.iter().zip(&session.displacement);
+            let off = pairs.map(|(&at, y)| (y - clean.displacement[clean.instants.binary_search(&at).unwrap()]).abs());
+            off.fold(0.0, f64::max)
+        };
+        assert!(off(&session) > 5.0, "{rows:?}");
+        assert!(
+            leave_out(&mut session, &found, 0.0) > 0 && session.instants[0] == 0 && off(&session) < 1.0,
+            "{rows:?}"
+        );
+    }
+}
+
+/// The voltage leaps, too, or had leapt before the log began.
+#[test]
+fn a_leap_at_either_end_that_the_voltage_explains_is_none() {
+    let last = log().voltage.len() - 1;
+    let ends_with_a_step = changed(|row, v, y| if row >= last - 2 { (v - 40.0, y - 15.0) } else { (v, y) });
+    assert_eq!(flaws(&ends_with_a_step), []);
+    let switched_on = changed(|row, v, y| (v + 60.0, if row < 2 { y - 15.0 } else { y }));
+    assert_eq!(flaws(&switched_on), []);
+}
+
 #[test]
 fn a_sensor_that_stands_still_or_is_cut_off_is_found_and_so_is_a_voltage() {
     let stopped = changed(|row, v, y| (v, if (200..500).contains(&row) { 1.25 } else { y }));
@@ -83,7 +121,7 @@ fn what_is_left_out_is_what_was_measured_there() {
     let spiky = changed(|row, v, y| (v, if row == 300 { y + 20.0 } else { y }));
     let flaws = flaws(&spiky);
     assert_eq!(sound(&spiky, &flaws).voltage.len(), spiky.voltage.len() - 1);
-    let recipe = recordings::prepare::PrepareOptions::default().resolve(std::slice::from_ref(&spiky));
+    let recipe = PrepareOptions::default().resolve(std::slice::from_ref(&spiky));
     let whole = recipe.session(&spiky).unwrap();
     let mut session = Session { lead_in: 100, ..whole.clone() };
     let left_out = leave_out(&mut session, &flaws, 0.0);
