@@ -1,8 +1,8 @@
 //! What was understood of a log before anything is fitted to it, in words.
 
-use crate::doubt::implausible;
+use crate::doubt::{flaw, implausible};
 use crate::short::short;
-use log_survey::{Cell, Clock, ColumnRead, RateSource, Series, Survey};
+use log_survey::{Cell, Clock, ColumnRead, Flaw, RateSource, Series, Survey};
 use recordings::log::Remark;
 
 /// Fewest rows at an end of the range that look like a rest or saturation.
@@ -43,6 +43,16 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
             frozen.voltage_v
         );
         line("frozen", &words);
+    }
+    for of in survey.flaws.iter().flatten() {
+        // A sensor that stands still is said already.
+        if survey.frozen.is_none() || !matches!(of.worst, Flaw::Frozen { .. }) {
+            let words = flaw(&of.worst, of.count);
+            line("flaw", &format!("{words}, row {}: --repair of identify leaves it out", of.first_row + 1));
+        }
+    }
+    if survey.flaws.is_none() {
+        line("", "a long log: leaps of the displacement and a voltage that is cut off are not looked for here");
     }
     swings(&mut line, survey);
     lines
@@ -135,5 +145,35 @@ fn swings(line: &mut dyn FnMut(&str, &str), survey: &Survey) {
     for Cell { amplitude_v, frequency_hz, half_cycles } in &swings.cells {
         let from_to = |(from, to): (f64, f64)| format!("{} … {}", short(from), short(to));
         line("", &format!("{:>17} × {:<15} {half_cycles:>8}", from_to(*amplitude_v), from_to(*frequency_hz)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use log_survey::survey;
+    use recordings::log::{ReadOptions, open};
+
+    fn said(displacement: impl Fn(u32, f64) -> f64) -> String {
+        let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
+        let voltage = |row: u32| 50.0 - 50.0 * (f64::from(row) * 0.01).cos();
+        let row =
+            |row| format!("{},{},{}\n", f64::from(row) * 1e-3, voltage(row), displacement(row, 0.1 * voltage(row)));
+        let rows: String = (0..4000).map(row).collect();
+        std::fs::write(file.path(), format!("time_s,voltage_V,displacement_um\n{rows}")).unwrap();
+        surveyed(&survey(open(file.path(), &ReadOptions::default()).unwrap()).unwrap(), None).join("\n")
+    }
+
+    #[test]
+    fn what_is_no_measurement_is_said_with_its_time_and_row() {
+        let sound = said(|_, y| y);
+        assert!(!sound.contains("flaw") && !sound.contains("frozen"), "{sound}");
+        let spike = said(|row, y| if row == 1_500 { 90.0 } else { y });
+        assert!(
+            spike.contains("leaps away and back by") && spike.contains("at 1.5000 s, row 1501: --repair"),
+            "{spike}"
+        );
+        let frozen = said(|row, y| if (1_000..1_400).contains(&row) { 3.0 } else { y });
+        assert!(frozen.contains("400 rows from row 1001 on") && !frozen.contains("stands still"), "{frozen}");
     }
 }

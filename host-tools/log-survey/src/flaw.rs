@@ -87,15 +87,22 @@ impl Flaw {
 
 /// The flaws of a log, by kind, each in the order of time.
 pub fn flaws(log: &Log) -> Vec<Flaw> {
-    let Some(displacement) = log.displacement.as_deref().filter(|of| of.len() > 2 * ROWS) else { return Vec::new() };
-    let (stroke, volts) = (range(displacement), range(&log.voltage));
+    log.displacement.as_deref().map_or(Vec::new(), |of| in_rows(&log.voltage, of, log.start_s, log.sample_period))
+}
+
+/// The flaws of rows that begin at `start_s`, one a `period`, s.
+pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, period: f64) -> Vec<Flaw> {
+    if displacement.len() <= 2 * ROWS {
+        return Vec::new();
+    }
+    let (stroke, volts) = (range(displacement), range(voltage));
     let at = |first: usize, last: usize| Stretch {
-        from_s: log.start_s + first as f64 * log.sample_period,
-        to_s: log.start_s + last as f64 * log.sample_period,
+        from_s: start_s + first as f64 * period,
+        to_s: start_s + last as f64 * period,
     };
     let least = least_leap(displacement, stroke);
     let inside = spikes(displacement, least);
-    let [start, end] = at_ends(displacement, &log.voltage, stroke / volts, least);
+    let [start, end] = at_ends(displacement, voltage, stroke / volts, least);
     let clear = |first: usize, last: usize| inside.iter().all(|of| of.1 + 1 < first || last + 1 < of.0);
     let end_spike = |of: Option<(usize, usize, f64)>| {
         let (first, last, leap_um) = of.filter(|of| clear(of.0, of.1))?;
@@ -106,14 +113,14 @@ pub fn flaws(log: &Log) -> Vec<Flaw> {
         end_spike(start).into_iter().chain(inside.iter().map(spike)).chain(end_spike(end)).collect();
     if resolution(displacement) < COARSE * stroke {
         let frozen = runs(displacement).filter_map(|(first, last)| {
-            let voltage_v = extent(&log.voltage[first..=last]);
+            let voltage_v = extent(&voltage[first..=last]);
             (voltage_v > MOVES * volts).then(|| Flaw::Frozen { at: at(first, last), voltage_v })
         });
         found.extend(frozen);
     }
-    let (low, high) = ends(&log.voltage);
-    found.extend(runs(&log.voltage).filter_map(|(first, last)| {
-        let voltage_v = log.voltage[first];
+    let (low, high) = ends(voltage);
+    found.extend(runs(voltage).filter_map(|(first, last)| {
+        let voltage_v = voltage[first];
         let cut = voltage_v == low || voltage_v == high;
         (cut && goes_and_comes_back(&displacement[first..=last], MOVES * stroke))
             .then(|| Flaw::Clipped { at: at(first, last), voltage_v })

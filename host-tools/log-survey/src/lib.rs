@@ -1,8 +1,8 @@
 //! What a log holds, before anything is fitted to it: its rate, the ranges and the noise of what was recorded, where it
 //! stands still, and which amplitudes it has at which frequencies.
 //!
-//! A log passes by once and is not kept: [`survey`] needs some 50 MB however long it is. Of a log with more than 2¹⁸ rows,
-//! neighbouring rows are kept as their extremes.
+//! A log passes by once and is not kept: [`survey`] needs some 120 MB however long it is. Of a log with more than 2¹⁸ rows,
+//! neighbouring rows are kept as their extremes, and of one with more than 2²² no flaws are looked for.
 
 mod blocks;
 mod character;
@@ -13,6 +13,7 @@ mod flaw;
 mod implausible;
 mod noise;
 pub mod reversals;
+mod rows;
 pub mod settled;
 mod signal;
 mod start;
@@ -29,6 +30,7 @@ pub use corners::{corners, corners_left_out, stands_still_s};
 pub use deadband::{deadband, noise_of};
 pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, sound};
 pub use implausible::Implausible;
+pub use rows::Found;
 pub use signal::{falls, is_noise, range};
 pub use start::prepared;
 pub use stillness::Stillness;
@@ -36,6 +38,7 @@ pub use swings::{Cell, Swings};
 
 use blocks::Blocks;
 use noise::Noise;
+use rows::Rows;
 use stillness::Watch;
 
 /// What a log holds.
@@ -57,6 +60,8 @@ pub struct Survey {
     pub implausible: Option<Implausible>,
     /// The longest stretch in which the displacement is one number and the voltage moves most.
     pub frozen: Option<Stillness>,
+    /// What is no measurement, the gravest of each kind; `None` where there are too many rows to look for it.
+    pub flaws: Option<Vec<Found>>,
     /// The voltage's reversals, and the half cycles between them.
     pub swings: Swings,
     /// Rows that are kept as one: 1 unless the log is long.
@@ -123,11 +128,12 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         columns,
         remarks,
         rows: tally.rows,
-        clock,
         implausible: displacement.zip(voltage).and_then(|(y, v)| Implausible::of(y.high - y.low, v.high - v.low)),
         displacement,
         frozen: tally.watch.result(voltage.as_ref()),
         voltage,
+        flaws: tally.kept.flaws(&clock),
+        clock,
         swings,
         rows_a_block: tally.blocks.rows_a_block(),
         blocks: tally.blocks.into_all(),
@@ -142,6 +148,7 @@ struct Tally {
     voltage: SeriesTally,
     displacement: SeriesTally,
     watch: Watch,
+    kept: Rows,
     blocks: Blocks,
 }
 
@@ -152,6 +159,7 @@ impl Tally {
         self.displacement.add(row.displacement);
         if let (Some(voltage), Some(displacement)) = (row.voltage, row.displacement) {
             self.watch.add(self.rows, voltage, displacement);
+            self.kept.add(voltage, displacement);
         }
         self.blocks.add(row.voltage.unwrap_or(f64::NAN), row.displacement.unwrap_or(f64::NAN));
         self.rows += 1;

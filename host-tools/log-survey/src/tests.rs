@@ -77,6 +77,25 @@ fn noise_clipping_and_a_frozen_sensor_are_seen() {
 }
 
 #[test]
+fn what_is_no_measurement_is_found_as_an_identification_finds_it() {
+    let voltage: Vec<f64> = sine(50.0, 1.0, 10.0).collect();
+    let of = |displacement: &dyn Fn(usize, f64) -> f64| {
+        surveyed(voltage.iter().enumerate().map(|(k, &v)| (k as f64 / 1000.0, v, displacement(k, v / 10.0))))
+    };
+    assert_eq!(of(&|_, y| y).flaws, Some(Vec::new()));
+    let spikes = of(&|row, y| if row == 2_500 || row == 7_000 { y + row as f64 / 1e3 } else { y }).flaws.unwrap();
+    let [Found { worst: Flaw::Spike { at, back: true, .. }, first_row: 7_000, count: 2 }] = spikes[..] else {
+        panic!("{spikes:?}")
+    };
+    assert!((at.from_s - 7.0).abs() < 1e-9, "{at:?}");
+    let cut = of(&|row, y| if row == 9_999 { y - 3.0 } else { y }).flaws.unwrap();
+    assert!(
+        matches!(cut[..], [Found { worst: Flaw::Spike { back: false, .. }, first_row: 9_999, count: 1 }]),
+        "{cut:?}"
+    );
+}
+
+#[test]
 fn gaps_and_a_still_voltage_are_told() {
     let survey = surveyed((0..1000).map(|k| (f64::from(k + 50 * (k / 500)) / 1000.0, 5.0, f64::from(k))));
     assert_eq!(survey.clock.long_steps, 1);

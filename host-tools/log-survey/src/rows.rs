@@ -1,0 +1,50 @@
+//! The rows of a log as long as it is none of the longest, to look for its flaws as an identification does.
+
+use crate::clock::Clock;
+use crate::flaw::{Flaw, gravest, in_rows};
+use serde::Serialize;
+
+/// Most rows that are kept, 64 MB.
+const MOST: usize = 1 << 22;
+
+/// The gravest of a log's flaws of one kind.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Found {
+    /// The gravest.
+    pub worst: Flaw,
+    /// Its first row, counted from 0.
+    pub first_row: u64,
+    /// How many there are of its kind.
+    pub count: usize,
+}
+
+/// Voltage and displacement of the rows so far; none where there are too many.
+pub(crate) struct Rows(Option<(Vec<f64>, Vec<f64>)>);
+
+impl Default for Rows {
+    fn default() -> Self {
+        Self(Some(Default::default()))
+    }
+}
+
+impl Rows {
+    pub fn add(&mut self, volts: f64, micrometres: f64) {
+        self.0 = self.0.take().filter(|(voltage, _)| voltage.len() < MOST);
+        if let Some((voltage, displacement)) = &mut self.0 {
+            voltage.push(volts);
+            displacement.push(micrometres);
+        }
+    }
+
+    /// The gravest flaw of each kind; `None` where there are too many rows to look for them.
+    pub fn flaws(&self, clock: &Clock) -> Option<Vec<Found>> {
+        let (voltage, displacement) = self.0.as_ref()?;
+        if !clock.hz.is_finite() {
+            return Some(Vec::new());
+        }
+        let found = in_rows(voltage, displacement, 0.0, 1.0 / clock.hz);
+        let row = |flaw: Flaw| (flaw.at().from_s * clock.hz).round() as u64;
+        let of = |(worst, count)| Found { worst, first_row: row(worst), count };
+        Some(gravest(&found).into_iter().map(of).collect())
+    }
+}
