@@ -12,6 +12,7 @@ mod doubts;
 mod faces;
 mod feedforward;
 mod follow;
+mod found;
 mod info;
 mod instruments;
 mod linearise;

@@ -6,6 +6,7 @@
 mod determination;
 mod doubt;
 mod interval;
+mod left_out;
 mod proven;
 mod reason;
 mod short;
@@ -17,6 +18,7 @@ mod validated;
 pub use determination::{DETERMINED, determination};
 pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, flaw, implausible};
 pub use interval::interval;
+pub use left_out::left_out;
 pub use proven::proven;
 pub use reason::reason;
 pub use surveyed::{remark, surveyed};

@@ -1,0 +1,39 @@
+//! What is found in a log before it is learnt from.
+
+use super::{MEASURED, json, piezo, root, text};
+use recordings::log::{ReadOptions, read};
+use std::fs;
+
+const SHORTEST: [&str; 8] = ["--generations", "5", "--rounds", "1", "--devices", "0", "--model", "voigt"];
+
+/// What a command says, to either end, whether it succeeds or not.
+fn said(arguments: &[&str]) -> String {
+    let output = piezo().args(arguments).output().unwrap();
+    String::from_utf8([output.stdout, output.stderr].concat()).unwrap()
+}
+
+#[test]
+fn a_last_line_cut_in_mid_number_is_found_and_repair_says_how_much_it_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("cut.csv");
+    let whole = fs::read_to_string(root().join(MEASURED)).unwrap();
+    let (lines, last) = whole.trim_end().rsplit_once('\n').unwrap();
+    let (before, _) = last.rsplit_once(',').unwrap();
+    fs::write(&log, format!("{lines}\n{before},-1")).unwrap();
+    let rows = read(&log, &ReadOptions::default()).unwrap().voltage.len();
+    let looked = said(&["look", text(&log)]);
+    let place = format!("row {rows}: --repair");
+    assert!(looked.contains("where the log begins or ends") && looked.contains(&place), "{looked}");
+    let whole = root().join(MEASURED);
+    let sound = said(&["look", text(&whole)]);
+    assert!(!sound.contains("flaw") && !sound.contains("doubtful"), "{sound}");
+
+    let out = folder.path().join("out");
+    let identify = ["identify", text(&log), "--json", "--out", text(&out)];
+    let found = json(piezo().args(identify).args(SHORTEST));
+    let spike = |doubt: &serde_json::Value| doubt["worst"]["kind"] == "spike";
+    assert!(found["doubts"].as_array().unwrap().iter().any(spike), "{}", found["doubts"]);
+    let repaired = json(piezo().args(identify).args(SHORTEST).arg("--repair"));
+    let sentence = format!("Of cut, 1 of {rows} samples were left out (--repair).");
+    assert!(repaired["verdict"].as_array().unwrap().iter().any(|said| *said == *sentence), "{}", repaired["verdict"]);
+}
