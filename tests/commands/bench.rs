@@ -97,7 +97,7 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let printed = String::from_utf8(ended.stdout).unwrap();
     assert!(printed.contains("belongs on no board") && !printed.contains("$ piezo install"), "{printed}");
     // What it has left is in use: it proves again, on another draw, and is told from a table that is not good enough.
-    let again = ["--seconds", "8", "--up-to", "20", "--seed", "9", "--json", "--board", board, "--port", port];
+    let again = ["--minutes", "0.14", "--up-to", "20Hz", "--seed", "9", "--json", "--board", board, "--port", port];
     let proof = out.join("again");
     let prove = [&["prove", "--out", text(&proof)], &again[..]].concat();
     let figures = json(piezo().args(&prove));
@@ -108,6 +108,7 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     piezo().args(&fails).assert().code(1);
     let log = recordings::log::read(&proof.join("proven.csv"), &Default::default()).unwrap();
     assert!(log.displacement.is_some() && !log.displacement_estimated);
+    assert!((5.0..8.5).contains(&log.duration()), "{} s", log.duration());
 }
 
 #[test]

@@ -1,7 +1,8 @@
-//! What is found in a log before it is learnt from.
+//! What is found in a log before it is learnt from, and the folder of a session in place of logs.
 
-use super::{MEASURED, json, piezo, root, text};
-use recordings::log::{ReadOptions, read};
+use super::logs::{rig, write};
+use super::{MEASURED, json, piezo, refused, root, text};
+use recordings::log::{Log, ReadOptions, read};
 use std::fs;
 
 const SHORTEST: [&str; 8] = ["--generations", "5", "--rounds", "1", "--devices", "0", "--model", "voigt"];
@@ -36,4 +37,26 @@ fn a_last_line_cut_in_mid_number_is_found_and_repair_says_how_much_it_left_out()
     let repaired = json(piezo().args(identify).args(SHORTEST).arg("--repair"));
     let sentence = format!("Of cut, 1 of {rows} samples were left out (--repair).");
     assert!(repaired["verdict"].as_array().unwrap().iter().any(|said| *said == *sentence), "{}", repaired["verdict"]);
+}
+
+#[test]
+fn the_folder_of_a_session_stands_for_its_logs() {
+    let folder = tempfile::tempdir().unwrap();
+    let [session, out] = ["p885", "out"].map(|name| folder.path().join(name));
+    fs::create_dir(&session).unwrap();
+    for (name, of) in [("01-loops", "sin10"), ("held-out", "tr10")] {
+        write(&session, &Log { name: name.to_owned(), ..rig(of) });
+    }
+    refused(&["identify", text(&session), "--out", text(&out)], &["is a directory: name one log file in it"]);
+    let logs = [("01-loops", false), ("held-out", true)]
+        .map(|(name, held_out)| format!("[[logs]]\nlog = \"{name}.csv\"\nheld_out = {held_out}\n"));
+    fs::write(session.join("session.toml"), format!("complete = true\nseed = 1\n{}", logs.concat())).unwrap();
+    let roles = |arguments: &[&str]| {
+        let identify = ["identify", text(&session), "--json", "--out", text(&out)];
+        let found = json(piezo().args(identify).args(SHORTEST).args(arguments));
+        let logs = found["logs"].as_array().unwrap().clone();
+        logs.iter().map(|log| format!("{} {}", log["file"], log["role"])).collect::<Vec<_>>()
+    };
+    assert_eq!(roles(&[]), [r#""01-loops.csv" "training""#, r#""held-out.csv" "held-out""#]);
+    assert_eq!(roles(&["--hold-out", "0"]), [r#""01-loops.csv" "training""#]);
 }

@@ -246,6 +246,15 @@ fn a_value_that_is_wrong_comes_without_a_usage() {
     assert!(!said.contains("Usage:"), "{said}");
 }
 
+#[test]
+fn a_proof_s_length_has_one_unit_and_a_frequency_may_have_its_own() {
+    let prove = ["prove", "--out", "nowhere", "--minutes", "2"];
+    refused(&[&prove[..], &["--seconds", "30"]].concat(), &["cannot be used with"]);
+    refused(&[&prove[..], &["--up-to", "50V"]].concat(), &["expected a frequency, as 50Hz or 50"]);
+    let dry = ["train", "--dry-run", "--out", "nowhere", "--board", "nowhere.toml", "--up-to", "0.05kHz"];
+    refused(&dry, &["nowhere.toml"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn what_is_no_text_is_a_mistake_like_any_other() {

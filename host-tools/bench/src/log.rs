@@ -81,6 +81,33 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     Ok(Session { complete, seed, tick_us, logs: paths(learnt), held_out: paths(held_out) })
 }
 
+/// Where `logs` is one folder that a training session wrote, puts the session's logs in its place, those to prove with into
+/// `held_out`, unless something else is held out, and the board's tick into `tick_us`, µs, unless that is another than usual.
+/// Anything else stays what it is.
+///
+/// # Errors
+/// The session's description is none.
+pub fn open_session(
+    logs: &mut Vec<PathBuf>,
+    held_out: &mut Vec<PathBuf>,
+    else_held_out: bool,
+    tick_us: &mut u32,
+) -> Result<(), BenchError> {
+    let [folder] = &logs[..] else { return Ok(()) };
+    if !folder.join(SESSION).is_file() {
+        return Ok(());
+    }
+    let described = session(folder)?;
+    if held_out.is_empty() && !else_held_out {
+        *held_out = described.held_out;
+    }
+    if *tick_us == of_2_khz() {
+        *tick_us = described.tick_us;
+    }
+    *logs = described.logs;
+    Ok(())
+}
+
 /// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a sample.
 pub struct LogFile {
     path: PathBuf,
@@ -122,5 +149,32 @@ impl LogFile {
     pub fn end(mut self) -> Result<(PathBuf, u64), BenchError> {
         self.file.flush().map_err(|source| BenchError::Log { path: self.path.clone(), source })?;
         Ok((self.path, self.rows))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_session_s_folder_stands_for_its_logs() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        let opened = |held_out: &[PathBuf], else_held_out: bool, tick_us: u32| {
+            let (mut logs, mut held_out, mut tick_us) = (vec![folder.to_owned()], held_out.to_vec(), tick_us);
+            open_session(&mut logs, &mut held_out, else_held_out, &mut tick_us).map(|()| (logs, held_out, tick_us))
+        };
+        let as_it_is = (vec![folder.to_owned()], Vec::new(), 500);
+        assert_eq!(opened(&[], false, 500).unwrap(), as_it_is, "no session's");
+        let logs = "[[logs]]\nlog = \"a/01-rest.csv\"\nheld_out = false\n[[logs]]\nlog = \"a/held-out.csv\"\nheld_out = true\n";
+        std::fs::write(folder.join(SESSION), format!("complete = true\nseed = 1\ntick_us = 250\n{logs}")).unwrap();
+        let learnt = vec![folder.join("01-rest.csv")];
+        let proves = vec![folder.join("held-out.csv")];
+        let other = vec![PathBuf::from("other.csv")];
+        assert_eq!(opened(&[], false, 500).unwrap(), (learnt.clone(), proves, 250));
+        assert_eq!(opened(&[], true, 100).unwrap(), (learnt.clone(), Vec::new(), 100));
+        assert_eq!(opened(&other, false, 500).unwrap(), (learnt, other, 250));
+        std::fs::write(folder.join(SESSION), "nothing").unwrap();
+        assert!(matches!(opened(&[], false, 500), Err(BenchError::Log { .. })));
     }
 }

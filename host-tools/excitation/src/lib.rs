@@ -14,6 +14,7 @@
 //! them are further apart than the slew limit lets them; where that forbids an amplitude, [`Drive::forbidden`] says so.
 
 mod design;
+mod hertz;
 mod path;
 mod random;
 mod request;
@@ -22,6 +23,7 @@ mod request;
 mod tests;
 
 pub use design::Drive;
+pub use hertz::hertz;
 pub use request::{ExcitationError, Request};
 
 /// A part of a drive, from rest to rest.

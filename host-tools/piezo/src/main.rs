@@ -169,7 +169,7 @@ impl Cli {
     fn run(self) -> anyhow::Result<bool> {
         match self.verb {
             Verb::Look(arguments) => look::run(&arguments),
-            Verb::Identify(arguments) => identify::run(&arguments),
+            Verb::Identify(mut arguments) => identify::run(&mut arguments),
             Verb::Validate(arguments) => validate::run(&arguments),
             Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Feedforward(arguments) => feedforward::run(&arguments),

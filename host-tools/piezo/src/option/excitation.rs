@@ -1,11 +1,11 @@
 //! The voltages of a session on the bench.
 
-use super::number::{positive, span};
+use super::number::span;
 use ::calibration::span::Span;
 use anyhow::Result;
 use bench::Wiring;
 use clap::Args;
-use excitation::Drive;
+use excitation::{Drive, hertz};
 
 /// What a drive is designed for.
 #[derive(Args, Clone, Debug)]
@@ -14,8 +14,8 @@ pub struct ExcitationArgs {
     /// Lowest and highest voltage, V; without it all that board.toml allows.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub range: Option<Span>,
-    /// Highest frequency, Hz.
-    #[arg(long, default_value_t = 20.0, value_parser = positive, value_name = "HZ")]
+    /// Highest frequency, Hz: 50, 50Hz or 0.05kHz.
+    #[arg(long, default_value_t = 20.0, value_parser = hertz, value_name = "HZ")]
     pub up_to: f64,
     /// Draws the random part.
     #[arg(long, default_value_t = 1)]

@@ -6,6 +6,7 @@ use super::number::{limit, positive};
 use super::{CostArgs, LogOptions, PrepareArgs};
 use ::calibration::CalibrationOptions;
 use anyhow::{Result, ensure};
+use bench::{BenchError, open_session};
 use clap::Args;
 use estimator_core::Scheme;
 use identification::cost::Cost;
@@ -23,7 +24,7 @@ const BEHIND: usize = 100;
 /// Logs to fit to, and how.
 #[derive(Args, Debug)]
 pub struct Fitting {
-    /// Logs to fit to; each weighs the same whatever its length.
+    /// Logs to fit to; each weighs the same whatever its length. `identify` takes a folder of `piezo train`, too.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// Logs that are held out: their errors are reported and decide nothing.
@@ -66,6 +67,12 @@ pub struct Fitting {
 }
 
 impl Fitting {
+    /// Puts the logs of a session in its folder's place, with its tick where none was typed.
+    pub fn open_session(&mut self) -> Result<(), BenchError> {
+        let else_held_out = self.hold_out.is_some();
+        open_session(&mut self.logs, &mut self.validate_on, else_held_out, &mut self.prepare.tick_us)
+    }
+
     /// The job, with its logs read: the choice of a model left to it, converters assumed.
     pub fn job(&self, search: SearchOptions) -> Result<Job> {
         let hold_out = findings::hold_out(self.hold_out, !self.validate_on.is_empty());

@@ -51,7 +51,8 @@ pub struct Identify {
 }
 
 /// Runs the verb.
-pub fn run(arguments: &Identify) -> Result<bool> {
+pub fn run(arguments: &mut Identify) -> Result<bool> {
+    arguments.fitting.open_session()?;
     let folder = output::to_folder(&arguments.out)?;
     let inputs: Vec<&Path> =
         arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on).map(PathBuf::as_path).collect();

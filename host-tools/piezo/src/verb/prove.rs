@@ -10,6 +10,7 @@ use anyhow::Result;
 use bench::{Proof, Proven, prove};
 use clap::Args;
 use device_link::interrupt::Interrupt;
+use excitation::hertz;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -22,8 +23,11 @@ pub struct Prove {
     /// Length of the random voltage, s.
     #[arg(long, default_value_t = 30.0, value_parser = positive)]
     pub seconds: f64,
-    /// Highest frequency, Hz.
-    #[arg(long, default_value_t = 20.0, value_parser = positive, value_name = "HZ")]
+    /// Its length in minutes.
+    #[arg(long, value_parser = positive, conflicts_with = "seconds")]
+    pub minutes: Option<f64>,
+    /// Highest frequency, Hz: 50, 50Hz or 0.05kHz.
+    #[arg(long, default_value_t = 20.0, value_parser = hertz, value_name = "HZ")]
     pub up_to: f64,
     /// Lowest and highest voltage, V; without it all that the table and board.toml allow.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
@@ -57,7 +61,8 @@ pub fn run(arguments: &Prove) -> Result<bool> {
     let wiring = arguments.board.wiring_of(&identity)?;
     arguments.interrupting.consent(&mut client, false)?;
     let log = arguments.out.join("proven.csv");
-    let (up_to_hz, duration_s, seed) = (arguments.up_to, arguments.seconds, arguments.seed);
+    let duration_s = arguments.minutes.map_or(arguments.seconds, |minutes| 60.0 * minutes);
+    let (up_to_hz, seed) = (arguments.up_to, arguments.seed);
     let (range, max_percent) = (arguments.range.map(|span| (span.zero, span.full)), arguments.max_percent);
     let proof =
         Proof { wiring: &wiring, range, up_to_hz, duration_s, seed, max_percent, log: &log, interrupt: &interrupt };
