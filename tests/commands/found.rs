@@ -40,6 +40,19 @@ fn a_last_line_cut_in_mid_number_is_found_and_repair_says_how_much_it_left_out()
 }
 
 #[test]
+fn rows_that_are_seconds_apart_are_doubted_before_anything_is_learnt() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("slow.csv");
+    let row = |row: u32| format!("{},{},{}\n", 5 * row, row % 40, f64::from(row % 40) * 0.1);
+    fs::write(&log, format!("time_s,voltage_V,displacement_um\n{}", (0..200).map(row).collect::<String>())).unwrap();
+    let out = folder.path().join("out");
+    let identify = ["identify", text(&log), "--out", text(&out), "--tick-us", "1000000"];
+    for said in [said(&["look", text(&log)]), said(&[&identify[..], &SHORTEST].concat())] {
+        assert!(said.contains("its rows are 5 s apart") && said.contains("--columns time=<COLUMN>:<UNIT>"), "{said}");
+    }
+}
+
+#[test]
 fn the_folder_of_a_session_stands_for_its_logs() {
     let folder = tempfile::tempdir().unwrap();
     let [session, out] = ["p885", "out"].map(|name| folder.path().join(name));

@@ -3,8 +3,10 @@
 use crate::doubt::{flaw, implausible};
 use crate::short::short;
 use log_survey::{Cell, Clock, ColumnRead, Flaw, RateSource, Series, Survey};
-use recordings::log::Remark;
+use recordings::log::{Log, Remark};
 
+/// Rows that are further apart are doubted, s: nothing but creep is recorded so slowly.
+const SELDOM_S: f64 = 0.1;
 /// Fewest rows at an end of the range that look like a rest or saturation.
 const REST: u64 = 8;
 /// Smallest part of a mean half cycle that does: a sine's crest, rounded, is one number for less.
@@ -20,6 +22,9 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
     }
     survey.remarks.iter().for_each(|of| line("", &remark(of)));
     line("rate", &rate(survey));
+    if let Some(words) = seldom(1.0 / survey.clock.hz, survey.clock.duration_s) {
+        line("doubtful", &words);
+    }
     for (name, unit, small, series) in
         [("voltage", "V", "mV", &survey.voltage), ("displacement", "µm", "nm", &survey.displacement)]
     {
@@ -68,6 +73,25 @@ pub fn remark(of: &Remark) -> String {
             format!("the file names no columns: they are taken for {columns}; --columns says otherwise")
         }
     }
+}
+
+/// What is to be said of how a log was read; of a plan, which is none, not how far its rows are apart.
+pub fn remarked(log: &Log, remarks: &[Remark], recorded: bool) -> Vec<String> {
+    let seldom = seldom(log.sample_period, log.duration()).filter(|_| recorded);
+    remarks.iter().map(remark).chain(seldom).collect()
+}
+
+/// What is doubtful of rows that are so many s apart, and so many s in all.
+fn seldom(period_s: f64, duration_s: f64) -> Option<String> {
+    (period_s > SELDOM_S).then(|| {
+        format!(
+            "its rows are {} s apart and {} s in all, which is long beside a piezo actuator, and takes long to learn from: is the \
+             unit of the time right, or are these ms headed as s? --columns time=<COLUMN>:<UNIT> states another; a sample time in \
+             the header is corrected there",
+            short(period_s),
+            short(duration_s)
+        )
+    })
 }
 
 fn rate(survey: &Survey) -> String {
@@ -153,6 +177,17 @@ mod tests {
     use super::*;
     use log_survey::survey;
     use recordings::log::{ReadOptions, open};
+
+    #[test]
+    fn rows_that_are_seconds_apart_are_doubted_with_the_remedy() {
+        assert_eq!(seldom(0.02, 1e5), None);
+        assert_eq!(seldom(f64::NAN, 0.0), None);
+        let said = seldom(5.0, 40_000.0).unwrap();
+        assert!(
+            said.contains("5 s apart and 40000 s in all") && said.contains("--columns time=<COLUMN>:<UNIT>"),
+            "{said}"
+        );
+    }
 
     fn said(displacement: impl Fn(u32, f64) -> f64) -> String {
         let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();

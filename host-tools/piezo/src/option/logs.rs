@@ -38,7 +38,8 @@ impl LogOptions {
 
     fn read_by(&self, path: &Path, options: &ReadOptions) -> Result<Log> {
         let (log, remarks) = read_remarked(path, options)?;
-        remarks.iter().for_each(|of| eprintln!("piezo: careful: {}: {}", path.display(), remedy::remark(of)));
+        let said = remedy::remarked(&log, &remarks, options.voltage_required);
+        said.iter().for_each(|of| eprintln!("piezo: careful: {}: {of}", path.display()));
         Ok(log)
     }
 
