@@ -116,6 +116,13 @@ impl Chooser<'_> {
         if claims.iter().any(|&at| !self.table.columns[at].stamps) {
             claims.retain(|&at| !self.table.columns[at].stamps);
         }
+        // A name that its own unit contradicts is none where another column is what it says.
+        let other =
+            |at: usize| self.labels[at].quantity().is_none_or(|of| of == quantity) && !self.labels[at].says_other();
+        let has_unit = |at: usize| other(at) && self.labels[at].unit_of(quantity).is_some();
+        if self.free(channels).any(has_unit) {
+            claims.retain(|&at| !self.labels[at].contradicts_itself());
+        }
         let columns = &self.table.columns;
         claims.dedup_by(|later, first| columns[*later].values == columns[*first].values);
         let index = match claims[..] {

@@ -54,10 +54,17 @@ impl Label {
     pub fn quantity(&self) -> Option<Quantity> {
         match (&self.unit, self.name.as_str()) {
             (Some(Ok(unit)), "") => Some(unit.quantity()),
-            // A letter that something else follows than a unit is no name: `X (Sequence)`.
-            (Some(Err(_)), name) if name.chars().count() == 1 => None,
+            // A letter that something else follows than a unit of it is no name: `X (Sequence)`, `x (ms)`.
+            (Some(unit), name) if name.chars().count() == 1 && (unit.is_err() || self.contradicts_itself()) => None,
             _ => self.named_quantity(),
         }
+    }
+
+    /// Whether the unit is none of what the name says; a sensor's volts are one of its displacement.
+    pub fn contradicts_itself(&self) -> bool {
+        let (Some(Ok(unit)), Some(named)) = (&self.unit, self.named_quantity()) else { return false };
+        let volts_of_sensor = (named, unit.quantity()) == (Quantity::Displacement, Quantity::Voltage);
+        unit.quantity() != named && !volts_of_sensor
     }
 
     /// Whether the name says that the column is an estimate, as `piezo record` names its displacement.

@@ -57,6 +57,21 @@ fn other_languages_separators_and_encodings() {
     same("Windows", &encoding_rs::WINDOWS_1252.encode(&french).0, &none);
 }
 
+#[test]
+fn a_name_that_its_own_unit_contradicts_is_none() {
+    let none = ReadOptions::default();
+    let text = table(&[0, 1, 2], MILLI_NANO, ",", ".");
+    same("a letter", format!("x (ms),foo (mV),bar (nm)\n{text}").as_bytes(), &none);
+    let text = table(&[0, 0, 1, 2], SI, ",", ".");
+    same("a word", format!("t (s),Position (s),u (V),bar (um)\n{text}").as_bytes(), &none);
+    // Where nothing else can be it, it is asked for.
+    let text = format!("t (s),u (V),Position (ms)\n{}", plain());
+    assert!(matches!(parse(text.as_bytes(), &none), Err(PlacedFault(_, Fault::WrongDimension { .. }))));
+    // A sensor's volts are no contradiction.
+    let text = format!("t (s),u (V),x (mV)\n{}", plain());
+    assert!(matches!(parse(text.as_bytes(), &none), Err(PlacedFault(_, Fault::NoSensitivity { .. }))));
+}
+
 fn quoted(lines: &str) -> String {
     lines.lines().map(|line| format!("\"{line}\"\n")).collect()
 }
