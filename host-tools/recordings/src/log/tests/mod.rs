@@ -1,6 +1,5 @@
 //! Whole files through [`super::read`], and properties that hold for any bytes.
 
-mod mat;
 mod text;
 mod variants;
 

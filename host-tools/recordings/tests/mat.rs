@@ -1,8 +1,10 @@
 //! MATLAB files of version 5.
 
+use std::fs;
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
-use super::*;
+use recordings::log::{Fault, Log, LogError, Place, Quantity, ReadOptions, read};
 
 /// Bytes before the first variable of a level 5 file.
 const HEADER: usize = 128;
@@ -11,8 +13,25 @@ fn fixture(name: &str, options: &ReadOptions) -> Result<Log, LogError> {
     read(&data("formats").join(name), options)
 }
 
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data").join(name)
+}
+
+fn options(columns: &str, sample_rate: Option<f64>) -> ReadOptions {
+    let columns = (!columns.is_empty()).then(|| columns.parse().unwrap());
+    ReadOptions { columns, sample_rate, ..ReadOptions::default() }
+}
+
+/// What is wrong with a file of these bytes, and where.
+fn refused(bytes: &[u8]) -> LogError {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mat");
+    fs::write(&path, bytes).unwrap();
+    read(&path, &options("", None)).unwrap_err()
+}
+
 fn fault(bytes: &[u8]) -> Fault {
-    parse(bytes, &options("", None)).unwrap_err().1
+    refused(bytes).fault
 }
 
 #[test]
@@ -64,7 +83,7 @@ fn values_that_are_not_finite_are_named_by_sample() {
     let mut bytes = fs::read(data("formats/rows.mat")).unwrap();
     let voltage_of_sample_5 = bytes.len() - 8 * (3 * 64 - (3 * 4 + 1));
     bytes[voltage_of_sample_5..][..8].copy_from_slice(&f64::NAN.to_le_bytes());
-    let PlacedFault(place, fault) = parse(&bytes, &options("", None)).unwrap_err();
+    let LogError { place, fault, .. } = refused(&bytes);
     assert_eq!(place, Place::Sample(5));
     assert!(matches!(fault, Fault::NotFinite { quantity: Quantity::Voltage, .. }));
 }
