@@ -82,11 +82,11 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
 }
 
 /// Where `logs` is one folder that a training session wrote, puts the session's logs in its place, those to prove with into
-/// `held_out`, unless something else is held out, and the board's tick into `tick_us`, µs, unless that is another than usual.
+/// `held_out`, unless something else is held out, and the board's tick into `tick_us`, µs, unless that is another than the usual one.
 /// Anything else stays what it is.
 ///
 /// # Errors
-/// The session's description is none.
+/// The session's description is none, or the session has no log to learn from.
 pub fn open_session(
     logs: &mut Vec<PathBuf>,
     held_out: &mut Vec<PathBuf>,
@@ -98,6 +98,13 @@ pub fn open_session(
         return Ok(());
     }
     let described = session(folder)?;
+    if described.logs.is_empty() {
+        let source = std::io::Error::new(
+            ErrorKind::InvalidData,
+            "the session ended before it had a log to learn from: train again",
+        );
+        return Err(BenchError::Log { path: folder.join(SESSION), source });
+    }
     if held_out.is_empty() && !else_held_out {
         *held_out = described.held_out;
     }

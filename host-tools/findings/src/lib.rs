@@ -21,7 +21,7 @@ pub use interval::interval;
 pub use left_out::left_out;
 pub use proven::proven;
 pub use reason::reason;
-pub use surveyed::{remark, remarked, surveyed};
+pub use surveyed::{remarked, surveyed};
 pub use table_file::table_file;
 pub use unsaid::{hold_out, model};
 pub use validated::{EXPLAINED, held, suspicion};

@@ -29,7 +29,7 @@ fn close((difference, error): (f64, f64)) -> String {
     let percent = |logarithm: f64| 100.0 * logarithm.exp_m1();
     match difference <= error {
         true => format!(
-            ", and the choice is close: {:.0} % more, with a standard error of {:.0} %",
+            ", and the choice is close: {:.1} % more, with a standard error of {:.1} %",
             percent(difference),
             percent(error)
         ),
@@ -83,7 +83,7 @@ mod tests {
             cross_validated(&CrossValidation { left_out: LeftOut::Logs, scores, chosen: 0, amplitudes: true })
         };
         let close = said([0.078, 0.085, 0.08, 0.089]);
-        assert!(close.contains("the choice is close: 2 % more, with a standard error of 3 %"), "{close}");
+        assert!(close.contains("the choice is close: 2.3 % more, with a standard error of 3.0 %"), "{close}");
         let clear = said([0.18, 0.185, 0.182, 0.181]);
         assert!(!clear.contains("close"), "{clear}");
     }

@@ -64,7 +64,7 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
 }
 
 /// What is to be said of how a log's columns were understood.
-pub fn remark(of: &Remark) -> String {
+fn remark(of: &Remark) -> String {
     match of {
         Remark::Overruled { quantity, header, stated } => {
             format!("{quantity}: the header says {header}, --columns says {stated}; {stated} is used")
@@ -85,9 +85,9 @@ pub fn remarked(log: &Log, remarks: &[Remark], recorded: bool) -> Vec<String> {
 fn seldom(period_s: f64, duration_s: f64) -> Option<String> {
     (period_s > SELDOM_S).then(|| {
         format!(
-            "its rows are {} s apart and {} s in all, which is long beside a piezo actuator, and takes long to learn from: is the \
-             unit of the time right, or are these ms headed as s? --columns time=<COLUMN>:<UNIT> states another; a sample time in \
-             the header is corrected there",
+            "its rows are {} s apart, {} s from the first to the last, too slow to show more than creep, and takes long to learn from: is \
+             the unit of the time right, or are these ms headed as s? --columns time=<COLUMN>:<UNIT> states another, --fs <HZ> a rate; \
+             a sample time in the header is corrected there",
             short(period_s),
             short(duration_s)
         )
@@ -183,10 +183,7 @@ mod tests {
         assert_eq!(seldom(0.02, 1e5), None);
         assert_eq!(seldom(f64::NAN, 0.0), None);
         let said = seldom(5.0, 40_000.0).unwrap();
-        assert!(
-            said.contains("5 s apart and 40000 s in all") && said.contains("--columns time=<COLUMN>:<UNIT>"),
-            "{said}"
-        );
+        assert!(said.contains("5 s apart, 40000 s from") && said.contains("--columns time=<COLUMN>:<UNIT>"), "{said}");
     }
 
     fn said(displacement: impl Fn(u32, f64) -> f64) -> String {

@@ -109,12 +109,8 @@ impl Identification<'_> {
     /// [`error_once_settled`](Problem::error_once_settled), since a sensor's zero and how a log began are no merit of a fit; infinite where
     /// nothing was found.
     pub(crate) fn off(&self, fit: &Fit) -> f64 {
-        match fit.parameters {
-            Some(parameters) if fit.cost.is_finite() && self.cost.weight() == 0.0 => {
-                self.problem.error_once_settled(&parameters, self.cost)
-            }
-            _ => fit.cost,
-        }
+        let found = fit.parameters.filter(|_| fit.cost.is_finite() && self.cost.weight() == 0.0);
+        found.map_or(fit.cost, |parameters| self.problem.error_once_settled(&parameters, self.cost))
     }
 
     /// The model of a fit once more, on other sessions, from where that one ended: one structure and one search of so many
@@ -155,6 +151,6 @@ impl Identification<'_> {
         }
         let seeded = self.genetic(&space, &seeds, progress);
         let evaluations = fit.evaluations + seeded.evaluations;
-        Fit { evaluations, ..if seeded.cost < fit.cost { seeded } else { fit } }
+        Fit { evaluations, ..if self.off(&seeded) < self.off(&fit) { seeded } else { fit } }
     }
 }

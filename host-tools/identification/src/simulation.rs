@@ -57,10 +57,10 @@ pub fn errors_from(first: usize, session: &Session, model: impl Process<f64>) ->
     errors
 }
 
-/// Mean size of errors beside a constant (µm); infinite where it is none.
+/// Mean size of errors beside a constant (µm); infinite where it is none, or there are no errors.
 pub fn mean_size(errors: &[f64], constant: f64, norm: Norm) -> f64 {
     let sum: f64 = errors.iter().map(|error| norm.size(error - constant)).sum();
-    let mean = sum / errors.len().max(1) as f64;
+    let mean = sum / errors.len() as f64;
     if mean.is_finite() { mean } else { f64::INFINITY }
 }
 

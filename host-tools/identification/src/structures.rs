@@ -12,7 +12,7 @@ use estimator_core::Model;
 const MANY: usize = 6;
 /// The method that searches such a structure besides the one that was chosen.
 const SECOND: Optimiser = Optimiser::DifferentialEvolution;
-/// A richer structure must be off, once the logs have settled, by so much less than the simpler one.
+/// A richer structure must be off, once the logs have settled, by less than this factor times the simpler one.
 const BETTER: f64 = 0.97;
 
 /// What the search of one structure has found.
@@ -66,7 +66,8 @@ impl StructureSearch<'_> {
             let candidates: Vec<Vec<f64>> = points.iter().map(|at| values(at)).collect();
             family.costs(&candidates, problem, self.cost)
         };
-        let known = known.iter().map(|(gene, value)| gene.fraction(*value)).collect();
+        // Where another problem lays a range out otherwise, a value is the same, and not its part of the range.
+        let known = known.iter().zip(&genes).map(|((_, value), gene)| gene.fraction(*value)).collect();
         let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(0.5)).take(genes.len()).collect();
         let mut starts: Vec<Vec<f64>> = family.starts().into_iter().chain([known]).map(whole).collect();
         let mut convergence = Vec::new();

@@ -57,7 +57,7 @@ const STEPS: f64 = 6.0;
 const LEAP: f64 = 0.05;
 /// and comes back to where it left by this part of its leap.
 const BACK: f64 = 0.3;
-/// What a step of the voltage explains of a leap in the same rows, as a multiple of what the stroke has to it.
+/// A leap at an end of up to this many times (stroke/voltage range) × (the largest step of the voltage near that end) is the voltage's.
 const EXPLAINED: f64 = 2.0;
 /// Fewest rows of one number that are a stretch.
 const ROWS: usize = 8;
@@ -101,8 +101,10 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
         to_s: start_s + last as f64 * period,
     };
     let least = least_leap(displacement, stroke);
-    let inside = spikes(displacement, least);
+    let mut inside = spikes(displacement, least);
     let [start, end] = at_ends(displacement, voltage, stroke / volts, least);
+    // A leap at an end holds what is inside it; beside a spike inside it is nothing but that one's way back.
+    inside.retain(|of| ![start, end].iter().flatten().any(|end| end.0 <= of.0 && of.1 <= end.1));
     let clear = |first: usize, last: usize| inside.iter().all(|of| of.1 + 1 < first || last + 1 < of.0);
     let end_spike = |of: Option<(usize, usize, f64)>| {
         let (first, last, leap_um) = of.filter(|of| clear(of.0, of.1))?;
@@ -194,9 +196,11 @@ fn at_ends(values: &[f64], voltage: &[f64], um_per_v: f64, least: f64) -> [Optio
     let count = values.len();
     let step = |of: &[f64]| of.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
     let leaps = |from_end: &dyn Fn(usize) -> f64, step_v: f64| {
-        (1..=SPIKE_ROWS).find_map(|rows| {
+        let explained = if step_v > 0.0 { EXPLAINED * um_per_v * step_v } else { 0.0 };
+        // The longest first: rows that are broken differently leap among themselves, too.
+        (1..=SPIKE_ROWS).rev().find_map(|rows| {
             let leap = (0..rows).map(|row| (from_end(row) - from_end(rows)).abs()).fold(f64::INFINITY, f64::min);
-            (leap > least + EXPLAINED * um_per_v * step_v).then_some((rows, leap))
+            (leap > least + explained).then_some((rows, leap))
         })
     };
     let start = leaps(&|row| values[row], step(&voltage[..2 * ROWS]).max(voltage[0].abs()));

@@ -84,6 +84,18 @@ fn a_leap_at_either_end_need_not_come_back() {
     }
 }
 
+/// Two broken rows that leap away from each other, too, whether the last of them comes near the sound ones or not.
+#[test]
+fn broken_rows_at_an_end_are_found_whole() {
+    let last = log().voltage.len() - 1;
+    for leap in [[90.0, 40.0], [90.0, 25.0]] {
+        let leaps = changed(|row, v, y| (v, if row + 1 >= last { y + leap[row + 1 - last] } else { y }));
+        let found = flaws(&leaps);
+        let [Flaw::Spike { at, back: false, .. }] = found[..] else { panic!("{leap:?}: {found:?}") };
+        assert!((at.to_s - at.from_s - leaps.sample_period).abs() < 1e-9, "{leap:?}: {found:?}");
+    }
+}
+
 /// The voltage leaps, too, or had leapt before the log began.
 #[test]
 fn a_leap_at_either_end_that_the_voltage_explains_is_none() {

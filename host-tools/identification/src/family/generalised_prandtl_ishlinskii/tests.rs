@@ -67,8 +67,15 @@ fn a_slew_limit_shows_in_a_log_that_is_slower_than_the_tick() {
         Some(0.15 * *u)
     };
     session.displacement = session.voltage.iter().scan(0.0, slow).step_by(2).collect();
+    let tried = |every: usize| {
+        let mut of = session.clone();
+        of.displacement = of.displacement.into_iter().step_by(every).collect();
+        of.instants = of.instants.into_iter().step_by(every).collect();
+        structures(&Problem::new(vec![of], vec![], Conditions::default())).len()
+    };
+    // At 5 ms a resonance does not show, and a slew limit does.
+    assert_eq!([1, 2, 5].map(tried), [3, 3, 2]);
     let problem = Problem::new(vec![session], vec![], Conditions::default());
-    assert_eq!(structures(&problem).len(), 3, "slew and resonance are looked for");
     let family = Family::new(Extra::Slew, Course::of_all(problem.training(), problem.deadband).into(), &problem);
     let total = |slew: f64| {
         let values = family.values(&[0.0, 0.1, 0.5, 1e-4, 1e-4, 0.0, slew]).unwrap();
