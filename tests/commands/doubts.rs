@@ -52,7 +52,7 @@ fn a_model_that_is_no_better_than_a_straight_line_is_doubted_and_led_to_no_board
     let line = log(folder.path(), "line.csv", COLUMNS, 2000, |k| (sine(k), 0.3 * sine(k) + 0.2 * noise(k)));
     let said = identified(&line, &["--devices", "0"]);
     assert!(
-        said.contains("When not to trust it:\n- the model is off by")
+        said.contains("When not to trust it:\n- without offset the model is off by")
             && said.contains("no better than a straight line"),
         "{said}"
     );
