@@ -187,8 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn one_log_that_is_missed_makes_a_poor_fit_and_a_small_swing_s_percentage_none_and_offsets_of_either_sign_make_a_drift()
-     {
+    fn a_log_that_is_missed_is_a_poor_fit_and_offsets_of_either_sign_are_a_drift() {
         let of = |stroke: f64, error: f64| Figures::of(&[error, stroke - error], &[0.0, stroke]);
         let [large, small] = [of(10.0, 0.03), of(0.1, 0.03)];
         assert_eq!(poor([("large", large), ("small", small)].into_iter()), None);

@@ -10,7 +10,7 @@ const MOST: usize = 1 << 22;
 /// The gravest of a log's flaws of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Found {
-    /// The gravest.
+    /// The one of its kind that costs most.
     pub worst: Flaw,
     /// Its first row, counted from 0.
     pub first_row: u64,
