@@ -103,6 +103,17 @@ impl Grid {
         self.rows.push(cells.into_iter().collect());
     }
 
+    /// Adds a row of a name and of these cells, each with its column counted from 0; the others have nothing to say.
+    pub fn sparse_row(&mut self, name: &str, cells: impl IntoIterator<Item = (usize, String)>) {
+        let mut row = vec!["–".to_owned(); self.columns.len()];
+        for (column, cell) in [(0, name.to_owned())].into_iter().chain(cells) {
+            if let Some(place) = row.get_mut(column) {
+                *place = cell;
+            }
+        }
+        self.rows.push(row);
+    }
+
     /// Headings, the first of which is the rows'.
     pub fn headings(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|column| column.heading.as_str())

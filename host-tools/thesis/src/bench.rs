@@ -7,12 +7,14 @@ use estimator_core::Model;
 use identification::cost::Feedback;
 use identification::validate::Figures;
 use identification::{
-    Baseline, Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, identify,
+    Baseline, Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, StraightLine,
+    identify,
 };
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 use recordings::rig::{EXCITATIONS, Rig, VALIDATION};
-use report::Grid;
+use report::{Grid, shown};
+use serde::Serialize;
 
 /// Seeds where nothing else is said: a look, not a result.
 pub const QUICK_SEEDS: u32 = 1;
@@ -43,6 +45,15 @@ pub struct Attempt {
     pub cost: Feedback,
     /// What was found, or why nothing.
     pub result: Result<Candidate, CandidateError>,
+}
+
+/// A row of an item beside the straight line's errors, µm.
+#[derive(Serialize)]
+struct BesideLine<'a, R> {
+    #[serde(flatten)]
+    row: &'a R,
+    straight_line_mae_um: Option<f64>,
+    straight_line_max_um: Option<f64>,
 }
 
 impl Attempt {
@@ -158,6 +169,24 @@ impl Bench {
     /// Errors of the straight line through the modelling logs over all that is held out.
     pub fn straight_line(&self) -> Option<Figures> {
         Baseline::of(self.problem())?.held_out
+    }
+
+    /// Ends a table of models with the straight line's MAE, in this column.
+    pub fn baseline(&self, grid: &mut Grid, column: usize) {
+        if let Some(figures) = self.straight_line() {
+            grid.sparse_row(StraightLine::NAME, [(column, shown(Some(figures.mae_um), 4))]);
+        }
+    }
+
+    /// Rows as JSON, each beside the straight line's errors on the same held-out logs.
+    ///
+    /// # Errors
+    /// A row cannot be written down.
+    pub fn json(&self, rows: &[impl Serialize]) -> serde_json::Result<String> {
+        let line = self.straight_line();
+        let (mae, max) = (line.map(|figures| figures.mae_um), line.map(|figures| figures.max_um));
+        let beside = |row| BesideLine { row, straight_line_mae_um: mae, straight_line_max_um: max };
+        serde_json::to_string_pretty(&rows.iter().map(beside).collect::<Vec<_>>())
     }
 
     /// What came of a search, if it was run.

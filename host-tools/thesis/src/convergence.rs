@@ -81,6 +81,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         }
         figures.extend(picture(cost, figure, course));
     }
+    bench.baseline(&mut grid, 2);
     let search = bench.search();
     notes.insert(
         0,
@@ -97,7 +98,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         tables: vec![grid],
         notes,
         figures,
-        json: serde_json::to_string_pretty(&rows)?,
+        json: bench.json(&rows)?,
     })
 }
 
@@ -176,5 +177,8 @@ mod tests {
         }
         assert_eq!(rows[2]["thesis"], json!({ "mae_um": 0.4993, "generation": 356 }));
         assert_eq!(section.figures.len(), 2);
+        let line = section.tables[0].named().last().unwrap();
+        let mae = rows[0]["straight_line_mae_um"].as_f64().unwrap();
+        assert_eq!((line.0.as_str(), line.1[1].as_str()), ("straight line (2.1)", &*format!("{mae:.4}")));
     }
 }

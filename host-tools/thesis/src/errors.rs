@@ -6,7 +6,6 @@ use crate::error::ThesisError;
 use comparison::Say;
 use estimator_core::Model;
 use identification::cost::Feedback;
-use identification::validate::Figures;
 use identification::{Progress, SearchOptions, StraightLine};
 use report::drawn;
 use report::{Picture, Section, shown};
@@ -49,9 +48,6 @@ struct Row {
     max_um: Option<f64>,
     thesis_mae_um: Option<f64>,
     thesis_max_um: Option<f64>,
-    /// Of the straight line through the modelling logs, on the same held-out logs.
-    straight_line_mae_um: Option<f64>,
-    straight_line_max_um: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     failed: Option<String>,
 }
@@ -88,7 +84,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     let attempts = || ASKED.into_iter().flat_map(|(cost, models)| models.iter().map(move |model| (cost, *model)));
     let attempts: Vec<&Attempt> = attempts().filter_map(|(cost, model)| bench.attempt(cost, model)).collect();
     let line = bench.straight_line();
-    let rows: Vec<Row> = attempts.iter().map(|attempt| row(attempt, line, bench.say)).collect();
+    let rows: Vec<Row> = attempts.iter().map(|attempt| row(attempt, bench.say)).collect();
     let none = rows.iter().all(|row| row.mae_um.is_none());
     if let Some(failed) = attempts.first().and_then(|attempt| attempt.failed()).filter(|_| none) {
         return Err(failed.clone().into());
@@ -120,9 +116,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     }
     if let Some(figures) = line {
         let [mae, max] = [figures.mae_um, figures.max_um].map(|um| shown(Some(um), 4));
-        grid.row(
-            [StraightLine::NAME.to_owned(), "–".to_owned(), mae, max].into_iter().chain(["–"; 4].map(str::to_owned)),
-        );
+        grid.sparse_row(StraightLine::NAME, [(2, mae), (3, max)]);
     }
     let failed = rows
         .iter()
@@ -131,12 +125,12 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         title: "Validation errors: Tables 4.8, 5.3, 5.4 and 5.5",
         notes: line.map(|_| STRAIGHT_LINE.to_owned()).into_iter().chain(failed).collect(),
         figures: attempts.iter().flat_map(|attempt| pictures(attempt)).collect(),
-        json: serde_json::to_string_pretty(&rows)?,
+        json: bench.json(&rows)?,
         tables: vec![grid],
     })
 }
 
-fn row(attempt: &Attempt, line: Option<Figures>, say: Say) -> Row {
+fn row(attempt: &Attempt, say: Say) -> Row {
     let figures = attempt.candidate().and_then(|candidate| candidate.held_out_figures());
     let printed = printed(attempt.model, attempt.cost);
     Row {
@@ -146,8 +140,6 @@ fn row(attempt: &Attempt, line: Option<Figures>, say: Say) -> Row {
         max_um: figures.map(|figures| figures.max_um),
         thesis_mae_um: printed.map(|(mae, _)| mae),
         thesis_max_um: printed.map(|(_, max)| max),
-        straight_line_mae_um: line.map(|figures| figures.mae_um),
-        straight_line_max_um: line.map(|figures| figures.max_um),
         failed: attempt.failed().map(|error| say(error)),
     }
 }

@@ -98,6 +98,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         let best = row.held_out.best().map(|(_, of_without)| of_without);
         grid.row(cells.chain(errors.map(|um| shown(um, 4))).chain([shown(best, 3)]));
     }
+    bench.baseline(&mut grid, 2);
     let mut notes = vec![
         "Added: to the identified model, by least squares on what it leaves of the modelling logs, behind the lag that leaves \
          least. Refitted: identified together with the term, which Voigt's extremum models (5.4), (5.5), (5.3) and the chain's \
@@ -118,7 +119,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         tables: vec![grid],
         notes,
         figures: Vec::new(),
-        json: serde_json::to_string_pretty(&rows)?,
+        json: bench.json(&rows)?,
     })
 }
 

@@ -114,6 +114,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         }
         rows.extend(searched);
     }
+    bench.baseline(&mut grid, 5);
     notes.insert(
         0,
         format!(
@@ -129,7 +130,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         tables: vec![grid],
         notes,
         figures: Vec::new(),
-        json: serde_json::to_string_pretty(&rows)?,
+        json: bench.json(&rows)?,
     })
 }
 

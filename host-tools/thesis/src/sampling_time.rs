@@ -5,7 +5,7 @@ use super::bench::Bench;
 use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::cost::Feedback;
-use identification::{Candidate, CandidateError, Prepared, Progress, SearchOptions, identify};
+use identification::{Baseline, Candidate, CandidateError, Prepared, Problem, Progress, SearchOptions, identify};
 use recordings::session::Session;
 use report::drawn;
 use report::{Picture, Section, shown};
@@ -23,6 +23,8 @@ const CONSTANT: f64 = 0.05;
 struct Row {
     sampling_time_s: f64,
     mae_um: Option<f64>,
+    /// Of the straight line through the modelling logs at this tick, on the held-out logs at it.
+    straight_line_mae_um: Option<f64>,
     thesis_mae_um: f64,
     /// Modelling logs of which this tick leaves a constant voltage.
     constant_logs: usize,
@@ -42,11 +44,25 @@ pub fn generations(search: &SearchOptions) -> u64 {
 pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, ThesisError> {
     let mut rows = Vec::new();
     for (tick_us, thesis_mae_um) in TABLE_4_4 {
-        let (mae_um, constant_logs, failed) = match at(bench, tick_us, progress) {
-            Ok((mae, constant)) => (Some(mae), constant, None),
-            Err(error) => (None, 0, Some((bench.say)(&error))),
-        };
-        rows.push(Row { sampling_time_s: f64::from(tick_us) / 1e6, mae_um, thesis_mae_um, constant_logs, failed });
+        let sampling_time_s = f64::from(tick_us) / 1e6;
+        rows.push(match at(bench, tick_us, progress) {
+            Ok(At { mae_um, straight_line_mae_um, constant_logs }) => Row {
+                sampling_time_s,
+                mae_um: Some(mae_um),
+                straight_line_mae_um,
+                thesis_mae_um,
+                constant_logs,
+                failed: None,
+            },
+            Err(error) => Row {
+                sampling_time_s,
+                mae_um: None,
+                straight_line_mae_um: None,
+                thesis_mae_um,
+                constant_logs: 0,
+                failed: Some((bench.say)(&error)),
+            },
+        });
     }
     let best = |of: fn(&Row) -> Option<f64>| {
         let known = rows.iter().filter_map(|row| Some((row.sampling_time_s, of(row)?)));
@@ -59,6 +75,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         .grid(&caption)
         .words("sampling time s", 15)
         .numbers("MAE µm", 10)
+        .numbers("straight line's", 10)
         .numbers("thesis MAE", 12)
         .numbers("modelling logs that become constant", 8);
     for row in &rows {
@@ -66,6 +83,7 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
         grid.row([
             format!("{time:.0e}"),
             shown(row.mae_um, 4) + mark(time, ours),
+            shown(row.straight_line_mae_um, 4),
             shown(Some(row.thesis_mae_um), 4) + mark(time, theirs),
             row.constant_logs.to_string(),
         ]);
@@ -93,22 +111,32 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     })
 }
 
-/// The error at a tick, and how many modelling logs are constant at it.
-fn at(bench: &mut Bench, tick_us: u32, progress: Progress<'_>) -> Result<(f64, usize), ThesisError> {
+/// What a tick comes to.
+struct At {
+    mae_um: f64,
+    straight_line_mae_um: Option<f64>,
+    constant_logs: usize,
+}
+
+/// Errors at a tick, and how many modelling logs are constant at it.
+fn at(bench: &mut Bench, tick_us: u32, progress: Progress<'_>) -> Result<At, ThesisError> {
+    let of_line = |problem: &Problem| Some(Baseline::of(problem)?.held_out?.mae_um);
     let mae = |candidate: &Candidate| {
         candidate.held_out_figures().map(|figures| figures.mae_um).ok_or(ThesisError::NoFigures("held out"))
     };
     if tick_us == bench.prepared.context.recipe.tick_us {
         bench.identify(Feedback::Osp, &[Model::Voigt], progress);
         let attempt = bench.attempt(Feedback::Osp, Model::Voigt).ok_or(ThesisError::NotSearched(Model::Voigt))?;
-        return Ok((mae(attempt.result.as_ref().map_err(CandidateError::clone)?)?, 0));
+        let mae_um = mae(attempt.result.as_ref().map_err(CandidateError::clone)?)?;
+        return Ok(At { mae_um, straight_line_mae_um: of_line(bench.problem()), constant_logs: 0 });
     }
     let Prepared { problem, context, .. } = bench.at_tick(tick_us, progress)?;
-    let constant = problem.training().zip(bench.problem().training());
-    let constant = constant.filter(|(here, there)| span(here) < CONSTANT * span(there)).count();
+    let both = problem.training().zip(bench.problem().training());
+    let constant_logs = both.filter(|(here, there)| span(here) < CONSTANT * span(there)).count();
     let fits = identify(&problem, &[Model::Voigt], Feedback::Osp, bench.search(), progress);
     let fit = fits.into_iter().next().ok_or(ThesisError::NotSearched(Model::Voigt))?;
-    Ok((mae(&Candidate::new(&problem, fit, &context)?)?, constant))
+    let mae_um = mae(&Candidate::new(&problem, fit, &context)?)?;
+    Ok(At { mae_um, straight_line_mae_um: of_line(&problem), constant_logs })
 }
 
 fn span(session: &Session) -> f64 {
@@ -131,6 +159,13 @@ mod tests {
         assert_eq!(times, [1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2]);
         assert_eq!(rows[2]["thesis_mae_um"], 0.3811);
         assert!(rows.iter().all(|row| row["mae_um"].as_f64().is_some_and(|mae| mae > 0.01)), "{rows:?}");
+        // At the tick that the model is for, it is better than no model.
+        assert!(rows[2]["straight_line_mae_um"].as_f64() > rows[2]["mae_um"].as_f64(), "{}", rows[2]);
+        let lines: Vec<f64> = rows.iter().filter_map(|row| row["straight_line_mae_um"].as_f64()).collect();
+        assert!(
+            lines.len() == 7 && lines.windows(2).any(|pair| pair[0] != pair[1]),
+            "each tick has its own: {lines:?}"
+        );
         // 100 Hz sampled every 5 or 10 ms always shows the same voltage: two logs.
         let constant: Vec<u64> = rows.iter().map(|row| row["constant_logs"].as_u64().unwrap()).collect();
         assert_eq!(constant, [0, 0, 0, 0, 0, 2, 2]);

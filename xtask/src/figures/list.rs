@@ -66,13 +66,15 @@ const fn stated(name: &'static str, make: fn(&Printed<'_>) -> Result<Content>) -
     Figure { name, file: None, slack: 0.0, make }
 }
 
+/// What every model must better: the displacement proportional to the voltage, and an offset.
+const STRAIGHT_LINE: &str = "straight line";
+
 /// Errors of the models on the measured log's held-out half.
 fn held_out(printed: &Value) -> Result<Content> {
-    let row = |candidate: &Value| -> Result<Vec<String>> {
-        let figure = |name: &str| number(candidate, &format!("/held_out/{name}"));
-        let chosen = if candidate["model"] == printed["model"] { " (chosen)" } else { "" };
+    let row = |name: String, errors: &Value| -> Result<Vec<String>> {
+        let figure = |name: &str| number(errors, &format!("/held_out/{name}"));
         Ok(vec![
-            format!("{}{chosen}", model(&candidate["model"])?),
+            name,
             fixed(figure("mae_um")?, 3),
             fixed(figure("max_um")?, 3),
             fixed(figure("rmse_um")?, 3),
@@ -80,8 +82,13 @@ fn held_out(printed: &Value) -> Result<Content> {
             fixed(figure("mae_without_offset_um")?, 3),
         ])
     };
+    let candidate = |candidate: &Value| -> Result<Vec<String>> {
+        let chosen = if candidate["model"] == printed["model"] { " (chosen)" } else { "" };
+        row(format!("{}{chosen}", model(&candidate["model"])?), candidate)
+    };
     let columns = ["MAE µm", "MAX µm", "RMSE µm", "MAE, % of stroke", "MAE µm without constant offset"];
-    table(1, &columns, array(printed, "/candidates")?.iter().map(row))
+    let line = row(STRAIGHT_LINE.to_owned(), &printed["straight_line"]);
+    table(1, &columns, [line].into_iter().chain(array(printed, "/candidates")?.iter().map(candidate)))
 }
 
 /// The same of the models that a reader compares first: what is there without one, the thesis's two ends, and the choice.
@@ -96,7 +103,7 @@ fn held_out_in_short(printed: &Value) -> Result<Content> {
     let shown = candidates.iter().filter(|candidate| {
         candidate["model"] == printed["model"] || model(&candidate["model"]).is_ok_and(|model| shown.contains(&model))
     });
-    let straight = row("straight line".to_owned(), &printed["straight_line"]["held_out"]);
+    let straight = row(STRAIGHT_LINE.to_owned(), &printed["straight_line"]["held_out"]);
     let models = shown.map(|candidate| {
         let chosen = if candidate["model"] == printed["model"] { " (chosen)" } else { "" };
         row(format!("{}{chosen}", model(&candidate["model"])?), &candidate["held_out"])
@@ -164,7 +171,13 @@ fn thesis(printed: &Value) -> Result<Content> {
         Ok(cells)
     };
     let columns = ["MAE µm", "MAX µm", "MAE of Voigt's", "thesis MAE µm", "thesis MAX µm", "thesis MAE of Voigt's"];
-    table(2, &columns, rows.iter().map(row))
+    let first = rows.first().context("no model was identified")?;
+    let [mae, max] = ["/straight_line_mae_um", "/straight_line_max_um"].map(|name| number(first, name));
+    let line: Vec<String> = [STRAIGHT_LINE.to_owned(), "–".to_owned(), fixed(mae?, 3), fixed(max?, 3)]
+        .into_iter()
+        .chain(["–"; 4].map(str::to_owned))
+        .collect();
+    table(2, &columns, [Ok(line)].into_iter().chain(rows.iter().map(row)))
 }
 
 /// Errors of the rig driven by the models' inverses. The trajectories are the document's headings.
