@@ -24,6 +24,8 @@ const BETTER: f64 = 0.9;
 const LAG: f64 = 0.1;
 /// A constant offset beyond this fraction of the held-out error.
 const DRIFT: f64 = 0.5;
+/// A constant offset within this fraction of the stroke is nothing that a zero is set again for.
+const OFFSET: f64 = 1e-3;
 /// f32 may differ from f64 by this fraction of the stroke.
 const SINGLE_PRECISION: f64 = 1e-4;
 /// Errors in the first tenth of a log beyond this multiple of the largest later on are a transient.
@@ -56,7 +58,7 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
                 doubts.push(Doubt::HeldOutFar { training_um, held_out_um });
             }
             let offsets: Vec<f64> = candidate.held_out.iter().map(|log| log.mil.offset_um).collect();
-            doubts.extend(drift(&offsets, held_out.mae_um));
+            doubts.extend(drift(&offsets, &held_out));
         }
         _ => doubts.push(Doubt::NothingHeldOut),
     }
@@ -104,10 +106,10 @@ fn poor<'a>(logs: impl Iterator<Item = (&'a str, Figures)> + Clone) -> Option<Do
 }
 
 /// Constants that are much of the error: of several logs one may be off up and another down. The largest is named.
-fn drift(offsets_um: &[f64], mae_um: f64) -> Option<Doubt> {
+fn drift(offsets_um: &[f64], held_out: &Figures) -> Option<Doubt> {
     let mean_um = offsets_um.iter().map(|offset| offset.abs()).sum::<f64>() / offsets_um.len().max(1) as f64;
     let largest = offsets_um.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-    (mean_um > DRIFT * mae_um).then_some(Doubt::Drift { offset_um: largest })
+    (mean_um > (DRIFT * held_out.mae_um).max(OFFSET * held_out.stroke_um)).then_some(Doubt::Drift { offset_um: largest })
 }
 
 /// A straight line that does as well as a candidate.
@@ -196,8 +198,10 @@ mod tests {
         assert!(
             matches!(found, Some(Doubt::PoorFit { log, percent }) if log == "missed" && (percent - 10.0).abs() < 1e-9)
         );
-        assert!(matches!(drift(&[0.9, -1.0], 1.0), Some(Doubt::Drift { offset_um: -1.0 })));
-        assert!(drift(&[0.1, -0.1], 1.0).is_none() && drift(&[], 1.0).is_none());
+        let [coarse, fine] = [of(10.0, 1.0), of(10.0, 0.01)];
+        assert!(matches!(drift(&[0.9, -1.0], &coarse), Some(Doubt::Drift { offset_um: -1.0 })));
+        assert!(drift(&[0.1, -0.1], &coarse).is_none() && drift(&[], &coarse).is_none());
+        assert!(drift(&[0.012], &fine).is_some() && drift(&[0.009], &fine).is_none(), "a thousandth of the stroke");
     }
 
     #[test]
