@@ -109,7 +109,8 @@ fn poor<'a>(logs: impl Iterator<Item = (&'a str, Figures)> + Clone) -> Option<Do
 fn drift(offsets_um: &[f64], held_out: &Figures) -> Option<Doubt> {
     let mean_um = offsets_um.iter().map(|offset| offset.abs()).sum::<f64>() / offsets_um.len().max(1) as f64;
     let largest = offsets_um.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-    (mean_um > (DRIFT * held_out.mae_um).max(OFFSET * held_out.stroke_um)).then_some(Doubt::Drift { offset_um: largest })
+    (mean_um > (DRIFT * held_out.mae_um).max(OFFSET * held_out.stroke_um))
+        .then_some(Doubt::Drift { offset_um: largest })
 }
 
 /// A straight line that does as well as a candidate.

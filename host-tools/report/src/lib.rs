@@ -1,6 +1,7 @@
 //! The report of an identification: one HTML file that needs nothing else, for a screen, a phone or paper.
 
 mod axis;
+mod branches;
 mod comparison;
 pub mod drawn;
 mod error;
@@ -14,6 +15,7 @@ mod rows;
 mod section;
 mod survey;
 mod svg;
+mod swings;
 mod thin;
 mod traces;
 

@@ -3,7 +3,9 @@
 use super::error::ReportError;
 use super::number::quantity;
 use super::rows::{self, CandidateRow, ERRORS, GeneRow, ParameterRow};
-use super::{errors, loops, traces};
+use super::svg::Drawing;
+use super::swings::{BySwing, Swing, map, swings};
+use super::{branches, errors, loops, traces};
 use askama::Template;
 use estimator_core::Model;
 use identification::validate::Comparison;
@@ -67,6 +69,8 @@ pub struct Page<'a> {
     held_out: bool,
     loops: Vec<Figure>,
     loops_left_out: Vec<&'a str>,
+    places: Vec<Figure>,
+    by_swing: BySwing,
     traces: Vec<Figure>,
     traces_left_out: Vec<&'a str>,
     search: Vec<Figure>,
@@ -106,6 +110,9 @@ impl<'a> Page<'a> {
         traces_left_out.extend(not_traced);
         let limit = (POINTS / (2 * looped.len() + 4 * traced.len() + 2)).min(POINTS_OF_A_LINE);
 
+        let of_all = |logs: &[Comparison]| logs.iter().flat_map(swings).collect::<Vec<Swing>>();
+        let (of_held_out, of_training) = (of_all(&chosen.held_out), of_all(&chosen.training));
+
         Self {
             title: report.title,
             model: chosen.fit.model,
@@ -118,6 +125,8 @@ impl<'a> Page<'a> {
             held_out: !held_out.is_empty(),
             loops: looped.into_iter().map(|shown| loop_figure(shown, limit)).collect(),
             loops_left_out,
+            places: place_figures(chosen, &of_held_out, &of_training),
+            by_swing: BySwing::of(&of_held_out, &of_training),
             traces: traced.into_iter().map(|shown| trace_figure(shown, limit)).collect(),
             traces_left_out,
             search: search_figures(report, limit),
@@ -163,6 +172,36 @@ fn trace_figure(Shown { log, role }: Shown<'_>, limit: usize) -> Figure {
     };
     let label = format!("Displacement of {} over time ({role}): sensor, estimate, error. {caption}", log.name);
     Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption }
+}
+
+/// The errors by branch, and where the logs' swings lie.
+fn place_figures(chosen: &Candidate, held_out: &[Swing], training: &[Swing]) -> Vec<Figure> {
+    let (logs, role) =
+        if chosen.held_out.is_empty() { (&chosen.training, "training") } else { (&chosen.held_out, "held out") };
+    let mut figures = Vec::new();
+    let mut add = |name: &str, role, caption: &str, drawing: Option<Drawing>| {
+        let label = format!("{name}. {caption}");
+        figures.extend(drawing.map(|drawing| Figure {
+            svg: drawing.inline(&label),
+            name: name.to_owned(),
+            role,
+            caption: caption.to_owned(),
+        }));
+    };
+    add(
+        "Error by branch",
+        role,
+        "Mean error over the voltage, beside each log's own constant. What both branches share is a mean curve that is bent \
+         otherwise than the model's; what tells them apart is hysteresis that the model has too much or too little of.",
+        branches::draw(logs),
+    );
+    add(
+        "What the logs cover",
+        "",
+        "Each swing of the voltage by its frequency and size. Where no circle of the training is near, the error is unknown.",
+        map(held_out, training),
+    );
+    figures
 }
 
 fn search_figures(report: &Report<'_>, limit: usize) -> Vec<Figure> {

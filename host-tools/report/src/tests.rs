@@ -56,7 +56,7 @@ fn table(model: Model) -> Admitted {
 }
 
 /// A log of `samples` at 2 kHz and 10 Hz, whose error is a function of the sample.
-fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
+pub fn log(name: &str, samples: usize, error: impl Fn(usize) -> f64) -> Comparison {
     let time_s: Vec<f64> = (1..=samples).map(|k| k as f64 * 5e-4).collect();
     let voltage: Vec<f64> = time_s.iter().map(|t| 20.0 * (62.8 * t).sin()).collect();
     let measured: Vec<f64> = voltage.iter().map(|v| 0.2 * v).collect();
@@ -141,9 +141,9 @@ fn figures_tables_and_words_are_there() {
     let held_out = vec![log("tr10", 4000, |k| 0.1 * (k as f64 * 0.03).sin())];
     let training = (0..5).map(|n| log(&format!("log{n}"), 4000, |_| 0.05)).collect();
     let page = html(&candidate(Model::Enhanced, training, held_out), &["`gene` is at its end"]);
-    // Six loops, the held-out trace and three others, convergence and residuals.
-    assert_eq!(page.matches("<figure>").count(), 12);
-    assert_eq!(page.matches(r#"<svg class="figure" role="img" aria-label=""#).count(), 12);
+    // Six loops, branches and coverage, the held-out trace and three others, convergence and residuals.
+    assert_eq!(page.matches("<figure>").count(), 14);
+    assert_eq!(page.matches(r#"<svg class="figure" role="img" aria-label=""#).count(), 14);
     assert!(page.contains("Not drawn: log3, log4."));
     assert!(
         page.contains("<li><code>gene</code> is at its end</li>")
@@ -152,8 +152,8 @@ fn figures_tables_and_words_are_there() {
     assert!(page.contains("When not to trust it") && !page.contains("No doubt was found"));
     assert_eq!(page.matches(r#"<tr class="chosen">"#).count(), 1);
     let first = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words} is missing"));
-    let order = ["<h1>", "0.1 µm", "When not", "Candidates", "Loops", "Over time", "Convergence", "Residuals"];
-    let then = ["Searched coordinates", "Published parameters", "&#60;1&#62;"];
+    let order = ["<h1>", "0.1 µm", "When not", "Candidates", "Loops", "Where it is off", "about 10\u{a0}Hz"];
+    let then = ["Over time", "Convergence", "Residuals", "Searched coordinates", "Published parameters", "&#60;1&#62;"];
     assert!(order.iter().chain(&then).map(|words| first(words)).is_sorted());
 }
 
@@ -178,7 +178,7 @@ fn many_long_logs_stay_below_a_megabyte() {
     };
     let page = html(&candidate(Model::Voigt, logs(30), logs(12)), &[]);
     assert!(page.len() < 1_000_000, "{}", page.len());
-    assert_eq!(page.matches("<figure>").count(), 24 + 8 + 3 + 2);
+    assert_eq!(page.matches("<figure>").count(), 24 + 2 + 8 + 3 + 2);
     let svg = picture(&logs(1)[0], "long", None).unwrap();
     assert!(svg.len() < 200_000, "{}", svg.len());
 }
@@ -187,7 +187,7 @@ fn many_long_logs_stay_below_a_megabyte() {
 fn nothing_held_out_and_no_doubt() {
     let page = html(&candidate(Model::Voigt, vec![log("only", 1000, |_| 0.1)], Vec::new()), &[]);
     assert!(page.contains("Nothing was held out") && page.contains("No doubt was found") && page.contains("no proof"));
-    assert_eq!(page.matches("<figure>").count(), 4);
+    assert_eq!(page.matches("<figure>").count(), 6);
 }
 
 #[test]
