@@ -1,10 +1,12 @@
 //! `piezo record` on a line on which things go wrong.
 
-use super::{piezo, text};
+use super::{piezo, refused, text};
 use emulator::faults::{lose_replies, lose_samples_at, silent_from};
 use emulator::{Emulator, Fault, FaultyLine};
 use recordings::log::{ReadOptions, read};
 use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// Records a second in a folder; whether that was all, and what is in the folder.
 fn recorded(fault: impl Fault, folder: &tempfile::TempDir) -> (Option<i32>, Vec<PathBuf>) {
@@ -55,7 +57,7 @@ fn a_recording_is_written_over_only_where_that_is_said() {
     let kept = std::fs::read(&log).unwrap();
     let follow = ["follow", text(&wanted), "--out", text(&log), "--port", &port];
     for verb in [&record[..], &follow] {
-        super::refused(verb, &["keep.csv", "no measurement is written over", "--force"]);
+        refused(verb, &["keep.csv", "no measurement is written over", "--force"]);
         assert_eq!(std::fs::read(&log).unwrap(), kept);
     }
     piezo().args(record).arg("--force").assert().success();
@@ -66,4 +68,44 @@ fn a_recording_of_nothing_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let (done, files) = recorded(silent_from(0), &folder);
     assert!(done == Some(1) && files.is_empty(), "{done:?} {files:?}");
+}
+
+#[test]
+fn what_was_recorded_before_the_program_was_killed_is_a_log_that_is_named_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let (log, port) = (folder.path().join("log.csv"), format!("tcp:{}", device.address()));
+    let left = folder.path().join("log.csv.partial");
+    let record = ["record", "--out", text(&log), "--port", &port];
+    let mut host = Command::new(env!("CARGO_BIN_EXE_piezo")).args(record).stderr(Stdio::null()).spawn().unwrap();
+    let start = Instant::now();
+    while left.metadata().map_or(0, |left| left.len()) < 200_000 {
+        assert!(start.elapsed() < Duration::from_secs(20) && host.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    refused(&record, &["log.csv.partial: another program is recording into it", "--out"]);
+    host.kill().unwrap();
+    host.wait().unwrap();
+    let kept = std::fs::read_to_string(&left).unwrap();
+    assert!(kept.len() >= 200_000 && kept.ends_with('\n'), "whole lines");
+    assert!(!log.exists());
+    // Neither another recording nor the same one again sweeps it or is written over it.
+    let other = folder.path().join("other.csv");
+    piezo().args(["record", "--out", text(&other), "--seconds", "0.1", "--port", &port]).assert().success();
+    refused(&record, &["log.csv.partial: holds what was recorded until the program was killed", "--force"]);
+    assert_eq!(std::fs::read_to_string(&left).unwrap(), kept);
+    // It is a log as any other, also where a machine that lost its power has cut it in the middle of a number.
+    let rows = kept.lines().count() - 1;
+    for cut in [kept.len(), kept.len() - 3] {
+        std::fs::write(&left, &kept[..cut]).unwrap();
+        let read = read(&left, &ReadOptions::default()).unwrap().voltage.len();
+        assert!(read == rows || read == rows - 1, "{read} of {rows}");
+        piezo().args(["look", text(&left)]).assert().success();
+    }
+    let learnt = ["identify", text(&left), "--model", "voigt", "--devices", "0", "--evaluations", "4", "--out"];
+    let model = folder.path().join("model");
+    let said = piezo().args(learnt).arg(&model).assert().success().get_output().stdout.clone();
+    assert!(String::from_utf8(said).unwrap().contains("is a device's estimate"));
+    piezo().args(record).args(["--seconds", "0.1", "--force"]).assert().success();
+    assert!(log.is_file() && !left.exists());
 }

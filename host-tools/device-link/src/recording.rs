@@ -118,6 +118,8 @@ impl<W: Write> Recorder<W> {
             return Ok(Some(End::NoSensor));
         }
         write(samples, &self.wish, recording, &mut self.log)?;
+        // Where the program is killed, what is on the disk ends with a whole line, and is a frame old.
+        self.log.flush()?;
         Ok(None)
     }
 

@@ -2,7 +2,7 @@
 
 use device_link::recording::{End, Recorder, SILENCE, Wish};
 use protocol::Samples;
-use recordings::file::Replacement;
+use recordings::file::{Replacement, partial};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,7 +10,7 @@ use std::time::Instant;
 /// More recordings than anybody makes in a folder.
 const MOST: u32 = 100_000;
 
-/// A recording under way. Dropped, it leaves nothing.
+/// A recording under way. Dropped, it leaves nothing; killed, what it has by then (`recording-1.csv.partial`).
 pub struct Log {
     path: PathBuf,
     /// Of its name.
@@ -55,10 +55,11 @@ impl Log {
     /// # Errors
     /// It cannot be written, here and below.
     pub fn begin(folder: &Path, wish: Wish) -> io::Result<Self> {
-        let free = names(folder, 1).find(|(_, path)| !path.exists() && !path.is_symlink());
+        let free = |path: &Path| !path.exists() && !path.is_symlink();
+        let free = names(folder, 1).find(|(_, path)| free(path) && free(&partial(path)));
         let (number, path) = free.ok_or(io::ErrorKind::AlreadyExists)?;
         let disk = Disk {
-            file: Replacement::of(&path)?,
+            file: Replacement::growing(&path, false).map_err(io::Error::other)?,
             #[cfg(test)]
             room: usize::MAX,
         };
@@ -174,6 +175,21 @@ mod tests {
             ("mine".into(), "yours".into())
         );
         assert_eq!(fs::read_to_string(at(3)).unwrap().lines().count(), 4);
+    }
+
+    #[test]
+    fn what_a_killed_program_leaves_is_a_log_and_its_number_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut log = begun(folder.path());
+        assert_eq!(log.take(&samples(0)).unwrap(), None);
+        let left = partial(log.path());
+        let text = fs::read_to_string(&left).unwrap();
+        assert!(text.ends_with('\n') && text.lines().count() == 4, "{text}");
+        drop(log);
+        fs::write(&left, &text).unwrap();
+        let log = begun(folder.path());
+        assert_eq!(log.path(), folder.path().join("recording-2.csv"));
+        assert_eq!(fs::read_to_string(left).unwrap(), text);
     }
 
     #[test]

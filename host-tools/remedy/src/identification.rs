@@ -155,6 +155,8 @@ fn other_face(error: &OtherFace) -> String {
 fn file(error: &FileError) -> String {
     match error {
         FileError::Busy { .. } => format!("{error}: wait until it has ended, or name another folder with --out"),
+        FileError::Growing { .. } => format!("{error}: wait until it has ended, or name another file with --out"),
+        FileError::Left { .. } => format!("{error}: give it a name of its own, or lose it with --force"),
         FileError::Write { .. } | FileError::Folder { .. } => error.to_string(),
     }
 }

@@ -54,7 +54,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
     arguments.overwrite.of_measurement(&arguments.out)?;
     let interrupt = Interrupt::watch()?;
     let cannot_write = || format!("{name}: cannot be written");
-    let mut file = Replacement::of(&arguments.out).with_context(cannot_write)?;
+    let mut file = Replacement::growing(&arguments.out, arguments.overwrite.force)?;
     let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, &arguments.port.port)?;
     let tick_us = identity.tick_us;
@@ -82,7 +82,10 @@ pub fn run(arguments: &Record) -> Result<bool> {
         _ => client.stream(false),
     };
     note_damage(&client);
-    let (recording, end) = recorded.with_context(cannot_write)?;
+    let (recording, end) = match recorded {
+        Ok(recorded) => recorded,
+        Err(error) => bail!("{}: {error}; {} holds the samples before", cannot_write(), file.keep_lines()?.display()),
+    };
     if recording.rows > 0 {
         file.commit().with_context(cannot_write)?;
     }

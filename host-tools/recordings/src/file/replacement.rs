@@ -4,7 +4,7 @@
 
 use super::made::Made;
 use fs4::{FileExt, TryLockError};
-use std::fs::{self, File};
+use std::fs::{self, File, Permissions};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -25,13 +25,16 @@ pub struct Replacement {
     _made: Made,
 }
 
-impl Replacement {
-    /// The replacement of `path`, whose links are followed, with the permissions of what is there, or else of an ordinary
-    /// new file; in a folder that is made where there is none.
-    ///
-    /// # Errors
-    /// Its folder cannot be made; what is there is a device, a pipe, a folder, a link to nothing, or read-only; whatever the operating system says.
-    pub fn of(path: &Path) -> io::Result<Self> {
+/// Where a replacement goes: what is there, with links followed, and its permissions.
+pub(super) struct Place {
+    pub(super) target: PathBuf,
+    there: Option<Permissions>,
+    made: Made,
+}
+
+impl Place {
+    /// The place of `path`, in a folder that is made where there is none.
+    pub(super) fn of(path: &Path) -> io::Result<Self> {
         let refused = |kind, why| Err(io::Error::new(kind, why));
         let (target, there) = match path.canonicalize() {
             Ok(target) => {
@@ -50,11 +53,28 @@ impl Replacement {
             Err(_) => (path.to_owned(), None),
         };
         let made = Made::folder(folder_of(&target))?;
-        let file = temporary(folder_of(&target))?;
-        if let Some(permissions) = there {
+        Ok(Self { target, there, made })
+    }
+
+    /// Its replacement, in a file that is there already.
+    pub(super) fn filled_by(self, file: NamedTempFile) -> io::Result<Replacement> {
+        if let Some(permissions) = self.there {
             file.as_file().set_permissions(permissions)?;
         }
-        Ok(Self { file, target, _made: made })
+        Ok(Replacement { file, target: self.target, _made: self.made })
+    }
+}
+
+impl Replacement {
+    /// The replacement of `path`, whose links are followed, with the permissions of what is there, or else of an ordinary
+    /// new file; in a folder that is made where there is none.
+    ///
+    /// # Errors
+    /// Its folder cannot be made; what is there is a device, a pipe, a folder, a link to nothing, or read-only; whatever the operating system says.
+    pub fn of(path: &Path) -> io::Result<Self> {
+        let place = Place::of(path)?;
+        let file = temporary(folder_of(&place.target))?;
+        place.filled_by(file)
     }
 
     /// Has what was written on the disk.
@@ -70,6 +90,11 @@ impl Replacement {
         self.sync()?;
         self.file.persist(self.target).map_err(|error| error.error)?;
         Ok(())
+    }
+
+    /// Leaves what was written where it is, under the name that it has meanwhile, which it returns.
+    pub(super) fn leave(self) -> io::Result<PathBuf> {
+        Ok(self.file.keep()?.1)
     }
 
     /// Cuts off what follows the last line feed: a line that could not be written whole.
@@ -131,7 +156,8 @@ fn copy(from: &Path, to: &Path) -> io::Result<()> {
 /// Keeps what was written, under a name that is not swept; the error says which.
 fn kept(file: NamedTempFile, why: &io::Error) -> io::Error {
     let random = file.path().file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_prefix(PREFIX));
-    let name = file.path().with_file_name(format!("{KEPT}{}", random.unwrap_or_default()));
+    // What has no such name grows, and is not swept.
+    let name = random.map_or(file.path().to_owned(), |random| file.path().with_file_name(format!("{KEPT}{random}")));
     let (open, path) = match file.keep() {
         Ok(there) => there,
         Err(error) => return io::Error::new(why.kind(), format!("{why}, and what was written is lost: {error}")),
