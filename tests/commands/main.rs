@@ -8,6 +8,7 @@ mod compare;
 mod demo;
 mod device;
 mod divider;
+mod doubted;
 mod doubts;
 mod faces;
 mod feedforward;

@@ -25,8 +25,8 @@ const TABLE: &str = "tests/data/table/models/duhem.toml";
 
 /// The verbs, and what each needs beside a port; `FOLDER` is an empty one.
 const VERBS: [&[&str]; 10] = [
-    &["push", TABLE, "--pause"],
-    &["push", TABLE, "--reset"],
+    &["push", TABLE, "--pause", "--force"],
+    &["push", TABLE, "--reset", "--force"],
     &["erase", "--pause"],
     &["zero"],
     &["reset"],

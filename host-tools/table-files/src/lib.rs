@@ -232,6 +232,18 @@ pub fn read(path: &Path) -> Result<(Option<TableFile>, Admitted), TableFileError
     Ok((None, admitted))
 }
 
+/// Reads and admits a table that is to go to a device, from one of its faces, with its doubts: those of the table.toml beside a
+/// table.bin, which has none of its own.
+///
+/// # Errors
+/// As [`read`]; or a face of another table lies beside it.
+pub fn read_doubted(path: &Path) -> Result<(Admitted, Vec<String>), TableFileError> {
+    let (file, table) = read(path)?;
+    agree(path, &table)?;
+    let beside = || Some(TableFile::load(&path.with_extension("toml")).ok()?.0);
+    Ok((table, file.or_else(beside).map_or(Vec::new(), |file| file.doubts)))
+}
+
 /// The binary record of a table.
 pub fn record(table: &Admitted) -> Vec<u8> {
     let mut buffer = [0; MAX_LENGTH];

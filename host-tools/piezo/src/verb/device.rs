@@ -1,11 +1,12 @@
 //! What the verbs that talk to a device have in common.
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use device_link::table::to_record;
 use device_link::{Address, Client};
 use estimator_core::table::Board;
 use estimator_core::{Admitted, record};
 use protocol::{Health, Identity};
+use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
 use table_files::TableFile;
 
@@ -17,12 +18,28 @@ pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
     Ok(())
 }
 
-/// Reads a table to be written to a device: a table.toml, or the record in a table.bin; refuses one that lies beside a face of
-/// another table.
-pub fn load(path: &Path) -> Result<Admitted> {
-    let (_, table) = table_files::read(path)?;
-    table_files::agree(path, &table)?;
-    Ok(table)
+/// Says a table's doubts before it goes to a board, and on a terminal asks whether it is to; where nobody can be asked, it goes only if
+/// that was said. Returns why it would not, where it does not go in any case.
+pub fn doubted(file: &Path, doubts: &[String], force: bool, dry_run: bool) -> Result<Option<String>> {
+    doubts.iter().for_each(|doubt| eprintln!("piezo: careful: {}: {doubt}", file.display()));
+    if doubts.is_empty() || force {
+        return Ok(None);
+    }
+    let terminal = stdin().is_terminal() && stderr().is_terminal();
+    let refusal = format!(
+        "{}: has doubts, which stand above, and nobody can be asked: mend what they name, or write it all the same with --force",
+        file.display()
+    );
+    if dry_run {
+        return Ok(Some(refusal).filter(|_| !terminal));
+    }
+    ensure!(terminal, refusal);
+    eprint!("Does it go to the board all the same? [y/N] ");
+    let mut answer = String::new();
+    stdin().read_line(&mut answer).context("standard input")?;
+    let yes = ["y", "yes"].contains(&answer.trim().to_lowercase().as_str());
+    ensure!(yes, "{}: nothing was written", file.display());
+    Ok(None)
 }
 
 /// Reads a table that goes nowhere; says so where it lies beside a face of another table.

@@ -32,6 +32,9 @@ pub struct Flash {
     /// Address of the parameter pages. With --image its symbols say; else that of the NUCLEO-G474RE, 0x0807f000.
     #[arg(long, value_parser = address, conflicts_with = "image", value_name = "ADDRESS")]
     pub parameters_at: Option<u32>,
+    /// Write a table, too, that has doubts, where nobody at a terminal can be asked.
+    #[arg(long)]
+    pub force: bool,
     /// Check the files and print the commands, and write nothing.
     #[arg(long)]
     pub dry_run: bool,
@@ -56,7 +59,7 @@ fn address(text: &str) -> Result<u32, String> {
 /// Runs the verb.
 pub fn run(arguments: &Flash) -> Result<bool> {
     let place = place(arguments)?;
-    let content = arguments.table.as_deref().map(|table| content(table, &place)).transpose()?;
+    let content = arguments.table.as_deref().map(|table| content(table, arguments, &place)).transpose()?;
     let folder = tempfile::tempdir().context("cannot create a temporary folder")?;
     let file = if arguments.dry_run { PathBuf::from(PAGES) } else { folder.path().join(PAGES) };
     let commands = commands(arguments, content.is_some().then_some(&file), place.start);
@@ -89,8 +92,8 @@ fn place(arguments: &Flash) -> Result<Range<u32>> {
 }
 
 /// The content of the parameter pages with a table in them.
-fn content(path: &Path, place: &Range<u32>) -> Result<Vec<u8>> {
-    let table = device::load(path)?;
+fn content(path: &Path, arguments: &Flash, place: &Range<u32>) -> Result<Vec<u8>> {
+    let (table, doubts) = table_files::read_doubted(path)?;
     // By the probe nobody can ask the device how fast it ticks. One that ticks otherwise refuses the table, and says so.
     let tick_us = OTHER_TICKS_US.into_iter().find(|us| *us == table.sample_period_us).unwrap_or(NUCLEO_G474RE.tick_us);
     device::fits(&Board { tick_us, ..NUCLEO_G474RE }, &table, path)?;
@@ -101,6 +104,9 @@ fn content(path: &Path, place: &Range<u32>) -> Result<Vec<u8>> {
     // By the probe nobody can ask the device what its DAC is wired to.
     let output = if table.drive.is_some() { "drives the amplifier" } else { "shows the displacement" };
     eprintln!("piezo: careful: with {} the DAC {output}: wire it so before the board starts", path.display());
+    if let Some(refusal) = device::doubted(path, &doubts, arguments.force, arguments.dry_run)? {
+        eprintln!("piezo: careful: {refusal}");
+    }
     pages::with(&to_record(&table), place.len()).with_context(|| format!("{}: cannot be stored", path.display()))
 }
 

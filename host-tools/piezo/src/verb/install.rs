@@ -3,7 +3,7 @@
 use super::device::{self, note_damage};
 use super::print::{out, progress};
 use crate::option::BoardOption;
-use crate::option::link::{Interrupting, PortOption, careful};
+use crate::option::link::{FORCE, Interrupting, PortOption, careful};
 use ::calibration::drive::ordered;
 use ::calibration::span::Span;
 use ::calibration::{CalibrationOptions, converter_mismatches};
@@ -22,6 +22,7 @@ use std::path::PathBuf;
 
 /// Arguments of `piezo install`.
 #[derive(Args, Debug)]
+#[command(mut_arg("force", |force| force.help(FORCE)))]
 pub struct Install {
     /// The table: table.toml, or the folder that `piezo identify` wrote.
     #[arg(required_unless_present = "line")]
@@ -73,7 +74,6 @@ pub fn run(arguments: &Install) -> Result<bool> {
         }
     };
     remedy::calibrated(&mut doubts, &facts.calibration(&CalibrationOptions::default()));
-    doubts.extend(wire_not_found(&table));
     device::fits(&board::of(&identity)?, &table, &name)?;
     converter_mismatches(&table)
         .iter()
@@ -85,7 +85,13 @@ pub fn run(arguments: &Install) -> Result<bool> {
     if let Some(narrow) = narrow.as_ref().filter(|_| !may && !arguments.dry_run) {
         bail!("{}: {narrow}", name.display());
     }
-    narrow.iter().chain(&other).for_each(|careful| eprintln!("piezo: careful: {careful}"));
+    let of_wire = wire_not_found(&table).filter(|_| !arguments.of_learn);
+    narrow.iter().chain(&other).chain(&of_wire).for_each(|careful| eprintln!("piezo: careful: {careful}"));
+    // The straight line was asked for by name, and what learn's part before has just said is not said again.
+    let may_doubt = arguments.interrupting.force || arguments.line;
+    let said = if arguments.of_learn { &[] } else { &doubts[..] };
+    let doubted = device::doubted(&name, said, may_doubt, arguments.dry_run)?;
+    doubts.extend(of_wire);
     let busy = match arguments.of_learn {
         // Its session found the device idle, and left it as it starts.
         true => idle_as_started(&mut client).map(|()| None)?,
@@ -95,7 +101,8 @@ pub fn run(arguments: &Install) -> Result<bool> {
     if arguments.dry_run {
         let refusals = refusals(&mut client, &table, arguments.rewired)?;
         let refusals = refusals.iter().map(|refusal| careful(refusal));
-        let refused: Vec<String> = narrow.filter(|_| !may).into_iter().chain(busy).chain(refusals).collect();
+        let refused: Vec<String> =
+            narrow.filter(|_| !may).into_iter().chain(busy).chain(refusals).chain(doubted).collect();
         tell(arguments, &stated, &identity, Err(&refused))?;
         return Ok(true);
     }
@@ -135,8 +142,6 @@ fn tell(
     if at_start && compared.is_some() {
         out("it follows its set-point from its next start on; at once: piezo linearise");
     }
-    // What learn's part before has just said is not said again.
-    doubts.iter().filter(|_| !arguments.of_learn).for_each(|doubt| out(&format!("- careful: {doubt}")));
     compared.iter().for_each(|compared| out(&remedy::rehearsed(compared)));
     Ok(())
 }

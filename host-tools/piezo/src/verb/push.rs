@@ -2,7 +2,7 @@
 
 use super::device::{self, note_damage};
 use super::print::out;
-use crate::option::link::{PortOption, WriteOptions};
+use crate::option::link::{FORCE, PortOption, WriteOptions};
 use ::calibration::converter_mismatches;
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -15,6 +15,7 @@ use std::path::PathBuf;
 
 /// Arguments of `piezo push`.
 #[derive(Args, Debug)]
+#[command(mut_arg("force", |force| force.help(FORCE)))]
 pub struct Push {
     /// The table: table.toml, or the record in table.bin.
     pub table: PathBuf,
@@ -31,15 +32,18 @@ pub struct Push {
 
 /// Runs the verb.
 pub fn run(arguments: &Push) -> Result<bool> {
-    let table = device::load(&arguments.table)?;
+    let (table, doubts) = table_files::read_doubted(&arguments.table)?;
     let record = to_record(&table);
     let (mut client, identity) = arguments.port.connect()?;
     device::fits(&board::of(&identity)?, &table, &arguments.table)?;
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    let (restarted, refused) =
+    let WriteOptions { interrupting, dry_run, .. } = arguments.write;
+    let doubted = device::doubted(&arguments.table, &doubts, interrupting.force, dry_run)?;
+    let (restarted, mut refused) =
         arguments.write.write(&mut client, Some(&table), |client, consent| client.push(record.clone(), consent))?;
+    refused.extend(doubted);
     if let Some(identity) = &restarted {
         ensure!(
             identity.source == TableSource::Stored,
@@ -60,6 +64,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
             "checksum": device::checksum(&record),
             "written": !arguments.write.dry_run,
             "in_use": restarted.is_some(),
+            "doubts": doubts,
             "refused": refused,
         }))?);
     } else if arguments.write.dry_run {
