@@ -1,6 +1,6 @@
 //! `piezo zero` over a cycle of an emulated device.
 
-use super::piezo;
+use super::{bench::Emulated, json, piezo, text};
 use device_link::Client;
 use emulator::faults::{lose_samples_at, replies, samples};
 use emulator::{Emulator, Fault, FaultyLine};
@@ -33,6 +33,30 @@ fn complaint(fault: impl Fault, seconds: f64) -> String {
 fn the_mean_over_a_cycle_is_told() {
     let (done, health) = zeroed(|_, _: &mut Vec<u8>| {}, 10.0);
     assert!(done.status.success() && health.bias_um != 0.0 && health.bias_age_ticks.is_some(), "{health:?}");
+}
+
+#[test]
+fn a_voltage_that_moves_is_said_and_one_at_rest_is_not() {
+    // The emulated converter goes up and down once a second.
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let port = format!("tcp:{}", device.address());
+    let zero = |more: &[&str]| piezo().args(["zero", "--json", "--port", &port]).args(more).output().unwrap();
+    let said = String::from_utf8(zero(&[]).stderr).unwrap();
+    assert!(said.contains("careful: the voltage is moving, by ") && said.contains("--over-cycle"), "{said}");
+    let over_cycle = zero(&["--over-cycle", "--seconds", "20"]);
+    assert!(over_cycle.status.success() && over_cycle.stderr.is_empty(), "{over_cycle:?}");
+    // An amplifier at rest.
+    let folder = tempfile::tempdir().unwrap();
+    let board = folder.path().join("board.toml");
+    let emulated = Emulated::start(&board, &["--speed", "8"]);
+    let made = folder.path().join("made");
+    let table = ["--board", text(&board), "--amplifier-slew", "20000", "--out", text(&made)];
+    piezo().args(["emit", "tests/data/table/table.toml"]).args(table).assert().success();
+    let install = ["install", text(&made), "--narrow", "--force", "--board", text(&board), "--port", &emulated.port];
+    piezo().args(install).assert().success();
+    let rests = piezo().args(["zero", "--json", "--port", &emulated.port]).assert().success().get_output().clone();
+    assert!(rests.stderr.is_empty(), "{rests:?}");
+    assert!(json(piezo().args(["zero", "--json", "--port", &emulated.port]))["moved_V"].is_null());
 }
 
 #[test]

@@ -6,6 +6,7 @@ pub mod client;
 pub mod cycle;
 pub mod error;
 pub mod interrupt;
+pub mod motion;
 pub mod pages;
 pub mod pil;
 pub mod play;

@@ -8,12 +8,12 @@ use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;
 use device_link::cycle::{Cycle, Wish, over_cycle};
 use device_link::interrupt::Interrupt;
+use device_link::motion::{LOOKED_S, Motion, displacement, look};
 use device_link::table;
 use device_link::{Client, LinkError, words};
 use estimator_core::{Admitted, Status};
 use indicatif::ProgressBar;
 use serde_json::json;
-use std::time::Duration;
 
 /// Arguments of `piezo zero`.
 #[derive(Args, Debug)]
@@ -43,9 +43,6 @@ pub struct Zero {
     pub port: PortOption,
 }
 
-/// How long to wait for the samples that show it.
-const PATIENCE: Duration = Duration::from_secs(1);
-
 /// Runs the verb.
 pub fn run(arguments: &Zero) -> Result<bool> {
     let port = &arguments.port.port;
@@ -54,7 +51,11 @@ pub fn run(arguments: &Zero) -> Result<bool> {
     require_estimating(&client.health()?, port)?;
     let table = table::running(&mut client)?;
     bench::require_model(&table)?;
-    let before = displacement(&mut client)?;
+    let before = match arguments.over_cycle {
+        true => Motion { displacement_um: displacement(&mut client)?, ..Motion::default() },
+        false => look(&mut client, &table)?,
+    };
+    before.moved_v.iter().for_each(|volts| eprintln!("piezo: careful: {}", moving(*volts, &before, arguments)));
     let cycle = if arguments.over_cycle { Some(cycle(arguments, &mut client, &table, &interrupt)?) } else { None };
     let told = match cycle {
         Some(cycle) => client.shift_bias((arguments.at - cycle.mean_um) as f32),
@@ -85,9 +86,10 @@ pub fn run(arguments: &Zero) -> Result<bool> {
         });
         out(&serde_json::to_string_pretty(&json!({
             "at_um": arguments.at,
-            "before_um": before,
+            "before_um": before.displacement_um,
             "after_um": after,
             "bias_um": health.bias_um,
+            "moved_V": before.moved_v,
             "cycle": cycle,
         }))?);
         return Ok(true);
@@ -97,7 +99,7 @@ pub fn run(arguments: &Zero) -> Result<bool> {
         Some(cycle) => tell(&cycle, arguments.at, &table),
         None => out(&format!(
             "The displacement was {}; it was called {} µm, and now reads {}",
-            number(before),
+            number(before.displacement_um),
             arguments.at,
             number(after)
         )),
@@ -136,10 +138,12 @@ fn seconds(ticks: usize, table: &Admitted) -> f64 {
     ticks as f64 * f64::from(table.sample_period_us) * 1e-6
 }
 
-/// The displacement of now, µm.
-fn displacement(client: &mut Client) -> Result<Option<f32>, LinkError> {
-    client.stream(true)?;
-    let samples = client.samples(PATIENCE)?;
-    client.stream(false)?;
-    Ok(samples.and_then(|samples| samples.samples.last().map(|sample| sample.displacement)))
+/// What a zero is worth that is told while the voltage moves.
+fn moving(volts: f64, before: &Motion, arguments: &Zero) -> String {
+    format!(
+        "the voltage is moving, by {volts:.3} V within {LOOKED_S} s, and the estimate with it by {:.3} µm: what is called {} µm is \
+         wherever it was at that instant, and nobody knows where. Let it come to rest and zero again; or tell the mean over a cycle, with \
+         --over-cycle",
+        before.moved_um, arguments.at
+    )
 }
