@@ -37,6 +37,10 @@ fn a_last_line_cut_in_mid_number_is_found_and_repair_says_how_much_it_left_out()
     let repaired = json(piezo().args(identify).args(SHORTEST).arg("--repair"));
     let sentence = format!("Of cut, 1 of {rows} samples were left out (--repair).");
     assert!(repaired["verdict"].as_array().unwrap().iter().any(|said| *said == *sentence), "{}", repaired["verdict"]);
+    let compare = ["compare", text(&log), "--models", "voigt", "--budget", "10"];
+    assert!(!said(&compare).contains("samples were left out"));
+    let repaired = said(&[&compare[..], &["--repair"]].concat());
+    assert!(repaired.contains(&format!("\nLeft out: {sentence}\n")), "{repaired}");
 }
 
 #[test]

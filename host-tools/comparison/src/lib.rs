@@ -26,6 +26,9 @@ pub struct Matrix {
     pub logs: Vec<LogUse>,
     /// Why not to trust the logs or their preparation.
     pub doubts: Vec<Doubt>,
+    /// What the models were fitted to and judged on.
+    #[serde(skip)]
+    pub problem: Problem,
 }
 
 /// How a model fared, and at what price.
@@ -213,7 +216,7 @@ pub fn run(
     let rows = rows.collect();
     let straight_line = StraightLine::fit(problem.training()).and_then(|line| straight_line(line, &problem));
     let doubts = of_logs.into_iter().chain(delay_at_bound).collect();
-    Ok(Matrix { rows, straight_line, recipe: context.recipe, logs, doubts })
+    Ok(Matrix { rows, straight_line, recipe: context.recipe, logs, doubts, problem })
 }
 
 /// What is searched for together: the wanted models of the Voigt family with those that they start from, simplest first;

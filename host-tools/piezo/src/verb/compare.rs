@@ -7,10 +7,9 @@ use anyhow::{Context, Result};
 use clap::Args;
 use comparison::{Instructions, Judgement, Matrix, Row};
 use estimator_core::Model;
-use identification::cost::Cost;
 use identification::search::Optimiser;
 use identification::validate::Figures;
-use identification::{SearchOptions, Start, StraightLine};
+use identification::{Job, SearchOptions, Start, StraightLine};
 use recordings::Role;
 use report::ComparisonReport;
 use serde::Deserialize;
@@ -75,7 +74,7 @@ pub fn run(arguments: &Compare) -> Result<bool> {
     for row in &mut matrix.rows {
         row.instructions = instructions.iter().find(|(model, _)| *model == row.model).map(|(_, counts)| *counts);
     }
-    let facts = facts(arguments, job.cost, &matrix);
+    let facts = facts(arguments, &job, &matrix);
     if let Some(folder) = &folder {
         let html = report::comparison(&ComparisonReport { matrix: &matrix, notes: &NOTES, facts: &facts })?;
         folder.write_all([("compare.html", html)])?;
@@ -115,7 +114,7 @@ const NOTES: [&str; 5] = [
 ];
 
 /// What every model saw, and how.
-fn facts(arguments: &Compare, cost: Cost, matrix: &Matrix) -> Vec<(String, String)> {
+fn facts(arguments: &Compare, job: &Job, matrix: &Matrix) -> Vec<(String, String)> {
     let used = |role: Role| {
         let logs = matrix.logs.iter().filter(|log| log.role == role);
         logs.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")
@@ -126,7 +125,7 @@ fn facts(arguments: &Compare, cost: Cost, matrix: &Matrix) -> Vec<(String, Strin
         ("Held out", used(Role::HeldOut)),
         ("Zero and delay", remedy::zeros(recipe)),
         ("Tick", format!("{} µs, {} where it is the Voigt family's", recipe.tick_us, arguments.fitting.scheme)),
-        ("Cost", cost.to_string()),
+        ("Cost", job.cost.to_string()),
         (
             "Search",
             format!(
@@ -137,7 +136,8 @@ fn facts(arguments: &Compare, cost: Cost, matrix: &Matrix) -> Vec<(String, Strin
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
     ];
     let doubts = matrix.doubts.iter().map(|doubt| ("Doubt".to_owned(), remedy::doubt(doubt)));
-    facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(doubts).collect()
+    let left_out = remedy::left_out(job, recipe, &matrix.problem).into_iter().map(|said| ("Left out".to_owned(), said));
+    facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(left_out).chain(doubts).collect()
 }
 
 fn print(arguments: &Compare, matrix: &Matrix, facts: &[(String, String)]) {

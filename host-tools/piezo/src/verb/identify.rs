@@ -84,7 +84,8 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
     let training: Vec<_> = outcome.problem.training().collect();
     let determination = identifiability::determination(&outcome.candidate().table, &training);
     let determined = remedy::determination(determination.as_ref());
-    let mut verdict = [remedy::verdict(&outcome), remedy::left_out(&job, &outcome)].concat();
+    let mut verdict =
+        [remedy::verdict(&outcome), remedy::left_out(&job, &outcome.context.recipe, &outcome.problem)].concat();
     verdict.push(remedy::interval(interval.as_ref(), arguments.devices));
     write(&folder, arguments, &job, &outcome, &verdict, &determined)?;
     if arguments.fitting.json {
