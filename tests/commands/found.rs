@@ -76,4 +76,13 @@ fn the_folder_of_a_session_stands_for_its_logs() {
     };
     assert_eq!(roles(&[]), [r#""01-loops.csv" "training""#, r#""held-out.csv" "held-out""#]);
     assert_eq!(roles(&["--hold-out", "0"]), [r#""01-loops.csv" "training""#]);
+    // One that ended before its time is learnt from as far as it goes, and not silently.
+    let identify = [&["identify", text(&session), "--out", text(&out)], &SHORTEST[..]].concat();
+    assert!(!said(&identify).contains("before its time"));
+    fs::write(session.join("session.toml"), format!("complete = false\nseed = 1\nplanned = 8\n{}", logs[0])).unwrap();
+    let found = said(&identify);
+    assert!(
+        found.contains("p885: the session ended before its time: 1 of 8 logs are there, none to prove with"),
+        "{found}"
+    );
 }

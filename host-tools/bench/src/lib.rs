@@ -42,7 +42,7 @@ pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
 pub use install::{for_board, install, made_from, refusals, rehearsal};
 pub use loan::FORMER;
-pub use log::{Session, open_session, session};
+pub use log::{Session, Unfinished, open_session, session};
 pub use other_range::OtherRange;
 pub use output::Output;
 pub use prove::{Proof, Proven, prove};

@@ -2,6 +2,7 @@
 
 use crate::error::BenchError;
 use serde::Deserialize;
+use std::fmt::{self, Display, Formatter};
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -44,6 +45,61 @@ pub struct Session {
     pub logs: Vec<PathBuf>,
     /// To prove with.
     pub held_out: Vec<PathBuf>,
+    /// What is missing of it.
+    pub unfinished: Option<Unfinished>,
+}
+
+/// A session that ended before all of its logs were there.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Unfinished {
+    /// Logs that were begun.
+    pub there: usize,
+    /// The last of them is cut short.
+    pub cut_short: bool,
+    /// Logs of its plan, where it says so: sessions of before do not.
+    pub planned: Option<usize>,
+    /// One to prove with is among those that are there.
+    pub held_out: bool,
+}
+
+impl Unfinished {
+    fn of(logs: &[Described], planned: Option<usize>) -> Option<Self> {
+        let (there, cut_short) = (logs.len(), logs.iter().any(|log| !log.complete));
+        let held_out = logs.iter().any(|log| log.held_out);
+        (cut_short || planned.is_some_and(|planned| there < planned)).then_some(Self {
+            there,
+            cut_short,
+            planned,
+            held_out,
+        })
+    }
+}
+
+impl Display for Unfinished {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let of = self.planned.map_or(String::new(), |planned| format!(" of {planned}"));
+        let cut = if self.cut_short { ", the last one cut short" } else { "" };
+        let proof = if self.held_out { "" } else { ", none to prove with among them" };
+        write!(
+            f,
+            "the session ended before its time: {}{of} logs are there{cut}{proof}; what the others would show is not learnt",
+            self.there
+        )
+    }
+}
+
+/// A log as the description has it.
+#[derive(Deserialize)]
+struct Described {
+    log: PathBuf,
+    held_out: bool,
+    /// A description that was written by hand need not say it.
+    #[serde(default = "whole")]
+    complete: bool,
+}
+
+fn whole() -> bool {
+    true
 }
 
 /// The tick of a board at 2 kHz, µs.
@@ -57,33 +113,30 @@ fn of_2_khz() -> u32 {
 /// There is none, or it is none.
 pub fn session(folder: &Path) -> Result<Session, BenchError> {
     #[derive(Deserialize)]
-    struct Log {
-        log: PathBuf,
-        held_out: bool,
-    }
-    #[derive(Deserialize)]
-    struct Described {
+    struct Description {
         complete: bool,
         seed: u64,
         /// Sessions of before had but one.
         #[serde(default = "of_2_khz")]
         tick_us: u32,
-        logs: Vec<Log>,
+        planned: Option<usize>,
+        logs: Vec<Described>,
     }
     let path = folder.join(SESSION);
     let failed = |source| BenchError::Log { path: path.clone(), source };
     let text = std::fs::read_to_string(&path).map_err(failed)?;
-    let Described { complete, seed, tick_us, logs } =
+    let Description { complete, seed, tick_us, planned, logs } =
         toml::from_str(&text).map_err(|error| failed(std::io::Error::new(ErrorKind::InvalidData, error)))?;
-    let (held_out, learnt): (Vec<Log>, Vec<Log>) = logs.into_iter().partition(|log| log.held_out);
+    let unfinished = Unfinished::of(&logs, planned);
+    let (held_out, learnt): (Vec<Described>, Vec<Described>) = logs.into_iter().partition(|log| log.held_out);
     // They lie beside it, wherever it was moved to.
-    let paths = |logs: Vec<Log>| logs.iter().filter_map(|of| Some(folder.join(of.log.file_name()?))).collect();
-    Ok(Session { complete, seed, tick_us, logs: paths(learnt), held_out: paths(held_out) })
+    let paths = |logs: Vec<Described>| logs.iter().filter_map(|of| Some(folder.join(of.log.file_name()?))).collect();
+    Ok(Session { complete, seed, tick_us, logs: paths(learnt), held_out: paths(held_out), unfinished })
 }
 
 /// Where `logs` is one folder that a training session wrote, puts the session's logs in its place, those to prove with into
 /// `held_out`, unless something else is held out, and the board's tick into `tick_us`, µs, unless that is another than the usual one.
-/// Anything else stays what it is.
+/// Anything else stays what it is. Returns what is missing of the session.
 ///
 /// # Errors
 /// The session's description is none, or the session has no log to learn from.
@@ -92,10 +145,10 @@ pub fn open_session(
     held_out: &mut Vec<PathBuf>,
     else_held_out: bool,
     tick_us: &mut u32,
-) -> Result<(), BenchError> {
-    let [folder] = &logs[..] else { return Ok(()) };
+) -> Result<Option<Unfinished>, BenchError> {
+    let [folder] = &logs[..] else { return Ok(None) };
     if !folder.join(SESSION).is_file() {
-        return Ok(());
+        return Ok(None);
     }
     let described = session(folder)?;
     if described.logs.is_empty() {
@@ -112,7 +165,7 @@ pub fn open_session(
         *tick_us = described.tick_us;
     }
     *logs = described.logs;
-    Ok(())
+    Ok(described.unfinished)
 }
 
 /// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a sample.
@@ -164,12 +217,37 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_is_missing_of_a_session_is_counted() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = |planned: &str, logs: &[(&str, bool)]| {
+            let log = |(name, complete): &(&str, bool)| {
+                let held_out = *name == "held-out";
+                format!("[[logs]]\nlog = \"{name}.csv\"\nheld_out = {held_out}\ncomplete = {complete}\n")
+            };
+            let logs: String = logs.iter().map(log).collect();
+            std::fs::write(folder.path().join(SESSION), format!("complete = false\nseed = 1\n{planned}{logs}"))
+                .unwrap();
+            session(folder.path()).unwrap().unfinished.map(|unfinished| unfinished.to_string())
+        };
+        let all = [("01-rest", true), ("held-out", true)];
+        assert_eq!(of("planned = 2\n", &all), None, "it did not come home, and all of it is there");
+        assert_eq!(of("", &all), None, "one of before");
+        let said = of("planned = 8\n", &[("01-rest", true), ("02-loops", false)]).unwrap();
+        assert!(
+            said.contains("2 of 8 logs are there, the last one cut short, none to prove with among them"),
+            "{said}"
+        );
+        let said = of("", &[("01-rest", true), ("held-out", false)]).unwrap();
+        assert!(said.contains("2 logs are there, the last one cut short;"), "{said}");
+    }
+
+    #[test]
     fn a_session_s_folder_stands_for_its_logs() {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
         let opened = |held_out: &[PathBuf], else_held_out: bool, tick_us: u32| {
             let (mut logs, mut held_out, mut tick_us) = (vec![folder.to_owned()], held_out.to_vec(), tick_us);
-            open_session(&mut logs, &mut held_out, else_held_out, &mut tick_us).map(|()| (logs, held_out, tick_us))
+            open_session(&mut logs, &mut held_out, else_held_out, &mut tick_us).map(|_| (logs, held_out, tick_us))
         };
         let as_it_is = (vec![folder.to_owned()], Vec::new(), 500);
         assert_eq!(opened(&[], false, 500).unwrap(), as_it_is, "no session's");

@@ -92,12 +92,12 @@ fn a_session_leaves_its_logs_and_the_device_as_it_was() {
     is_home(&mut client, folder.path());
     let session = std::fs::read_to_string(folder.path().join("session.toml")).unwrap();
     assert!(session.contains("complete = true") && session.contains("sensor_span"), "{session}");
-    let Session { complete, seed, logs, held_out, tick_us } = crate::session(folder.path()).unwrap();
+    let Session { complete, seed, logs, held_out, tick_us, unfinished } = crate::session(folder.path()).unwrap();
     assert_eq!(tick_us, 500);
     assert!(complete && session.contains(&format!("seed = {seed}\n")));
     let (last, learnt): (Vec<_>, Vec<_>) =
         trained.logs.iter().map(|log| log.log.clone()).partition(|log| log.ends_with("held-out.csv"));
-    assert!((logs, held_out) == (learnt, last.clone()) && last.len() == 1);
+    assert!((logs, held_out, unfinished) == (learnt, last.clone(), None) && last.len() == 1);
     // Another session does not mix with its logs.
     let refused = again(&mut client, folder.path());
     assert!(matches!(refused, BenchError::Occupied { .. }), "{refused}");
@@ -205,6 +205,8 @@ fn an_interrupted_session_keeps_what_it_has_and_brings_the_device_home() {
     assert!(matches!(trained.ended, Some(Ended::Play(_))) && trained.home.is_ok(), "{trained:?}");
     assert!(trained.logs.iter().map(|log| log.rows).sum::<u64>() >= 6_000);
     assert!(trained.logs.last().is_some_and(|log| !log.complete));
+    let unfinished = session(folder.path()).unwrap().unfinished.unwrap();
+    assert!(unfinished.cut_short && unfinished.planned > Some(unfinished.there), "{unfinished:?}");
     is_home(&mut client, folder.path());
 }
 

@@ -182,6 +182,7 @@ struct Session<'a> {
     covers: Vec<String>,
     forbidden: Vec<String>,
     waited_ticks: u32,
+    planned: usize,
     board: &'a crate::BoardFacts,
     logs: &'a [Written],
 }
@@ -195,6 +196,7 @@ fn session(training: &Training<'_>, trained: &Trained) -> String {
         covers: training.drive.covers(),
         forbidden: training.drive.forbidden(),
         waited_ticks: trained.starved,
+        planned: training.drive.segments.len(),
         board: &training.wiring.facts,
         logs: &trained.logs,
     };

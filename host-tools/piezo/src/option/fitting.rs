@@ -69,8 +69,13 @@ pub struct Fitting {
 impl Fitting {
     /// Puts the logs of a session in its folder's place, with its tick where none but the usual one was typed.
     pub fn open_session(&mut self) -> Result<(), BenchError> {
-        let else_held_out = self.hold_out.is_some();
-        open_session(&mut self.logs, &mut self.validate_on, else_held_out, &mut self.prepare.tick_us)
+        let (else_held_out, folder) = (self.hold_out.is_some(), self.logs.first().cloned().unwrap_or_default());
+        if let Some(unfinished) =
+            open_session(&mut self.logs, &mut self.validate_on, else_held_out, &mut self.prepare.tick_us)?
+        {
+            eprintln!("piezo: careful: {}: {unfinished}: piezo train plays a session anew", folder.display());
+        }
+        Ok(())
     }
 
     /// The job, with its logs read: the choice of a model left to it, converters assumed.
