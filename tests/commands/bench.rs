@@ -58,6 +58,17 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     // What identify would not understand is refused before anything moves.
     refused(&[&learn[..], &["--modle", "voigt"]].concat(), &["unexpected argument '--modle'"]);
     assert!(!out.exists());
+    let would = |learn: &[&str]| {
+        let output = piezo().args(["learn", "--dry-run"]).args(&learn[1..]).assert().success().get_output().clone();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = would(&learn);
+    for part in ["$ piezo train --port", " reversal curves", "\n    piezo identify ", "--devices 4\n    piezo install "]
+    {
+        assert!(said.contains(part), "{part:?} is missing in\n{said}");
+    }
+    assert!(said.trim_end().lines().last().unwrap().starts_with("    piezo prove --out ") && said.lines().count() < 24);
+    assert!(!out.exists(), "nothing is driven and nothing written");
     let learnt = piezo().args(&learn).assert().success().get_output().clone();
     let (printed, warned) = (String::from_utf8(learnt.stdout).unwrap(), String::from_utf8(learnt.stderr).unwrap());
     assert!(!warned.contains("the board's range"), "it was learnt on all of it: {warned}");
@@ -72,8 +83,26 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let train = ["train", "--minutes", "0.7", "--up-to", "20", "--port", port, "--board", board, "--out", text(&out)];
     let identify = format!("--out {}/model --board {board}", text(&out));
     refused(&train, &["which is whole: choose another --out, or learn from it", &identify]);
+    // A proof says what it would do, and leaves the zero and everything else.
+    let before = json(piezo().args(["info", "--port", port, "--json"]));
+    let elsewhere = folder.path().join("elsewhere");
+    let prove = ["prove", "--dry-run", "--seconds", "9", "--board", board, "--port", port, "--out", text(&elsewhere)];
+    let said = String::from_utf8(piezo().args(prove).assert().success().get_output().stdout.clone()).unwrap();
+    for part in ["over 0 … 100 V", "the board forgets the one", "up to 20 Hz, by seed 2", "proven.csv", "PASS where"]
+    {
+        assert!(said.contains(part), "{part:?} is missing in\n{said}");
+    }
+    let after = json(piezo().args(["info", "--port", port, "--json"]));
+    assert_eq!(number(&after, "/health/bias_um"), number(&before, "/health/bias_um"));
+    assert!(number(&after, "/health/bias_age_ticks") > number(&before, "/health/bias_age_ticks"));
+    assert!(!elsewhere.exists());
+    // Without --out it is a folder of that name beside where the command is typed.
+    let here = piezo().args(&prove[..8]).current_dir(folder.path()).assert().success().get_output().stdout.clone();
+    let here = String::from_utf8(here).unwrap();
+    assert!(here.contains("- proof/proven.csv: "), "{here}");
     // What was recorded need not be recorded again, and a range that is typed is meant.
     std::fs::remove_dir_all(out.join("proof")).unwrap();
+    assert!(would(&learn).contains("has a whole session, which would be learnt from as it is"));
     let (range, wide) = ("drive_range = [0.0, 100.0]", folder.path().join("wide.toml"));
     let facts = std::fs::read_to_string(board).unwrap().replace(range, "drive_range = [0.0, 115.0]");
     std::fs::write(&wide, facts).unwrap();

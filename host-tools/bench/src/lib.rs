@@ -45,7 +45,7 @@ pub use loan::FORMER;
 pub use log::{Session, Unfinished, open_session, session};
 pub use other_range::OtherRange;
 pub use output::Output;
-pub use prove::{Proof, Proven, prove};
+pub use prove::{Proof, Proven, foresee, prove};
 pub use set_out::set_out;
 pub use train::{Ended, Trained, Training, Written, train};
 pub use verdict::{MOST_PERCENT, STATED_PERCENT, Shares, Verdict};

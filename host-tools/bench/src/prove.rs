@@ -9,7 +9,7 @@
 use crate::error::BenchError;
 use crate::loan::{self, beside};
 use crate::log::LogFile;
-use crate::verdict::{Instant, Shares, Verdict};
+use crate::verdict::{ENOUGH_PERCENT, Instant, MOST_PERCENT, Shares, Verdict};
 use crate::watch::{Complaint, Watch};
 use crate::wiring::{Wiring, WiringError, require_model};
 use ::calibration::drive::trained_on;
@@ -81,22 +81,9 @@ pub struct Proven {
 /// The table in use is no model, does not drive, drives by other converters, or states nothing to judge by; there is no such
 /// drive; there is a log already; the sensor is not there or saturated; the device is stopped or lost.
 pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(usize)) -> Result<Proven, BenchError> {
-    let table = table::running(client)?;
-    require_model(&table)?;
-    if table.interval.is_none() && proof.max_percent.is_none() {
-        return Err(BenchError::NothingStated);
-    }
-    if proof.log.exists() {
-        return Err(BenchError::Occupied { path: proof.log.to_owned() });
-    }
-    let (request, limits) = request(&table, proof)?;
-    let segment = Drive::random(&request)?;
-    let earliest_s = table.interval.map_or(0.0, |interval| f64::from(interval.earliest_s));
-    let (lead_in, rest) = segment.volts.split_at(segment.lead_in);
-    let mut lead_in = lead_in.to_vec();
-    let waits = ((earliest_s + REST_S) / request.tick_s) as usize;
-    lead_in.extend(std::iter::repeat_n(request.rest_v as f32, waits));
-    let measured = drive(client, proof, (&table, request.span_v()), &lead_in, rest, progress).and_then(Measured::sound);
+    let Plan { table, request, limits, lead_in, random } = plan(client, proof)?;
+    let measured =
+        drive(client, proof, (&table, request.span_v()), &lead_in, &random, progress).and_then(Measured::sound);
     let home = loan::rest(client, table.adc, limits);
     let Measured { instants, log, .. } = match measured {
         Ok(measured) => measured,
@@ -109,6 +96,67 @@ pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(us
     let held_out_um = table.provenance.validation_mae_um.map(f64::from);
     let checksum = record::checksum(&table::to_record(&table)).unwrap_or(0);
     Ok(Proven { figures, shares, verdict, learnt: trained_on(&table), held_out_um, table: checksum, log, home })
+}
+
+/// What [`prove`] would do with a device, in sentences; nothing is driven, and the device is changed in nothing.
+///
+/// # Errors
+/// What `prove` refuses before it drives.
+pub fn foresee(client: &mut Client, proof: &Proof<'_>) -> Result<Vec<String>, BenchError> {
+    let Plan { table, request, lead_in, random, .. } = plan(client, proof)?;
+    let Request { min_v, max_v, rest_v, slew_v_per_s, tick_s, seed, up_to_hz, .. } = request;
+    let [before_s, random_s] = [lead_in.len(), random.len()].map(|ticks| ticks as f64 * tick_s);
+    let holds = match table.interval {
+        Some(_) => format!(", and the table's ± holds the sensor for {ENOUGH_PERCENT} % of the time"),
+        None => String::new(),
+    };
+    Ok(vec![
+        format!(
+            "for {before_s:.1} s a swing from rest at {rest_v} V over {min_v} … {max_v} V, at {} V/s at most, and a rest",
+            slew_v_per_s
+        ),
+        "there a zero: the board forgets the one that it was told before".to_owned(),
+        format!(
+            "for {random_s:.1} s a random voltage within {min_v} … {max_v} V and up to {up_to_hz} Hz, by seed {seed}; then to rest"
+        ),
+        format!("{}: voltage, sensor and estimate since the zero", proof.log.display()),
+        format!(
+            "PASS where the mean absolute error is at most {} % of the stroke{holds}",
+            proof.max_percent.unwrap_or(MOST_PERCENT)
+        ),
+    ])
+}
+
+/// A proof that can be.
+struct Plan {
+    table: Admitted,
+    request: Request,
+    limits: DriveLimits,
+    /// The voltages before the zero, from rest to rest.
+    lead_in: Vec<f32>,
+    /// Those after it.
+    random: Vec<f32>,
+}
+
+/// Plans a proof by the table in use.
+fn plan(client: &mut Client, proof: &Proof<'_>) -> Result<Plan, BenchError> {
+    let table = table::running(client)?;
+    require_model(&table)?;
+    if table.interval.is_none() && proof.max_percent.is_none() {
+        return Err(BenchError::NothingStated);
+    }
+    if proof.log.exists() {
+        return Err(BenchError::Occupied { path: proof.log.to_owned() });
+    }
+    let (request, limits) = request(&table, proof)?;
+    let segment = Drive::random(&request)?;
+    let earliest_s = table.interval.map_or(0.0, |interval| f64::from(interval.earliest_s));
+    let (lead_in, random) = segment.volts.split_at(segment.lead_in);
+    let mut lead_in = lead_in.to_vec();
+    let waits = ((earliest_s + REST_S) / request.tick_s) as usize;
+    lead_in.extend(std::iter::repeat_n(request.rest_v as f32, waits));
+    let random = random.to_vec();
+    Ok(Plan { table, request, limits, lead_in, random })
 }
 
 /// The drive, and the limits of the table's own.

@@ -18,7 +18,7 @@ use validation::Figures;
 /// How often the table's ± says that it holds the sensor, %.
 pub const STATED_PERCENT: f64 = 95.0;
 /// How often it must hold it in one recording, %.
-const ENOUGH_PERCENT: f64 = 80.0;
+pub const ENOUGH_PERCENT: f64 = 80.0;
 /// The mean absolute error that passes where nothing else is asked for, % of the stroke.
 pub const MOST_PERCENT: f64 = 2.0;
 

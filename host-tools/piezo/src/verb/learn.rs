@@ -26,6 +26,9 @@ pub struct Learn {
     /// Length of the proof, s.
     #[arg(long, default_value_t = 30.0, value_parser = positive)]
     pub proof_seconds: f64,
+    /// Say what would be driven and typed, and drive nothing.
+    #[arg(long)]
+    pub dry_run: bool,
     /// What `piezo identify` is told besides, such as `-- --model generalised-prandtl-ishlinskii`.
     #[arg(last = true)]
     pub identify: Vec<String>,
@@ -62,6 +65,8 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     // The proof stays within what was typed, too.
     let range = excitation.range.map(|range| format!("--range={}:{}", range.zero, range.full));
     train.extend(range.clone());
+    let another = arguments.board.another_board.then_some("--another-board");
+    let link: Vec<&str> = ["--board", &board, "--port", &port].into_iter().chain(another).collect();
     let identify = |logs: Vec<String>, held_out: Vec<String>, tick_us: u32| {
         let held_out = held_out.into_iter().flat_map(|log| ["--validate-on".to_owned(), log]);
         let where_to = words(&["--board", &board, "--out", &model]);
@@ -78,7 +83,29 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     if proof.exists() {
         return Err(BenchError::Occupied { path: proof }.into());
     }
-    if session(&arguments.out).is_ok_and(|session| session.complete) {
+    let whole = session(&arguments.out).ok().filter(|session| session.complete);
+    let prove = |seed: u64| {
+        let (proof, seconds) = (path(proof.clone())?, arguments.proof_seconds.to_string());
+        // Another draw than the training's, which nothing has seen.
+        let other = seed.wrapping_add(1).to_string();
+        let prove = ["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other];
+        Ok::<_, anyhow::Error>([words(&[&prove, &link[..]].concat()), range.iter().cloned().collect()].concat())
+    };
+    let install = words(&[&["install", &model], &link[..]].concat());
+    if arguments.dry_run {
+        if whole.is_some() {
+            out(&format!("{folder} has a whole session, which would be learnt from as it is"));
+        } else {
+            part([train, words(&["--dry-run"])].concat())?;
+        }
+        let (seed, tick_us) = whole
+            .map_or((excitation.seed, PrepareOptions::default().tick_us), |session| (session.seed, session.tick_us));
+        let session = identify(vec![folder], Vec::new(), tick_us);
+        out("\nThen, one after the other, unless one fails:\n");
+        [session, install, prove(seed)?].iter().for_each(|words| out(&format!("    piezo {}", typed(words))));
+        return Ok(true);
+    }
+    if whole.is_some() {
         idle(&mut arguments.port.connect()?.0)?;
         out(&format!("{folder} has a whole session, which is learnt from as it is: nothing is recorded"));
     } else if !part(train)? {
@@ -87,16 +114,7 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     let Session { logs, held_out, seed, tick_us, .. } = session(&arguments.out)?;
     let paths = |logs: Vec<PathBuf>| logs.into_iter().map(path).collect::<Result<Vec<_>>>();
     let identify = identify(paths(logs)?, paths(held_out)?, tick_us);
-    let proof = path(proof)?;
-    let seconds = arguments.proof_seconds.to_string();
-    // Another draw than the training's, which nothing has seen.
-    let other = seed.wrapping_add(1).to_string();
-    let another = arguments.board.another_board.then_some("--another-board");
-    let link: Vec<&str> = ["--board", &board, "--port", &port].into_iter().chain(another).collect();
-    let prove = ["prove", "--out", &proof, "--seconds", &seconds, "--up-to", &up_to, "--seed", &other];
-    let mut prove = words(&[&prove, &link[..]].concat());
-    prove.extend(range);
-    let proven = part(identify)? && part(words(&[&["install", &model], &link[..]].concat()))? && part(prove)?;
+    let proven = part(identify)? && part(install)? && part(prove(seed)?)?;
     if proven {
         out(&format!(
             "\nThe board goes on without the sensor; {model}/report.html shows what it has learnt. At a known position, and live:\n\n    \
@@ -110,6 +128,11 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
+/// A command as it would be typed.
+fn typed(words: &[String]) -> String {
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
 /// A command without the program's name, as if it were typed.
 fn parse(words: Vec<String>) -> Result<Cli> {
     Ok(Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?)
@@ -117,7 +140,7 @@ fn parse(words: Vec<String>) -> Result<Cli> {
 
 /// Runs a command as if it were typed, which installs a table for these voltages; `false` where it says so, or was not begun.
 fn part(words: Vec<String>, interrupt: &Interrupt, range: Option<Span>) -> Result<bool> {
-    let typed = words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
+    let typed = typed(&words);
     if interrupt.wanted() {
         out(&format!("FAILED: ended by Ctrl-C; what was to come next: piezo {typed}"));
         return Ok(false);

@@ -7,7 +7,7 @@ use crate::option::{BoardOption, not_negative, positive, span};
 use crate::output;
 use ::calibration::span::Span;
 use anyhow::Result;
-use bench::{Proof, Proven, prove};
+use bench::{Proof, Proven, foresee, prove};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use excitation::hertz;
@@ -17,8 +17,8 @@ use std::path::PathBuf;
 /// Arguments of `piezo prove`.
 #[derive(Args, Debug)]
 pub struct Prove {
-    /// Folder for the log, proven.csv.
-    #[arg(long)]
+    /// Folder for the log, proven.csv, which is never written over.
+    #[arg(long, default_value = "proof")]
     pub out: PathBuf,
     /// Length of the random voltage, s.
     #[arg(long, default_value_t = 30.0, value_parser = positive)]
@@ -39,6 +39,9 @@ pub struct Prove {
     /// sensor for 80 % of the time besides: it says 95 % over many recordings.
     #[arg(long, value_name = "%", value_parser = not_negative, allow_negative_numbers = true)]
     pub max_percent: Option<f64>,
+    /// Check everything, say what would be driven, and drive nothing.
+    #[arg(long)]
+    pub dry_run: bool,
     /// Print the figures as JSON.
     #[arg(long)]
     pub json: bool,
@@ -59,13 +62,21 @@ pub fn run(arguments: &Prove) -> Result<bool> {
     let _held = output::to_folder(&arguments.out)?;
     let (mut client, identity) = arguments.port.connect()?;
     let wiring = arguments.board.wiring_of(&identity)?;
-    arguments.interrupting.consent(&mut client, false)?;
+    let busy = arguments.interrupting.consent(&mut client, arguments.dry_run)?;
     let log = arguments.out.join("proven.csv");
     let duration_s = arguments.minutes.map_or(arguments.seconds, |minutes| 60.0 * minutes);
     let (up_to_hz, seed) = (arguments.up_to, arguments.seed);
     let (range, max_percent) = (arguments.range.map(|span| (span.zero, span.full)), arguments.max_percent);
     let proof =
         Proof { wiring: &wiring, range, up_to_hz, duration_s, seed, max_percent, log: &log, interrupt: &interrupt };
+    if arguments.dry_run {
+        let said = foresee(&mut client, &proof)?;
+        match arguments.json {
+            true => out(&serde_json::to_string_pretty(&json!({ "would": said, "refused": busy }))?),
+            false => said.iter().for_each(|line| out(&format!("- {line}"))),
+        }
+        return Ok(true);
+    }
     let bar = progress((duration_s / wiring.line().sample_period::<f64>()) as u64);
     let proven = prove(&mut client, &proof, &mut |ticks| bar.set_position(ticks as u64));
     bar.finish_and_clear();
