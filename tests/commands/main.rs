@@ -14,6 +14,7 @@ mod faces;
 mod feedforward;
 mod follow;
 mod found;
+mod full;
 mod info;
 mod instruments;
 mod linearise;

@@ -102,7 +102,7 @@ impl Log {
         let flushed = recorder.flush();
         // What has not been handed to the disk by now cannot be.
         let (mut disk, _) = recorder.into_log().into_parts();
-        let cut = if flushed.is_err() { disk.file.cut_to_lines() } else { Ok(()) };
+        let cut = if flushed.is_err() { disk.file.cut_to_lines().map(drop) } else { Ok(()) };
         let folder = path.parent().unwrap_or(Path::new(""));
         let put = disk.file.commit_to_free(names(folder, number).map(|(_, path)| path));
         let cannot = |error: &io::Error| format!("{}: cannot be written: {error}", path.display());

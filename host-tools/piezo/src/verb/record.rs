@@ -84,7 +84,11 @@ pub fn run(arguments: &Record) -> Result<bool> {
     note_damage(&client);
     let (recording, end) = match recorded {
         Ok(recorded) => recorded,
-        Err(error) => bail!("{}: {error}; {} holds the samples before", cannot_write(), file.keep_lines()?.display()),
+        Err(error) => {
+            let kept = file.keep_lines()?;
+            let kept = kept.map_or(String::new(), |kept| format!("; {} holds the samples before", kept.display()));
+            bail!("{}: {error}{kept}", cannot_write())
+        }
     };
     if recording.rows > 0 {
         file.commit().with_context(cannot_write)?;

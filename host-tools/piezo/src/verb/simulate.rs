@@ -3,7 +3,7 @@
 use super::print::out;
 use crate::option::{Overwrite, RigArgs};
 use crate::output;
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use recordings::log::{Displacement, write_csv};
 use recordings::rig::{EXCITATIONS, Recording, Rig};
@@ -59,7 +59,8 @@ pub fn run(arguments: &Simulate) -> Result<bool> {
         let path = arguments.out.join(format!("{}.csv", excitation.name));
         arguments.overwrite.of(&path, "time_s,voltage_V,displacement_um\n")?;
         let Recording { voltage, displacement } = rig.record(excitation);
-        write_csv(&path, 1.0 / rig.fs, &voltage, &displacement, Displacement::Measured)?;
+        write_csv(&path, 1.0 / rig.fs, &voltage, &displacement, Displacement::Measured)
+            .with_context(|| format!("{}: cannot be written", path.display()))?;
         if !arguments.json {
             out(&format!("{}  {} samples at {} Hz", path.display(), voltage.len(), rig.fs));
         }

@@ -32,13 +32,15 @@ impl Replacement {
         place.filled_by(file).map_err(failed)
     }
 
-    /// Keeps the whole lines of what can be written no further, under the name that it has grown under.
+    /// Keeps the whole lines of what can be written no further, under the name that it has grown under; `None` where there is none.
     ///
     /// # Errors
     /// Whatever the operating system says.
-    pub fn keep_lines(mut self) -> io::Result<PathBuf> {
-        self.cut_to_lines()?;
-        self.leave()
+    pub fn keep_lines(mut self) -> io::Result<Option<PathBuf>> {
+        match self.cut_to_lines()? {
+            0 => Ok(None),
+            _ => self.leave().map(Some),
+        }
     }
 }
 
@@ -96,10 +98,11 @@ mod tests {
         for lose in [false, true] {
             assert!(matches!(Replacement::growing(&log, lose), Err(FileError::Growing { .. })));
         }
-        let kept = growing.keep_lines().unwrap();
+        let kept = growing.keep_lines().unwrap().unwrap();
         assert_eq!((&kept, &*fs::read_to_string(&kept).unwrap()), (&partial(&log), "1,2\n"));
         fs::remove_file(kept).unwrap();
         drop(Replacement::growing(&log, false).unwrap());
+        assert_eq!(Replacement::growing(&log, false).unwrap().keep_lines().unwrap(), None);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "dropped, it leaves nothing");
     }
 }

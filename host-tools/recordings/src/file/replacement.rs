@@ -97,19 +97,20 @@ impl Replacement {
         Ok(self.file.keep()?.1)
     }
 
-    /// Cuts off what follows the last line feed: a line that could not be written whole.
+    /// Cuts off what follows the last line feed: a line that could not be written whole. Returns how many bytes are left.
     ///
     /// # Errors
     /// Whatever the operating system says.
-    pub fn cut_to_lines(&mut self) -> io::Result<()> {
+    pub fn cut_to_lines(&mut self) -> io::Result<u64> {
         let file = self.file.as_file_mut();
         let length = file.seek(SeekFrom::End(0))?;
         let start = length.saturating_sub(LONGEST_LINE);
         file.seek(SeekFrom::Start(start))?;
         let mut tail = Vec::new();
         file.read_to_end(&mut tail)?;
-        let kept = tail.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-        file.set_len(start + kept as u64)
+        let kept = start + tail.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1) as u64;
+        file.set_len(kept)?;
+        Ok(kept)
     }
 
     /// Puts what was written to the first of these paths at which nothing is, in the target's folder, and says which: for what must
@@ -172,11 +173,12 @@ fn kept(file: NamedTempFile, why: &io::Error) -> io::Error {
 
 impl Write for Replacement {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        // Not by the temporary's own, whose errors name it: nobody knows that file.
+        self.file.as_file_mut().write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+        self.file.as_file_mut().flush()
     }
 }
 
