@@ -18,6 +18,7 @@ mod full;
 mod info;
 mod instruments;
 mod linearise;
+mod locale;
 mod logs;
 mod manual;
 mod mistakes;
