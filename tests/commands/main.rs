@@ -17,6 +17,7 @@ mod found;
 mod full;
 mod info;
 mod instruments;
+mod killed;
 mod linearise;
 mod locale;
 mod logs;

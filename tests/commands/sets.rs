@@ -5,7 +5,7 @@ use estimator_core::record::checksum;
 use recordings::file::Held;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use table_files::{TableFile, agree, name};
 
@@ -24,8 +24,32 @@ fn emitted(table: &str, folder: &Path) -> PathBuf {
     folder.to_owned()
 }
 
+/// Moments of a run that takes so long, at random, a little beyond its end too.
+pub struct Moments {
+    whole: Duration,
+    state: u32,
+}
+
+impl Moments {
+    pub fn of(whole: Duration) -> Self {
+        Self { whole, state: 2_463_534_242 }
+    }
+
+    /// Lets a run go on to one of them, and kills it there.
+    pub fn kill(&mut self, mut run: Child) {
+        // Marsaglia's xorshift.
+        self.state ^= self.state << 13;
+        self.state ^= self.state >> 17;
+        self.state ^= self.state << 5;
+        std::thread::sleep(self.whole.mul_f64(1.3 * f64::from(self.state) / f64::from(u32::MAX)));
+        // One that has ended is none to be killed.
+        let _ = run.kill();
+        run.wait().unwrap();
+    }
+}
+
 /// What each face says that its table is, read without the code under test; none where there is no such face.
-fn said(folder: &Path) -> Vec<String> {
+pub fn said(folder: &Path) -> Vec<String> {
     let toml = TableFile::load(&folder.join("table.toml")).ok().map(|(_, table)| name(&table));
     let rust = fs::read_to_string(folder.join("table.rs")).ok();
     let rust = rust.map(|text| text.split("// Checksum ").nth(1).unwrap()[..8].to_owned());
@@ -101,18 +125,9 @@ fn a_killed_emit_leaves_no_set_that_is_accepted_and_mixed() {
     }
     let begun = Instant::now();
     emitted(TABLES[0], &folder);
-    let whole = begun.elapsed();
-    let (mut state, mut kills) = (2_463_534_242_u32, 0);
+    let (mut moments, mut kills) = (Moments::of(begun.elapsed()), 0);
     while begun.elapsed() < Duration::from_secs(6) {
-        // Marsaglia's xorshift.
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        let mut run = emit(TABLES[kills % 2], &folder).spawn().unwrap();
-        std::thread::sleep(whole.mul_f64(1.3 * f64::from(state) / f64::from(u32::MAX)));
-        // One that has ended is none to be killed.
-        let _ = run.kill();
-        run.wait().unwrap();
+        moments.kill(emit(TABLES[kills % 2], &folder).spawn().unwrap());
         kills += 1;
         let faces = said(&folder);
         let mixed = faces.iter().any(|face| *face != faces[0]);

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use table_files::TableFile;
 
 /// For how long a device keeps a mode that a host has set and left, and some time more.
-const LEASE: Duration = Duration::from_millis(5_500);
+pub const LEASE: Duration = Duration::from_millis(5_500);
 /// Most requests of a verb at which it is cut; one that streams or feeds has hundreds of them.
 const STEPS: u32 = 8;
 /// The request by which `push` and `erase` write: two connect, one asks what the device does, and one pauses.
@@ -21,7 +21,7 @@ const WRITES: u32 = 5;
 /// What a host may take to find out that nobody answers.
 const IN_TIME: Duration = Duration::from_secs(20);
 
-const TABLE: &str = "tests/data/table/models/duhem.toml";
+pub const TABLE: &str = "tests/data/table/models/duhem.toml";
 
 /// The verbs, and what each needs beside a port; `FOLDER` is an empty one.
 const VERBS: [&[&str]; 10] = [
@@ -56,12 +56,12 @@ fn command(verb: &[&str], folder: &Path, line: &FaultyLine) -> Command {
     command
 }
 
-fn pushed() -> Record {
+pub fn pushed() -> Record {
     to_record(&TableFile::load(&root().join(TABLE)).unwrap().1)
 }
 
 /// What a device must do when a host has left it, whatever that host had begun.
-fn goes_on(what: &str, device: &EmulatedDevice, new: &Record) {
+pub fn goes_on(what: &str, device: &EmulatedDevice, new: &Record) {
     let old = to_record(&emulator::TABLE.admit().unwrap());
     let (mut client, _) = Client::connect(&device.address().into()).unwrap_or_else(|error| panic!("{what}: {error}"));
     let health = client.health().unwrap();
