@@ -7,33 +7,18 @@ use anyhow::{Context, Result, bail};
 use crate::{
     CORE_HZ, Garbage, Image, Record,
     contents::{Contents, Tear},
-    cpu::{self, Chip, Core},
-    gpio::Pin,
+    cpu::Cpu,
     machine::{Machine, PARTS},
-    memory::{RAM, RAM_SIZE},
+    pin::Pin,
+    ram::{RAM, RAM_SIZE},
     rcc::Reset,
+    stop::Stop,
 };
-
-/// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
-    /// The time is over.
-    Time,
-    /// The condition holds.
-    Condition,
-    /// The chip resets; [`Board::reboot`] goes on.
-    Reset(Reset),
-    /// Power went during the flash operation that [`Board::cut_power`] chose.
-    PowerCut,
-    /// A fault in HardFault or NMI, or one that could not be stacked: the core stands still.
-    Lockup,
-}
 
 /// A NUCLEO-G474RE with its firmware.
 pub struct Board {
     garbage: Garbage,
-    pub(crate) chip: Chip,
-    pub(crate) core: Core,
+    pub(crate) cpu: Cpu,
 }
 
 impl Board {
@@ -42,8 +27,8 @@ impl Board {
     /// # Errors
     /// The CPU emulator failed.
     pub fn power_on(image: &Image) -> Result<Self> {
-        let chip = cpu::build(image.flash(), Machine::powered())?;
-        let mut board = Self { garbage: Garbage::new(1), chip, core: Core::default() };
+        let cpu = Cpu::build(image.flash(), Machine::powered())?;
+        let mut board = Self { garbage: Garbage::new(1), cpu };
         board.reboot(Reset::PowerOn)?;
         Ok(board)
     }
@@ -58,9 +43,9 @@ impl Board {
         self.machine_mut().reset(cause, tear);
         if cause == Reset::PowerOn {
             let ram: Vec<u8> = (0..RAM_SIZE / 8).flat_map(|_| self.garbage.word().to_le_bytes()).collect();
-            self.chip.mem_write(RAM, &ram)?;
+            self.cpu.chip.mem_write(RAM, &ram)?;
         }
-        self.restart()
+        self.cpu.restart()
     }
 
     /// Runs for `seconds` of the board's time, or until something ends the run.
@@ -88,7 +73,7 @@ impl Board {
                 None if self.machine().clock >= self.machine().deadline => return Ok(Stop::Time),
                 None => {}
             }
-            if let Err(error) = self.step() {
+            if let Err(error) = self.cpu.step() {
                 self.machine_mut().refuse(&error);
             }
         }
@@ -97,15 +82,15 @@ impl Board {
     /// Where the firmware is, for messages.
     fn place(&self) -> String {
         let at = self.machine().clock as f64 / f64::from(CORE_HZ);
-        format!("the firmware at {:#x}, {at:.6} s after power-on", self.core.pc)
+        format!("the firmware at {:#x}, {at:.6} s after power-on", self.cpu.pc)
     }
 
     pub(crate) fn machine(&self) -> &Machine {
-        &self.chip.get_data().machine
+        self.cpu.machine()
     }
 
     pub(crate) fn machine_mut(&mut self) -> &mut Machine {
-        &mut self.chip.get_data_mut().machine
+        self.cpu.machine_mut()
     }
 
     /// Core clocks since power-on.
@@ -277,7 +262,8 @@ impl Board {
     /// # Errors
     /// There is neither at the address.
     pub fn poke(&mut self, address: u32, value: u32) -> Result<()> {
-        self.chip
+        self.cpu
+            .chip
             .mem_write(address.into(), &value.to_le_bytes())
             .with_context(|| format!("neither memory nor register at {address:#x}"))
     }
@@ -287,13 +273,13 @@ impl Board {
     /// # Errors
     /// There is no memory at the address.
     pub fn peek(&self, address: u32) -> Result<u32> {
-        self.word(address).with_context(|| format!("no memory at {address:#x}"))
+        self.cpu.word(address).with_context(|| format!("no memory at {address:#x}"))
     }
 
     /// Leads the core astray: it goes on at `address`, whatever it was about to do.
     pub fn jump(&mut self, address: u32) {
-        self.core.pc = address & !1;
-        self.core.asleep = false;
+        self.cpu.pc = address & !1;
+        self.cpu.asleep = false;
     }
 
     /// Instructions of every finished run of a handler, without handlers nested in it, by [exception](crate::exception) number.

@@ -4,13 +4,13 @@ use anyhow::{Result, bail};
 
 use crate::{
     NEVER,
-    board::Stop,
     clock::{FLASH_ACR, PWR_CR5},
     dac::TIM7_TRGO,
     machine::Machine,
     nvic::Written,
     rcc::Reset,
     record::{FlashKind, FlashOperation},
+    stop::Stop,
 };
 
 // The peripherals with a model, by the 1 KiB that each has.

@@ -15,7 +15,7 @@ use anyhow::{Result, ensure};
 
 use crate::{
     field,
-    memory::{RAM, RAM_SIZE},
+    ram::{RAM, RAM_SIZE},
 };
 
 /// Channels of DMA1.

@@ -7,13 +7,14 @@ use anyhow::{Result, bail, ensure};
 use unicorn_engine::RegisterARM as Register;
 
 use crate::{
-    board::{Board, Stop},
-    cpu::unmasked,
+    cpu::{Cpu, Handler, THUMB},
     exception::HARD_FAULT,
+    hooks::unmasked,
     machine::Look,
     memory,
     nvic::Nvic,
     record::{Fault, Service},
+    stop::Stop,
 };
 
 /// Clocks of exception entry, return, and going from one to the next without unstacking (Cortex-M4 manual, no wait states).
@@ -23,8 +24,6 @@ const TAIL_CHAIN: u64 = 6;
 /// EXC_RETURN with extended frame on the main stack: to a handler, to the thread.
 const TO_HANDLER: u32 = 0xFFFF_FFE1;
 const TO_THREAD: u32 = 0xFFFF_FFE9;
-/// xPSR of Thumb code, flags clear.
-pub const THUMB: u32 = 1 << 24;
 /// xPSR in a frame: a word of padding lies above it.
 const PADDED: u32 = 1 << 9;
 
@@ -40,25 +39,14 @@ const FRAME: usize = 26;
 const PC: usize = 6;
 const XPSR: usize = 7;
 
-/// A handler that runs or waits for one nested in it.
-pub struct Handler {
-    exception: u8,
-    /// Its place among the exception's services.
-    service: usize,
-    /// Instructions executed by the board when it was entered.
-    began: u64,
-    /// Instructions of those nested in it.
-    nested: u64,
-}
-
 /// Whether a jump to this address is an exception return.
 pub fn is_return(pc: u32) -> bool {
     pc >= TO_HANDLER & !0xF
 }
 
-impl Board {
+impl Cpu {
     /// HardFault at the instruction `pc`: with these bits for CFSR, or none if it is a breakpoint.
-    pub(crate) fn fault(&mut self, pc: u32, status: u32, address: Option<u32>) -> Result<()> {
+    pub fn fault(&mut self, pc: u32, status: u32, address: Option<u32>) -> Result<()> {
         let masked = !unmasked(&self.chip, HARD_FAULT);
         let machine = self.machine_mut();
         machine.nvic.fault(status, address);
@@ -68,12 +56,12 @@ impl Board {
             machine.end = Some(Ok(Stop::Lockup));
             return Ok(());
         }
-        self.core.pc = pc;
+        self.pc = pc;
         self.enter(HARD_FAULT)
     }
 
     /// Pushes the frame and goes to the handler.
-    pub(crate) fn enter(&mut self, exception: u8) -> Result<()> {
+    pub fn enter(&mut self, exception: u8) -> Result<()> {
         ensure!(self.register(Register::CONTROL)? & 2 == 0, "the process stack is in use: not modelled");
         let top = self.register(Register::SP)?;
         let sp = (top & !7).wrapping_sub(4 * FRAME as u32);
@@ -82,7 +70,7 @@ impl Board {
         for register in CORE {
             frame.push(self.register(register)?);
         }
-        frame.push(self.core.pc);
+        frame.push(self.pc);
         frame.push(self.register(Register::XPSR)? | padded);
         for register in FLOAT {
             frame.push(self.register(register)?);
@@ -99,7 +87,7 @@ impl Board {
 
     /// Goes to the handler, whose frame is on the stack, after so many clocks.
     fn begin(&mut self, exception: u8, clocks: u64) -> Result<()> {
-        let link = if self.core.handlers.is_empty() { TO_THREAD } else { TO_HANDLER };
+        let link = if self.handlers.is_empty() { TO_THREAD } else { TO_HANDLER };
         self.chip.reg_write(Register::LR, link.into())?;
         self.chip.reg_write(Register::XPSR_NZCVQG, THUMB.into())?;
         let machine = self.machine_mut();
@@ -110,15 +98,15 @@ impl Board {
         machine.spend(clocks);
         let began = machine.instructions();
         let vector = Nvic::vector(exception);
-        self.core.handlers.push(Handler { exception, service, began, nested: 0 });
-        self.core.pc = self.word(vector)? & !1;
+        self.handlers.push(Handler { exception, service, began, nested: 0 });
+        self.pc = self.word(vector)? & !1;
         Ok(())
     }
 
     /// The newest handler returns: to the next exception if there is one, or else to what it interrupted.
-    pub(crate) fn leave(&mut self, link: u32) -> Result<()> {
-        let expected = if self.core.handlers.len() == 1 { TO_THREAD } else { TO_HANDLER };
-        let Some(handler) = self.core.handlers.pop().filter(|_| link == expected) else {
+    pub fn leave(&mut self, link: u32) -> Result<()> {
+        let expected = if self.handlers.len() == 1 { TO_THREAD } else { TO_HANDLER };
+        let Some(handler) = self.handlers.pop().filter(|_| link == expected) else {
             bail!("exception return {link:#x} where {expected:#x} was due");
         };
         memory::see_ring(&mut self.chip);
@@ -132,7 +120,7 @@ impl Board {
         machine.nvic.leave();
         machine.event = true;
         let next = machine.look();
-        if let Some(outer) = self.core.handlers.last_mut() {
+        if let Some(outer) = self.handlers.last_mut() {
             outer.nested += instructions;
         }
         match next {
@@ -155,7 +143,7 @@ impl Board {
         self.chip.reg_write(Register::XPSR_NZCVQG, status.into())?;
         let padding = if status & PADDED == 0 { 0 } else { 4 };
         self.chip.reg_write(Register::SP, (sp + 4 * FRAME as u32 + padding).into())?;
-        self.core.pc = frame[PC] & !1;
+        self.pc = frame[PC] & !1;
         self.machine_mut().spend(RETURN);
         Ok(())
     }

@@ -5,7 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::{field, record::Edge};
+use crate::{
+    field,
+    pin::{Pin, Port},
+    record::Edge,
+};
 
 const MODER: u32 = 0x00;
 const IDR: u32 = 0x10;
@@ -14,30 +18,6 @@ const BSRR: u32 = 0x18;
 const BRR: u32 = 0x28;
 
 const OUTPUT: u32 = 1;
-
-/// A port with a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Port {
-    /// The port of pins PA0 to PA15.
-    A,
-    /// The port of pins PB0 to PB15.
-    B,
-    /// The port of pins PC0 to PC15.
-    C,
-}
-
-impl Port {
-    pub(crate) const ALL: [Self; 3] = [Self::A, Self::B, Self::C];
-}
-
-/// A pin of one of the modelled ports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Pin {
-    /// The port that it belongs to.
-    pub port: Port,
-    /// Its number, 0 to 15.
-    pub number: u8,
-}
 
 /// The levels that pins are driven to from outside.
 pub type Levels = BTreeMap<Pin, bool>;

@@ -24,28 +24,35 @@ mod cycles;
 mod dac;
 mod dma;
 mod exceptions;
+mod execution;
 mod flash;
 mod gpio;
+mod hooks;
 mod image;
 mod machine;
+mod measure;
 mod memory;
 mod nvic;
+mod pin;
 #[cfg(test)]
 mod programs;
+mod ram;
 mod rcc;
 mod record;
+mod stop;
 mod timer;
 mod uart;
 mod watchdog;
 
-pub use board::{Board, Stop};
+pub use board::Board;
 pub use contents::{Contents, Tear};
 pub use cycles::{Level, Measured};
-pub use gpio::{Pin, Port};
 pub use image::Image;
 pub use nvic::exception;
+pub use pin::{Pin, Port};
 pub use rcc::Reset;
 pub use record::{Conversion, Edge, Fault, FlashKind, FlashOperation, Latch, Record, Service};
+pub use stop::Stop;
 
 /// Core clocks a second; the image's clock tree must make just these.
 pub const CORE_HZ: u32 = 170_000_000;

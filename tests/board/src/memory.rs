@@ -1,18 +1,17 @@
 //! The memory map (RM0440, "Memory organization"): what is memory, what goes to the models.
 //!
-//! RAM is SRAM1, SRAM2 and CCM behind each other; CCM's own address, 0x1000_0000, and the flash's shadow at 0 are not there.
+//! CCM's own address, 0x1000_0000, and the flash's shadow at 0 are not there.
 
 use anyhow::Result;
 use unicorn_engine::{Prot, Unicorn};
 
 use crate::{
     contents::{BANK, Contents},
-    cpu::{Chip, Hooked},
+    hooks::{Chip, Hooked},
     image::Image,
+    ram::{RAM, RAM_SIZE},
 };
 
-pub const RAM: u64 = 0x2000_0000;
-pub const RAM_SIZE: u64 = 128 << 10;
 const SYSTEM: u64 = 0x1FFF_0000;
 /// Up to the option bytes; nothing lies between them and RAM, where a stack could grow into.
 const SYSTEM_SIZE: u64 = 32 << 10;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::gpio::Pin;
+use crate::pin::Pin;
 
 /// Everything recorded since power-on.
 #[derive(Default)]

@@ -2,7 +2,7 @@
 //! of the flash, which [`pipeline`] describes. It is a model made from manuals, not a measurement on silicon; what it is good
 //! for is to tell by how much the clocks exceed the instructions, and by how much more they could.
 //!
-//! Recording costs the emulator a third of its speed and is off before [`Board::measure`].
+//! Recording costs the emulator a third of its speed and is off before [`Board::measure`](crate::Board::measure).
 
 mod flash;
 mod instruction;
@@ -10,24 +10,15 @@ mod pipeline;
 
 pub use pipeline::Level;
 
-use anyhow::{Context, Result, ensure};
-use unicorn_engine::HookType;
+use anyhow::{Context, Result};
 
-use crate::{
-    board::Board,
-    clock::FLASH_ACR,
-    contents::{BANK, Contents},
-    image::Image,
-};
+use crate::image::Image;
 use flash::Caches;
 use instruction::{Decoder, ENOUGH, Instruction};
 use pipeline::Step;
 
 /// Of a word of a trace: it is the address of data that was read from the flash, not of an instruction.
 const DATA: u32 = 1 << 31;
-const LATENCY: u32 = 0xF;
-const PREFETCH: u32 = 1 << 8;
-const CACHES: u32 = 3 << 9;
 /// One in so many runs is counted for the mean; all are that come within a fiftieth of the longest.
 const EVERY: u64 = 37;
 
@@ -69,6 +60,24 @@ pub struct Meter {
 }
 
 impl Meter {
+    /// Of an exception's handler in the code of bank 1, which the flash gives after so many wait states.
+    pub(crate) fn new(exception: u8, code: Vec<u8>, wait_states: u64) -> Result<Self> {
+        Ok(Self {
+            exception,
+            trace: Vec::new(),
+            code,
+            wait_states,
+            decoder: Decoder::new()?,
+            decoded: std::iter::repeat_with(|| None).take(Image::SIZE / 2).collect(),
+            measured: Measured::default(),
+        })
+    }
+
+    /// What the runs so far cost.
+    pub(crate) fn measured(&self) -> Measured {
+        self.measured
+    }
+
     /// The data at an address of the flash is read.
     pub(crate) fn load(&mut self, address: u32) {
         self.trace.push(address | DATA);
@@ -121,45 +130,5 @@ impl Meter {
             }
             run()
         }))
-    }
-}
-
-impl Board {
-    /// From now on the runs of an exception's handler are recorded, and none before.
-    ///
-    /// # Errors
-    /// The firmware has not set up the flash as the model has it: caches on, prefetch off.
-    pub fn measure(&mut self, exception: u8) -> Result<()> {
-        let access = self.machine().clocks.read(FLASH_ACR).unwrap_or_default();
-        ensure!(
-            access & CACHES == CACHES && access & PREFETCH == 0,
-            "FLASH_ACR is {access:#x}: the model of cycles has both caches on, and the prefetch off"
-        );
-        if self.machine().bench.meter.is_none() {
-            let end = Contents::START + BANK - 1;
-            self.chip.add_mem_hook(HookType::MEM_READ, Image::START.into(), end.into(), |chip, _, address, _, _| {
-                if let Some(meter) = chip.get_data_mut().machine.meter() {
-                    meter.load(address as u32);
-                }
-                true
-            })?;
-        }
-        let meter = Meter {
-            exception,
-            trace: Vec::new(),
-            code: self.chip.mem_read_as_vec(Image::START.into(), Image::SIZE)?,
-            wait_states: u64::from(access & LATENCY),
-            decoder: Decoder::new()?,
-            decoded: std::iter::repeat_with(|| None).take(Image::SIZE / 2).collect(),
-            measured: Measured::default(),
-        };
-        self.machine_mut().bench.meter = Some(meter);
-        Ok(())
-    }
-
-    /// What the recorded runs cost; those that went on when recording began are not among them.
-    #[must_use]
-    pub fn measured(&self) -> Measured {
-        self.machine().bench.meter.as_ref().map_or_else(Measured::default, |meter| meter.measured)
     }
 }

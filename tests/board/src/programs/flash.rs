@@ -16,10 +16,10 @@ fn a_torn_flash_word_is_an_nmi_at_its_reading() -> Result<()> {
     board.contents_mut().set(PAGE_127, &[1, 2, 3, 4, 5, 6, 7, 8]);
     board.contents_mut().tear(PAGE_127);
     for (register, value) in [(Register::R4, PAGE_127), (Register::R6, 0), (Register::R7, 0)] {
-        board.chip.reg_write(register, value.into())?;
+        board.cpu.chip.reg_write(register, value.into())?;
     }
     board.run(1e-5)?;
-    let [value, after, nmis] = [Register::R3, Register::R6, Register::R7].map(|r| board.register(r).unwrap());
+    let [value, after, nmis] = [Register::R3, Register::R6, Register::R7].map(|r| board.cpu.register(r).unwrap());
     assert_eq!((value, after, nmis), (0x0403_0201, 1, 1));
     Ok(())
 }

@@ -15,11 +15,11 @@ fn interrupts_at_every_place_of_an_it_block_cost_their_instructions_and_change_n
     let main = [0x3401, 0xF014, 0x0F01, 0xBF0C, 0x3501, 0x3601, 0xBF00, 0xE7F7];
     let mut board = board(&ticking(997), &main, TIM6, &COUNTING_HANDLER);
     for (register, value) in [(Register::R4, 0), (Register::R5, 0), (Register::R6, 0)] {
-        board.chip.reg_write(register, value)?;
+        board.cpu.chip.reg_write(register, value)?;
     }
-    board.chip.mem_write(SEEN.into(), &[0; 4])?;
+    board.cpu.chip.mem_write(SEEN.into(), &[0; 4])?;
     board.run(0.05)?;
-    let [rounds, even, odd] = [Register::R4, Register::R5, Register::R6].map(|r| board.register(r).unwrap());
+    let [rounds, even, odd] = [Register::R4, Register::R5, Register::R6].map(|r| board.cpu.register(r).unwrap());
     assert!(rounds.abs_diff(even + odd) <= 1 && even.abs_diff(odd) <= 1, "{rounds} {even} {odd}");
     let services = &board.record().services[&TIM6];
     assert_eq!(services.len(), 8_500_000 / 997);
@@ -41,8 +41,8 @@ fn sleep_skips_to_the_interrupt_and_events_are_remembered_once() -> Result<()> {
     // is an event for the third. The fourth sleeps.
     let main = [0xBF40, 0xBF20, 0x3401, 0xBF20, 0x3401, 0xBF20, 0x3401, 0xBF20, 0x3401, STAY];
     let mut board = board(&ticking(50_000), &main, TIM6, &COUNTING_HANDLER);
-    board.chip.reg_write(Register::R4, 0)?;
-    let passed = |board: &Board| board.register(Register::R4).unwrap();
+    board.cpu.chip.reg_write(Register::R4, 0)?;
+    let passed = |board: &Board| board.cpu.register(Register::R4).unwrap();
     board.run(40_000.0 / 170e6)?;
     assert_eq!(passed(&board), 1);
     board.run(50_000.0 / 170e6)?;
@@ -66,17 +66,17 @@ fn a_nested_handler_is_not_counted_to_the_one_it_interrupts_and_the_stack_is_ali
     table.extend([(ISER0, 1 << 3), (0xE000_E400, 0x8000_0000)]);
     let mut board = board(&table, &main, TIM6, &COUNTING_HANDLER);
     let code: Vec<u8> = long.iter().flat_map(|half: &u16| half.to_le_bytes()).collect();
-    board.chip.mem_write(address.into(), &code)?;
-    board.chip.mem_write((FLASH + 4 * u32::from(outer)).into(), &(address | 1).to_le_bytes())?;
-    board.chip.reg_write(Register::R3, 1 << 3)?;
-    board.chip.reg_write(Register::R4, ISPR0.into())?;
-    let nested = |board: &Board| board.core.handlers.len() == 2;
+    board.cpu.chip.mem_write(address.into(), &code)?;
+    board.cpu.chip.mem_write((FLASH + 4 * u32::from(outer)).into(), &(address | 1).to_le_bytes())?;
+    board.cpu.chip.reg_write(Register::R3, 1 << 3)?;
+    board.cpu.chip.reg_write(Register::R4, ISPR0.into())?;
+    let nested = |board: &Board| board.cpu.handlers.len() == 2;
     assert_eq!(board.run_until(1e-5, nested)?, Stop::Condition);
-    assert_eq!(board.register(Register::SP)? % 8, 0);
+    assert_eq!(board.cpu.register(Register::SP)? % 8, 0);
     board.run(1e-4)?;
-    assert_eq!(board.run_until(1e-5, |board| board.core.handlers.is_empty())?, Stop::Condition);
+    assert_eq!(board.run_until(1e-5, |board| board.cpu.handlers.is_empty())?, Stop::Condition);
     assert_eq!(board.instructions(outer).collect::<Vec<_>>(), [402]);
-    assert_eq!(board.register(Register::SP)?, STACK - 4);
+    assert_eq!(board.cpu.register(Register::SP)?, STACK - 4);
     Ok(())
 }
 
@@ -99,9 +99,9 @@ fn masked_interrupts_wait_and_then_follow_each_other_without_unstacking() -> Res
     let table = [AIRCR_IGNORED, (ISER0, 1 << 7 | 1 << 3), (0xE000_E400, 0x8000_0000), (0xE000_E404, 0x4000_0000)];
     let image = |exception| board(&table, &main, exception, &BX_LR);
     let mut board = image(first);
-    board.chip.mem_write((FLASH + 4 * u32::from(second)).into(), &((FLASH + HANDLER) | 1).to_le_bytes())?;
-    board.chip.reg_write(Register::R3, 1 << 7 | 1 << 3)?;
-    board.chip.reg_write(Register::R4, ISPR0.into())?;
+    board.cpu.chip.mem_write((FLASH + 4 * u32::from(second)).into(), &((FLASH + HANDLER) | 1).to_le_bytes())?;
+    board.cpu.chip.reg_write(Register::R3, 1 << 7 | 1 << 3)?;
+    board.cpu.chip.reg_write(Register::R4, ISPR0.into())?;
     board.run(1e-5)?;
     let record = board.record();
     let (early, late) = (record.services[&first][0], record.services[&second][0]);

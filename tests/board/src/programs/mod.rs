@@ -73,7 +73,7 @@ fn board(table: &[(u32, u32)], main: &[u16], exception: u8, handler: &[u16]) -> 
 }
 
 fn word(board: &Board, address: u32) -> u32 {
-    board.word(address).unwrap()
+    board.cpu.word(address).unwrap()
 }
 
 /// TIM6's interrupt every `period` clocks.
