@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::Viewport;
+use crate::viewport::Viewport;
 
 /// The report shows at least this many plots.
 const LEAST_PLOTS: usize = 4;

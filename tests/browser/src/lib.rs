@@ -6,11 +6,13 @@
 mod chromium;
 mod layout;
 mod page;
+mod viewport;
 
 use anyhow::Result;
 
 pub use chromium::{Browser, launch};
-pub use page::{Page, Viewport};
+pub use page::Page;
+pub use viewport::Viewport;
 
 /// Opens `url` at `viewport` and returns the page and everything found wrong with it.
 ///

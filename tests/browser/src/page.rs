@@ -9,22 +9,7 @@ use anyhow::{Context, Result, bail, ensure};
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use serde_json::{Value, json};
 
-use crate::{Browser, layout::Layout};
-
-/// The screen a page is shown on.
-#[derive(Debug, Clone, Copy)]
-pub struct Viewport {
-    /// Width, CSS px.
-    pub width: u32,
-    /// Height, CSS px.
-    pub height: u32,
-    /// Device pixels in a CSS px.
-    pub scale: f64,
-    /// Whether the page is laid out as on a telephone, where it must ask for the screen's own width.
-    pub mobile: bool,
-    /// The least legible size of text on it, CSS px.
-    pub least_text: f64,
-}
+use crate::{Browser, layout::Layout, viewport::Viewport};
 
 /// A page in the browser; closed when dropped.
 pub struct Page<'b> {
