@@ -6,7 +6,8 @@
 use crate::fault::{Fault, Format, Place, PlacedFault};
 use crate::preamble::words;
 use crate::sample_time;
-use crate::table::{Body, Column, SampleTime, Table};
+use crate::sample_time::SampleTime;
+use crate::table::{Body, Column, Table};
 
 /// One real array of numbers, or what else a file names.
 #[derive(Debug, Clone, PartialEq, Default)]

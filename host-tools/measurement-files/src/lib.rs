@@ -22,6 +22,7 @@ mod table;
 mod tdms;
 mod tdms_cursor;
 mod text;
+mod text_rows;
 mod unit;
 
 use std::io::{BufRead, BufReader, Read};
@@ -30,7 +31,8 @@ use flate2::read::MultiGzDecoder;
 
 pub use excerpt::excerpt;
 pub use fault::{Fault, Format, Place, PlacedFault};
-pub use table::{Column, SampleTime, Table, place};
+pub use sample_time::SampleTime;
+pub use table::{Column, Table, place};
 pub use unit::{Quantity, Unit, UnknownUnit, without_brackets};
 
 /// How far into a file its kind shows, bytes: a MATLAB v7.3 file has its HDF5 signature after 512.

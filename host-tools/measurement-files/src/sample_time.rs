@@ -2,7 +2,6 @@
 
 use crate::fault::Place;
 use crate::preamble::Entry;
-use crate::table::SampleTime;
 use crate::unit::{Quantity, Unit};
 
 /// What instruments call the time from sample to sample.
@@ -71,6 +70,17 @@ const RATES: [&str; 19] = [
 
 /// What two sample times of one file may differ by, and be one.
 const ALIKE: f64 = 1e-3;
+
+/// A sample time that a file states in words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleTime {
+    /// Time from sample to sample, s.
+    pub seconds: f64,
+    /// Where the file says so.
+    pub place: Place,
+    /// What the file calls it.
+    pub name: String,
+}
 
 /// The sample time among the entries, by the first that states one; the first line of the text is line 1. None where two
 /// contradict each other. A line whose number may have a thousands separator, as in `10,000 Hz`, states none.

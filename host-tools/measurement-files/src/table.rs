@@ -1,7 +1,8 @@
 //! A file's table: what its columns are called, and its rows, one after the other.
 
 use crate::fault::{Fault, Place, PlacedFault};
-use crate::text::TextRows;
+use crate::sample_time::SampleTime;
+use crate::text_rows::TextRows;
 
 /// A table of numbers, opened and not yet read to its end.
 pub struct Table<'a> {
@@ -37,17 +38,6 @@ pub struct Column {
     pub text: Option<String>,
     /// The values of the rows that were looked at to find the table; of a binary file all.
     pub values: Vec<f64>,
-}
-
-/// A sample time that a file states in words.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SampleTime {
-    /// Time from sample to sample, s.
-    pub seconds: f64,
-    /// Where the file says so.
-    pub place: Place,
-    /// What the file calls it.
-    pub name: String,
 }
 
 impl Table<'_> {

@@ -6,7 +6,8 @@ use std::collections::HashMap;
 
 use crate::array::{self, Array};
 use crate::fault::{Fault, Format, Place, PlacedFault};
-use crate::table::{SampleTime, Table};
+use crate::sample_time::SampleTime;
+use crate::table::Table;
 use crate::tdms_cursor::{Cursor, Index, Property, STRING, TIMESTAMP, damaged, numbers};
 
 /// How a segment begins.
