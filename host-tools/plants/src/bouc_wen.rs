@@ -5,7 +5,8 @@
 //! dz = A·du − β·|du|·|z|ⁿ⁻¹·z − γ·du·|z|ⁿ,     h = u − z + κ·u³
 //! ```
 
-use super::{Draw, Hysteresis};
+use super::draw::Draw;
+use super::hysteresis::Hysteresis;
 
 /// Largest step of the voltage at which the equation is integrated, of the full voltage.
 const FINEST: f64 = 1e-3;

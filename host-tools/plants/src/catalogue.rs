@@ -1,10 +1,11 @@
 //! The kinds of hysteresis, and a device of each.
 
 use super::bouc_wen::BoucWen;
+use super::draw::Draw;
+use super::hysteresis::Hysteresis;
 use super::jiles_atherton::JilesAtherton;
 use super::rate_dependent::RateDependent;
 use super::relays::{Density, Relays};
-use super::{Draw, Hysteresis};
 
 /// What a plant's hysteresis is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

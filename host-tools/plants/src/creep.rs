@@ -3,7 +3,7 @@
 //! apart, driven by the strain of the hysteresis; see H. Jung and D.-G. Gweon, *Creep characteristics of piezoelectric
 //! actuators*, Rev. Sci. Instrum. 71, 2000.
 
-use super::STEP_S;
+use super::hysteresis::STEP_S;
 
 /// Time constants, s.
 const TAU_S: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];

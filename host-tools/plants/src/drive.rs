@@ -1,6 +1,6 @@
 //! What stands between the commanded voltage and the ceramic, and between its strain and the position.
 
-use super::STEP_S;
+use super::hysteresis::STEP_S;
 use std::f64::consts::TAU;
 
 /// An amplifier: slew limit, then a first-order lag; at rest at 0 V.

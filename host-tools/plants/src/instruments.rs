@@ -1,6 +1,6 @@
 //! The reading of the voltage and the displacement sensor.
 
-use super::Draw;
+use super::draw::Draw;
 
 /// How a recording is read.
 #[derive(Clone, Copy, PartialEq, Debug)]

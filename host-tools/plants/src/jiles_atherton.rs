@@ -8,7 +8,8 @@
 //! P         = c·P_an + (1 − c)·P_irr,     h = u + share·P
 //! ```
 
-use super::{Draw, Hysteresis};
+use super::draw::Draw;
+use super::hysteresis::Hysteresis;
 
 /// Largest step of the voltage at which the equations are integrated, of the full voltage.
 const FINEST: f64 = 1e-3;

@@ -13,7 +13,9 @@ mod bouc_wen;
 mod catalogue;
 mod change;
 mod creep;
+mod draw;
 mod drive;
+mod hysteresis;
 mod instruments;
 mod jiles_atherton;
 mod rate_dependent;
@@ -26,27 +28,19 @@ mod tests;
 pub use catalogue::{CATALOGUE, Kind};
 pub use change::Change;
 pub use drive::Resonance;
+pub use hysteresis::STEP_S;
 pub use instruments::Instruments;
 pub use relays::Density;
 pub use waveform::Waveform;
 
 use creep::Creep;
+use draw::Draw;
 use drive::Drive;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use hysteresis::Hysteresis;
 use recordings::log::Log;
 
-/// Internal step, s.
-pub const STEP_S: f64 = 1e-4;
 /// Steps between two recorded samples.
 const EVERY: usize = 5;
-
-/// A hysteresis operator from normalised voltage (1 at full voltage) to normalised strain, virgin and at rest at 0.
-trait Hysteresis: Send {
-    /// The strain after a step of so many s to a voltage.
-    fn step(&mut self, u: f64, seconds: f64) -> f64;
-}
 
 /// An actuator with its amplifier and the instruments that record it.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -188,23 +182,3 @@ impl Running {
 
 /// Steps of half a slow cycle.
 const CYCLE: u32 = 400;
-
-/// Numbers of a device.
-struct Draw(ChaCha8Rng);
-
-impl Draw {
-    fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    /// A value about another, by a relative spread (a standard deviation; cut off at twice that).
-    fn about(&mut self, value: f64, spread: f64) -> f64 {
-        let normal: f64 = StandardNormal.sample(&mut self.0);
-        value * libm::exp(spread * normal.clamp(-2.0, 2.0))
-    }
-
-    /// A standard normal number.
-    fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.0)
-    }
-}

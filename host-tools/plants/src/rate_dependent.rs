@@ -7,7 +7,8 @@
 //! h(u)    = u + Σ w_i·p_i,   w_i ∝ exp(−r_i/ρ)
 //! ```
 
-use super::{Draw, Hysteresis};
+use super::draw::Draw;
+use super::hysteresis::Hysteresis;
 
 const PLAYS: usize = 24;
 /// Lag of the rate, s.

@@ -13,7 +13,8 @@
 //! Phenomena in Hysteretic Systems*, Springer 2014, Section 2.2), a sum of two Gaussians, and a gamma distribution of
 //! the half-width.
 
-use super::{Draw, Hysteresis};
+use super::draw::Draw;
+use super::hysteresis::Hysteresis;
 
 /// Density of the relays over half-width r and centre s, in units of the full voltage.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

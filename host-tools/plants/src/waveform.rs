@@ -1,6 +1,7 @@
 //! Commanded voltages. All start at 0 V; an offset is moved to in the first 0.2 s.
 
-use super::{Draw, STEP_S};
+use super::draw::Draw;
+use super::hysteresis::STEP_S;
 use std::f64::consts::{PI, TAU};
 
 /// Time in which an offset, or a multisine, comes up, s.
