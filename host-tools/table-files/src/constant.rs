@@ -3,7 +3,7 @@
 //! The core's types print themselves as Rust expressions once their variants are in scope (`{:?}` of an `f32` is the
 //! shortest text that reads back as the same number); a test compiles what this writes and compares it with the TOML.
 
-use super::name::name;
+use crate::name::name;
 use estimator_core::Admitted;
 
 /// How the line of `table.rs` that has the checksum begins.

@@ -1,12 +1,14 @@
 //! The faces of a table side by side: what table.toml, table.rs and table.bin of one folder say is one table, known by its
 //! record's checksum. A program that is killed between two renames, or an edit of one face, leaves faces of two.
 
-use super::constant::{LINE, rust_source};
-use super::name::name;
-use super::{TableFile, TableFileError, record};
+use crate::constant::{LINE, rust_source};
+use crate::error::{OtherFace, TableFileError};
+use crate::file::{MOST_BYTES, TableFile, read};
+use crate::name::name;
+use crate::record::record;
 use estimator_core::{Admitted, record::checksum};
 use recordings::file;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The faces' names, and by what each is known near its beginning.
 pub const FACES: [(&str, &str); 3] =
@@ -15,24 +17,6 @@ pub const FACES: [(&str, &str); 3] =
 pub const RECORD: (&str, &str) = ("table.bin", "PZTB");
 /// Ends of the faces' names.
 const ENDS: [&str; 3] = ["toml", "rs", "bin"];
-
-/// A face lies beside one of another table.
-#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("{}: is the table of checksum {own}, and {} beside it {}", named.display(), beside.display(), words(its.as_deref()))]
-pub struct OtherFace {
-    /// The face that was named.
-    pub named: PathBuf,
-    /// The checksum of its table's record, in words.
-    pub own: String,
-    /// The other face.
-    pub beside: PathBuf,
-    /// The checksum of its table's record, in words; `None` where that is refused.
-    pub its: Option<String>,
-}
-
-fn words(its: Option<&str>) -> String {
-    its.map_or_else(|| "is refused".to_owned(), |its| format!("that of {its}"))
-}
 
 impl TableFile {
     /// The files `table.toml`, `table.rs` and `table.bin`, by name, to be written together.
@@ -81,10 +65,22 @@ fn says(face: &Path) -> Option<String> {
             Err(_) => None,
         };
     }
-    let bytes = file::read(face, super::MOST_BYTES).ok()?;
+    let bytes = file::read(face, MOST_BYTES).ok()?;
     if face.extension()? == "bin" {
         return bytes.starts_with(RECORD.1.as_bytes()).then(|| format!("{:08x}", checksum(&bytes).unwrap_or_default()));
     }
     let text = String::from_utf8(bytes).ok()?;
     text.lines().find_map(|line| line.strip_prefix(LINE)).map(|rest| rest.trim_end_matches('.').to_owned())
+}
+
+/// Reads and admits a table that is to go to a device, from one of its faces, with its doubts: those of the table.toml beside a
+/// table.bin, which has none of its own.
+///
+/// # Errors
+/// As [`read`]; or a face of another table lies beside it.
+pub fn read_doubted(path: &Path) -> Result<(Admitted, Vec<String>), TableFileError> {
+    let (file, table) = read(path)?;
+    agree(path, &table)?;
+    let beside = || Some(TableFile::load(&path.with_extension("toml")).ok()?.0);
+    Ok((table, file.or_else(beside).map_or(Vec::new(), |file| file.doubts)))
 }

@@ -1,6 +1,6 @@
 //! What a table is called.
 
-use super::record;
+use crate::record::record;
 use estimator_core::{Admitted, record::checksum};
 
 /// The checksum of a table's record, as it names the table for people.

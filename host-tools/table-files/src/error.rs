@@ -1,0 +1,94 @@
+//! Why a file is no table, a table becomes no file, or two files are of two tables.
+
+use estimator_core::TableError;
+use recordings::LogUse;
+use recordings::prepare::RecipeError;
+use std::path::PathBuf;
+
+/// Why a file is no table, or a table becomes no file.
+#[derive(Debug, thiserror::Error)]
+pub enum TableFileError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read ({error})", path.display())]
+    Unreadable {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// What the operating system says, or that it is no regular file, or too large.
+        error: std::io::Error,
+    },
+    /// The file holds something else.
+    #[error("{}: is no table.toml: {}", path.display(), error.to_string().trim_end())]
+    NoTable {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// Where and why.
+        error: Box<toml::de::Error>,
+    },
+    /// The table in a file is of an earlier version, which had not yet every number that is needed.
+    #[error("{}: an earlier version of this software made the table, which lacks `{field}`", path.display())]
+    Earlier {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// What it lacks.
+        field: &'static str,
+        /// The logs that it was made from and judged on; empty where the file names none that can be read.
+        logs: Vec<LogUse>,
+    },
+    /// The table in a file is refused.
+    #[error("{}: is refused", path.display())]
+    Refused {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// What is wrong with the table.
+        source: Refused,
+    },
+    /// A table is refused before it is written.
+    #[error(transparent)]
+    Inadmissible(#[from] Refused),
+    /// A number that the format cannot hold.
+    #[error(transparent)]
+    Toml(#[from] toml::ser::Error),
+    /// A number of the file is none.
+    #[error("{}: {field} is not a finite number", path.display())]
+    NotFinite {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// Where, as `logs.0.from_s`.
+        field: String,
+    },
+    /// Another face beside it is of another table.
+    #[error(transparent)]
+    OtherFace(#[from] OtherFace),
+}
+
+/// Why a table is refused.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+pub enum Refused {
+    /// By itself.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The recipe breaks a rule.
+    #[error("[recipe] {0}")]
+    Recipe(RecipeError),
+    /// Recipe and table are not of one identification.
+    #[error("[recipe] and [table] differ in the tick or a zero: change both, or neither")]
+    Differ,
+}
+
+/// A face lies beside one of another table.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("{}: is the table of checksum {own}, and {} beside it {}", named.display(), beside.display(), words(its.as_deref()))]
+pub struct OtherFace {
+    /// The face that was named.
+    pub named: PathBuf,
+    /// The checksum of its table's record, in words.
+    pub own: String,
+    /// The other face.
+    pub beside: PathBuf,
+    /// The checksum of its table's record, in words; `None` where that is refused.
+    pub its: Option<String>,
+}
+
+fn words(its: Option<&str>) -> String {
+    its.map_or_else(|| "is refused".to_owned(), |its| format!("that of {its}"))
+}
