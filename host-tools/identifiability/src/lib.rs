@@ -32,8 +32,6 @@ use validation::Run;
 
 /// Readings that are looked at, at most: more say the same.
 const READINGS: usize = 20_000;
-/// Change of a number, of its size.
-const STEP: f64 = 1e-3;
 /// What of a condition can be told in f64, by its square.
 const WORST_CONDITION: f64 = 1e8;
 /// How much wider than the table's the limits may be, at either end, of what lies between them.

@@ -3,8 +3,8 @@
 use estimator_core::{Admitted, Parameters, Table};
 use serde_json::Value;
 
-use crate::STEP;
-
+/// Change of a number, of its size.
+const STEP: f64 = 1e-3;
 /// How a model is laid out before anything is fitted: no log has told these.
 const LAID_OUT: [&str; 11] = [
     "span_v",
