@@ -1,17 +1,17 @@
 //! Why a model was chosen, in words.
 
-use identification::{CrossValidation, LeftOut, Reason};
+use identification::{CrossValidation, LeftOut, Reason, Undecided};
 
 /// Why a model was chosen, as the end of a sentence.
 pub fn reason(reason: &Reason) -> String {
     match reason {
         Reason::AskedFor => "it was asked for.".to_owned(),
-        Reason::LeastByFar => {
+        Reason::Least(Undecided::ByFar) => {
             "once the start of each log has settled, no other comes near its error in training; --model takes another."
                 .to_owned()
         }
-        Reason::LeastUndivided => least("the logs are too short to leave a part out"),
-        Reason::LeastWithoutParts => least("without a part of the logs no model was found"),
+        Reason::Least(Undecided::Undivided) => least("the logs are too short to leave a part out"),
+        Reason::Least(Undecided::WithoutParts) => least("without a part of the logs no model was found"),
         Reason::CrossValidated(of) => cross_validated(of),
     }
 }

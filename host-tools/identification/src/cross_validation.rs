@@ -13,7 +13,6 @@
 use crate::cost::Cost;
 use crate::fit::{Fit, Identification};
 use crate::left_out::{LeftOut, parts};
-use crate::model_choice::Reason;
 use crate::problem::{Problem, errors_once_settled};
 use crate::simulation::{errors_from, mean_size};
 use crate::trial::Trial;
@@ -58,6 +57,17 @@ pub struct CrossValidation {
     pub amplitudes: bool,
 }
 
+/// Why the least error in training decides instead.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Undecided {
+    /// It is the least by far.
+    ByFar,
+    /// The training data are too short to leave a part out.
+    Undivided,
+    /// Without a part of the training data no model was found.
+    WithoutParts,
+}
+
 impl CrossValidation {
     /// Of the fits to everything that may be chosen, as [`eligible`] says it of them.
     ///
@@ -68,17 +78,17 @@ impl CrossValidation {
         identification: &Identification<'_>,
         eligible: &[(&Fit, f64)],
         mut progress: impl FnMut(),
-    ) -> Result<Self, Reason> {
+    ) -> Result<Self, Undecided> {
         let problem = identification.problem;
         let least = eligible.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
         let tried: Vec<&Fit> =
             eligible.iter().filter(|(_, error)| *error <= HOPELESS * least).map(|(fit, _)| *fit).collect();
         let (left_out, parts) = parts(problem);
         if tried.len() < 2 {
-            return Err(Reason::LeastByFar);
+            return Err(Undecided::ByFar);
         }
         if parts.len() < 2 {
-            return Err(Reason::LeastUndivided);
+            return Err(Undecided::Undivided);
         }
         let mut errors = vec![Vec::new(); tried.len()];
         for part in &parts {
@@ -99,7 +109,7 @@ impl CrossValidation {
             .filter(|score| score.error_um.is_finite())
             .collect();
         scores.sort_by(|a, b| a.error_um.total_cmp(&b.error_um));
-        let chosen = simplest(&scores).ok_or(Reason::LeastWithoutParts)?;
+        let chosen = simplest(&scores).ok_or(Undecided::WithoutParts)?;
         Ok(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
     }
 
@@ -244,7 +254,7 @@ mod tests {
         }
         assert!(said.scores[0].error_um <= said.scores[1].error_um);
         let alone = of([Model::BoucWen, Model::MaxwellSlip]);
-        assert_eq!(alone, Err(Reason::LeastByFar), "one that has a chance is no choice");
+        assert_eq!(alone, Err(Undecided::ByFar), "one that has a chance is no choice");
     }
 
     #[test]
@@ -257,6 +267,6 @@ mod tests {
         let fits = [fit(Model::BoucWen, 0.1), fit(Model::Duhem, 0.1)];
         let tried = fits.each_ref().map(|fit| (fit, 0.1));
         let of = |count| CrossValidation::of(&search(&problem, &options), &tried[..count], || ()).unwrap_err();
-        assert_eq!((of(2), of(1)), (Reason::LeastUndivided, Reason::LeastByFar));
+        assert_eq!((of(2), of(1)), (Undecided::Undivided, Undecided::ByFar));
     }
 }

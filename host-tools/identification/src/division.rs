@@ -1,8 +1,9 @@
 //! What of a job's logs is fitted to and what is held out.
 
-use crate::job::{Job, JobError};
+use crate::job_error::JobError;
 use log_survey::range;
 use recordings::log::Log;
+use recordings::prepare::PrepareOptions;
 use recordings::{LogUse, Role};
 
 /// The logs of a job, cut.
@@ -15,12 +16,13 @@ pub(crate) struct Parts {
     pub rests: Vec<(Log, Log)>,
 }
 
-impl Job {
-    /// The logs cut and divided into what is fitted to and what is held out.
-    pub(crate) fn parts(&self) -> Result<Parts, JobError> {
-        for (at, training) in self.training.iter().enumerate() {
+impl Parts {
+    /// Training logs of which the fraction `hold_out` at their ends is held out, and logs that are held out as a whole.
+    pub fn of(training: &[Log], held_out: &[Log], hold_out: f64, prepare: &PrepareOptions) -> Result<Self, JobError> {
+        let (whole, apart) = (training, held_out);
+        for (at, training) in whole.iter().enumerate() {
             let content = LogUse::new(training, Role::Training);
-            let mut others = self.held_out.iter().chain(&self.training[at + 1..]);
+            let mut others = apart.iter().chain(&whole[at + 1..]);
             // Either may be a part of the other.
             let part = |other: &Log| LogUse::new(other, Role::Training).within(training).is_some();
             if let Some(log) = others.find(|other| content.within(other).is_some() || part(other)) {
@@ -28,12 +30,12 @@ impl Job {
                 return Err(JobError::SameLog { log, training: training.path.clone(), rewritten });
             }
         }
-        let cut = |logs: &[Log]| logs.iter().map(|log| self.prepare.cut(log)).collect::<Vec<_>>();
-        let held_out = cut(&self.held_out);
+        let cut = |logs: &[Log]| logs.iter().map(|log| prepare.cut(log)).collect::<Vec<_>>();
+        let held_out = cut(apart);
         let (mut training, mut rests) = (Vec::new(), Vec::new());
         held_out.iter().try_for_each(|log| moves(log, log))?;
-        for log in cut(&self.training) {
-            let (first, rest) = log.split(self.hold_out);
+        for log in cut(whole) {
+            let (first, rest) = log.split(hold_out);
             moves(&first, &log)?;
             training.push(first);
             if !rest.voltage.is_empty() {
@@ -41,7 +43,7 @@ impl Job {
                 rests.push((log, rest));
             }
         }
-        Ok(Parts { training, held_out, rests })
+        Ok(Self { training, held_out, rests })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which models are identified when one, or none, is asked for, and which of them is chosen.
 
-use crate::cross_validation::{CrossValidation, eligible};
+use crate::cross_validation::{CrossValidation, Undecided, eligible};
 use crate::fit::{Fit, Identification, Progress};
 use crate::search::Start;
 use estimator_core::Model;
@@ -31,12 +31,8 @@ pub enum Reason {
     AskedFor,
     /// It is the simplest that does as well as the best on parts of the training data that it was not fitted to.
     CrossValidated(CrossValidation),
-    /// Its error in training, once each log's start has settled, is the least by far.
-    LeastByFar,
-    /// That error is the least, and the training data are too short to leave a part out.
-    LeastUndivided,
-    /// That error is the least, and without a part of the training data no model was found.
-    LeastWithoutParts,
+    /// Its error in training, once each log's start has settled, is the least, and cross-validation decides nothing.
+    Least(Undecided),
 }
 
 impl Reason {
@@ -76,7 +72,7 @@ impl Identification<'_> {
                 *brief = longer;
             }
         }
-        let reason = validated.map_or_else(|least| least, Reason::CrossValidated);
+        let reason = validated.map_or_else(Reason::Least, Reason::CrossValidated);
         Choice { fits, chosen: Some((model, reason)) }
     }
 }

@@ -3,6 +3,7 @@
 mod adversary;
 mod baseline;
 mod cost;
+mod doubt;
 mod fit;
 mod genetic_algorithm;
 mod preisach;

@@ -1,0 +1,48 @@
+//! What of a table is doubted.
+
+use calibration::CalibrationOptions;
+use estimator_core::{DuhemCondition, DuhemParameters, Model, Parameters, Range, Table};
+use identification::cost::Feedback;
+use identification::{Candidate, Character, Conditions, Doubt, Job, ModelChoice, SearchOptions, doubts};
+use recordings::prepare::{AutoOr, PrepareOptions};
+use recordings::rig::{EXCITATIONS, Rig};
+
+#[test]
+fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not() {
+    let rig = Rig { duration: 0.5, ..Rig::default() };
+    let outcome = Job {
+        training: EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).collect(),
+        held_out: Vec::new(),
+        hold_out: 0.0,
+        prepare: PrepareOptions { delay: AutoOr::Given(0.0), ..PrepareOptions::default() },
+        model: ModelChoice::Is(Model::Duhem),
+        conditions: Conditions::default(),
+        calibration: CalibrationOptions::default(),
+        cost: Feedback::Simulation.into(),
+        search: SearchOptions { evaluations: 40, ..SearchOptions::default() },
+    }
+    .run(&mut |_, _| ())
+    .unwrap();
+    let candidate = outcome.candidate();
+    let Parameters::Duhem(found) = candidate.table.parameters else { panic!("another model") };
+    let character = Character::of(outcome.problem.training(), outcome.problem.deadband);
+    let doubted = |set: DuhemParameters| -> Vec<DuhemCondition> {
+        let parameters = Parameters::Duhem(set);
+        let wide = Range { min: -1e3, max: 1e3 };
+        let table = Table { parameters, displacement_limits_um: wide, ..*candidate.table }.admit().unwrap();
+        let doubts = doubts(&Candidate { table, ..candidate.clone() }, &character, Feedback::Simulation.into(), None);
+        let condition = |doubt: Doubt| match doubt {
+            Doubt::UnmetCondition { condition } => Some(condition),
+            _ => None,
+        };
+        doubts.into_iter().filter_map(condition).collect()
+    };
+    // Without hysteresis nothing is taken from the slope, but it does not lag either; a little of it is right.
+    let little = 0.9 * found.f1_um_per_v;
+    let good = DuhemParameters { f3_um_per_v3: 0.0, g0_um_per_v: little, g2_um_per_v3: 0.0, ..found };
+    assert_eq!(doubted(good), []);
+    assert_eq!(doubted(DuhemParameters { g0_um_per_v: 1.1 * found.f1_um_per_v, ..good }), [DuhemCondition::Lagging]);
+    // The slope of f grows so fast towards saturation that a reversal there would turn the displacement back.
+    let steep = found.f1_um_per_v / (found.saturation_v * found.saturation_v);
+    assert_eq!(doubted(DuhemParameters { f3_um_per_v3: steep, ..good }), [DuhemCondition::Rising]);
+}
