@@ -3,8 +3,14 @@
 use ::calibration::drive::{identified_on, planned};
 use ::calibration::span::Span;
 use ::calibration::{Assumed, CalibrationOptions, converter_mismatches};
-use estimator_core::{AdcCode, DacCode, Range};
-use table_files::TableFile;
+use estimator_core::{AdcCode, Admitted, DacCode, Range, Table};
+use std::path::Path;
+
+/// The table in a folder of `tests/data/table`.
+fn table(folder: &str) -> Admitted {
+    let record = std::fs::read(Path::new("../../tests/data/table").join(folder).join("table.bin")).unwrap();
+    Table::parse(&record).unwrap()
+}
 
 #[test]
 fn a_span_may_be_inverted() {
@@ -34,8 +40,7 @@ fn what_is_assumed_covers_the_table() {
 #[test]
 fn converters_that_do_not_fit_are_told() {
     let fits = |adc: (f64, f64), dac: (f64, f64)| {
-        let (_, admitted) = TableFile::load("../../tests/data/table/table.toml".as_ref()).unwrap();
-        let mut table = *admitted;
+        let mut table = *table("");
         let span = |(zero, full)| Some(Span { zero, full });
         let options = CalibrationOptions { adc_span: span(adc), dac_span: span(dac), ..Default::default() };
         options.apply(&mut table);
@@ -50,12 +55,11 @@ fn converters_that_do_not_fit_are_told() {
 
 #[test]
 fn a_plan_keeps_what_is_stated_else_what_the_table_s_drive_may() {
-    let table = |path: &str| TableFile::load(path.as_ref()).unwrap().1;
-    let plain = table("../../tests/data/table/table.toml");
+    let plain = table("");
     assert_eq!(planned(&plain, None, None, None), None, "nobody says how fast");
     let limits = planned(&plain, None, None, Some(100.0)).unwrap();
     assert_eq!((limits.range_v, limits.rest_v, limits.slew_v_per_s), (identified_on(&plain), 0.0, 100.0));
-    let drives = table("../../tests/data/table/generalised-prandtl-ishlinskii/table.toml");
+    let drives = table("generalised-prandtl-ishlinskii");
     assert_eq!(planned(&drives, None, None, None), drives.drive.map(|drive| drive.limits));
     let narrow = planned(&drives, Some(Span { zero: 2.0, full: 1.0 }), None, Some(7.0)).unwrap();
     assert_eq!((narrow.range_v, narrow.rest_v, narrow.slew_v_per_s), (Range { min: 1.0, max: 2.0 }, 1.0, 7.0));
