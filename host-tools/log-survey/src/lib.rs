@@ -14,6 +14,7 @@ mod implausible;
 mod noise;
 pub mod reversals;
 mod rows;
+mod series;
 pub mod settled;
 mod signal;
 mod start;
@@ -31,14 +32,15 @@ pub use deadband::{deadband, noise_of};
 pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, sound};
 pub use implausible::Implausible;
 pub use rows::Found;
+pub use series::Series;
 pub use signal::{falls, is_noise, range};
 pub use start::prepared;
 pub use stillness::Stillness;
 pub use swings::{Cell, Swings};
 
 use blocks::Blocks;
-use noise::Noise;
 use rows::Rows;
+use series::SeriesTally;
 use stillness::Watch;
 
 /// What a log holds.
@@ -82,23 +84,6 @@ pub struct ColumnRead {
     pub name: String,
     /// Its unit, or a sensor's unit and scale.
     pub unit: String,
-}
-
-/// One series of a log.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Series {
-    /// The smallest value that was recorded.
-    pub low: f64,
-    /// The largest value that was recorded.
-    pub high: f64,
-    /// Scatter from row to row that no slow course explains, one standard deviation.
-    pub noise: f64,
-    /// Smallest change from a row to the next that is none.
-    pub resolution: f64,
-    /// Rows of the longest stretch at the smallest value.
-    pub longest_at_low: u64,
-    /// Rows of the longest stretch at the largest value.
-    pub longest_at_high: u64,
 }
 
 impl From<Chosen> for ColumnRead {
@@ -163,58 +148,6 @@ impl Tally {
         }
         self.blocks.add(row.voltage.unwrap_or(f64::NAN), row.displacement.unwrap_or(f64::NAN));
         self.rows += 1;
-    }
-}
-
-/// What is known of a series so far.
-#[derive(Default)]
-struct SeriesTally {
-    last: Option<f64>,
-    low: Extreme,
-    high: Extreme,
-    resolution: Option<f64>,
-    noise: Noise,
-}
-
-/// A largest value, and how long the series stood there.
-#[derive(Default)]
-struct Extreme {
-    value: Option<f64>,
-    run: u64,
-    longest: u64,
-}
-
-impl Extreme {
-    fn add(&mut self, value: f64) {
-        match self.value {
-            Some(most) if value < most => self.run = 0,
-            Some(most) if value == most => self.run += 1,
-            _ => (self.value, self.run, self.longest) = (Some(value), 1, 1),
-        }
-        self.longest = self.longest.max(self.run);
-    }
-}
-
-impl SeriesTally {
-    fn add(&mut self, value: Option<f64>) {
-        let Some(value) = value else { return };
-        self.low.add(-value);
-        self.high.add(value);
-        let step = self.last.map(|last| (value - last).abs()).filter(|step| *step > 0.0);
-        self.resolution = self.resolution.into_iter().chain(step).reduce(f64::min);
-        self.noise.add(value);
-        self.last = Some(value);
-    }
-
-    fn result(&self) -> Option<Series> {
-        Some(Series {
-            low: -self.low.value?,
-            high: self.high.value?,
-            noise: self.noise.deviation(),
-            resolution: self.resolution.unwrap_or(0.0),
-            longest_at_low: self.low.longest,
-            longest_at_high: self.high.longest,
-        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::Series;
+use crate::series::Series;
 
 /// Fewest rows that are a stretch.
 const ROWS: u64 = 8;

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use crate::Series;
-use crate::blocks::BlocksView;
+use crate::blocks::{Block, BlocksView};
+use crate::reversals::reversals;
+use crate::series::Series;
 
 /// Smallest half cycle, as a part of the voltage's range.
 const PART: f64 = 0.02;
@@ -61,38 +62,26 @@ pub(crate) fn find(blocks: BlocksView<'_>, voltage: &Series, period: f64) -> Swi
     Swings { reversals: turns.len().saturating_sub(2), threshold_v, cells: cells.into_iter().map(cell).collect() }
 }
 
-/// The log's start, its reversals and its end, as rows and voltages.
+/// The log's start, its reversals and the furthest that it goes behind the last of them, as rows and voltages; the start alone where the
+/// voltage goes nowhere.
 fn turns(blocks: BlocksView<'_>, threshold: f64) -> Vec<(f64, f64)> {
-    let points = blocks.blocks.iter().enumerate().flat_map(|(index, block)| {
-        let at = |part: f64| (index as f64 + part) * blocks.rows_a_block as f64;
+    let in_order = |block: &Block| {
         let (low, high) = block.voltage;
-        let second = if blocks.rows_a_block > 1 { 0.5 } else { 0.0 };
-        if block.rising { [(at(0.0), low), (at(second), high)] } else { [(at(0.0), high), (at(second), low)] }
-    });
-    let mut turns: Vec<(f64, f64)> = Vec::new();
-    // The furthest point since the last reversal, and the way there: up, down, or not yet known.
-    let mut furthest: Option<(f64, f64)> = None;
-    let mut up: Option<bool> = None;
-    for point in points {
-        let Some(far) = furthest else {
-            furthest = Some(point);
-            turns.push(point);
-            continue;
-        };
-        match up {
-            None if (point.1 - far.1).abs() >= threshold => (up, furthest) = (Some(point.1 > far.1), Some(point)),
-            None => {}
-            Some(true) if point.1 >= far.1 => furthest = Some(point),
-            Some(false) if point.1 <= far.1 => furthest = Some(point),
-            Some(was_up) if (point.1 - far.1).abs() >= threshold => {
-                turns.push(far);
-                (up, furthest) = (Some(!was_up), Some(point));
-            }
-            Some(_) => {}
-        }
+        if block.rising { [low, high] } else { [high, low] }
+    };
+    let voltages: Vec<f64> = blocks.blocks.iter().flat_map(in_order).collect();
+    // The second of a block's two stands in its middle, unless it is the same row.
+    let second = if blocks.rows_a_block > 1 { 0.5 } else { 0.0 };
+    let place = |index: usize| (index / 2) as f64 + (index % 2) as f64 * second;
+    let point = |index: usize| (place(index) * blocks.rows_a_block as f64, voltages[index]);
+    let mut turns = if voltages.is_empty() { Vec::new() } else { vec![0] };
+    turns.extend(reversals(&voltages, threshold));
+    if let Some(&last) = turns.last() {
+        let way = |index: &usize| (voltages[*index] - voltages[last]).abs();
+        let furthest = (last..voltages.len()).max_by(|one, other| way(one).total_cmp(&way(other)));
+        turns.extend(furthest.filter(|index| turns.len() > 1 || way(index) >= threshold));
     }
-    turns.extend(furthest.filter(|_| up.is_some()));
-    turns
+    turns.into_iter().map(point).collect()
 }
 
 fn amplitude_class(amplitude: f64, range: f64) -> usize {
