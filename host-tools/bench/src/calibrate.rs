@@ -8,13 +8,16 @@
 //! line of the monitor's channel, and of the DAC where the board drives; the sensor's own display, or a multimeter at its output, that
 //! of the second channel. Whatever divider and offsets are in between, they are then in the line.
 
+mod channel;
 pub mod doubt;
-mod error;
 mod measured;
+mod point;
 
-pub use error::CalibrationError;
+pub use channel::{Averaged, Channel};
 pub use measured::measured;
+pub use point::{Point, line};
 
+use crate::calibration_error::CalibrationError;
 use crate::driven::{Driven, STAYS_S};
 use crate::error::BenchError;
 use device_link::Client;
@@ -26,100 +29,10 @@ use std::time::{Duration, Instant};
 pub const AVERAGED_S: f64 = 1.0;
 /// How often that is tried again while the codes still drift.
 const TRIES: u32 = 10;
-/// How far the two halves of the average may be apart, of full scale: a thousandth of a volt in five.
-const DRIFT: f64 = 2e-4;
-/// How far the two points must be apart, of full scale: the error of a reading is an error of the gain, and grows outside.
-const APART: f64 = 0.1;
-/// This part of the channel at either end is saturated, as the firmware judges it.
-const MARGIN: u16 = 128;
 /// How long samples are waited for.
 const SILENCE: Duration = Duration::from_secs(2);
 /// How often it is looked whether a reading has come.
 const LOOK: Duration = Duration::from_millis(20);
-
-/// Which of the board's inputs is calibrated.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Channel {
-    /// The amplifier's monitor, V at its output.
-    Monitor,
-    /// The displacement sensor, µm.
-    Sensor,
-}
-
-impl Channel {
-    fn code(self, sample: &Sample) -> Option<u16> {
-        match self {
-            Self::Monitor => Some(sample.code),
-            Self::Sensor => sample.sensor,
-        }
-    }
-}
-
-/// Codes of a channel, averaged.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Averaged {
-    /// Mean of the codes.
-    pub code: f64,
-    /// Standard deviation of a code.
-    pub noise: f64,
-    /// From the mean of the first half to that of the second.
-    pub drift: f64,
-}
-
-impl Averaged {
-    /// Of a channel's codes.
-    ///
-    /// # Errors
-    /// There are none, or they stand at an end of the channel.
-    pub fn of(codes: &[u16], full_scale: u16) -> Result<Self, CalibrationError> {
-        if codes.len() < 2 {
-            return Err(CalibrationError::Silent);
-        }
-        let mean = |codes: &[u16]| codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64;
-        let code = mean(codes);
-        let squares: f64 = codes.iter().map(|&of| (f64::from(of) - code).powi(2)).sum();
-        let (before, after) = codes.split_at(codes.len() / 2);
-        let margin = full_scale / MARGIN;
-        // One that comes near the end with its noise alone is not there.
-        if code <= f64::from(margin) || code >= f64::from(full_scale - margin) {
-            return Err(CalibrationError::Saturated { code, full_scale });
-        }
-        Ok(Self { code, noise: (squares / codes.len() as f64).sqrt(), drift: mean(after) - mean(before) })
-    }
-
-    fn stands_still(&self, full_scale: u16) -> bool {
-        self.drift.abs() <= DRIFT * f64::from(full_scale)
-    }
-}
-
-/// An instrument's reading and the codes that belong to it.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Point {
-    /// V, or µm.
-    pub reading: f64,
-    /// The channel meanwhile.
-    pub channel: Averaged,
-    /// The DAC's code meanwhile, where the board drove the amplifier there.
-    pub dac: Option<f64>,
-}
-
-/// What codes 0 and full scale stand for, by the line through two points (code, reading).
-///
-/// # Errors
-/// The points are too near each other, or their readings do not differ.
-pub fn line(points: [(f64, f64); 2], full_scale: u16) -> Result<(f64, f64), CalibrationError> {
-    let [(c1, r1), (c2, r2)] = points;
-    let (codes, scale) = ((c2 - c1).abs(), f64::from(full_scale));
-    if codes < APART * scale {
-        return Err(CalibrationError::TooNear { codes, full_scale });
-    }
-    let gain = (r2 - r1) / (c2 - c1);
-    if !(gain.is_finite() && gain != 0.0) {
-        return Err(CalibrationError::SameReading(r1, r2));
-    }
-    let zero = r1 - gain * c1;
-    Ok((zero, zero + gain * scale))
-}
 
 /// How what is measured gets to the two points.
 pub enum Stand {
@@ -274,42 +187,5 @@ impl Calibrating<'_> {
         }
         self.client.stream(false)?;
         Ok(samples)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_line_goes_through_both_points_and_to_the_ends() {
-        let (zero, full) = line([(10_000.0, -20.0), (50_000.0, 70.0)], 65_520).unwrap();
-        let at = |code: f64| zero + (full - zero) * code / 65_520.0;
-        assert!((at(10_000.0) + 20.0).abs() < 1e-9 && (at(50_000.0) - 70.0).abs() < 1e-9);
-        let inverted = line([(10_000.0, 70.0), (50_000.0, -20.0)], 65_520).unwrap();
-        assert!(inverted.0 > inverted.1);
-    }
-
-    #[test]
-    fn points_that_say_nothing_are_refused() {
-        let near = line([(10_000.0, 1.0), (16_000.0, 9.0)], 65_520);
-        assert_eq!(near, Err(CalibrationError::TooNear { codes: 6_000.0, full_scale: 65_520 }));
-        let same = line([(10_000.0, 5.0), (50_000.0, 5.0)], 65_520);
-        assert_eq!(same, Err(CalibrationError::SameReading(5.0, 5.0)));
-        assert!(line([(10_000.0, f64::NAN), (50_000.0, 5.0)], 65_520).is_err());
-    }
-
-    #[test]
-    fn an_average_has_its_noise_and_drift_and_is_refused_at_an_end() {
-        let noisy: Vec<u16> = (0..2_000).map(|k| 30_000 + 3 * (k % 2)).collect();
-        let of = Averaged::of(&noisy, 65_520).unwrap();
-        assert_eq!((of.code, of.noise, of.drift), (30_001.5, 1.5, 0.0));
-        assert!(of.stands_still(65_520));
-        let creeping: Vec<u16> = (0..2_000).map(|k| 30_000 + k / 50).collect();
-        assert!(!Averaged::of(&creeping, 65_520).unwrap().stands_still(65_520));
-        for end in [0u16, 500, 65_100, 65_520] {
-            assert!(matches!(Averaged::of(&[end; 10], 65_520), Err(CalibrationError::Saturated { .. })), "{end}");
-        }
-        assert_eq!(Averaged::of(&[], 65_520), Err(CalibrationError::Silent));
     }
 }

@@ -2,6 +2,7 @@
 //! waited for for a second, and then the voltage goes to rest.
 
 use crate::board_file::BoardFacts;
+use crate::calibration_error::CalibrationError;
 use crate::error::BenchError;
 use crate::loan;
 use device_link::Client;
@@ -83,7 +84,7 @@ impl Driven {
             true
         });
         let played = match played {
-            Err(PlayError::Interrupted { .. }) => return Err(crate::calibrate::CalibrationError::Interrupted.into()),
+            Err(PlayError::Interrupted { .. }) => return Err(CalibrationError::Interrupted.into()),
             played => played?,
         };
         self.held = Some(played.held);

@@ -1,10 +1,10 @@
 //! Why a session on the bench cannot begin, or cannot end as it should.
 
 use crate::board_file::{AnotherBoard, BoardFileError};
-use crate::calibrate::CalibrationError;
-use crate::output::Output;
+use crate::calibration_error::CalibrationError;
+use crate::output::Jump;
 use crate::watch::Complaint;
-use crate::wiring::{NO_MODEL, WiringError};
+use crate::wiring::{NoModel, WiringError};
 use device_link::LinkError;
 use device_link::board::OtherFormat;
 use device_link::busy::Busy;
@@ -94,15 +94,8 @@ pub enum BenchError {
         what: &'static str,
     },
     /// By the other table the DAC puts out something else at rest.
-    #[error(
-        "the DAC's output would jump as the device restarts: by the table in use it is {in_use}; by the other, {other}"
-    )]
-    WouldJump {
-        /// By the table in use.
-        in_use: Output,
-        /// By the one that would take its place.
-        other: Output,
-    },
+    #[error(transparent)]
+    WouldJump(#[from] Jump),
     /// A session before was killed, and its folder keeps the table that was in use before it.
     #[error("{}: holds the only copy of the table that was in use before a session which did not end", path.display())]
     FormerKept {
@@ -116,8 +109,8 @@ pub enum BenchError {
         path: PathBuf,
     },
     /// The table in use is the straight line's, which is no model.
-    #[error("the device has {NO_MODEL}")]
-    NoModel,
+    #[error(transparent)]
+    NoModel(#[from] NoModel),
     /// Nothing says what would be good enough.
     #[error("the table in use states no ±, so that nothing says what would be good enough")]
     NothingStated,
@@ -183,6 +176,7 @@ impl BenchError {
             Self::Calibration(error) => Some(error),
             Self::Wiring(error) => Some(error),
             Self::Excitation(error) => Some(error),
+            Self::NoModel(error) => Some(error),
             _ => None,
         }
     }

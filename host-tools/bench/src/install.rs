@@ -107,7 +107,9 @@ fn may_take(client: &mut Client, table: &Admitted, rewired: bool) -> Result<(), 
     table.fits(&board::of(&client.identify()?)?)?;
     if let (false, Some(former)) = (rewired, in_use(client)?) {
         // One that cannot be read here is of another format, which the line above has refused, or damaged.
-        Table::parse(&former).map_or(Ok(()), |former| Output::same(&former, table))?;
+        if let Ok(former) = Table::parse(&former) {
+            Output::same(&former, table)?;
+        }
     }
     Ok(())
 }

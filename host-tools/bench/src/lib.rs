@@ -13,6 +13,7 @@
 mod board_edit;
 mod board_file;
 pub mod calibrate;
+mod calibration_error;
 mod described;
 mod driven;
 mod emulated;
@@ -36,6 +37,7 @@ mod tests;
 
 pub use board_edit::{Edited, Measured};
 pub use board_file::{AnotherBoard, BoardFacts, BoardFileError};
+pub use calibration_error::CalibrationError;
 pub use described::{beyond_training, caveats, describe, held, time, title, wire_not_found};
 pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
@@ -44,10 +46,10 @@ pub use install::{for_board, install, made_from, refusals, rehearsal};
 pub use loan::FORMER;
 pub use log::{Session, Unfinished, open_session, session};
 pub use other_range::OtherRange;
-pub use output::Output;
+pub use output::{Jump, Output};
 pub use prove::{Proof, Proven, foresee, prove};
 pub use set_out::set_out;
 pub use train::{Ended, Trained, Training, Written, train};
 pub use verdict::{MOST_PERCENT, STATED_PERCENT, Shares, Verdict};
 pub use watch::Complaint;
-pub use wiring::{NO_MODEL, Wiring, WiringError, is_line, require_model};
+pub use wiring::{NO_MODEL, NoModel, Wiring, WiringError, is_line, require_model};

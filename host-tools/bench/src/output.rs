@@ -3,7 +3,6 @@
 //! A device that takes another table goes to rest by the one in use, restarts, and puts out the rest of the new one at once.
 //! Where the two rests are not the same code, or the codes do not stand for the same volts, that is a jump at the amplifier.
 
-use crate::error::BenchError;
 use estimator_core::{Admitted, DacCode};
 use std::fmt;
 
@@ -16,6 +15,18 @@ pub struct Output {
     pub rest: DacCode,
     /// Volts at code 0 and at the largest code.
     pub span_v: (f32, f32),
+}
+
+/// The DAC puts out something else at rest by another table than by the one in use.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+#[error(
+    "the DAC's output would jump as the device restarts: by the table in use it is {in_use}; by the other, {other}"
+)]
+pub struct Jump {
+    /// By the table in use.
+    pub in_use: Output,
+    /// By the one that would take its place.
+    pub other: Output,
 }
 
 impl Output {
@@ -32,9 +43,9 @@ impl Output {
     ///
     /// # Errors
     /// The two differ.
-    pub fn same(in_use: &Admitted, other: &Admitted) -> Result<(), BenchError> {
+    pub fn same(in_use: &Admitted, other: &Admitted) -> Result<(), Jump> {
         match (Self::of(in_use), Self::of(other)) {
-            (Some(in_use), Some(other)) if in_use != other => Err(BenchError::WouldJump { in_use, other }),
+            (Some(in_use), Some(other)) if in_use != other => Err(Jump { in_use, other }),
             _ => Ok(()),
         }
     }

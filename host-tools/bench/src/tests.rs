@@ -161,7 +161,7 @@ fn a_proof_is_refused_before_the_drive_where_it_can_say_nothing() {
         interrupt: &interrupt,
     };
     let refused = prove(&mut client, &proof, &mut |_| panic!("it was driven")).unwrap_err();
-    assert!(matches!(refused, BenchError::NoModel), "{refused}");
+    assert!(matches!(refused, BenchError::NoModel(_)), "{refused}");
     let codes = rehearsal(&model()).unwrap();
     install(&mut client, &model(), false, &codes, &interrupt, &mut |_| {}).unwrap();
     let refused = prove(&mut client, &proof, &mut |_| panic!("it was driven")).unwrap_err();

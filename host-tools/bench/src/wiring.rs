@@ -1,7 +1,6 @@
 //! A board that is wired to be driven beside a sensor: everything that a session must know of it.
 
 use crate::board_file::BoardFacts;
-use crate::error::BenchError;
 use ::calibration::CalibrationOptions;
 use device_link::sensor::Sensor;
 use estimator_core::{
@@ -111,6 +110,11 @@ impl Wiring {
 /// What is said of a straight line in use.
 pub const NO_MODEL: &str = "no model: a straight line for measuring, its µm are volts above the rest";
 
+/// The table in use is the straight line's.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("the device has {NO_MODEL}")]
+pub struct NoModel;
+
 /// Whether a table is the straight line of [`Wiring::line`], no model: it was made from no log by no version of a tool.
 pub fn is_line(table: &Table) -> bool {
     let Provenance { logs, tool_version, .. } = table.provenance;
@@ -121,8 +125,8 @@ pub fn is_line(table: &Table) -> bool {
 ///
 /// # Errors
 /// The table is the straight line's.
-pub fn require_model(table: &Table) -> Result<(), BenchError> {
-    if is_line(table) { Err(BenchError::NoModel) } else { Ok(()) }
+pub fn require_model(table: &Table) -> Result<(), NoModel> {
+    if is_line(table) { Err(NoModel) } else { Ok(()) }
 }
 
 fn straight_line(

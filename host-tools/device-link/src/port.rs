@@ -116,9 +116,7 @@ pub enum PortError {
         there: Vec<String>,
     },
     /// No program listens there.
-    #[error(
-        "tcp:{socket}: nothing listens there; start an emulated board with `piezo emulate`, or in QEMU with `cargo xtask emulate`"
-    )]
+    #[error("tcp:{socket}: nothing listens there")]
     Nobody {
         /// The socket, as HOST:PORT.
         socket: String,

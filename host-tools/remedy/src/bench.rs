@@ -2,9 +2,8 @@
 
 use super::bits::faults;
 use super::device::too_long;
-use super::paste::{quoted, typed, with};
-use bench::calibrate::CalibrationError;
-use bench::{AnotherBoard, BenchError, BoardFileError, Complaint, Wiring, WiringError};
+use super::paste::{quoted, typed, verb, with};
+use bench::{AnotherBoard, BenchError, BoardFileError, CalibrationError, Complaint, NoModel, Wiring, WiringError};
 use emulator::{Bench, EmulatorError};
 use estimator_core::table::Misfit;
 use excitation::ExcitationError;
@@ -23,6 +22,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(calibration))
         .or_else(|| error.downcast_ref().map(emulated))
         .or_else(|| error.downcast_ref().map(excitation))
+        .or_else(|| error.downcast_ref().map(no_model))
 }
 
 /// What sent a drive to rest, each fault with its remedy.
@@ -74,11 +74,6 @@ pub fn introduced(bench: &Bench, wiring: &Wiring, learns: bool, options: &str) -
     (described, next)
 }
 
-/// Whether this verb was typed.
-pub(super) fn verb(name: &str) -> bool {
-    std::env::args_os().nth(1).is_some_and(|verb| verb == name)
-}
-
 fn session(error: &BenchError) -> String {
     match error {
         BenchError::NotDriving => format!(
@@ -125,9 +120,7 @@ fn session(error: &BenchError) -> String {
                 "{error}, more than a minute: is drive_slew in board.toml, and the table's, what the amplifier stands?"
             )
         }
-        BenchError::NoModel => format!("{error}: `piezo train`, `piezo identify` and `piezo install` make one"),
         BenchError::NothingStated => format!("{error}: say it with --max-percent, of the stroke"),
-        BenchError::Both(one, other) => format!("{}; and then: {}", session(one), session(other)),
         BenchError::Stopped { ticks, faults } => {
             let said = format!("after {ticks} ticks {}", stopped(*faults));
             match verb("calibrate") && faults.contains(Faults::AMPLIFIER) {
@@ -144,7 +137,7 @@ fn session(error: &BenchError) -> String {
             }
         }
         BenchError::Nothing(_) => format!("{error}: choose a longer --seconds"),
-        _ => error.of_another().map_or_else(|| error.to_string(), super::told),
+        _ => error.to_string(),
     }
 }
 
@@ -210,6 +203,10 @@ fn wiring(error: &WiringError) -> String {
         WiringError::BeyondRange { allowed, .. } => format!("{error}: --range {}:{} at most", allowed.min, allowed.max),
         WiringError::Refused(_) => error.to_string(),
     }
+}
+
+fn no_model(error: &NoModel) -> String {
+    format!("{error}: `piezo train`, `piezo identify` and `piezo install` make one")
 }
 
 fn board_file(error: &BoardFileError) -> String {

@@ -1,9 +1,7 @@
 //! What goes wrong between host and device.
 
-use super::bench::verb;
 use super::bits::{Meaning, faults, status};
-use super::paste::{typed, with};
-use super::waveform::stop;
+use super::paste::{typed, verb, with};
 use device_link::busy::Busy;
 use device_link::cycle::CycleError;
 use device_link::pil::{Comparison, FeedError};
@@ -114,6 +112,11 @@ fn remedy(refusal: &Refusal) -> String {
     remedy.to_owned()
 }
 
+/// The command that ends what the device plays.
+pub(super) fn stop() -> String {
+    format!("piezo waveform --stop{}", typed("--port"))
+}
+
 pub(super) fn link(error: &LinkError) -> String {
     match error {
         LinkError::Port(error) => port(error),
@@ -134,6 +137,9 @@ fn port(error: &PortError) -> String {
         // A socket's address is no port's name.
         PortError::Missing { port, .. } if format!("tcp:{port}").parse::<Address>().is_ok() => {
             format!("{error}; a socket's is --port tcp:{port}")
+        }
+        PortError::Nobody { .. } => {
+            format!("{error}; start an emulated board with `piezo emulate`, or in QEMU with `cargo xtask emulate`")
         }
         PortError::NoBoard { .. } => format!(
             "{error}. Is the cable one for data, and at the connector of the probe (USB ST-LINK)? Is the lamp LD1 lit? Another \
@@ -249,5 +255,13 @@ mod tests {
         );
         assert!(lines[0].ends_with("--port /dev/ttyACM0   # 0039") && lines[0].contains("    piezo "), "{said}");
         assert!(lines[1].ends_with("--port /dev/ttyACM1   # no serial number") && lines.len() == 2, "{said}");
+    }
+
+    #[test]
+    fn where_nothing_listens_a_board_is_emulated() {
+        let said = link(&LinkError::Port(PortError::Nobody { socket: "127.0.0.1:4740".to_owned() }));
+        assert!(
+            said.starts_with("tcp:127.0.0.1:4740: nothing listens there; start") && said.contains("`piezo emulate`")
+        );
     }
 }

@@ -28,6 +28,7 @@ pub use supply::supply;
 pub use verdict::{doubts, next, verdict, zeros};
 pub use waveform::{played, plays};
 
+use ::bench::BenchError;
 use std::error::Error;
 
 /// An error and what caused it, each with its remedy, as one sentence. What it quotes of a file changes nothing of a terminal.
@@ -37,8 +38,13 @@ pub fn sentence(error: &(dyn Error + 'static)) -> String {
     sentence.chars().map(|c| if c.is_control() && c != '\n' && c != '\t' { '?' } else { c }).collect()
 }
 
-/// One error of a chain.
+/// One error of a chain. A session's that is another part's is told as that part's.
 fn told(error: &(dyn Error + 'static)) -> String {
+    let session: Option<&BenchError> = error.downcast_ref();
+    if let Some(BenchError::Both(one, other)) = session {
+        return format!("{}; and then: {}", told(&**one), told(&**other));
+    }
+    let error = session.and_then(BenchError::of_another).unwrap_or(error);
     let found = log::told(error)
         .or_else(|| identification::told(error))
         .or_else(|| device::told(error))
@@ -50,6 +56,7 @@ fn told(error: &(dyn Error + 'static)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ::bench::NoModel;
     use std::path::Path;
     use table_files::TableFile;
 
@@ -59,5 +66,12 @@ mod tests {
         let said = sentence(&error);
         assert!(said.starts_with("a.toml: is no table.toml: ") && said.contains("]0;b"), "{said}");
         assert!(!said.chars().any(|c| c.is_control() && c != '\n'), "{said:?}");
+    }
+
+    #[test]
+    fn what_a_session_passes_on_has_its_own_remedy_also_behind_another() {
+        let both = BenchError::Both(Box::new(BenchError::NotTaken), Box::new(NoModel.into()));
+        assert_eq!(sentence(&both), format!("{}; and then: {}", sentence(&BenchError::NotTaken), sentence(&NoModel)));
+        assert!(sentence(&BenchError::from(NoModel)).ends_with("`piezo install` make one"), "{}", sentence(&NoModel));
     }
 }

@@ -1,7 +1,6 @@
 //! What is wrong with a log or with how it is prepared.
 
-use super::bench::verb;
-use super::paste;
+use super::paste::{self, verb};
 use recordings::log::{Fault, LogError, Quantity, Unit};
 use recordings::prepare::PrepareError;
 use std::error::Error;

@@ -2,6 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+/// Whether this verb was typed.
+pub fn verb(name: &str) -> bool {
+    std::env::args_os().nth(1).is_some_and(|verb| verb == name)
+}
+
 /// The command on a line of its own, with these options in place of those of the same name; one with an empty value is left
 /// out. Of several logs that are looked at only `refused` is left: what is said of it need not hold for the others.
 pub fn with(refused: &Path, options: &[(&str, &str)]) -> String {

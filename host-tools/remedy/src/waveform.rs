@@ -1,6 +1,7 @@
 //! What becomes of a waveform that a device plays from its memory.
 
-use super::paste::typed;
+use super::device::{link, refusal, stop};
+use super::paste::{typed, verb};
 use bench::waveform::WaveformError;
 use device_link::LinkError;
 use protocol::{Health, Refusal};
@@ -17,7 +18,7 @@ fn waveform(error: &WaveformError) -> String {
         WaveformError::Points(_) => {
             format!("{error}: leave some out, it is straight between those that are left, and say --every TICKS")
         }
-        WaveformError::OutOfReach { .. } if super::bench::verb("follow") => {
+        WaveformError::OutOfReach { .. } if verb("follow") => {
             format!(
                 "{error}: ask for less or more slowly, or say what is allowed by --max-error; --dry-run looks at it again"
             )
@@ -29,19 +30,14 @@ fn waveform(error: &WaveformError) -> String {
         WaveformError::LongWay(_) => {
             format!("{error}: is the slew rate of `piezo info{}` what the amplifier stands?", typed("--port"))
         }
-        WaveformError::NoDrive => super::refusal(&Refusal::NoDrive),
+        WaveformError::NoDrive => refusal(&Refusal::NoDrive),
         WaveformError::Link(error @ LinkError::Unknown { .. }) => {
             let port = typed("--port");
             format!("{error}: `piezo info{port}` says whether it plays, and `{}` ends it", stop())
         }
-        WaveformError::Link(error) => super::device::link(error),
+        WaveformError::Link(error) => link(error),
         WaveformError::Inverse(_) | WaveformError::NotPlayed(_) => error.to_string(),
     }
-}
-
-/// The command that ends what the device plays.
-pub(super) fn stop() -> String {
-    format!("piezo waveform --stop{}", typed("--port"))
 }
 
 /// What a device does that has been told to play so many lines, or lines for ever where there are 0.

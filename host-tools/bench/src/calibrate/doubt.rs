@@ -1,6 +1,7 @@
 //! Readings and codes that are not to be believed: swapped, mistyped, or of a converter without its reference.
 
-use super::{CalibrationError, Channel};
+use super::channel::Channel;
+use crate::calibration_error::CalibrationError;
 use protocol::{Faults, Sample};
 
 /// How far a reading may be from the voltage that was driven to, of the drive's range: a calibration to begin with is nearer.

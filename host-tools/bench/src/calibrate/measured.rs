@@ -1,8 +1,11 @@
 //! What two points of a calibration say, as the file has it.
 
-use super::{CalibrationError, Channel, Point, doubt, line};
+use super::channel::Channel;
+use super::doubt;
+use super::point::{Point, line};
 use crate::board_edit::Measured;
 use crate::board_file::BoardFacts;
+use crate::calibration_error::CalibrationError;
 use protocol::Identity;
 
 /// What board.toml is to say by two points: the span of the channel, and that of the DAC where the board drove to them. A reading
