@@ -12,6 +12,7 @@
 mod column;
 mod datagrams;
 mod device;
+mod error;
 mod feed;
 mod figures;
 mod guard;
@@ -28,6 +29,7 @@ mod unread;
 pub use column::{Column, Columns, Extent};
 pub use datagrams::{Datagrams, Format, UnknownReceiver};
 pub use device::Device;
+pub use error::{Gone, Undone, Unkept};
 pub use feed::{Feed, Tick};
 pub use page::PAGE;
 pub use scope::{Ended, Scope, run};

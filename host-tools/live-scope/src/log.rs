@@ -1,5 +1,6 @@
 //! A recording that the page began: the log of `device_link::recording`, in a file of its own.
 
+use crate::error::Unkept;
 use device_link::recording::{End, Recorder, SILENCE, Wish};
 use protocol::Samples;
 use recordings::file::{Replacement, partial};
@@ -91,8 +92,8 @@ impl Log {
     /// Ends it, in its place; a sentence of what there is.
     ///
     /// # Errors
-    /// A sentence of what cannot be written, and where what was written is.
-    pub fn finish(self) -> Result<String, String> {
+    /// It cannot be written.
+    pub fn finish(self) -> Result<String, Unkept> {
         let seconds = self.seconds();
         let Self { path, number, mut recorder, .. } = self;
         let rows = recorder.recording().rows;
@@ -105,13 +106,10 @@ impl Log {
         let cut = if flushed.is_err() { disk.file.cut_to_lines().map(drop) } else { Ok(()) };
         let folder = path.parent().unwrap_or(Path::new(""));
         let put = disk.file.commit_to_free(names(folder, number).map(|(_, path)| path));
-        let cannot = |error: &io::Error| format!("{}: cannot be written: {error}", path.display());
         match (put, flushed.and(cut)) {
             (Ok(path), Ok(())) => Ok(format!("{} holds {rows} samples, {seconds:.3} s", path.display())),
-            (Ok(kept), Err(error)) => {
-                Err(format!("{}; {} holds what was written until then", cannot(&error), kept.display()))
-            }
-            (Err(error), _) => Err(cannot(&error)),
+            (Ok(kept), Err(error)) => Err(Unkept::Cut { path, error, kept }),
+            (Err(error), _) => Err(Unkept::Lost { path, error }),
         }
     }
 }
@@ -227,7 +225,7 @@ mod tests {
         let path = log.path().to_owned();
         let failed = (0..100).find_map(|number| log.take(&samples(4 * number)).err());
         assert!(failed.is_some_and(|error| error.kind() == io::ErrorKind::StorageFull));
-        let said = log.finish().unwrap_err();
+        let said = log.finish().unwrap_err().to_string();
         assert!(said.contains("cannot be written") && said.contains("recording-1.csv holds what was"), "{said}");
         let kept = fs::read_to_string(path).unwrap();
         assert!(

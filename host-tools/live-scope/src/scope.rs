@@ -5,6 +5,7 @@
 use crate::column::Columns;
 use crate::datagrams::Datagrams;
 use crate::device::Device;
+use crate::error::{Gone, Undone, Unkept};
 use crate::feed::{Feed, Tick};
 use crate::figures::{facts, figures};
 use crate::log::Log;
@@ -49,7 +50,7 @@ pub struct Ended {
     /// The device, unless its link had failed.
     pub device: Option<Device>,
     /// What became of the recording that was under way, if one was: a sentence, an error where it is not all there.
-    pub recorded: Option<Result<String, String>>,
+    pub recorded: Option<Result<String, Unkept>>,
 }
 
 impl<'s> Scope<'s> {
@@ -71,19 +72,19 @@ impl<'s> Scope<'s> {
     }
 
     /// Ends the recording that is under way, if one is; says so on the page, and here, an error where it is not all there.
-    fn end_log(&mut self, why: Option<&str>) -> Option<Result<String, String>> {
+    fn end_log(&mut self, why: Option<&str>) -> Option<Result<String, Unkept>> {
         let finished = self.log.take()?.finish();
-        let (Ok(kept) | Err(kept)) = &finished;
-        self.recorded = Some(why.map_or(kept.clone(), |why| format!("{why}; {kept}")));
+        let kept = finished.as_ref().map_or_else(Unkept::to_string, String::clone);
+        self.recorded = Some(why.map_or_else(|| kept.clone(), |why| format!("{why}; {kept}")));
         Some(finished)
     }
 
-    fn begin_log(&mut self, device: &Device) -> Result<String, String> {
+    fn begin_log(&mut self, device: &Device) -> Result<String, Undone> {
         if let Some(log) = &self.log {
-            return Err(format!("{} is being recorded", log.path().display()));
+            return Err(Undone::Recording { path: log.path().to_owned() });
         }
         let log = Log::begin(&self.folder, device.recording())
-            .map_err(|error| format!("{}: no recording can be written there: {error}", self.folder.display()))?;
+            .map_err(|error| Undone::NoRecording { folder: self.folder.clone(), error })?;
         let said = format!("recording into {}", log.path().display());
         (self.log, self.recorded) = (Some(log), None);
         Ok(said)
@@ -105,7 +106,7 @@ impl<'s> Scope<'s> {
 pub fn run(
     device: Device,
     scope: &mut Scope<'_>,
-    reopen: &mut dyn FnMut() -> Result<Device, String>,
+    reopen: &mut dyn FnMut() -> Result<Device, Gone>,
     over: &dyn Fn() -> bool,
 ) -> Ended {
     let mut found = Ok(device);
@@ -115,7 +116,7 @@ pub fn run(
                 Ok(device) => break Some(device),
                 Err(error) => {
                     scope.end_log(Some("the link failed"));
-                    found = Err(sentence(&error));
+                    found = Err(Gone(sentence(&error)));
                 }
             },
             Err(why) => {
@@ -130,8 +131,8 @@ pub fn run(
 }
 
 /// Says why there is nothing to be seen, for a second; `false` when it is over.
-fn wait(scope: &Scope<'_>, why: &str, over: &dyn Fn() -> bool) -> bool {
-    let state = State { gone: Some(why.to_owned()), recorded: scope.recorded.clone(), ..State::default() };
+fn wait(scope: &Scope<'_>, why: &Gone, over: &dyn Fn() -> bool) -> bool {
+    let state = State { gone: Some(why.to_string()), recorded: scope.recorded.clone(), ..State::default() };
     scope.send("state", &state);
     let until = Instant::now() + AGAIN;
     while Instant::now() < until {
@@ -140,7 +141,7 @@ fn wait(scope: &Scope<'_>, why: &str, over: &dyn Fn() -> bool) -> bool {
         }
         std::thread::sleep(LOOK);
         if let Some(asked) = scope.server.asked() {
-            asked.answer(Err(why.to_owned()));
+            asked.answer(Err(why.clone().into()));
         }
     }
     true
@@ -253,31 +254,30 @@ impl Link {
             Wish::Record(true) => scope.begin_log(&self.device),
             Wish::Record(false) => {
                 let before = scope.recorded.clone().unwrap_or("nothing is being recorded".to_owned());
-                scope.end_log(None).unwrap_or(Ok(before))
+                scope.end_log(None).unwrap_or(Ok(before)).map_err(Undone::from)
             }
         };
         asked.answer(done);
     }
 
     /// Calls the displacement of now `at`, µm.
-    fn zero(&mut self, at: f64) -> Result<String, String> {
-        let told = |error: LinkError| sentence(&error);
-        bench::require_model(&self.device.table).map_err(|error| sentence(&error))?;
-        let before = self.device.client.health().map_err(told)?;
+    fn zero(&mut self, at: f64) -> Result<String, Undone> {
+        bench::require_model(&self.device.table)?;
+        let before = self.device.client.health()?;
         if let Some(why) = remedy::not_estimating(before.mode, self.device.client.address()) {
-            return Err(why);
+            return Err(Undone::NotEstimating(why));
         }
-        self.device.client.set_zero(at as f32).map_err(told)?;
+        self.device.client.set_zero(at as f32)?;
         let start = Instant::now();
         loop {
-            self.health = self.device.client.health().map_err(told)?;
+            self.health = self.device.client.health()?;
             // A zero since then is younger than that; the one before is not.
             let since = self.health.ticks.wrapping_sub(before.ticks);
             if self.health.bias_age_ticks.is_some_and(|age| age <= since) {
                 return Ok(format!("called {at} µm; {}", self.bias()));
             }
             if start.elapsed() > TOLD {
-                return Err("the estimate began anew meanwhile, and forgot it: ask again".to_owned());
+                return Err(Undone::Forgotten);
             }
             std::thread::sleep(LOOK);
         }

@@ -9,6 +9,7 @@
 //!
 //! A request a connection, each in a thread of its own. Anything else, and whoever else asks, is refused with a sentence.
 
+use crate::error::Undone;
 use crate::guard::{Guard, Refusal};
 use crate::http::{self, Request, Status};
 use crate::page::PAGE;
@@ -64,12 +65,12 @@ pub struct Asked {
     pub wish: Wish,
     /// When it was wished.
     at: Instant,
-    answer: SyncSender<Result<String, String>>,
+    answer: SyncSender<Result<String, Undone>>,
 }
 
 impl Asked {
     /// Answers, in a sentence.
-    pub fn answer(self, done: Result<String, String>) {
+    pub fn answer(self, done: Result<String, Undone>) {
         // Who has gone does not wait.
         let _ = self.answer.send(done);
     }
@@ -242,7 +243,7 @@ fn answer(path: &str, request: &Request, mut stream: TcpStream, shared: &Shared)
         ("POST", wish) => {
             let (status, said) = match ask(wish, request, shared) {
                 Ok(Ok(said)) => (Status::Ok, said),
-                Ok(Err(said)) => (Status::Conflict, said),
+                Ok(Err(why)) => (Status::Conflict, why.told()),
                 Err(status) => (status, "this is nothing that the page asks for".to_owned()),
             };
             say(&mut stream, status, &said)
@@ -273,7 +274,7 @@ fn events(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
 }
 
 /// Hands a wish on, and waits for what becomes of it.
-fn ask(path: &str, request: &Request, shared: &Shared) -> Result<Result<String, String>, Status> {
+fn ask(path: &str, request: &Request, shared: &Shared) -> Result<Result<String, Undone>, Status> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Zero {
@@ -292,11 +293,9 @@ fn ask(path: &str, request: &Request, shared: &Shared) -> Result<Result<String, 
     let wish = wish.map_err(|_| Status::Bad)?;
     let (answer, done) = sync_channel(1);
     if shared.asked.try_send(Asked { wish, at: Instant::now(), answer }).is_err() {
-        return Ok(Err("it was not done, since the device is busy with another wish: ask again".to_owned()));
+        return Ok(Err(Undone::Busy));
     }
-    let unknown =
-        || Err("the device is busy, and whether it was done is unknown: look, and ask again if not".to_owned());
-    Ok(done.recv_timeout(DONE).unwrap_or_else(|_| unknown()))
+    Ok(done.recv_timeout(DONE).unwrap_or(Err(Undone::Unknown)))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use device_link::{Client, words};
 use emulator::faults::samples;
 use emulator::{Emulator, FaultyLine, TABLE};
 use estimator_core::{AdcCode, DacCode, Status};
-use live_scope::{Device, PAGE, Scope, Server, run, server};
+use live_scope::{Device, Gone, PAGE, Scope, Server, run, server};
 use protocol::Mode;
 use recordings::log::{ReadOptions, read};
 use serde_json::Value;
@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 
 const PATIENCE: Duration = Duration::from_secs(20);
 
-fn open(address: SocketAddr) -> Result<Device, String> {
-    let (client, identity) = Client::connect(&address.into()).map_err(|error| error.to_string())?;
+fn open(address: SocketAddr) -> Result<Device, Gone> {
+    let (client, identity) = Client::connect(&address.into()).map_err(|error| Gone(error.to_string()))?;
     Ok(Device { client, identity, table: TABLE.admit().expect("the image's table is admitted"), sensor: None })
 }
 

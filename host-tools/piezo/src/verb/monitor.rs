@@ -7,7 +7,7 @@ use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::{choice, count, not_negative};
-use anyhow::{Error, Result, ensure};
+use anyhow::{Result, ensure};
 use bench::BoardFacts;
 use clap::Args;
 use device_link::interrupt::Interrupt;
@@ -17,7 +17,7 @@ use device_link::{table, words};
 use estimator_core::Range;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use live_scope::terminal::{line, object, picture};
-use live_scope::{Datagrams, Device, Format, Scope, Server, server};
+use live_scope::{Datagrams, Device, Format, Gone, Scope, Server, server};
 use protocol::Mode;
 use recordings::file;
 use std::io::IsTerminal;
@@ -97,11 +97,11 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
         }
         out(&format!("The scope is at {} until Ctrl-C", server.url()));
         let mut scope = Scope::new(&server, &arguments.out, datagrams);
-        let mut again = || open(arguments, span).map_err(|error| remedy::sentence(error.as_ref()));
+        let mut again = || open(arguments, span).map_err(|error| Gone(remedy::sentence(error.as_ref())));
         let ended = live_scope::run(device, &mut scope, &mut again, &over);
         ended.device.iter().for_each(|device| note_damage(&device.client));
         if let Some(recorded) = ended.recorded {
-            out(&recorded.map_err(Error::msg)?);
+            out(&recorded?);
         }
         return Ok(true);
     }
