@@ -5,6 +5,7 @@
 
 mod determination;
 mod doubt;
+pub mod figures;
 mod interval;
 mod left_out;
 mod proven;

@@ -196,8 +196,8 @@ impl Cli {
             Verb::Reset(arguments) => reset::run(&arguments),
             Verb::Simulate(arguments) => simulate::run(&arguments),
             Verb::Reproduce(arguments) => reproduce::run(&arguments),
-            Verb::Completions(arguments) => manual::completions(&arguments),
-            Verb::Man(arguments) => manual::manual(&arguments),
+            Verb::Completions(arguments) => manual::completions(&arguments, Self::command()),
+            Verb::Man(arguments) => manual::manual(&arguments, Self::command()),
         }
     }
 }

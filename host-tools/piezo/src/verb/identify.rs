@@ -1,10 +1,11 @@
 //! `piezo identify`: logs → a proven parameter table and a report.
 
-use super::print::{heading, out, progress, row};
+use super::print::{out, progress};
 use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choice};
 use crate::output::{self, FACES, Held, PAGE, PICTURE};
 use anyhow::{Context, Result};
 use clap::Args;
+use findings::figures::{heading, row};
 use identifiability::Determination;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};

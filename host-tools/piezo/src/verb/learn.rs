@@ -1,9 +1,12 @@
 //! `piezo learn`: from a board and a sensor to a proven table, by the verbs that each do a part: train, identify, install, prove.
 
+use super::identify::{self, Identify};
+use super::install::{self, Install};
 use super::print::out;
+use super::prove::{self, Prove};
+use super::train::{self, Train};
 use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, positive};
-use crate::{Cli, Verb};
 use ::calibration::span::Span;
 use anyhow::{Context, Result};
 use bench::{BenchError, Session, session};
@@ -41,6 +44,16 @@ pub struct Learn {
     /// What the voltages are to be like.
     #[command(flatten)]
     pub excitation: ExcitationArgs,
+}
+
+/// The parts, as the program's command line has them.
+#[derive(Parser)]
+#[command(name = "piezo", version)]
+enum Part {
+    Train(Train),
+    Identify(Box<Identify>),
+    Install(Install),
+    Prove(Prove),
 }
 
 /// The option of `piezo identify` that says the tick.
@@ -134,8 +147,8 @@ fn typed(words: &[String]) -> String {
 }
 
 /// A command without the program's name, as if it were typed.
-fn parse(words: Vec<String>) -> Result<Cli> {
-    Ok(Cli::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?)
+fn parse(words: Vec<String>) -> Result<Part> {
+    Ok(Part::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?)
 }
 
 /// Runs a command as if it were typed, which installs a table for these voltages; `false` where it says so, or was not begun.
@@ -146,15 +159,15 @@ fn part(words: Vec<String>, interrupt: &Interrupt, range: Option<Span>) -> Resul
         return Ok(false);
     }
     out(&format!("\n$ piezo {typed}"));
-    let mut part = parse(words)?;
-    // The other parts look for it themselves.
-    let _listens =
-        matches!(part.verb, Verb::Identify(_)).then(|| interrupt.then(|| eprintln!("piezo: {}", remedy::ENDS)));
-    match &mut part.verb {
-        Verb::Train(train) => train.of_learn = true,
-        Verb::Identify(identify) => identify.of_learn = true,
-        Verb::Install(install) => (install.of_learn, install.range) = (true, range),
-        _ => {}
+    match parse(words)? {
+        Part::Train(train) => train::run(&Train { of_learn: true, ..train }),
+        Part::Identify(mut identify) => {
+            identify.of_learn = true;
+            // The other parts look for it themselves.
+            let _listens = interrupt.then(|| eprintln!("piezo: {}", remedy::ENDS));
+            identify::run(&mut identify)
+        }
+        Part::Install(install) => install::run(&Install { of_learn: true, range, ..install }),
+        Part::Prove(prove) => prove::run(&prove),
     }
-    part.run()
 }

@@ -1,11 +1,10 @@
 //! `piezo completions` and `piezo man`: what a package of this program installs beside it, made of its own command line.
 
-use crate::Cli;
 use crate::option::Overwrite;
 use crate::output::{self, to_folder};
 use crate::verb::print::out;
 use anyhow::{Context, Result};
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
 use std::path::PathBuf;
@@ -31,18 +30,18 @@ pub struct Manual {
 /// By what a page of a former run is known.
 const PAGE: &str = ".TH piezo";
 
-/// Prints the shell's completions.
-pub fn completions(arguments: &Completions) -> Result<bool> {
+/// Prints the shell's completions of a command line.
+pub fn completions(arguments: &Completions, mut cli: Command) -> Result<bool> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Cli::command(), "piezo", &mut script);
+    clap_complete::generate(arguments.shell, &mut cli, "piezo", &mut script);
     output::standard(&script)?;
     Ok(true)
 }
 
-/// Writes the manual's pages.
-pub fn manual(arguments: &Manual) -> Result<bool> {
+/// Writes a command line's pages of the manual.
+pub fn manual(arguments: &Manual, cli: Command) -> Result<bool> {
     let _held = to_folder(&arguments.out)?;
-    let mut cli = Cli::command().disable_help_subcommand(true);
+    let mut cli = cli.disable_help_subcommand(true);
     cli.build();
     let mut pages = Vec::new();
     for command in std::iter::once(&cli).chain(cli.get_subcommands()) {

@@ -1,7 +1,7 @@
 //! `piezo prove`: the board's own estimate beside the sensor on a random drive: pass or fail.
 
 use super::device::note_damage;
-use super::print::{heading, out, progress, row};
+use super::print::{out, progress};
 use crate::option::link::{Interrupting, PortOption};
 use crate::option::{BoardOption, not_negative, positive, span};
 use crate::output;
@@ -11,6 +11,7 @@ use bench::{Proof, Proven, foresee, prove};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use excitation::hertz;
+use findings::figures::{heading, row};
 use serde_json::json;
 use std::path::PathBuf;
 

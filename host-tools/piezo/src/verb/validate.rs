@@ -2,11 +2,12 @@
 //! estimator is told, and the estimates as a file.
 
 use super::device::look_at;
-use super::print::{heading, out, row};
+use super::print::out;
 use crate::option::{DECIMATIONS, LogOptions, Overwrite, ScopeArgs, TOLD, choice, not_negative};
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use findings::figures::{heading, row};
 use findings::{EXPLAINED, flaw, held, suspicion};
 use identification::validate::{
     Comparison, Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates,
