@@ -10,11 +10,9 @@ use std::{
 };
 
 use anyhow::{Result, ensure};
-use clap::Parser as _;
+use clap::Command;
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use xshell::{Shell, cmd};
-
-use crate::Arguments;
 
 /// The folder of the book's chapters, and the list of them.
 const CHAPTERS: &str = "book/src";
@@ -38,11 +36,11 @@ struct Document {
     code: Vec<(usize, String)>,
 }
 
-/// Checks every document of the repository.
+/// Checks every document of the repository; `xtask` is the command line of `cargo xtask`.
 ///
 /// # Errors
 /// What is wrong, each with its place.
-pub fn check(sh: &Shell) -> Result<()> {
+pub fn check(sh: &Shell, xtask: &Command) -> Result<()> {
     let listed = cmd!(sh, "git ls-files").quiet().read()?;
     let files: BTreeSet<PathBuf> = listed.lines().map(PathBuf::from).collect();
     let mut documents = BTreeMap::new();
@@ -63,7 +61,7 @@ pub fn check(sh: &Shell) -> Result<()> {
             }
         }
         for (line, code) in &document.code {
-            if let Some(what) = refused(code) {
+            if let Some(what) = refused(code, xtask) {
                 add(*line, what);
             }
         }
@@ -199,10 +197,11 @@ fn missing(sh: &Shell, word: &str, files: &BTreeSet<PathBuf>) -> Result<Option<S
 }
 
 /// Why `cargo xtask` does not take a line that calls it.
-fn refused(code: &str) -> Option<String> {
+fn refused(code: &str, xtask: &Command) -> Option<String> {
     let arguments = code.trim().strip_prefix("cargo xtask")?;
     let words = shlex::split(arguments).unwrap_or_default();
-    let refused = Arguments::try_parse_from([String::from("xtask")].into_iter().chain(words)).err()?;
+    let words = [String::from("xtask")].into_iter().chain(words);
+    let refused = xtask.clone().try_get_matches_from(words).err()?;
     // Asking for help is taken, too.
     refused.use_stderr().then(|| format!("`{}`: {}", code.trim(), refused.kind()))
 }
@@ -210,6 +209,8 @@ fn refused(code: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Arguments;
+    use clap::CommandFactory as _;
 
     #[test]
     fn what_a_document_points_at_is_found_with_its_line() {
@@ -261,6 +262,7 @@ mod tests {
 
     #[test]
     fn a_chore_that_there_is_not_is_found() {
+        let refused = |code| refused(code, &Arguments::command());
         for taken in ["cargo xtask figures models   # these", "cargo xtask test --list", "  cargo xtask --help", "ls"] {
             assert_eq!(refused(taken), None);
         }

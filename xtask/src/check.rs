@@ -3,7 +3,7 @@
 use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::Result;
-use clap::{Args, builder::PossibleValuesParser};
+use clap::{Args, Command, builder::PossibleValuesParser};
 use xshell::Shell;
 
 use crate::{
@@ -39,11 +39,11 @@ fn names() -> PossibleValuesParser {
 }
 
 /// Runs the checks asked for, some of them beside others. The end of the output says what each took, and the last line counts
-/// them; the exit code says whether any failed.
+/// them; the exit code says whether any failed. `xtask` is the command line of `cargo xtask`.
 ///
 /// # Errors
 /// Those beside others cannot be started, or their output cannot be read.
-pub fn run(sh: &Shell, arguments: &Arguments) -> Result<ExitCode> {
+pub fn run(sh: &Shell, arguments: &Arguments, xtask: &Command) -> Result<ExitCode> {
     if arguments.list {
         for step in &STEPS {
             println!("{:8} {}", step.name, step.about);
@@ -77,7 +77,7 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> Result<ExitCode> {
         } else if ends {
             Outcome::NotRun
         } else {
-            execute(sh, step)
+            execute(sh, step, xtask)
         };
         failed |= outcome.failed();
         println!("{}", outcome.describe(step));
@@ -97,9 +97,9 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> Result<ExitCode> {
     Ok(if outcomes.iter().any(Outcome::failed) { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn execute(sh: &Shell, step: &Step) -> Outcome {
+fn execute(sh: &Shell, step: &Step, xtask: &Command) -> Outcome {
     let stopwatch = Stopwatch::start();
-    let result = tool::require(sh, step.tools).and_then(|()| (step.run)(sh));
+    let result = tool::require(sh, step.tools).and_then(|()| (step.run)(sh, xtask));
     match result {
         Ok(()) => Outcome::Passed(stopwatch.read()),
         Err(error) => {

@@ -8,6 +8,7 @@ mod artifact;
 mod beside;
 mod book;
 mod check;
+mod circles;
 mod cycles;
 mod embedded;
 mod emulate;
@@ -28,7 +29,7 @@ mod tool;
 use std::{path::Path, process::ExitCode};
 
 use anyhow::{Context, Result, ensure};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use xshell::Shell;
 
 /// The chores of this repository.
@@ -70,7 +71,7 @@ fn main() -> Result<ExitCode> {
     );
     match arguments.chore {
         Chore::Setup => tool::setup(&sh, &step::tools()).map(|()| ExitCode::SUCCESS),
-        Chore::Test(arguments) => check::run(&sh, &arguments),
+        Chore::Test(arguments) => check::run(&sh, &arguments, &Arguments::command()),
         Chore::Emulate(arguments) => emulate::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Size(arguments) => size::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Cycles(arguments) => cycles::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use xshell::{Shell, cmd};
 
+use crate::circles;
+
 /// The folder of the host's crates.
 const HOST: &str = "host-tools";
 /// The command line, and the crates of the sentences that name its options; the others are libraries, which know of none.
@@ -48,6 +50,7 @@ pub fn check(sh: &Shell) -> Result<()> {
         }
     }
     broken.extend(untested_examples(sh)?);
+    broken.extend(circles::of_repository(sh)?);
     let tree = cmd!(sh, "cargo tree --package {IDENTIFICATION} --edges normal --prefix none").read()?;
     for foreign in NOT_OF_IDENTIFICATION {
         if tree.lines().any(|line| line.split(' ').next() == Some(foreign)) {

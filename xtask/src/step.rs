@@ -3,6 +3,7 @@
 use std::{num::NonZero, path::PathBuf, thread};
 
 use anyhow::{Result, ensure};
+use clap::Command;
 use xshell::{Cmd, Shell, cmd};
 
 use crate::{
@@ -25,20 +26,20 @@ pub struct Step {
     pub tools: &'static [&'static Tool],
     /// Whether it may run beside those that follow: it uses one core for most of its time, and none of its tests measures time.
     pub beside: bool,
-    /// Runs it; an error is the check's failure.
-    pub run: fn(&Shell) -> Result<()>,
+    /// Runs it, with the command line that it was named on, for what documents say of that; an error is the check's failure.
+    pub run: fn(&Shell, &Command) -> Result<()>,
 }
 
 /// Every check, the quick ones first, and those that run beside others before these. `board` is the first of them: its
 /// tests compile while others run.
 pub const STEPS: [Step; 15] = [
-    Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: fmt },
+    Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: |sh, _| fmt(sh) },
     Step {
         name: "rules",
-        about: "libraries name no flags, the identification needs no terminal, no host crate is too long, no example is untested",
+        about: "libraries name no flags, the identification needs no terminal, no host crate is too long, no modules make a circle, no example is untested",
         tools: &[],
         beside: false,
-        run: rules::check,
+        run: |sh, _| rules::check(sh),
     },
     Step {
         name: "book",
@@ -47,65 +48,77 @@ pub const STEPS: [Step; 15] = [
         beside: false,
         run: book::check,
     },
-    Step { name: "clippy", about: "no lint fires", tools: &[], beside: false, run: clippy },
-    Step { name: "doc", about: "the documentation builds without a warning", tools: &[], beside: false, run: doc },
-    Step { name: "build", about: "the tests on the host compile", tools: &[], beside: false, run: build },
+    Step { name: "clippy", about: "no lint fires", tools: &[], beside: false, run: |sh, _| clippy(sh) },
+    Step {
+        name: "doc",
+        about: "the documentation builds without a warning",
+        tools: &[],
+        beside: false,
+        run: |sh, _| doc(sh),
+    },
+    Step { name: "build", about: "the tests on the host compile", tools: &[], beside: false, run: |sh, _| build(sh) },
     Step {
         name: "board",
         about: "the board's own image does its work in a CPU emulator",
         tools: &[&EMBEDDED, &CMAKE, &MAKE, &PKG_CONFIG, &LIBCLANG],
         beside: true,
-        run: board,
+        run: |sh, _| board(sh),
     },
     Step {
         name: "firmware",
         about: "the firmware builds for both boards without software f64, and no lint fires at any rate",
         tools: &[&EMBEDDED],
         beside: true,
-        run: firmware,
+        run: |sh, _| firmware(sh),
     },
     Step {
         name: "c",
         about: "a program in C, linked with the static library, gives the host's bits on a Cortex-M4F in QEMU",
         tools: &[&EMBEDDED, &QEMU, &ARM_GCC],
         beside: true,
-        run: c,
+        run: |sh, _| c(sh),
     },
     Step {
         name: "python",
         about: "the wheel, installed where nothing else is, gives the program's numbers to Python and to a notebook",
         tools: &[&PYTHON],
         beside: true,
-        run: |sh| python::check(sh, &built_piezo(sh)?),
+        run: |sh, _| python::check(sh, &built_piezo(sh)?),
     },
     Step {
         name: "html",
         about: "mdBook makes HTML of the book without a warning",
         tools: &[],
         beside: true,
-        run: html,
+        run: |sh, _| html(sh),
     },
-    Step { name: "test", about: "unit, property and command tests on the host", tools: &[], beside: false, run: test },
+    Step {
+        name: "test",
+        about: "unit, property and command tests on the host",
+        tools: &[],
+        beside: false,
+        run: |sh, _| test(sh),
+    },
     Step {
         name: "emulated",
         about: "the host tool and the firmware in QEMU understand each other",
         tools: &[&EMBEDDED, &QEMU],
         beside: false,
-        run: emulated,
+        run: |sh, _| emulated(sh),
     },
     Step {
         name: "browser",
         about: "the HTML report, and the live scope of a device at 2 kHz, are sound in a browser on a phone's width and a desktop's",
         tools: &[&CHROMIUM, &EMBEDDED, &QEMU],
         beside: false,
-        run: browser,
+        run: |sh, _| browser(sh),
     },
     Step {
         name: "figures",
         about: "documents state the figures that commands print; a tick takes no more than it should",
         tools: figures::TOOLS,
         beside: false,
-        run: |sh| figures::check(sh, built_piezo(sh)?),
+        run: |sh, _| figures::check(sh, built_piezo(sh)?),
     },
 ];
 

@@ -1,0 +1,180 @@
+//! Modules that need each other: drawn from the imports, no arrows between a crate's modules make a circle.
+//!
+//! Cargo lets no circle of crates pass, rustc any of modules. Drawn are, for each crate of the repository, the modules directly
+//! beneath its root, and for each module that has others in it, those. Each is drawn with all that is in it.
+//!
+//! | what counts as an arrow | to |
+//! |---|---|
+//! | an import, a path in code or within what a macro is given | the module that defines what is named, wherever it was handed on from |
+//! | the same, through a module that hands on what is none of its own | that module, too |
+//! | what a module takes that the crate's root itself defines | the root, which is drawn as `lib.rs` or `main.rs` |
+//! | what the root's own code takes of its modules | these |
+//!
+//! What counts for none: what is compiled in tests only; methods, and macros by example without a path, which name no module; what the
+//! root hands on from its modules (`pub use`), for it only gathers; and what a module below the root takes of the module that it is in,
+//! or that of it. A folder is the module of its name, whose type its files may share.
+
+mod graph;
+mod imports;
+mod modules;
+mod references;
+mod tests_only;
+
+use std::{collections::BTreeMap, path::Path};
+
+use anyhow::Result;
+use xshell::{Shell, cmd};
+
+use graph::Arrows;
+use modules::Modules;
+
+/// The roots of crates, beside their manifests.
+const ROOTS: [&str; 2] = ["src/lib.rs", "src/main.rs"];
+
+/// What each arrow is drawn from, as `src/a.rs:12`, by the names of its ends.
+type Drawn = Arrows<String, String>;
+
+/// The circles in the crates of the repository, each with the line of every arrow.
+///
+/// # Errors
+/// A source is no Rust, or declares a module that has no file.
+pub fn of_repository(sh: &Shell) -> Result<Vec<String>> {
+    let mut found = Vec::new();
+    for manifest in cmd!(sh, "git ls-files -- *Cargo.toml").quiet().read()?.lines().map(Path::new) {
+        let folder = manifest.parent().unwrap_or(Path::new(""));
+        for root in ROOTS.map(|root| folder.join(root)) {
+            if sh.path_exists(&root) {
+                found.extend(of_crate(&folder.display().to_string(), &root, &|file| sh.read_file(file).ok())?);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Those of the crate `name` with this root, of whose files `read` has the texts.
+fn of_crate(name: &str, root: &Path, read: &dyn Fn(&Path) -> Option<String>) -> Result<Vec<String>> {
+    let root_name = root.file_name().unwrap_or_default().to_string_lossy();
+    let modules = Modules::read(root, read)?;
+    let mut found = Vec::new();
+    for (folder, arrows) in drawn(&modules, &root_name) {
+        let within = [&[name.to_owned()], &folder[..]].concat().join("::");
+        found.extend(graph::circles(&arrows).into_iter().map(|circle| {
+            let places = circle.windows(2).map(|pair| arrows[&pair[0]][&pair[1]].as_str());
+            let places = places.collect::<Vec<_>>().join(", ");
+            format!("{within}: {} ({places}): move what both need to where neither needs the other", circle.join(" → "))
+        }));
+    }
+    Ok(found)
+}
+
+/// The arrows between the modules of each module, by its path.
+fn drawn(modules: &Modules, root: &str) -> BTreeMap<Vec<String>, Drawn> {
+    let mut drawn: BTreeMap<Vec<String>, Drawn> = BTreeMap::new();
+    for (number, from) in modules.0.iter().enumerate() {
+        for reference in references::of(&from.items) {
+            let Some(target) = modules.target(number, &reference.path) else { continue };
+            for to in std::iter::once(target.module).chain(target.through) {
+                let to = &modules.0[to].path;
+                let common = from.path.iter().zip(to).take_while(|(one, other)| one == other).count();
+                let (within, ends) = (&from.path[..common], [from.path.get(common), to.get(common)]);
+                let [tail, head] = match ends {
+                    [Some(tail), Some(head)] => [tail.as_str(), head],
+                    [None, Some(head)] if common == 0 && !reference.hands_on => [root, head],
+                    [Some(tail), None] if common == 0 => [tail, root],
+                    _ => continue,
+                };
+                let arrows = drawn.entry(within.to_vec()).or_default().entry(tail.to_owned()).or_default();
+                let place = || format!("{}:{}", from.file.display(), reference.line);
+                arrows.entry(head.to_owned()).or_insert_with(place);
+            }
+        }
+    }
+    drawn
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The circles in a crate of these files.
+    fn found(files: &[(&str, &str)]) -> Vec<String> {
+        let read =
+            |path: &Path| files.iter().find(|(file, _)| Path::new(file) == path).map(|(_, text)| (*text).to_owned());
+        let circles = of_crate("c", Path::new(files[0].0), &read).unwrap();
+        circles.into_iter().map(|circle| circle.split("):").next().unwrap_or_default().to_owned() + ")").collect()
+    }
+
+    #[test]
+    fn two_modules_that_take_from_each_other_are_named_with_a_line_for_each_arrow() {
+        let files = [
+            ("src/lib.rs", "mod a;\nmod b;\npub use b::B;"),
+            ("src/a.rs", "use crate::B;\npub struct A(B);"),
+            ("src/b/mod.rs", "mod inner;\npub struct B;"),
+            ("src/b/inner.rs", "\nfn a() { let _ = vec![Some(crate::a::A::new())]; }"),
+        ];
+        assert_eq!(found(&files), ["c: a → b → a (src/a.rs:1, src/b/inner.rs:2)"]);
+    }
+
+    #[test]
+    fn arrows_that_lead_one_way_make_no_circle() {
+        let files = [
+            ("src/lib.rs", "mod a;\nmod b;\nmod c { pub struct C; }\npub use a::A;\npub use c::C;\nuse std::fmt;"),
+            ("src/a.rs", "use crate::b::{self, B};\nuse super::C;\npub struct A(B, C);\nfn of() { b::of() }"),
+            ("src/b.rs", "//! [`A`](crate::a::A)\npub(in crate::b) fn of() {}\npub struct B(::a::A);"),
+        ];
+        assert_eq!(found(&files), [""; 0]);
+    }
+
+    #[test]
+    fn what_is_compiled_in_tests_only_draws_no_arrow() {
+        let files = [
+            ("src/lib.rs", "mod a;\nmod b;\n#[cfg(test)]\nmod fixtures;"),
+            ("src/a.rs", "use crate::b::B;\npub struct A;"),
+            (
+                "src/b.rs",
+                "#[cfg(all(unix, test))]\nuse crate::a::A;\npub struct B;\nimpl B {\n#[cfg(test)]\nfn a() -> crate::a::A {}\n}\n\
+                 #[cfg(test)]\nmod tests {\nuse crate::a::A;\n}",
+            ),
+        ];
+        assert_eq!(found(&files), [""; 0]);
+    }
+
+    #[test]
+    fn the_root_counts_with_what_it_defines_and_not_with_what_it_gathers() {
+        let gathers = [
+            ("src/lib.rs", "mod a;\npub use a::A;\npub const N: u8 = 1;"),
+            ("src/a.rs", "pub struct A([u8; crate::N]);"),
+        ];
+        assert_eq!(found(&gathers), [""; 0]);
+        let needs = [("src/main.rs", "mod a;\npub struct N(a::A);"), ("src/a.rs", "use crate::N;\npub struct A;")];
+        assert_eq!(found(&needs), ["c: a → main.rs → a (src/a.rs:1, src/main.rs:2)"]);
+    }
+
+    #[test]
+    fn modules_within_a_module_make_circles_of_their_own() {
+        let files = [
+            ("src/lib.rs", "mod a;"),
+            ("src/a.rs", "mod b;\nmod c;\npub use c::C;\npub struct A(b::B);"),
+            ("src/a/b.rs", "use super::{A, C};\npub struct B(A, C);"),
+            ("src/a/c.rs", "use super::b::B;\npub struct C;"),
+        ];
+        assert_eq!(found(&files), ["c::a: b → c → b (src/a/b.rs:1, src/a/c.rs:1)"]);
+    }
+
+    #[test]
+    fn what_another_module_hands_on_is_taken_from_that_module_and_from_its_home() {
+        let files = [
+            ("src/lib.rs", "mod a;\nmod b;\nmod c;"),
+            ("src/a.rs", "use crate::b::C;"),
+            ("src/b.rs", "pub use crate::c::C;\nuse crate::a;"),
+            ("src/c.rs", "pub struct C;"),
+        ];
+        assert_eq!(found(&files), ["c: a → b → a (src/a.rs:1, src/b.rs:2)"]);
+    }
+
+    #[test]
+    fn a_module_without_a_file_is_an_error_that_names_it() {
+        let error = of_crate("c", Path::new("lib.rs"), &|file| (file == Path::new("lib.rs")).then(|| "mod a;".into()));
+        assert_eq!(error.unwrap_err().to_string(), "lib.rs declares the module a, of which there is no file");
+    }
+}
