@@ -103,3 +103,17 @@ fn frequency_class(hz: f64) -> i32 {
 fn frequency_edge(class: i32) -> f64 {
     10_f64.powi(class.div_euclid(2)) * if class.rem_euclid(2) == 1 { 3.0 } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blocks::Blocks;
+
+    #[test]
+    fn a_swing_that_goes_from_one_side_of_the_start_to_the_other_is_one() {
+        let mut blocks = Blocks::default();
+        [0.0, 0.8, -0.8, 10.0, 9.5].iter().for_each(|&volts| blocks.add(volts, 0.0));
+        assert_eq!(turns(blocks.all(), 1.0), [(0.0, 0.0), (2.0, -0.8), (3.0, 10.0)]);
+        assert_eq!(turns(blocks.all(), 11.0), [(0.0, 0.0)], "it goes nowhere");
+    }
+}
