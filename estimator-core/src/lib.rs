@@ -51,7 +51,7 @@ pub mod rule;
 pub mod sealed;
 pub mod settling;
 pub mod table;
-pub mod way;
+pub mod transition;
 
 pub use admissible::Inadmissible;
 pub use calibration::{
@@ -73,4 +73,4 @@ pub use model::{
 pub use range::Range;
 pub use rule::Rule;
 pub use table::{Admitted, Digest, Provenance, Table, TableError};
-pub use way::{Pace, Way};
+pub use transition::{Pace, Transition};

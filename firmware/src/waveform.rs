@@ -7,7 +7,7 @@
 //!                                                               └─► Over, after the last line
 //! ```
 //!
-//! What is wanted goes to a line's first point by an unhurried way ([`Way`]), from wherever the voltage stands and from the last point,
+//! What is wanted goes to a line's first point by an unhurried way ([`Transition`]), from wherever the voltage stands and from the last point,
 //! and waits there for its trigger. So a line takes as long as every other, apart from its wait for the trigger. Where the way back fits
 //! into the ticks between two points, it is straight like those between the points. The drive keeps its limits whatever is wanted. A tick
 //! that does not come puts the rest of the line off by as much.
@@ -15,7 +15,7 @@
 use crate::telemetry::{Telemetry, add};
 use core::num::NonZeroU16;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use estimator_core::{Pace, Way};
+use estimator_core::{Pace, Transition};
 use protocol::{MOST_POINTS, Playback};
 
 /// The memory of the points, µm relative to the model's zero. The link writes it while nothing is played, the tick reads it while
@@ -76,7 +76,7 @@ pub struct Player<'q> {
     part: f32,
     phase: Phase,
     /// The way to the first point.
-    way: Way,
+    way: Transition,
     /// The next tick of that way, counted from its beginning.
     tick: u32,
     /// The number of the point that was reached last.
@@ -107,7 +107,7 @@ impl<'q> Player<'q> {
             how: Playback { points: one, crc: 0, every: one, lines: 0, on_trigger: false },
             part: 1.0,
             phase: Phase::Over,
-            way: Way::new(0.0, 0.0, 1),
+            way: Transition::new(0.0, 0.0, 1),
             tick: 0,
             point: 0,
             behind: 0,
@@ -136,7 +136,7 @@ impl<'q> Player<'q> {
 
     fn approach(&mut self, from: f32, ticks: u32) {
         self.phase = Phase::Approach;
-        self.way = Way::new(from, self.points.get(0), ticks);
+        self.way = Transition::new(from, self.points.get(0), ticks);
         self.tick = 1;
     }
 

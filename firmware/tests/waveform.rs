@@ -6,7 +6,7 @@ use common::driven::{Bench, REST, STRIDE};
 use common::{FACTS, PERIOD, driving};
 use core::num::NonZeroU16;
 use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::{AdcCode, Admitted, DacCode, Inverse, Pace, Way};
+use estimator_core::{AdcCode, Admitted, DacCode, Inverse, Pace, Transition};
 use firmware::queues::Command;
 use firmware::watch::{HOLD, SATURATED};
 use protocol::{Faults, Mode, Playback};
@@ -90,7 +90,7 @@ fn each_tick_wants_what_lies_between_two_points_and_the_way_to_the_first_one_is_
     let from = inverse.release().displacement;
     let ticks = pace.ticks(from, ROUND[0]);
     assert!(ticks > 50, "{ticks}: the way takes its time");
-    let way = Way::new(from, ROUND[0], ticks);
+    let way = Transition::new(from, ROUND[0], ticks);
     let mut command = |um: f32| table.drive.unwrap().code(inverse.tick(um).voltage, 4095);
     let line = ROUND.len() as u32 * u32::from(every);
     for tick in 1..ticks + 20 * line {

@@ -2,7 +2,7 @@
 
 use crate::described::believed;
 use device_link::{Client, LinkError, words};
-use estimator_core::{Admitted, DriveCalibration, DriveLimits, NoInverse, Pace, Way};
+use estimator_core::{Admitted, DriveCalibration, DriveLimits, NoInverse, Pace, Transition};
 use feedforward::{Trajectory, near, plan, reach};
 use protocol::waveform::checksum;
 use protocol::{Health, MOST_POINTS, Mode, Playback};
@@ -202,13 +202,13 @@ impl Waveform {
         let back_ticks = pace.back(last, first, self.every.get());
         let (between, every) = ((self.points.len() - 1) * usize::from(self.every.get()), usize::from(self.every.get()));
         let line_ticks = between + back_ticks.map_or(every, |ticks| ticks as usize);
-        let back = back_ticks.map(|ticks| Way::new(last, first, ticks));
+        let back = back_ticks.map(|ticks| Transition::new(last, first, ticks));
         let of_line = |tick: usize| match back {
             // Less than a way's ticks.
             Some(way) if tick > between => way.at((tick - between) as u32),
             _ => self.straight(tick),
         };
-        let approach = Way::new(rest, first, approach_ticks);
+        let approach = Transition::new(rest, first, approach_ticks);
         let way = (1..approach_ticks).map(|tick| approach.at(tick));
         // The second is like all others.
         let lines = (0..2 * line_ticks).map(|tick| of_line(tick % line_ticks));

@@ -29,13 +29,13 @@ pub fn identified_on(table: &Table) -> Range {
     Range { min: min + table.voltage_zero_v, max: max + table.voltage_zero_v }
 }
 
-/// Room beyond the training's voltages that a table still covers, as a fraction of their span.
-pub const ROOM: f64 = 0.05;
+/// Margin beyond the training's voltages that a table still covers at either end, as a fraction of their span.
+pub const RANGE_MARGIN: f64 = 0.05;
 
-/// The voltages at the amplifier that the training of a table's model went over, V: what it was identified on without the room beyond.
+/// The voltages at the amplifier that the training of a table's model went over, V: what it was identified on without the margin.
 pub fn trained_on(table: &Table) -> Range {
     let Range { min, max } = identified_on(table);
-    let margin = (max - min) * (ROOM / (1.0 + 2.0 * ROOM)) as f32;
+    let margin = (max - min) * (RANGE_MARGIN / (1.0 + 2.0 * RANGE_MARGIN)) as f32;
     Range { min: min + margin, max: max - margin }
 }
 

@@ -8,7 +8,7 @@ use crate::simulation::{errors_from, mean_error, mean_size};
 use crate::trial::Trial;
 use crate::validate::statistics;
 use calibration::CalibrationOptions;
-use calibration::drive::ROOM;
+use calibration::drive::RANGE_MARGIN;
 use estimator_core::extremum::between_codes;
 use estimator_core::{Discretisation, Inadmissible, Process, Range, Scheme};
 use log_survey::settled::settled;
@@ -62,7 +62,7 @@ impl Problem {
     pub fn new(training: Vec<Session>, validation: Vec<Session>, conditions: Conditions) -> Self {
         let voltage = Range::of_values(training.iter().flat_map(|session| session.voltage.iter().copied()));
         let stroke = Range::of_values(training.iter().flat_map(|session| session.displacement.iter().copied()));
-        let voltage_range = expanded(voltage, 1.0 + 2.0 * ROOM);
+        let voltage_range = expanded(voltage, 1.0 + 2.0 * RANGE_MARGIN);
         let largest = |range: Range<f64>| range.min.abs().max(range.max.abs());
         Self {
             scheme: conditions.scheme,

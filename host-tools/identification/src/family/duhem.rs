@@ -3,13 +3,13 @@
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
-use calibration::drive::ROOM;
+use calibration::drive::RANGE_MARGIN;
 use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
 use least_squares::Sign;
 
 /// Distance from the centre beyond which f is straight, of the training's span: the ends of the table's voltages, up to which f must
 /// not fall; further out the bend of a loop that saturates would let it fall.
-const SATURATION: f64 = 0.5 + ROOM;
+const SATURATION: f64 = 0.5 + RANGE_MARGIN;
 
 /// What is fixed before the search.
 pub struct Family {

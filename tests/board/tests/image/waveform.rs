@@ -79,7 +79,7 @@ fn an_edge_at_the_trigger_begins_a_line_whose_first_point_shows_at_the_sync_pin(
     let from = (0..400).map(|_| inverse.release().displacement).last().expect("some ticks");
     let pace = Pace::of(&table).expect("it drives");
     let approach = pace.ticks(from, POINTS[0]);
-    let way = Way::new(from, POINTS[0], approach);
+    let way = Transition::new(from, POINTS[0], approach);
     let begun = bench.board.clock();
     bench.run(f64::from(approach) / 2e3 + 0.05)?;
     assert_eq!((bench.board.mode(TRIGGER), bench.board.plain(PUPDR) >> 10 & 3), (INPUT, 2), "it is pulled down");
