@@ -17,9 +17,9 @@ pub enum Inadmissible<T: Real = f32> {
          and below 1 by at least 1/4096"
     )]
     Unstable {
-        /// Where, V.
+        /// Voltage of the table's range at which `a(V)` is out of bounds, V relative to the model's zero.
         voltage: T,
-        /// The offending `a`.
+        /// `a(V) = 1 − t_s·rate(V)` there, no unit: the part of the displacement that a tick keeps (Eq. 4.8).
         a: T,
     },
     /// Some voltage and some memory draw the displacement out of its limits.

@@ -28,7 +28,8 @@ pub struct AdcCalibration {
 }
 
 impl AdcCalibration {
-    /// The amplifier's voltage, V.
+    /// `offset ± gain·code`: the voltage at the amplifier that a code stands for, V, not yet relative to the model's
+    /// zero.
     pub fn voltage<T: Real>(&self, code: AdcCode) -> T {
         self.line(T::zero()).at(code)
     }

@@ -20,9 +20,9 @@ pub fn between_codes(deadband: f32, step: f32) -> f32 {
 /// Voltage (V) and displacement (µm) at a direction reversal.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Extremum<T> {
-    /// Amplifier voltage, V.
+    /// `V_ext` of Eq. (5.3), V relative to the model's zero; normalised and without unit in NARX.
     pub voltage: T,
-    /// Displacement, µm.
+    /// `y_ext` of Eq. (5.3), µm relative to the model's zero; normalised and without unit in NARX.
     pub displacement: T,
 }
 

@@ -20,7 +20,7 @@ use crate::rule::Rule;
 /// Why a table has no inverse.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum NoInverse {
-    /// Its model has none.
+    /// The model has no [`monotone_part`](crate::Recursion::monotone_part): NARX.
     #[error("this model has no inverse")]
     Model,
     /// The displacement at rest does not rise with the voltage all the way from the lower end of the range to the upper.
@@ -31,7 +31,7 @@ pub enum NoInverse {
     Limits(Rule),
 }
 
-/// What a tick gives.
+/// Of one tick: the voltage that is put out from the next one on, and what it does by the model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Commanded<T> {
     /// Amplifier voltage from the next tick on, V.
@@ -63,13 +63,13 @@ const PARTS: u8 = 32;
 pub struct InverseContext<T> {
     /// Amplifier voltage that the model calls 0, V.
     pub voltage_zero: T,
-    /// Tick, s.
+    /// From one tick to the next, s, above 0: the slew rate times it is the most that a tick changes the voltage by.
     pub sample_period: T,
     /// Width of the displacement limits, µm.
     pub displacement_span: T,
 }
 
-/// A running inverse.
+/// The monotone part of a model with its memory, and the limits within which its voltage is searched each tick.
 #[derive(Clone, Debug)]
 pub struct Inverse<T: Real> {
     engine: Engine<T>,

@@ -3,13 +3,13 @@
 use crate::math::Real;
 use serde::{Deserialize, Serialize};
 
-/// A closed interval.
+/// A closed interval, both ends in one unit that whoever holds it names; empty where `min` exceeds `max`.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range<T = f32> {
-    /// Lower end.
+    /// Lower end, in the interval.
     pub min: T,
-    /// Upper end.
+    /// Upper end, in the interval.
     pub max: T,
 }
 

@@ -25,7 +25,7 @@ use core::ops::Range;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use embedded_storage_async::nor_flash::NorFlash;
 
-/// Longest record, bytes.
+/// Longest record that the store takes, bytes; a longer one is refused, and a page has to hold it with 12 bytes more.
 pub const MAX_RECORD: usize = 756;
 
 const HEADER: usize = 8;

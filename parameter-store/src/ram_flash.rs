@@ -22,10 +22,10 @@ impl<M: AsRef<[u8]> + AsMut<[u8]>> RamFlash<M> {
     }
 }
 
-/// What the flash refuses.
+/// What flash in memory refuses, as a chip's does: nothing is changed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RamFlashError {
-    /// Beyond its end.
+    /// A read, write or erase that reaches beyond the end of the memory.
     OutOfBounds,
     /// Not a whole word or page.
     NotAligned,

@@ -71,7 +71,7 @@ impl Default for Deframer {
 }
 
 impl Deframer {
-    /// Nothing received yet.
+    /// An empty buffer: the next byte begins a frame.
     pub const fn new() -> Self {
         Self { buffer: [0; MAX_FRAME], length: 0, overlong: false }
     }

@@ -6,7 +6,7 @@ use crate::text::Text;
 use serde::{Deserialize, Serialize};
 
 bitflags::bitflags! {
-    /// Why the device started.
+    /// The causes that the chip's reset register had at the last start; several may be set.
     #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
     pub struct ResetCause: u8 {
         /// Power came, or sagged below the brown-out threshold and came back.
@@ -25,15 +25,15 @@ bitflags::bitflags! {
 /// Everything that is counted or kept.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Health {
-    /// What the tick does.
+    /// What the tick does with each conversion.
     pub mode: Mode,
     /// Ticks since start, of any mode, modulo 2³²: 24.9 days at 2 kHz, after which it counts from 0 again.
     pub ticks: u32,
-    /// What is wrong now.
+    /// What lasts of what went wrong, or did until less than a second ago.
     pub faults: Faults,
     /// What has been wrong since start or the last [`crate::Request::Forget`]; where the DAC stood is not among it.
     pub faults_seen: Faults,
-    /// Why the device started.
+    /// Causes of the last start.
     pub reset: ResetCause,
     /// What the firmware said before a panic or hard fault made it start again.
     pub last_words: Option<Text<160>>,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Where the table in use comes from.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub enum TableSource {
-    /// The parameter store.
+    /// The newest record of the parameter store, which a host pushed.
     Stored,
     /// The firmware image, because the store had none that could be used.
     Compiled {
@@ -24,14 +24,14 @@ pub enum TableSource {
     },
 }
 
-/// Who the device is.
+/// What does not change while a device runs: board, image, converters, and which table it took at its start.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Identity {
-    /// Name of the board.
+    /// Name of the board that the image is built for, such as `nucleo-g474re`.
     pub board: Text<24>,
     /// Which of these boards, where its chip says so.
     pub uid: Option<Uid>,
-    /// The firmware's version.
+    /// Version of the firmware's crate, `major.minor.patch`.
     pub firmware: Text<16>,
     /// The commit it was built from; with a mark when the sources had been changed.
     pub git: Text<24>,

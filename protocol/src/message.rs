@@ -20,12 +20,12 @@ pub type Codes = Vec<u16, MOST_VALUES>;
 /// [`Mode::Excite`], V.
 pub type References = Vec<f32, MOST_VALUES>;
 
-/// Host to device.
+/// What a host sends: a request with a number, by which its reply is known.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct ToDevice {
     /// Comes back in the reply.
     pub sequence: u16,
-    /// What is wanted.
+    /// What the device is asked to do or to tell.
     pub request: Request,
 }
 
@@ -43,7 +43,7 @@ pub enum Request {
     Pull,
     /// Store a table; it is used from the next reset on. → [`Reply::Done`]
     Push {
-        /// The table's record.
+        /// The table as [`estimator_core::record`] encodes it, checksum included.
         record: Record,
         /// Write although the tick is estimating: flash operations may cost ticks.
         while_estimating: bool,
@@ -52,7 +52,7 @@ pub enum Request {
     },
     /// Empty the parameter store; the compiled table is used from the next reset on. → [`Reply::Done`]
     Erase {
-        /// As in [`Self::Push`].
+        /// Erase although the tick is estimating: flash operations may cost ticks.
         while_estimating: bool,
         /// As in [`Self::Push`], of the compiled table.
         rewired: bool,
@@ -83,7 +83,7 @@ pub enum Request {
     Refer {
         /// The number of the first one, counted from 0 when the mode was set.
         first: u32,
-        /// One a tick.
+        /// One a tick, µm in [`Mode::Follow`] and V in [`Mode::Excite`], the earliest first.
         references: References,
         /// Follow them from now on. Until then they wait, so that the first ones need not be in a hurry.
         go: bool,
@@ -107,17 +107,17 @@ pub enum Request {
     Play(Playback),
 }
 
-/// Device to host.
+/// What a device sends: one reply to each request, and samples unasked while it streams.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub enum ToHost {
     /// The answer to a request.
     Reply {
-        /// The request's sequence number.
+        /// [`ToDevice::sequence`] of the request that is answered.
         to: u16,
         /// The answer to the request.
         reply: Reply,
     },
-    /// Samples, while streaming.
+    /// Samples of the ticks since the last such frame, after [`Request::Stream`].
     Samples(Samples),
 }
 

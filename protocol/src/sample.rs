@@ -26,9 +26,9 @@ pub struct Sample {
     /// The DAC's code ([`estimator_core::DacCode`]), to be put out at the next tick: what it was given, but for what makes up
     /// for the supply where the board measures it.
     pub dac: u16,
-    /// What the estimator reported.
+    /// What the estimator has to say of this tick's estimate; the drive's bits are among it.
     pub status: Status,
-    /// What the device reports.
+    /// Faults that lasted at this tick.
     pub faults: Faults,
 }
 

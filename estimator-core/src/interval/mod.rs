@@ -51,7 +51,7 @@ const FORGOTTEN_S: f32 = 5e-3;
 /// Where the plays stand, as the interval sees it: Lᵀp, µm.
 pub type Place<T> = [T; PLAYS];
 
-/// The per-tick coefficients.
+/// Coefficients of w and its parts, built from [`IntervalParameters`] for one tick and one range of voltages.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Interval<T> {
     voltages: Range<T>,
@@ -72,7 +72,7 @@ pub struct Interval<T> {
     earliest: u32,
 }
 
-/// What it remembers.
+/// Plays, swept span, age and where the displacement was told: all that w depends on beside its coefficients.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct IntervalState<T> {
     plays: [T; PLAYS],
@@ -101,7 +101,7 @@ struct Told<T> {
 /// What a half-width is made of, µm.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Parts<T> {
-    /// Memory of the start.
+    /// `b·(m(S) − m(S₀))`: what swings since the telling have wiped out of the start's unknown memory.
     pub memory: T,
     /// What is there always, on voltages as the training had them.
     pub misfit: T,
@@ -116,7 +116,7 @@ pub struct Parts<T> {
 }
 
 impl<T: Real> Parts<T> {
-    /// The half-width, µm.
+    /// w, µm: the root of the sum of the parts' squares.
     #[inline]
     pub fn half(&self) -> T {
         let square = |part: T| part * part;
@@ -125,7 +125,7 @@ impl<T: Real> Parts<T> {
     }
 }
 
-/// What a tick gives.
+/// w of one tick, and whether the training has been where the voltage is.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Width<T> {
     /// Half the interval's width, µm; `None` where no displacement was told.

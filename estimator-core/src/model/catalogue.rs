@@ -70,7 +70,7 @@ macro_rules! models {
         }
 
         impl Parameters {
-            /// Which model's they are.
+            /// The model that they parametrise; the Voigt family's four share a type, and the variant tells them apart.
             pub const fn model(&self) -> Model {
                 match self { $(Self::$model(_) => Model::$model,)* }
             }
@@ -90,7 +90,8 @@ macro_rules! models {
                 match self { $(Self::$model(of) => Self::$model(of.between_codes(step)),)* }
             }
 
-            /// As [`Published::delay_ticks`].
+            /// Ticks (with fraction, of either sign) by which the displacement comes later than the monotone part has
+            /// it: [`Published::delay_ticks`].
             pub fn delay_ticks(&self) -> f32 {
                 match self { $(Self::$model(of) => of.delay_ticks(),)* }
             }

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 /// Most elements of the model.
 pub const ELEMENTS: usize = 10;
 
-/// A published parameter set.
+/// Stiffnesses and saturations of Eq. (3.10), with voltage in the place of force.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaxwellSlipParameters {
@@ -84,7 +84,7 @@ struct Element<T> {
     compliance_beyond: T,
 }
 
-/// Coefficients of the model.
+/// Yield displacements (µm) and compliances (µm/V) that a tick solves Eq. (3.10) with.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MaxwellSlip<T> {
     count: usize,

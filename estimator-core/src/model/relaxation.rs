@@ -91,7 +91,7 @@ impl<T: Real> RampLagged<T> {
         Self { output: Relaxed::at(value), input: value }
     }
 
-    /// What has come through.
+    /// x, in the input's unit: what has come through the lag.
     pub fn value(&self) -> T {
         self.output.value
     }

@@ -28,7 +28,7 @@ use crate::admissible::Inadmissible;
 use crate::math::Real;
 use crate::range::Range;
 
-/// Per-tick coefficients.
+/// What a tick of the resonance adds to displacement and velocity, by their coefficients.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Resonance<T> {
     /// φ.
@@ -55,7 +55,7 @@ const LEAST_ANGLE: f32 = core::f32::consts::TAU / 400.0;
 /// Roundings of an f32 that a tick makes at most in each of the two, each of half a unit in the last place of the largest number in it.
 const ROUNDINGS: f32 = 16.0;
 
-/// What it remembers.
+/// Displacement (µm), velocity (µm a tick) and the input of a tick ago (µm).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ResonanceState<T> {
     input: T,
@@ -65,7 +65,7 @@ pub struct ResonanceState<T> {
 }
 
 impl<T: Real> ResonanceState<T> {
-    /// At rest.
+    /// Long at rest at this displacement (µm): velocity 0.
     pub fn rest(displacement: T) -> Self {
         Self { input: displacement, displacement, velocity: T::zero() }
     }

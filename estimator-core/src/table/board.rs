@@ -10,19 +10,19 @@ pub struct Board {
     pub tick_us: u32,
     /// The ADC's largest code, oversampling included.
     pub adc_full_scale: u16,
-    /// The DAC's largest code.
+    /// The DAC's largest code, 4095 for 12 bits.
     pub dac_full_scale: u16,
 }
 
 /// Why a table is not for a board.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Misfit {
-    /// The ticks differ.
+    /// The table is made for another tick: every coefficient in it would be off.
     #[error("made for a tick of {table_us} µs, not {board_us} µs")]
     Tick {
-        /// The table's, µs.
+        /// Tick that the table is made for, µs.
         table_us: u32,
-        /// The board's, µs.
+        /// Tick of the board's image, µs.
         board_us: u32,
     },
     /// The ADC's largest codes differ, or the DAC's, or both.
@@ -30,7 +30,7 @@ pub enum Misfit {
     Converters {
         /// What the table is made for.
         table: Board,
-        /// What the board has.
+        /// Largest codes that the board's converters have.
         board: Board,
     },
     /// The tick takes too much of its time.

@@ -22,7 +22,7 @@ pub const ALLOWED_PERCENT: u32 = 60;
 /// Cycles of the board's core in a microsecond.
 const CYCLES_PER_US: u32 = 170;
 
-/// Cycles of a tick.
+/// Cycles of the board's core at 170 MHz that a tick takes, and has.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Cycles {
     /// What the tick takes at most, as far as was observed.

@@ -10,9 +10,9 @@ pub enum TableError {
     /// The record ends before its own length says.
     #[error("truncated: {have} of {need} bytes")]
     Truncated {
-        /// Bytes the record needs.
+        /// Bytes that the record needs by its own length, header and checksum included.
         need: usize,
-        /// Bytes there are.
+        /// Bytes that were given.
         have: usize,
     },
     /// The first four bytes are not a record's: an erased page, or something else.
@@ -21,7 +21,7 @@ pub enum TableError {
     /// A record of another format version. It is refused, never guessed.
     #[error("format version {found}, this software reads version {read}: make the table again with `piezo emit`")]
     Version {
-        /// The record's version.
+        /// Format version that the record has in its bytes 4 and 5.
         found: u16,
         /// The version this software reads.
         read: u16,
@@ -29,9 +29,9 @@ pub enum TableError {
     /// The checksum does not match: corrupt.
     #[error("corrupt: checksum {stored:08x} stored, {computed:08x} computed")]
     Checksum {
-        /// What the record says.
+        /// CRC-32 at the record's end.
         stored: u32,
-        /// What its bytes give.
+        /// CRC-32 of the bytes before it.
         computed: u32,
     },
     /// The checksum matches, but the payload is no table of this version.
@@ -46,10 +46,10 @@ pub enum TableError {
     /// A number breaks a rule.
     #[error("{rule}")]
     OutOfRange {
-        /// Which, in words.
+        /// The rule as the user reads it, with the field that breaks it.
         rule: Rule,
     },
-    /// Unstable or unbounded.
+    /// The recursion is unstable in `f32`, or not proven to stay within `displacement_limits_um`.
     #[error("not admissible: {0}")]
     Inadmissible(#[from] Inadmissible),
     /// It is to drive the amplifier, and has no inverse to do so.

@@ -8,6 +8,7 @@
 mod board;
 mod cycles;
 mod digest;
+mod drive;
 mod error;
 mod leap;
 mod rate;
@@ -19,10 +20,9 @@ pub use error::TableError;
 pub use leap::LeastLeap;
 pub use rate::BoundToTick;
 
-use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration, DriveLimits};
+use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration};
 use crate::extremum::between_codes;
 use crate::interval::IntervalParameters;
-use crate::inverse::{Inverse, InverseContext, NoInverse};
 use crate::math::Real;
 use crate::model::{Discretisation, Engine, GeneralisedPrandtlIshlinskii, Model, Parameters, Process, Scheme};
 use crate::range::Range;
@@ -35,7 +35,7 @@ use serde::{Deserialize, Serialize};
 pub struct Provenance {
     /// Start of a SHA-256 over each training log's own digest, its first second used, and its number of samples.
     pub logs: Digest,
-    /// Seed of the identification.
+    /// Seed of the identification's random numbers: with the same logs and options it gives this table again.
     pub seed: u32,
     /// Version of the tool that made the table.
     pub tool_version: [u16; 3],
@@ -53,7 +53,8 @@ pub struct Provenance {
 pub struct Table {
     /// Tick, µs; 500 is 2 kHz.
     pub sample_period_us: u32,
-    /// Discretisation.
+    /// How the Voigt family's differential equation becomes a recursion; of every other model forward Euler, and
+    /// without effect.
     pub scheme: Scheme,
     /// Retreat from the running extreme that counts as a reversal, V; to the model it stands midway between the two numbers of
     /// codes that it lies between ([`retreat_v`](Self::retreat_v)), as a deadband among its parameters does.
@@ -68,17 +69,17 @@ pub struct Table {
     pub displacement_limits_um: Range,
     /// Published parameters, and with them which model it is.
     pub parameters: Parameters,
-    /// Codes to volts.
+    /// From the ADC's codes to the amplifier's voltage, V.
     pub adc: AdcCalibration,
     /// Fastest change of the amplifier's voltage, V/s; `None` where nobody said it. A device holds what leaps beyond it.
     pub amplifier_slew_v_per_s: Option<f32>,
-    /// Displacement to codes.
+    /// From the displacement, µm, to the DAC's codes; not used where there is a drive.
     pub dac: DacCalibration,
     /// Where the DAC drives the amplifier: volts to codes, and limits. It then shows no displacement.
     pub drive: Option<DriveCalibration>,
     /// How far the estimate may be off; `None` where nobody knows.
     pub interval: Option<IntervalParameters>,
-    /// Where it comes from.
+    /// Logs, seed, tool and errors of the identification that made it; no estimate depends on it.
     pub provenance: Provenance,
 }
 
@@ -103,15 +104,6 @@ const OFFSET_RULE: Rule = "the DAC's offset_code must lie within a million codes
 const LARGEST_VOLTAGE_V: f32 = 1e5;
 /// A range of voltages narrower than this (V) is refused: no converter sees it, and what is divided by it may be no number.
 const LEAST_VOLTAGES_V: f32 = 1e-6;
-/// What a drive changes its voltage by in a tick is so many machine epsilons of its largest voltage at least. Each change is then
-/// rounded by less than a thirtieth; by one of half an epsilon the voltage would stand still.
-const LEAST_STRIDE_EPSILONS: f32 = 16.0;
-const STRIDE_RULE: Rule =
-    "the drive's slew_v_per_s must be larger: a tick's change of the voltage would be lost in rounding";
-/// A drive goes through its range in this time at most, s. A device that fails goes to rest before it starts anew, and answers
-/// nobody meanwhile; an actuator creeps as much in ten minutes as a slower ramp is there to avoid.
-const LONGEST_WAY_S: f32 = 600.0;
-
 impl Admitted {
     /// How far voltages in step with the model's resonance could make the displacement swing, µm, where that is beyond the
     /// limits: the estimate is then held at them, and says so ([`Status::CLAMPED`](crate::Status::CLAMPED)). Every other table
@@ -121,69 +113,6 @@ impl Admitted {
         let reach =
             GeneralisedPrandtlIshlinskii::build(parameters, self.sample_period()).reach(self.voltage_range_v).ok()?;
         (reach.intersection(self.displacement_limits_um) != reach).then_some(reach)
-    }
-
-    /// The inverse of the model, at rest, within limits that may be other than the table's own.
-    ///
-    /// # Errors
-    /// The limits break a rule, or the model has no inverse.
-    pub fn inverse<T: Real>(&self, limits: &DriveLimits) -> Result<Inverse<T>, NoInverse> {
-        let zero = self.voltage_zero_v;
-        let Range { min, max } = self.voltage_range_v;
-        limits.check(Range { min: min + zero, max: max + zero }).map_err(NoInverse::Limits)?;
-        if !self.resolves_stride::<T>(limits) {
-            return Err(NoInverse::Limits(STRIDE_RULE));
-        }
-        let context = InverseContext {
-            voltage_zero: T::of(zero),
-            sample_period: self.sample_period(),
-            displacement_span: T::of(self.displacement_limits_um.span()),
-        };
-        Inverse::build(&self.engine(), &context, limits)
-    }
-
-    /// Whether an inverse that computes in `T` tells its voltages of two ticks apart, at its slowest and wherever in its range.
-    fn resolves_stride<T: Real>(&self, limits: &DriveLimits) -> bool {
-        let Range { min, max } = limits.range_v;
-        let zero = self.voltage_zero_v;
-        let largest = T::of((min - zero).abs().max((max - zero).abs()));
-        let stride = T::of(limits.slew_v_per_s) * self.sample_period();
-        stride >= T::of(LEAST_STRIDE_EPSILONS) * T::epsilon() * largest
-    }
-
-    fn check_drive(&self, drive: &DriveCalibration) -> Result<(), TableError> {
-        let DriveCalibration { gain_codes_per_v, offset_code, limits, setpoint } = *drive;
-        if !gain_codes_per_v.is_finite() || !offset_code.is_finite() || gain_codes_per_v == 0.0 {
-            return Err(TableError::OutOfRange { rule: "the drive's gain and offset must be finite, the gain not 0" });
-        }
-        if offset_code.abs() > LARGEST_OFFSET_CODE {
-            return Err(TableError::OutOfRange { rule: OFFSET_RULE });
-        }
-        if gain_codes_per_v.abs() * limits.range_v.span() < 1.0 {
-            return Err(TableError::OutOfRange { rule: "the drive's gain must make its range_v a code wide at least" });
-        }
-        if self.amplifier_slew_v_per_s.is_some_and(|slew| limits.slew_v_per_s > slew) {
-            return Err(TableError::OutOfRange {
-                rule: "the drive's slew_v_per_s must be no more than amplifier_slew_v_per_s, the fastest that the amplifier can",
-            });
-        }
-        self.inverse::<f32>(&limits).map_err(TableError::Drive)?;
-        if limits.range_v.span() > LONGEST_WAY_S * limits.slew_v_per_s {
-            return Err(TableError::OutOfRange {
-                rule: "the drive's slew_v_per_s must be so large that its range_v is gone through in 10 minutes",
-            });
-        }
-        if let Some(setpoint) = setpoint {
-            let checked = setpoint.check(self.displacement_limits_um, self.adc.full_scale);
-            checked.map_err(|rule| TableError::OutOfRange { rule })?;
-        }
-        let codes = [limits.range_v.min, limits.range_v.max].map(|volts| offset_code + gain_codes_per_v * volts);
-        let scale = Range { min: -0.5, max: f32::from(self.dac.full_scale) + 0.5 };
-        if codes.iter().all(|&code| scale.contains(code)) {
-            Ok(())
-        } else {
-            Err(TableError::OutOfRange { rule: "the drive's range_v must lie within what the DAC can put out" })
-        }
     }
 }
 
@@ -203,7 +132,7 @@ impl Table {
         }
     }
 
-    /// Which model it is.
+    /// The model that the parameters are of.
     pub const fn model(&self) -> Model {
         self.parameters.model()
     }
@@ -222,7 +151,7 @@ impl Table {
         between_codes(self.deadband_v, self.adc.gain_v_per_code)
     }
 
-    /// Tick, s.
+    /// `sample_period_us` in s, exact before it is rounded once to `T`.
     pub fn sample_period<T: Real>(&self) -> T {
         // Exact: 1 s in µs fits the 24 bits of an f32.
         T::of(self.sample_period_us as f32) / T::of(1e6)

@@ -19,9 +19,9 @@ use crate::model::{Model, Parameters};
     .model.name()
 )]
 pub struct BoundToTick {
-    /// Which model it is.
+    /// The model that is bound to its tick.
     pub model: Model,
-    /// Its tick, µs.
+    /// Tick that the table was identified at, µs.
     pub tick_us: u32,
 }
 

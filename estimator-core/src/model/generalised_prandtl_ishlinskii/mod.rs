@@ -24,13 +24,14 @@
 
 mod curve;
 mod parameters;
+mod start;
 
 pub use parameters::GeneralisedPrandtlIshlinskiiParameters;
 
+use super::Recursion;
 use super::play::play;
 use super::relaxation::{RampLag, RampLagged, Relaxation, Relaxed};
 use super::resonance::{Resonance, ResonanceState};
-use super::{Recursion, solve};
 use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::range::Range;
@@ -42,7 +43,7 @@ const FORESEEN: f32 = 0.05;
 /// Voltages that the delay line remembers; a power of 2.
 const LINE: usize = 16;
 
-/// Per-tick coefficients.
+/// Per-tick coefficients of the chain: delay, lag with slew limit, plays, envelope, creep and resonance.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct GeneralisedPrandtlIshlinskii<T> {
     /// Voltages that the functions are laid out over, V.
@@ -72,7 +73,7 @@ pub struct GeneralisedPrandtlIshlinskii<T> {
     offset: T,
 }
 
-/// What it remembers.
+/// The delay line, the input's lag, every play, every creep element and the resonance.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct GeneralisedPrandtlIshlinskiiState<T> {
     line: [T; LINE],
@@ -121,55 +122,6 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
             creep_gain: creep.iter().fold(T::zero(), |sum, (_, gain)| sum + *gain),
             rest_memory: T::of(p.rest_memory),
             offset: T::of(p.offset_um),
-        }
-    }
-
-    /// At rest at a voltage, each play `bias` of the way from where long rest leaves it to an end of its memory: −1 as after a rise,
-    /// 1 as after a fall from an end of the span. An actuator that has never left an end of the span has the memory of neither.
-    fn branch(&self, voltage: T, bias: T) -> GeneralisedPrandtlIshlinskiiState<T> {
-        let mut plays = self.rested(voltage);
-        for (at, (half_width, _)) in plays.iter_mut().zip(self.elements) {
-            let left = Range { min: self.span.min + half_width, max: self.span.max - half_width };
-            let swept = |towards: T| play(left.clamp(voltage + towards * half_width), voltage, half_width);
-            let end = if bias < T::zero() { swept(-T::one()).min(*at) } else { swept(T::one()).max(*at) };
-            *at = *at + bias.abs() * (end - *at);
-        }
-        self.resting(voltage, plays)
-    }
-
-    /// The plays of an actuator that has rested at a voltage.
-    fn rested(&self, voltage: T) -> [T; PLAYS] {
-        let middle = self.span.middle();
-        self.elements.map(|(half_width, _)| voltage + self.rest_memory * (play(middle, voltage, half_width) - voltage))
-    }
-
-    /// At rest at a voltage with these plays. Creep takes decades to forget what the
-    /// plays forget in a swing, and is where an actuator has it that has rested there whatever is known of the plays.
-    fn resting(&self, voltage: T, plays: [T; PLAYS]) -> GeneralisedPrandtlIshlinskiiState<T> {
-        let crept = self.hysteretic(&self.rested(voltage), voltage);
-        let state = GeneralisedPrandtlIshlinskiiState {
-            line: [voltage; LINE],
-            newest: 0,
-            input: RampLagged::at(voltage),
-            plays,
-            creep: [Relaxed::at(crept); CREEPS],
-            resonance: ResonanceState::rest(T::zero()),
-        };
-        GeneralisedPrandtlIshlinskiiState { resonance: ResonanceState::rest(self.at_rest(&state, voltage)), ..state }
-    }
-
-    /// At a known displacement. What no memory can have left is a lag's: the actuator is still on its way to this voltage.
-    fn arrive(&self, voltage: T, known: T) -> GeneralisedPrandtlIshlinskiiState<T> {
-        let one = T::one();
-        let at = |voltage: T, bias: T| self.at_rest(&self.branch(voltage, bias), voltage);
-        if known < at(voltage, -one) {
-            let lowest = self.span.include(voltage).min;
-            self.branch(solve(known, lowest, voltage, |voltage| at(voltage, -one)), -one)
-        } else if known > at(voltage, one) {
-            let highest = self.span.include(voltage).max;
-            self.branch(solve(known, voltage, highest, |voltage| at(voltage, one)), one)
-        } else {
-            self.branch(voltage, solve(known, -one, one, |bias| at(voltage, bias)))
         }
     }
 

@@ -8,16 +8,17 @@ use crate::range::Range;
 use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
 
-/// Most play operators.
+/// Play operators that a set has at most.
 pub const PLAYS: usize = 15;
 /// Most knots of a tabulated function.
 pub const KNOTS: usize = 9;
-/// Most creep elements.
+/// First-order creep elements that a set has at most.
 pub const CREEPS: usize = 5;
 /// Longest delay, ticks.
 const LONGEST_DELAY: f32 = 14.0;
 
-/// Published parameters.
+/// Parameters of the chain in V, µm, s, Hz and ticks, each as its field says; laws over the voltages as values at
+/// knots.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeneralisedPrandtlIshlinskiiParameters {

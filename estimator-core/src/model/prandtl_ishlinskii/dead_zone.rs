@@ -70,7 +70,7 @@ impl<T: Real> Superposition<T> {
         built
     }
 
-    /// S(x).
+    /// S(x), µm, of a weighted sum of plays x, µm.
     #[inline]
     pub fn apply(&self, x: T) -> T {
         let mut y = T::zero();
@@ -83,7 +83,7 @@ impl<T: Real> Superposition<T> {
         y
     }
 
-    /// S⁻¹.
+    /// S⁻¹, made of dead zones, too: from µm back to the weighted sum of plays, µm.
     pub fn inverse(&self) -> Self {
         let mut inverse = *self;
         let at_zero = self.dead_zones.iter().zip(&self.slopes).take(self.count).find(|(zone, _)| **zone == T::zero());

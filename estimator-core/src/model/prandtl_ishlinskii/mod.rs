@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 /// Most play operators of the model.
 pub const PLAYS: usize = 16;
 
-/// A published parameter set.
+/// Plays of Eq. (3.7) with their weights, and the dead zones of the superposition behind them, Eq. (3.9).
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrandtlIshlinskiiParameters {
@@ -81,7 +81,7 @@ impl Published for PrandtlIshlinskiiParameters {
     }
 }
 
-/// Coefficients of the model.
+/// Thresholds (V), weights (µm/V) and superposition, as a tick takes them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PrandtlIshlinskii<T> {
     count: usize,
@@ -92,7 +92,7 @@ pub struct PrandtlIshlinskii<T> {
     memory: Range<T>,
 }
 
-/// The plays, V.
+/// Where each play of Eq. (3.7) stands, V.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PrandtlIshlinskiiState<T> {
     plays: [T; PLAYS],

@@ -33,7 +33,7 @@ use crate::rule::{self, Rule};
 use everett::{Everett, side};
 use serde::{Deserialize, Serialize};
 
-/// A published parameter set.
+/// Masses of the cells of Eq. (3.1) and the square of voltages that they divide.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PreisachParameters {
@@ -43,7 +43,7 @@ pub struct PreisachParameters {
     pub upper_v: f32,
     /// Displacement (µm) that a whole cell makes, row by row: 1, 3, 6, … or 55 numbers, at least 0.
     pub densities_um: List<CELLS>,
-    /// Displacement at `lower_v`, µm.
+    /// Displacement of negative saturation, every relay down, µm.
     pub offset_um: f32,
 }
 
@@ -76,7 +76,7 @@ impl Published for PreisachParameters {
     }
 }
 
-/// Coefficients of the model.
+/// The Everett function of Eq. (3.18) by cells, and the way from V to cells.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Preisach<T> {
     lower: f32,

@@ -101,7 +101,7 @@ impl<T: Real> Voigt<T> {
         }
     }
 
-    /// 1/(d(V)·b), 1/s.
+    /// 1/(d(V)·b) of Eq. (4.8), 1/s, at this voltage (V): how fast the displacement relaxes.
     pub fn rate(&self, voltage: T) -> T {
         let x = (self.lambda_beta - self.lambda * voltage).exp();
         self.rate_scale * (T::of(2.0) + x + T::one() / x)
@@ -112,7 +112,7 @@ impl<T: Real> Voigt<T> {
         self.lambda_beta / self.lambda
     }
 
-    /// `sgn(V)·(|V|/b)^P`, µm/s.
+    /// `sgn(V)·(|V|/b)^P` of Eq. (4.8), µm/s: what this voltage (V) drives the displacement by.
     #[inline]
     pub fn drive(&self, voltage: T) -> T {
         if voltage == T::zero() {
@@ -136,17 +136,17 @@ impl<T: Real> Voigt<T> {
         VoigtTerms { a, c: m * self.drive(voltage), m }
     }
 
-    /// `g·sgn(V_ext)·|V_ext|^h`, µm/s.
+    /// `g·sgn(V_ext)·|V_ext|^h` of Eq. (5.4), µm/s, of the voltage at a reversal (V); 0 where g is.
     pub fn voltage_term(&self, voltage: T) -> T {
         if self.g == T::zero() { T::zero() } else { self.g * voltage.signed_pow(self.h) }
     }
 
-    /// `e_µm·sgn(y_ext)·|y_ext|^f`, µm/s.
+    /// `e_µm·sgn(y_ext)·|y_ext|^f` of Eq. (5.5), µm/s, of a displacement at a reversal (µm); 0 where e is.
     pub fn displacement_term(&self, displacement: T) -> T {
         if self.e_um == T::zero() { T::zero() } else { self.e_um * displacement.signed_pow(self.f) }
     }
 
-    /// Both extremum terms, µm/s.
+    /// Both extremum terms of Eq. (5.3), µm/s; 0 where the model has neither.
     pub fn extremum_input(&self, extremum: Extremum<T>) -> T {
         self.voltage_term(extremum.voltage) + self.displacement_term(extremum.displacement)
     }

@@ -10,23 +10,23 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VoigtParameters<T = f32> {
-    /// α, µm.
+    /// α, µm: scale of the compliance d(V) of Eq. (4.8); Table 4.6.
     pub alpha_um: T,
-    /// β, V.
+    /// β, V: voltage about which d(V) is steepest; Table 4.6.
     pub beta_v: T,
-    /// λ, 1/V.
+    /// λ, 1/V: how fast d(V) falls off about β; Table 4.6.
     pub lambda_per_v: T,
-    /// b, Ω.
+    /// b, Ω as the thesis prints it: the damper; Table 4.6.
     pub b_ohm: T,
-    /// P, no unit.
+    /// P, no unit, 0 to 8: exponent of the drive (|V|/b)^P; Table 4.6.
     pub p: T,
-    /// g, µm/s per V^h; signed.
+    /// g of Eq. (5.4), µm/s per V^h, signed: weight of the voltage-extremum term; Table 5.2.
     pub g_um_per_s: T,
-    /// h, no unit.
+    /// h of Eq. (5.4), no unit, 0 to 8: exponent of |V_ext|; Table 5.2.
     pub h: T,
-    /// e, m/s per m^f as printed; signed.
+    /// e of Eq. (5.5), m/s per m^f as printed, signed: weight of the displacement-extremum term; Table 5.2.
     pub e_m_per_s: T,
-    /// f, no unit.
+    /// f of Eq. (5.5), no unit, 0 to 8: exponent of |y_ext|; Table 5.2.
     pub f: T,
 }
 
