@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
-    /// Forward Euler, Eq. (4.7).
+    /// Forward Euler, Eq. (4.7): the displacement goes on by its rate at the tick times t_s; unstable where that is too
+    /// large.
     #[default]
     ForwardEuler,
     /// Exact for a voltage held over the tick; stable for any rate.
@@ -29,20 +30,22 @@ impl fmt::Display for Scheme {
 /// How a model's equations become ticks.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Discretisation<T> {
-    /// Tick, s.
+    /// t_s, from one tick to the next, s, above 0.
     pub sample_period: T,
     /// How the Voigt family's differential equation becomes a recursion.
     pub scheme: Scheme,
-    /// Retreat of the voltage from its running extreme that counts as a reversal, V.
+    /// Retreat of the voltage from its running extreme that counts as a reversal, V; Duhem's and Bouc-Wen's memory is held while
+    /// the voltage stays within so much either way ([`Held`](super::Held)).
     pub deadband: T,
 }
 
 /// The parameters of a model as they are published, in the literature's units.
 pub trait Published: Copy {
-    /// The model's per-tick coefficients.
+    /// What a tick computes with: these parameters at one sample period, in the number type `T`.
     type Coefficients<T: Real>: Recursion<T> + Clone + PartialEq + fmt::Debug;
 
-    /// The coefficients. Checks nothing.
+    /// The coefficients for this discretisation. Numbers that [`check`](Self::check) refuses give coefficients that
+    /// mean nothing.
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Self::Coefficients<T>;
 
     /// The same where the voltage comes from a converter whose codes are `step` volts apart: a deadband among the parameters is

@@ -49,7 +49,7 @@ fn follows_its_equation() {
                 if p.check().is_err() {
                     continue;
                 }
-                let model = BoucWen::<f64>::build(&p, PERIOD);
+                let model = BoucWen::<f64>::build(&p, PERIOD, 0.0);
                 let limits = model.limits();
                 for part in [-1.0, -0.6, -0.01, 0.0, 0.3, 1.0] {
                     let start = if part < 0.0 { -part * limits.min } else { part * limits.max };
@@ -67,7 +67,7 @@ fn follows_its_equation() {
 #[test]
 fn branches_saturate_where_it_says() {
     for n in [1.0, 1.5, 2.0] {
-        let model = BoucWen::<f64>::build(&parameters(n), PERIOD);
+        let model = BoucWen::<f64>::build(&parameters(n), PERIOD, 0.0);
         let expected = |sum: f64| (1.0 / sum).powf(1.0 / f64::from(n));
         let limits = model.limits();
         assert!((limits.max - expected(0.13)).abs() < 1e-5 && (limits.min + expected(0.09)).abs() < 1e-5, "{limits:?}");
@@ -79,20 +79,20 @@ fn branches_saturate_where_it_says() {
 #[test]
 fn loops_close_and_lag() {
     for n in [1.0, 1.5, 2.0] {
-        laws::loops_close_and_lag(&BoucWen::<f64>::build(&parameters(n), PERIOD));
+        laws::loops_close_and_lag(&BoucWen::<f64>::build(&parameters(n), PERIOD, 0.0));
     }
 }
 
 #[test]
 fn the_lag_is_first_order_and_none_is_none() {
-    let model = BoucWen::<f64>::build(&BoucWenParameters { lag_s: 0.002, ..parameters(1.0) }, PERIOD);
+    let model = BoucWen::<f64>::build(&BoucWenParameters { lag_s: 0.002, ..parameters(1.0) }, PERIOD, 0.0);
     let mut state = model.begin(0.0, None);
     for k in 1..100 {
         model.step(&mut state, 50.0);
         let expected = 50.0 * (1.0 - (-f64::from(k) * PERIOD / f64::from(0.002f32)).exp());
         assert!((state.input.value - expected).abs() < 1e-10);
     }
-    let model = BoucWen::<f32>::build(&parameters(1.0), PERIOD as f32);
+    let model = BoucWen::<f32>::build(&parameters(1.0), PERIOD as f32, 0.0);
     let mut state = model.begin(0.1, None);
     for voltage in [33.3, -7.1, 1e-3] {
         model.step(&mut state, voltage);
@@ -102,7 +102,7 @@ fn the_lag_is_first_order_and_none_is_none() {
 
 #[test]
 fn begins_at_the_known_displacement_or_nearest() {
-    let model = BoucWen::<f64>::build(&parameters(1.0), PERIOD);
+    let model = BoucWen::<f64>::build(&parameters(1.0), PERIOD, 0.0);
     let free = 2.0 + 0.4 * 30.0 + 4e-4 * 900.0;
     let mut state = model.begin(30.0, Some(free - 0.3));
     assert!((model.step(&mut state, 30.0) - (free - 0.3)).abs() < 1e-5);
@@ -129,7 +129,7 @@ fn what_breaks_a_rule_is_refused_and_still_builds() {
     ];
     for bad in bad {
         assert!(bad.check().is_err(), "{bad:?}");
-        let model = BoucWen::<f32>::build(&bad, PERIOD as f32);
+        let model = BoucWen::<f32>::build(&bad, PERIOD as f32, 0.0);
         let mut state = model.begin(1.0, Some(2.0));
         model.step(&mut state, 30.0);
         model.step(&mut state, -30.0);
@@ -164,7 +164,7 @@ proptest! {
     #[test]
     fn bounded_for_any_jumps(p in any_set(), start in prop::option::of(-50f32..50.0), voltages in any_voltages()) {
         prop_assume!(p.check().is_ok());
-        let model = BoucWen::<f32>::build(&p, PERIOD as f32);
+        let model = BoucWen::<f32>::build(&p, PERIOD as f32, 0.0);
         let limits = model.limits();
         let reach = model.reach(Range { min: -1000.0, max: 1000.0 }).unwrap();
         let slack = 1e-5 * (1.0 + reach.min.abs() + reach.max.abs());
@@ -182,7 +182,7 @@ proptest! {
         p in any_set(), start in -1f64..1.0, cuts in prop::collection::vec(0f64..1.0, 0..60), change in -60f64..60.0,
     ) {
         prop_assume!(p.check().is_ok());
-        let model = BoucWen::<f64>::build(&p, PERIOD);
+        let model = BoucWen::<f64>::build(&p, PERIOD, 0.0);
         let limits = model.limits();
         let start = if start < 0.0 { -start * limits.min } else { start * limits.max };
         let mut cuts = cuts;
@@ -200,7 +200,7 @@ proptest! {
     #[test]
     fn the_columns_weigh_to_the_displacement(p in any_set(), voltages in any_voltages()) {
         prop_assume!(p.check().is_ok());
-        let model = BoucWen::<f64>::build(&p, PERIOD);
+        let model = BoucWen::<f64>::build(&p, PERIOD, 0.0);
         let weights = [p.d1_um_per_v, p.d2_um_per_v2, p.c_um_per_v, p.offset_um].map(f64::from);
         laws::columns_weigh_to_the_displacement(&model, &weights, 0.0, voltages.into_iter().map(f64::from), 1e-7)?;
     }
@@ -212,7 +212,7 @@ proptest! {
         steps in prop::collection::vec(-1f32..1.0, 1..400),
     ) {
         prop_assume!(p.check().is_ok());
-        let (single, double) = (BoucWen::<f32>::build(&p, PERIOD as f32), BoucWen::<f64>::build(&p, PERIOD));
+        let (single, double) = (BoucWen::<f32>::build(&p, PERIOD as f32, 0.0), BoucWen::<f64>::build(&p, PERIOD, 0.0));
         let (mut a, mut b, mut voltage) = (single.begin(0.0, None), double.begin(0.0, None), 0.0f32);
         for step in steps {
             voltage += step;

@@ -1,4 +1,5 @@
-//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for the lag.
+//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for the lag. Its memory is held
+//! within the table's deadband (`held.rs`).
 //!
 //! ```text
 //! du/dt = (V − u)/lag                                     amplifier; no lag: u = V
@@ -18,6 +19,7 @@
 
 mod branch;
 
+use super::held::Held;
 use super::relaxation::{Lag, Relaxed};
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
@@ -27,7 +29,8 @@ use crate::rule::Rule;
 use branch::{Branch, Power};
 use serde::{Deserialize, Serialize};
 
-/// A published Bouc-Wen set.
+/// Bouc-Wen parameters as Wen (1976) writes them, with δ of Song and Der Kiureghian (2006); what
+/// [`check`](Published::check) holds of them makes h bounded.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoucWenParameters {
@@ -35,19 +38,19 @@ pub struct BoucWenParameters {
     pub lag_s: f32,
     /// A, slope dh/du at h = 0, V/V; above 0.
     pub a: f32,
-    /// β, V^−n.
+    /// β, V^−n, at least |δ|: what slows h where the voltage moves it away from 0.
     pub beta: f32,
-    /// γ, V^−n; signed.
+    /// γ, V^−n, signed: what slows h on loading and unloading alike; β + γ exceeds |δ|.
     pub gamma: f32,
-    /// δ, V^−n; signed; 0 is the symmetric model.
+    /// δ, V^−n, signed: what slows a rise more than a fall; 0 is the symmetric model.
     pub delta: f32,
-    /// n, 1 to 8.
+    /// n, no unit, 1 to 8: how sharply loading ends; 1 has an exact step.
     pub n: f32,
     /// Displacement without hysteresis at 0 V, µm.
     pub offset_um: f32,
-    /// d1, µm/V.
+    /// d1, µm/V: slope of the displacement without hysteresis at 0 V.
     pub d1_um_per_v: f32,
-    /// d2, µm/V².
+    /// d2, µm/V²: half of how fast that slope changes.
     pub d2_um_per_v2: f32,
     /// c, µm per volt of h; signed.
     pub c_um_per_v: f32,
@@ -57,7 +60,7 @@ impl Published for BoucWenParameters {
     type Coefficients<T: Real> = BoucWen<T>;
 
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> BoucWen<T> {
-        BoucWen::build(self, discretisation.sample_period)
+        BoucWen::build(self, discretisation.sample_period, discretisation.deadband)
     }
 
     fn check(&self) -> Result<(), Rule> {
@@ -81,7 +84,7 @@ impl Published for BoucWenParameters {
         if beta + gamma <= delta.abs() {
             return Err("beta + gamma must exceed |delta|");
         }
-        let limits = BoucWen::<f32>::build(self, 1.0).limits();
+        let limits = BoucWen::<f32>::build(self, 1.0, 0.0).limits();
         if !(limits.min.is_finite() && limits.max.is_finite() && limits.span() > 0.0) {
             return Err("the hysteresis must have a finite bound");
         }
@@ -93,6 +96,7 @@ impl Published for BoucWenParameters {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoucWen<T> {
     lag: Lag<T>,
+    deadband: T,
     power: Power<T>,
     rising: Branch<T>,
     falling: Branch<T>,
@@ -105,15 +109,17 @@ pub struct BoucWen<T> {
 /// Lagged voltage and hysteresis of a running model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoucWenState<T> {
-    /// u, V.
+    /// u, V: the voltage behind the lag.
     pub input: Relaxed<T>,
-    /// h, V.
+    held: Held<T, T>,
+    /// h at u, V, within [`BoucWen::limits`]; what is kept of it stands where [`Held`] last moved.
     pub hysteresis: T,
 }
 
 impl<T: Real> BoucWen<T> {
-    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`BoucWenParameters::check`].
-    pub fn build(parameters: &BoucWenParameters, sample_period: T) -> Self {
+    /// Coefficients for ticks of `sample_period` seconds, with the memory held within ±`deadband` V. Checks nothing: see
+    /// [`BoucWenParameters::check`].
+    pub fn build(parameters: &BoucWenParameters, sample_period: T, deadband: T) -> Self {
         let p = parameters;
         let (a, n) = (T::of(p.a), T::of(p.n));
         let (beta, gamma, delta) = (T::of(p.beta), T::of(p.gamma), T::of(p.delta));
@@ -123,6 +129,7 @@ impl<T: Real> BoucWen<T> {
         falling.measure(n, rising.limit);
         Self {
             lag: Lag::build(T::of(p.lag_s), sample_period),
+            deadband,
             power: match p.n {
                 1.0 => Power::One,
                 2.0 => Power::Two,
@@ -155,9 +162,9 @@ impl<T: Real> BoucWen<T> {
         self.limits().clamp(after)
     }
 
-    fn sum(&self, state: &BoucWenState<T>) -> T {
-        let u = state.input.value;
-        self.offset + u * (self.d1 + self.d2 * u) + self.c * state.hysteresis
+    /// The displacement (µm) at an input and a hysteresis (V).
+    fn sum(&self, u: T, hysteresis: T) -> T {
+        self.offset + u * (self.d1 + self.d2 * u) + self.c * hysteresis
     }
 
     /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
@@ -187,18 +194,19 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
         let limits = self.limits();
         let middle = (limits.min + limits.max) * T::of(0.5);
-        let free = BoucWenState { input: Relaxed::at(voltage), hysteresis: T::zero() };
         let hysteresis = match displacement {
-            Some(displacement) if self.c != T::zero() => limits.clamp((displacement - self.sum(&free)) / self.c),
+            Some(displacement) if self.c != T::zero() => {
+                limits.clamp((displacement - self.sum(voltage, T::zero())) / self.c)
+            }
             _ => middle,
         };
-        BoucWenState { hysteresis, ..free }
+        BoucWenState { input: Relaxed::at(voltage), held: Held::new(voltage, hysteresis), hysteresis }
     }
 
     #[inline]
     fn step(&self, state: &mut Self::State, voltage: T) -> T {
         self.advance(state, voltage);
-        self.sum(state)
+        self.sum(state.input.value, state.hysteresis)
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
@@ -214,9 +222,8 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
 impl<T: Real> Linear<T> for BoucWen<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
-        let before = state.input.value;
-        let change = self.lag.step(&mut state.input, voltage) - before;
-        state.hysteresis = self.follow(state.hysteresis, change);
+        let u = self.lag.step(&mut state.input, voltage);
+        state.hysteresis = state.held.step(u, self.deadband, |h, from, to| self.follow(h, to - from));
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {

@@ -1,5 +1,5 @@
 //! Duhem model in the form of Coleman and Hodgdon, Eq. (3.12), with polynomial f and g, behind a first-order input lag.
-//! Rate-independent but for the lag.
+//! Rate-independent but for the lag. Its memory is held within the table's deadband (`held.rs`).
 //!
 //! ```text
 //! du/dt = (V − u)/lag,  v = u − centre                           V; no lag: u = V
@@ -21,6 +21,7 @@ mod conditions;
 
 pub use conditions::{DuhemCondition, unmet_condition};
 
+use super::held::Held;
 use super::relaxation::{Lag, Relaxed};
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
@@ -29,13 +30,13 @@ use crate::range::Range;
 use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
 
-/// A published Coleman-Hodgdon set.
+/// Parameters of Eq. (3.12), with the polynomials f and g about a centre.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DuhemParameters {
     /// Time constant of the input lag, s; 0 is none.
     pub lag_s: f32,
-    /// α, 1/V; above 0.
+    /// α of Eq. (3.12), 1/V, above 0: the memory of a reversal falls to 1/e over 1/α volts.
     pub alpha_per_v: f32,
     /// Distance from the centre beyond which f' = g, V; above 0, best beyond all voltages that occur.
     pub saturation_v: f32,
@@ -43,13 +44,13 @@ pub struct DuhemParameters {
     pub voltage_centre_v: f32,
     /// Displacement without hysteresis at the centre, µm.
     pub offset_um: f32,
-    /// f1, µm/V.
+    /// f1, µm/V, at least 0: slope of f at the centre.
     pub f1_um_per_v: f32,
-    /// f3, µm/V³.
+    /// f3, µm/V³, signed: f is f1·v + f3·v³ up to saturation, where it must not fall.
     pub f3_um_per_v3: f32,
-    /// g0, µm/V.
+    /// g0, µm/V: g at the centre, below f1 where the displacement lags.
     pub g0_um_per_v: f32,
-    /// g2, µm/V³.
+    /// g2, µm/V³, signed: g is g0 + g2·v² up to saturation.
     pub g2_um_per_v3: f32,
 }
 
@@ -76,7 +77,7 @@ impl Published for DuhemParameters {
     type Coefficients<T: Real> = Duhem<T>;
 
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Duhem<T> {
-        Duhem::build(self, discretisation.sample_period)
+        Duhem::build(self, discretisation.sample_period, discretisation.deadband)
     }
 
     fn check(&self) -> Result<(), Rule> {
@@ -97,7 +98,7 @@ impl Published for DuhemParameters {
         if self.f1_um_per_v < 0.0 || self.slope(self.saturation_v) < 0.0 {
             return Err("f must not fall: f1 and f1 + 3 f3 saturation^2 must be at least 0");
         }
-        let memory = Duhem::<f32>::build(self, 1.0).largest_memory();
+        let memory = Duhem::<f32>::build(self, 1.0, 0.0).largest_memory();
         if !memory.is_finite() {
             return Err("the hysteresis must have a finite bound");
         }
@@ -109,6 +110,7 @@ impl Published for DuhemParameters {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Duhem<T> {
     lag: Lag<T>,
+    deadband: T,
     alpha: T,
     inverse_alpha: T,
     inside: Range<T>,
@@ -124,11 +126,19 @@ pub struct Duhem<T> {
 /// Lagged voltage and hysteresis of a running model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct DuhemState<T> {
-    /// u, V.
+    /// u, V: the voltage behind the lag.
     pub input: Relaxed<T>,
-    /// Answer to D = 1, V.
+    held: Held<T, Answers<T>>,
+    /// At u.
+    answers: Answers<T>,
+}
+
+/// z0 and z2.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Answers<T> {
+    /// To D = 1, V.
     z0: T,
-    /// Answer to D = v², V³.
+    /// To D = v², V³.
     z2: T,
 }
 
@@ -153,13 +163,15 @@ fn phi<T: Real>(x: T) -> [T; 3] {
 }
 
 impl<T: Real> Duhem<T> {
-    /// Coefficients for ticks of `sample_period` seconds. Checks nothing: see [`DuhemParameters::check`].
-    pub fn build(parameters: &DuhemParameters, sample_period: T) -> Self {
+    /// Coefficients for ticks of `sample_period` seconds, with the memory held within ±`deadband` V. Checks nothing: see
+    /// [`DuhemParameters::check`].
+    pub fn build(parameters: &DuhemParameters, sample_period: T, deadband: T) -> Self {
         let p = parameters;
         let (f1, f3, saturation) = (T::of(p.f1_um_per_v), T::of(p.f3_um_per_v3), T::of(p.saturation_v));
         let three = T::of(3.0);
         Self {
             lag: Lag::build(T::of(p.lag_s), sample_period),
+            deadband,
             alpha: T::of(p.alpha_per_v),
             inverse_alpha: T::one() / T::of(p.alpha_per_v),
             inside: Range { min: -saturation, max: saturation },
@@ -194,25 +206,41 @@ impl<T: Real> Duhem<T> {
         self.f1 * v + self.f3 * self.cubic(v)
     }
 
-    fn decay(&self, state: &mut DuhemState<T>, distance: T) {
+    fn decay(&self, Answers { z0, z2 }: Answers<T>, distance: T) -> Answers<T> {
         let retention = T::one() + (-self.alpha * distance).exp_m1();
-        state.z0 = state.z0 * retention;
-        state.z2 = state.z2 * retention;
+        Answers { z0: z0 * retention, z2: z2 * retention }
     }
 
     /// A monotone move from v by `change`, within saturation.
     #[inline]
-    fn travel(&self, state: &mut DuhemState<T>, v: T, change: T) {
+    fn travel(&self, Answers { z0, z2 }: Answers<T>, v: T, change: T) -> Answers<T> {
         let x = self.alpha * change.abs();
         let [phi1, phi2, phi3] = phi(x);
         let two = T::of(2.0);
-        state.z0 = state.z0 + phi1 * (change - x * state.z0);
-        state.z2 =
-            state.z2 + phi1 * (change * v * v - x * state.z2) + change * change * two * (v * phi2 + change * phi3);
+        Answers {
+            z0: z0 + phi1 * (change - x * z0),
+            z2: z2 + phi1 * (change * v * v - x * z2) + change * change * two * (v * phi2 + change * phi3),
+        }
     }
 
-    fn sum(&self, state: &DuhemState<T>) -> T {
-        self.offset + self.f(state.input.value - self.centre) + (self.d0 * state.z0 + self.d2 * state.z2)
+    /// A monotone move from one input (V) to another, wherever they lie.
+    #[inline]
+    fn follow(&self, mut answers: Answers<T>, from: T, to: T) -> Answers<T> {
+        let (from, to) = (from - self.centre, to - self.centre);
+        let (enter, leave) = (self.inside.clamp(from), self.inside.clamp(to));
+        if enter == leave {
+            return if from == to { answers } else { self.decay(answers, (to - from).abs()) };
+        }
+        if from != enter {
+            answers = self.decay(answers, (enter - from).abs());
+        }
+        answers = self.travel(answers, enter, leave - enter);
+        if to == leave { answers } else { self.decay(answers, (to - leave).abs()) }
+    }
+
+    /// The displacement (µm) at an input (V).
+    fn sum(&self, u: T, Answers { z0, z2 }: &Answers<T>) -> T {
+        self.offset + self.f(u - self.centre) + (self.d0 * *z0 + self.d2 * *z2)
     }
 
     /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
@@ -233,23 +261,23 @@ impl<T: Real> Recursion<T> for Duhem<T> {
     /// On f where the displacement is unknown; else off it by no more than |D|/α at this voltage, which a long monotone
     /// move could leave there.
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
-        let mut state = DuhemState { input: Relaxed::at(voltage), z0: T::zero(), z2: T::zero() };
+        let mut answers = Answers { z0: T::zero(), z2: T::zero() };
         let v = self.inside.clamp(voltage - self.centre);
         let excess = self.excess(v);
         if let Some(displacement) = displacement
             && excess != T::zero()
         {
             let bound = Range { min: -self.inverse_alpha, max: self.inverse_alpha };
-            state.z0 = bound.clamp((displacement - self.sum(&state)) / excess);
-            state.z2 = v * v * state.z0;
+            answers.z0 = bound.clamp((displacement - self.sum(voltage, &answers)) / excess);
+            answers.z2 = v * v * answers.z0;
         }
-        state
+        DuhemState { input: Relaxed::at(voltage), held: Held::new(voltage, answers), answers }
     }
 
     #[inline]
     fn step(&self, state: &mut Self::State, voltage: T) -> T {
         self.advance(state, voltage);
-        self.sum(state)
+        self.sum(state.input.value, &state.answers)
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
@@ -266,27 +294,14 @@ impl<T: Real> Recursion<T> for Duhem<T> {
 impl<T: Real> Linear<T> for Duhem<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
-        let before = state.input.value;
-        let (from, to) = (before - self.centre, self.lag.step(&mut state.input, voltage) - self.centre);
-        let (enter, leave) = (self.inside.clamp(from), self.inside.clamp(to));
-        if enter == leave {
-            if from != to {
-                self.decay(state, (to - from).abs());
-            }
-            return;
-        }
-        if from != enter {
-            self.decay(state, (enter - from).abs());
-        }
-        self.travel(state, enter, leave - enter);
-        if to != leave {
-            self.decay(state, (to - leave).abs());
-        }
+        let u = self.lag.step(&mut state.input, voltage);
+        state.answers = state.held.step(u, self.deadband, |answers, from, to| self.follow(answers, from, to));
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
         let v = state.input.value - self.centre;
-        let cubic = self.cubic(v) - T::of(3.0) * state.z2;
-        [v - state.z0, cubic, state.z0, state.z2, T::one()].into_iter().for_each(&mut each);
+        let Answers { z0, z2 } = state.answers;
+        let cubic = self.cubic(v) - T::of(3.0) * z2;
+        [v - z0, cubic, z0, z2, T::one()].into_iter().for_each(&mut each);
     }
 }

@@ -53,7 +53,7 @@ impl super::Family for Family {
         };
         let projection = Projection {
             problem,
-            model: &BoucWen::<f64>::build(&base, self.tick),
+            model: &BoucWen::<f64>::build(&base, self.tick, problem.deadband),
             unknowns: &[0, 1, 2],
             signs: &[Sign::Free; 3],
             resonance: None,

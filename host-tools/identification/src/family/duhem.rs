@@ -55,7 +55,7 @@ impl super::Family for Family {
         };
         let projection = Projection {
             problem,
-            model: &Duhem::<f64>::build(&base, self.tick),
+            model: &Duhem::<f64>::build(&base, self.tick, problem.deadband),
             unknowns: &[0, 1, 2, 3],
             signs: &[Sign::Free; 4],
             resonance: None,

@@ -1,0 +1,45 @@
+//! The memory of a rate-independent equation, held while its input stays within a deadband.
+//!
+//! ```text
+//! p ← play(p, u; δ)                                     δ the table's deadband, in the input's unit
+//! shown: the equation's answer, from the memory where it stands, to a monotone move to u
+//! where p has moved, what is shown becomes the memory, and stands at u
+//! ```
+//!
+//! Duhem's and Bouc-Wen's equations advance with |du|. The noise of a converter is a path without end: at rest it would make
+//! them forget all that there is to remember. A play does not move while the input stays within ±δ of it, and then nothing is
+//! kept: the displacement follows the input to and fro on one curve.
+//!
+//! The memory does not take the play's way but the input's, so that no loop is shifted by δ, nor cut short: of an input
+//! whose reversals are more than 2·δ apart the answer is the equation's own. What is shown is continuous, for what becomes
+//! the memory has been shown before.
+
+use super::play::play;
+use crate::math::Real;
+
+/// A memory, and where it stands.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Held<T, M> {
+    play: T,
+    at: T,
+    memory: M,
+}
+
+impl<T: Real, M: Copy> Held<T, M> {
+    /// A memory of an input that has long stood at this value.
+    pub fn new(at: T, memory: M) -> Self {
+        Self { play: at, at, memory }
+    }
+
+    /// One tick: takes the input, returns the memory as it is shown there. `follow` is the equation's answer, from a memory, to a
+    /// monotone move from one input to another; `deadband` is δ.
+    #[inline]
+    pub fn step(&mut self, input: T, deadband: T, follow: impl FnOnce(M, T, T) -> M) -> M {
+        let shown = follow(self.memory, self.at, input);
+        let moved = play(self.play, input, deadband);
+        if moved != self.play {
+            *self = Self { play: moved, at: input, memory: shown };
+        }
+        shown
+    }
+}
