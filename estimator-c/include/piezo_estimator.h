@@ -27,7 +27,7 @@
 // The DAC's code stands at an end of its range.
 #define PIEZO_DAC_SATURATED 8
 
-// The estimate still depends on where it was assumed to start.
+// The estimate still depends on where it was assumed to start, or on voltages beyond the table's range since.
 #define PIEZO_NOT_SETTLED 16
 
 // The voltage has gone as it never went in the training.

@@ -13,7 +13,7 @@ pub const PIEZO_VOLTAGE_OUT_OF_RANGE: u8 = 2;
 pub const PIEZO_CLAMPED: u8 = 4;
 /// The DAC's code stands at an end of its range.
 pub const PIEZO_DAC_SATURATED: u8 = 8;
-/// The estimate still depends on where it was assumed to start.
+/// The estimate still depends on where it was assumed to start, or on voltages beyond the table's range since.
 pub const PIEZO_NOT_SETTLED: u8 = 16;
 /// The voltage has gone as it never went in the training.
 pub const PIEZO_UNTRAINED: u8 = 64;

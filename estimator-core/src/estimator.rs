@@ -8,6 +8,9 @@
 //! voltage, with a memory in the middle of all that it may have. [`Estimator::start_at`] states something better where it is
 //! known. Until what the start left is wiped out ([`crate::settling`]), the status says [`Status::NOT_SETTLED`]. What a larger
 //! swing would wipe out, and slow creep, may still be the start's.
+//!
+//! Beyond the table's range, and at an end of the converter's, the model is fed another voltage than the actuator has. What it
+//! remembers is then as wrong as after a start, and the status says so until swings have wiped that out, too.
 
 use crate::calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, Line};
 use crate::interval::{Interval, IntervalState, Width};
@@ -30,8 +33,8 @@ bitflags::bitflags! {
         const CLAMPED = 1 << 2;
         /// The DAC stands at an end of its range: the displacement is at least that far.
         const DAC_SATURATED = 1 << 3;
-        /// The voltage has not turned yet at both ends of a swing of half the table's voltage range: the estimate still depends
-        /// on where it was assumed to start.
+        /// The voltage has not turned yet at both ends of a swing of half the table's voltage range, since the start or since it
+        /// was last another than the model was fed, by more than the deadband: the estimate still depends on what was assumed then.
         const NOT_SETTLED = 1 << 4;
         /// The wanted displacement, or voltage, cannot be had at this tick: the voltage or its slew rate is at a limit.
         const OUT_OF_REACH = 1 << 5;
@@ -43,7 +46,7 @@ bitflags::bitflags! {
     }
 }
 
-/// What a tick gives.
+/// Of one tick: the displacement predicted for the next one, how far it may be off, and what speaks against it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Estimate<T> {
     /// Displacement at the next tick, µm: the model's, relative to its zero, plus [`Estimator::bias`].
@@ -70,7 +73,7 @@ pub struct Estimator<T: Real> {
     limits: Range<T>,
     deadband: T,
     engine: Engine<T>,
-    /// Until it is settled.
+    /// Until it is settled, since the start or since the model was last fed another voltage than the actuator had.
     settling: Option<Settling<T>>,
     /// Displacement at the next tick, or where it was told to start, µm; `None` before.
     displacement: Option<T>,
@@ -193,6 +196,9 @@ impl<T: Real> Estimator<T> {
         let mut status = Status::empty();
         status.set(Status::ADC_SATURATED, saturated);
         status.set(Status::VOLTAGE_OUT_OF_RANGE, voltage != wanted);
+        if !status.is_empty() {
+            self.mislead(wanted, saturated);
+        }
         let known = self.displacement;
         let free = self.engine.step(voltage, known);
         self.displacement = Some(free);
@@ -216,6 +222,18 @@ impl<T: Real> Estimator<T> {
             Estimate { displacement, half_width, dac, status }
         } else {
             Estimate { half_width, ..self.limited(free, status) }
+        }
+    }
+
+    /// The model is fed another voltage than the actuator has: what it remembers is settled no more. Less than a deadband is
+    /// noise, to the memory as well.
+    #[cold]
+    #[inline(never)]
+    fn mislead(&mut self, wanted: T, saturated: bool) {
+        let Range { min, max } = self.voltage_range;
+        let as_good = Range { min: min - self.deadband, max: max + self.deadband };
+        if saturated || !as_good.contains(wanted) {
+            self.settling = Some(Settling::new(self.voltage_range, self.deadband));
         }
     }
 

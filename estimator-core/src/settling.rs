@@ -1,4 +1,4 @@
-//! Whether the estimate still depends on where it was assumed to start.
+//! Whether the estimate still depends on where it was assumed to start, or on voltages that the model was not fed.
 //!
 //! Hysteresis forgets what lies within a swing of the voltage, and so does the estimate: it counts as settled once the voltage
 //! has turned at either end of a swing of half of the table's voltage range ([`SETTLED_SWING`]).
@@ -10,7 +10,7 @@ use crate::range::Range;
 /// Part of the table's voltage range that must lie between reversals for the estimate to count as settled.
 pub const SETTLED_SWING: f32 = 0.5;
 
-/// The reversals since the start.
+/// The reversals since the start, or since the last voltage that was not the model's.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Settling<T> {
     tracker: Tracker<T>,

@@ -18,5 +18,6 @@ mod prandtl_ishlinskii;
 mod precision;
 mod preisach;
 mod published;
+mod settling;
 mod table;
 mod voigt_chain;

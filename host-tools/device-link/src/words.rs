@@ -148,7 +148,8 @@ const STATUS: [(Status, &str); 8] = [
     (Status::DAC_SATURATED, "the DAC was at an end of its range: the displacement was at least that far"),
     (
         Status::NOT_SETTLED,
-        "the voltage had not turned at either end of half its range since the start: the estimate depended on where that was assumed",
+        "the voltage had not turned at either end of half its range since the start, or since it was beyond the range: the estimate \
+         depended on what was assumed then",
     ),
     (
         Status::OUT_OF_REACH,
