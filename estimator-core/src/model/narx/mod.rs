@@ -75,7 +75,7 @@ impl<T: Real> NarxState<T> {
 }
 
 impl<T: Real> Narx<T> {
-    /// The model; its ticks are those of the log it was fitted to. Checks nothing: see [`NarxParameters::check`].
+    /// The model; its ticks are those of the log it was fitted to. Checks nothing: see [`Published::check`](crate::Published::check).
     pub fn build(parameters: &NarxParameters, _sample_period: T) -> Self {
         let p = parameters;
         let voltage_per = T::one() / T::of(p.voltage_scale_v);
