@@ -35,11 +35,17 @@ impl<T: Real, M: Copy> Held<T, M> {
     /// monotone move from one input to another; `deadband` is δ.
     #[inline]
     pub fn step(&mut self, input: T, deadband: T, follow: impl FnOnce(M, T, T) -> M) -> M {
-        let shown = follow(self.memory, self.at, input);
+        let shown = self.shown(input, follow);
         let moved = play(self.play, input, deadband);
         if moved != self.play {
             *self = Self { play: moved, at: input, memory: shown };
         }
         shown
+    }
+
+    /// What a [`step`](Self::step) would return.
+    #[inline]
+    pub fn shown(&self, input: T, follow: impl FnOnce(M, T, T) -> M) -> M {
+        follow(self.memory, self.at, input)
     }
 }

@@ -4,7 +4,7 @@
 //! normal noise. What lies between their means is the drift that the noise makes. Duhem's and Bouc-Wen's equations advance with the
 //! length of the voltage's path, of which noise has no end: their memory is held within the deadband.
 
-use crate::common::models::table_read_by_12_bits;
+use crate::common::converter::table_read_by_12_bits;
 use estimator_core::*;
 
 /// With hysteresis in every model that can have some, and no lag that filters the noise where there need be none.

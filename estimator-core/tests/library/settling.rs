@@ -1,6 +1,6 @@
 //! When an estimate counts as settled, of every model: what a start was not told, and what a clamped voltage left.
 
-use crate::common::models::table_read_by_12_bits;
+use crate::common::converter::table_read_by_12_bits;
 use estimator_core::*;
 
 /// A deadband of three codes.

@@ -209,6 +209,13 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
         self.sum(state.input.value, state.hysteresis)
     }
 
+    /// Without what would be kept.
+    #[inline]
+    fn peek(&self, state: &Self::State, voltage: T) -> T {
+        let u = self.lag.step(&mut { state.input }, voltage);
+        self.sum(u, state.held.shown(u, |h, from, to| self.follow(h, to - from)))
+    }
+
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }

@@ -280,6 +280,13 @@ impl<T: Real> Recursion<T> for Duhem<T> {
         self.sum(state.input.value, &state.answers)
     }
 
+    /// Without what would be kept.
+    #[inline]
+    fn peek(&self, state: &Self::State, voltage: T) -> T {
+        let u = self.lag.step(&mut { state.input }, voltage);
+        self.sum(u, &state.held.shown(u, |answers, from, to| self.follow(answers, from, to)))
+    }
+
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }

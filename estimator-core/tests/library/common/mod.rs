@@ -1,5 +1,6 @@
 //! A table to test with: Table 4.6's simulation set, calibrated to a 12-bit converter over ±22 V.
 
+pub mod converter;
 pub mod models;
 
 use estimator_core::interval::{PLAYS, PROTOTYPES, TRIANGLE};
