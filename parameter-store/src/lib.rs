@@ -8,11 +8,18 @@
 //! | 4 | 4 | length of the record, little-endian |
 //! | 8 | n | the record |
 //! | 8 + n | 4 | CRC-32 (ISO-HDLC) of all before, little-endian; then zeros up to a whole flash word |
+//! | 768 | a word | erased; zeros once the other page holds a newer record, whole |
 //!
 //! The newest record is the whole one with the higher number. A new one goes into the *other* page: that page is erased,
 //! checked to be blank, written, and read back, while the newest is not touched. So whatever a cut erase or write leaves, the
 //! last record is found or the new one; nothing but checksums is ever believed. (sequential-storage, which judges a page by
 //! its first and last word, loses a table by some erases that are cut; the tests here find them.)
+//!
+//! Then the page of the record before is marked: a newer one was whole. That tells a write that was cut from decay where one page
+//! alone is whole. A cut leaves the whole one without a mark, and it is the last that was stored. With a mark, the newest was whole
+//! and is not any more: the one before, which may say something else altogether, is not given in its stead
+//! ([`StoreError::NewestLost`]). Power that fails between the new record's last word and the mark leaves none; whoever stored it
+//! was not told that it is, and storing it again sets the mark.
 //!
 //! The store does not know what a record means: what it gives back must still be parsed.
 #![cfg_attr(not(test), no_std)]
@@ -34,6 +41,8 @@ const CHECKSUM: usize = 4;
 const BUFFER: usize = (HEADER + MAX_RECORD + CHECKSUM).next_multiple_of(WORD);
 /// No flash word may be longer, bytes.
 const WORD: usize = 32;
+/// Where a page has the mark that a newer record was whole, behind the longest content.
+const MARK: u32 = BUFFER as u32;
 
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -58,6 +67,9 @@ pub enum StoreError {
     /// Something lies in the pages, and no whole record.
     #[error("the stored table is damaged, by a write that was cut or by decay")]
     Damaged,
+    /// The newest record was whole and is not any more; the one before is, and may say something else altogether.
+    #[error("the newest stored table has decayed, and the one before it is not used: it may be another actuator's")]
+    NewestLost,
 }
 
 /// The store in two pages of a flash.
@@ -80,11 +92,13 @@ enum Content {
     },
 }
 
-/// The newest record.
+/// The newest record that is whole.
 #[derive(Clone, Copy)]
 struct Newest {
     page: usize,
     number: u32,
+    /// The other page holds a whole record, too, which is older.
+    beside: bool,
 }
 
 impl<F: NorFlash> ParameterStore<F> {
@@ -92,16 +106,17 @@ impl<F: NorFlash> ParameterStore<F> {
     pub fn new(flash: F, pages: Range<u32>) -> Result<Self, StoreError> {
         let page = F::ERASE_SIZE as u32;
         let fits = pages.start.is_multiple_of(page) && pages.end.checked_sub(pages.start) == Some(2 * page);
-        if !fits || BUFFER > F::ERASE_SIZE || !WORD.is_multiple_of(F::WRITE_SIZE) {
+        if !fits || BUFFER + WORD > F::ERASE_SIZE || !WORD.is_multiple_of(F::WRITE_SIZE) {
             return Err(StoreError::Layout);
         }
         Ok(Self { flash, pages: [pages.start, pages.start + page], buffer: [0; BUFFER] })
     }
 
-    /// The newest whole record; `None` in an empty store.
+    /// The newest record; `None` in an empty store.
     ///
     /// # Errors
-    /// The flash reports one, or the store is neither empty nor has a whole record ([`StoreError::Damaged`]).
+    /// The flash reports one; the store is neither empty nor has a whole record ([`StoreError::Damaged`]); or the newest has
+    /// decayed ([`StoreError::NewestLost`]).
     pub async fn load(&mut self) -> Result<Option<&[u8]>, StoreError> {
         let Some(newest) = self.newest().await? else {
             for page in 0..self.pages.len() {
@@ -111,11 +126,10 @@ impl<F: NorFlash> ParameterStore<F> {
             }
             return Ok(None);
         };
-        // Read again: the buffer may hold the other page.
-        match self.read(newest.page).await? {
-            Content::Record { length, .. } => Ok(self.buffer.get(HEADER..HEADER + length)),
-            Content::Blank | Content::Damaged => Err(StoreError::Damaged),
+        if self.lost(newest).await? {
+            return Err(StoreError::NewestLost);
         }
+        self.record(newest.page).await.map(Some)
     }
 
     /// Writes a record, unless it is the newest: whoever asks twice keeps the one before. A power cut at any instant leaves
@@ -125,8 +139,11 @@ impl<F: NorFlash> ParameterStore<F> {
             return Err(StoreError::TooLong);
         }
         let newest = self.newest().await?;
-        if newest.is_some() && self.load().await? == Some(record) {
-            return Ok(());
+        if let Some(last) = newest
+            && !self.lost(last).await?
+            && self.record(last.page).await? == record
+        {
+            return if last.beside { self.mark(1 - last.page).await } else { Ok(()) };
         }
         let (page, number) = newest.map_or((0, 0), |last| (1 - last.page, last.number.wrapping_add(1)));
         self.clear(page).await?;
@@ -144,11 +161,12 @@ impl<F: NorFlash> ParameterStore<F> {
         // A flash driver need not notice a failed write (embassy-stm32 0.6's interrupt clears the error flags).
         match self.read(page).await? {
             Content::Record { number: found, length }
-                if found == number && self.buffer[HEADER..HEADER + length] == *record =>
-            {
-                Ok(())
-            }
-            _ => Err(StoreError::NotWritten),
+                if found == number && self.buffer[HEADER..HEADER + length] == *record => {}
+            _ => return Err(StoreError::NotWritten),
+        }
+        match newest {
+            Some(last) => self.mark(last.page).await,
+            None => Ok(()),
         }
     }
 
@@ -164,11 +182,46 @@ impl<F: NorFlash> ParameterStore<F> {
         for page in 0..self.pages.len() {
             let Content::Record { number, .. } = self.read(page).await? else { continue };
             // Numbers wrap; the two that are compared are neighbours.
-            if newest.is_none_or(|other| number.wrapping_sub(other.number) < u32::MAX / 2) {
-                newest = Some(Newest { page, number });
-            }
+            newest = match newest {
+                Some(other) if number.wrapping_sub(other.number) >= u32::MAX / 2 => {
+                    Some(Newest { beside: true, ..other })
+                }
+                other => Some(Newest { page, number, beside: other.is_some() }),
+            };
         }
         Ok(newest)
+    }
+
+    /// The record of a page that was whole when it was read last, into the buffer again: that may hold the other page.
+    async fn record(&mut self, page: usize) -> Result<&[u8], StoreError> {
+        match self.read(page).await? {
+            Content::Record { length, .. } => Ok(&self.buffer[HEADER..HEADER + length]),
+            Content::Blank | Content::Damaged => Err(StoreError::Damaged),
+        }
+    }
+
+    /// Whether a newer record than the newest whole one was whole.
+    async fn lost(&mut self, newest: Newest) -> Result<bool, StoreError> {
+        Ok(!newest.beside && self.marked(newest.page).await?)
+    }
+
+    /// Whether a page has the mark. Most bits count, so that neither one that flips sets it nor one takes it away.
+    async fn marked(&mut self, page: usize) -> Result<bool, StoreError> {
+        let mut word = [0; WORD];
+        let word = &mut word[..F::WRITE_SIZE];
+        self.flash.read(self.pages[page] + MARK, word).await.map_err(|_| StoreError::Flash)?;
+        let zeros: u32 = word.iter().map(|byte| byte.count_zeros()).sum();
+        Ok(zeros as usize > 4 * F::WRITE_SIZE)
+    }
+
+    /// Marks a page, unless it is: the other one holds a newer record, whole. (Zeros may be written over a word that a cut has torn.)
+    async fn mark(&mut self, page: usize) -> Result<(), StoreError> {
+        if self.marked(page).await? {
+            return Ok(());
+        }
+        let zeros = &[0; WORD][..F::WRITE_SIZE];
+        self.flash.write(self.pages[page] + MARK, zeros).await.map_err(|_| StoreError::Flash)?;
+        if self.marked(page).await? { Ok(()) } else { Err(StoreError::NotWritten) }
     }
 
     /// Reads a page into the buffer, as far as a record can reach.

@@ -1,5 +1,5 @@
-//! The flash decays: any bit of the pages flips, any word is torn. The store gives the newest record that is whole, never another,
-//! and where none is whole says that there was one.
+//! The flash decays: any bit of the pages flips, any word is torn. The store gives the newest record, never another: where that is
+//! no longer whole it says so, whether the one before is or not.
 
 use embassy_futures::block_on;
 use parameter_store::{ParameterStore, RamFlash, StoreError};
@@ -10,6 +10,8 @@ const PAGE: usize = 2048;
 const WORD: usize = 8;
 /// Number and length before a record, and its checksum behind it.
 const AROUND: usize = 12;
+/// Where a page says that the other one holds a newer record.
+const MARK: usize = 768;
 
 /// Two pages with a record in each.
 #[derive(Clone)]
@@ -29,16 +31,10 @@ fn store(memory: &mut [u8]) -> ParameterStore<RamFlash<&mut [u8]>> {
     ParameterStore::new(RamFlash::new(memory), 0..2 * PAGE as u32).unwrap()
 }
 
-/// The record; `None` where the store says that it is damaged, and never because it is empty.
-fn load(memory: &[u8]) -> Option<Vec<u8>> {
+/// The record, or what the store says of it, and never that it is empty.
+fn load(memory: &[u8]) -> Result<Vec<u8>, StoreError> {
     let mut memory = memory.to_vec();
-    match block_on(store(&mut memory).load()) {
-        Ok(found) => Some(found.expect("nothing here is blank").to_vec()),
-        Err(error) => {
-            assert_eq!(error, StoreError::Damaged);
-            None
-        }
-    }
+    block_on(store(&mut memory).load()).map(|found| found.expect("nothing here is blank").to_vec())
 }
 
 impl Pages {
@@ -49,7 +45,7 @@ impl Pages {
         let [old, new] = [writes - 2, writes - 1].map(record);
         let newest = (writes - 1) % 2;
         let pages = Self { memory, newest, old, new };
-        assert_eq!(load(&pages.memory), Some(pages.new.clone()));
+        assert_eq!(load(&pages.memory), Ok(pages.new.clone()));
         assert!(pages.memory[newest * PAGE + 8..].starts_with(&pages.new), "it is in the other page");
         pages
     }
@@ -59,32 +55,35 @@ impl Pages {
     }
 
     /// What the store must give where these bytes are no longer what they were.
-    fn expected(&self, memory: &[u8]) -> Option<&Vec<u8>> {
+    fn expected(&self, memory: &[u8]) -> Result<Vec<u8>, StoreError> {
         let whole = |page: usize, record: &Vec<u8>| {
             let bytes = page * PAGE..page * PAGE + record.len() + AROUND;
             self.memory[bytes.clone()] == memory[bytes]
         };
-        let (new, old) = (Some(&self.new), Some(&self.old));
-        new.filter(|new| whole(self.newest, new)).or(old.filter(|old| whole(1 - self.newest, old)))
+        match (whole(self.newest, &self.new), whole(1 - self.newest, &self.old)) {
+            (true, _) => Ok(self.new.clone()),
+            (false, true) => Err(StoreError::NewestLost),
+            (false, false) => Err(StoreError::Damaged),
+        }
     }
 
     /// Whatever has happened, the next record can be written.
     fn can_be_written(mut memory: Vec<u8>) {
         block_on(store(&mut memory).store(&record(77))).unwrap();
-        assert_eq!(load(&memory), Some(record(77)));
+        assert_eq!(load(&memory), Ok(record(77)));
     }
 }
 
 #[test]
-fn a_flipped_bit_anywhere_costs_no_more_than_the_record_that_it_is_in() {
+fn a_flipped_bit_costs_the_record_that_it_is_in_and_the_newest_is_not_replaced_by_the_one_before() {
     for pages in Pages::both() {
         let mut costs = 0;
         for bit in 0..8 * 2 * PAGE {
             let mut memory = pages.memory.clone();
             memory[bit / 8] ^= 1 << (bit % 8);
             let found = load(&memory);
-            assert!(found.is_some() && found.as_ref() == pages.expected(&memory), "bit {bit}: {found:?}");
-            costs += usize::from(found.as_ref() == Some(&pages.old));
+            assert_eq!(found, pages.expected(&memory), "bit {bit}");
+            costs += usize::from(found == Err(StoreError::NewestLost));
             if bit % 61 == 0 {
                 Pages::can_be_written(memory);
             }
@@ -94,7 +93,7 @@ fn a_flipped_bit_anywhere_costs_no_more_than_the_record_that_it_is_in() {
 }
 
 #[test]
-fn a_torn_word_anywhere_costs_no_more_than_the_record_that_it_is_in() {
+fn a_torn_word_costs_the_record_that_it_is_in_and_the_newest_is_not_replaced_by_the_one_before() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     for pages in Pages::both() {
         for word in (0..2 * PAGE).step_by(WORD) {
@@ -105,8 +104,7 @@ fn a_torn_word_anywhere_costs_no_more_than_the_record_that_it_is_in() {
             for torn in [[0; WORD], [0xFF; WORD], half].iter().chain(&noise) {
                 let mut memory = pages.memory.clone();
                 memory[word..word + WORD].copy_from_slice(torn);
-                let found = load(&memory);
-                assert!(found.is_some() && found.as_ref() == pages.expected(&memory), "{word:#x}: {torn:?}: {found:?}");
+                assert_eq!(load(&memory), pages.expected(&memory), "{word:#x}: {torn:?}");
             }
         }
     }
@@ -128,8 +126,39 @@ fn whatever_decays_in_both_pages_no_record_comes_that_was_not_written() {
             memory[at] ^= 1 << random.random_range(0..8);
         }
         let found = load(&memory);
-        assert_eq!(found.as_ref(), pages.expected(&memory));
-        lost += u32::from(found.is_none());
+        assert_eq!(found, pages.expected(&memory));
+        lost += u32::from(found == Err(StoreError::Damaged));
     }
     assert!((1_000..20_000).contains(&lost), "both records were hit {lost} times");
+}
+
+#[test]
+fn a_newest_record_that_is_erased_is_lost_too_and_the_one_before_can_be_stored_anew() {
+    for pages in Pages::both() {
+        let mut memory = pages.memory.clone();
+        memory[pages.newest * PAGE..][..PAGE].fill(0xFF);
+        assert_eq!(load(&memory), Err(StoreError::NewestLost));
+        // It lies there whole, and is none that is stored.
+        block_on(store(&mut memory).store(&pages.old)).unwrap();
+        assert_eq!(load(&memory), Ok(pages.old.clone()));
+        block_on(store(&mut memory).erase()).unwrap();
+        assert_eq!(block_on(store(&mut memory).load()), Ok(None));
+    }
+}
+
+#[test]
+fn a_mark_of_which_a_bit_flips_is_one_and_a_blank_one_is_none() {
+    for pages in Pages::both() {
+        for bit in 0..8 * WORD {
+            let mut memory = pages.memory.clone();
+            let mut flip = |page: usize| memory[page * PAGE + MARK + bit / 8] ^= 1 << (bit % 8);
+            (0..2).for_each(&mut flip);
+            let mut decayed = memory.clone();
+            decayed[pages.newest * PAGE + 8] ^= 1;
+            assert_eq!(load(&decayed), Err(StoreError::NewestLost), "bit {bit}");
+            // As a cut write of the next record leaves it.
+            memory[(1 - pages.newest) * PAGE..][..8].fill(0);
+            assert_eq!(load(&memory), Ok(pages.new.clone()), "bit {bit}");
+        }
+    }
 }

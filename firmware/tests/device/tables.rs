@@ -8,7 +8,7 @@ use firmware::Facts;
 use firmware::boot::{self, Chosen};
 use firmware::compiled::TABLE;
 use firmware::restarts::{Restarts, TOO_MANY};
-use parameter_store::ParameterStore;
+use parameter_store::{ParameterStore, RamFlash};
 use protocol::{Mode, Refusal, Reply, Request, TableSource, text};
 
 #[test]
@@ -127,4 +127,29 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
         fallback && table.is_none() && stored.contains("format version 99") && compiled.contains("deadband_v"),
         "{compiled}"
     );
+}
+
+#[test]
+fn a_newest_table_that_has_decayed_is_said_and_the_one_before_is_not_used_for_it() {
+    let mut memory = vec![0xFF; 4096];
+    let mut write = |table: &Admitted| {
+        block_on(store(&mut memory).store(&record(table))).unwrap();
+    };
+    write(&driving());
+    write(&other());
+    // Amid the newest record, which is in the second page.
+    memory[2048 + 100] ^= 4;
+    let Chosen { source, fallback, .. } = block_on(boot::choose(&mut store(&mut memory), TABLE, &FACTS));
+    let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
+    assert!(fallback && reason.contains("the newest stored table has decayed"), "{reason}");
+    // A write that is cut begins with the page's erase: what is whole beside it was stored last.
+    memory.fill(0xFF);
+    block_on(store(&mut memory).store(&record(&driving()))).unwrap();
+    memory[2048..2048 + 64].fill(0x5A);
+    let Chosen { table, source, fallback } = block_on(boot::choose(&mut store(&mut memory), TABLE, &FACTS));
+    assert_eq!((table, source, fallback), (Some(driving()), TableSource::Stored, false));
+}
+
+fn store(memory: &mut [u8]) -> ParameterStore<RamFlash<&mut [u8]>> {
+    ParameterStore::new(RamFlash::new(memory), 0..4096).unwrap()
 }

@@ -1,11 +1,11 @@
 //! Tables over the link into the flash: which one the device runs after the next start.
 
-use crate::common::{Bench, push, record, reseeded};
+use crate::common::{Bench, push, record, reseeded, valid_since};
 use anyhow::Result;
 use board_emulator_test::{FlashKind, Reset};
 use estimator_core::model::CELLS;
 use estimator_core::{DriveCalibration, DriveLimits, List, Parameters, PreisachParameters, Range, Table};
-use protocol::{Refusal, Reply, Request, TableSource, text};
+use protocol::{Faults, Refusal, Reply, Request, TableSource, text};
 
 #[test]
 fn a_pushed_table_is_used_from_the_next_start_on_until_it_is_erased() -> Result<()> {
@@ -70,7 +70,7 @@ fn a_corrupt_record_changes_nothing() -> Result<()> {
 }
 
 #[test]
-fn a_record_that_has_decayed_in_the_flash_gives_way_to_the_one_before() -> Result<()> {
+fn a_newest_record_that_has_decayed_in_the_flash_is_said_and_the_one_before_is_not_used_for_it() -> Result<()> {
     for (torn, corrupt) in [(false, false), (true, false), (true, true)] {
         let mut bench = Bench::started()?;
         let compiled = bench.table()?;
@@ -93,7 +93,17 @@ fn a_record_that_has_decayed_in_the_flash_gives_way_to_the_one_before() -> Resul
             bench.board.corrupt_eccr();
         }
         bench.restart()?;
-        assert_eq!(bench.health()?.flash_errors > 0, torn);
+        let clock = bench.board.clock();
+        bench.run(0.1)?;
+        let health = bench.health()?;
+        assert_eq!(health.flash_errors > 0, torn);
+        assert_eq!(health.faults, Faults::TABLE_FALLBACK | Faults::SAFE_OUTPUT);
+        assert_eq!(valid_since(&bench.board, clock), 0);
+        let TableSource::Compiled { reason } = bench.identity()?.source else { panic!("a stored table is used") };
+        assert!(reason.contains("decayed") && reason.contains("another actuator's"), "{reason}");
+        // Stored anew, even the one before is one again.
+        bench.push(&reseeded(&compiled, 2))?;
+        bench.restart()?;
         assert_eq!(bench.identity()?.source, TableSource::Stored);
         assert_eq!(record(&bench.table()?), record(&reseeded(&compiled, 2)));
     }
