@@ -15,7 +15,7 @@ bitflags::bitflags! {
         const OUT_OF_CALIBRATION = 1 << 2;
         /// A tick came late or not at all, or was not done in time for its output.
         const MISSED_DEADLINE = 1 << 3;
-        /// The analogue supply, which is the converters' reference, is or has been out of tolerance.
+        /// The analogue supply, which is the converters' reference, is or has been out of tolerance, or is not measured any more.
         const SUPPLY = 1 << 4;
         /// There is no admissible table, so nothing is estimated.
         const NO_TABLE = 1 << 5;
@@ -34,12 +34,20 @@ bitflags::bitflags! {
         /// The monitor's voltage has leapt as the amplifier cannot, and stayed there, or went on leaping: a wire is off, the input
         /// floats, or the table states a slower amplifier than there is. It lasts until the voltage leaps back, or a mode is set.
         const SLEW_EXCEEDED = 1 << 11;
+        /// Nothing is stored, and the image's table is the demonstration's: another actuator's. It is estimated by for trials; the
+        /// output is not put on its pin.
+        const DEMONSTRATION = 1 << 12;
+        /// The main loop has stood still: a drive goes to rest before the watchdog resets the device.
+        const STALLED = 1 << 13;
+        /// The displacement had been told, and the estimate has begun anew since, by a fault or a pause: it is relative to the model's
+        /// zero again, and lasts until it is told anew.
+        const ZERO_LOST = 1 << 14;
     }
 }
 
 impl Faults {
-    /// The faults that send the DAC to its safe value. With a table that is not the one stored nobody knows what the DAC is
-    /// wired to.
+    /// The faults that send the DAC to its safe value. With a table that is not the one stored, or nobody's here, nobody knows what
+    /// the DAC is wired to. A zero that is lost moves no output.
     pub const UNSAFE: Self = Self::ADC_SATURATED
         .union(Self::ADC_STUCK)
         .union(Self::OUT_OF_CALIBRATION)
@@ -49,7 +57,9 @@ impl Faults {
         .union(Self::CLOCK)
         .union(Self::SLEW_EXCEEDED)
         .union(Self::NO_TABLE)
-        .union(Self::TABLE_FALLBACK);
+        .union(Self::TABLE_FALLBACK)
+        .union(Self::DEMONSTRATION)
+        .union(Self::STALLED);
 
     /// The faults with which a mode is not entered: none where the output rests or shows the estimate, and where it drives
     /// those of [`Faults::UNSAFE`] that concern the mode.

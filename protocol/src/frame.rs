@@ -12,7 +12,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Version of everything in this crate. It is the first byte of every frame; frames of another are refused by name.
-pub const VERSION: u8 = 10;
+pub const VERSION: u8 = 11;
 
 /// No frame is longer than this on the wire, delimiter included, bytes.
 pub const MAX_FRAME: usize = 832;

@@ -79,4 +79,10 @@ pub enum Refusal {
     /// [`Mode::Waveform`](crate::Mode::Waveform) is entered by [`Play`](crate::Request::Play) alone, which says how.
     #[error("it plays a waveform only when it is told how")]
     NotByMode,
+    /// The displacement of now is to be told where the last code was at an end of the ADC's range, beyond the table's voltages or held,
+    /// or a fault lasts: what was estimated of it is not where the actuator is.
+    #[error(
+        "its voltage is not to be believed now: at an end of the ADC's range, beyond its table's, held, or under a fault"
+    )]
+    NotBelieved,
 }

@@ -108,17 +108,28 @@ pub fn bias(health: &Health, tick_us: u32) -> String {
     format!("zeroed {oldest}{age} ago, bias {:+.3} µm", health.bias_um)
 }
 
-const FAULTS: [(Faults, &str); 12] = [
+const FAULTS: [(Faults, &str); 15] = [
     (Faults::NO_TABLE, "there is no table that it can run, so nothing is estimated"),
     (
         Faults::TABLE_FALLBACK,
         "the stored table cannot be used or was not read, so the one of the firmware image is, which may be another actuator's: the output stays safe",
     ),
     (
+        Faults::DEMONSTRATION,
+        "no table is stored, and the one of the firmware image is the demonstration's, which is another actuator's: what it estimates is for trials alone, and the output A2 is not driven",
+    ),
+    (
+        Faults::STALLED,
+        "the firmware's main loop has stood still, so that the output was brought to its safe value before the watchdog could restart the device",
+    ),
+    (
         Faults::CLOCK,
         "the board's crystal did not start: the chip's own oscillator, up to 2 % off, clocks it, and nothing is estimated or driven",
     ),
-    (Faults::SUPPLY, "the analogue supply, the converters' reference, is or was out of tolerance"),
+    (
+        Faults::SUPPLY,
+        "the analogue supply, the converters' reference, is or was out of tolerance, or is not measured any more",
+    ),
     (Faults::ADC_SATURATED, "the ADC stands at an end of its range, or comes too near it too often"),
     (Faults::ADC_STUCK, "the ADC gives one and the same code"),
     (
@@ -133,6 +144,10 @@ const FAULTS: [(Faults, &str); 12] = [
     (
         Faults::SETPOINT,
         "the set-point stands at an end of the ADC's range, comes too near it too often, or gives one and the same code",
+    ),
+    (
+        Faults::ZERO_LOST,
+        "its zero is lost: since the displacement was told, the estimate has begun anew, by a fault or a pause, and is relative to the model's zero again",
     ),
     (Faults::MISSED_DEADLINE, "a tick came late or not at all, or was not done in time for its output"),
     (Faults::SAFE_OUTPUT, "the DAC stands at its safe value"),

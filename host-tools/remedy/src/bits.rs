@@ -28,14 +28,23 @@ fn of<T: PartialEq + Copy>(remedies: &[(T, &'static str)], bit: T) -> &'static s
     remedies.iter().find(|(other, _)| *other == bit).map_or("report it", |(_, remedy)| remedy)
 }
 
-const FAULTS: [(Faults, &str); 12] = [
+const FAULTS: [(Faults, &str); 15] = [
     (Faults::NO_TABLE, "give it one: piezo push"),
     (
         Faults::TABLE_FALLBACK,
         "piezo info says why. After failures in a row, piezo reset reads the store again. Else unplug the DAC's output, since nobody knows what it is wired for, and store the table again: piezo push --rewired",
     ),
+    (
+        Faults::DEMONSTRATION,
+        "give it a table of the actuator that it is wired to: piezo learn or identify, then piezo push",
+    ),
+    (
+        Faults::STALLED,
+        "report it, for it must not happen. One that drives the amplifier rests until it is told to go on",
+    ),
+    (Faults::ZERO_LOST, "zero it where the displacement is known: piezo zero, or the board's button"),
     (Faults::CLOCK, "piezo reset looks for the crystal again; if it does not start then either, replace the board"),
-    (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, and mend the supply"),
+    (Faults::SUPPLY, "measure VDDA (3.3 V) with a multimeter, and mend the supply; where it is sound, piezo reset"),
     (
         Faults::ADC_SATURATED,
         "check the plug, the divider and its offset: is the input open, or the voltage beyond them?",

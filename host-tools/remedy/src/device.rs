@@ -104,6 +104,7 @@ fn remedy(refusal: &Refusal) -> String {
         Refusal::NotLoaded { .. } => return format!(": load it again (piezo waveform '<FILE>'{})", typed("--port")),
         Refusal::NoTriggerInput => ": play it without --on-trigger",
         Refusal::TooSoon => ": let the actuator rest for a second, and zero again",
+        Refusal::NotBelieved => ": piezo info and piezo monitor say what is wrong; mend that, and zero then",
         Refusal::BeyondSpan { .. } => ": give µm; `piezo info` says the limits",
         Refusal::Faulty => ": piezo info says which",
         Refusal::Rewired => ": unplug it, then repeat with --rewired",
