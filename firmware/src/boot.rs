@@ -1,6 +1,10 @@
 //! Which table the estimator runs: the newest stored one, else the compiled one, else none; and why. A device that has failed
 //! again and again leaves the store alone, and so does one whose flash cannot hold it.
+//!
+//! The image that is released has the demonstration's table: an actuator's that the board is not beside, unless it is emulated. It
+//! runs for trials, as a table that nobody should take for their actuator's ([`Faults::DEMONSTRATION`]).
 
+use crate::compiled::is_demonstration;
 use crate::facts::Facts;
 use crate::restarts::Restarts;
 use embedded_storage_async::nor_flash::NorFlash;
@@ -8,7 +12,7 @@ use estimator_core::record::MAX_LENGTH;
 use estimator_core::table::Board;
 use estimator_core::{Admitted, Table};
 use parameter_store::{MAX_RECORD, ParameterStore};
-use protocol::{TableSource, Text, text};
+use protocol::{Faults, TableSource, Text, text};
 
 // What is admitted can be stored.
 const _: () = assert!(MAX_LENGTH <= MAX_RECORD);
@@ -19,8 +23,9 @@ pub struct Chosen {
     pub table: Option<Admitted>,
     /// Where it comes from, and why.
     pub source: TableSource,
-    /// Something was stored that could not be used, or nobody has looked.
-    pub fallback: bool,
+    /// Why it may be another actuator's than the one that the board is wired to: [`Faults::TABLE_FALLBACK`], where something was
+    /// stored that could not be used, or nobody has looked; [`Faults::DEMONSTRATION`], where nothing was.
+    pub doubts: Faults,
 }
 
 /// Looks for a table, best first.
@@ -34,16 +39,26 @@ pub async fn choose<F: NorFlash>(store: &mut ParameterStore<F>, compiled: Table,
     } else {
         match store.load().await {
             Ok(Some(record)) => match parse(record, board) {
-                Ok(table) => return Chosen { table: Some(table), source: TableSource::Stored, fallback: false },
+                Ok(table) => {
+                    return Chosen { table: Some(table), source: TableSource::Stored, doubts: Faults::empty() };
+                }
                 Err(reason) => (text(format_args!("the stored table is refused: {reason}")), true),
             },
             Ok(None) => (text("no table is stored"), false),
             Err(error) => (text(error), true),
         }
     };
+    let doubts = match fallback {
+        true => Faults::TABLE_FALLBACK,
+        false if is_demonstration(&compiled) && !facts.emulated => Faults::DEMONSTRATION,
+        false => Faults::empty(),
+    };
     match compiled.admit().map_err(text).and_then(|table| fits(table, board)) {
-        Ok(table) => Chosen { table: Some(table), source: TableSource::Compiled { reason }, fallback },
-        Err(compiled) => Chosen { table: None, source: TableSource::None { stored: reason, compiled }, fallback },
+        Ok(table) => Chosen { table: Some(table), source: TableSource::Compiled { reason }, doubts },
+        Err(compiled) => {
+            let source = TableSource::None { stored: reason, compiled };
+            Chosen { table: None, source, doubts: doubts & Faults::TABLE_FALLBACK }
+        }
     }
 }
 

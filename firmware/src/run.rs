@@ -54,17 +54,19 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
 ) -> Result<(), StoreError> {
     let Peripherals { facts, last_words, mut feed_watchdog, .. } = board;
     let mut store = ParameterStore::new(board.flash, board.pages)?;
-    let Chosen { table, source, fallback } = boot::choose(&mut store, TABLE, &facts).await;
+    let Chosen { table, source, doubts } = boot::choose(&mut store, TABLE, &facts).await;
     log_start(&source);
     let (tick_queues, link_queues) = resources.queues.split();
-    let startup = Startup::new(table.as_ref(), &facts, fallback);
-    (facts.keep_safe)(startup.safe);
+    let startup = Startup::new(table.as_ref(), &facts, doubts);
+    if startup.connected {
+        (facts.keep_safe)(startup.safe);
+    }
     let tick = Tick::new(startup, &facts, tick_queues, points, telemetry);
     let device = Device {
         facts,
         table,
         source,
-        fallback,
+        fallback: doubts.contains(Faults::TABLE_FALLBACK),
         last_words,
         store,
         telemetry,

@@ -30,6 +30,8 @@ pub struct Startup {
     pub linearises: bool,
     /// The DAC's safe code.
     pub safe: DacCode,
+    /// Somebody knows what that is: else the output's pin is left alone.
+    pub connected: bool,
     /// How fast the DAC's code may go there.
     pub stride: Stride,
     /// Faults known since boot, which last until the next reset.
@@ -37,27 +39,26 @@ pub struct Startup {
 }
 
 impl Startup {
-    /// The start with a table, or without one. `fallback` says that the stored table could not be used. After failures in a
-    /// row nothing is driven, whatever the table says, and the output stays at the safe code of the starts before. With ticks
-    /// that come no one knows how often nothing is estimated or driven either.
-    pub fn new(table: Option<&Admitted>, facts: &Facts, fallback: bool) -> Self {
+    /// The start with a table, or without one. `doubts` say why it may be another actuator's ([`crate::boot::Chosen`]): then, and
+    /// after failures in a row, nothing is driven, whatever the table says, and the output stays at the safe code of the starts
+    /// before. Where there were none it is not put on its pin. With ticks that come no one knows how often nothing is estimated or
+    /// driven either.
+    pub fn new(table: Option<&Admitted>, facts: &Facts, doubts: Faults) -> Self {
         let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
         let correction = Correction::new(facts.interface.adc_full_scale, table);
         let leap = table.and_then(|table| Leap::new(table));
         let degraded = facts.restarts.too_many();
-        // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest;
-        // without a table nobody knows which code that is, and it is half scale. Where the store was not read, the starts
-        // before know better.
-        let safe = table.map_or(DacCode(facts.interface.dac_full_scale / 2), |table| {
-            Drive::rest(table).unwrap_or_else(|| table.dac.code(0.0f32))
-        });
-        let safe = facts.restarts.safe.filter(|_| degraded).unwrap_or(safe);
-        // Then the table is not the one that the output is wired for: a drive would rest at its own code, not at the safe
-        // one, and move there.
-        let driving = table.filter(|_| !degraded && facts.clock_good);
+        let trusted = table.filter(|_| !degraded && doubts.is_empty());
+        // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest. Which code that
+        // is says the table that the output is wired for, and no other: else the starts before know it, or nobody does.
+        let safe = trusted.map(|table| Drive::rest(table).unwrap_or_else(|| table.dac.code(0.0f32)));
+        let safe = safe.or(facts.restarts.safe);
+        let connected = safe.is_some();
+        let safe = safe.unwrap_or(DacCode(facts.interface.dac_full_scale / 2));
+        // The drive of another table would rest at its own code, not at the safe one, and move there.
+        let driving = trusted.filter(|_| facts.clock_good);
         let stride = driving.and_then(Drive::stride).unwrap_or(Stride::JUMP);
-        let mut faults = Faults::empty();
-        faults.set(Faults::TABLE_FALLBACK, fallback);
+        let mut faults = doubts;
         faults.set(Faults::NO_TABLE, table.is_none());
         faults.set(Faults::CLOCK, !facts.clock_good);
         let setpoint = driving.and_then(Setpoint::new);
@@ -73,7 +74,20 @@ impl Startup {
             full_scale: facts.interface.dac_full_scale,
         };
         let shows = table.map_or(nothing, |table| table.dac).finer(dac_parts);
-        Self { estimator, shows, dac_parts, correction, leap, drive, setpoint, linearises, safe, stride, faults }
+        Self {
+            estimator,
+            shows,
+            dac_parts,
+            correction,
+            leap,
+            drive,
+            setpoint,
+            linearises,
+            safe,
+            connected,
+            stride,
+            faults,
+        }
     }
 
     /// What the DAC has at its safe code.

@@ -46,6 +46,7 @@ pub struct Telemetry {
     /// Its safe one, and how fast it may go there.
     safe: AtomicU16,
     stride: AtomicU32,
+    connected: AtomicBool,
     /// Whether samples are wanted; written by the link.
     pub streaming: AtomicBool,
     /// How often the mode has been set; even the same again counts.
@@ -98,6 +99,7 @@ impl Telemetry {
             dac: AtomicU16::new(0),
             safe: AtomicU16::new(0),
             stride: AtomicU32::new(Stride::JUMP.0),
+            connected: AtomicBool::new(false),
             streaming: AtomicBool::new(false),
             epoch: AtomicU32::new(0),
             may_be_told: AtomicBool::new(false),
@@ -138,6 +140,11 @@ impl Telemetry {
     /// The DAC's safe code.
     pub fn safe(&self) -> DacCode {
         DacCode(self.safe.load(Relaxed))
+    }
+
+    /// Whether the output is put on its pin at all: where nobody knows what is wired to it, it is not.
+    pub fn connected(&self) -> bool {
+        self.connected.load(Relaxed)
     }
 
     /// What the DAC is to be given for it, at the supply of now, in the board's parts of a code.
@@ -238,7 +245,8 @@ impl Telemetry {
         self.faults_seen.store(0, Relaxed);
     }
 
-    pub(crate) fn set_safe(&self, safe: DacCode, stride: Stride) {
+    pub(crate) fn set_safe(&self, safe: DacCode, stride: Stride, connected: bool) {
+        self.connected.store(connected, Relaxed);
         self.dac.store(safe.0, Relaxed);
         self.safe.store(safe.0, Relaxed);
         self.stride.store(stride.0, Relaxed);

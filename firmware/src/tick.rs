@@ -52,7 +52,7 @@ impl<'q> Tick<'q> {
         points: &'q Points,
         telemetry: &'q Telemetry,
     ) -> Self {
-        telemetry.set_safe(startup.safe, startup.stride);
+        telemetry.set_safe(startup.safe, startup.stride, startup.connected);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
         let (decimation, valid, player) = (Streamed::default(), false, Player::new(points, telemetry));

@@ -25,14 +25,15 @@ struct Controlled {
 }
 
 impl Controlled {
-    fn new(at_start: bool, facts: &Facts, fallback: bool) -> Self {
-        Self::of(&linearising(at_start), facts, fallback)
+    fn new(at_start: bool, facts: &Facts, doubts: Faults) -> Self {
+        Self::of(&linearising(at_start), facts, doubts)
     }
 
-    fn of(table: &Admitted, facts: &Facts, fallback: bool) -> Self {
-        let (tick, link) = started(Startup::new(Some(table), facts, fallback));
+    fn of(table: &Admitted, facts: &Facts, doubts: Faults) -> Self {
+        let (tick, link) = started(Startup::new(Some(table), facts, doubts));
         link.telemetry.streaming.store(true, std::sync::atomic::Ordering::Relaxed);
-        Self { bench: Bench { tick, link, k: 0, dac: REST }, wants: code(30.0) }
+        let dac = link.telemetry.safe();
+        Self { bench: Bench { tick, link, k: 0, dac }, wants: code(30.0) }
     }
 
     /// A tick; no step is longer than the slew rate allows.
@@ -60,7 +61,7 @@ impl Controlled {
 
 #[test]
 fn from_rest_it_goes_to_wherever_the_set_point_is_as_fast_as_the_slew_rate_and_follows_it_as_the_inverse_does() {
-    let mut device = Controlled::new(false, &FACTS, false);
+    let mut device = Controlled::new(false, &FACTS, Faults::empty());
     device.run(10);
     assert_eq!((device.mode(), device.bench.dac), (Mode::Estimate, REST), "it is not asked to");
     device.bench.set(Mode::Linearise);
@@ -89,7 +90,7 @@ fn from_rest_it_goes_to_wherever_the_set_point_is_as_fast_as_the_slew_rate_and_f
 fn a_fault_of_the_set_point_brings_it_to_rest_and_there_it_stays_until_it_is_told_again() {
     let open = [("an end", AdcCode(0)), ("the other end", AdcCode(65_520)), ("near an end", AdcCode(300))];
     for (name, at) in open {
-        let mut device = Controlled::new(true, &FACTS, false);
+        let mut device = Controlled::new(true, &FACTS, Faults::empty());
         let (held, faults) = device.run(CALM_TICKS + 1_000);
         assert!(held.0 > REST.0 + 500 && faults.is_empty(), "{name}: {held:?} {faults:?}");
         device.wants = at;
@@ -108,7 +109,7 @@ fn a_fault_of_the_set_point_brings_it_to_rest_and_there_it_stays_until_it_is_tol
 
 #[test]
 fn a_fault_that_begins_as_it_would_set_out_keeps_it_waiting() {
-    let mut device = Controlled::new(true, &FACTS, false);
+    let mut device = Controlled::new(true, &FACTS, Faults::empty());
     assert_eq!(device.run(CALM_TICKS).0, REST);
     device.wants = AdcCode(0);
     let (dac, faults) = device.run(SATURATED + 10);
@@ -128,7 +129,7 @@ fn it_sets_out_from_rest_however_long_the_way_there_takes() {
     // A code in four ticks.
     let limits = DriveLimits { slew_v_per_s: 0.5, ..drive.limits };
     let slow = Table { drive: Some(DriveCalibration { limits, ..drive }), ..*table }.admit().unwrap();
-    let mut device = Controlled::of(&slow, &FACTS, false);
+    let mut device = Controlled::of(&slow, &FACTS, Faults::empty());
     let (high, _) = device.run(5 * CALM_TICKS);
     assert!(high.0 > REST.0 + 4 * STRIDE, "{high:?}");
     device.bench.set(Mode::Pause);
@@ -144,7 +145,7 @@ fn it_sets_out_from_rest_however_long_the_way_there_takes() {
 
 #[test]
 fn a_glitch_of_the_set_point_moves_nothing() {
-    let mut device = Controlled::new(true, &FACTS, false);
+    let mut device = Controlled::new(true, &FACTS, Faults::empty());
     let (held, _) = device.run(CALM_TICKS + 4_000);
     device.wants = AdcCode(0);
     let (after, faults) = device.run(SATURATED / 2);
@@ -172,7 +173,7 @@ fn every_way_out_is_a_ramp() {
         }),
     ];
     for (name, end) in ends {
-        let mut device = Controlled::new(true, &FACTS, false);
+        let mut device = Controlled::new(true, &FACTS, Faults::empty());
         assert!(device.run(CALM_TICKS + 1_000).0.0 > REST.0 + 500, "{name}");
         end(&mut device);
         let (dac, faults) = device.run(2_000);
@@ -182,7 +183,7 @@ fn every_way_out_is_a_ramp() {
 
 #[test]
 fn after_a_start_it_waits_for_a_controller_that_comes_later_and_for_an_amplifier() {
-    let mut device = Controlled::new(true, &FACTS, false);
+    let mut device = Controlled::new(true, &FACTS, Faults::empty());
     device.wants = AdcCode(0);
     let (dac, faults) = device.run(3 * CALM_TICKS);
     assert_eq!((dac, faults, device.mode()), (REST, Faults::SETPOINT | Faults::SAFE_OUTPUT, Mode::Linearise));
@@ -200,21 +201,23 @@ fn after_a_start_it_waits_for_a_controller_that_comes_later_and_for_an_amplifier
 fn it_is_not_entered_of_itself_after_a_failure_or_with_another_table_or_without_the_channel() {
     let failed = Facts { restarts: Restarts { count: 1, safe: None }, ..FACTS };
     let blind = Facts { has_setpoint: false, ..FACTS };
-    for (name, facts, fallback, mode) in [
-        ("sound", FACTS, false, Mode::Linearise),
-        ("failed", failed, false, Mode::Estimate),
-        ("fallback", FACTS, true, Mode::Estimate),
-        ("no channel", blind, false, Mode::Estimate),
+    let none = Faults::empty();
+    for (name, facts, doubts, mode) in [
+        ("sound", FACTS, none, Mode::Linearise),
+        ("failed", failed, none, Mode::Estimate),
+        ("fallback", FACTS, Faults::TABLE_FALLBACK, Mode::Estimate),
+        ("no channel", blind, none, Mode::Estimate),
     ] {
-        let mut device = Controlled::new(true, &facts, fallback);
+        let mut device = Controlled::new(true, &facts, doubts);
         let (dac, _) = device.run(CALM_TICKS + 1_000);
-        assert_eq!((device.mode(), dac > REST), (mode, mode == Mode::Linearise), "{name}");
+        let moves = dac > device.bench.link.telemetry.safe();
+        assert_eq!((device.mode(), moves), (mode, mode == Mode::Linearise), "{name}");
     }
 }
 
 #[test]
 fn a_board_that_gives_no_code_stays_at_rest() {
-    let mut device = Controlled::new(true, &FACTS, false);
+    let mut device = Controlled::new(true, &FACTS, Faults::empty());
     for _ in 0..3 * CALM_TICKS {
         assert_eq!(device.bench.step().0, REST);
     }
@@ -223,7 +226,7 @@ fn a_board_that_gives_no_code_stays_at_rest() {
 /// Of the set-point nothing is estimated: a controller that is off for a while takes no zero with it.
 #[test]
 fn a_set_point_that_fails_and_comes_back_leaves_the_zero_alone_and_a_monitor_s_end_does_not() {
-    let mut device = Controlled::new(false, &FACTS, false);
+    let mut device = Controlled::new(false, &FACTS, Faults::empty());
     device.run(10);
     device.bench.link.queues.commands.enqueue(Command::SetZero { at_um: 2.0 }).unwrap();
     device.run(10);

@@ -9,7 +9,7 @@ use firmware::queues::Command;
 use firmware::shaping::PARTS;
 use firmware::startup::Startup;
 use firmware::{Facts, Tick};
-use protocol::{Mode, Sample};
+use protocol::{Faults, Mode, Sample};
 
 const FINE: Facts = Facts { dac_parts: PARTS, ..FACTS };
 const FULL: u16 = 4095 * PARTS;
@@ -18,7 +18,7 @@ const STRIDE: u16 = 328;
 
 fn fine(table: &Admitted, supply_mv: f32) -> (Tick<'static>, LinkEnd) {
     let facts = Facts { supply_mv: Some(supply_mv), ..FINE };
-    let (tick, link) = started(Startup::new(Some(table), &facts, false));
+    let (tick, link) = started(Startup::new(Some(table), &facts, Faults::empty()));
     link.telemetry.begin(&facts);
     link.telemetry.streaming.store(true, Relaxed);
     (tick, link)

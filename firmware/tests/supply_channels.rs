@@ -41,7 +41,7 @@ impl Bench {
     /// At a supply that is measured at boot.
     fn new(table: Admitted, mv: f32) -> Self {
         let facts = Facts { supply_mv: Some(mv), ..FACTS };
-        let (tick, link) = started(Startup::new(Some(&table), &facts, false));
+        let (tick, link) = started(Startup::new(Some(&table), &facts, Faults::empty()));
         link.telemetry.begin(&facts);
         link.telemetry.streaming.store(true, Relaxed);
         let (given, wants) = (link.telemetry.safe_given(), wanting(30.0));

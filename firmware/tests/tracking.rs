@@ -8,6 +8,7 @@ use estimator_core::{AdcCode, Admitted, DacCode, Estimator, Parameters, Table};
 use firmware::Conversion;
 use firmware::setpoint::CALM_TICKS;
 use firmware::startup::Startup;
+use protocol::Faults;
 
 const TICKS: usize = 8_000;
 /// The actuator's parameters beside those that the table was given.
@@ -47,7 +48,7 @@ fn error(table: &Admitted, codes: &[DacCode]) -> f64 {
 
 /// The codes that the device gives.
 fn linearised(table: &Admitted) -> Vec<DacCode> {
-    let (mut tick, link) = started(Startup::new(Some(table), &FACTS, false));
+    let (mut tick, link) = started(Startup::new(Some(table), &FACTS, Faults::empty()));
     let mut dac = link.telemetry.safe();
     let calm = CALM_TICKS as usize;
     let all = (0..calm + TICKS).map(|n| {

@@ -186,6 +186,7 @@ async fn main(_spawner: Spawner) {
         OnBoard { button: Input::new(p.PC13, Pull::None), lamp: gpio::Output::new(p.PA5, Level::Low, Speed::Low) };
     let facts = Facts {
         name: "nucleo-g474re",
+        emulated: false,
         uid: Some(Uid(embassy_stm32::uid::uid())),
         has_setpoint: true,
         has_trigger: true,

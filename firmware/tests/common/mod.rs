@@ -21,6 +21,7 @@ use protocol::{Faults, ResetCause, Uid};
 pub const PERIOD: u32 = 85_000;
 pub const FACTS: Facts = Facts {
     name: "bench",
+    emulated: false,
     uid: Some(Uid([7; 12])),
     has_setpoint: true,
     has_trigger: true,
@@ -95,7 +96,7 @@ pub struct LinkEnd {
 
 /// A tick with further faults since boot; `None` has no table.
 pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, LinkEnd) {
-    let start = Startup::new(table, &FACTS, false);
+    let start = Startup::new(table, &FACTS, Faults::empty());
     let safe = table.and_then(Drive::rest).unwrap_or(SAFE);
     started(Startup { safe, faults: start.faults | faults, ..start })
 }

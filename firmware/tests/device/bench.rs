@@ -48,7 +48,7 @@ impl Bench {
     /// does what it is told.
     pub fn controlled(code: Arc<AtomicU16>) -> Self {
         let table = linearising(true);
-        let tick = started(Startup::new(Some(&table), &FACTS, false));
+        let tick = started(Startup::new(Some(&table), &FACTS, Faults::empty()));
         Self::with(Some(table), tick, move |k, dac| {
             let noise = (k % 2) as u16;
             let AdcCode(monitor) = table.adc.code(table.drive.unwrap().voltage::<f32>(dac));

@@ -5,7 +5,7 @@ use crate::common::{FACTS, PERIOD, compiled, driving, started, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use firmware::queues::Command;
 use firmware::startup::Startup;
-use protocol::{Mode, Refusal, Reply, Request};
+use protocol::{Faults, Mode, Refusal, Reply, Request};
 
 #[test]
 fn codes_are_taken_in_their_mode_and_as_many_as_there_is_room() {
@@ -68,7 +68,7 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
 
 /// A device that follows, and what runs so many of its ticks.
 fn following() -> (Bench, impl FnMut(u32)) {
-    let (mut tick, link) = started(Startup::new(Some(&driving()), &FACTS, false));
+    let (mut tick, link) = started(Startup::new(Some(&driving()), &FACTS, Faults::empty()));
     let mut bench = Bench::still(Some(driving()), link);
     bench.device.queues.commands.enqueue(Command::SetMode(Mode::Follow)).unwrap();
     let mut clock = 0u32;

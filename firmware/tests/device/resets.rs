@@ -25,7 +25,7 @@ fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_t
     let kept = DacCode(1234);
     assert_ne!(Drive::rest(&driving()), Some(kept));
     let facts = Facts { restarts: Restarts { count: TOO_MANY, safe: Some(kept) }, ..FACTS };
-    let start = || started(Startup::new(Some(&driving()), &facts, true));
+    let start = || started(Startup::new(Some(&driving()), &facts, Faults::TABLE_FALLBACK));
 
     let (mut tick, mut link) = start();
     for (k, mode) in
@@ -55,7 +55,7 @@ fn without_its_crystal_a_device_estimates_and_drives_nothing_and_says_so() {
     let facts = Facts { clock_good: false, ..FACTS };
     for table in [compiled(), driving(), linearising(true)] {
         let safe = Drive::rest(&table).unwrap_or(table.dac.code(0.0f32));
-        let start = || started(Startup::new(Some(&table), &facts, false));
+        let start = || started(Startup::new(Some(&table), &facts, Faults::empty()));
         let (mut tick, mut link) = start();
         for mode in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Pil] {
             link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
@@ -77,10 +77,41 @@ fn without_its_crystal_a_device_estimates_and_drives_nothing_and_says_so() {
 #[test]
 fn a_reset_ends_even_where_the_output_never_comes_to_its_safe_code() {
     // The drive's rest is another code.
-    let startup = Startup { safe: SAFE, ..Startup::new(Some(&driving()), &FACTS, false) };
+    let startup = Startup { safe: SAFE, ..Startup::new(Some(&driving()), &FACTS, Faults::empty()) };
     let mut bench = Bench::of(Some(driving()), started(startup));
     std::thread::sleep(TICKS);
     assert!(bench.device.telemetry.ticks_to_safe() > 0);
     resets(&mut bench);
     assert!(bench.device.telemetry.ticks_to_safe() > 0);
+}
+
+#[test]
+fn the_output_is_put_on_its_pin_only_where_somebody_knows_what_is_wired_to_it() {
+    let kept = DacCode(1234);
+    let again = Facts { restarts: Restarts { count: 1, safe: Some(kept) }, ..FACTS };
+    let none = Faults::empty();
+    let half = DacCode(FACTS.interface.dac_full_scale / 2);
+    for table in [compiled(), driving()] {
+        let own = Drive::rest(&table).unwrap_or(table.dac.code(0.0f32));
+        for doubts in [Faults::TABLE_FALLBACK, Faults::DEMONSTRATION] {
+            for (table, facts, doubts, safe, connected) in [
+                (Some(&table), FACTS, none, own, true),
+                (Some(&table), again, none, own, true),
+                (Some(&table), FACTS, doubts, half, false),
+                (None, FACTS, none, half, false),
+                (Some(&table), again, doubts, kept, true),
+                (None, again, none, kept, true),
+            ] {
+                let startup = Startup::new(table, &facts, doubts);
+                assert_eq!((startup.safe, startup.connected), (safe, connected), "{doubts:?}");
+                let (mut tick, link) = started(startup);
+                assert_eq!((link.telemetry.safe(), link.telemetry.connected()), (safe, connected));
+                let known = doubts.is_empty() && table.is_some();
+                for k in 0..3_000 {
+                    let given = tick.sample(triangle(k).into(), k * PERIOD);
+                    assert!(known || given == safe && !tick.valid(), "{doubts:?}, tick {k}");
+                }
+            }
+        }
+    }
 }

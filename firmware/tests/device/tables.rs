@@ -3,13 +3,13 @@
 use crate::bench::{Bench, Flash, flash, push};
 use crate::common::{FACTS, compiled, driving, other, record, too_long};
 use embassy_futures::block_on;
-use estimator_core::{Admitted, Table};
+use estimator_core::{AdcCalibration, Admitted, Digest, Provenance, Table};
 use firmware::Facts;
 use firmware::boot::{self, Chosen};
 use firmware::compiled::TABLE;
 use firmware::restarts::{Restarts, TOO_MANY};
 use parameter_store::{ParameterStore, RamFlash};
-use protocol::{Mode, Refusal, Reply, Request, TableSource, text};
+use protocol::{Faults, Mode, Refusal, Reply, Request, TableSource, text};
 
 #[test]
 fn a_table_is_written_when_nothing_is_estimated_or_when_told_to() {
@@ -95,38 +95,72 @@ fn nothing_is_written_unasked_where_nobody_knows_what_the_dac_is_wired_for() {
 fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_why() {
     let choose = |store: &mut ParameterStore<Flash>, compiled: Table| block_on(boot::choose(store, compiled, &FACTS));
     let mut store = flash(vec![0xFF; 4096]);
-    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    let Chosen { table, source, doubts } = choose(&mut store, TABLE);
     assert_eq!((table, source), (Some(compiled()), TableSource::Compiled { reason: text("no table is stored") }));
-    assert!(!fallback, "nothing was lost");
+    assert_eq!(doubts, Faults::DEMONSTRATION, "nothing was lost, and it is nobody's here");
     for _ in 0..30 {
         block_on(store.store(&record(&compiled()))).unwrap();
         block_on(store.store(&record(&other()))).unwrap();
     }
-    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
-    assert_eq!((table, source, fallback), (Some(other()), TableSource::Stored, false));
+    let Chosen { table, source, doubts } = choose(&mut store, TABLE);
+    assert_eq!((table, source, doubts), (Some(other()), TableSource::Stored, Faults::empty()));
 
     let failing = Facts { restarts: Restarts { count: TOO_MANY, safe: None }, ..FACTS };
-    let Chosen { table, source, fallback } = block_on(boot::choose(&mut store, TABLE, &failing));
+    let Chosen { table, source, doubts } = block_on(boot::choose(&mut store, TABLE, &failing));
     let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
-    assert!(fallback && table == Some(compiled()) && reason.contains("failed 3 times"), "{reason}");
+    assert!(
+        doubts == Faults::TABLE_FALLBACK && table == Some(compiled()) && reason.contains("failed 3 times"),
+        "{reason}"
+    );
 
     // As an older firmware may have left it.
     block_on(store.store(&record(&too_long()))).unwrap();
-    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    let Chosen { table, source, doubts } = choose(&mut store, TABLE);
     let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
-    assert!(fallback && table == Some(compiled()) && reason.contains("takes up to 106500 cycles"), "{reason}");
+    assert!(
+        doubts == Faults::TABLE_FALLBACK && table == Some(compiled()) && reason.contains("takes up to 106500 cycles"),
+        "{reason}"
+    );
 
     block_on(store.store(b"PZTB\x63\x00\x00\x00and more")).unwrap();
-    let Chosen { table, source, fallback } = choose(&mut store, TABLE);
+    let Chosen { table, source, doubts } = choose(&mut store, TABLE);
     let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
-    assert!(fallback && table == Some(compiled()) && reason.contains("format version 99"), "{reason}");
+    assert!(
+        doubts == Faults::TABLE_FALLBACK && table == Some(compiled()) && reason.contains("format version 99"),
+        "{reason}"
+    );
 
-    let Chosen { table, source, fallback } = choose(&mut store, Table { deadband_v: f32::NAN, ..TABLE });
+    let Chosen { table, source, doubts } = choose(&mut store, Table { deadband_v: f32::NAN, ..TABLE });
     let TableSource::None { stored, compiled } = source else { panic!("{source:?}") };
     assert!(
-        fallback && table.is_none() && stored.contains("format version 99") && compiled.contains("deadband_v"),
+        doubts == Faults::TABLE_FALLBACK
+            && table.is_none()
+            && stored.contains("format version 99")
+            && compiled.contains("deadband_v"),
         "{compiled}"
     );
+}
+
+#[test]
+fn the_demonstration_s_table_of_the_image_is_nobody_s_but_an_emulated_board_s_and_one_s_own_is_one_s_own() {
+    let own = Table { provenance: Provenance { logs: Digest([7; 8]), ..TABLE.provenance }, ..TABLE };
+    let emulated = Facts { emulated: true, ..FACTS };
+    let recalibrated = Table { adc: AdcCalibration { offset_v: -0.37, ..TABLE.adc }, ..TABLE };
+    for (compiled, facts, doubts) in [
+        (TABLE, FACTS, Faults::DEMONSTRATION),
+        (recalibrated, FACTS, Faults::DEMONSTRATION),
+        (TABLE, emulated, Faults::empty()),
+        (own, FACTS, Faults::empty()),
+    ] {
+        let chosen = block_on(boot::choose(&mut flash(vec![0xFF; 4096]), compiled, &facts));
+        assert!(matches!(chosen.source, TableSource::Compiled { .. }) && chosen.table.is_some(), "{doubts:?}");
+        assert_eq!(chosen.doubts, doubts);
+    }
+    // Whoever stores it has meant it.
+    let mut store = flash(vec![0xFF; 4096]);
+    block_on(store.store(&record(&compiled()))).unwrap();
+    let chosen = block_on(boot::choose(&mut store, TABLE, &FACTS));
+    assert_eq!((chosen.source, chosen.doubts), (TableSource::Stored, Faults::empty()));
 }
 
 #[test]
@@ -139,15 +173,15 @@ fn a_newest_table_that_has_decayed_is_said_and_the_one_before_is_not_used_for_it
     write(&other());
     // Amid the newest record, which is in the second page.
     memory[2048 + 100] ^= 4;
-    let Chosen { source, fallback, .. } = block_on(boot::choose(&mut store(&mut memory), TABLE, &FACTS));
+    let Chosen { source, doubts, .. } = block_on(boot::choose(&mut store(&mut memory), TABLE, &FACTS));
     let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
-    assert!(fallback && reason.contains("the newest stored table has decayed"), "{reason}");
+    assert!(doubts == Faults::TABLE_FALLBACK && reason.contains("the newest stored table has decayed"), "{reason}");
     // A write that is cut begins with the page's erase: what is whole beside it was stored last.
     memory.fill(0xFF);
     block_on(store(&mut memory).store(&record(&driving()))).unwrap();
     memory[2048..2048 + 64].fill(0x5A);
-    let Chosen { table, source, fallback } = block_on(boot::choose(&mut store(&mut memory), TABLE, &FACTS));
-    assert_eq!((table, source, fallback), (Some(driving()), TableSource::Stored, false));
+    let Chosen { table, source, doubts } = block_on(boot::choose(&mut store(&mut memory), TABLE, &FACTS));
+    assert_eq!((table, source, doubts), (Some(driving()), TableSource::Stored, Faults::empty()));
 }
 
 fn store(memory: &mut [u8]) -> ParameterStore<RamFlash<&mut [u8]>> {

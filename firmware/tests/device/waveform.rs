@@ -100,7 +100,7 @@ fn it_takes_a_drive_a_trigger_input_where_one_is_waited_for_and_an_output_withou
 
 /// A device that has the points in its memory, and one of its ticks.
 fn still() -> (Bench, impl FnMut()) {
-    let (mut tick, link) = started(Startup::new(Some(&driving()), &FACTS, false));
+    let (mut tick, link) = started(Startup::new(Some(&driving()), &FACTS, Faults::empty()));
     let mut bench = Bench::still(Some(driving()), link);
     assert_eq!(bench.ask(load(0, &POINTS)), Reply::Loaded(3));
     let mut clock = 0u32;

@@ -80,6 +80,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
 pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
     Facts {
         name: "emulated",
+        emulated: true,
         uid: Some(uid),
         has_setpoint,
         has_trigger: false,

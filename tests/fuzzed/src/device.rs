@@ -27,6 +27,7 @@ const WAITS: usize = 20_000;
 
 const FACTS: Facts = Facts {
     name: "fuzzed",
+    emulated: true,
     uid: None,
     has_setpoint: true,
     has_trigger: true,

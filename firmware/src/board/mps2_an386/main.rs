@@ -58,6 +58,7 @@ async fn main(_spawner: Spawner) {
     let pages = 0..flash.len() as u32;
     let facts = Facts {
         name: "mps2-an386 (emulated)",
+        emulated: true,
         uid: None,
         has_setpoint: false,
         has_trigger: false,

@@ -68,7 +68,8 @@ impl Ahead {
     }
 }
 
-/// The DAC on its pin, at what it is given for its safe code until TIM7 is started.
+/// The DAC on its pin, at what it is given for its safe code until TIM7 is started; without the pin, where nobody knows which that is:
+/// resistors hold what is wired to it then, as in a reset.
 pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri<'static, TIM7>) -> (Output, Ahead) {
     // Before the DAC listens: loading the prescaler is a trigger too.
     let timer = trigger(tim7, CODES_HZ);
@@ -81,7 +82,9 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
     let given = TELEMETRY.safe_given();
     let safe = || Value::Bit12Right(nearest(given));
     dac.set(safe());
-    dac.set_mode(Mode::NormalExternalBuffered);
+    if TELEMETRY.connected() {
+        dac.set_mode(Mode::NormalExternalBuffered);
+    }
     clocks::tell_dac();
     dac.enable();
     // Once more, for a DAC that loads its output register when a code is written and at no other time.

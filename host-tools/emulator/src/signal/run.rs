@@ -11,7 +11,7 @@ use firmware::startup::Startup;
 use firmware::supply::MADE_FOR_MV;
 use firmware::waveform::Points;
 use firmware::{Telemetry, Tick};
-use protocol::{ResetCause, Sample};
+use protocol::{Faults, ResetCause, Sample};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -55,7 +55,7 @@ fn run(table: &Admitted, fault: Option<&SignalFault>, ticks: u32) -> Vec<Sample>
     let facts = facts(ResetCause::BROWN_OUT, UID, false);
     let (mut queues, points, telemetry) = (Queues::new(), Points::new(), Telemetry::new());
     let (of_tick, mut link) = queues.split();
-    let mut tick = Tick::new(Startup::new(Some(table), &facts, false), &facts, of_tick, &points, &telemetry);
+    let mut tick = Tick::new(Startup::new(Some(table), &facts, Faults::empty()), &facts, of_tick, &points, &telemetry);
     telemetry.streaming.store(true, Relaxed);
     let (range, zero) = (table.voltage_range_v, f64::from(table.voltage_zero_v));
     let (min, max) = (f64::from(range.min) + zero, f64::from(range.max) + zero);

@@ -31,7 +31,7 @@ struct Push {
 impl Push {
     /// The first push of a device that is `wanted`; each pushes another table than the one before.
     fn first(wanted: impl Fn(&Self) -> bool) -> Result<Self> {
-        let mut bench = Bench::started()?;
+        let mut bench = Bench::erased()?;
         let old = bench.table()?;
         let mut push = Self { bench, before: Contents::erased(), old, new: old, operations: Vec::new() };
         for seed in 2..60 {

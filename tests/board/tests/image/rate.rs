@@ -1,7 +1,7 @@
 //! The image that is built for the fastest tick, 10 kHz: it ticks in time, takes tables of its tick alone, and streams what the line
 //! carries.
 
-use crate::common::{Bench, CONVERTED, EARLY, push, record, reseeded, triangle};
+use crate::common::{Bench, CONVERTED, EARLY, push, record, reseeded, store, triangle};
 use crate::cycles::tables::tables;
 use anyhow::{Context, Result};
 use board_emulator_test::{Board, CORE_HZ};
@@ -28,7 +28,15 @@ fn inputs(board: &mut Board) {
     board.set_reference(24_000 / SCALE);
 }
 
+/// With the demonstration's table in its store.
 fn started() -> Result<Bench> {
+    of(|board| {
+        inputs(board);
+        store(board, 100);
+    })
+}
+
+fn of(inputs: impl FnOnce(&mut Board)) -> Result<Bench> {
     let mut bench = Bench::of("FIRMWARE_IMAGE_10KHZ", inputs)?;
     bench.board.slow(CLOCKS);
     Ok(bench)
@@ -36,7 +44,7 @@ fn started() -> Result<Bench> {
 
 #[test]
 fn it_takes_tables_of_its_own_tick_and_no_other() -> Result<()> {
-    let mut bench = started()?;
+    let mut bench = of(inputs)?;
     let (identity, compiled) = (bench.identity()?, bench.table()?);
     assert_eq!((identity.tick_us, identity.adc_full_scale, compiled.sample_period_us), (100, 65_520, 100));
     assert!(matches!(identity.source, TableSource::Compiled { .. }), "{:?}", identity.source);

@@ -9,7 +9,7 @@ use protocol::{Faults, Refusal, Reply, Request, TableSource, text};
 
 #[test]
 fn a_pushed_table_is_used_from_the_next_start_on_until_it_is_erased() -> Result<()> {
-    let mut bench = Bench::started()?;
+    let mut bench = Bench::erased()?;
     let (compiled, identity) = (bench.table()?, bench.identity()?);
     let new = reseeded(&compiled, 2);
     let push = Request::Push { record: record(&new), while_estimating: false, rewired: true };
@@ -27,6 +27,33 @@ fn a_pushed_table_is_used_from_the_next_start_on_until_it_is_erased() -> Result<
     bench.does(Request::Erase { while_estimating: true, rewired: true })?;
     bench.restart()?;
     assert_eq!(bench.identity()?, identity);
+    Ok(())
+}
+
+#[test]
+fn the_demonstration_s_table_of_the_image_is_estimated_by_and_neither_shown_nor_called_valid() -> Result<()> {
+    let mut bench = Bench::erased()?;
+    bench.does(Request::Stream(true))?;
+    for cause in [Reset::PowerOn, Reset::Pin, Reset::Watchdog] {
+        let clock = bench.board.clock();
+        bench.reboot(cause)?;
+        bench.does(Request::Stream(true))?;
+        bench.run(0.2)?;
+        assert_eq!(bench.health()?.faults, Faults::DEMONSTRATION | Faults::SAFE_OUTPUT, "{cause:?}");
+        // The pin of VALID is switched on, and has no other edge; that of the DAC is left alone.
+        assert_eq!((valid_since(&bench.board, clock), bench.board.output()), (1, None), "{cause:?}");
+        let samples: Vec<_> = bench.samples.drain(..).flat_map(|batch| batch.samples).collect();
+        assert!(samples.iter().any(|sample| sample.displacement > 1.0), "{cause:?}: it is estimated by");
+        assert!(samples.iter().all(|sample| sample.faults.contains(Faults::DEMONSTRATION)), "{cause:?}");
+    }
+    // Its user has meant it.
+    let table = bench.table()?;
+    bench.push(&table)?;
+    bench.restart()?;
+    let clock = bench.board.clock();
+    bench.run(0.1)?;
+    assert_eq!((bench.identity()?.source, bench.health()?.faults), (TableSource::Stored, Faults::empty()));
+    assert!(valid_since(&bench.board, clock) > 150 && bench.board.output().is_some());
     Ok(())
 }
 
@@ -98,7 +125,7 @@ fn a_newest_record_that_has_decayed_in_the_flash_is_said_and_the_one_before_is_n
         let health = bench.health()?;
         assert_eq!(health.flash_errors > 0, torn);
         assert_eq!(health.faults, Faults::TABLE_FALLBACK | Faults::SAFE_OUTPUT);
-        assert_eq!(valid_since(&bench.board, clock), 0);
+        assert_eq!((valid_since(&bench.board, clock), bench.board.output()), (0, None));
         let TableSource::Compiled { reason } = bench.identity()?.source else { panic!("a stored table is used") };
         assert!(reason.contains("decayed") && reason.contains("another actuator's"), "{reason}");
         // Stored anew, even the one before is one again.

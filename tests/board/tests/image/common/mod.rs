@@ -1,11 +1,17 @@
 //! A host at the other end of an emulated board's serial line, and the tables it sends.
 
+/// The image's table, which is the demonstration's.
+#[rustfmt::skip]
+#[path = "../../../../../firmware/src/table.rs"]
+mod demonstration;
 pub mod noise;
 
 use anyhow::{Result, bail, ensure};
 use board_emulator_test::{Board, CORE_HZ, Edge, Image, Latch, Pin, Port, Record as Recorded, Reset, Stop};
+use embassy_futures::block_on;
 use estimator_core::record::MAX_LENGTH;
 use estimator_core::{AdcCode, Admitted, DacCode, Table};
+use parameter_store::{ParameterStore, RamFlash};
 use protocol::frame::MAX_FRAME;
 use protocol::{Deframer, Health, Identity, Record, Reply, Request, Samples, ToDevice, ToHost, encode};
 
@@ -18,6 +24,8 @@ pub const CONVERSION: u64 = 16 * CONVERTED;
 pub const CONVERTED: u64 = 3 * 60 * 4;
 /// The pin that has an edge at every good tick.
 pub const VALID: Pin = Pin { port: Port::B, number: 10 };
+/// The pages of the parameter store, as memory.x has them.
+const PAGES: std::ops::Range<u32> = 0x0807_F000..0x0808_0000;
 /// How long the device may take to start and to reply, s. The longest reply waits for some thirty flash operations.
 const PATIENCE: f64 = 0.5;
 
@@ -31,8 +39,16 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// A new board, running, on a voltage that rises and falls.
+    /// A board that has a table in its store, the demonstration's, running, on a voltage that rises and falls.
     pub fn started() -> Result<Self> {
+        Self::of("FIRMWARE_IMAGE", |board| {
+            board.feed(triangle);
+            store(board, 500);
+        })
+    }
+
+    /// The same with an erased store.
+    pub fn erased() -> Result<Self> {
         Self::of("FIRMWARE_IMAGE", |board| board.feed(triangle))
     }
 
@@ -174,6 +190,15 @@ impl Bench {
         ensure!(stop == Stop::Reset(Reset::Software), "{stop:?}");
         self.reboot(Reset::Software)
     }
+}
+
+/// Puts the demonstration's table into the store, for this tick.
+pub fn store(board: &mut Board, tick_us: u32) {
+    let table = demonstration::TABLE.at_tick(tick_us).expect("a model that is bound to no tick");
+    let mut pages = vec![0xFF; PAGES.len()];
+    let mut store = ParameterStore::new(RamFlash::new(&mut pages), 0..PAGES.len() as u32).expect("two pages");
+    block_on(store.store(&record(&table.admit().expect("the demonstration's table is admissible")))).expect("room");
+    board.contents_mut().set(PAGES.start, &pages);
 }
 
 /// Parts of a code that the output has, and its largest code in them.
