@@ -35,7 +35,7 @@ pub struct Facts {
     pub keep_safe: fn(DacCode),
     /// Analogue supply at boot, mV, where the board can measure it.
     pub supply_mv: Option<f32>,
-    /// Measures it, mV, while the ticks go on: gives what the call before has begun, and begins anew.
+    /// Measures it, mV, while the ticks go on: gives what the call before has begun, if that has ended, and begins anew.
     pub measure_supply: fn() -> Option<f32>,
     /// The level of the chip's brown-out reset, where it has one ([`protocol::Health::brown_out_level`]).
     pub brown_out_level: Option<u8>,

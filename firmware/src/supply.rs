@@ -1,7 +1,7 @@
 //! The analogue supply, which is the converters' reference: how far off it is. What becomes of the codes is in
 //! [`crate::correction`].
 
-use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU16, Ordering::Relaxed};
+use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU16, Ordering::Relaxed};
 
 /// What converters, dividers and calibrations are made for, mV.
 pub const MADE_FOR_MV: f32 = 3300.0;
@@ -12,6 +12,8 @@ const FURTHEST: f32 = 0.1;
 const FINER: u32 = 8;
 /// A measurement counts for a part of so many, the ones before for the rest: those of 20 ms each settle in some 70 ms.
 const SMOOTHED: i32 = 4;
+/// Measurements in a row that do not come, which are a fault: 60 ms.
+pub const OVERDUE: u8 = 3;
 /// What a measurement is kept in: [`MADE_FOR_MV`] is so many.
 const WHOLE: i32 = 65_536 << FINER;
 
@@ -21,6 +23,8 @@ pub struct Supply {
     /// mV; 0 where it is not known.
     mv: AtomicU16,
     bad: AtomicBool,
+    /// Measurements in a row that did not come.
+    overdue: AtomicU8,
     /// Whether the last measurement was within tolerance; none was yet at the start.
     was_good: AtomicBool,
     /// Whether one ever was.
@@ -37,6 +41,7 @@ impl Supply {
         Self {
             mv: AtomicU16::new(0),
             bad: AtomicBool::new(false),
+            overdue: AtomicU8::new(0),
             was_good: AtomicBool::new(false),
             known: AtomicBool::new(false),
             off: AtomicI32::new(0),
@@ -50,15 +55,31 @@ impl Supply {
     }
 
     /// Takes what it was found to be (mV), and whether that is within tolerance. Nothing is known to be wrong with one
-    /// that cannot be measured. A measurement that is out of tolerance alone, after a good one, may be a disturbance: the next
+    /// that was never measured. Of one that was, measurements that do not come any more are a fault: codes are corrected by what it
+    /// was, and nobody knows what it is. A measurement that is out of tolerance alone, after a good one, may be a disturbance: the next
     /// one decides. The first of all is believed. Codes are corrected by good ones only.
     pub fn take(&self, mv: Option<f32>, good: fn(f32) -> bool) {
-        self.mv.store(mv.map_or(0, |mv| (mv + 0.5) as u16), Relaxed);
-        let is_good = mv.is_none_or(good);
+        let Some(mv) = mv else {
+            if self.mv().is_some() {
+                let overdue = self.overdue.load(Relaxed).saturating_add(1);
+                self.overdue.store(overdue, Relaxed);
+                if overdue >= OVERDUE {
+                    self.bad.store(true, Relaxed);
+                    // The next one that is out of tolerance is not alone after a good one.
+                    self.was_good.store(false, Relaxed);
+                }
+            }
+            return;
+        };
+        self.overdue.store(0, Relaxed);
+        self.mv.store((mv + 0.5) as u16, Relaxed);
+        let is_good = good(mv);
         let was_good = self.was_good.load(Relaxed);
         self.bad.store(!is_good && !was_good, Relaxed);
         self.was_good.store(is_good, Relaxed);
-        let Some(mv) = mv.filter(|_| is_good) else { return };
+        if !is_good {
+            return;
+        }
         let off = ((mv / MADE_FOR_MV - 1.0).clamp(-FURTHEST, FURTHEST) * WHOLE as f32) as i32;
         let before = if self.known.load(Relaxed) { self.off.load(Relaxed) } else { off };
         let off = before + (off - before) / SMOOTHED;

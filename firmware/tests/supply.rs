@@ -9,8 +9,8 @@ use estimator_core::{AdcCalibration, AdcCode, Admitted, Estimator, Status, Table
 use firmware::Tick;
 use firmware::correction::Correction;
 use firmware::queues::Command;
-use firmware::supply::{MADE_FOR_MV, Supply};
-use firmware::watch::SATURATED;
+use firmware::supply::{MADE_FOR_MV, OVERDUE, Supply};
+use firmware::watch::{HOLD, SATURATED};
 use protocol::{Faults, Mode};
 
 /// Ticks from measurement to measurement of the supply.
@@ -156,7 +156,7 @@ fn what_is_no_supply_corrects_nothing_and_is_a_fault() {
         assert_eq!((supply.off(), supply.bad()), (655, bad), "as before {mv} mV");
     }
     supply.take(None, good);
-    assert_eq!((supply.off(), supply.mv(), supply.bad()), (655, None, false));
+    assert_eq!((supply.off(), supply.mv(), supply.bad()), (655, Some(3100), true), "nothing says that it is better");
     // A board that calls everything good.
     let supply = Supply::new();
     supply.take(Some(1e9), |_| true);
@@ -196,4 +196,40 @@ fn an_end_of_the_range_says_so() {
         }
         assert!(bench.link.telemetry.faults().contains(Faults::ADC_SATURATED), "{mv} mV");
     }
+}
+
+#[test]
+fn a_supply_that_is_not_measured_any_more_is_a_fault_and_one_that_never_was_is_none() {
+    let mut bench = Bench::new();
+    let mut k = 0;
+    let mut faults = |bench: &mut Bench, ticks: u32| {
+        let mut seen = Faults::empty();
+        for _ in 0..ticks {
+            k += 1;
+            seen |= bench.sample(triangle(k)).faults;
+        }
+        seen
+    };
+    let never = |bench: &Bench| bench.link.telemetry.supply.take(None, good);
+    for _ in 0..10 {
+        never(&bench);
+        assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "this board cannot");
+    }
+    bench.measures(3_250.0);
+    for missing in 1..OVERDUE {
+        never(&bench);
+        assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "{missing} did not come");
+    }
+    bench.measures(3_250.0);
+    (1..OVERDUE).for_each(|_| never(&bench));
+    assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "they were not in a row");
+    never(&bench);
+    let lasting = Faults::SUPPLY | Faults::SAFE_OUTPUT;
+    assert_eq!((faults(&mut bench, MEASURED), bench.link.telemetry.supply.mv()), (lasting, Some(3_250)));
+    // It is off when it is measured again, which is no disturbance of one that was good.
+    bench.measures(3_000.0);
+    assert_eq!(faults(&mut bench, MEASURED), lasting);
+    bench.measures(3_300.0);
+    faults(&mut bench, HOLD);
+    assert_eq!(faults(&mut bench, 10), Faults::empty());
 }

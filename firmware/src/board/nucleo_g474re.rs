@@ -200,7 +200,7 @@ async fn main(_spawner: Spawner) {
         // SAFETY: as above.
         keep_safe: |code| unsafe { restarts::keep_safe(code) },
         supply_mv: Some(supply_mv),
-        measure_supply: || Some(supply::measure()),
+        measure_supply: supply::measure,
         brown_out_level: Some(options.bor_lev()),
         clock_good,
         no_store,

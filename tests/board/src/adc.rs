@@ -73,6 +73,8 @@ pub struct Inputs {
     pub pin: Option<u16>,
     /// The code of the internal reference.
     pub reference: u16,
+    /// The conversions of the internal reference end.
+    pub measures: bool,
 }
 
 impl Default for Inputs {
@@ -84,6 +86,7 @@ impl Default for Inputs {
             converted: 0,
             pin: None,
             reference: 24_000,
+            measures: true,
         }
     }
 }
@@ -177,6 +180,10 @@ impl Adc {
 
     /// The conversion that ends at `at`.
     pub fn advance(&mut self, at: u64, inputs: &mut Inputs, rcc: &Rcc, record: &mut Record) -> Result<()> {
+        if self.measuring == Some(at) && !inputs.measures {
+            // It is looked at again a millisecond later.
+            self.measuring = Some(at + u64::from(CORE_HZ) / 1_000);
+        }
         if self.measuring == Some(at) {
             self.measuring = None;
             self.data = self.fitting(inputs.reference, ROVSE)?;

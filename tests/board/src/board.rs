@@ -181,6 +181,11 @@ impl Board {
         self.machine_mut().bench.inputs.reference = code;
     }
 
+    /// Whether ADC1's conversions of the internal reference end; they go on where they do not.
+    pub fn end_measurements(&mut self, measures: bool) {
+        self.machine_mut().bench.inputs.measures = measures;
+    }
+
     /// Ratio and right shift that ADC1's injected conversions are oversampled with.
     #[must_use]
     pub fn oversampling(&self) -> (u32, u32) {

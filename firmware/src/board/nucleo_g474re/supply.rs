@@ -1,6 +1,7 @@
 //! The analogue supply, which is the converters' reference, by the chip's own reference (RM0440, "Internal voltage reference").
 
 use core::ptr::addr_of;
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use embassy_stm32::adc::{Adc, SampleTime};
 use embassy_stm32::pac;
@@ -13,6 +14,9 @@ use super::{CORE_HZ, OVERSAMPLED};
 const TOLERANCE_MV: f32 = 165.0;
 /// Supply at which the factory calibrated, mV.
 const CALIBRATED_MV: f32 = 3000.0;
+
+/// Whether a conversion was seen to begin.
+static BEGUN: AtomicBool = AtomicBool::new(false);
 
 unsafe extern "C" {
     /// A symbol of memory.x: its address is meant.
@@ -32,12 +36,21 @@ pub fn at_start(adc: &mut Adc<'static, ADC1>) -> f32 {
     in_mv(adc.blocking_read(&mut reference, SampleTime::CYCLES247_5))
 }
 
-/// Measures it while they go on, which come first, mV: of the conversion that the call before has begun. The reference is still
-/// the one regular channel.
-pub fn measure() -> f32 {
-    let code = pac::ADC1.dr().read().rdata();
-    pac::ADC1.cr().modify(|w| w.set_adstart(true));
-    in_mv(code)
+/// Measures it while they go on, which come first, mV: of the conversion that the call before has begun; `None` where that has not
+/// ended, or never began, since what the register then has is of an earlier one. The reference is still the one regular channel.
+///
+/// The hardware takes ADSTART back at the end of a conversion that software has started. (The flag EOC would not do: the tick takes
+/// that back, with its own.)
+pub fn measure() -> Option<f32> {
+    let ended = BEGUN.load(Relaxed) && !pac::ADC1.cr().read().adstart();
+    let mv = ended.then(|| in_mv(pac::ADC1.dr().read().rdata()));
+    let begun = critical_section::with(|_| {
+        pac::ADC1.cr().modify(|w| w.set_adstart(true));
+        // No tick lies between, and so no end.
+        pac::ADC1.cr().read().adstart()
+    });
+    BEGUN.store(begun, Relaxed);
+    mv
 }
 
 /// The supply at which the reference gives this code, mV.

@@ -178,6 +178,25 @@ fn a_supply_that_sags_is_a_fault_within_70_ms_and_until_a_second_after() -> Resu
 }
 
 #[test]
+fn a_supply_whose_measurement_does_not_end_is_a_fault_within_100_ms_and_until_a_second_after() -> Result<()> {
+    let mut bench = Bench::started()?;
+    bench.run(0.1)?;
+    let clock = bench.board.clock();
+    // The code of before stays in its register.
+    bench.board.end_measurements(false);
+    bench.run(0.1)?;
+    assert!(valid_since(&bench.board, clock) > 80, "not at once");
+    let clock = bench.board.clock();
+    bench.run(0.1)?;
+    assert_eq!(bench.health()?.faults, Faults::SUPPLY | Faults::SAFE_OUTPUT);
+    assert_eq!(valid_since(&bench.board, clock), 0);
+    bench.board.end_measurements(true);
+    bench.run(1.1)?;
+    assert_eq!(bench.health()?.faults, Faults::empty());
+    Ok(())
+}
+
+#[test]
 fn the_level_of_the_brown_out_reset_is_told_and_never_written() -> Result<()> {
     let mut bench = Bench::started()?;
     assert_eq!(bench.health()?.brown_out_level, Some(0), "as delivered");
