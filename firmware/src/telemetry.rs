@@ -5,6 +5,7 @@
 use crate::correction::Given;
 use crate::facts::Facts;
 use crate::ramp::{Ramp, Stride};
+use crate::rate::ticks_in;
 use crate::supply::Supply;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
 use estimator_core::{AdcCode, DacCode, Status};
@@ -15,6 +16,8 @@ use protocol::{Faults, Mode};
 pub struct Telemetry {
     /// Ticks since start.
     pub ticks: AtomicU32,
+    /// What that was when the main loop said last that it goes on, and one more; 0 where it never did.
+    beaten: AtomicU32,
     /// Cycles that the last tick took.
     pub cycles_last: AtomicU32,
     /// The most that one took.
@@ -72,6 +75,10 @@ pub struct Telemetry {
     mode: AtomicU8,
 }
 
+/// Ticks without a word of the main loop after which it is taken to stand still: 60 ms, three times as long as it lets pass, and less
+/// than a third of what the watchdog does.
+pub const STALLED: u32 = ticks_in(60);
+
 /// Adds to a counter that only the tick writes.
 #[inline]
 pub fn add(counter: &AtomicU32, more: u32) {
@@ -83,6 +90,7 @@ impl Telemetry {
     pub const fn new() -> Self {
         Self {
             ticks: AtomicU32::new(0),
+            beaten: AtomicU32::new(0),
             cycles_last: AtomicU32::new(0),
             cycles_max: AtomicU32::new(0),
             missed: AtomicU32::new(0),
@@ -120,6 +128,18 @@ impl Telemetry {
     pub fn begin(&self, facts: &Facts) {
         self.supply.take(facts.supply_mv, facts.supply_good);
         self.given.begin(facts, &self.supply);
+    }
+
+    /// The main loop goes on. Once it has said so, it must go on saying so.
+    pub fn beat(&self) {
+        self.beaten.store(self.ticks.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    /// Whether the main loop has stood still for [`STALLED`], seen by a tick, which has been counted.
+    #[inline]
+    pub(crate) fn stalled(&self) -> bool {
+        let beaten = self.beaten.load(Relaxed);
+        beaten != 0 && self.ticks.load(Relaxed).wrapping_sub(beaten) >= STALLED
     }
 
     /// How long a tick took, entry to exit, and how long it might have, cycles. The board's interrupt handler says so when

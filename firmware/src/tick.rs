@@ -100,6 +100,7 @@ impl<'q> Tick<'q> {
         let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
         faults.set(Faults::SUPPLY, self.telemetry.supply.bad());
+        faults.set(Faults::STALLED, self.telemetry.stalled());
         let (given, faults) = match read {
             Some(read) => self.estimate(read, missed, faults),
             None => {

@@ -5,8 +5,9 @@ mod common;
 use common::driven::{Bench, REST, STRIDE};
 use common::{PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::{AdcCode, Status};
+use estimator_core::{AdcCode, DacCode, Status};
 use firmware::drive::REFERENCE_TIMEOUT_TICKS;
+use firmware::telemetry::STALLED;
 use firmware::watch::SATURATED;
 use protocol::{Faults, Mode};
 
@@ -168,4 +169,37 @@ fn an_amplifier_that_does_not_go_along_is_a_fault_and_one_that_does_is_none() {
 fn the_amplifier_is_not_looked_at_where_nothing_is_driven() {
     let mut bench = Bench::new();
     assert!((0..500).all(|k| bench.step_with(triangle(k)).2 == Faults::SAFE_OUTPUT));
+}
+
+#[test]
+fn a_main_loop_that_stands_still_brings_it_to_rest_at_the_slew_rate_and_there_it_stays() {
+    for (mode, reference) in [(Mode::Follow, 20.0), (Mode::Excite, 2.5)] {
+        let mut bench = Bench::new();
+        bench.set(mode);
+        bench.go(true);
+        bench.step();
+        bench.link.queues.references.enqueue(reference).unwrap();
+        bench.link.telemetry.beat();
+        for tick in 0..STALLED {
+            let (_, _, faults) = bench.step();
+            assert!(!faults.intersects(Faults::STALLED | Faults::SAFE_OUTPUT), "{mode:?}, tick {tick}: {faults:?}");
+        }
+        let mut before = bench.dac;
+        assert!(before > DacCode(REST.0 + 5 * STRIDE), "{mode:?}: {before:?}");
+        for tick in 0..2_000 {
+            let (dac, _, faults) = bench.step();
+            assert!(
+                faults.contains(Faults::STALLED | Faults::SAFE_OUTPUT) && !bench.tick.valid(),
+                "{mode:?}: {faults:?}"
+            );
+            assert!(before.0 - dac.0 <= STRIDE && (tick < 200 || dac == REST), "{mode:?}, tick {tick}: {dac:?}");
+            before = dac;
+        }
+        // It goes on after all.
+        bench.link.telemetry.beat();
+        for _ in 0..100 {
+            let (dac, _, faults) = bench.step();
+            assert_eq!((dac, faults), (REST, Faults::SAFE_OUTPUT), "{mode:?}");
+        }
+    }
 }

@@ -13,6 +13,8 @@ const DRIVE: DriveCalibration =
 const STRIDE: u16 = 21;
 /// Half a volt.
 const REST: u16 = 512;
+/// Memory behind the image's.
+const SPARE: u32 = 0x2001_F000;
 /// Nothing is there.
 const NOWHERE: u32 = 0x6000_0000;
 /// ICSR, with the bit that asks for an NMI: a panic.
@@ -96,6 +98,29 @@ fn every_change_of_mode() -> Result<()> {
             bench.run(0.1)?;
             went_to_rest(&format!("{way:?} to {mode:?}"), &bench, start);
         }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_main_loop_that_hangs_is_seen_by_the_tick_which_has_it_at_rest_before_the_watchdog_bites() -> Result<()> {
+    for way in WAYS {
+        let (mut bench, start) = driven(way)?;
+        let clock = bench.board.clock();
+        // `b .`, in the main loop: every interrupt goes on.
+        bench.board.poke(SPARE, 0xE7FE_E7FE)?;
+        bench.board.jump(SPARE);
+        bench.run(0.14)?;
+        went_to_rest(&format!("{way:?}"), &bench, start);
+        // 60 ms, and up to 20 ms since the main loop's last word; then nothing.
+        let good = valid_since(&bench.board, clock);
+        assert!((80..=122).contains(&good), "{way:?}: {good} good ticks");
+        assert_eq!(bench.board.run(0.1)?, Stop::Reset(Reset::Watchdog), "{way:?}");
+        assert_eq!(bench.board.output(), Some(REST), "{way:?}");
+        bench.reboot(Reset::Watchdog)?;
+        bench.run(0.1)?;
+        let faults = bench.health()?.faults_seen;
+        assert_eq!(faults, Faults::empty(), "{way:?}: the next start knows of none");
     }
     Ok(())
 }
