@@ -7,8 +7,8 @@
 //! present one takes as long to catch up, and the status says so as long. Held for [`TOO_LONG`] ticks in a row, or for more than a fifth
 //! of the time as those of a floating input are, codes are a fault.
 //!
-//! The fault lasts for as long as the wire may be off: nothing but another leap shows that it is back. What comes meanwhile is
-//! taken for the open input's. Codes that leap away from it, and for [`TOO_LONG`] ticks in a row neither leap nor come back, are the
+//! The fault lasts for as long as the wire may be off, whatever mode is set meanwhile: nothing but another leap shows that it is
+//! back. What comes meanwhile is taken for the open input's. Codes that leap away from it, and for [`TOO_LONG`] ticks in a row neither leap nor come back, are the
 //! wire's again. (The leap alone would not do: a plug bounces, a conversion amid a leap lies between the two, and a glitch on
 //! an open wire leaps there and back.)
 
@@ -48,11 +48,18 @@ impl Leap {
         Some(Self { limit, believed, came, ticks: 0, behind: 0, off: false, score: 0, status })
     }
 
-    /// The next code is believed, whatever it is.
+    /// The estimate begins anew, and with the next code, whatever it is. A wire that may be off is none the less so.
     pub fn restart(&mut self) {
-        (self.believed, self.off) = (None, false);
-        (self.behind, self.score) = (0, 0);
-        self.status = Status::empty();
+        self.behind = 0;
+        if !self.off {
+            (self.believed, self.score, self.status) = (None, 0, Status::empty());
+        }
+    }
+
+    /// Whether the wire may be off.
+    #[inline]
+    pub fn off(&self) -> bool {
+        self.off
     }
 
     /// [`Status::SLEW_EXCEEDED`], where the last code leapt, or codes that leapt were held no fewer ticks than have passed since; or

@@ -87,17 +87,19 @@ impl<'q> Tick<'q> {
         }
         let mut read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
         self.telemetry.set_setpoint(read.corrected.setpoint);
-        let read = match self.mode {
-            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise | Mode::Waveform => {
-                if let Some(leap) = &mut self.startup.leap {
-                    read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
-                }
-                Some(read)
+        let mut faults = self.startup.faults;
+        if let Some(leap) = &mut self.startup.leap {
+            // A wire that may be off is looked at in every mode: that it is back shows once.
+            if self.mode.measures() || leap.off() {
+                read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
             }
+            faults |= leap.faults();
+        }
+        let read = match self.mode {
+            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise | Mode::Waveform => Some(read),
             Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
             Mode::Pause => None,
         };
-        let mut faults = self.startup.faults;
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
         faults.set(Faults::SUPPLY, self.telemetry.supply.bad());
         faults.set(Faults::STALLED, self.telemetry.stalled());
@@ -119,7 +121,7 @@ impl<'q> Tick<'q> {
         self.valid
     }
 
-    fn estimate(&mut self, read: Read, missed: Option<u32>, mut faults: Faults) -> (DacCode, Faults) {
+    fn estimate(&mut self, read: Read, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
         let Read { conversion: Conversion { monitor, .. }, corrected } = read;
         let code = corrected.monitor;
         let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
@@ -134,9 +136,10 @@ impl<'q> Tick<'q> {
             // An end of the range says so whatever has become of it.
             status |= Status::ADC_SATURATED;
         }
-        if let Some(leap) = &self.startup.leap {
+        if let Some(leap) = &self.startup.leap
+            && self.mode.measures()
+        {
             status |= leap.status();
-            faults |= leap.faults();
         }
         let setpoint = self.setpoint(read);
         let (mut faults, sound) = self.supervise(read, setpoint.map(|wish| wish.read), status, missed, faults);

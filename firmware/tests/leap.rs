@@ -154,15 +154,39 @@ fn a_wire_that_comes_off_is_a_fault_for_as_long_as_it_is_off_and_leaves_no_zero(
 }
 
 #[test]
-fn a_mode_that_is_set_begins_with_the_wire_as_it_is() {
-    let mut bench = off();
-    for mode in [Mode::Pause, Mode::Estimate] {
-        bench.set(mode);
+fn no_mode_that_is_set_ends_the_fault_of_a_wire_that_is_off() {
+    let lasting = Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT;
+    for between in [Mode::Pause, Mode::Pil, Mode::Estimate] {
+        let mut bench = off();
+        bench.set(between);
+        (0..100).for_each(|_| _ = bench.begin());
+        assert!(bench.link.telemetry.faults().contains(lasting), "{between:?}");
+        bench.set(Mode::Estimate);
         bench.begin();
+        for k in 0..2 * HOLD {
+            let (dac, sample) = bench.step(open(k));
+            assert_eq!((dac, sample.faults & lasting, bench.tick.valid()), (SAFE, lasting, false), "{between:?}, {k}");
+        }
     }
+}
+
+#[test]
+fn a_wire_that_is_plugged_in_again_in_a_pause_is_back_after_it() {
+    let mut bench = off();
+    bench.set(Mode::Pause);
+    bench.begin();
+    for k in 0..2 * TOO_LONG {
+        bench.k += 1;
+        bench.tick.sample(triangle(OFF + k).into(), bench.k * PERIOD);
+    }
+    bench.set(Mode::Estimate);
     for k in 0..HOLD {
-        let (_, sample) = bench.step(open(k));
-        assert_eq!((sample.code, sample.faults), (open(k), Faults::empty()), "tick {k}");
+        let (_, sample) = bench.step(triangle(OFF + 2 * TOO_LONG + k).0);
+        assert!(
+            !sample.faults.intersects(Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT),
+            "tick {k}: {:?}",
+            sample.faults
+        );
     }
 }
 

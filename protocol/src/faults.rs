@@ -32,7 +32,8 @@ bitflags::bitflags! {
         /// The crystal did not start: the chip's own oscillator, up to 2 % off, clocks the device, which estimates nothing.
         const CLOCK = 1 << 10;
         /// The monitor's voltage has leapt as the amplifier cannot, and stayed there, or went on leaping: a wire is off, the input
-        /// floats, or the table states a slower amplifier than there is. It lasts until the voltage leaps back, or a mode is set.
+        /// floats, or the table states a slower amplifier than there is. It lasts until the voltage leaps back,
+        /// whatever mode is set, or the device is reset.
         const SLEW_EXCEEDED = 1 << 11;
         /// Nothing is stored, and the image's table is the demonstration's: another actuator's. It is estimated by for trials; the
         /// output is not put on its pin.

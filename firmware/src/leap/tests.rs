@@ -121,10 +121,16 @@ fn a_glitch_on_a_wire_that_is_off_does_not_bring_it_back_nor_does_what_moves_slo
 }
 
 #[test]
-fn a_restart_forgets_that_the_wire_is_off() {
-    let (mut leap, _) = judged([OPEN; 1_000]);
+fn a_restart_believes_the_next_code_but_not_that_of_a_wire_that_is_off() {
+    let (mut leap, _) = judged([OPEN; TICKS - 1]);
     leap.restart();
     assert_eq!(judge(&mut leap, OPEN, 0), believed(OPEN));
+    let (mut leap, _) = judged([OPEN; 1_000]);
+    leap.restart();
+    assert_eq!(judge(&mut leap, OPEN, 0), held(OPEN, true));
+    (0..TICKS).for_each(|_| _ = judge(&mut leap, AT, 0));
+    assert_eq!(leap.faults(), Faults::SLEW_EXCEEDED, "the tick that leaps is none that stays");
+    assert_eq!(judge(&mut leap, AT, 0).faults, Faults::empty());
 }
 
 #[test]

@@ -225,11 +225,9 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.streaming.store(on, Relaxed);
     }
 
-    /// Whether the mode is one that lasts only while the host that has set it speaks. Where the monitor's wire may be off it lasts,
-    /// at rest, until a host says otherwise: what begins a mode believes the voltage that it finds.
+    /// Whether the mode is one that lasts only while the host that has set it speaks.
     pub fn lent(&self) -> bool {
-        let believed = !self.telemetry.faults().contains(Faults::SLEW_EXCEEDED);
-        !self.telemetry.mode().lasts() && !self.telemetry.holding.load(Relaxed) && believed
+        !self.telemetry.mode().lasts() && !self.telemetry.holding.load(Relaxed)
     }
 
     /// Changes what the tick does, which takes a tick.

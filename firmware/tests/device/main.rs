@@ -108,7 +108,7 @@ fn health_has_the_bias_and_its_age() {
 }
 
 #[test]
-fn no_lease_ends_a_fault_of_the_monitor_s_wire() {
+fn no_mode_and_no_lease_ends_a_fault_of_the_monitor_s_wire() {
     let table = Table { amplifier_slew_v_per_s: Some(50.0), ..*driving() };
     let table = table.admit().expect("the amplifier is faster than the drive");
     let off = Arc::new(AtomicBool::new(false));
@@ -123,10 +123,15 @@ fn no_lease_ends_a_fault_of_the_monitor_s_wire() {
     assert!(bench.device.lent(), "a host that vanishes is not waited for");
     off.store(true, Relaxed);
     bench.until(Faults::SLEW_EXCEEDED);
-    assert!(!bench.device.lent(), "to begin a mode would be to believe the open input");
+    for mode in [Mode::Pause, Mode::Estimate] {
+        assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Done);
+        std::thread::sleep(10 * TICKS);
+        assert!(bench.device.telemetry.faults().contains(Faults::SLEW_EXCEEDED), "{mode:?} believes no open input");
+    }
+    assert_eq!(bench.ask(Request::SetMode(Mode::Excite)), Reply::Refused(Refusal::Faulty));
     off.store(false, Relaxed);
     let begun = std::time::Instant::now();
-    while !bench.device.lent() {
+    while bench.device.telemetry.faults().contains(Faults::SLEW_EXCEEDED) {
         assert!(begun.elapsed().as_secs() < 20, "the wire is back: {:?}", bench.device.telemetry.faults());
         std::thread::sleep(TICKS);
     }

@@ -29,7 +29,7 @@ pub enum Recovery {
     After(u32),
     /// It has begun anew, and has no ± before the displacement is told again.
     NeedsZero,
-    /// The fault that the firmware made of it lasts, until a mode is set.
+    /// The fault that the firmware made of it lasts, until the device is reset.
     Faulty,
     /// Its error was still beyond the ± where the run ended.
     NotYet,
