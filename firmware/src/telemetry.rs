@@ -56,6 +56,8 @@ pub struct Telemetry {
     pub epoch: AtomicU32,
     /// Whether the estimator may be told a displacement.
     pub may_be_told: AtomicBool,
+    /// Whether the last voltage is not to be believed: what was estimated of it is no displacement to be told by.
+    pub doubtful: AtomicBool,
     /// Whether a reference is followed that is to be held for ever.
     pub holding: AtomicBool,
     /// Whether, in a mode that drives, nothing is followed until a mode is set.
@@ -111,6 +113,7 @@ impl Telemetry {
             streaming: AtomicBool::new(false),
             epoch: AtomicU32::new(0),
             may_be_told: AtomicBool::new(false),
+            doubtful: AtomicBool::new(false),
             holding: AtomicBool::new(false),
             stopped: AtomicBool::new(false),
             supply: Supply::new(),

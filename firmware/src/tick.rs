@@ -24,6 +24,9 @@ use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Estimate, Estimator, Status};
 use protocol::{Faults, Mode, Sample};
 
+/// With these the estimate is not of the voltage that there is.
+const DOUBTFUL: Status = Status::ADC_SATURATED.union(Status::VOLTAGE_OUT_OF_RANGE).union(Status::SLEW_EXCEEDED);
+
 /// Everything the interrupt owns.
 pub struct Tick<'q> {
     startup: Startup,
@@ -143,6 +146,9 @@ impl<'q> Tick<'q> {
         }
         let setpoint = self.setpoint(read);
         let (mut faults, sound) = self.supervise(read, setpoint.map(|wish| wish.read), status, missed, faults);
+        // Of fed codes whoever feeds them knows.
+        let doubtful = self.mode != Mode::Pil && (status.intersects(DOUBTFUL) || !self.watch.sound());
+        self.telemetry.doubtful.store(doubtful, Relaxed);
         let shown = self.startup.showing(displacement, dac);
         let output = self.output(shown, setpoint, sound);
         status |= output.status;
@@ -302,6 +308,8 @@ impl<'q> Tick<'q> {
                     drive.go(hold);
                 }
             }
+            // The voltage may have gone wrong since the device has looked.
+            Command::SetZero { .. } if self.telemetry.doubtful.load(Relaxed) => {}
             Command::SetZero { at_um } => self.tell(|estimator| estimator.set_zero(at_um)),
             Command::ShiftBias { by_um } => self.tell(|estimator| estimator.shift(by_um)),
         }

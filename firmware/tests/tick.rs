@@ -5,9 +5,9 @@ mod common;
 use common::{LinkEnd, PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimator, Status};
-use firmware::Conversion;
 use firmware::queues::Command;
 use firmware::watch::{HOLD, OUT_OF_RANGE, SATURATED, STUCK};
+use firmware::{Conversion, Tick};
 use protocol::{Faults, Mode};
 
 #[test]
@@ -319,4 +319,22 @@ fn what_is_fed_counts_as_nothing_of_the_actuator() {
     }
     let health = [&link.telemetry.voltage_out_of_range, &link.telemetry.adc_saturated];
     assert_eq!(health.map(|count| count.load(Relaxed)), [0, 0]);
+}
+
+#[test]
+fn a_zero_that_comes_with_a_code_not_to_be_believed_is_not_taken() {
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
+    let table = compiled();
+    let zeroed = |tick: &mut Tick<'_>, link: &mut LinkEnd, k: u32, before: AdcCode| {
+        tick.sample(before.into(), k * PERIOD);
+        link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).unwrap();
+        tick.sample(triangle(900).into(), (k + 1) * PERIOD);
+        link.telemetry.bias_age_ticks().is_some()
+    };
+    for (k, odd) in
+        [AdcCode(0), AdcCode(65_520), table.adc.code(table.voltage_range_v.max + 0.02)].into_iter().enumerate()
+    {
+        assert!(!zeroed(&mut tick, &mut link, 2 * k as u32, odd), "{odd:?}");
+    }
+    assert!(zeroed(&mut tick, &mut link, 6, triangle(900)));
 }

@@ -206,11 +206,19 @@ impl<F: NorFlash> Device<'_, F> {
         if !self.telemetry.may_be_told.load(Relaxed) {
             return Err(Refusal::TooSoon);
         }
+        // A shift is of a mean, whatever the voltage of now.
+        if matches!(command, Command::SetZero { .. }) && self.telemetry.doubtful.load(Relaxed) {
+            return Err(Refusal::NotBelieved);
+        }
         self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)
     }
 
-    /// Calls the displacement of now 0.
+    /// Calls the displacement of now 0, for somebody beside the actuator: that of fed codes is none of it, and is told by who feeds
+    /// them alone.
     pub fn zero(&mut self) -> Result<(), Refusal> {
+        if !self.telemetry.mode().measures() {
+            return Err(Refusal::NotEstimating);
+        }
         self.tell(0.0, Command::SetZero { at_um: 0.0 })
     }
 

@@ -11,7 +11,7 @@ mod waveform;
 
 use bench::{Bench, TICKS, push};
 use common::{compiled, driving, other, record, tick};
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{AdcCode, Admitted, IntervalParameters, Table};
 use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
@@ -86,6 +86,39 @@ fn the_bias_is_told_only_where_something_is_estimated_and_in_reason() {
         std::thread::sleep(TICKS);
         assert_eq!(excited.ask(tell(1.0)), Reply::Done, "the sensor beside it says where it is");
     }
+}
+
+#[test]
+fn no_zero_is_taken_of_a_voltage_that_is_not_to_be_believed() {
+    let table = compiled();
+    let beyond = table.adc.code(table.voltage_range_v.max + 0.02).0;
+    for (code, why) in [(u16::MAX, "saturated"), (beyond, "out of range")] {
+        let read = Arc::new(AtomicU16::new(30_000));
+        let reads = read.clone();
+        let conversion =
+            move |k: u32, _| AdcCode(reads.load(Relaxed).saturating_add((k % 2) as u16).min(65_520)).into();
+        let mut bench = Bench::with(Some(table), tick(Some(&table), Faults::empty()), conversion);
+        std::thread::sleep(TICKS);
+        assert_eq!(bench.ask(Request::SetZero { at_um: 1.0 }), Reply::Done, "{why}");
+        read.store(code, Relaxed);
+        // Before it is a fault, and after.
+        for _ in 0..2 {
+            std::thread::sleep(TICKS);
+            assert_eq!(bench.ask(Request::SetZero { at_um: 2.0 }), Reply::Refused(Refusal::NotBelieved), "{why}");
+        }
+        assert_eq!(bench.device.zero(), Err(Refusal::NotBelieved), "{why}: nor by the button");
+    }
+}
+
+#[test]
+fn the_button_zeroes_no_fed_codes_and_who_feeds_them_may() {
+    let mut bench = Bench::new(Some(compiled()));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pil)), Reply::Done);
+    let codes = [30_000, 30_010, 65_520].into_iter().collect();
+    assert_eq!(bench.ask(Request::Feed(codes)), Reply::Fed(3));
+    std::thread::sleep(TICKS);
+    assert_eq!(bench.device.zero(), Err(Refusal::NotEstimating));
+    assert_eq!(bench.ask(Request::SetZero { at_um: 1.0 }), Reply::Done, "the host's own estimate is told it, too");
 }
 
 #[test]
