@@ -34,7 +34,7 @@ pub struct Startup {
     pub connected: bool,
     /// How fast the DAC's code may go there.
     pub stride: Stride,
-    /// Faults known since boot, which last until the next reset.
+    /// Faults known since boot, which last until the next reset; and whether a zero is lost since.
     pub faults: Faults,
 }
 

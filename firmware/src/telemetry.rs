@@ -57,7 +57,7 @@ pub struct Telemetry {
     /// Whether the estimator may be told a displacement.
     pub may_be_told: AtomicBool,
     /// Whether the last voltage is not to be believed: what was estimated of it is no displacement to be told by.
-    pub doubtful: AtomicBool,
+    pub(crate) doubtful: AtomicBool,
     /// Whether a reference is followed that is to be held for ever.
     pub holding: AtomicBool,
     /// Whether, in a mode that drives, nothing is followed until a mode is set.
@@ -233,6 +233,11 @@ impl Telemetry {
     /// Whether the set-point is followed, or will be as soon as everything is sound.
     pub fn linearises(&self) -> bool {
         self.mode() == Mode::Linearise && !self.stopped.load(Relaxed)
+    }
+
+    /// Whether no zero may be told now. Of fed codes whoever feeds them knows.
+    pub(crate) fn doubts(&self) -> bool {
+        self.doubtful.load(Relaxed) && self.mode() != Mode::Pil
     }
 
     /// Whether a waveform is played.

@@ -43,6 +43,8 @@ pub struct Tick<'q> {
     /// Cycle counter at the last tick.
     last: Option<u32>,
     valid: bool,
+    /// The estimate of what the ADC reads has been told its displacement.
+    told: bool,
     player: Player<'q>,
 }
 
@@ -71,6 +73,7 @@ impl<'q> Tick<'q> {
             decimation,
             last,
             valid,
+            told: false,
             player,
         };
         if tick.startup.linearises {
@@ -118,8 +121,8 @@ impl<'q> Tick<'q> {
         given
     }
 
-    /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick. Where it
-    /// is, the board shows so by an edge of a pin, which dies with the tick.
+    /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick, a zero that is lost
+    /// included. Where it is, the board shows so by an edge of a pin, which dies with the tick.
     pub fn valid(&self) -> bool {
         self.valid
     }
@@ -146,9 +149,7 @@ impl<'q> Tick<'q> {
         }
         let setpoint = self.setpoint(read);
         let (mut faults, sound) = self.supervise(read, setpoint.map(|wish| wish.read), status, missed, faults);
-        // Of fed codes whoever feeds them knows.
-        let doubtful = self.mode != Mode::Pil && (status.intersects(DOUBTFUL) || !self.watch.sound());
-        self.telemetry.doubtful.store(doubtful, Relaxed);
+        self.telemetry.doubtful.store(status.intersects(DOUBTFUL) || !self.watch.sound(), Relaxed);
         let shown = self.startup.showing(displacement, dac);
         let output = self.output(shown, setpoint, sound);
         status |= output.status;
@@ -253,6 +254,9 @@ impl<'q> Tick<'q> {
             leap.restart();
         }
         self.telemetry.set_bias(None);
+        if core::mem::take(&mut self.told) {
+            self.startup.faults.insert(Faults::ZERO_LOST);
+        }
     }
 
     /// Tells the estimator its bias, which it may not take.
@@ -261,6 +265,11 @@ impl<'q> Tick<'q> {
             && tell(estimator)
         {
             self.telemetry.set_bias(Some(estimator.bias()));
+            // Of fed codes it is over with them.
+            if self.mode.measures() {
+                self.told = true;
+                self.startup.faults.remove(Faults::ZERO_LOST);
+            }
         }
     }
 
@@ -309,7 +318,7 @@ impl<'q> Tick<'q> {
                 }
             }
             // The voltage may have gone wrong since the device has looked.
-            Command::SetZero { .. } if self.telemetry.doubtful.load(Relaxed) => {}
+            Command::SetZero { .. } if self.telemetry.doubts() => {}
             Command::SetZero { at_um } => self.tell(|estimator| estimator.set_zero(at_um)),
             Command::ShiftBias { by_um } => self.tell(|estimator| estimator.shift(by_um)),
         }

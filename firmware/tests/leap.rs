@@ -148,8 +148,11 @@ fn a_wire_that_comes_off_is_a_fault_for_as_long_as_it_is_off_and_leaves_no_zero(
         let expected = anew.tick(code);
         assert_eq!((dac, sample.displacement.to_bits()), (expected.dac, expected.displacement.to_bits()), "tick {k}");
         assert_eq!((sample.half_width, sample.status), (None, expected.status), "tick {k}");
-        assert_eq!((sample.faults, bench.tick.valid()), (Faults::empty(), true), "tick {k}");
+        assert_eq!((sample.faults, bench.tick.valid()), (Faults::ZERO_LOST, false), "tick {k}: it had been told");
     }
+    bench.link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).expect("there is room");
+    let (_, sample) = bench.step(triangle(OFF + TOO_LONG + HOLD + 100).0);
+    assert_eq!((sample.faults, bench.tick.valid()), (Faults::empty(), true), "it is told anew");
     assert!(bench.step(open(0)).1.status.contains(Status::SLEW_EXCEEDED));
 }
 

@@ -338,3 +338,42 @@ fn a_zero_that_comes_with_a_code_not_to_be_believed_is_not_taken() {
     }
     assert!(zeroed(&mut tick, &mut link, 6, triangle(900)));
 }
+
+#[test]
+fn a_zero_that_is_lost_is_said_without_valid_until_it_is_told_anew() {
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
+    let mut k = 0;
+    let mut run = |tick: &mut Tick<'_>, link: &mut LinkEnd, ticks: u32, code: &dyn Fn(u32) -> AdcCode| {
+        for _ in 0..ticks {
+            k += 1;
+            tick.sample(code(k).into(), k.wrapping_mul(PERIOD));
+        }
+        (link.telemetry.faults(), tick.valid())
+    };
+    let saturated = |_| AdcCode(65_520);
+    let good = (Faults::empty(), true);
+    let zero = |link: &mut LinkEnd| link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).unwrap();
+    let set = |link: &mut LinkEnd, mode| link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+    // None was told: a fault that has passed leaves nothing.
+    run(&mut tick, &mut link, 2 * SATURATED, &saturated);
+    assert_eq!(run(&mut tick, &mut link, 2 * HOLD, &triangle), good);
+    zero(&mut link);
+    assert_eq!(run(&mut tick, &mut link, 10, &triangle), good);
+    run(&mut tick, &mut link, 2 * SATURATED, &saturated);
+    for ticks in [2 * HOLD, 100 * HOLD] {
+        assert_eq!(run(&mut tick, &mut link, ticks, &triangle), (Faults::ZERO_LOST, false));
+    }
+    zero(&mut link);
+    assert_eq!(run(&mut tick, &mut link, 1, &triangle), good);
+    // A pause loses it as well; fed codes have a zero of their own, which is over with them.
+    set(&mut link, Mode::Pause);
+    run(&mut tick, &mut link, 1, &triangle);
+    set(&mut link, Mode::Pil);
+    zero(&mut link);
+    link.queues.fed.enqueue(triangle(900)).unwrap();
+    run(&mut tick, &mut link, 10, &triangle);
+    set(&mut link, Mode::Estimate);
+    assert_eq!(run(&mut tick, &mut link, 10, &triangle), (Faults::ZERO_LOST, false));
+    zero(&mut link);
+    assert_eq!(run(&mut tick, &mut link, 1, &triangle), good);
+}

@@ -207,7 +207,7 @@ impl<F: NorFlash> Device<'_, F> {
             return Err(Refusal::TooSoon);
         }
         // A shift is of a mean, whatever the voltage of now.
-        if matches!(command, Command::SetZero { .. }) && self.telemetry.doubtful.load(Relaxed) {
+        if matches!(command, Command::SetZero { .. }) && self.telemetry.doubts() {
             return Err(Refusal::NotBelieved);
         }
         self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)

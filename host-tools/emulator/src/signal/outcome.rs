@@ -35,6 +35,9 @@ pub enum Recovery {
     NotYet,
 }
 
+/// What a fault leaves behind, or does, and what is none by itself.
+const LEFT: Faults = Faults::SAFE_OUTPUT.union(Faults::ZERO_LOST);
+
 impl Outcome {
     /// Compares two runs, from the fault's first tick on; `ticks` is how long it lasts.
     pub(crate) fn of(sound: &[Sample], faulty: &[Sample], ticks: usize) -> Self {
@@ -46,7 +49,7 @@ impl Outcome {
             if flag.is_none() && !raised.is_empty() {
                 flag = Some((raised, at + 1));
             }
-            let lasting = faulty.faults.difference(Faults::SAFE_OUTPUT);
+            let lasting = faulty.faults.difference(LEFT);
             if fault.is_none() && !lasting.is_empty() {
                 fault = Some((lasting, at + 1));
             }
@@ -60,7 +63,7 @@ impl Outcome {
                 silent += u32::from(stated.is_some() && faulty.status.is_empty() && lasting.is_empty());
             }
         }
-        let stays = faulty.last().is_some_and(|last| !last.faults.difference(Faults::SAFE_OUTPUT).is_empty());
+        let stays = faulty.last().is_some_and(|last| !last.faults.difference(LEFT).is_empty());
         let ended = faulty.last().is_none_or(|last| last.half_width.is_none());
         let recovery = match beyond_last {
             _ if stays => Recovery::Faulty,

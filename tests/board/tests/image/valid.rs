@@ -1,10 +1,10 @@
 //! VALID, the lamp and the button: VALID has an edge at every good tick and none within a tick of anything else. What the ADC
 //! may bring is in `faults`.
 
-use crate::common::{Bench, CONVERSION, PERIOD, valid, valid_since};
+use crate::common::{Bench, CONVERSION, PERIOD, triangle, valid, valid_since};
 use anyhow::Result;
 use board_emulator_test::{Board, Pin, Port, Reset, Stop, exception};
-use protocol::{Mode, Reply, Request};
+use protocol::{Faults, Mode, Reply, Request};
 
 const LAMP: Pin = Pin { port: Port::A, number: 5 };
 const BUTTON: Pin = Pin { port: Port::C, number: 13 };
@@ -56,6 +56,27 @@ fn no_edge_comes_where_nothing_is_estimated() -> Result<()> {
         bench.run(0.1)?;
         assert!(valid_since(&bench.board, clock) > 150, "{mode:?}: it goes on");
     }
+    Ok(())
+}
+
+#[test]
+fn no_edge_comes_after_a_fault_that_has_cost_the_zero_until_it_is_told_anew() -> Result<()> {
+    let mut bench = running()?;
+    bench.does(Request::SetZero { at_um: 0.0 })?;
+    bench.board.feed(|_| 65_520);
+    bench.run(0.05)?;
+    bench.board.feed(triangle);
+    bench.run(1.1)?;
+    let clock = bench.board.clock();
+    bench.run(0.5)?;
+    assert_eq!((bench.health()?.faults, valid_since(&bench.board, clock)), (Faults::ZERO_LOST, 0));
+    let safe = bench.table()?.dac.code(0.0f32).0;
+    assert_ne!(bench.board.output(), Some(safe), "it is shown relative to the model's zero");
+    bench.does(Request::SetZero { at_um: 0.0 })?;
+    let clock = bench.board.clock();
+    bench.run(0.1)?;
+    assert_eq!(bench.health()?.faults, Faults::empty());
+    assert!(valid_since(&bench.board, clock) > 190);
     Ok(())
 }
 
