@@ -1,7 +1,7 @@
 //! Whether the voltage moves: what a displacement of now is worth that is called something.
 //!
-//! The voltage is averaged over [`AVERAGED`] samples, which takes noise off and leaves what an actuator follows. It moves where that goes
-//! over more than [`STILL`] of the table's voltages, and twice its deadband, within [`LOOKED_S`]: a sine of 0.01 Hz over all of them
+//! The voltage is averaged over `AVERAGED` samples, which takes noise off and leaves what an actuator follows. It moves where that goes
+//! over more than `STILL` of the table's voltages, and twice its deadband, within [`LOOKED_S`]: a sine of 0.01 Hz over all of them
 //! does, but for some seconds at each of its ends.
 
 use crate::client::Client;
