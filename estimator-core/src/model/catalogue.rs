@@ -2,7 +2,7 @@
 //!
 //! To add one: a file with its parameters ([`Published`]) and its recursion, the parameters' `pub use` in `model` and at the
 //! root of this crate, where tables written as Rust find them, and a line at the end of this file.
-//! No other source of this crate lists them. The example `own_model` of the crate `identification` has every step.
+//! No other source of this crate lists them; an identification needs a family, besides. The example `own_model` of the crate `identification` has every step.
 
 use super::published::{Discretisation, Published};
 use super::{Process, Recursion, Running};

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, ensure};
 
 /// Instructions of the most expensive tick on the measured log. What is measured may lie below by [`ROOM_PERCENT`].
-const CEILINGS: [(&str, u64); 12] = [
+const CEILINGS: &[(&str, u64)] = &[
     ("voigt", 466),
     ("voltage-extremum", 597),
     ("displacement-extremum", 596),
