@@ -1,21 +1,28 @@
 //! The memory of a rate-independent equation, held while its input stays within a deadband.
 //!
 //! ```text
-//! p ← play(p, u; δ)                                     δ the table's deadband, in the input's unit
+//! p ← play(p, u; ¾·δ)                                   δ the table's deadband, in the input's unit
 //! shown: the equation's answer, from the memory where it stands, to a monotone move to u
 //! where p has moved, what is shown becomes the memory, and stands at u
 //! ```
 //!
 //! Duhem's and Bouc-Wen's equations advance with |du|. The noise of a converter is a path without end: at rest it would make
-//! them forget all that there is to remember. A play does not move while the input stays within ±δ of it, and then nothing is
-//! kept: the displacement follows the input to and fro on one curve.
+//! them forget all that there is to remember. A play does not move while the input stays within ±¾·δ of it, and then nothing is
+//! kept: the displacement follows the input to and fro on one curve. A retreat of more than 1.5·δ moves it. With δ midway between
+//! two numbers of codes ([`between_codes`](crate::extremum::between_codes)) that is no whole number of them, by a quarter at least,
+//! so that no rounding decides what a code is.
 //!
-//! The memory does not take the play's way but the input's, so that no loop is shifted by δ, nor cut short: of an input
-//! whose reversals are more than 2·δ apart the answer is the equation's own. What is shown is continuous, for what becomes
+//! The memory does not take the play's way but the input's, so that no loop is shifted, nor cut short: of an input
+//! whose reversals are more than 1.5·δ apart the answer is the equation's own. What is shown is continuous, for what becomes
 //! the memory has been shown before.
 
 use super::play::play;
 use crate::math::Real;
+
+/// The half-width of the play that decides when a memory moves, by a table's deadband; both in the unit of the input.
+pub fn half_width<T: Real>(deadband: T) -> T {
+    T::of(0.75) * deadband
+}
 
 /// A memory, and where it stands.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -32,11 +39,11 @@ impl<T: Real, M: Copy> Held<T, M> {
     }
 
     /// One tick: takes the input, returns the memory as it is shown there. `follow` is the equation's answer, from a memory, to a
-    /// monotone move from one input to another; `deadband` is δ.
+    /// monotone move from one input to another; `half_width` is ¾·δ.
     #[inline]
-    pub fn step(&mut self, input: T, deadband: T, follow: impl FnOnce(M, T, T) -> M) -> M {
+    pub fn step(&mut self, input: T, half_width: T, follow: impl FnOnce(M, T, T) -> M) -> M {
         let shown = self.shown(input, follow);
-        let moved = play(self.play, input, deadband);
+        let moved = play(self.play, input, half_width);
         if moved != self.play {
             *self = Self { play: moved, at: input, memory: shown };
         }

@@ -19,7 +19,7 @@
 
 mod branch;
 
-use super::held::Held;
+use super::held::{Held, half_width};
 use super::relaxation::{Lag, Relaxed};
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
@@ -96,7 +96,8 @@ impl Published for BoucWenParameters {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoucWen<T> {
     lag: Lag<T>,
-    deadband: T,
+    /// Of the play that decides when the memory moves, V.
+    half_width: T,
     power: Power<T>,
     rising: Branch<T>,
     falling: Branch<T>,
@@ -117,7 +118,7 @@ pub struct BoucWenState<T> {
 }
 
 impl<T: Real> BoucWen<T> {
-    /// Coefficients for ticks of `sample_period` seconds, with the memory held within ±`deadband` V. Checks nothing: see
+    /// Coefficients for ticks of `sample_period` seconds, with the memory held until the voltage has gone back by more than 1.5 times the `deadband`, V. Checks nothing: see
     /// [`BoucWenParameters::check`].
     pub fn build(parameters: &BoucWenParameters, sample_period: T, deadband: T) -> Self {
         let p = parameters;
@@ -129,7 +130,7 @@ impl<T: Real> BoucWen<T> {
         falling.measure(n, rising.limit);
         Self {
             lag: Lag::build(T::of(p.lag_s), sample_period),
-            deadband,
+            half_width: half_width(deadband),
             power: match p.n {
                 1.0 => Power::One,
                 2.0 => Power::Two,
@@ -230,7 +231,7 @@ impl<T: Real> Linear<T> for BoucWen<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
         let u = self.lag.step(&mut state.input, voltage);
-        state.hysteresis = state.held.step(u, self.deadband, |h, from, to| self.follow(h, to - from));
+        state.hysteresis = state.held.step(u, self.half_width, |h, from, to| self.follow(h, to - from));
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {

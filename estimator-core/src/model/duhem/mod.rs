@@ -21,7 +21,7 @@ mod conditions;
 
 pub use conditions::{DuhemCondition, unmet_condition};
 
-use super::held::Held;
+use super::held::{Held, half_width};
 use super::relaxation::{Lag, Relaxed};
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
@@ -110,7 +110,8 @@ impl Published for DuhemParameters {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Duhem<T> {
     lag: Lag<T>,
-    deadband: T,
+    /// Of the play that decides when the memory moves, V.
+    half_width: T,
     alpha: T,
     inverse_alpha: T,
     inside: Range<T>,
@@ -163,7 +164,7 @@ fn phi<T: Real>(x: T) -> [T; 3] {
 }
 
 impl<T: Real> Duhem<T> {
-    /// Coefficients for ticks of `sample_period` seconds, with the memory held within ±`deadband` V. Checks nothing: see
+    /// Coefficients for ticks of `sample_period` seconds, with the memory held until the voltage has gone back by more than 1.5 times the `deadband`, V. Checks nothing: see
     /// [`DuhemParameters::check`].
     pub fn build(parameters: &DuhemParameters, sample_period: T, deadband: T) -> Self {
         let p = parameters;
@@ -171,7 +172,7 @@ impl<T: Real> Duhem<T> {
         let three = T::of(3.0);
         Self {
             lag: Lag::build(T::of(p.lag_s), sample_period),
-            deadband,
+            half_width: half_width(deadband),
             alpha: T::of(p.alpha_per_v),
             inverse_alpha: T::one() / T::of(p.alpha_per_v),
             inside: Range { min: -saturation, max: saturation },
@@ -302,7 +303,7 @@ impl<T: Real> Linear<T> for Duhem<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
         let u = self.lag.step(&mut state.input, voltage);
-        state.answers = state.held.step(u, self.deadband, |answers, from, to| self.follow(answers, from, to));
+        state.answers = state.held.step(u, self.half_width, |answers, from, to| self.follow(answers, from, to));
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
