@@ -3,8 +3,9 @@
 
 use super::axis::Axis;
 use super::svg::{Drawing, Frame};
-use super::thin::{Point, extent, turns};
+use super::thin::{Point, extent};
 use identification::validate::Comparison;
+use log_survey::reversals::reversals;
 
 /// Parts of the voltage's range.
 const BINS: usize = 30;
@@ -18,22 +19,30 @@ struct Sum {
     samples: usize,
 }
 
-/// Mean errors, µm beside each log's own constant, over the voltage, V, of the rising branches and of the falling ones.
-pub fn branches(logs: &[Comparison]) -> [Vec<Point>; 2] {
+/// Mean errors, µm beside each log's own constant, over the voltage, V, of the rising branches and of the falling ones. A
+/// reversal is what goes back by more than `retreat` V; where the voltage stands still by that measure it is on no branch.
+pub fn branches(logs: &[Comparison], retreat: f64) -> [Vec<Point>; 2] {
     let voltages = logs.iter().flat_map(|log| log.trace.voltage.iter().copied());
     let Some((min, max)) = extent(voltages).filter(|(min, max)| min < max) else { return Default::default() };
     let width = (max - min) / BINS as f64;
     let mut sums = [[Sum::default(); BINS]; 2];
     for log in logs {
         let trace = &log.trace;
-        let mut ends = turns(&trace.voltage);
+        let mut ends = reversals(&trace.voltage, retreat);
         ends.insert(0, 0);
         ends.push(trace.voltage.len().saturating_sub(1));
         for pair in ends.windows(2) {
             let (from, to) = (pair[0], pair[1]);
             let Some((before, after)) = trace.voltage.get(from).zip(trace.voltage.get(to)) else { continue };
             let branch = &mut sums[usize::from(after < before)];
+            let mut reached = *before;
             for index in from..to {
+                // A hold would weigh as all that moves at its voltage.
+                let on = if after < before { trace.voltage[index] < reached } else { trace.voltage[index] > reached };
+                if !on {
+                    continue;
+                }
+                reached = trace.voltage[index];
                 let um = trace.estimated[index] - trace.measured[index] - log.mil.offset_um;
                 let bin = (((trace.voltage[index] - min) / width) as usize).min(BINS - 1);
                 if um.is_finite() {
@@ -49,8 +58,8 @@ pub fn branches(logs: &[Comparison]) -> [Vec<Point>; 2] {
 }
 
 /// Draws them; `None` where neither branch has an error.
-pub fn draw(logs: &[Comparison]) -> Option<Drawing> {
-    let [rising, falling] = branches(logs);
+pub fn draw(logs: &[Comparison], retreat: f64) -> Option<Drawing> {
+    let [rising, falling] = branches(logs, retreat);
     let all = || rising.iter().chain(&falling);
     all().next()?;
     let mut drawing = Drawing::new(350.0, 262.0, 11.0);
@@ -77,7 +86,7 @@ mod tests {
         let rises = |k: usize| !(50..150).contains(&((k + 1) % 200));
         let mut wide = log("a", 4000, |k| 1.0 + if rises(k) { -0.2 } else { 0.2 });
         wide.mil.offset_um = 1.0;
-        let [rising, falling] = branches(&[wide]);
+        let [rising, falling] = branches(&[wide], 0.8);
         assert!(rising.len() > BINS - 3 && falling.len() > BINS - 3, "{} {}", rising.len(), falling.len());
         let middle = |branch: &[Point]| branch[branch.len() / 2].1;
         assert!(
@@ -90,6 +99,6 @@ mod tests {
     fn nothing_moves_nothing_is_drawn() {
         let mut still = log("a", 100, |_| 0.1);
         still.trace.voltage.fill(3.0);
-        assert!(draw(&[still]).is_none() && draw(&[]).is_none());
+        assert!(draw(&[still], 0.1).is_none() && draw(&[], 0.1).is_none());
     }
 }

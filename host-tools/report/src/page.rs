@@ -5,6 +5,7 @@ use super::number::quantity;
 use super::rows::{self, CandidateRow, ERRORS, GeneRow, ParameterRow};
 use super::svg::Drawing;
 use super::swings::{BySwing, Swing, map, swings};
+use super::thin::retreat;
 use super::{branches, errors, loops, traces};
 use askama::Template;
 use estimator_core::Model;
@@ -110,7 +111,9 @@ impl<'a> Page<'a> {
         traces_left_out.extend(not_traced);
         let limit = (POINTS / (2 * looped.len() + 4 * traced.len() + 2)).min(POINTS_OF_A_LINE);
 
-        let of_all = |logs: &[Comparison]| logs.iter().flat_map(swings).collect::<Vec<Swing>>();
+        let voltages = chosen.training.iter().chain(&chosen.held_out).flat_map(|log| log.trace.voltage.iter().copied());
+        let retreat = retreat(voltages, chosen.table.retreat_v().into());
+        let of_all = |logs: &[Comparison]| logs.iter().flat_map(|log| swings(log, retreat)).collect::<Vec<Swing>>();
         let (of_held_out, of_training) = (of_all(&chosen.held_out), of_all(&chosen.training));
 
         Self {
@@ -125,7 +128,7 @@ impl<'a> Page<'a> {
             held_out: !held_out.is_empty(),
             loops: looped.into_iter().map(|shown| loop_figure(shown, limit)).collect(),
             loops_left_out,
-            places: place_figures(chosen, &of_held_out, &of_training),
+            places: place_figures(chosen, &of_held_out, &of_training, retreat),
             by_swing: BySwing::of(&of_held_out, &of_training),
             traces: traced.into_iter().map(|shown| trace_figure(shown, limit)).collect(),
             traces_left_out,
@@ -175,7 +178,7 @@ fn trace_figure(Shown { log, role }: Shown<'_>, limit: usize) -> Figure {
 }
 
 /// The errors by branch, and where the logs' swings lie.
-fn place_figures(chosen: &Candidate, held_out: &[Swing], training: &[Swing]) -> Vec<Figure> {
+fn place_figures(chosen: &Candidate, held_out: &[Swing], training: &[Swing], retreat: f64) -> Vec<Figure> {
     let (logs, role) =
         if chosen.held_out.is_empty() { (&chosen.training, "training") } else { (&chosen.held_out, "held out") };
     let mut figures = Vec::new();
@@ -193,7 +196,7 @@ fn place_figures(chosen: &Candidate, held_out: &[Swing], training: &[Swing]) -> 
         role,
         "Mean error over the voltage, beside each log's own constant. What both branches share is a mean curve that is bent \
          otherwise than the model's; what tells them apart is hysteresis that the model has too much or too little of.",
-        branches::draw(logs),
+        branches::draw(logs, retreat),
     );
     add(
         "What the logs cover",

@@ -4,8 +4,9 @@
 use super::axis::Axis;
 use super::number::{number, tick_label};
 use super::svg::{Drawing, Frame};
-use super::thin::{Point, extent, turns};
+use super::thin::{Point, extent};
 use identification::validate::Comparison;
+use log_survey::reversals::reversals;
 
 /// Classes of frequency a decade, and of the swing an octave: round numbers lie in the middle of a class, 1 and 3 and 10 Hz, the whole
 /// range and half of it.
@@ -26,10 +27,10 @@ pub struct Swing {
     pub off_um: f64,
 }
 
-/// The whole swings of a log.
-pub fn swings(log: &Comparison) -> Vec<Swing> {
+/// The whole swings of a log; a reversal is what goes back by more than `retreat` V.
+pub fn swings(log: &Comparison, retreat: f64) -> Vec<Swing> {
     let trace = &log.trace;
-    let turns = turns(&trace.voltage);
+    let turns = reversals(&trace.voltage, retreat);
     let swing = |ends: &[usize]| {
         let &[from, _, to] = ends else { return None };
         let (min, max) = extent(trace.voltage[from..=to].iter().copied())?;
@@ -85,7 +86,7 @@ impl BySwing {
         };
         let named = |class: i32| {
             let volts = volts(widest / 2f64.powi(class));
-            if class < HALVINGS { format!("about {volts}") } else { format!("{volts} or less") }
+            if class < HALVINGS { format!("about {volts}") } else { format!("about {volts}, or less") }
         };
         let cells = |class: i32| columns.iter().map(|&column| cell((class, column))).collect();
         Self {
@@ -146,7 +147,7 @@ mod tests {
     fn a_sine_has_swings_of_its_size_and_frequency_and_the_error_beside_its_constant() {
         let mut sine = log("a", 4000, |k| 0.3 + if k % 2 == 0 { 0.1 } else { -0.1 });
         sine.mil.offset_um = 0.3;
-        let swings = swings(&sine);
+        let swings = swings(&sine, 0.8);
         assert!((18..=20).contains(&swings.len()), "{}", swings.len());
         for swing in &swings {
             assert!((swing.volts - 40.0).abs() < 0.1 && (swing.hertz - 10.0).abs() < 0.2, "{swing:?}");
@@ -156,13 +157,24 @@ mod tests {
     }
 
     #[test]
+    fn the_noise_of_a_rest_is_no_swing_beside_what_moves() {
+        let moving = log("a", 2000, |_| 0.1);
+        let mut rest = log("b", 2000, |_| 0.1);
+        rest.trace.voltage.iter_mut().enumerate().for_each(|(k, volts)| *volts = if k % 3 == 0 { 0.02 } else { -0.01 });
+        let all = || [&moving, &rest].into_iter().flat_map(|log| log.trace.voltage.iter().copied());
+        assert!(swings(&rest, super::super::thin::retreat(all(), 0.0)).is_empty());
+        assert!(swings(&rest, super::super::thin::retreat(rest.trace.voltage.iter().copied(), 0.05)).is_empty());
+        assert!(!swings(&rest, 0.02).is_empty(), "by itself it is");
+    }
+
+    #[test]
     fn errors_stand_by_swing_and_frequency() {
         let swing = |volts, hertz, off_um| Swing { volts, hertz, off_um };
         let training = [swing(100.0, 1.0, 0.1), swing(98.0, 1.1, 0.3), swing(51.0, 3.0, 0.5), swing(0.1, 100.0, 0.7)];
         let of = BySwing::of(&[swing(100.0, 0.9, 1.0)], &training);
         assert_eq!(of.frequencies, ["about 1\u{a0}Hz", "about 3\u{a0}Hz", "about 100\u{a0}Hz"]);
         let names: Vec<&str> = of.rows.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!(names, ["about 100\u{a0}V", "about 50\u{a0}V", "6.25\u{a0}V or less"]);
+        assert_eq!(names, ["about 100\u{a0}V", "about 50\u{a0}V", "about 6.25\u{a0}V, or less"]);
         let words = |um: &str| Some(um.to_owned());
         assert_eq!(of.rows[0].1[0], Some(Cell { held_out: words("1.00"), training: words("0.200") }));
         assert_eq!(of.rows[1].1, [None, Some(Cell { held_out: None, training: words("0.500") }), None]);

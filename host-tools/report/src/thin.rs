@@ -33,10 +33,15 @@ fn extreme(points: &[Point], beyond: fn(f64, f64) -> bool) -> usize {
 /// Retreat that counts as a reversal here, as a fraction of the span: above any sensible noise.
 const RETREAT: f64 = 0.02;
 
-/// Where a voltage turns.
+/// Where a voltage turns, seen by itself.
 pub fn turns(voltage: &[f64]) -> Vec<usize> {
-    let span = extent(voltage.iter().copied()).map_or(0.0, |(min, max)| max - min);
-    reversals(voltage, RETREAT * span)
+    reversals(voltage, retreat(voltage.iter().copied(), 0.0))
+}
+
+/// Retreat that counts as a reversal among some voltages: what is none beside all of them, or within the deadband, is noise.
+pub fn retreat(voltages: impl IntoIterator<Item = f64>, deadband: f64) -> f64 {
+    let span = extent(voltages).map_or(0.0, |(min, max)| max - min);
+    deadband.max(RETREAT * span)
 }
 
 /// The stretch of a log that is shown in detail: its last two periods and what follows, all of it where it has fewer.
