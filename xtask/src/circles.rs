@@ -20,7 +20,10 @@ mod modules;
 mod references;
 mod tests_only;
 
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 use anyhow::Result;
 use xshell::{Shell, cmd};
@@ -28,7 +31,7 @@ use xshell::{Shell, cmd};
 use graph::Arrows;
 use modules::Modules;
 
-/// The roots of crates, beside their manifests.
+/// The roots of crates, beside their manifests, which need not name them.
 const ROOTS: [&str; 2] = ["src/lib.rs", "src/main.rs"];
 
 /// What each arrow is drawn from, as `src/a.rs:12`, by the names of its ends.
@@ -42,13 +45,20 @@ pub fn of_repository(sh: &Shell) -> Result<Vec<String>> {
     let mut found = Vec::new();
     for manifest in cmd!(sh, "git ls-files -- *Cargo.toml").quiet().read()?.lines().map(Path::new) {
         let folder = manifest.parent().unwrap_or(Path::new(""));
-        for root in ROOTS.map(|root| folder.join(root)) {
-            if sh.path_exists(&root) {
-                found.extend(of_crate(&folder.display().to_string(), &root, &|file| sh.read_file(file).ok())?);
-            }
+        let text = sh.read_file(manifest)?;
+        let named = named_roots(&text).map(Path::new);
+        let roots: BTreeSet<&Path> = ROOTS.iter().map(Path::new).chain(named).collect();
+        for root in roots.into_iter().map(|root| folder.join(root)).filter(|root| sh.path_exists(root)) {
+            found.extend(of_crate(&folder.display().to_string(), &root, &|file| sh.read_file(file).ok())?);
         }
     }
     Ok(found)
+}
+
+/// The roots that a manifest names, of programs and libraries at other places.
+fn named_roots(manifest: &str) -> impl Iterator<Item = &str> {
+    let quoted = manifest.lines().filter_map(|line| line.strip_prefix("path = \"")?.strip_suffix('"'));
+    quoted.filter(|path| path.ends_with(".rs"))
 }
 
 /// Those of the crate `name` with this root, of whose files `read` has the texts.
@@ -113,6 +123,13 @@ mod tests {
             ("src/b/inner.rs", "\nfn a() { let _ = vec![Some(crate::a::A::new())]; }"),
         ];
         assert_eq!(found(&files), ["c: a → b → a (src/a.rs:1, src/b/inner.rs:2)"]);
+    }
+
+    #[test]
+    fn a_manifest_names_the_roots_that_stand_elsewhere_and_folders_of_other_crates_are_none() {
+        let manifest =
+            "[[bin]]\nname = \"board\"\npath = \"src/board/main.rs\"\n\n[dependencies.core]\npath = \"../core\"\n";
+        assert_eq!(named_roots(manifest).collect::<Vec<_>>(), ["src/board/main.rs"]);
     }
 
     #[test]

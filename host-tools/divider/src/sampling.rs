@@ -1,8 +1,8 @@
 //! What the converter sees of the divider while it samples.
 //!
 //! The STM32G474's converter closes a switch onto 5 pF for 47.5 clocks of 42.5 MHz, sixteen times in a row (`firmware`,
-//! `nucleo_g474re.rs`). What is before the pin must give that charge again meanwhile: the capacitor at the pin does at once, and its
-//! resistor has the sampling time to fill it up.
+//! `nucleo_g474re/sampling.rs`). What is before the pin must give that charge again meanwhile: the capacitor at the pin does at once,
+//! and its resistor has the sampling time to fill it up.
 
 use crate::Divider;
 use serde::Serialize;

@@ -117,7 +117,6 @@ impl Modules {
             return None;
         }
         let mut at = from;
-        let mut here = true;
         for (position, name) in path.iter().enumerate() {
             match name.as_str() {
                 "crate" => at = 0,
@@ -128,10 +127,9 @@ impl Modules {
                     Some((module, false)) => return Some((module, false)),
                     // Of the module that the path has named so far, though no file says so: a macro made it, or it comes from
                     // another crate.
-                    None => return (position > 0 && !here).then_some((at, false)),
+                    None => return (position > 0).then_some((at, false)),
                 },
             }
-            here = false;
         }
         Some((at, true))
     }

@@ -20,8 +20,8 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peripherals};
 
-use super::CORE_HZ;
-
+/// The core's clock.
+pub const CORE_HZ: u32 = 170_000_000;
 /// PWR_CR5's R1MODE: range 1 without boost.
 const R1MODE: u32 = 1 << 8;
 

@@ -9,7 +9,8 @@ use embassy_stm32::pac;
 use firmware::last_words;
 use firmware::rate::TICK_HZ;
 
-use super::{TELEMETRY, clocks, output};
+use super::shared::TELEMETRY;
+use super::{clocks, output};
 
 /// Whether the parameter store is being read.
 pub static READING_STORE: AtomicBool = AtomicBool::new(false);

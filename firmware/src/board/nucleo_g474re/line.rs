@@ -18,13 +18,17 @@ use embassy_stm32::mode::Async;
 use embassy_stm32::pac;
 use embassy_stm32::peripherals::{DMA1_CH1, DMA1_CH3, LPUART1};
 use embassy_stm32::usart::{Config, RxDma, Uart, UartRx, UartTx};
-use embassy_stm32::{Peri, peripherals};
+use embassy_stm32::{Peri, bind_interrupts, dma, peripherals, usart};
 use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{Error, ErrorKind, ErrorType, Read};
 use protocol::BAUD;
 use static_cell::ConstStaticCell;
 
-use super::Irqs;
+bind_interrupts!(struct Irqs {
+    DMA1_CHANNEL1 => dma::InterruptHandler<DMA1_CH1>;
+    DMA1_CHANNEL3 => dma::InterruptHandler<DMA1_CH3>;
+    LPUART1 => Pause, usart::InterruptHandler<LPUART1>;
+});
 
 /// Bytes that may wait to be read: what comes in 89 ms at the full rate, longer than any request keeps the link from reading.
 /// The longest erases two pages, up to 25 ms each.

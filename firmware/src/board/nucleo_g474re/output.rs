@@ -13,7 +13,6 @@
 use core::ptr::addr_of_mut;
 use core::sync::atomic::{Ordering::SeqCst, compiler_fence};
 
-use embassy_stm32::Peri;
 use embassy_stm32::dac::{Ch1, DacChannel, Dma, Mode, Value};
 use embassy_stm32::dma::{Channel, TransferOptions};
 use embassy_stm32::mode::Async;
@@ -21,11 +20,18 @@ use embassy_stm32::pac;
 use embassy_stm32::peripherals::{DAC1, DMA1_CH2, TIM7};
 use embassy_stm32::timer::low_level::Timer;
 use embassy_stm32::triggers::TIM7_TRGO;
+use embassy_stm32::{Peri, bind_interrupts, dma};
 use estimator_core::DacCode;
 use firmware::rate::TICK_HZ;
 use firmware::shaping::{PARTS, Shaper};
 
-use super::{CORE_HZ, Irqs, TELEMETRY, clocks, trigger};
+use super::clocks::{self, CORE_HZ};
+use super::shared::TELEMETRY;
+use super::trigger;
+
+bind_interrupts!(struct Irqs {
+    DMA1_CHANNEL2 => dma::InterruptHandler<DMA1_CH2>;
+});
 
 /// Codes a second.
 const CODES_HZ: u32 = 100_000;
@@ -72,7 +78,7 @@ impl Ahead {
 /// resistors hold what is wired to it then, as in a reset.
 pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri<'static, TIM7>) -> (Output, Ahead) {
     // Before the DAC listens: loading the prescaler is a trigger too.
-    let timer = trigger(tim7, CODES_HZ);
+    let timer = trigger::at_rate(tim7, CODES_HZ);
     let request = Dma::<DAC1, Ch1>::request(&*dma);
     // SAFETY: the driver is given the channel, too, and never writes by it.
     let ours = unsafe { dma.clone_unchecked() };

@@ -8,7 +8,8 @@ use embassy_stm32::pac;
 use embassy_stm32::peripherals::ADC1;
 use firmware::supply::MADE_FOR_MV;
 
-use super::{CORE_HZ, OVERSAMPLED};
+use super::clocks::CORE_HZ;
+use super::sampling::OVERSAMPLED;
 
 /// How far off what everything is made for it may be, mV: 5 %.
 const TOLERANCE_MV: f32 = 165.0;

@@ -3,7 +3,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, oversampled ([`OVERSAMPLED`]): codes up to 65,520 |
+//! | amplifier monitor, through divider and offset | PA0 (A0), ADC1 channel 1, injected, oversampled ([`sampling`]): codes up to 65,520 |
 //! | displacement sensor, through divider and clamp, if there is one | PA1 (A1), ADC1 channel 2, injected after it, likewise |
 //! | set-point of a controller, through divider and clamp, if there is one | PB0 (A3), ADC1 channel 15, injected last, likewise |
 //! | estimate, or the amplifier's input | PA4 (A2), DAC1 channel 1, 12 bits at 100 kHz, 16 bits behind a low-pass, by DMA1's channel 2 ([`output`]) |
@@ -20,16 +20,15 @@
 #![no_std]
 #![no_main]
 
-#[path = "nucleo_g474re/clocks.rs"]
 mod clocks;
-#[path = "nucleo_g474re/failure.rs"]
 mod failure;
-#[path = "nucleo_g474re/line.rs"]
 mod line;
-#[path = "nucleo_g474re/output.rs"]
 mod output;
-#[path = "nucleo_g474re/supply.rs"]
+mod reset;
+mod sampling;
+mod shared;
 mod supply;
+mod trigger;
 
 use core::cell::Cell;
 use core::ptr::addr_of;
@@ -37,59 +36,37 @@ use core::ptr::addr_of;
 use cortex_m::peripheral::{DWT, SCB};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
-use embassy_stm32::adc::{Adc, AdcChannel as _, AdcConfig, Exten, InjectedAdc, SampleTime};
+use embassy_stm32::adc::AdcChannel as _;
 use embassy_stm32::flash::Flash;
 use embassy_stm32::gpio::{self, Input, Level, Pull, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::pac::{self, timer::vals::Mms};
-use embassy_stm32::peripherals::{ADC1, DMA1_CH1, DMA1_CH2, DMA1_CH3, LPUART1};
-use embassy_stm32::timer::BasicInstance;
-use embassy_stm32::timer::low_level::Timer;
-use embassy_stm32::triggers::TIM6_TRGO;
-use embassy_stm32::usart;
+use embassy_stm32::pac;
 use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_stm32::{Peri, bind_interrupts, dma, flash, interrupt};
+use embassy_stm32::{bind_interrupts, flash, interrupt};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
-use estimator_core::AdcCode;
 use estimator_core::table::{ALLOWED_PERCENT, Board};
 use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::reading::Watched;
 use firmware::shaping::PARTS;
-use firmware::waveform::Points;
-use firmware::{Conversion, Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
-use output::{AHEAD, Output};
-use protocol::{ResetCause, Uid};
+use firmware::{Conversion, Facts, Peripherals, Resources, Tick, last_words, restarts};
+use protocol::Uid;
 use static_cell::ConstStaticCell;
 
+use clocks::CORE_HZ;
+use output::{AHEAD, Output};
+use sampling::FULL_SCALE;
+use shared::{POINTS, TELEMETRY};
+
 bind_interrupts!(struct Irqs {
-    DMA1_CHANNEL1 => dma::InterruptHandler<DMA1_CH1>;
-    DMA1_CHANNEL2 => dma::InterruptHandler<DMA1_CH2>;
-    DMA1_CHANNEL3 => dma::InterruptHandler<DMA1_CH3>;
     FLASH => flash::InterruptHandler;
-    LPUART1 => line::Pause, usart::InterruptHandler<LPUART1>;
 });
 
-const CORE_HZ: u32 = 170_000_000;
 /// The converters' codes have the same scale at every rate, so that a calibration of the wiring holds at each.
-const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: SCALE * 4095, dac_full_scale: 4095 };
-/// A code of the ADC is so many times one of 12 bits.
-const SCALE: u16 = 16;
-/// Conversions of 12 bits that the ADC adds up: so many that a tick of this rate has the time that tables are admitted for, between the
-/// last channel's end and the DAC's need. All three channels are read at every rate.
-const OVERSAMPLED: u16 = match TICK_HZ {
-    ..=2_000 => 16,
-    2_001..=5_000 => 8,
-    _ => 4,
-};
+const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: FULL_SCALE, dac_full_scale: 4095 };
 /// What a tick may take, cycles.
-const ALLOWED: u32 = CORE_HZ / TICK_HZ - CONVERSION - AHEAD;
+const ALLOWED: u32 = CORE_HZ / TICK_HZ - sampling::CYCLES - AHEAD;
 const _: () = assert!(100 * ALLOWED >= ALLOWED_PERCENT * (CORE_HZ / TICK_HZ), "tables are admitted that have no time");
-/// From the trigger to the interrupt, cycles, and a little for its entry: for each of three channels so many times 60 clocks of
-/// the ADC, each four of the core's.
-const CONVERSION: u32 = 3 * OVERSAMPLED as u32 * 60 * 4 + 100;
-/// `OVSR`: the ratio is 2 to this plus one.
-const RATIO: u8 = OVERSAMPLED.ilog2() as u8 - 1;
 /// Longest that the tick or the main loop may stand still, µs. What takes longest in a start, to wait for the crystal, is before; a
 /// write of the flash lets both go on.
 const WATCHDOG_US: u32 = 200_000;
@@ -97,7 +74,7 @@ const WATCHDOG_US: u32 = 200_000;
 /// What the converter's interrupt owns.
 struct Armed {
     tick: Tick<'static>,
-    adc: InjectedAdc<'static, ADC1, 3>,
+    adc: sampling::Converter,
     output: Output,
     marker: gpio::Output<'static>,
     valid: gpio::Output<'static>,
@@ -123,12 +100,6 @@ impl Front for OnBoard {
     }
 }
 
-/// What the tick leaves for others to read.
-static TELEMETRY: Telemetry = Telemetry::new();
-/// The points of a waveform.
-// SAFETY: a section of its own, which nothing initialises: any bits are points, and none is read before it is written.
-#[unsafe(link_section = ".waveform")]
-static POINTS: Points = Points::new();
 /// On its way to the converter's interrupt.
 static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
 
@@ -141,7 +112,7 @@ unsafe extern "C" {
 
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
-    let reset = reset_cause();
+    let reset = reset::cause();
     // SAFETY: once, before the tick and every task.
     let restarts = unsafe { restarts::count(reset) };
     freeze_in_debug();
@@ -164,13 +135,7 @@ async fn main(_spawner: Spawner) {
     }
     interrupt::ADC1_2.set_priority(Priority::P0);
 
-    let oversampling = AdcConfig { oversampling_ratio: Some(RATIO), ..AdcConfig::default() };
-    let mut adc = Adc::new(p.ADC1, oversampling);
-    // The regular conversions begin anew where the injected ones come between: so it is where both are oversampled.
-    pac::ADC1.cfgr2().modify(|w| {
-        w.set_rovse(true);
-        w.set_jovse(true);
-    });
+    let mut adc = sampling::converter(p.ADC1);
     let supply_mv = supply::at_start(&mut adc);
     let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
     watchdog.unleash();
@@ -220,11 +185,8 @@ async fn main(_spawner: Spawner) {
         feed_watchdog: || watchdog.pet(),
         start: |tick: Tick<'static>| {
             // Before the converter listens: loading the prescaler is a trigger too.
-            let timer = trigger(tim6, TICK_HZ);
-            let channels = [pa0.degrade_adc(), pa1.degrade_adc(), pb0.degrade_adc()];
-            let channels = channels.map(|channel| (channel, SampleTime::CYCLES47_5));
-            // Its interrupt is that of the sequence's end.
-            let adc = adc.setup_injected_conversions(channels, TIM6_TRGO, Exten::RISING_EDGE, true);
+            let timer = trigger::at_rate(tim6, TICK_HZ);
+            let adc = sampling::start(adc, [pa0.degrade_adc(), pa1.degrade_adc(), pb0.degrade_adc()]);
             let (output, ahead) = output::start(dac1, dma, tim7);
             ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, output, marker, valid, trigger_pin, sync })));
             // SAFETY: the handler below is ready, and no critical section masks by priority.
@@ -264,7 +226,7 @@ fn ADC1_2() {
         sync.set_level(high.into());
         tick.trigger(trigger_pin.is_high());
     }
-    let [monitor, sensor, setpoint] = adc.read_injected_samples().map(|sum| AdcCode(SCALE / OVERSAMPLED * sum));
+    let [monitor, sensor, setpoint] = sampling::codes(adc);
     let conversion = Conversion { monitor, sensor: Some(sensor), setpoint: Some(setpoint) };
     // Otherwise DMA has lost a request or gets none any more, and the last code would stand; or it is out of step with the ticks.
     assert!(output.put(tick.sample(conversion, started)), "the DAC's DMA has stopped");
@@ -275,24 +237,6 @@ fn ADC1_2() {
     marker.set_low();
 }
 
-/// A timer, not started, with its trigger output at exactly so many hertz.
-fn trigger<T: BasicInstance>(timer: Peri<'static, T>, hz: u32) -> Timer<'static, T> {
-    let timer = Timer::new(timer);
-    let registers = timer.regs_basic();
-    // The smallest prescaler with which 16 bits count a period to the very clock.
-    let clocks = timer.get_clock_frequency().0 / hz;
-    let prescaler = (1..=16).find(|by| clocks.is_multiple_of(*by) && clocks / by <= 1 << 16).unwrap_or(1);
-    registers.psc().write_value((prescaler - 1) as u16);
-    registers.arr().write(|w| w.set_arr((clocks / prescaler - 1) as u16));
-    // Loads the prescaler; without it the first period is too short.
-    timer.generate_update_event();
-    registers.cr2().modify(|w| w.set_mms(Mms::UPDATE));
-    // Of the registers, because `get_frequency` of embassy-stm32 0.6 divides by one count too few.
-    let counts = (u32::from(registers.psc().read()) + 1) * (u32::from(registers.arr().read().arr()) + 1);
-    assert!(counts * hz == timer.get_clock_frequency().0, "a timer does not reach {hz} Hz: {counts} counts");
-    timer
-}
-
 /// Has a debugger that halts the core halt the watchdog with it, which else resets the board in the midst of a look, and TIM6 and TIM7,
 /// without which DMA would go on putting the last two ticks' codes out in turns: the output stays at its last code.
 fn freeze_in_debug() {
@@ -301,18 +245,4 @@ fn freeze_in_debug() {
         w.set_tim6(true);
         w.set_tim7(true);
     });
-}
-
-/// Why the chip started; clears the flags for the next time.
-fn reset_cause() -> ResetCause {
-    let flags = pac::RCC.csr().read();
-    pac::RCC.csr().modify(|w| w.set_rmvf(true));
-    let causes = [
-        (flags.borrstf(), ResetCause::BROWN_OUT),
-        (flags.pinrstf(), ResetCause::PIN),
-        (flags.sftrstf(), ResetCause::SOFTWARE),
-        (flags.iwdgrstf(), ResetCause::WATCHDOG),
-        (flags.oblrstf() || flags.wwdgrstf() || flags.lpwrrstf(), ResetCause::OTHER),
-    ];
-    causes.into_iter().filter(|(set, _)| *set).map(|(_, cause)| cause).collect()
 }
