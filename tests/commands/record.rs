@@ -92,8 +92,15 @@ fn what_was_recorded_before_the_program_was_killed_is_a_log_that_is_named_and_ke
     // Neither another recording nor the same one again sweeps it or is written over it.
     let other = folder.path().join("other.csv");
     piezo().args(["record", "--out", text(&other), "--seconds", "0.1", "--port", &port]).assert().success();
-    refused(&record, &["log.csv.partial: holds what was recorded until the program was killed", "--force"]);
-    assert_eq!(std::fs::read_to_string(&left).unwrap(), kept);
+    // Nor is it lost with a log in its place that may be.
+    std::fs::write(folder.path().join("log-1.csv"), "of before").unwrap();
+    let [left_name, free] = [&left, &folder.path().join("log-2.csv")].map(|path| text(path).to_owned());
+    for more in [&[][..], &["--force"]] {
+        let said = ["log.csv.partial: holds what an earlier recording has left", &format!("mv {left_name} {free}")];
+        refused(&[&record[..], more].concat(), &said);
+        assert_eq!(std::fs::read_to_string(&left).unwrap(), kept);
+        std::fs::write(&log, "of before").unwrap();
+    }
     // It is a log as any other, also where a machine that lost its power has cut it in the middle of a number.
     let rows = kept.lines().count() - 1;
     for cut in [kept.len(), kept.len() - 3] {
@@ -106,6 +113,42 @@ fn what_was_recorded_before_the_program_was_killed_is_a_log_that_is_named_and_ke
     let model = folder.path().join("model");
     let said = piezo().args(learnt).arg(&model).assert().success().get_output().stdout.clone();
     assert!(String::from_utf8(said).unwrap().contains("is a device's estimate"));
+    std::fs::rename(&left, free).unwrap();
     piezo().args(record).args(["--seconds", "0.1", "--force"]).assert().success();
-    assert!(log.is_file() && !left.exists());
+    assert!(log.metadata().unwrap().len() > 1_000 && !left.exists());
+}
+
+#[test]
+fn what_was_recorded_is_kept_and_named_where_something_took_its_place_meanwhile() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let (log, port) = (folder.path().join("log.csv"), format!("tcp:{}", device.address()));
+    let left = folder.path().join("log.csv.partial");
+    for (force, is_folder) in [(false, true), (true, true), (false, false)] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_piezo"));
+        command.args(["record", "--out", text(&log), "--seconds", "4", "--port", &port]);
+        command.args(force.then_some("--force")).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut host = command.spawn().unwrap();
+        let start = Instant::now();
+        while left.metadata().map_or(0, |left| left.len()) == 0 {
+            assert!(start.elapsed() < Duration::from_secs(20) && host.try_wait().unwrap().is_none());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        if is_folder {
+            std::fs::create_dir(&log).unwrap();
+        } else {
+            std::fs::write(&log, "another's").unwrap();
+        }
+        let done = host.wait_with_output().unwrap();
+        let said = String::from_utf8(done.stderr).unwrap();
+        assert!(done.status.code() == Some(2) && said.contains("log.csv: cannot be written: "), "{said}");
+        assert!(said.contains(&format!("what was written is kept in {}", left.display())), "{said}");
+        assert_eq!(read(&left, &ReadOptions::default()).unwrap().voltage.len(), 8_000);
+        if is_folder {
+            std::fs::remove_dir(&log).unwrap();
+        } else {
+            assert_eq!(std::fs::read_to_string(&log).unwrap(), "another's");
+        }
+        std::fs::remove_file(&left).unwrap();
+    }
 }

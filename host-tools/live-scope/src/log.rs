@@ -60,7 +60,7 @@ impl Log {
         let free = names(folder, 1).find(|(_, path)| free(path) && free(&partial(path)));
         let (number, path) = free.ok_or(io::ErrorKind::AlreadyExists)?;
         let disk = Disk {
-            file: Replacement::growing(&path, false).map_err(io::Error::other)?,
+            file: Replacement::growing(&path).map_err(io::Error::other)?,
             #[cfg(test)]
             room: usize::MAX,
         };

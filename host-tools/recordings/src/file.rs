@@ -37,8 +37,8 @@ pub enum FileError {
         /// The file as it is called meanwhile.
         path: PathBuf,
     },
-    /// A program that was killed has left what it had.
-    #[error("{}: holds what was recorded until the program was killed, a log as far as it goes", path.display())]
+    /// A program that was killed, or could write no further, has left what it had.
+    #[error("{}: holds what an earlier recording has left, a log as far as it goes", path.display())]
     Left {
         /// The file as it is called.
         path: PathBuf,

@@ -12,7 +12,7 @@ use recordings::file::FileError;
 use recordings::{LogUse, Role};
 use std::error::Error;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use table_files::{OtherFace, TableFileError};
 use thesis::ThesisError;
 
@@ -156,9 +156,21 @@ fn file(error: &FileError) -> String {
     match error {
         FileError::Busy { .. } => format!("{error}: wait until it has ended, or name another folder with --out"),
         FileError::Growing { .. } => format!("{error}: wait until it has ended, or name another file with --out"),
-        FileError::Left { .. } => format!("{error}: give it a name of its own, or lose it with --force"),
+        FileError::Left { path } => {
+            let free = numbered(&path.with_extension(""));
+            let [left, free] = [path, &free].map(|path| quoted(&path.display().to_string()));
+            format!("{error}: give it a name of its own:\n    mv {left} {free}")
+        }
         FileError::Write { .. } | FileError::Folder { .. } => error.to_string(),
     }
+}
+
+/// The first name of a log with a number behind it at which nothing is.
+fn numbered(log: &Path) -> PathBuf {
+    let stem = log.file_stem().unwrap_or_default().display();
+    let end = log.extension().map_or(String::new(), |end| format!(".{}", end.display()));
+    let name = |number: u32| log.with_file_name(format!("{stem}-{number}{end}"));
+    (1..u32::MAX).map(name).find(|path| path.symlink_metadata().is_err()).unwrap_or_else(|| name(u32::MAX))
 }
 
 /// The command that makes a table of an earlier version anew from the logs that it names: files of one name in several folders

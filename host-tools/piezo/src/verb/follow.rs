@@ -100,7 +100,7 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     if let (Some(mut file), Some(path)) = (file, &arguments.out) {
         let cannot = || format!("{}: cannot be written", path.display());
         file.write_all(csv(&rows).as_bytes()).with_context(cannot)?;
-        file.commit().with_context(cannot)?;
+        file.commit_measured(arguments.overwrite.force).with_context(cannot)?;
     }
     tell(arguments, &samples, &followed, Met::of(&table, &rows, &foreseen), &foreseen)
 }

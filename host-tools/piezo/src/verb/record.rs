@@ -51,10 +51,11 @@ pub struct Record {
 pub fn run(arguments: &Record) -> Result<bool> {
     let name = arguments.out.display();
     ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
+    // What a killed run left is named first: nobody knows of it.
+    let mut file = Replacement::growing(&arguments.out)?;
     arguments.overwrite.of_measurement(&arguments.out)?;
     let interrupt = Interrupt::watch()?;
     let cannot_write = || format!("{name}: cannot be written");
-    let mut file = Replacement::growing(&arguments.out, arguments.overwrite.force)?;
     let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, &arguments.port.port)?;
     let tick_us = identity.tick_us;
@@ -85,13 +86,15 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let (recording, end) = match recorded {
         Ok(recorded) => recorded,
         Err(error) => {
-            let kept = file.keep_lines()?;
-            let kept = kept.map_or(String::new(), |kept| format!("; {} holds the samples before", kept.display()));
+            let kept = match file.keep_lines() {
+                Ok(kept) => kept.map_or(String::new(), |kept| format!("; {} holds the samples before", kept.display())),
+                Err(uncut) => format!("; {uncut}"),
+            };
             bail!("{}: {error}{kept}", cannot_write())
         }
     };
     if recording.rows > 0 {
-        file.commit().with_context(cannot_write)?;
+        file.commit_measured(arguments.overwrite.force).with_context(cannot_write)?;
     }
     tell(arguments, &recording, &end, (tick_us, wish.sensor.is_some()))?;
     let complete = conclude(arguments, &recording, end)?;

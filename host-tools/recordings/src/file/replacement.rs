@@ -92,9 +92,33 @@ impl Replacement {
         Ok(())
     }
 
-    /// Leaves what was written where it is, under the name that it has meanwhile, which it returns.
-    pub(super) fn leave(self) -> io::Result<PathBuf> {
-        Ok(self.file.keep()?.1)
+    /// Puts what was measured once into the target's place, over what is there only where `over` says so, or where that is empty. Where
+    /// it cannot be done what was written is kept beside it, and the error says under which name.
+    ///
+    /// # Errors
+    /// Something is there by now; whatever the operating system says.
+    pub fn commit_measured(self, over: bool) -> io::Result<()> {
+        if !over && !self.target.metadata().is_ok_and(|there| there.is_file() && there.len() == 0) {
+            let target = self.target.clone();
+            return self.commit_to_free([target]).map(drop);
+        }
+        if let Err(error) = self.sync() {
+            return Err(kept(self.file, &error));
+        }
+        self.file.persist(self.target).map(drop).map_err(|failed| kept(failed.file, &failed.error))
+    }
+
+    /// Keeps the whole lines of what can be written no further, under the name that it has grown under; `None` where there is none. What
+    /// cannot be cut is kept as it is.
+    ///
+    /// # Errors
+    /// Whatever the operating system says, and under which name what was written is kept.
+    pub fn keep_lines(mut self) -> io::Result<Option<PathBuf>> {
+        match self.cut_to_lines() {
+            Ok(0) => Ok(None),
+            Ok(_) => self.file.keep().map(|(_, path)| Some(path)).map_err(|failed| kept(failed.file, &failed.error)),
+            Err(error) => Err(kept(self.file, &error)),
+        }
     }
 
     /// Cuts off what follows the last line feed: a line that could not be written whole. Returns how many bytes are left.
