@@ -1,8 +1,8 @@
 //! Whether the voltage moves: what a displacement of now is worth that is called something.
 //!
-//! The voltage is averaged over `AVERAGED` samples, which takes noise off and leaves what an actuator follows. It moves where that goes
-//! over more than `STILL` of the table's voltages, and twice its deadband, within [`LOOKED_S`]: a sine of 0.01 Hz over all of them
-//! does, but for some seconds at each of its ends.
+//! The voltage is averaged over as many samples as `AVERAGED` says, which takes noise off and leaves what an actuator follows. It moves
+//! where either mean goes over more than `STILL` of the table's voltages, and twice its deadband, within [`LOOKED_S`]: a sine of
+//! 0.01 Hz over all of them does for half of its time, and not around its ends, where it is slower.
 
 use crate::client::Client;
 use crate::error::LinkError;
@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 
 /// How long it is looked at, s of the device.
 pub const LOOKED_S: f64 = 0.5;
-/// Samples that are averaged.
-const AVERAGED: usize = 8;
+/// Samples that are averaged: a mean over 8 sees no sine whose period is 8 samples, or a part of them; the mean over 7 does.
+const AVERAGED: [usize; 2] = [7, 8];
 /// Part of the table's voltage range within which a voltage stands still.
 const STILL: f64 = 0.01;
 /// How long to wait for the first samples, and how long for all of them: a busy line gives fewer.
@@ -33,8 +33,9 @@ pub struct Motion {
 impl Motion {
     fn of(samples: &[Sample], table: &Admitted) -> Self {
         let volts: Vec<f64> = samples.iter().map(|sample| table.adc.voltage(AdcCode(sample.code))).collect();
-        let means = volts.windows(AVERAGED).map(|part| part.iter().sum::<f64>() / AVERAGED as f64);
-        let moved_v = extent(means);
+        let over =
+            |averaged: usize| extent(volts.windows(averaged).map(|part| part.iter().sum::<f64>() / averaged as f64));
+        let moved_v = AVERAGED.map(over).into_iter().fold(0.0, f64::max);
         let still = STILL * f64::from(table.voltage_range_v.span()) + 2.0 * f64::from(table.deadband_v);
         Self {
             displacement_um: samples.last().map(|sample| sample.displacement),
@@ -127,6 +128,15 @@ mod tests {
         for (hertz, part) in [(0.01, 0.5), (1.0, 0.05), (20.0, 0.05), (100.0, 0.05)] {
             assert!(moved(sine(hertz, part)).is_some(), "{hertz} Hz");
         }
+        // A sine of a quarter of the voltages at any frequency up to half the rate.
+        for hertz in (1..=200).map(|k| 5.0 * f64::from(k)) {
+            let swing = |s: f64| 0.25 * (std::f64::consts::TAU * hertz * s).cos();
+            assert!(moved(swing).is_some(), "{hertz} Hz");
+        }
+        // The slowest that the documentation names moves for half of its time.
+        let slow = |from: u32| moved(move |s| 0.5 * (std::f64::consts::TAU * 0.01 * (s + f64::from(from))).sin());
+        let moves = (0..100).filter(|&from| slow(from).is_some()).count();
+        assert!((45..=60).contains(&moves) && slow(25).is_none(), "{moves} of 100 s");
         assert!(moved(|s| 0.1 * s).is_some(), "a ramp");
         assert_eq!(Motion::of(&[], &TABLE.admit().unwrap()), Motion::default());
     }
