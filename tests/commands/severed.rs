@@ -25,8 +25,8 @@ pub const TABLE: &str = "tests/data/table/models/duhem.toml";
 
 /// The verbs, and what each needs beside a port; `FOLDER` is an empty one.
 const VERBS: [&[&str]; 10] = [
-    &["push", TABLE, "--pause", "--force"],
-    &["push", TABLE, "--reset", "--force"],
+    &["push", TABLE, "--pause", "--doubted"],
+    &["push", TABLE, "--reset", "--doubted"],
     &["erase", "--pause"],
     &["zero"],
     &["reset"],
@@ -61,7 +61,7 @@ pub fn pushed() -> Record {
 }
 
 /// What a device must do when a host has left it, whatever that host had begun.
-pub fn goes_on(what: &str, device: &EmulatedDevice, new: &Record) {
+pub fn goes_on(what: &str, device: &EmulatedDevice, new: &Record) -> bool {
     let old = to_record(&emulator::TABLE.admit().unwrap());
     let (mut client, _) = Client::connect(&device.address().into()).unwrap_or_else(|error| panic!("{what}: {error}"));
     let health = client.health().unwrap();
@@ -74,6 +74,7 @@ pub fn goes_on(what: &str, device: &EmulatedDevice, new: &Record) {
     let record = client.pull().unwrap();
     let expected = if source == TableSource::Stored { new } else { &old };
     assert!(record == *expected, "{what}: another table, {}", words::source(&source));
+    source == TableSource::Stored
 }
 
 #[test]
