@@ -171,8 +171,8 @@ fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
     assert!(looked_at.contains("but would be refused; nothing was written"), "{looked_at}");
     assert!(looked_at.contains(" as calibrated for this board; made from 61a7024e)"), "{looked_at}");
     let doubted = [&narrow[..], &["--narrow"]].concat();
-    refused(&doubted, &["table.toml: the training logs have a single amplitude", "has doubts", "--force"]);
-    let install = [&doubted[..], &["--force"]].concat();
+    refused(&doubted, &["table.toml: the training logs have a single amplitude", "has doubts", "--doubted"]);
+    let install = [&doubted[..], &["--doubted"]].concat();
     let line = [&["install", "--line", "--dry-run"], &link[..]].concat();
     let line = piezo().args(&line).assert().success().get_output().stdout.clone();
     let line = String::from_utf8(line).unwrap();

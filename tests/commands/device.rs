@@ -134,7 +134,7 @@ fn flash_hands_the_parameter_pages_to_probe_rs_and_says_when_that_fails() {
             fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
         }
         let mut command = piezo();
-        command.args(["flash", "--force", "--table", &table]).env("PATH", &programs);
+        command.args(["flash", "--doubted", "--table", &table]).env("PATH", &programs);
         command.assert()
     };
     let complaint = |output: &std::process::Output| String::from_utf8_lossy(&output.stderr).into_owned();
@@ -197,7 +197,7 @@ fn pushed(table: &str, other: impl Fn(Identity) -> Identity + Send + 'static) ->
         message => Some(message),
     });
     let line = FaultyLine::to(device.address(), told).unwrap();
-    refused(&["push", table, "--force", "--port", &format!("tcp:{}", line.address())], &[])
+    refused(&["push", table, "--doubted", "--port", &format!("tcp:{}", line.address())], &[])
 }
 
 #[test]

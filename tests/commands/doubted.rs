@@ -33,13 +33,13 @@ fn where_nobody_can_be_asked_a_doubted_table_goes_to_no_board_unless_that_is_sai
         let refused = push(&device, table, &[]).assert().code(2).get_output().clone();
         let said = String::from_utf8(refused.stderr).unwrap();
         assert!(said.contains(DOUBT) && said.find(DOUBT) < said.find("has doubts"), "{said}");
-        assert!(said.contains("--force") && refused.stdout.is_empty(), "{said}");
+        assert!(said.contains("--doubted") && refused.stdout.is_empty(), "{said}");
         assert!(!stored(&device), "nothing was written");
         let looked_at = push(&device, table, &["--dry-run"]).assert().success().get_output().clone();
         assert!(String::from_utf8(looked_at.stdout).unwrap().contains("but would be refused; nothing was written"));
         assert!(String::from_utf8(looked_at.stderr).unwrap().contains(DOUBT));
     }
-    let written = push(&device, DOUBTED, &["--force"]).assert().success().get_output().clone();
+    let written = push(&device, DOUBTED, &["--doubted"]).assert().success().get_output().clone();
     assert!(String::from_utf8(written.stderr).unwrap().contains(DOUBT), "they are said all the same");
     assert!(stored(&device));
     // One that has none beside it is as it was pulled from a board.

@@ -52,7 +52,7 @@ fn a_voltage_that_moves_is_said_and_one_at_rest_is_not() {
     let made = folder.path().join("made");
     let table = ["--board", text(&board), "--amplifier-slew", "20000", "--out", text(&made)];
     piezo().args(["emit", "tests/data/table/table.toml"]).args(table).assert().success();
-    let install = ["install", text(&made), "--narrow", "--force", "--board", text(&board), "--port", &emulated.port];
+    let install = ["install", text(&made), "--narrow", "--doubted", "--board", text(&board), "--port", &emulated.port];
     piezo().args(install).assert().success();
     let rests = piezo().args(["zero", "--json", "--port", &emulated.port]).assert().success().get_output().clone();
     assert!(rests.stderr.is_empty(), "{rests:?}");

@@ -44,7 +44,7 @@ pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
 pub use install::{for_board, install, made_from, refusals, rehearsal};
 pub use loan::FORMER;
-pub use log::{Session, Unfinished, open_session, session};
+pub use log::{Session, Unfinished, open_session, session, unoccupied};
 pub use other_range::OtherRange;
 pub use output::{Jump, Output};
 pub use prove::{Proof, Proven, foresee, prove};

@@ -82,7 +82,7 @@ impl Display for Unfinished {
         let proof = if self.held_out { "" } else { ", none to prove with among them" };
         write!(
             f,
-            "the session ended before its time: {}{of} logs are there{cut}{proof}; what the others would show is not learnt",
+            "the session ended before its time: {}{of} logs are there{cut}{proof}; what is missing is not learnt",
             self.there
         )
     }
@@ -237,6 +237,9 @@ mod tests {
             said.contains("2 of 8 logs are there, the last one cut short, none to prove with among them"),
             "{said}"
         );
+        let said = of("planned = 2\n", &[("01-rest", true), ("held-out", false)]).unwrap();
+        let whole = "2 of 2 logs are there, the last one cut short; what is missing is not learnt";
+        assert!(said.ends_with(whole), "{said}");
         let said = of("", &[("01-rest", true), ("held-out", false)]).unwrap();
         assert!(said.contains("2 logs are there, the last one cut short;"), "{said}");
     }

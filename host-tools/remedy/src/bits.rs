@@ -40,7 +40,7 @@ const FAULTS: [(Faults, &str); 15] = [
     ),
     (
         Faults::STALLED,
-        "report it, for it must not happen. One that drives the amplifier rests until it is told to go on",
+        "report it with what piezo info says, for it must not happen. One that drives the amplifier rests until piezo follow, linearise or waveform goes on",
     ),
     (Faults::ZERO_LOST, "zero it where the displacement is known: piezo zero, or the board's button"),
     (Faults::CLOCK, "piezo reset looks for the crystal again; if it does not start then either, replace the board"),

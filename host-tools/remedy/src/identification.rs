@@ -215,6 +215,9 @@ fn table(error: &TableFileError) -> String {
             }
         }
         TableFileError::OtherFace(error) => other_face(error),
+        TableFileError::Doubts { .. } => {
+            format!("{error}: mend that file, or move it away where it is not of this table")
+        }
         TableFileError::Earlier { logs, .. } => {
             format!("{error}: make it anew, where its logs are and with the options of then{}", anew(logs))
         }

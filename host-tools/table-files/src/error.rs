@@ -56,6 +56,14 @@ pub enum TableFileError {
         /// Where, as `logs.0.from_s`.
         field: String,
     },
+    /// The table.toml beside a table.bin cannot be read, which alone says the doubts.
+    #[error("{}: whether it has doubts is not known: {source}", named.display())]
+    Doubts {
+        /// The table.bin.
+        named: PathBuf,
+        /// Why the other cannot be read.
+        source: Box<TableFileError>,
+    },
     /// Another face beside it is of another table.
     #[error(transparent)]
     OtherFace(#[from] OtherFace),

@@ -8,6 +8,7 @@ use crate::name::name;
 use crate::record::record;
 use estimator_core::{Admitted, record::checksum};
 use recordings::file;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// The faces' names, and by what each is known near its beginning.
@@ -77,10 +78,22 @@ fn says(face: &Path) -> Option<String> {
 /// table.bin, which has none of its own.
 ///
 /// # Errors
-/// As [`read`]; or a face of another table lies beside it.
+/// As [`read`]; a face of another table lies beside it, or a table.toml that cannot be read.
 pub fn read_doubted(path: &Path) -> Result<(Admitted, Vec<String>), TableFileError> {
     let (file, table) = read(path)?;
     agree(path, &table)?;
-    let beside = || Some(TableFile::load(&path.with_extension("toml")).ok()?.0);
-    Ok((table, file.or_else(beside).map_or(Vec::new(), |file| file.doubts)))
+    let file = match file {
+        Some(file) => Some(file),
+        None => beside(path)?,
+    };
+    Ok((table, file.map_or(Vec::new(), |file| file.doubts)))
+}
+
+/// The table.toml beside a table.bin; `None` where there is none.
+fn beside(path: &Path) -> Result<Option<TableFile>, TableFileError> {
+    match TableFile::load(&path.with_extension("toml")) {
+        Ok((file, _)) => Ok(Some(file)),
+        Err(TableFileError::Unreadable { error, .. }) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(TableFileError::Doubts { named: path.to_owned(), source: Box::new(source) }),
+    }
 }

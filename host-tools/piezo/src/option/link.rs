@@ -57,9 +57,13 @@ pub struct Interrupting {
     pub force: bool,
 }
 
-/// What the same option says of the verbs that write a table.
-pub const FORCE: &str = "Write a table, too, that has doubts, where nobody at a terminal can be asked; and end what the device drives: a waveform, the set-point that it \
-                         follows, what a host told it";
+/// What becomes of a table that has doubts.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Doubted {
+    /// Write a table that has doubts, without being asked.
+    #[arg(long)]
+    pub doubted: bool,
+}
 
 impl Interrupting {
     /// Refuses to end what the device drives, unless that was said; a dry run, which ends nothing, says so, and goes on with that.

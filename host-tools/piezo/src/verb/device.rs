@@ -20,14 +20,14 @@ pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
 
 /// Says a table's doubts before it goes to a board, and on a terminal asks whether it is to; where nobody can be asked, it goes only if
 /// that was said. Returns why it would not, where it does not go in any case.
-pub fn doubted(file: &Path, doubts: &[String], force: bool, dry_run: bool) -> Result<Option<String>> {
+pub fn doubted(file: &Path, doubts: &[String], may: bool, dry_run: bool) -> Result<Option<String>> {
     doubts.iter().for_each(|doubt| eprintln!("piezo: careful: {}: {doubt}", file.display()));
-    if doubts.is_empty() || force {
+    if doubts.is_empty() || may {
         return Ok(None);
     }
     let terminal = stdin().is_terminal() && stderr().is_terminal();
     let refusal = format!(
-        "{}: has doubts, which stand above, and nobody can be asked: mend what they name, or write it all the same with --force",
+        "{}: has doubts, which stand above, and nobody can be asked: mend what they name, or write it all the same with --doubted",
         file.display()
     );
     if dry_run {

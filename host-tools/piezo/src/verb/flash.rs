@@ -2,6 +2,7 @@
 
 use super::device;
 use super::print::out;
+use crate::option::link::Doubted;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use device_link::pages;
@@ -32,9 +33,9 @@ pub struct Flash {
     /// Address of the parameter pages. With --image its symbols say; else that of the NUCLEO-G474RE, 0x0807f000.
     #[arg(long, value_parser = address, conflicts_with = "image", value_name = "ADDRESS")]
     pub parameters_at: Option<u32>,
-    /// Write a table, too, that has doubts, where nobody at a terminal can be asked.
-    #[arg(long)]
-    pub force: bool,
+    /// What becomes of a table that has doubts.
+    #[command(flatten)]
+    pub doubts: Doubted,
     /// Check the files and print the commands, and write nothing.
     #[arg(long)]
     pub dry_run: bool,
@@ -104,7 +105,7 @@ fn content(path: &Path, arguments: &Flash, place: &Range<u32>) -> Result<Vec<u8>
     // By the probe nobody can ask the device what its DAC is wired to.
     let output = if table.drive.is_some() { "drives the amplifier" } else { "shows the displacement" };
     eprintln!("piezo: careful: with {} the DAC {output}: wire it so before the board starts", path.display());
-    if let Some(refusal) = device::doubted(path, &doubts, arguments.force, arguments.dry_run)? {
+    if let Some(refusal) = device::doubted(path, &doubts, arguments.doubts.doubted, arguments.dry_run)? {
         eprintln!("piezo: careful: {refusal}");
     }
     pages::with(&to_record(&table), place.len()).with_context(|| format!("{}: cannot be stored", path.display()))

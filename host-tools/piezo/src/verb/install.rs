@@ -3,7 +3,7 @@
 use super::device::{self, note_damage};
 use super::print::{out, progress};
 use crate::option::BoardOption;
-use crate::option::link::{FORCE, Interrupting, PortOption, careful};
+use crate::option::link::{Doubted, Interrupting, PortOption, careful};
 use ::calibration::drive::ordered;
 use ::calibration::span::Span;
 use ::calibration::{CalibrationOptions, converter_mismatches};
@@ -22,7 +22,6 @@ use std::path::PathBuf;
 
 /// Arguments of `piezo install`.
 #[derive(Args, Debug)]
-#[command(mut_arg("force", |force| force.help(FORCE)))]
 pub struct Install {
     /// The table: table.toml, or the folder that `piezo identify` wrote.
     #[arg(required_unless_present = "line")]
@@ -55,6 +54,9 @@ pub struct Install {
     /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of a table that has doubts.
+    #[command(flatten)]
+    pub doubts: Doubted,
     /// What becomes of what the device drives.
     #[command(flatten)]
     pub interrupting: Interrupting,
@@ -62,7 +64,6 @@ pub struct Install {
 
 /// Runs the verb; `false` when host and device differ in any bit.
 pub fn run(arguments: &Install) -> Result<bool> {
-    let interrupt = Interrupt::watch()?;
     let stated = arguments.table.as_deref().map(|path| for_board(path, &arguments.board.board)).transpose()?;
     let (mut client, identity) = arguments.port.connect()?;
     let facts = BoardFacts::read(&arguments.board.board)?;
@@ -88,7 +89,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
     let of_wire = wire_not_found(&table).filter(|_| !arguments.of_learn);
     narrow.iter().chain(&other).chain(&of_wire).for_each(|careful| eprintln!("piezo: careful: {careful}"));
     // The straight line was asked for by name, and what learn's part before has just said is not said again.
-    let may_doubt = arguments.interrupting.force || arguments.line;
+    let may_doubt = arguments.doubts.doubted || arguments.line;
     let said = if arguments.of_learn { &[] } else { &doubts[..] };
     let doubted = device::doubted(&name, said, may_doubt, arguments.dry_run)?;
     doubts.extend(of_wire);
@@ -106,6 +107,8 @@ pub fn run(arguments: &Install) -> Result<bool> {
         tell(arguments, &stated, &identity, Err(&refused))?;
         return Ok(true);
     }
+    // Not before the question above, which Ctrl-C ends.
+    let interrupt = Interrupt::watch()?;
     let codes = rehearsal(&table)?;
     let bar = progress(codes.len() as u64);
     let compared = install(&mut client, &table, arguments.rewired, &codes, &interrupt, &mut |ticks| {

@@ -73,7 +73,7 @@ pub fn run(arguments: &Prove) -> Result<bool> {
     if arguments.dry_run {
         let said = foresee(&mut client, &proof)?;
         match arguments.json {
-            true => out(&serde_json::to_string_pretty(&json!({ "would": said, "refused": busy }))?),
+            true => out(&serde_json::to_string_pretty(&json!({ "would": said, "refused": Vec::from_iter(busy) }))?),
             false => said.iter().for_each(|line| out(&format!("- {line}"))),
         }
         return Ok(true);

@@ -2,7 +2,7 @@
 
 use super::device::{self, note_damage};
 use super::print::out;
-use crate::option::link::{FORCE, PortOption, WriteOptions};
+use crate::option::link::{Doubted, PortOption, WriteOptions};
 use ::calibration::converter_mismatches;
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -15,7 +15,6 @@ use std::path::PathBuf;
 
 /// Arguments of `piezo push`.
 #[derive(Args, Debug)]
-#[command(mut_arg("force", |force| force.help(FORCE)))]
 pub struct Push {
     /// The table: table.toml, or the record in table.bin.
     pub table: PathBuf,
@@ -25,6 +24,9 @@ pub struct Push {
     /// The device.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of a table that has doubts.
+    #[command(flatten)]
+    pub doubts: Doubted,
     /// Writing.
     #[command(flatten)]
     pub write: WriteOptions,
@@ -39,8 +41,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
     converter_mismatches(&table)
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
-    let WriteOptions { interrupting, dry_run, .. } = arguments.write;
-    let doubted = device::doubted(&arguments.table, &doubts, interrupting.force, dry_run)?;
+    let doubted = device::doubted(&arguments.table, &doubts, arguments.doubts.doubted, arguments.write.dry_run)?;
     let (restarted, mut refused) =
         arguments.write.write(&mut client, Some(&table), |client, consent| client.push(record.clone(), consent))?;
     refused.extend(doubted);

@@ -6,7 +6,7 @@ use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, Overwrite};
 use crate::output;
 use anyhow::{Context, Result, anyhow};
-use bench::{BenchError, Ended, FORMER, NO_MODEL, Trained, Training, train};
+use bench::{BenchError, Ended, FORMER, NO_MODEL, Trained, Training, train, unoccupied};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use recordings::prepare::PrepareOptions;
@@ -51,6 +51,7 @@ pub struct Train {
 /// Runs the verb; `false` where it ended before its time. What was recorded by then is kept.
 pub fn run(arguments: &Train) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
+    unoccupied(&arguments.out)?;
     let device = if arguments.dry_run { None } else { Some(arguments.port.connect()?) };
     let wiring = match &device {
         Some((_, identity)) => arguments.board.wiring_of(identity)?,

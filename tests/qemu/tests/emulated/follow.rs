@@ -40,7 +40,7 @@ fn driving() -> (Board, PathBuf) {
     write_wanted(&board);
     let drive = ["--drive-span", "-0.378:3.978", "--drive-slew", "100", "--drive-rest", "0.5"];
     let table = board.table("driving", &drive);
-    board.does("push", &[table.to_str().unwrap(), "--pause", "--reset", "--rewired", "--force"]);
+    board.does("push", &[table.to_str().unwrap(), "--pause", "--reset", "--rewired", "--doubted"]);
     (board, table)
 }
 
@@ -51,7 +51,7 @@ fn a_device_that_is_not_wired_to_drive_follows_nothing_and_is_not_made_to_unaske
     let complaint = board.refuses("follow", &["wanted.csv"]);
     assert!(complaint.contains("--drive-span"), "{complaint}");
     let table = board.table("driving", &["--drive-span", "-0.378:3.978", "--drive-slew", "100", "--drive-rest", "0.5"]);
-    let complaint = board.refuses("push", &[table.to_str().unwrap(), "--pause", "--reset", "--force"]);
+    let complaint = board.refuses("push", &[table.to_str().unwrap(), "--pause", "--reset", "--doubted"]);
     assert!(complaint.contains("--rewired"), "{complaint}");
 }
 

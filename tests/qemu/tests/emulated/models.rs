@@ -15,7 +15,7 @@ fn pil(models: &[Model]) {
     for model in models {
         let table = repository(&format!("tests/data/table/models/{}.toml", model.name()));
         let table = table.to_str().unwrap();
-        board.does("push", &[table, "--pause", "--reset", "--force"]);
+        board.does("push", &[table, "--pause", "--reset", "--doubted"]);
         let said = board.does("pil", &[table, log, "--limit", TICKS, "--json"]);
         let report: Value = serde_json::from_str(&said).unwrap();
         assert_eq!(report["ticks"].as_u64().unwrap().to_string(), TICKS, "{model}: {report:#}");

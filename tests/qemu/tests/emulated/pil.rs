@@ -8,7 +8,7 @@ fn the_measured_log_gives_the_host_s_bits() {
     let board = Board::power_on();
     let table = board.table("same", &[]);
     let table = table.to_str().unwrap();
-    board.does("push", &[table, "--pause", "--reset", "--force"]);
+    board.does("push", &[table, "--pause", "--reset", "--doubted"]);
     let log = repository("tests/data/picma-p885-1hz.csv");
     let said = board.does("pil", &[table, log.to_str().unwrap(), "--json"]);
     let report: Value = serde_json::from_str(&said).unwrap();
