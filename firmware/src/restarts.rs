@@ -3,7 +3,8 @@
 //!
 //! A device that fails because of what is stored would fail for ever. So after [`TOO_MANY`] such starts the store is left
 //! alone, the output is safe, and the link is there to mend it. Which code is the safe one only the stored table says; the one
-//! of the starts before lies beside the count.
+//! of the starts before lies beside the count. A start that begins the count anew knows no such code: the output may have been wired
+//! anew before it.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -39,6 +40,9 @@ struct Kept {
     count: [u32; 2],
     safe: [u32; 2],
 }
+
+/// No number.
+const NONE: [u32; 2] = [0, 0];
 
 fn sealed(number: u32) -> [u32; 2] {
     [number, !number]
@@ -77,8 +81,12 @@ pub unsafe fn count(reset: ResetCause) -> Restarts {
     let mut restarts = Restarts::default();
     let count = |kept: &mut Kept| {
         restarts.count = next(unsealed(kept.count), reset);
-        // Where there were starts before, they have kept it.
-        restarts.safe = unsealed(kept.safe).filter(|_| restarts.count > 0).map(|safe| DacCode(safe as u16));
+        // Where there were starts before, they have kept it. Else it is forgotten, or the starts after this one would take it for
+        // this one's, which may know none.
+        if restarts.count == 0 {
+            kept.safe = NONE;
+        }
+        restarts.safe = unsealed(kept.safe).map(|safe| DacCode(safe as u16));
         kept.count = sealed(restarts.count);
     };
     // SAFETY: by the caller's promise.
@@ -110,7 +118,7 @@ pub unsafe fn forget() {
 /// By the main loop alone.
 pub unsafe fn asked() {
     // SAFETY: by the caller's promise. No count at all.
-    unsafe { change(|kept| kept.count = [0, 0]) };
+    unsafe { change(|kept| kept.count = NONE) };
 }
 
 /// The count at a start, from the one before, if there was one.
@@ -150,10 +158,16 @@ mod tests {
             assert_eq!([count(own), count(own)], [1, 2].map(|count| Restarts { count, safe }));
             forget();
             assert_eq!(count(own).count, 1);
-            asked();
-            assert_eq!(count(own), Restarts::default());
+            for begins_anew in [asked, || _ = count(ResetCause::BROWN_OUT)] {
+                keep_safe(DacCode(512));
+                begins_anew();
+                assert_eq!(count(own).safe, None, "the output may have been wired anew");
+                asked();
+                assert_eq!([count(own), count(own)], [0, 1].map(|count| Restarts { count, safe: None }));
+            }
+            keep_safe(DacCode(700));
             let [.., third] = [count(own), count(own), count(own)];
-            assert!(third.too_many() && third.safe == safe);
+            assert!(third.too_many() && third.safe == Some(DacCode(700)));
         }
     }
 }

@@ -272,6 +272,23 @@ fn three_failures_in_a_row_leave_the_store_alone_until_it_is_asked_to_start() ->
 }
 
 #[test]
+fn a_failure_after_the_store_was_erased_does_not_bring_the_output_back_to_what_an_earlier_table_knew() -> Result<()> {
+    let mut bench = stored()?;
+    bench.run(0.1)?;
+    assert!(bench.board.output().is_some());
+    bench.does(Request::Erase { while_estimating: true, rewired: true })?;
+    bench.restart()?;
+    bench.run(0.1)?;
+    assert_eq!(bench.board.output(), None, "nobody knows what is wired to it");
+    for _ in 0..4 {
+        fail(&mut bench)?;
+        bench.run(0.1)?;
+        assert_eq!(bench.board.output(), None, "nor does the start before");
+    }
+    Ok(())
+}
+
+#[test]
 fn failures_far_apart_and_other_starts_are_not_counted() -> Result<()> {
     let mut bench = stored()?;
     for _ in 0..4 {
