@@ -133,19 +133,57 @@ impl<F: NorFlash> ParameterStore<F> {
     }
 
     /// Writes a record, unless it is the newest: whoever asks twice keeps the one before. A power cut at any instant leaves
-    /// the last record or this one.
+    /// the last record or this one. Where no record is used, since the newest has decayed or none is whole, and the one page is
+    /// worn, it goes into the other.
     pub async fn store(&mut self, record: &[u8]) -> Result<(), StoreError> {
         if record.len() > MAX_RECORD {
             return Err(StoreError::TooLong);
         }
         let newest = self.newest().await?;
+        let used = match newest {
+            Some(last) => !self.lost(last).await?,
+            None => false,
+        };
         if let Some(last) = newest
-            && !self.lost(last).await?
+            && used
             && self.record(last.page).await? == record
         {
             return if last.beside { self.mark(1 - last.page).await } else { Ok(()) };
         }
         let (page, number) = newest.map_or((0, 0), |last| (1 - last.page, last.number.wrapping_add(1)));
+        let written = self.write(page, number, record).await;
+        if written.is_err() && !used {
+            // Of what the other page holds nothing is used: that one may be sound where this one is worn. The number is above that
+            // of a record which has decayed here, should it ever be read whole again.
+            return self.write(1 - page, number.wrapping_add(1), record).await.or(written);
+        }
+        written?;
+        match newest {
+            Some(last) => self.mark(last.page).await,
+            None => Ok(()),
+        }
+    }
+
+    /// Empties the store: the older record first, so that a cut never brings it back. A page that is worn keeps the other one only
+    /// where it would be believed without that; the error is said in any case.
+    ///
+    /// # Errors
+    /// The first page that does not become blank.
+    pub async fn erase(&mut self) -> Result<(), StoreError> {
+        let newest = self.newest().await?.map_or(0, |newest| newest.page);
+        let older = self.clear(1 - newest).await;
+        if older.is_err()
+            && matches!(self.read(1 - newest).await?, Content::Record { .. })
+            && !self.marked(1 - newest).await?
+        {
+            return older;
+        }
+        let newer = self.clear(newest).await;
+        older.and(newer)
+    }
+
+    /// Writes a record into a page, whatever that holds, and sees that it is there.
+    async fn write(&mut self, page: usize, number: u32, record: &[u8]) -> Result<(), StoreError> {
         self.clear(page).await?;
 
         let end = HEADER + record.len();
@@ -161,20 +199,12 @@ impl<F: NorFlash> ParameterStore<F> {
         // A flash driver need not notice a failed write (embassy-stm32 0.6's interrupt clears the error flags).
         match self.read(page).await? {
             Content::Record { number: found, length }
-                if found == number && self.buffer[HEADER..HEADER + length] == *record => {}
-            _ => return Err(StoreError::NotWritten),
+                if found == number && self.buffer[HEADER..HEADER + length] == *record =>
+            {
+                Ok(())
+            }
+            _ => Err(StoreError::NotWritten),
         }
-        match newest {
-            Some(last) => self.mark(last.page).await,
-            None => Ok(()),
-        }
-    }
-
-    /// Empties the store: the older record first, so that a cut never brings it back.
-    pub async fn erase(&mut self) -> Result<(), StoreError> {
-        let newest = self.newest().await?.map_or(0, |newest| newest.page);
-        self.clear(1 - newest).await?;
-        self.clear(newest).await
     }
 
     async fn newest(&mut self) -> Result<Option<Newest>, StoreError> {

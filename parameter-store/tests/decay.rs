@@ -2,7 +2,8 @@
 //! no longer whole it says so, whether the one before is or not.
 
 use embassy_futures::block_on;
-use parameter_store::{ParameterStore, RamFlash, StoreError};
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use parameter_store::{ParameterStore, RamFlash, RamFlashError, StoreError};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -160,5 +161,83 @@ fn a_mark_of_which_a_bit_flips_is_one_and_a_blank_one_is_none() {
             memory[(1 - pages.newest) * PAGE..][..8].fill(0);
             assert_eq!(load(&memory), Ok(pages.new.clone()), "bit {bit}");
         }
+    }
+}
+
+/// A flash of which a page can no longer be erased, and says nothing of it, as a worn one may.
+struct Worn<'m> {
+    flash: RamFlash<&'m mut [u8]>,
+    page: usize,
+}
+
+impl ErrorType for Worn<'_> {
+    type Error = RamFlashError;
+}
+
+impl ReadNorFlash for Worn<'_> {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), RamFlashError> {
+        self.flash.read(offset, bytes).await
+    }
+
+    fn capacity(&self) -> usize {
+        self.flash.capacity()
+    }
+}
+
+impl NorFlash for Worn<'_> {
+    const WRITE_SIZE: usize = WORD;
+    const ERASE_SIZE: usize = PAGE;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), RamFlashError> {
+        if from as usize == self.page * PAGE { Ok(()) } else { self.flash.erase(from, to).await }
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), RamFlashError> {
+        self.flash.write(offset, bytes).await
+    }
+}
+
+fn worn(memory: &mut [u8], page: usize) -> ParameterStore<Worn<'_>> {
+    ParameterStore::new(Worn { flash: RamFlash::new(memory), page }, 0..2 * PAGE as u32).unwrap()
+}
+
+#[test]
+fn a_newest_record_that_has_decayed_on_a_page_that_is_worn_leaves_a_store_that_takes_another() {
+    for pages in Pages::both() {
+        let newest = pages.newest;
+        let mut memory = pages.memory.clone();
+        memory[newest * PAGE + 8] ^= 1;
+        assert_eq!(load(&memory), Err(StoreError::NewestLost));
+        let decayed = memory.clone();
+        block_on(worn(&mut memory, newest).store(&record(77))).unwrap();
+        assert_eq!(load(&memory), Ok(record(77)));
+        // Were what has decayed read whole again, it would be the older one.
+        memory[newest * PAGE + 8] ^= 1;
+        assert_eq!(load(&memory), Ok(record(77)));
+        // Erased, the page that is worn is said, and no record comes from the other.
+        let mut memory = decayed;
+        assert_eq!(block_on(worn(&mut memory, newest).erase()), Err(StoreError::NotErased));
+        assert_eq!(load(&memory), Err(StoreError::Damaged));
+        block_on(worn(&mut memory, newest).store(&record(78))).unwrap();
+        assert_eq!(load(&memory), Ok(record(78)));
+    }
+}
+
+#[test]
+fn a_page_that_is_worn_costs_no_record_that_is_used() {
+    for pages in Pages::both() {
+        let mut memory = pages.memory.clone();
+        assert_eq!(block_on(worn(&mut memory, 1 - pages.newest).store(&record(77))), Err(StoreError::NotErased));
+        assert_eq!(load(&memory), Ok(pages.new.clone()));
+        // As a store of earlier firmware, whose older record has no mark: it would be used in the newest's stead.
+        memory[(1 - pages.newest) * PAGE + MARK..][..WORD].fill(0xFF);
+        assert_eq!(block_on(worn(&mut memory, 1 - pages.newest).erase()), Err(StoreError::NotErased));
+        assert_eq!(load(&memory), Ok(pages.new.clone()));
+        // With it, none is.
+        memory[(1 - pages.newest) * PAGE + MARK..][..WORD].fill(0);
+        assert_eq!(block_on(worn(&mut memory, 1 - pages.newest).erase()), Err(StoreError::NotErased));
+        assert_eq!(load(&memory), Err(StoreError::NewestLost));
     }
 }
