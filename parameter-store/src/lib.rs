@@ -46,7 +46,8 @@ const MARK: u32 = BUFFER as u32;
 
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Why the store failed. What was stored before is untouched.
+/// Why the store failed. A record that was in use is untouched by a store, but for [`StoreError::NotMarked`], after which the new one is
+/// in use; an erase leaves it, or none.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum StoreError {
     /// The pages do not fit this flash: not two of its pages, or its words are too long.
@@ -64,6 +65,9 @@ pub enum StoreError {
     /// What was read back is not what was written.
     #[error("what was read back is not what was written: the flash is worn or protected; try again")]
     NotWritten,
+    /// The new record is stored, whole, and the page of the one before has no mark: where the new one decays, that one comes back.
+    #[error("the table is stored, but the page of the one before could not be marked as older: push it again")]
+    NotMarked,
     /// Something lies in the pages, and no whole record.
     #[error("the stored table is damaged, by a write that was cut or by decay")]
     Damaged,
@@ -244,8 +248,13 @@ impl<F: NorFlash> ParameterStore<F> {
         Ok(zeros as usize > 4 * F::WRITE_SIZE)
     }
 
-    /// Marks a page, unless it is: the other one holds a newer record, whole. (Zeros may be written over a word that a cut has torn.)
+    /// Marks a page: the other one holds a newer record, whole.
     async fn mark(&mut self, page: usize) -> Result<(), StoreError> {
+        self.set_mark(page).await.map_err(|_| StoreError::NotMarked)
+    }
+
+    /// Sets the mark of a page that has none. (Zeros may be written over a word that a cut has torn.)
+    async fn set_mark(&mut self, page: usize) -> Result<(), StoreError> {
         if self.marked(page).await? {
             return Ok(());
         }

@@ -251,6 +251,30 @@ fn a_record_whose_mark_was_cut_is_marked_when_it_is_stored_again() {
 }
 
 #[test]
+fn a_mark_that_fails_is_said_and_that_the_new_record_is_stored() {
+    let chip = Chip::new();
+    block_on(store(&chip).store(&record(0))).unwrap();
+    let before = chip.borrow().memory.clone();
+    let mut said = 0;
+    for operations in 1.. {
+        chip.borrow_mut().memory.clone_from(&before);
+        chip.borrow_mut().cut_after(operations);
+        let done = block_on(store(&chip).store(&record(1)));
+        chip.borrow_mut().left = None;
+        if done.is_ok() {
+            break;
+        }
+        if done == Err(StoreError::NotMarked) {
+            said += 1;
+            assert_eq!(stored(&chip), Some(record(1)), "operation {operations}");
+            block_on(store(&chip).store(&record(1))).unwrap();
+            assert_eq!(chip.borrow().memory[MARK..MARK + WORD], [0; WORD]);
+        }
+    }
+    assert_eq!(said, 1, "the mark is the last operation");
+}
+
+#[test]
 fn an_erased_store_is_empty_and_limits_are_kept() {
     let mut memory = vec![0xFF; 3 * PAGE];
     for pages in [0..PAGE, 8..8 + 2 * PAGE, 0..3 * PAGE] {

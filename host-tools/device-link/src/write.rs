@@ -4,6 +4,7 @@ use crate::client::{Client, WriteConsent};
 use crate::error::LinkError;
 use crate::table;
 use estimator_core::Table;
+use parameter_store::StoreError;
 use protocol::{Faults, Identity, Mode, Refusal};
 use std::fmt::Display;
 
@@ -32,7 +33,8 @@ pub enum WriteError {
     /// The link fails while flash is written.
     #[error("{}", sentences(.0, UNSURE))]
     Unsure(LinkError),
-    /// The link fails when flash has been written, and the device has not restarted.
+    /// The link fails, or the device can no longer mark the table of before, when flash has been written, and the device has not
+    /// restarted.
     #[error("{}", sentences(.0, WRITTEN))]
     Written(LinkError),
     /// The link fails when flash has been written, while the device restarts.
@@ -111,9 +113,10 @@ impl Writing {
             false => Ok(()),
         };
         // What went wrong first is what is said.
-        written.map_err(|error| match error {
+        written.map_err(|error| match &error {
+            LinkError::Refused { refusal, .. } if stored(refusal) => WriteError::Written(error),
             LinkError::Refused { .. } => WriteError::Link(error),
-            error => WriteError::Unsure(error),
+            _ => WriteError::Unsure(error),
         })?;
         resumed.map_err(WriteError::Written)?;
         if !self.reset {
@@ -124,6 +127,11 @@ impl Writing {
             error => WriteError::Restarting(error),
         })
     }
+}
+
+/// Whether a device that refuses says that the new table is stored all the same.
+fn stored(refusal: &Refusal) -> bool {
+    matches!(refusal, Refusal::Store(why) if **why == *StoreError::NotMarked.to_string())
 }
 
 fn estimating(client: &mut Client) -> Result<bool, LinkError> {
@@ -139,18 +147,21 @@ mod tests {
     use crate::port::PortError;
     use crate::table::to_record;
     use crate::{Address, Client, table};
+    use embassy_futures::block_on;
     use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
     use emulator::faults::lose_replies;
     use emulator::{Emulator, FaultyLine, TABLE};
-    use estimator_core::{DriveCalibration, DriveLimits, Range};
-    use parameter_store::RamFlash;
+    use estimator_core::{DriveCalibration, DriveLimits};
+    use parameter_store::{MAX_RECORD, ParameterStore, RamFlash};
     use protocol::{Mode, Refusal, TableSource};
     use std::io::ErrorKind;
     use std::net::SocketAddr;
+    use std::ops::Range;
 
     const CAREFUL: Writing = Writing { while_estimating: false, pause: false, reset: false, rewired: false };
 
-    const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
+    const LIMITS: DriveLimits =
+        DriveLimits { range_v: estimator_core::Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
 
     fn erased() -> RamFlash<Vec<u8>> {
         RamFlash::new(vec![0xFF; 4096])
@@ -169,8 +180,8 @@ mod tests {
         (done, client.restart().unwrap().source, mode)
     }
 
-    /// Flash that can be read and no longer written.
-    struct Worn(RamFlash<Vec<u8>>);
+    /// Flash that can be read and no longer written: not at all, or not at these places in its pages.
+    struct Worn(RamFlash<Vec<u8>>, Option<Range<u32>>);
 
     impl ErrorType for Worn {
         type Error = NorFlashErrorKind;
@@ -192,12 +203,18 @@ mod tests {
         const WRITE_SIZE: usize = RamFlash::<Vec<u8>>::WRITE_SIZE;
         const ERASE_SIZE: usize = RamFlash::<Vec<u8>>::ERASE_SIZE;
 
-        async fn erase(&mut self, _: u32, _: u32) -> Result<(), NorFlashErrorKind> {
-            Err(NorFlashErrorKind::Other)
+        async fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+            if self.1.is_none() {
+                return Err(NorFlashErrorKind::Other);
+            }
+            self.0.erase(from, to).await.map_err(|_| NorFlashErrorKind::Other)
         }
 
-        async fn write(&mut self, _: u32, _: &[u8]) -> Result<(), NorFlashErrorKind> {
-            Err(NorFlashErrorKind::Other)
+        async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+            if self.1.as_ref().is_none_or(|worn| worn.contains(&(offset % Self::ERASE_SIZE as u32))) {
+                return Err(NorFlashErrorKind::Other);
+            }
+            self.0.write(offset, bytes).await.map_err(|_| NorFlashErrorKind::Other)
         }
     }
 
@@ -257,10 +274,24 @@ mod tests {
 
     #[test]
     fn a_push_that_fails_lets_the_device_go_on() {
-        let (done, source, mode) = push(Writing { pause: true, reset: true, ..CAREFUL }, Worn(erased()));
+        let (done, source, mode) = push(Writing { pause: true, reset: true, ..CAREFUL }, Worn(erased(), None));
         let complaint = done.unwrap_err().to_string();
         assert!(complaint.contains("flash reports an error"), "{complaint}");
         assert!(source != TableSource::Stored && mode == Mode::Estimate);
+    }
+
+    #[test]
+    fn a_table_that_is_stored_though_the_one_before_could_not_be_marked_is_said_to_be() {
+        let mut memory = vec![0xFF; 4096];
+        let other = Table { amplifier_slew_v_per_s: Some(250.0), ..TABLE };
+        let mut store = ParameterStore::new(RamFlash::new(&mut memory), 0..4096).unwrap();
+        block_on(store.store(&to_record(&other.admit().unwrap()))).unwrap();
+        // Behind the longest record.
+        let flash = Worn(RamFlash::new(memory), Some(MAX_RECORD as u32 + 12..2048));
+        let (done, source, mode) = push(Writing { reset: true, ..CAREFUL }, flash);
+        let complaint = done.unwrap_err().to_string();
+        assert!(complaint.contains("the table is stored, but") && complaint.ends_with(WRITTEN), "{complaint}");
+        assert!(source == TableSource::Stored && mode == Mode::Estimate, "{source:?} {mode:?}");
     }
 
     #[test]
