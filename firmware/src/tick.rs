@@ -199,7 +199,8 @@ impl<'q> Tick<'q> {
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
         let drive = self.startup.drive.as_ref().filter(|_| self.mode.drives());
         let astray = drive.is_some_and(|drive| drive.astray(corrected.monitor));
-        let (missed, others) = (missed.is_some(), faults & (Faults::SUPPLY | Faults::SLEW_EXCEEDED));
+        let others = faults & (Faults::SUPPLY | Faults::SLEW_EXCEEDED | Faults::STALLED);
+        let missed = missed.is_some();
         // Codes as they were read show the converter's ends, and whether it stands still.
         match self.watch.update(Seen { monitor, setpoint, status, missed, astray, others }) {
             FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),

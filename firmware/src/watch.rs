@@ -166,9 +166,10 @@ impl Watch {
     }
 }
 
-/// Whether an estimate suffers from any of these faults: of the set-point nothing is estimated.
+/// Whether an estimate suffers from any of these faults: of the set-point nothing is estimated, and the tick goes on where the main loop
+/// stands still.
 pub fn suffers(faults: Faults) -> bool {
-    !Faults::SETPOINT.contains(faults)
+    !Faults::SETPOINT.union(Faults::STALLED).contains(faults)
 }
 
 /// What [`Watch::update`] finds.

@@ -8,7 +8,7 @@ use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Status};
 use firmware::drive::REFERENCE_TIMEOUT_TICKS;
 use firmware::telemetry::STALLED;
-use firmware::watch::SATURATED;
+use firmware::watch::{HOLD, SATURATED};
 use protocol::{Faults, Mode};
 
 #[test]
@@ -196,10 +196,11 @@ fn a_main_loop_that_stands_still_brings_it_to_rest_at_the_slew_rate_and_there_it
             before = dac;
         }
         // It goes on after all.
-        bench.link.telemetry.beat();
-        for _ in 0..100 {
+        for tick in 0..HOLD + 100 {
+            bench.link.telemetry.beat();
             let (dac, _, faults) = bench.step();
-            assert_eq!((dac, faults), (REST, Faults::SAFE_OUTPUT), "{mode:?}");
+            let lasts = if tick < HOLD { Faults::STALLED } else { Faults::empty() };
+            assert_eq!((dac, faults), (REST, lasts | Faults::SAFE_OUTPUT), "{mode:?}, tick {tick}");
         }
     }
 }

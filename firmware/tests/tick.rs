@@ -6,6 +6,7 @@ use common::{LinkEnd, PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimator, Status};
 use firmware::queues::Command;
+use firmware::telemetry::STALLED;
 use firmware::watch::{HOLD, OUT_OF_RANGE, SATURATED, STUCK};
 use firmware::{Conversion, Tick};
 use protocol::{Faults, Mode};
@@ -376,4 +377,30 @@ fn a_zero_that_is_lost_is_said_without_valid_until_it_is_told_anew() {
     assert_eq!(run(&mut tick, &mut link, 10, &triangle), (Faults::ZERO_LOST, false));
     zero(&mut link);
     assert_eq!(run(&mut tick, &mut link, 1, &triangle), good);
+}
+
+#[test]
+fn a_main_loop_that_goes_on_after_all_ends_the_fault_a_second_later_and_costs_no_zero() {
+    let (mut tick, mut link) = tick(Some(&compiled()), Faults::empty());
+    let mut k = 0;
+    let mut next = |link: &LinkEnd, beats: bool| {
+        if beats {
+            link.telemetry.beat();
+        }
+        k += 1;
+        let dac = tick.sample(triangle(k).into(), k * PERIOD);
+        (dac, link.telemetry.faults(), tick.valid())
+    };
+    (0..500).for_each(|_| assert!(next(&link, true).2));
+    link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).unwrap();
+    (1..STALLED).for_each(|_| assert!(next(&link, false).2));
+    let safe = (SAFE, Faults::STALLED | Faults::SAFE_OUTPUT, false);
+    // A little more than the limit, and not there and straight back.
+    (0..10).for_each(|_| assert_eq!(next(&link, false), safe));
+    (0..HOLD).for_each(|tick| assert_eq!(next(&link, true), safe, "tick {tick}"));
+    for _ in 0..100 {
+        let (_, faults, valid) = next(&link, true);
+        assert!(faults.is_empty() && valid, "{faults:?}");
+    }
+    assert_eq!(link.telemetry.bias_age_ticks(), Some(STALLED + 10 + HOLD + 98), "the estimate went on meanwhile");
 }
