@@ -2,7 +2,7 @@
 
 use super::{bench::Emulated, json, piezo, text};
 use device_link::Client;
-use emulator::faults::{lose_samples_at, replies, samples};
+use emulator::faults::{lose_samples_at, replies, samples, told_in_vain};
 use emulator::{Emulator, Fault, FaultyLine};
 use estimator_core::Status;
 use protocol::{Faults, Health, Reply};
@@ -82,9 +82,9 @@ fn without_a_sound_cycle_nothing_is_told() {
 
 #[test]
 fn a_lost_reply_says_how_to_find_out() {
-    // Stream, identity, health, table, and the stream on and off, twice.
+    // Stream, identity, health, table, the stream on and off, twice, and health.
     let lost = replies(|number, reply, frame| {
-        if number == 8 {
+        if number == 9 {
             assert_eq!(*reply, Reply::Done);
             frame.clear();
         }
@@ -94,4 +94,22 @@ fn a_lost_reply_says_how_to_find_out() {
     assert_eq!(done.status.code(), Some(2));
     assert!(complaint.contains("not known") && complaint.contains("piezo info --port tcp:"), "{complaint}");
     assert!(health.bias_age_ticks.is_some(), "it was done");
+}
+
+#[test]
+fn a_zero_of_before_is_not_taken_for_one_that_the_device_did_not_take() {
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    piezo().args(["zero", "--port", &format!("tcp:{}", device.address())]).assert().success();
+    let line = FaultyLine::to(device.address(), told_in_vain()).unwrap();
+    let port = format!("tcp:{}", line.address());
+    for more in [&["--at", "3"][..], &["--over-cycle", "--seconds", "20"]] {
+        let done = piezo().args(["zero", "--port", &port]).args(more).output().unwrap();
+        let complaint = String::from_utf8(done.stderr).unwrap();
+        assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0), "{complaint}");
+        assert!(complaint.contains("the device has not taken it"), "{complaint}");
+        assert!(complaint.contains(&format!("`piezo info --port {port}` says why; then zero again")), "{complaint}");
+    }
+    drop(line);
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    assert!(client.health().unwrap().bias_age_ticks.is_some(), "the one of before is there");
 }

@@ -11,6 +11,7 @@ use device_link::busy::Busy;
 use device_link::pil::FeedError;
 use device_link::play::PlayError;
 use device_link::table::RunningTableError;
+use device_link::told::ToldError;
 use device_link::write::WriteError;
 use estimator_core::Range;
 use estimator_core::table::Misfit;
@@ -36,6 +37,9 @@ pub enum BenchError {
     /// The device could not be driven to the end.
     #[error(transparent)]
     Play(#[from] PlayError),
+    /// The device was not told its displacement.
+    #[error(transparent)]
+    Told(#[from] ToldError),
     /// Codes could not be fed to the device.
     #[error(transparent)]
     Feed(#[from] FeedError),
@@ -168,6 +172,7 @@ impl BenchError {
             Self::Write(error) => Some(error),
             Self::Busy(error) => Some(error),
             Self::Play(error) => Some(error),
+            Self::Told(error) => Some(error),
             Self::Feed(error) => Some(error),
             Self::Running(error) => Some(error),
             Self::Table(error) => Some(error),

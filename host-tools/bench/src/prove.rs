@@ -16,7 +16,7 @@ use ::calibration::drive::trained_on;
 use device_link::Client;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
-use device_link::table;
+use device_link::{table, told};
 use estimator_core::{AdcCode, Admitted, DriveLimits, Range, record};
 use excitation::{Drive, Request};
 use protocol::{Mode, Sample};
@@ -224,7 +224,7 @@ fn drive(
     let mut log = LogFile::create(proof.log, &heading, table.sample_period())?;
     let mut instants: Vec<Instant> = Vec::new();
     if complaint.is_none() {
-        client.set_zero(0.0)?;
+        told::zero(client, 0.0)?;
         let zero_ticks = (ZERO_S / table.sample_period::<f64>()).round() as usize;
         let last: Vec<f64> =
             before.iter().filter(|(tick, _)| tick + zero_ticks >= led_in.ticks).map(|(_, um)| *um).collect();

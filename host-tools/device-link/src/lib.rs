@@ -17,6 +17,7 @@ pub mod sensor;
 pub mod stlink;
 pub mod streamed;
 pub mod table;
+pub mod told;
 pub mod window;
 pub mod words;
 pub mod write;

@@ -2,7 +2,7 @@
 
 use crate::faulty_line::{Direction, Fault};
 use protocol::frame::MAX_FRAME;
-use protocol::{Deframer, Reply, Samples, ToHost, encode};
+use protocol::{Deframer, Reply, Request, Samples, ToDevice, ToHost, encode};
 
 /// Decodes what the device sends and lets `edit` say what arrives instead: one message, none, or several. Bytes that are no
 /// message pass.
@@ -14,6 +14,29 @@ pub fn messages<I: IntoIterator<Item = ToHost>>(mut edit: impl FnMut(ToHost) -> 
             *frame = edit(message).into_iter().flat_map(|message| encoded(&message)).collect();
         }
     }
+}
+
+/// Decodes what the host asks and lets `edit` say what the device is asked instead: one request, none, or several.
+pub fn requests<I: IntoIterator<Item = ToDevice>>(mut edit: impl FnMut(ToDevice) -> I + Send + 'static) -> impl Fault {
+    let mut deframer = Deframer::new();
+    move |direction, frame: &mut Vec<u8>| {
+        if direction == Direction::ToDevice
+            && let Some(Ok(asked)) = frame.iter().find_map(|&byte| deframer.push(byte))
+        {
+            let mut buffer = [0; MAX_FRAME];
+            // Never empty: a test of the protocol encodes every message at its longest.
+            let mut encoded = |asked| encode(&asked, &mut buffer).unwrap_or_default().to_vec();
+            *frame = edit(asked).into_iter().flat_map(&mut encoded).collect();
+        }
+    }
+}
+
+/// Has the device answer that it is told a displacement, and not do it: it is asked to forget its counts instead.
+pub fn told_in_vain() -> impl Fault {
+    requests(|ToDevice { sequence, request }| {
+        let in_vain = matches!(request, Request::SetZero { .. } | Request::ShiftBias { .. });
+        [ToDevice { sequence, request: if in_vain { Request::Forget } else { request } }]
+    })
 }
 
 /// Hands the frame of every reply, with its number from 0, to `fault`.

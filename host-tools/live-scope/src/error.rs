@@ -2,6 +2,7 @@
 
 use bench::NoModel;
 use device_link::LinkError;
+use device_link::told::ToldError;
 use remedy::sentence;
 use std::io;
 use std::path::PathBuf;
@@ -35,9 +36,9 @@ pub enum Undone {
     /// The device does something else, in words.
     #[error("{0}")]
     NotEstimating(String),
-    /// The device was restarted.
-    #[error("the estimate began anew meanwhile, and forgot it: ask again")]
-    Forgotten,
+    /// The device was not told its displacement.
+    #[error(transparent)]
+    Told(#[from] ToldError),
     /// Another wish is being done.
     #[error("it was not done, since the device is busy with another wish: ask again")]
     Busy,
@@ -55,6 +56,7 @@ impl Undone {
         match self {
             Self::NoModel(error) => sentence(error),
             Self::Link(error) => sentence(error),
+            Self::Told(error) => sentence(error),
             _ => self.to_string(),
         }
     }

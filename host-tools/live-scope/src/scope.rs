@@ -12,7 +12,7 @@ use crate::log::Log;
 use crate::message::{self, State, Words};
 use crate::server::{Asked, Server, Wish};
 use device_link::window::Window;
-use device_link::{LinkError, words};
+use device_link::{LinkError, told, words};
 use protocol::{Faults, Health, Samples};
 use remedy::sentence;
 use std::path::{Path, PathBuf};
@@ -28,8 +28,6 @@ const COLUMNS: Duration = Duration::from_millis(50);
 const STATE: Duration = Duration::from_millis(200);
 /// How often the device is asked how it is.
 const HEALTH: Duration = Duration::from_secs(2);
-/// How long the device may take to do what it has said it does.
-const TOLD: Duration = Duration::from_secs(1);
 /// How often a device that is gone is looked for.
 const AGAIN: Duration = Duration::from_secs(1);
 
@@ -267,20 +265,8 @@ impl Link {
         if let Some(why) = remedy::not_estimating(before.mode, self.device.client.address()) {
             return Err(Undone::NotEstimating(why));
         }
-        self.device.client.set_zero(at as f32)?;
-        let start = Instant::now();
-        loop {
-            self.health = self.device.client.health()?;
-            // A zero since then is younger than that; the one before is not.
-            let since = self.health.ticks.wrapping_sub(before.ticks);
-            if self.health.bias_age_ticks.is_some_and(|age| age <= since) {
-                return Ok(format!("called {at} µm; {}", self.bias()));
-            }
-            if start.elapsed() > TOLD {
-                return Err(Undone::Forgotten);
-            }
-            std::thread::sleep(LOOK);
-        }
+        self.health = told::zero(&mut self.device.client, at as f32)?;
+        Ok(format!("called {at} µm; {}", self.bias()))
     }
 
     fn bias(&self) -> String {

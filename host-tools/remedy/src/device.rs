@@ -10,6 +10,7 @@ use device_link::port::PortError;
 use device_link::probe::ProbeError;
 use device_link::stlink::Plugged;
 use device_link::table::RunningTableError;
+use device_link::told::ToldError;
 use device_link::write::{RESTARTING, UNSURE, WRITTEN, WriteError, sentences};
 use device_link::{Address, LinkError, words};
 use estimator_core::Admitted;
@@ -24,6 +25,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .downcast_ref()
         .map(link)
         .or_else(|| error.downcast_ref().map(play))
+        .or_else(|| error.downcast_ref().map(telling))
         .or_else(|| error.downcast_ref().map(cycle))
         .or_else(|| error.downcast_ref().map(feed))
         .or_else(|| error.downcast_ref().map(running))
@@ -162,6 +164,17 @@ fn play(error: &PlayError) -> String {
         PlayError::Link(error) => link(error),
         PlayError::Silent => format!("{error}: look at it with `piezo info`"),
         _ => error.to_string(),
+    }
+}
+
+fn telling(error: &ToldError) -> String {
+    let port = typed("--port");
+    match error {
+        ToldError::Link(LinkError::Unknown { .. }) => {
+            format!("{error}: `piezo info{port}` says how long ago it was zeroed; zero again if need be")
+        }
+        ToldError::Link(error) => link(error),
+        ToldError::NotTaken { .. } => format!("{error}: `piezo info{port}` says why; then zero again"),
     }
 }
 

@@ -4,13 +4,13 @@ use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::{finite, not_negative};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
 use device_link::cycle::{Cycle, Wish, over_cycle};
 use device_link::interrupt::Interrupt;
 use device_link::motion::{LOOKED_S, Motion, displacement, look};
 use device_link::table;
-use device_link::{Client, LinkError, words};
+use device_link::{Client, told, words};
 use estimator_core::{Admitted, Status};
 use indicatif::ProgressBar;
 use serde_json::json;
@@ -57,23 +57,12 @@ pub fn run(arguments: &Zero) -> Result<bool> {
     };
     before.moved_v.iter().for_each(|volts| eprintln!("piezo: careful: {}", moving(*volts, &before, arguments)));
     let cycle = if arguments.over_cycle { Some(cycle(arguments, &mut client, &table, &interrupt)?) } else { None };
-    let told = match cycle {
-        Some(cycle) => client.shift_bias((arguments.at - cycle.mean_um) as f32),
-        None => client.set_zero(arguments.at as f32),
+    let health = match cycle {
+        Some(cycle) => told::shift(&mut client, (arguments.at - cycle.mean_um) as f32)?,
+        None => told::zero(&mut client, arguments.at as f32)?,
     };
-    told.map_err(|error| match error {
-        LinkError::Unknown { .. } => anyhow!(
-            "{error}: `piezo info --port {port}` says how long ago it was zeroed; repeat the command if need be"
-        ),
-        error => error.into(),
-    })?;
     let after = displacement(&mut client)?;
-    let health = client.health()?;
     note_damage(&client);
-    ensure!(
-        health.bias_age_ticks.is_some(),
-        "{port}: the estimate began anew meanwhile, and forgot it: `piezo info --port {port}` says why; then repeat the command"
-    );
     if arguments.json {
         let cycle = cycle.map(|cycle| {
             json!({
