@@ -149,7 +149,7 @@ impl<'a> Bench<'a> {
         let port = qemu::free_port(0)?;
         let link = format!("tcp:127.0.0.1:{port}");
         let qemu = Qemu::start(qemu::command(&self.image, &qemu::socket(port)).args(["-plugin", &plugin]))?;
-        cmd!(sh, "{piezo} push {table} --reset --port {link}").read()?;
+        cmd!(sh, "{piezo} push {table} --reset --doubted --port {link}").read()?;
         let report: Value =
             serde_json::from_str(&cmd!(sh, "{piezo} pil {table} {LOG} --limit {TICKS} --json --port {link}").read()?)?;
         qemu.quit()?;
