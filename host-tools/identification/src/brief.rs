@@ -3,6 +3,8 @@
 use crate::fit::{Fit, Identification, Progress};
 use crate::search::SearchOptions;
 use estimator_core::Model;
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Of the search's candidates a number, this part is tried for the models whose weights are solved for.
 const OF_OTHERS: u32 = 6;
@@ -37,7 +39,11 @@ impl Identification<'_> {
         let options = SearchOptions { evaluations: of_a_number, ..self.options.clone() };
         let search = |budget| Identification { options: &options, budget, ..*self };
         let mut fits = search(Some(of_voigt as usize)).run(&family, progress);
-        fits.extend(search(None).run(&others, progress));
+        // None of them starts from another.
+        let progress = Mutex::new(progress);
+        let tell = |model, cost| progress.lock().unwrap_or_else(PoisonError::into_inner)(model, cost);
+        let of = |&model| search(None).run(&[model], &mut |model, cost| tell(model, cost));
+        fits.par_extend(others.par_iter().flat_map_iter(of));
         fits
     }
 }

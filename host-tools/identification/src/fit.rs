@@ -4,9 +4,9 @@
 use crate::cost::Cost;
 use crate::family::{self, BlackBoxInputs, voigt};
 use crate::problem::Problem;
-use crate::search::Gene;
 use crate::search::SearchOptions;
 use crate::search::space::Space;
+use crate::search::{Gene, Optimiser};
 use estimator_core::{Model, Parameters};
 use serde::Serialize;
 
@@ -50,7 +50,7 @@ impl Fit {
 }
 
 /// Told of each generation: the model, its best cost so far (µm).
-pub type Progress<'a> = &'a mut dyn FnMut(Model, f64);
+pub type Progress<'a> = &'a mut (dyn FnMut(Model, f64) + Send);
 
 /// Identifies models one after the other, each started from those before it.
 pub fn identify(
@@ -75,6 +75,9 @@ pub fn identify_black_box(
     identification.projected(Model::Narx, &family::black_boxes(inputs), progress)
 }
 
+/// What searches again from where another fit ended.
+const NEARBY: Optimiser = Optimiser::Local;
+
 /// What is identified from what, and how.
 #[derive(Clone, Copy, Debug)]
 pub struct Identification<'a> {
@@ -84,7 +87,7 @@ pub struct Identification<'a> {
     pub cost: Cost,
     /// The search.
     pub options: &'a SearchOptions,
-    /// Candidates that may be evaluated for each model, of all its structures and by all methods together; where there
+    /// Candidates that may be evaluated for each model, of all its structures together; where there
     /// is none the options say it, of the Voigt family by generations, of the others by evaluations a number.
     pub budget: Option<usize>,
 }
@@ -119,10 +122,7 @@ impl Identification<'_> {
         let structures = family::of(fit.model, self.problem);
         let alike = structures.iter().find(|family| family.genes().len() == fit.genes.len());
         match alike.or(structures.first()) {
-            Some(family) => {
-                let methods = [self.options.optimiser];
-                self.structure(fit.model, family.as_ref(), &methods, evaluations, Some(fit), &mut |_, _| ())
-            }
+            Some(family) => self.structure(fit.model, family.as_ref(), NEARBY, evaluations, Some(fit), &mut |_, _| ()),
             None => Identification { budget: Some(evaluations), ..*self }.voigt(
                 fit.model,
                 std::slice::from_ref(fit),
@@ -142,7 +142,7 @@ impl Identification<'_> {
         if let Some(budget) = self.budget {
             let kernel = voigt::Kernel::new(self.problem, self.cost);
             let family = voigt::Family { space: &space, seeds: &seeds, kernel: &kernel };
-            let found = self.structure(model, &family, &[self.options.optimiser], budget, None, progress);
+            let found = self.structure(model, &family, self.options.optimiser, budget, None, progress);
             return Fit { space: Some(space), ..found };
         }
         let fit = self.genetic(&space, &[], progress);

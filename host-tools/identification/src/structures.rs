@@ -8,10 +8,8 @@ use crate::search::Gene;
 use crate::search::{Budget, Minimum, Optimiser, minimise};
 use estimator_core::Model;
 
-/// A structure with so many searched numbers has minima that one method alone misses, a resonance above all.
-const MANY: usize = 6;
-/// The method that searches such a structure besides the one that was chosen.
-const SECOND: Optimiser = Optimiser::DifferentialEvolution;
+/// A new best is shown, which takes a simulation of every log, where it costs less than this factor times the one that was shown last.
+const SHOWN: f64 = 0.99;
 /// A richer structure must be off, once the logs have settled, by less than this factor times the simpler one.
 const BETTER: f64 = 0.97;
 
@@ -39,9 +37,9 @@ pub struct StructureSearch<'a> {
     pub problem: &'a Problem,
     /// What is minimised.
     pub cost: Cost,
-    /// Methods, one after the other; each later one starts from what the earlier have found.
-    pub methods: &'a [Optimiser],
-    /// Candidates that they may evaluate in all.
+    /// The method.
+    pub method: Optimiser,
+    /// Candidates that it may evaluate.
     pub evaluations: usize,
     /// Seed of their random numbers.
     pub seed: u32,
@@ -69,33 +67,22 @@ impl StructureSearch<'_> {
         // Where another problem lays a range out otherwise, a value is the same, and not its part of the range.
         let known = known.iter().zip(&genes).map(|((_, value), gene)| gene.fraction(*value)).collect();
         let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(0.5)).take(genes.len()).collect();
-        let mut starts: Vec<Vec<f64>> = family.starts().into_iter().chain([known]).map(whole).collect();
+        let starts: Vec<Vec<f64>> = family.starts().into_iter().chain([known]).map(whole).collect();
         let mut convergence = Vec::new();
         let (mut least, mut shown) = (f64::INFINITY, (f64::INFINITY, None));
-        let budget = Budget { evaluations: self.evaluations / self.methods.len().max(1), seed: self.seed.into() };
-        let mut best: Option<Minimum> = None;
-        let mut evaluations = 0;
-        for &method in self.methods {
-            let before = evaluations;
-            let mut watch = |made: usize, best: &Minimum| {
-                if best.cost < least {
-                    least = best.cost;
-                    shown = match parameters(&best.at) {
-                        Some(found) => (problem.cost(&found, self.cost), problem.held_out(&found, self.cost)),
-                        None => shown,
-                    };
-                }
-                convergence.push(Convergence { training: shown.0, validation: shown.1 });
-                progress(before + made, shown.0);
-            };
-            let found = minimise(method, genes.len(), budget, &starts, &costs, &mut watch);
-            evaluations += found.evaluations;
-            if best.as_ref().is_none_or(|best| found.cost < best.cost) {
-                best = Some(found);
+        let budget = Budget { evaluations: self.evaluations, seed: self.seed.into() };
+        let mut watch = |made: usize, best: &Minimum| {
+            if best.cost < SHOWN * least {
+                least = best.cost;
+                shown = match parameters(&best.at) {
+                    Some(found) => (problem.cost(&found, self.cost), problem.held_out(&found, self.cost)),
+                    None => shown,
+                };
             }
-            starts.extend(best.iter().map(|best| best.at.clone()));
-        }
-        let at = best.map_or(Vec::new(), |best| best.at);
+            convergence.push(Convergence { training: shown.0, validation: shown.1 });
+            progress(made, shown.0);
+        };
+        let Minimum { at, evaluations, .. } = minimise(self.method, genes.len(), budget, &starts, &costs, &mut watch);
         let parameters = family.finish(&values(&at), problem);
         Found {
             genes: genes.iter().copied().zip(values(&at)).collect(),
@@ -116,19 +103,18 @@ impl Identification<'_> {
         let mut evaluations = 0;
         for (index, family) in structures.iter().enumerate() {
             let allowed = match self.budget {
-                None => self.options.evaluations as usize * self.shares(family),
+                None => self.options.evaluations as usize * shares(family),
                 Some(budget) => {
-                    let shares: usize = structures.iter().skip(index).map(|family| self.shares(family)).sum();
+                    let of_all: usize = structures.iter().skip(index).map(shares).sum();
                     let left = budget.saturating_sub(evaluations);
-                    (left * self.shares(family) / shares).max(left.min(1))
+                    (left * shares(family) / of_all).max(left.min(1))
                 }
             };
             if allowed == 0 && best.is_some() {
                 break;
             }
-            let methods = self.methods(family);
             let simpler = best.as_ref().map(|(fit, _)| fit);
-            let found = self.structure(model, family.as_ref(), &methods, allowed, simpler, progress);
+            let found = self.structure(model, family.as_ref(), self.options.optimiser, allowed, simpler, progress);
             evaluations += found.evaluations;
             let off = self.off(&found);
             if best.as_ref().is_none_or(|(_, best)| off < BETTER * best) {
@@ -140,28 +126,18 @@ impl Identification<'_> {
         Fit { evaluations, ..best }
     }
 
-    /// What a structure's search takes beside another's: numbers by methods.
-    fn shares(&self, family: &AnyFamily) -> usize {
-        family.genes().len().max(1) * self.methods(family).len()
-    }
-
-    fn methods(&self, family: &AnyFamily) -> Vec<Optimiser> {
-        let second = (family.genes().len() >= MANY && self.options.optimiser != SECOND).then_some(SECOND);
-        std::iter::once(self.options.optimiser).chain(second).collect()
-    }
-
-    /// Searches one structure by some methods with so many evaluations in all, and goes on from a simpler one.
+    /// Searches one structure by a method with so many evaluations, and goes on from a simpler one.
     pub(super) fn structure(
         &self,
         model: Model,
         family: &dyn Family<Found = estimator_core::Parameters>,
-        methods: &[Optimiser],
+        method: Optimiser,
         evaluations: usize,
         simpler: Option<&Fit>,
         progress: Progress<'_>,
     ) -> Fit {
         let search =
-            StructureSearch { problem: self.problem, cost: self.cost, methods, evaluations, seed: self.options.seed };
+            StructureSearch { problem: self.problem, cost: self.cost, method, evaluations, seed: self.options.seed };
         let known = simpler.map_or(&[][..], |fit| &fit.genes);
         let found = search.run(family, known, |_, cost| progress(model, cost));
         let before = simpler.map_or(&[][..], |fit| &fit.convergence);
@@ -177,4 +153,9 @@ impl Identification<'_> {
             space: None,
         }
     }
+}
+
+/// What a structure's search takes beside another's: the numbers that are searched.
+fn shares(family: &AnyFamily) -> usize {
+    family.genes().len().max(1)
 }

@@ -7,7 +7,7 @@
 //! | `differential-evolution` | current-to-pbest/1/bin |
 //! | `particle-swarm` | global best, constriction coefficients |
 //! | `cma-es` | covariance matrix adaptation with restarts of a doubled population |
-//! | `local` | Nelder–Mead from the best start, with restarts |
+//! | `local` | Nelder–Mead from the best start, with pairs of restarts until they find nothing better |
 //!
 //! The cost may be infinite, for what is inadmissible, anywhere or everywhere; NaN counts as infinite. Random numbers
 //! are drawn outside of the evaluations, which may run in parallel: the same seed gives the same result on any number of

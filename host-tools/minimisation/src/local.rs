@@ -1,34 +1,61 @@
 //! Nelder–Mead with the coefficients for many dimensions (Gao and Han, 2012), limited to the cube, from the best start
 //! or the centre.
 //!
-//! The simplex forgets directions, above all at a face of the cube. It is therefore set up anew around the best point
-//! as long as that helps, and then by turns around the best of some points anywhere and around the best.
+//! The simplex forgets directions, above all at a face of the cube, and it finds the minimum next to where it begins. So what the first
+//! descent has found is tried by pairs of descents, which run at the same time: one around the best point, and one around the best of
+//! some points anywhere. The search ends where a pair finds nothing better, and need not spend its budget.
 
-use super::state::{Scored, Search, extent, sort};
+use super::state::{Budget, Costs, Minimum, Scored, Search, extent, sort};
 use rand::RngExt;
+use rayon::prelude::*;
 
 /// Edge of the first simplex around a point, of the cube's.
 const EDGE: f64 = 0.1;
 /// Extent of a simplex at which it has converged.
-const CONVERGED: f64 = 1e-8;
-/// An improvement that a restart has to make to be repeated, as a fraction of the cost.
-const WORTHWHILE: f64 = 1e-6;
+const CONVERGED: f64 = 1e-5;
+/// Difference of a simplex's costs at which it has, as a fraction of the cost.
+const LEVEL: f64 = 1e-5;
+/// An improvement that a pair has to make for the search to go on, as a fraction of the cost.
+const WORTHWHILE: f64 = 1e-4;
 
-/// Spends the budget of a search.
+/// Searches until nothing better is found, or the budget is spent.
 pub fn run(search: &mut Search<'_>) {
     if search.best.cost == f64::INFINITY {
         search.evaluate(vec![search.best.at.clone()]);
     }
-    let mut afar = false;
-    while search.left() > 0 {
-        let before = search.best.cost;
-        let centre = if afar || before == f64::INFINITY { explore(search) } else { best(search) };
-        if let Some(simplex) = around(search, centre) {
-            descend(search, simplex);
-        }
-        let helped = search.best.cost < before - WORTHWHILE * before.abs();
-        afar = !helped && !afar;
+    let before = search.left();
+    let first = best(search);
+    if let Some(simplex) = around(search, first) {
+        descend(search, simplex);
     }
+    // A pair that the budget ends amid has seldom found anything better.
+    let pair = if search.best.cost.is_finite() { 2 * (before - search.left()) } else { 0 };
+    let mut helped = true;
+    while helped && search.left() > pair {
+        let before = search.best.cost;
+        let afar = explore(search);
+        let half = search.left() / 2;
+        let branches = [(best(search), search.left() - half), (afar, half)]
+            .map(|(centre, evaluations)| (centre, Budget { evaluations, seed: search.random.random() }));
+        let costs = search.costs();
+        let branch = |(centre, budget)| descended(costs, budget, centre);
+        let found: Vec<Minimum> = branches.into_par_iter().map(branch).collect();
+        for Minimum { at, cost, evaluations } in found {
+            search.note(evaluations, &[Scored { at, cost }]);
+        }
+        helped = before == f64::INFINITY || search.best.cost < before - WORTHWHILE * before.abs();
+    }
+}
+
+/// What a descent around a point finds with a budget of its own.
+fn descended(costs: Costs<'_>, budget: Budget, centre: Scored) -> Minimum {
+    let mut unwatched = |_: usize, _: &Minimum| ();
+    let mut own = Search::new(centre.at.len(), budget, costs, &mut unwatched);
+    own.best = Minimum { at: centre.at.clone(), cost: centre.cost, evaluations: 0 };
+    if let Some(simplex) = around(&mut own, centre) {
+        descend(&mut own, simplex);
+    }
+    own.best
 }
 
 fn best(search: &Search<'_>) -> Scored {
@@ -67,6 +94,10 @@ fn descend(search: &mut Search<'_>, mut simplex: Vec<Scored>) -> Option<()> {
     let n = search.dimension.max(2) as f64;
     let (expansion, contraction, shrinkage) = (1.0 + 2.0 / n, 0.75 - 0.5 / n, 1.0 - 1.0 / n);
     while extent(simplex.iter().map(|x| x.at.as_slice()), search.dimension) > CONVERGED {
+        let (low, high) = (simplex.first()?.cost, simplex.last()?.cost);
+        if high - low <= LEVEL * low.abs() {
+            break;
+        }
         let worst = simplex.pop()?;
         let (best, second) = (simplex.first()?.cost, simplex.last()?.cost);
         let reflected = beyond(search, &simplex, &worst, 1.0)?;

@@ -29,6 +29,9 @@ use trial::{PARTS, recordings};
 /// Devices that are simulated where nobody says how many.
 pub const DEVICES: u32 = 12;
 
+/// Numbers for which a device's search tries as many candidates: it begins where the actuator's ended, and fewer leave some devices
+/// less well learnt than the actuator is, which widens the interval.
+const OF_TWO: usize = 2;
 /// Half-width for a deviation of 1 of what is off in any case.
 const CERTAIN: f64 = 2.0;
 /// What no log can tell a model to be off less than, of the stroke.
@@ -48,7 +51,7 @@ pub struct Calibration {
 
 /// The interval of an identified model; `None` without a device that could be learnt, or where the
 /// training voltage does not move. `progress` is
-/// called after each of the simulated devices, whose searches try as many candidates as `search` has for one number.
+/// called after each of the simulated devices, whose searches try as many candidates as `search` has for two numbers.
 pub fn calibrate(
     problem: &Problem,
     candidate: &Candidate,
@@ -128,7 +131,7 @@ fn again(
     search: &SearchOptions,
 ) -> Result<Candidate, CandidateError> {
     let identification = Identification { problem, cost: candidate.fit.minimised, options: search, budget: None };
-    Candidate::new(problem, identification.again(&candidate.fit, search.evaluations as usize), context)
+    Candidate::new(problem, identification.again(&candidate.fit, OF_TWO * search.evaluations as usize), context)
 }
 
 /// What an estimate is off by in any case, µm: the median over the logs of the rms without offset, of what was held out, or

@@ -209,7 +209,7 @@ fn chain(bench: &Bench, progress: Progress<'_>) -> Row {
         let searched = StructureSearch {
             problem,
             cost,
-            methods: &[search.optimiser],
+            method: search.optimiser,
             evaluations: search.evaluations as usize * family.genes().len(),
             seed: search.seed,
         };

@@ -163,7 +163,7 @@ impl<'a> Structure<'a> {
         let search = StructureSearch {
             problem,
             cost,
-            methods: &[optimiser],
+            method: optimiser,
             evaluations: self.evaluations,
             seed: bench.search().seed.wrapping_add(seed),
         };

@@ -59,7 +59,7 @@ impl Default for SearchOptions {
 
 impl SearchOptions {
     /// What is searched for where nothing else is said: coordinates on the logs' own scale, 64 chromosomes of 10 bits a gene
-    /// in 10 rounds of 60 generations; 250 candidates a number by `cma-es` for the other models.
+    /// in 10 rounds of 60 generations; 250 candidates a number at most by `local` for the other models.
     pub const DEFAULT: Self = Self {
         ranges: Ranges::Data,
         bits: 10,
@@ -72,7 +72,7 @@ impl SearchOptions {
         selection: Selection::Tournament,
         elitism: Elitism::Reinsert,
         start: Start::Family,
-        optimiser: Optimiser::CmaEs,
+        optimiser: Optimiser::Local,
         evaluations: 250,
         seed: 1,
     };

@@ -50,7 +50,7 @@ pub struct SearchArgs {
     #[arg(long, hide_short_help = true, value_parser = choice(STARTS), default_value = "family")]
     pub start: Start,
     /// Method for the models beyond the Voigt family, of which only a few numbers are searched.
-    #[arg(long, hide_short_help = true, help_heading = OTHERS, value_parser = choice(OPTIMISERS), default_value = "cma-es")]
+    #[arg(long, hide_short_help = true, help_heading = OTHERS, value_parser = choice(OPTIMISERS), default_value = "local")]
     pub optimiser: Optimiser,
     /// Candidates that the method may try for each number that is searched.
     #[arg(
@@ -101,7 +101,7 @@ pub const OPTIMISERS: [Choice<Optimiser>; 5] = [
     (Optimiser::DifferentialEvolution, "differential-evolution", "Differential evolution"),
     (Optimiser::ParticleSwarm, "particle-swarm", "Particle swarm"),
     (Optimiser::CmaEs, "cma-es", "Covariance matrix adaptation"),
-    (Optimiser::Local, "local", "Nelder–Mead with restarts"),
+    (Optimiser::Local, "local", "Nelder–Mead, with restarts until they find nothing better"),
 ];
 
 options!(SearchArgs => SearchOptions {

@@ -31,13 +31,13 @@ pub struct Compare {
     /// {"max": …, "mean": …}.
     #[arg(long, value_name = "FILE.json")]
     pub instructions: Option<PathBuf>,
-    /// Candidates that may be evaluated for each model, of all its structures and by all methods together. A model in
+    /// Candidates that may be evaluated for each model, of all its structures together. A model in
     /// which nothing is to be searched takes one, its least-squares solution; one with several such structures one
     /// each.
     #[arg(long, value_name = "N", default_value_t = 4000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub budget: u32,
     /// Method for every model.
-    #[arg(long, value_parser = choice(OPTIMISERS), default_value = "cma-es")]
+    #[arg(long, value_parser = choice(OPTIMISERS), default_value = "local")]
     pub optimiser: Optimiser,
     /// Where the search of an extremum model starts: at the best of the simpler models' solutions, or in the middle.
     #[arg(long, value_parser = choice(STARTS), default_value = "family")]
