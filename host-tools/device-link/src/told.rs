@@ -100,10 +100,8 @@ mod tests {
     fn a_bias_that_was_there_before_is_not_taken_for_what_the_device_says_it_does() {
         let (device, before) = told_before();
         let (_line, mut client) = over(&device, told_in_vain());
-        let tells: [fn(&mut Client) -> Result<Health, ToldError>; 2] =
-            [|client| zero(client, 3.0), |client| shift(client, 3.0)];
-        for tell in tells {
-            let done = tell(&mut client);
+        for shifts in [false, true] {
+            let done = if shifts { shift(&mut client, 3.0) } else { zero(&mut client, 3.0) };
             assert!(matches!(&done, Err(ToldError::NotTaken { .. })), "{done:?}");
             let health = client.health().unwrap();
             assert!(health.bias_um == before.bias_um && health.bias_age_ticks.is_some(), "it is there: {health:?}");
