@@ -33,6 +33,8 @@ pub struct Facts {
     pub forget_restarts: fn(),
     /// Keeps the DAC's safe code for the starts after.
     pub keep_safe: fn(DacCode),
+    /// Keeps for them that a displacement was told.
+    pub keep_told: fn(),
     /// Analogue supply at boot, mV, where the board can measure it.
     pub supply_mv: Option<f32>,
     /// Measures it, mV, while the ticks go on: gives what the call before has begun, if that has ended, and begins anew.

@@ -5,6 +5,9 @@
 //! alone, the output is safe, and the link is there to mend it. Which code is the safe one only the stored table says; the one
 //! of the starts before lies beside the count. A start that begins the count anew knows no such code: the output may have been wired
 //! anew before it.
+//!
+//! Beside both lies whether a displacement was told, which every reset loses. Whoever relies on it is to hear so of any that nobody has
+//! asked for over the link, of the pin's and the supply's as well; where the memory has lost its content, nobody knows.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -24,6 +27,8 @@ pub struct Restarts {
     pub count: u32,
     /// The DAC's safe code then.
     pub safe: Option<DacCode>,
+    /// A displacement had been told since the last reset that was asked for.
+    pub told: bool,
 }
 
 impl Restarts {
@@ -33,16 +38,19 @@ impl Restarts {
     }
 }
 
-/// Two numbers, each with its complement, without which it is none: after power-on the memory holds anything.
+/// Three numbers, each with its complement, without which it is none: after power-on the memory holds anything.
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct Kept {
     count: [u32; 2],
     safe: [u32; 2],
+    told: [u32; 2],
 }
 
 /// No number.
 const NONE: [u32; 2] = [0, 0];
+/// The number that says that a displacement was told.
+const TOLD: u32 = 1;
 
 fn sealed(number: u32) -> [u32; 2] {
     [number, !number]
@@ -87,6 +95,7 @@ pub unsafe fn count(reset: ResetCause) -> Restarts {
             kept.safe = NONE;
         }
         restarts.safe = unsealed(kept.safe).map(|safe| DacCode(safe as u16));
+        restarts.told = unsealed(kept.told) == Some(TOLD);
         kept.count = sealed(restarts.count);
     };
     // SAFETY: by the caller's promise.
@@ -103,6 +112,15 @@ pub unsafe fn keep_safe(DacCode(code): DacCode) {
     unsafe { change(|kept| kept.safe = sealed(code.into())) };
 }
 
+/// Keeps for the next starts that a displacement was told.
+///
+/// # Safety
+/// By the main loop alone.
+pub unsafe fn keep_told() {
+    // SAFETY: by the caller's promise.
+    unsafe { change(|kept| kept.told = sealed(TOLD)) };
+}
+
 /// Begins the count anew: the device has run for [`SOON`].
 ///
 /// # Safety
@@ -112,13 +130,13 @@ pub unsafe fn forget() {
     unsafe { change(|kept| kept.count = sealed(0)) };
 }
 
-/// The reset that comes now has been asked for: it does not count.
+/// The reset that comes now has been asked for: it does not count, and whoever asked knows that it loses what was told.
 ///
 /// # Safety
 /// By the main loop alone.
 pub unsafe fn asked() {
     // SAFETY: by the caller's promise. No count at all.
-    unsafe { change(|kept| kept.count = NONE) };
+    unsafe { change(|kept| (kept.count, kept.told) = (NONE, NONE)) };
 }
 
 /// The count at a start, from the one before, if there was one.
@@ -148,14 +166,15 @@ mod tests {
     }
 
     #[test]
-    fn the_count_is_kept_until_it_is_forgotten_and_the_safe_code_with_it() {
+    fn the_count_is_kept_until_it_is_forgotten_and_the_safe_code_with_it_and_what_was_told_until_a_reset_is_asked_for()
+    {
         let own = ResetCause::SOFTWARE;
         // SAFETY: no other test uses the place.
         unsafe {
             forget();
             keep_safe(DacCode(512));
             let safe = Some(DacCode(512));
-            assert_eq!([count(own), count(own)], [1, 2].map(|count| Restarts { count, safe }));
+            assert_eq!([count(own), count(own)], [1, 2].map(|count| Restarts { count, safe, told: false }));
             forget();
             assert_eq!(count(own).count, 1);
             for begins_anew in [asked, || _ = count(ResetCause::BROWN_OUT)] {
@@ -163,11 +182,20 @@ mod tests {
                 begins_anew();
                 assert_eq!(count(own).safe, None, "the output may have been wired anew");
                 asked();
-                assert_eq!([count(own), count(own)], [0, 1].map(|count| Restarts { count, safe: None }));
+                assert_eq!([count(own), count(own)], [0, 1].map(|count| Restarts { count, safe: None, told: false }));
             }
             keep_safe(DacCode(700));
             let [.., third] = [count(own), count(own), count(own)];
             assert!(third.too_many() && third.safe == Some(DacCode(700)));
+            // What was told, the reset that is asked for forgets, and no other.
+            keep_told();
+            for cause in [own, ResetCause::WATCHDOG, ResetCause::PIN, ResetCause::BROWN_OUT, ResetCause::empty()] {
+                assert!([count(cause), count(cause)].iter().all(|start| start.told), "{cause:?}");
+            }
+            asked();
+            assert!([own, own].iter().all(|&cause| !count(cause).told));
+            change(|kept| kept.told = [TOLD, TOLD]);
+            assert!(!count(own).told, "as memory may be after the loss of power");
         }
     }
 }

@@ -34,7 +34,7 @@ pub struct Startup {
     pub connected: bool,
     /// How fast the DAC's code may go there.
     pub stride: Stride,
-    /// Faults known since boot, which last until the next reset; and whether a zero is lost since.
+    /// Faults known since boot, which last until the next reset; and whether a zero is lost, by that or since.
     pub faults: Faults,
 }
 
@@ -61,6 +61,7 @@ impl Startup {
         let mut faults = doubts;
         faults.set(Faults::NO_TABLE, table.is_none());
         faults.set(Faults::CLOCK, !facts.clock_good);
+        faults.set(Faults::ZERO_LOST, facts.restarts.told);
         let setpoint = driving.and_then(Setpoint::new);
         // A device that has just failed drives nothing by itself: what it did may be what made it fail.
         let calm = facts.restarts.count == 0 && !faults.intersects(Faults::UNSAFE);

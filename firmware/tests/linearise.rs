@@ -199,7 +199,7 @@ fn after_a_start_it_waits_for_a_controller_that_comes_later_and_for_an_amplifier
 
 #[test]
 fn it_is_not_entered_of_itself_after_a_failure_or_with_another_table_or_without_the_channel() {
-    let failed = Facts { restarts: Restarts { count: 1, safe: None }, ..FACTS };
+    let failed = Facts { restarts: Restarts { count: 1, ..FACTS.restarts }, ..FACTS };
     let blind = Facts { has_setpoint: false, ..FACTS };
     let none = Faults::empty();
     for (name, facts, doubts, mode) in [

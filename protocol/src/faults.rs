@@ -40,8 +40,8 @@ bitflags::bitflags! {
         const DEMONSTRATION = 1 << 12;
         /// The main loop has stood still: a drive goes to rest before the watchdog resets the device.
         const STALLED = 1 << 13;
-        /// The displacement had been told, and the estimate has begun anew since, by a fault or a pause: it is relative to the model's
-        /// zero again, and lasts until it is told anew.
+        /// The displacement had been told, and the estimate has begun anew since, by a fault, a pause or a restart that nobody has asked
+        /// for: it is relative to the model's zero again, and lasts until it is told anew.
         const ZERO_LOST = 1 << 14;
     }
 }

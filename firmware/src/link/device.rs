@@ -210,7 +210,12 @@ impl<F: NorFlash> Device<'_, F> {
         if matches!(command, Command::SetZero { .. }) && self.telemetry.doubts() {
             return Err(Refusal::NotBelieved);
         }
-        self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)
+        self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)?;
+        // Before the reply, so that no reset comes between. That of fed codes is over with them.
+        if self.telemetry.mode().measures() {
+            (self.facts.keep_told)();
+        }
+        Ok(())
     }
 
     /// Calls the displacement of now 0, for somebody beside the actuator: that of fed codes is none of it, and is told by who feeds

@@ -2,6 +2,7 @@
 
 use crate::bench::{Bench, TICKS};
 use crate::common::{FACTS, PERIOD, SAFE, compiled, driving, linearising, started, triangle};
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embassy_futures::block_on;
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Timer};
@@ -24,7 +25,7 @@ fn resets(bench: &mut Bench) {
 fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_that_is_asked_for_ends() {
     let kept = DacCode(1234);
     assert_ne!(Drive::rest(&driving()), Some(kept));
-    let facts = Facts { restarts: Restarts { count: TOO_MANY, safe: Some(kept) }, ..FACTS };
+    let facts = Facts { restarts: Restarts { count: TOO_MANY, safe: Some(kept), told: false }, ..FACTS };
     let start = || started(Startup::new(Some(&driving()), &facts, Faults::TABLE_FALLBACK));
 
     let (mut tick, mut link) = start();
@@ -88,7 +89,7 @@ fn a_reset_ends_even_where_the_output_never_comes_to_its_safe_code() {
 #[test]
 fn the_output_is_put_on_its_pin_only_where_somebody_knows_what_is_wired_to_it() {
     let kept = DacCode(1234);
-    let again = Facts { restarts: Restarts { count: 1, safe: Some(kept) }, ..FACTS };
+    let again = Facts { restarts: Restarts { count: 1, safe: Some(kept), told: false }, ..FACTS };
     let none = Faults::empty();
     let half = DacCode(FACTS.interface.dac_full_scale / 2);
     for table in [compiled(), driving()] {
@@ -114,4 +115,43 @@ fn the_output_is_put_on_its_pin_only_where_somebody_knows_what_is_wired_to_it() 
             }
         }
     }
+}
+
+#[test]
+fn a_zero_that_a_reset_has_lost_is_said_without_valid_until_it_is_told_anew() {
+    static KEPT: AtomicBool = AtomicBool::new(false);
+    let lost = Facts { restarts: Restarts { told: true, ..FACTS.restarts }, ..FACTS };
+    for table in [compiled(), driving()] {
+        let (mut tick, mut link) = started(Startup::new(Some(&table), &lost, Faults::empty()));
+        let mut k = 0;
+        let mut run = |ticks: u32, faults: Faults| {
+            for _ in 0..ticks {
+                k += 1;
+                tick.sample(triangle(k).into(), k * PERIOD);
+                assert_eq!((link.telemetry.faults(), tick.valid()), (faults, faults.is_empty()), "tick {k}");
+            }
+        };
+        let rest = if table.drive.is_some() { Faults::SAFE_OUTPUT } else { Faults::empty() };
+        run(3_000, Faults::ZERO_LOST | rest);
+        link.queues.commands.enqueue(Command::SetMode(Mode::Estimate)).unwrap();
+        run(10, Faults::ZERO_LOST | rest);
+        link.queues.commands.enqueue(Command::SetZero { at_um: 0.0 }).unwrap();
+        run(10, rest);
+    }
+    // It is kept as it is told, and not where codes are fed or it is refused.
+    let mut bench = Bench::new(Some(compiled()));
+    bench.device.facts.keep_told = || KEPT.store(true, Relaxed);
+    std::thread::sleep(TICKS);
+    let kept = |bench: &mut Bench, request: Request| (bench.ask(request), KEPT.swap(false, Relaxed));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pil)), Reply::Done);
+    assert_eq!(bench.ask(Request::Feed([30_000; 20].into_iter().collect())), Reply::Fed(20));
+    std::thread::sleep(TICKS);
+    assert_eq!(kept(&mut bench, Request::SetZero { at_um: 0.0 }), (Reply::Done, false));
+    assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done);
+    std::thread::sleep(TICKS);
+    assert!(matches!(kept(&mut bench, Request::SetZero { at_um: 1e6 }), (Reply::Refused(_), false)));
+    for told in [Request::SetZero { at_um: 0.0 }, Request::ShiftBias { by_um: 1.0 }] {
+        assert_eq!(kept(&mut bench, told), (Reply::Done, true));
+    }
+    assert_eq!((bench.device.zero(), KEPT.load(Relaxed)), (Ok(()), true), "by the button, too");
 }

@@ -105,7 +105,7 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
     let Chosen { table, source, doubts } = choose(&mut store, TABLE);
     assert_eq!((table, source, doubts), (Some(other()), TableSource::Stored, Faults::empty()));
 
-    let failing = Facts { restarts: Restarts { count: TOO_MANY, safe: None }, ..FACTS };
+    let failing = Facts { restarts: Restarts { count: TOO_MANY, ..FACTS.restarts }, ..FACTS };
     let Chosen { table, source, doubts } = block_on(boot::choose(&mut store, TABLE, &failing));
     let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
     assert!(

@@ -147,7 +147,7 @@ const FAULTS: [(Faults, &str); 15] = [
     ),
     (
         Faults::ZERO_LOST,
-        "its zero is lost: since the displacement was told, the estimate has begun anew, by a fault or a pause, and is relative to the model's zero again",
+        "its zero is lost: since the displacement was told, the estimate has begun anew, by a fault, a pause or a restart that nobody asked for, and is relative to the model's zero again",
     ),
     (Faults::MISSED_DEADLINE, "a tick came late or not at all, or was not done in time for its output"),
     (Faults::SAFE_OUTPUT, "the DAC stands at its safe value"),

@@ -91,6 +91,7 @@ pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
         restarts: Restarts::default(),
         forget_restarts: || {},
         keep_safe: |_| {},
+        keep_told: || {},
         supply_mv: None,
         measure_supply: || None,
         brown_out_level: None,

@@ -72,6 +72,8 @@ async fn main(_spawner: Spawner) {
         forget_restarts: || unsafe { restarts::forget() },
         // SAFETY: as above.
         keep_safe: |code| unsafe { restarts::keep_safe(code) },
+        // SAFETY: as above.
+        keep_told: || unsafe { restarts::keep_told() },
         supply_mv: None,
         measure_supply: || None,
         brown_out_level: None,

@@ -164,6 +164,8 @@ async fn main(_spawner: Spawner) {
         forget_restarts: || unsafe { restarts::forget() },
         // SAFETY: as above.
         keep_safe: |code| unsafe { restarts::keep_safe(code) },
+        // SAFETY: as above.
+        keep_told: || unsafe { restarts::keep_told() },
         supply_mv: Some(supply_mv),
         measure_supply: supply::measure,
         brown_out_level: Some(options.bor_lev()),

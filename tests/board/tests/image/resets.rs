@@ -233,6 +233,40 @@ fn fail(bench: &mut Bench) -> Result<()> {
     bench.reboot(Reset::Software)
 }
 
+#[test]
+fn a_zero_that_a_reset_nobody_asked_for_has_lost_is_said_without_valid_until_it_is_told_anew() -> Result<()> {
+    let (mut bench, _) = running()?;
+    bench.does(Request::SetZero { at_um: 0.0 })?;
+    let started = |bench: &mut Bench| -> Result<(Faults, usize)> {
+        bench.run(0.1)?;
+        let clock = bench.board.clock();
+        bench.run(0.1)?;
+        Ok((bench.health()?.faults, valid_since(&bench.board, clock)))
+    };
+    // By the watchdog, a fault and the pin, one after the other.
+    bench.board.poke(TIM6_CR1, 0)?;
+    resets(&mut bench, Reset::Watchdog, 221.0)?;
+    assert_eq!(started(&mut bench)?, (Faults::ZERO_LOST, 0));
+    fail(&mut bench)?;
+    assert_eq!(started(&mut bench)?, (Faults::ZERO_LOST, 0));
+    bench.reboot(Reset::Pin)?;
+    assert_eq!(started(&mut bench)?, (Faults::ZERO_LOST, 0));
+    bench.does(Request::SetZero { at_um: 0.0 })?;
+    let (faults, edges) = started(&mut bench)?;
+    assert!(faults.is_empty() && edges > 150, "{faults:?}, {edges} edges");
+    bench.reboot(Reset::Pin)?;
+    assert_eq!(started(&mut bench)?, (Faults::ZERO_LOST, 0), "that one is lost as well");
+    // Whoever asks for a reset knows; where power was lost, nobody does.
+    bench.restart()?;
+    let (faults, edges) = started(&mut bench)?;
+    assert!(faults.is_empty() && edges > 150, "{faults:?}, {edges} edges");
+    bench.does(Request::SetZero { at_um: 0.0 })?;
+    bench.reboot(Reset::PowerOn)?;
+    let (faults, edges) = started(&mut bench)?;
+    assert!(faults.is_empty() && edges > 150, "{faults:?}, {edges} edges");
+    Ok(())
+}
+
 /// A device with a stored table, which it uses.
 fn stored() -> Result<Bench> {
     let mut bench = Bench::started()?;
