@@ -56,12 +56,6 @@ impl Leap {
         }
     }
 
-    /// Whether the wire may be off.
-    #[inline]
-    pub fn off(&self) -> bool {
-        self.off
-    }
-
     /// [`Status::SLEW_EXCEEDED`], where the last code leapt, or codes that leapt were held no fewer ticks than have passed since; or
     /// where the wire may be off.
     #[inline]

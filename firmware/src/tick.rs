@@ -95,10 +95,8 @@ impl<'q> Tick<'q> {
         self.telemetry.set_setpoint(read.corrected.setpoint);
         let mut faults = self.startup.faults;
         if let Some(leap) = &mut self.startup.leap {
-            // A wire that may be off is looked at in every mode: that it is back shows once.
-            if self.mode.measures() || leap.off() {
-                read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
-            }
+            // In every mode, paused and fed ones as well: that a wire is off, or back, shows once.
+            read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
             faults |= leap.faults();
         }
         let read = match self.mode {

@@ -174,6 +174,40 @@ fn no_mode_that_is_set_ends_the_fault_of_a_wire_that_is_off() {
 }
 
 #[test]
+fn a_wire_that_comes_off_in_a_pause_or_while_codes_are_fed_is_a_fault_then_and_after_it() {
+    let lasting = Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT;
+    for between in [Mode::Pause, Mode::Pil] {
+        let mut bench = Bench::new(&stated());
+        (0..OFF).for_each(|k| _ = bench.step(triangle(k).0));
+        bench.set(between);
+        let tick = |bench: &mut Bench, code: u16| {
+            if between == Mode::Pil {
+                bench.link.queues.fed.enqueue(AdcCode(30_000)).expect("there is room");
+            }
+            bench.k += 1;
+            bench.tick.sample(AdcCode(code).into(), bench.k * PERIOD);
+            let sample = bench.link.queues.samples.dequeue().map(|numbered| numbered.sample);
+            assert!(
+                sample.is_none_or(|sample| sample.code == 30_000 && !sample.status.contains(Status::SLEW_EXCEEDED))
+            );
+            bench.link.telemetry.faults()
+        };
+        for k in 0..100 {
+            assert_eq!(tick(&mut bench, triangle(OFF + k).0), Faults::SAFE_OUTPUT, "{between:?}, {k}");
+        }
+        for k in 1..=2 * TOO_LONG {
+            let faults = if k < TOO_LONG { Faults::SAFE_OUTPUT } else { lasting };
+            assert_eq!(tick(&mut bench, open(k)), faults, "{between:?}, {k}");
+        }
+        bench.set(Mode::Estimate);
+        for k in 0..2 * HOLD {
+            let (dac, sample) = bench.step(open(k));
+            assert_eq!((dac, sample.faults, bench.tick.valid()), (SAFE, lasting, false), "{between:?}, {k}");
+        }
+    }
+}
+
+#[test]
 fn a_wire_that_is_plugged_in_again_in_a_pause_is_back_after_it() {
     let mut bench = off();
     bench.set(Mode::Pause);
