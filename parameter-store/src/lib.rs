@@ -19,7 +19,8 @@
 //! alone is whole. A cut leaves the whole one without a mark, and it is the last that was stored. With a mark, the newest was whole
 //! and is not any more: the one before, which may say something else altogether, is not given in its stead
 //! ([`StoreError::NewestLost`]). Power that fails between the new record's last word and the mark leaves none; whoever stored it
-//! was not told that it is, and storing it again sets the mark.
+//! was not told that it is, and storing it again sets the mark. Nor is there one where firmware stored the newest that set none, or where
+//! an erase of the marked page was cut when the mark had gone and the record had not: the one before is then given if the newest decays.
 //!
 //! The store does not know what a record means: what it gives back must still be parsed.
 #![cfg_attr(not(test), no_std)]

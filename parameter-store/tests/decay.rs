@@ -164,6 +164,33 @@ fn a_mark_of_which_a_bit_flips_is_one_and_a_blank_one_is_none() {
     }
 }
 
+#[test]
+fn without_a_mark_the_one_before_comes_back_until_a_table_is_stored_again_or_all_is_erased() {
+    for pages in Pages::both() {
+        let decayed = |memory: &[u8], page: usize| {
+            let mut memory = memory.to_vec();
+            memory[page * PAGE + 8] ^= 1;
+            memory
+        };
+        // As firmware leaves it that set none, or an erase that was cut when it had gone and the record had not.
+        let mut unmarked = pages.memory.clone();
+        unmarked[(1 - pages.newest) * PAGE + MARK..][..WORD].fill(0xFF);
+        assert_eq!(load(&unmarked), Ok(pages.new.clone()));
+        assert_eq!(load(&decayed(&unmarked, pages.newest)), Ok(pages.old.clone()));
+        for (next, page) in [(pages.new.clone(), pages.newest), (record(77), 1 - pages.newest)] {
+            let mut memory = unmarked.clone();
+            block_on(store(&mut memory).store(&next)).unwrap();
+            assert_eq!(load(&decayed(&memory, page)), Err(StoreError::NewestLost));
+        }
+        // The page that has decayed is erased first.
+        let mut cut = unmarked.clone();
+        cut[pages.newest * PAGE..][..PAGE].fill(0xFF);
+        assert_eq!(load(&cut), Ok(pages.old.clone()));
+        block_on(store(&mut cut).erase()).unwrap();
+        assert_eq!(block_on(store(&mut cut).load()), Ok(None));
+    }
+}
+
 /// A flash of which a page can no longer be erased, and says nothing of it, as a worn one may.
 struct Worn<'m> {
     flash: RamFlash<&'m mut [u8]>,
