@@ -154,23 +154,23 @@ macro_rules! models {
 // which `table/cycles.rs` says more. A model without an inverse has the first twice.
 models! {
     /// Eq. (4.8): five parameters, no extremum term.
-    Voigt, "voigt", "Voigt (4.8)", VoigtParameters, (10_200, 19_800);
+    Voigt, "voigt", "Voigt (4.8)", VoigtParameters, (10_700, 19_800);
     /// Eq. (5.4): the voltage-extremum term `g, h`.
-    VoltageExtremum, "voltage-extremum", "voltage-extremum (5.4)", VoigtParameters, (10_200, 36_400);
+    VoltageExtremum, "voltage-extremum", "voltage-extremum (5.4)", VoigtParameters, (10_700, 36_400);
     /// Eq. (5.5): the displacement-extremum term `e, f`.
-    DisplacementExtremum, "displacement-extremum", "displacement-extremum (5.5)", VoigtParameters, (10_200, 20_900);
+    DisplacementExtremum, "displacement-extremum", "displacement-extremum (5.5)", VoigtParameters, (10_700, 20_900);
     /// Eq. (5.3): both extremum terms.
-    Enhanced, "enhanced", "enhanced (5.3)", VoigtParameters, (10_200, 41_500);
+    Enhanced, "enhanced", "enhanced (5.3)", VoigtParameters, (10_700, 41_500);
     /// Kelvin–Voigt elements in series, Eq. (3.20).
-    VoigtChain, "voigt-chain", "Voigt chain (3.20)", VoigtChainParameters, (11_300, 40_600);
+    VoigtChain, "voigt-chain", "Voigt chain (3.20)", VoigtChainParameters, (11_700, 40_600);
     /// Play operators and a superposition of dead zones, Eq. (3.6–3.9).
-    PrandtlIshlinskii, "prandtl-ishlinskii", "Prandtl–Ishlinskii (3.9)", PrandtlIshlinskiiParameters, (11_200, 30_200);
+    PrandtlIshlinskii, "prandtl-ishlinskii", "Prandtl–Ishlinskii (3.9)", PrandtlIshlinskiiParameters, (11_600, 30_200);
     /// Elasto-slide elements in parallel, Eq. (3.10).
-    MaxwellSlip, "maxwell-slip", "Maxwell-slip (3.10)", MaxwellSlipParameters, (10_500, 21_900);
+    MaxwellSlip, "maxwell-slip", "Maxwell-slip (3.10)", MaxwellSlipParameters, (10_900, 21_900);
     /// Coleman and Hodgdon's form of Eq. (3.11).
-    Duhem, "duhem", "Duhem (3.11)", DuhemParameters, (9_500, 16_400);
+    Duhem, "duhem", "Duhem (3.11)", DuhemParameters, (9_900, 16_900);
     /// Of the Duhem family: Bouc–Wen with asymmetry.
-    BoucWen, "bouc-wen", "Bouc–Wen", BoucWenParameters, (9_200, 20_500);
+    BoucWen, "bouc-wen", "Bouc–Wen", BoucWenParameters, (9_600, 21_100);
     /// Relays with a density on a grid, Eq. (3.1–3.5).
     Preisach, "preisach", "Preisach (3.1)", PreisachParameters, (20_300, 106_500);
     /// Black box of Table 5.1: a polynomial of past voltages and displacements, and of extrema.

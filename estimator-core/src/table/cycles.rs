@@ -90,7 +90,7 @@ const BOUC_WEN_SQUARE: (u32, u32) = (18_300, 68_700);
 const BOUC_WEN_POWER: (u32, u32) = (88_000, 245_900);
 
 /// Of a straight line.
-const STRAIGHT_LINE: (u32, u32) = (4_200, 8_300);
+const STRAIGHT_LINE: (u32, u32) = (4_500, 8_300);
 
 #[cfg(test)]
 mod tests {
