@@ -92,6 +92,16 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     {
         assert!(said.contains(part), "{part:?} is missing in\n{said}");
     }
+    // Limits are said as they are typed.
+    let less = folder.path().join("less.toml");
+    let facts =
+        std::fs::read_to_string(board).unwrap().replace("drive_range = [0.0, 100.0]", "drive_range = [0.0, 99.9]");
+    std::fs::write(&less, facts).unwrap();
+    let dry = |board| ["prove", "--dry-run", "--json", "--board", board, "--port", port, "--out", text(&elsewhere)];
+    let said = json(piezo().args(dry(text(&less))));
+    let list = said["would"].as_array().unwrap();
+    assert!(list[0].as_str().unwrap().contains("from rest at 0 V over 0 … 99.9 V, at "), "{said}");
+    assert!(list.len() == 5 && said["refused"].as_array().unwrap().is_empty(), "{said}");
     let after = json(piezo().args(["info", "--port", port, "--json"]));
     assert_eq!(number(&after, "/health/bias_um"), number(&before, "/health/bias_um"));
     assert!(number(&after, "/health/bias_age_ticks") > number(&before, "/health/bias_age_ticks"));
@@ -155,6 +165,31 @@ fn a_flash_in_a_file_outlives_its_board() {
     std::fs::write(&flash, "no flash").unwrap();
     let other = ["emulate", "--tcp-port", "0", "--board", text(&board), "--flash", text(&flash)];
     refused(&other, &["flash.bin", "it has 8 bytes"]);
+}
+
+#[test]
+fn a_session_that_is_unfinished_is_said_to_be_and_not_planned_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, board) = (folder.path().join("p885"), folder.path().join("board.toml"));
+    std::fs::create_dir(&out).unwrap();
+    let log = "[[logs]]\nlog = \"01-steps.csv\"\nheld_out = false\ncomplete = true\n";
+    std::fs::write(out.join("01-steps.csv"), "time_s,voltage_V,displacement_um\n").unwrap();
+    for verb in ["learn", "train"] {
+        let dry = [verb, "--dry-run", "--port", "tcp:127.0.0.1:1", "--board", text(&board), "--out", text(&out)];
+        // A device is not looked for, either.
+        for typed in [&dry[..], &[&dry[..1], &dry[2..]].concat()] {
+            std::fs::write(out.join("session.toml"), format!("complete = false\nseed = 1\nplanned = 7\n{log}"))
+                .unwrap();
+            let learn =
+                format!("learn from what is there:\n    piezo identify {0} --out {0}/model --board ", text(&out));
+            let said =
+                refused(typed, &["from a session before", "1 of 7 logs are there", "choose another --out", &learn]);
+            assert!(!said.contains("prove again"), "{said}");
+            std::fs::write(out.join("session.toml"), "complete = false\nseed = 1\nplanned = 7\nlogs = []\n").unwrap();
+            let said = refused(typed, &["0 of 7 logs are there", "choose another --out"]);
+            assert!(!said.contains("piezo identify"), "{said}");
+        }
+    }
 }
 
 #[test]

@@ -105,6 +105,8 @@ pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(us
 pub fn foresee(client: &mut Client, proof: &Proof<'_>) -> Result<Vec<String>, BenchError> {
     let Plan { table, request, lead_in, random, .. } = plan(client, proof)?;
     let Request { min_v, max_v, rest_v, slew_v_per_s, tick_s, seed, up_to_hz, .. } = request;
+    // As they were typed: a limit's other digits are those of an f32 in an f64.
+    let [min_v, max_v, rest_v, slew_v_per_s] = [min_v, max_v, rest_v, slew_v_per_s].map(|number| number as f32);
     let [before_s, random_s] = [lead_in.len(), random.len()].map(|ticks| ticks as f64 * tick_s);
     let holds = match table.interval {
         Some(_) => format!(", and the table's ± holds the sensor for {ENOUGH_PERCENT} % of the time"),

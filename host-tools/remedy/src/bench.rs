@@ -3,7 +3,9 @@
 use super::bits::faults;
 use super::device::too_long;
 use super::paste::{quoted, typed, verb, with};
-use bench::{AnotherBoard, BenchError, BoardFileError, CalibrationError, Complaint, NoModel, Wiring, WiringError};
+use bench::{
+    AnotherBoard, BenchError, BoardFileError, CalibrationError, Complaint, NoModel, Session, Wiring, WiringError,
+};
 use emulator::{Bench, EmulatorError};
 use estimator_core::table::Misfit;
 use excitation::ExcitationError;
@@ -107,9 +109,23 @@ fn session(error: &BenchError) -> String {
                     typed("--board")
                 )
             }
-            _ if verb("learn") => {
+            _ if verb("learn") && path.ends_with("proof") => {
                 format!("{error}: choose another --out, or prove again: `piezo prove --out` another folder")
             }
+            Some(folder) if verb("train") || verb("learn") => match bench::session(folder) {
+                Ok(Session { unfinished: Some(unfinished), logs, .. }) if !logs.is_empty() => {
+                    let folder = quoted(&folder.display().to_string());
+                    let board = typed("--board");
+                    format!(
+                        "{error}; {unfinished}: choose another --out, or learn from what is there:\n    \
+                         piezo identify {folder} --out {folder}/model{board}"
+                    )
+                }
+                Ok(Session { unfinished: Some(unfinished), .. }) => {
+                    format!("{error}; {unfinished}: choose another --out")
+                }
+                _ => format!("{error}: choose another --out"),
+            },
             _ => format!("{error}: choose another --out"),
         },
         BenchError::BeyondDrive { range_v, .. } => {
