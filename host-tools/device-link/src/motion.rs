@@ -6,6 +6,7 @@
 
 use crate::client::Client;
 use crate::error::LinkError;
+use crate::window::Window;
 use estimator_core::{AdcCode, Admitted};
 use protocol::Sample;
 use std::time::{Duration, Instant};
@@ -31,6 +32,12 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// What a device that runs this table did at the end of the last second, as far back as there are samples.
+    pub fn within(window: &Window, table: &Admitted) -> Self {
+        let samples = (LOOKED_S / (table.sample_period::<f64>() * f64::from(window.every().get()))) as usize;
+        Self::of(&window.tail(samples), table)
+    }
+
     fn of(samples: &[Sample], table: &Admitted) -> Self {
         let volts: Vec<f64> = samples.iter().map(|sample| table.adc.voltage(AdcCode(sample.code))).collect();
         let over =
@@ -93,6 +100,8 @@ fn hear(client: &mut Client, ticks: f64) -> Result<Vec<Sample>, LinkError> {
 mod tests {
     use super::*;
     use emulator::TABLE;
+    use protocol::Samples;
+    use std::num::NonZeroU8;
 
     /// How far it moves, of a voltage by the tick, as a part of the table's voltages above their middle.
     fn moved(of: impl Fn(f64) -> f64) -> Option<f64> {
@@ -139,5 +148,33 @@ mod tests {
         assert!((45..=60).contains(&moves) && slow(25).is_none(), "{moves} of 100 s");
         assert!(moved(|s| 0.1 * s).is_some(), "a ramp");
         assert_eq!(Motion::of(&[], &TABLE.admit().unwrap()), Motion::default());
+    }
+
+    #[test]
+    fn of_a_stream_what_came_last_is_looked_at_also_where_ticks_are_left_out() {
+        let table = TABLE.admit().unwrap();
+        let sample = |code| Sample {
+            code,
+            sensor: None,
+            displacement: 0.0,
+            half_width: None,
+            dac: 0,
+            status: Default::default(),
+            faults: Default::default(),
+        };
+        for every in [1, 4].map(|every| NonZeroU8::new(every).unwrap()) {
+            // It leaps, and stands for so long.
+            let moved = |stood_s: f64| {
+                let mut window = Window::new(table.adc, (1.0 / table.sample_period::<f64>()) as usize);
+                let stood = (stood_s / table.sample_period::<f64>()) as usize / usize::from(every.get());
+                let codes = std::iter::repeat_n(10_000, 50).chain(std::iter::repeat_n(30_000, stood));
+                for (number, code) in (0..).zip(codes) {
+                    let samples = std::iter::once(sample(code)).collect();
+                    window.take(&Samples { first: number * u32::from(every.get()), every, samples });
+                }
+                Motion::within(&window, &table).moved_v
+            };
+            assert!(moved(0.9 * LOOKED_S).is_some() && moved(1.1 * LOOKED_S).is_none(), "{every}");
+        }
     }
 }

@@ -110,6 +110,11 @@ impl Window {
         self.samples.back()
     }
 
+    /// The last so many samples, or all that there are.
+    pub fn tail(&self, length: usize) -> Vec<Sample> {
+        self.samples.range(self.samples.len().saturating_sub(length)..).copied().collect()
+    }
+
     /// The last ADC code.
     pub fn code(&self) -> Option<u16> {
         self.last().map(|sample| sample.code)

@@ -11,6 +11,7 @@ use crate::figures::{facts, figures};
 use crate::log::Log;
 use crate::message::{self, State, Words};
 use crate::server::{Asked, Server, Wish};
+use device_link::motion::Motion;
 use device_link::window::Window;
 use device_link::{LinkError, told, words};
 use protocol::{Faults, Health, Samples};
@@ -258,15 +259,17 @@ impl Link {
         asked.answer(done);
     }
 
-    /// Calls the displacement of now `at`, µm.
+    /// Calls the displacement of now `at`, µm; says what that is worth where the voltage moves.
     fn zero(&mut self, at: f64) -> Result<String, Undone> {
         bench::require_model(&self.device.table)?;
         let before = self.device.client.health()?;
         if let Some(why) = remedy::not_estimating(before.mode, self.device.client.address()) {
             return Err(Undone::NotEstimating(why));
         }
+        let motion = Motion::within(&self.window, &self.device.table);
         self.health = told::zero(&mut self.device.client, at as f32)?;
-        Ok(format!("called {at} µm; {}", self.bias()))
+        let moving = remedy::moving(&motion, at).map_or(String::new(), |moving| format!("; careful: {moving}"));
+        Ok(format!("called {at} µm; {}{moving}", self.bias()))
     }
 
     fn bias(&self) -> String {

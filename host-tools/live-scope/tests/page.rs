@@ -209,6 +209,34 @@ fn its_button_zeroes_and_says_what_came_of_it() {
 }
 
 #[test]
+fn its_button_says_what_a_zero_is_worth_that_is_told_while_the_voltage_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    let says = |device: SocketAddr| {
+        let mut said = String::new();
+        shown(device, folder.path(), |page| {
+            page.events().wait("state", |state| state["rate"].as_f64().is_some_and(|rate| rate > 0.0));
+            said = page.asks("zero", r#"{"at_um": 7.5}"#).1;
+        });
+        said
+    };
+    // The emulated converter goes up and down once a second.
+    let moving = Emulator::new().start().unwrap();
+    let said = says(moving.address());
+    assert!(
+        said.starts_with("called 7.5 µm; zeroed ") && said.contains("; careful: the voltage is moving, by "),
+        "{said}"
+    );
+    let mut noise = 0;
+    let still = move |_| {
+        noise = 1 - noise;
+        AdcCode(30_000 + noise).into()
+    };
+    let still = Emulator::new().plant(still).start().unwrap();
+    let said = says(still.address());
+    assert!(said.starts_with("called 7.5 µm; zeroed ") && !said.contains("moving"), "{said}");
+}
+
+#[test]
 fn its_button_zeroes_only_where_the_verb_does() {
     let folder = tempfile::tempdir().unwrap();
     let device = Emulator::new().start().unwrap();

@@ -6,6 +6,7 @@ mod bits;
 mod device;
 mod identification;
 mod log;
+mod motion;
 mod paste;
 mod proof;
 mod state;
@@ -21,6 +22,7 @@ pub use findings::{
 };
 pub use identification::{ENDS, mismatch};
 pub use log::kept;
+pub use motion::moving;
 pub use paste::{learn_from, quoted};
 pub use proof::{narrow, other_range, unproven, zeroed};
 pub use state::{Known, state};

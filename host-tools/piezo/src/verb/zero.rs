@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use device_link::cycle::{Cycle, Wish, over_cycle};
 use device_link::interrupt::Interrupt;
-use device_link::motion::{LOOKED_S, Motion, displacement, look};
+use device_link::motion::{Motion, displacement, look};
 use device_link::table;
 use device_link::{Client, told, words};
 use estimator_core::{Admitted, Status};
@@ -55,7 +55,7 @@ pub fn run(arguments: &Zero) -> Result<bool> {
         true => Motion { displacement_um: displacement(&mut client)?, ..Motion::default() },
         false => look(&mut client, &table)?,
     };
-    before.moved_v.iter().for_each(|volts| eprintln!("piezo: careful: {}", moving(*volts, &before, arguments)));
+    remedy::moving(&before, arguments.at).iter().for_each(|moving| eprintln!("piezo: careful: {moving}"));
     let cycle = if arguments.over_cycle { Some(cycle(arguments, &mut client, &table, &interrupt)?) } else { None };
     let health = match cycle {
         Some(cycle) => told::shift(&mut client, (arguments.at - cycle.mean_um) as f32)?,
@@ -125,14 +125,4 @@ fn tell(cycle: &Cycle, at: f64, table: &Admitted) {
 
 fn seconds(ticks: usize, table: &Admitted) -> f64 {
     ticks as f64 * f64::from(table.sample_period_us) * 1e-6
-}
-
-/// What a zero is worth that is told while the voltage moves.
-fn moving(volts: f64, before: &Motion, arguments: &Zero) -> String {
-    format!(
-        "the voltage is moving, by {volts:.3} V within {LOOKED_S} s, and the estimate with it by {:.3} µm: what is called {} µm is \
-         wherever it was at that instant, and nobody knows where. Let it come to rest and zero again; or tell the mean over a cycle, with \
-         --over-cycle",
-        before.moved_um, arguments.at
-    )
 }
