@@ -30,3 +30,16 @@ fn a_machine_in_german_reads_and_prints_the_same_numbers() {
         assert_eq!(said("de_DE.UTF-8", verb), said("C", verb), "{verb:?}");
     }
 }
+
+/// Numbers of a C library are those of no language until a program asks for one by these functions, whatever languages are installed
+/// here; one that goes by the variables itself has their names.
+#[test]
+fn the_program_asks_for_no_language() {
+    let program = std::fs::read(env!("CARGO_BIN_EXE_piezo")).unwrap();
+    let program = String::from_utf8_lossy(&program);
+    // A variable that it reads, and the function that it reads it with.
+    assert!(program.contains("PIEZO_PORT") && (cfg!(not(unix)) || program.contains("getenv")));
+    for asks in ["setlocale", "newlocale", "uselocale", "localeconv", "nl_langinfo", "LC_ALL", "LC_NUMERIC"] {
+        assert!(!program.contains(asks), "{asks}");
+    }
+}
