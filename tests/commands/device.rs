@@ -23,7 +23,7 @@ const VERBS: [&[&str]; 9] = [
 ];
 
 /// A table for the primary board, in a folder.
-fn for_the_board(folder: &Path) -> String {
+pub fn for_the_board(folder: &Path) -> String {
     let out = folder.join("board");
     let table = data("table/table.toml");
     piezo().args(["emit", text(&table), "--adc-full-scale", "65520", "--out", text(&out)]).assert().success();
@@ -97,8 +97,13 @@ fn flash_shows_the_commands_it_would_run() {
         ])
     );
     assert_eq!(plan["written"], false);
+    let sentences = |list: &str| plan[list].to_string();
+    assert!(sentences("doubts").contains("single amplitude") && sentences("refused").contains("--doubted"), "{plan}");
     let elsewhere = ["--parameters-at", "0x0803f000", "--chip", "STM32G431RBTx"];
     let plan = json(piezo().args(["flash", "--table", &table, "--dry-run", "--json"]).args(elsewhere));
+    assert_eq!(plan["refused"].as_array().unwrap().len(), 1);
+    let may = json(piezo().args(["flash", "--table", &table, "--dry-run", "--json", "--doubted"]));
+    assert!(may["doubts"] == plan["doubts"] && may["refused"].as_array().unwrap().is_empty(), "{may}");
     let command = plan["commands"][0].as_str().unwrap();
     assert!(command.contains("--base-address 0x0803f000") && command.contains("STM32G431RBTx"), "{command}");
 }

@@ -1,13 +1,13 @@
 //! A table's doubts are said before it goes to a board, and it goes where somebody says so.
 
-use super::{piezo, root, text};
+use super::{piezo, text};
 use assert_cmd::Command;
 use emulator::{EmulatedDevice, Emulator};
 use protocol::TableSource;
 
 /// A table with doubts, for the emulated board.
-const DOUBTED: &str = "tests/data/table/models/duhem.toml";
-const DOUBT: &str = "the training logs have a single amplitude";
+pub const DOUBTED: &str = "tests/data/table/models/duhem.toml";
+pub const DOUBT: &str = "the training logs have a single amplitude";
 
 fn push(device: &EmulatedDevice, table: &str, more: &[&str]) -> Command {
     let mut command = piezo();
@@ -16,7 +16,7 @@ fn push(device: &EmulatedDevice, table: &str, more: &[&str]) -> Command {
 }
 
 /// Whether the device has a stored table; it restarts.
-fn stored(device: &EmulatedDevice) -> bool {
+pub fn stored(device: &EmulatedDevice) -> bool {
     let (mut client, _) = device_link::Client::connect(&device.address().into()).unwrap();
     client.restart().unwrap().source == TableSource::Stored
 }
@@ -46,38 +46,4 @@ fn where_nobody_can_be_asked_a_doubted_table_goes_to_no_board_unless_that_is_sai
     let alone = folder.path().join("alone.bin");
     std::fs::copy(&record, &alone).unwrap();
     push(&device, text(&alone), &[]).assert().success();
-}
-
-#[cfg(unix)]
-#[test]
-fn on_a_terminal_it_is_asked_for_and_nothing_but_yes_is_yes() {
-    use serialport::{SerialPort, TTYPort};
-    use std::fs::File;
-    use std::io::{Read, Write};
-    use std::process::{Command, Stdio};
-    let device = Emulator::new().start().unwrap();
-    let asked = |answer: &str| {
-        let (mut user, terminal) = TTYPort::pair().unwrap();
-        user.set_timeout(std::time::Duration::from_secs(20)).unwrap();
-        let open = || File::options().read(true).write(true).open(terminal.name().unwrap()).unwrap();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_piezo"));
-        command.args(["push", DOUBTED, "--reset", "--port", &format!("tcp:{}", device.address())]);
-        command.current_dir(root()).stdin(open()).stderr(open()).stdout(Stdio::piped());
-        let mut host = command.spawn().unwrap();
-        let (mut said, mut byte) = (Vec::new(), [0]);
-        while !said.ends_with(b"[y/N] ") {
-            user.read_exact(&mut byte).unwrap();
-            said.extend(byte);
-        }
-        let said = String::from_utf8(said).unwrap();
-        assert!(said.contains(DOUBT), "{said}");
-        user.write_all(answer.as_bytes()).unwrap();
-        host.wait().unwrap().code()
-    };
-    for no in ["\n", "n\n", "why\n"] {
-        assert_eq!(asked(no), Some(2), "{no:?}");
-        assert!(!stored(&device), "{no:?}");
-    }
-    assert_eq!(asked("y\n"), Some(0));
-    assert!(stored(&device));
 }

@@ -1,5 +1,7 @@
 //! Whole commands, as a user types them, on the measured log and on the synthetic rig.
 
+#[cfg(unix)]
+mod asked;
 mod assumed;
 mod bench;
 mod calibrate;

@@ -4,6 +4,7 @@ use crate::wiring::{NO_MODEL, is_line};
 use ::calibration::drive::trained_on;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Range, Table};
 use feedforward::{Beyond, Plan, reach};
+use std::path::Path;
 
 /// What is said of a table with which a device does not find a monitor's wire that is off: nobody said how fast the amplifier is, or
 /// it is so fast that hardly any leap is more than it can.
@@ -62,6 +63,19 @@ pub fn beyond_training(table: &Admitted, plan: &Plan) -> Option<String> {
 /// What a table is called: by its model, where it has one.
 pub fn title(table: &Table) -> String {
     if is_line(table) { "straight line".to_owned() } else { table.model().to_string() }
+}
+
+/// A table as a sentence names it: by its file, its model, its checksum, and that of the file's own table, which has not the board's
+/// calibration.
+pub fn called(file: &Path, table: &Admitted) -> String {
+    let own = table_files::name(table);
+    let from = table_files::read(file).ok().map(|(_, of_file)| table_files::name(&of_file)).filter(|from| *from != own);
+    let from = from.map_or(String::new(), |from| format!(" as calibrated for this board; made from {from}"));
+    let file = file.display();
+    match is_line(table) {
+        true => format!("{file} (checksum {own}{from})"),
+        false => format!("{file} ({}, checksum {own}{from})", title(table)),
+    }
 }
 
 /// A table in a few lines.

@@ -52,11 +52,6 @@ pub fn for_board(table: &Path, board: &Path) -> Result<(PathBuf, Admitted, Vec<S
     Ok((path, admitted, file.doubts))
 }
 
-/// The record in a table's file as it is there, before it has a board's calibration; `None` where there is no such file.
-pub fn made_from(file: &Path) -> Option<Vec<u8>> {
-    table_files::read(file).ok().map(|(_, table)| to_record(&table).to_vec())
-}
-
 /// Narrows a board's limits to a table's own; says so where that changes them.
 fn keep(own: DriveLimits, limits: &mut DriveLimits) -> Option<String> {
     let of_board = *limits;

@@ -84,6 +84,17 @@ pub fn careful(refusal: &(dyn Error + 'static)) -> String {
 }
 
 impl WriteOptions {
+    /// Refuses what the device would refuse of [`WriteOptions::write`] with this table.
+    pub fn hindered(&self, client: &mut Client, table: &Table) -> Result<()> {
+        self.interrupting.consent(client, false)?;
+        self.writing().refusals(client, Some(table))?.into_iter().next().map_or(Ok(()), |refusal| Err(refusal.into()))
+    }
+
+    fn writing(&self) -> Writing {
+        let &Self { while_estimating, pause, reset, rewired, .. } = self;
+        Writing { while_estimating, pause, reset, rewired }
+    }
+
     /// Writes as asked, a table or none; returns the identity after the restart, where there was one. A dry run says what would be refused,
     /// and returns it.
     ///
@@ -95,10 +106,9 @@ impl WriteOptions {
         table: Option<&Table>,
         write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
     ) -> Result<(Option<Identity>, Vec<String>)> {
-        let &Self { while_estimating, pause, reset, rewired, dry_run, interrupting } = self;
-        let busy = interrupting.consent(client, dry_run)?;
-        let writing = Writing { while_estimating, pause, reset, rewired };
-        if dry_run {
+        let busy = self.interrupting.consent(client, self.dry_run)?;
+        let writing = self.writing();
+        if self.dry_run {
             let refusals = writing.refusals(client, table)?;
             return Ok((None, busy.into_iter().chain(refusals.iter().map(|refusal| careful(refusal))).collect()));
         }

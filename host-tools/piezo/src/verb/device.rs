@@ -1,7 +1,6 @@
 //! What the verbs that talk to a device have in common.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use device_link::table::to_record;
 use device_link::{Address, Client};
 use estimator_core::table::Board;
 use estimator_core::{Admitted, record};
@@ -18,28 +17,52 @@ pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
     Ok(())
 }
 
-/// Says a table's doubts before it goes to a board, and on a terminal asks whether it is to; where nobody can be asked, it goes only if
-/// that was said. Returns why it would not, where it does not go in any case.
-pub fn doubted(file: &Path, doubts: &[String], may: bool, dry_run: bool) -> Result<Option<String>> {
+/// What a table's doubts, once they are said, leave to be answered before it goes to a board.
+#[derive(Debug)]
+pub enum Doubts<'f> {
+    /// Nothing.
+    Settled,
+    /// On a terminal, whether this file goes all the same.
+    Asked(&'f Path),
+    /// Why a dry run says that it would not go.
+    Refused(String),
+}
+
+/// Says a table's doubts before it goes to a board. Where nobody can be asked, it goes only if that was said.
+pub fn doubted<'f>(file: &'f Path, doubts: &[String], may: bool, dry_run: bool) -> Result<Doubts<'f>> {
     doubts.iter().for_each(|doubt| eprintln!("piezo: careful: {}: {doubt}", file.display()));
     if doubts.is_empty() || may {
-        return Ok(None);
+        return Ok(Doubts::Settled);
     }
-    let terminal = stdin().is_terminal() && stderr().is_terminal();
+    if stdin().is_terminal() && stderr().is_terminal() {
+        return Ok(if dry_run { Doubts::Settled } else { Doubts::Asked(file) });
+    }
     let refusal = format!(
         "{}: has doubts, which stand above, and nobody can be asked: mend what they name, or write it all the same with --doubted",
         file.display()
     );
-    if dry_run {
-        return Ok(Some(refusal).filter(|_| !terminal));
+    ensure!(dry_run, refusal);
+    Ok(Doubts::Refused(refusal))
+}
+
+impl Doubts<'_> {
+    /// Why a dry run says that the table would not go.
+    pub fn refused(self) -> Option<String> {
+        if let Self::Refused(why) = self { Some(why) } else { None }
     }
-    ensure!(terminal, refusal);
-    eprint!("Does it go to the board all the same? [y/N] ");
-    let mut answer = String::new();
-    stdin().read_line(&mut answer).context("standard input")?;
-    let yes = ["y", "yes"].contains(&answer.trim().to_lowercase().as_str());
-    ensure!(yes, "{}: nothing was written", file.display());
-    Ok(None)
+
+    /// Asks where that is open: after whatever else may hinder, which nobody is asked for nothing. Nothing listens for Ctrl-C by then, so
+    /// that it ends the question.
+    pub fn ask(&self, hindered: impl FnOnce() -> Result<()>) -> Result<()> {
+        let Self::Asked(file) = self else { return Ok(()) };
+        hindered()?;
+        eprint!("Does it go to the board all the same? [y/N] ");
+        let mut answer = String::new();
+        stdin().read_line(&mut answer).context("standard input")?;
+        let yes = ["y", "yes"].contains(&answer.trim().to_lowercase().as_str());
+        ensure!(yes, "{}: nothing was written", file.display());
+        Ok(())
+    }
 }
 
 /// Reads a table that goes nowhere; says so where it lies beside a face of another table.
@@ -59,19 +82,7 @@ pub fn checksum(record: &[u8]) -> String {
 /// What a dry run says of a table that fits a board, after what would be refused.
 pub fn fits_unwritten(name: &Path, table: &Admitted, identity: &Identity, refused: &[String]) -> String {
     let but = if refused.is_empty() { "" } else { ", but would be refused" };
-    format!("{} fits {}{but}; nothing was written", called(name, table), identity.board)
-}
-
-/// A table as a sentence names it: by its file, its model, and its checksum.
-pub fn called(name: &Path, table: &Admitted) -> String {
-    let own = checksum(&to_record(table));
-    let from = bench::made_from(name).map(|record| checksum(&record)).filter(|from| *from != own);
-    let from = from.map_or(String::new(), |from| format!(" as calibrated for this board; made from {from}"));
-    let (name, title, checksum) = (name.display(), bench::title(table), own + &from);
-    match bench::is_line(table) {
-        true => format!("{name} (checksum {checksum})"),
-        false => format!("{name} ({title}, checksum {checksum})"),
-    }
+    format!("{} fits {}{but}; nothing was written", bench::called(name, table), identity.board)
 }
 
 /// Says when frames came damaged, which a sound line does not do.

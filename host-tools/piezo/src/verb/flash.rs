@@ -1,6 +1,6 @@
 //! `piezo flash`: a firmware image, a table, or both, by a debug probe.
 
-use super::device;
+use super::device::{self, Doubts};
 use super::print::out;
 use crate::option::link::Doubted;
 use anyhow::{Context, Result, ensure};
@@ -57,6 +57,15 @@ fn address(text: &str) -> Result<u32, String> {
     parsed.map_err(|_| "expected an address, as 0x0807f000".to_owned())
 }
 
+/// What goes into the parameter pages.
+struct Content<'f> {
+    bytes: Vec<u8>,
+    /// Of the table.
+    doubts: Vec<String>,
+    /// What they leave to be answered.
+    doubted: Doubts<'f>,
+}
+
 /// Runs the verb.
 pub fn run(arguments: &Flash) -> Result<bool> {
     let place = place(arguments)?;
@@ -67,11 +76,12 @@ pub fn run(arguments: &Flash) -> Result<bool> {
     if !arguments.dry_run {
         probe::installed()?;
         if let Some(content) = &content {
-            std::fs::write(&file, content).with_context(|| format!("{}: cannot be written", file.display()))?;
+            content.doubted.ask(|| Ok(()))?;
+            std::fs::write(&file, &content.bytes).with_context(|| format!("{}: cannot be written", file.display()))?;
         }
         commands.iter().try_for_each(|command| probe::run(command))?;
     }
-    tell(arguments, &commands, &place)?;
+    tell(arguments, &commands, &place, content)?;
     Ok(true)
 }
 
@@ -93,7 +103,7 @@ fn place(arguments: &Flash) -> Result<Range<u32>> {
 }
 
 /// The content of the parameter pages with a table in them.
-fn content(path: &Path, arguments: &Flash, place: &Range<u32>) -> Result<Vec<u8>> {
+fn content<'f>(path: &'f Path, arguments: &Flash, place: &Range<u32>) -> Result<Content<'f>> {
     let (table, doubts) = table_files::read_doubted(path)?;
     // By the probe nobody can ask the device how fast it ticks. One that ticks otherwise refuses the table, and says so.
     let tick_us = OTHER_TICKS_US.into_iter().find(|us| *us == table.sample_period_us).unwrap_or(NUCLEO_G474RE.tick_us);
@@ -105,10 +115,10 @@ fn content(path: &Path, arguments: &Flash, place: &Range<u32>) -> Result<Vec<u8>
     // By the probe nobody can ask the device what its DAC is wired to.
     let output = if table.drive.is_some() { "drives the amplifier" } else { "shows the displacement" };
     eprintln!("piezo: careful: with {} the DAC {output}: wire it so before the board starts", path.display());
-    if let Some(refusal) = device::doubted(path, &doubts, arguments.doubts.doubted, arguments.dry_run)? {
-        eprintln!("piezo: careful: {refusal}");
-    }
-    pages::with(&to_record(&table), place.len()).with_context(|| format!("{}: cannot be stored", path.display()))
+    let doubted = device::doubted(path, &doubts, arguments.doubts.doubted, arguments.dry_run)?;
+    let bytes = pages::with(&to_record(&table), place.len());
+    let bytes = bytes.with_context(|| format!("{}: cannot be stored", path.display()))?;
+    Ok(Content { bytes, doubts, doubted })
 }
 
 fn commands(arguments: &Flash, pages: Option<&PathBuf>, at: u32) -> Vec<Vec<OsString>> {
@@ -118,13 +128,17 @@ fn commands(arguments: &Flash, pages: Option<&PathBuf>, at: u32) -> Vec<Vec<OsSt
     image.chain(pages).chain([probe.reset()]).collect()
 }
 
-fn tell(arguments: &Flash, commands: &[Vec<OsString>], place: &Range<u32>) -> Result<()> {
+fn tell(arguments: &Flash, commands: &[Vec<OsString>], place: &Range<u32>, content: Option<Content<'_>>) -> Result<()> {
+    let (doubts, doubted) = content.map_or((Vec::new(), Doubts::Settled), |content| (content.doubts, content.doubted));
+    let refused = Vec::from_iter(doubted.refused());
     let commands: Vec<String> = commands.iter().map(|command| probe::line(command)).collect();
     if arguments.json {
-        let summary = json!({ "commands": commands, "written": !arguments.dry_run });
+        let written = !arguments.dry_run;
+        let summary = json!({ "commands": commands, "written": written, "doubts": doubts, "refused": refused });
         out(&serde_json::to_string_pretty(&summary)?);
         return Ok(());
     }
+    refused.iter().for_each(|refusal| eprintln!("piezo: careful: {refusal}"));
     if arguments.dry_run {
         commands.iter().for_each(|command| out(command));
     }

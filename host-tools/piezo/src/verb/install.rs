@@ -98,16 +98,19 @@ pub fn run(arguments: &Install) -> Result<bool> {
         true => idle_as_started(&mut client).map(|()| None)?,
         false => arguments.interrupting.consent(&mut client, arguments.dry_run)?,
     };
-    let stated = (name, table, doubts);
     if arguments.dry_run {
         let refusals = refusals(&mut client, &table, arguments.rewired)?;
         let refusals = refusals.iter().map(|refusal| careful(refusal));
         let refused: Vec<String> =
-            narrow.filter(|_| !may).into_iter().chain(busy).chain(refusals).chain(doubted).collect();
-        tell(arguments, &stated, &identity, Err(&refused))?;
+            narrow.filter(|_| !may).into_iter().chain(busy).chain(refusals).chain(doubted.refused()).collect();
+        tell(arguments, &(&name, &table, &doubts), &identity, Err(&refused))?;
         return Ok(true);
     }
-    // Not before the question above, which Ctrl-C ends.
+    // A jump, which the last of them may be, is what is said of a table that the device would take.
+    doubted.ask(|| {
+        refusals(&mut client, &table, arguments.rewired)?.pop().map_or(Ok(()), |refusal| Err(refusal.into()))
+    })?;
+    // Not before that question, which Ctrl-C ends.
     let interrupt = Interrupt::watch()?;
     let codes = rehearsal(&table)?;
     let bar = progress(codes.len() as u64);
@@ -117,14 +120,14 @@ pub fn run(arguments: &Install) -> Result<bool> {
     bar.finish_and_clear();
     note_damage(&client);
     let compared = compared?;
-    tell(arguments, &stated, &identity, Ok(&compared))?;
+    tell(arguments, &(&name, &table, &doubts), &identity, Ok(&compared))?;
     Ok(compared.bit_exact())
 }
 
 /// What was installed, or only looked at with what would be refused: its file, the table, and what to be careful about.
 fn tell(
     arguments: &Install,
-    (name, table, doubts): &(PathBuf, Admitted, Vec<String>),
+    (name, table, doubts): &(&PathBuf, &Admitted, &Vec<String>),
     identity: &Identity,
     done: Result<&Comparison, &[String]>,
 ) -> Result<()> {
@@ -138,7 +141,7 @@ fn tell(
         return Ok(());
     }
     out(&match done {
-        Ok(_) => format!("{} is stored, and in use on the board ({})", device::called(name, table), identity.board),
+        Ok(_) => format!("{} is stored, and in use on the board ({})", bench::called(name, table), identity.board),
         Err(refused) => device::fits_unwritten(name, table, identity, refused),
     });
     let at_start = table.drive.and_then(|drive| drive.setpoint).is_some_and(|setpoint| setpoint.at_start);

@@ -42,9 +42,10 @@ pub fn run(arguments: &Push) -> Result<bool> {
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
     let doubted = device::doubted(&arguments.table, &doubts, arguments.doubts.doubted, arguments.write.dry_run)?;
+    doubted.ask(|| arguments.write.hindered(&mut client, &table))?;
     let (restarted, mut refused) =
         arguments.write.write(&mut client, Some(&table), |client, consent| client.push(record.clone(), consent))?;
-    refused.extend(doubted);
+    refused.extend(doubted.refused());
     if let Some(identity) = &restarted {
         ensure!(
             identity.source == TableSource::Stored,
@@ -57,7 +58,7 @@ pub fn run(arguments: &Push) -> Result<bool> {
         );
     }
     note_damage(&client);
-    let called = device::called(&arguments.table, &table);
+    let called = bench::called(&arguments.table, &table);
     if arguments.json {
         out(&serde_json::to_string_pretty(&json!({
             "table": arguments.table,
