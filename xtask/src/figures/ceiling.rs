@@ -11,7 +11,7 @@ const CEILINGS: &[(&str, u64)] = &[
     ("voigt-chain", 837),
     ("prandtl-ishlinskii", 965),
     ("maxwell-slip", 553),
-    ("duhem", 375),
+    ("duhem", 388),
     ("bouc-wen", 474),
     ("preisach", 5638),
     ("narx", 17857),
