@@ -40,8 +40,9 @@ fn plays_with_lag_and_creep_beat_voigt_on_what_neither_has_seen() {
     let models: Vec<&Value> = rows.iter().map(|row| &row["model"]).collect();
     assert_eq!(models, ["generalised-prandtl-ishlinskii", "voigt", "preisach"]);
     let evaluations: Vec<f64> = (0..3).map(|row| number(&result, &format!("/rows/{row}/evaluations"))).collect();
-    assert!((1498.0..=1500.0).contains(&evaluations[0]), "{evaluations:?}");
-    assert_eq!(evaluations[1..], [1500.0, 1.0]);
+    // They end where they find nothing better; of a model that nothing is searched of there is one.
+    assert!(evaluations[..2].iter().all(|made| (200.0..=1500.0).contains(made)), "{evaluations:?}");
+    assert_eq!(evaluations[2], 1.0);
     let mae = |row: usize| number(&result, &format!("/rows/{row}/held_out/all/mae_um"));
     assert!(mae(0) <= 0.12 * mae(1), "generalised {} against Voigt {}", mae(0), mae(1));
     assert_eq!(mae(0), number(&result, "/rows/0/held_out/logs/0/errors/mae_um"));

@@ -154,13 +154,13 @@ macro_rules! models {
 // which `table/cycles.rs` says more. A model without an inverse has the first twice.
 models! {
     /// Eq. (4.8): five parameters, no extremum term.
-    Voigt, "voigt", "Voigt (4.8)", VoigtParameters, (10_700, 19_800);
+    Voigt, "voigt", "Voigt (4.8)", VoigtParameters, (10_200, 19_800);
     /// Eq. (5.4): the voltage-extremum term `g, h`.
-    VoltageExtremum, "voltage-extremum", "voltage-extremum (5.4)", VoigtParameters, (10_700, 36_400);
+    VoltageExtremum, "voltage-extremum", "voltage-extremum (5.4)", VoigtParameters, (10_200, 36_400);
     /// Eq. (5.5): the displacement-extremum term `e, f`.
-    DisplacementExtremum, "displacement-extremum", "displacement-extremum (5.5)", VoigtParameters, (10_700, 20_900);
+    DisplacementExtremum, "displacement-extremum", "displacement-extremum (5.5)", VoigtParameters, (10_200, 20_900);
     /// Eq. (5.3): both extremum terms.
-    Enhanced, "enhanced", "enhanced (5.3)", VoigtParameters, (10_700, 41_500);
+    Enhanced, "enhanced", "enhanced (5.3)", VoigtParameters, (10_200, 41_500);
     /// Kelvin–Voigt elements in series, Eq. (3.20).
     VoigtChain, "voigt-chain", "Voigt chain (3.20)", VoigtChainParameters, (11_700, 40_600);
     /// Play operators and a superposition of dead zones, Eq. (3.6–3.9).
