@@ -33,8 +33,14 @@ impl Typed {
         let (mut user, terminal) = TTYPort::pair().unwrap();
         user.set_timeout(Duration::from_millis(50)).unwrap();
         let open = || File::options().read(true).write(true).open(terminal.name().unwrap()).unwrap();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_piezo"));
-        command.args(verb).env("PATH", programs).env_remove("PIEZO_PORT").current_dir(root());
+        // Who runs the tests in the background may have them ignore Ctrl-C, and what they start with them.
+        let mut command = Command::new("/usr/bin/env");
+        command
+            .args(["--default-signal=INT", env!("CARGO_BIN_EXE_piezo")])
+            .args(verb)
+            .env("PATH", programs)
+            .env_remove("PIEZO_PORT")
+            .current_dir(root());
         let host = command.stdin(open()).stderr(open()).stdout(Stdio::null()).spawn().unwrap();
         Self { user, _terminal: terminal, host, said: String::new() }
     }
