@@ -123,11 +123,11 @@ impl Identification<'_> {
         let alike = structures.iter().find(|family| family.genes().len() == fit.genes.len());
         match alike.or(structures.first()) {
             Some(family) => self.structure(fit.model, family.as_ref(), NEARBY, evaluations, Some(fit), &mut |_, _| ()),
-            None => Identification { budget: Some(evaluations), ..*self }.voigt(
-                fit.model,
-                std::slice::from_ref(fit),
-                &mut |_, _| (),
-            ),
+            None => {
+                let options = SearchOptions { optimiser: NEARBY, ..self.options.clone() };
+                let search = Identification { budget: Some(evaluations), options: &options, ..*self };
+                search.voigt(fit.model, std::slice::from_ref(fit), &mut |_, _| ())
+            }
         }
     }
 
