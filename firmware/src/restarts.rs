@@ -47,7 +47,7 @@ struct Kept {
     told: [u32; 2],
 }
 
-/// No number.
+/// What is no number, since the second is not the complement of the first: nothing is kept.
 const NONE: [u32; 2] = [0, 0];
 /// The number that says that a displacement was told.
 const TOLD: u32 = 1;

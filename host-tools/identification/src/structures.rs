@@ -37,7 +37,7 @@ pub struct StructureSearch<'a> {
     pub problem: &'a Problem,
     /// What is minimised.
     pub cost: Cost,
-    /// The method.
+    /// How it chooses candidates.
     pub method: Optimiser,
     /// Candidates that it may evaluate.
     pub evaluations: usize,

@@ -20,7 +20,7 @@ pub fn require_estimating(health: &Health, port: &Address) -> Result<()> {
 /// What a table's doubts, once they are said, leave to be answered before it goes to a board.
 #[derive(Debug)]
 pub enum Doubts<'f> {
-    /// Nothing.
+    /// Nothing: it has none, or may go with them.
     Settled,
     /// On a terminal, whether this file goes all the same.
     Asked(&'f Path),
