@@ -199,7 +199,7 @@ fn main() {
     let problem = Problem::new(sessions(false), sessions(true), Conditions::default());
     let cost = Cost::from(Feedback::Simulation);
     let search = StructureSearch { problem: &problem, cost, method: Optimiser::Local, evaluations: 200, seed: 1 };
-    let found = search.run(&ToyFamily, &[], |_, _| ());
+    let found = search.run(&ToyFamily, &[], None);
     let parameters = found.parameters.expect("a straight line fits any log somehow");
     let held_out = problem.held_out(&parameters, cost).expect("one log was held out");
     println!("{parameters:?}, identified with {} evaluations", found.evaluations);

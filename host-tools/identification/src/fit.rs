@@ -117,16 +117,15 @@ impl Identification<'_> {
     }
 
     /// The model of a fit once more, on other sessions, from where that one ended: one structure and one search of so many
-    /// candidates.
+    /// candidates, whose convergence is not kept.
     pub fn again(&self, fit: &Fit, evaluations: usize) -> Fit {
         let structures = family::of(fit.model, self.problem);
         let alike = structures.iter().find(|family| family.genes().len() == fit.genes.len());
         match alike.or(structures.first()) {
-            Some(family) => self.structure(fit.model, family.as_ref(), NEARBY, evaluations, Some(fit), &mut |_, _| ()),
+            Some(family) => self.structure(fit.model, family.as_ref(), NEARBY, evaluations, Some(fit), None),
             None => {
-                let options = SearchOptions { optimiser: NEARBY, ..self.options.clone() };
-                let search = Identification { budget: Some(evaluations), options: &options, ..*self };
-                search.voigt(fit.model, std::slice::from_ref(fit), &mut |_, _| ())
+                let (space, seeds) = self.space(fit.model, std::slice::from_ref(fit));
+                self.within(space, &seeds, NEARBY, evaluations, None)
             }
         }
     }
@@ -135,15 +134,9 @@ impl Identification<'_> {
     /// them where there are any: the better of the two. Within a budget in one search that starts at the best of those
     /// solutions.
     fn voigt(&self, model: Model, simpler: &[Fit], progress: Progress<'_>) -> Fit {
-        let space = Space::new(model, self.options.ranges, self.problem.extent());
-        let values = |fit: &Fit| fit.genes.iter().map(|(_, value)| *value).collect::<Vec<_>>();
-        let simpler = simpler.iter().filter_map(|fit| Some((fit, fit.space.as_ref()?)));
-        let seeds: Vec<Vec<f64>> = simpler.map(|(fit, theirs)| space.adopt(theirs, &values(fit))).collect();
+        let (space, seeds) = self.space(model, simpler);
         if let Some(budget) = self.budget {
-            let kernel = voigt::Kernel::new(self.problem, self.cost);
-            let family = voigt::Family { space: &space, seeds: &seeds, kernel: &kernel };
-            let found = self.structure(model, &family, self.options.optimiser, budget, None, progress);
-            return Fit { space: Some(space), ..found };
+            return self.within(space, &seeds, self.options.optimiser, budget, Some(progress));
         }
         let fit = self.genetic(&space, &[], progress);
         if self.options.starts(seeds.len()) == 1 {
@@ -152,5 +145,29 @@ impl Identification<'_> {
         let seeded = self.genetic(&space, &seeds, progress);
         let evaluations = fit.evaluations + seeded.evaluations;
         Fit { evaluations, ..if self.off(&seeded) < self.off(&fit) { seeded } else { fit } }
+    }
+
+    /// The search space of a model of the Voigt family, and where simpler models' solutions lie in it.
+    fn space(&self, model: Model, simpler: &[Fit]) -> (Space, Vec<Vec<f64>>) {
+        let space = Space::new(model, self.options.ranges, self.problem.extent());
+        let values = |fit: &Fit| fit.genes.iter().map(|(_, value)| *value).collect::<Vec<_>>();
+        let simpler = simpler.iter().filter_map(|fit| Some((fit, fit.space.as_ref()?)));
+        let seeds = simpler.map(|(fit, theirs)| space.adopt(theirs, &values(fit))).collect();
+        (space, seeds)
+    }
+
+    /// A model of the Voigt family by one search of so many candidates.
+    fn within(
+        &self,
+        space: Space,
+        seeds: &[Vec<f64>],
+        method: Optimiser,
+        evaluations: usize,
+        progress: Option<Progress<'_>>,
+    ) -> Fit {
+        let kernel = voigt::Kernel::new(self.problem, self.cost);
+        let family = voigt::Family { space: &space, seeds, kernel: &kernel };
+        let found = self.structure(space.model, &family, method, evaluations, None, progress);
+        Fit { space: Some(space), ..found }
     }
 }

@@ -47,13 +47,13 @@ pub struct StructureSearch<'a> {
 
 impl StructureSearch<'_> {
     /// Searches a structure from its own starts and from the middle, or from where a simpler one ended (`known`: values of
-    /// its genes, which are the first of this one's). `progress` is told how many candidates
-    /// have been evaluated and the best cost so far (µm).
+    /// its genes, which are the first of this one's). `progress` is told how many candidates have been evaluated and the best
+    /// cost so far (µm); where nobody is told, no convergence is kept: each point of it takes a simulation of every log.
     pub fn run<F: Family + ?Sized>(
         &self,
         family: &F,
         known: &[(Gene, f64)],
-        mut progress: impl FnMut(usize, f64),
+        mut progress: Option<&mut dyn FnMut(usize, f64)>,
     ) -> Found<F::Found> {
         let problem = self.problem;
         let genes = family.genes();
@@ -72,6 +72,7 @@ impl StructureSearch<'_> {
         let (mut least, mut shown) = (f64::INFINITY, (f64::INFINITY, None));
         let budget = Budget { evaluations: self.evaluations, seed: self.seed.into() };
         let mut watch = |made: usize, best: &Minimum| {
+            let Some(progress) = &mut progress else { return };
             if best.cost < SHOWN * least {
                 least = best.cost;
                 shown = match parameters(&best.at) {
@@ -114,7 +115,8 @@ impl Identification<'_> {
                 break;
             }
             let simpler = best.as_ref().map(|(fit, _)| fit);
-            let found = self.structure(model, family.as_ref(), self.options.optimiser, allowed, simpler, progress);
+            let found =
+                self.structure(model, family.as_ref(), self.options.optimiser, allowed, simpler, Some(progress));
             evaluations += found.evaluations;
             let off = self.off(&found);
             if best.as_ref().is_none_or(|(_, best)| off < BETTER * best) {
@@ -134,12 +136,15 @@ impl Identification<'_> {
         method: Optimiser,
         evaluations: usize,
         simpler: Option<&Fit>,
-        progress: Progress<'_>,
+        progress: Option<Progress<'_>>,
     ) -> Fit {
         let search =
             StructureSearch { problem: self.problem, cost: self.cost, method, evaluations, seed: self.options.seed };
         let known = simpler.map_or(&[][..], |fit| &fit.genes);
-        let found = search.run(family, known, |_, cost| progress(model, cost));
+        let found = match progress {
+            Some(progress) => search.run(family, known, Some(&mut |_, cost| progress(model, cost))),
+            None => search.run(family, known, None),
+        };
         let before = simpler.map_or(&[][..], |fit| &fit.convergence);
         Fit {
             model,

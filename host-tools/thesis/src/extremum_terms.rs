@@ -213,7 +213,8 @@ fn chain(bench: &Bench, progress: Progress<'_>) -> Row {
             evaluations: search.evaluations as usize * family.genes().len(),
             seed: search.seed,
         };
-        let found = searched.run(family.as_ref(), &known, |_, least| progress(Model::VoigtChain, least));
+        let mut progress = |_, least| progress(Model::VoigtChain, least);
+        let found = searched.run(family.as_ref(), &known, Some(&mut progress));
         let Some(parameters) = found.parameters else { continue };
         let with = matches!(parameters, Parameters::VoigtChain(of) if of.voltage_extremum_um_per_v != 0.0);
         for (errors, um) in [(&mut modelled, Some(found.cost)), (&mut held_out, problem.held_out(&parameters, cost))] {

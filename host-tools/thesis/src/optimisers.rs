@@ -168,10 +168,11 @@ impl<'a> Structure<'a> {
             seed: bench.search().seed.wrapping_add(seed),
         };
         let mut course = Vec::new();
-        let found = search.run(self.family, &[], |made, least| {
+        let mut progress = |made, least| {
             course.push((made, least));
             progress(self.model, least);
-        });
+        };
+        let found = search.run(self.family, &[], Some(&mut progress));
         let admissible = found.parameters.filter(|_| found.cost.is_finite());
         let held_out = admissible.as_ref().and_then(|parameters| problem.held_out(parameters, cost));
         let reached = course.last().filter(|_| admissible.is_some()).map_or(f64::INFINITY, |(_, least)| *least);
