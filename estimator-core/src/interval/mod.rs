@@ -24,7 +24,7 @@
 mod age;
 mod parameters;
 
-pub use parameters::IntervalParameters;
+pub use parameters::{IntervalParameters, LARGEST, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 
 use age::{Age, BEGINNING_S};
 
@@ -32,18 +32,8 @@ use crate::math::Real;
 use crate::model::play;
 use crate::range::Range;
 
-/// Plays that tell where the voltage has been.
-pub const PLAYS: usize = 6;
-/// Their half-widths, of half the table's voltage range.
+/// Half-widths of the plays, of half the table's voltage range.
 pub const HALF_WIDTHS: [f32; PLAYS] = [0.04, 0.075, 0.14, 0.26, 0.48, 0.9];
-/// Spans at which the memory of the start is given: eighths of the table's voltage range, from 0 to all of it.
-pub const SPANS: usize = 9;
-/// Prototypes of where the training's plays stood.
-pub const PROTOTYPES: usize = 24;
-/// None of a table's numbers may be larger: their squares are then numbers of an `f32`, too, whatever the voltage does.
-pub const LARGEST: f32 = 1e6;
-/// Numbers of a lower triangle of that many rows.
-pub const TRIANGLE: usize = PLAYS * (PLAYS + 1) / 2;
 
 /// The fastest change is forgotten in this time, s.
 const FORGOTTEN_S: f32 = 5e-3;

@@ -1,8 +1,18 @@
 //! What a table says of its interval, and its rules.
 
-use super::{LARGEST, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
+
+/// Plays that tell where the voltage has been.
+pub const PLAYS: usize = 6;
+/// Spans at which the memory of the start is given: eighths of the table's voltage range, from 0 to all of it.
+pub const SPANS: usize = 9;
+/// Prototypes of where the training's plays stood.
+pub const PROTOTYPES: usize = 24;
+/// None of a table's numbers may be larger: their squares are then numbers of an `f32`, too, whatever the voltage does.
+pub const LARGEST: f32 = 1e6;
+/// Numbers of a lower triangle of as many rows as there are plays.
+pub const TRIANGLE: usize = PLAYS * (PLAYS + 1) / 2;
 
 /// What a table says of its interval.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]

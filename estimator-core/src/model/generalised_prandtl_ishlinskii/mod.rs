@@ -28,13 +28,14 @@ mod start;
 
 pub use parameters::GeneralisedPrandtlIshlinskiiParameters;
 
-use super::Recursion;
 use super::play::play;
 use super::relaxation::{RampLag, RampLagged, Relaxation, Relaxed};
 use super::resonance::{Resonance, ResonanceState};
+use super::{Discretisation, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::Rule;
 use curve::Curve;
 use parameters::{CREEPS, PLAYS};
 
@@ -42,6 +43,22 @@ use parameters::{CREEPS, PLAYS};
 const FORESEEN: f32 = 0.05;
 /// Voltages that the delay line remembers; a power of 2.
 const LINE: usize = 16;
+
+impl Published for GeneralisedPrandtlIshlinskiiParameters {
+    type Coefficients<T: Real> = GeneralisedPrandtlIshlinskii<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> GeneralisedPrandtlIshlinskii<T> {
+        GeneralisedPrandtlIshlinskii::build(self, discretisation.sample_period)
+    }
+
+    fn delay_ticks(&self) -> f32 {
+        self.delay_ticks + 1.0
+    }
+
+    fn check(&self) -> Result<(), Rule> {
+        self.check_numbers()
+    }
+}
 
 /// Per-tick coefficients of the chain: delay, lag with slew limit, plays, envelope, creep and resonance.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -1,9 +1,6 @@
 //! Published parameters of the generalised Prandtl–Ishlinskii model, and the rules that they obey.
 
-use super::GeneralisedPrandtlIshlinskii;
 use crate::list::List;
-use crate::math::Real;
-use crate::model::{Discretisation, Published};
 use crate::range::Range;
 use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
@@ -54,18 +51,9 @@ pub struct GeneralisedPrandtlIshlinskiiParameters {
     pub offset_um: f32,
 }
 
-impl Published for GeneralisedPrandtlIshlinskiiParameters {
-    type Coefficients<T: Real> = GeneralisedPrandtlIshlinskii<T>;
-
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> GeneralisedPrandtlIshlinskii<T> {
-        GeneralisedPrandtlIshlinskii::build(self, discretisation.sample_period)
-    }
-
-    fn delay_ticks(&self) -> f32 {
-        self.delay_ticks + 1.0
-    }
-
-    fn check(&self) -> Result<(), Rule> {
+impl GeneralisedPrandtlIshlinskiiParameters {
+    /// [`Published::check`](crate::Published::check).
+    pub(super) fn check_numbers(&self) -> Result<(), Rule> {
         let positive = |numbers: &[f32]| numbers.iter().all(|&x| x >= 0.0 && x.is_finite());
         let slopes = |slopes: &List<KNOTS>| slopes.len() >= 2 && positive(slopes);
         rule::check([

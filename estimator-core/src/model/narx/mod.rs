@@ -27,14 +27,31 @@ mod parameters;
 
 pub use parameters::NarxParameters;
 
-use super::Recursion;
 use super::recursion::solve_in_time;
+use super::{Discretisation, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
-use crate::extremum::Tracker;
+use crate::extremum::{Tracker, between_codes};
 use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
+use crate::rule::Rule;
 use parameters::{COEFFICIENTS, ORDER};
+
+impl Published for NarxParameters {
+    type Coefficients<T: Real> = Narx<T>;
+
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Narx<T> {
+        Narx::build(self, discretisation.sample_period)
+    }
+
+    fn between_codes(self, step: f32) -> Self {
+        Self { deadband_v: between_codes(self.deadband_v, step), ..self }
+    }
+
+    fn check(&self) -> Result<(), Rule> {
+        self.check_numbers()
+    }
+}
 
 /// Per-tick coefficients of the NARX model.
 #[derive(Clone, Copy, PartialEq, Debug)]

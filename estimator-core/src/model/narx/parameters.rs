@@ -1,10 +1,6 @@
 //! Published parameters of the NARX model, and what makes its linear part stable.
 
-use super::Narx;
-use crate::extremum::between_codes;
 use crate::list::List;
-use crate::math::Real;
-use crate::model::published::{Discretisation, Published};
 use crate::range::Range;
 use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
@@ -69,20 +65,9 @@ impl NarxParameters {
         let [b1, b2, b3] = b;
         1.0 + b1 + b2 + b3 > 0.0 && 1.0 - b1 + b2 - b3 > 0.0 && b3 * b3 < 1.0 && 1.0 - b3 * b3 > (b2 - b1 * b3).abs()
     }
-}
 
-impl Published for NarxParameters {
-    type Coefficients<T: Real> = Narx<T>;
-
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Narx<T> {
-        Narx::build(self, discretisation.sample_period)
-    }
-
-    fn between_codes(self, step: f32) -> Self {
-        Self { deadband_v: between_codes(self.deadband_v, step), ..self }
-    }
-
-    fn check(&self) -> Result<(), Rule> {
+    /// [`Published::check`](crate::Published::check).
+    pub(super) fn check_numbers(&self) -> Result<(), Rule> {
         let orders = [self.output_order, self.input_order];
         if orders.iter().any(|order| !(1..=ORDER).contains(&usize::from(*order))) {
             return Err("output_order and input_order must be from 1 to 3");

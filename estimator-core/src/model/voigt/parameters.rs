@@ -1,8 +1,5 @@
 //! Published parameters of the Voigt family.
 
-use super::Voigt;
-use crate::math::Real;
-use crate::model::published::{Discretisation, Published};
 use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
 
@@ -65,14 +62,9 @@ impl<T: Copy> VoigtParameters<T> {
 /// Exponents beyond this are refused.
 const LARGEST_EXPONENT: f32 = 8.0;
 
-impl Published for VoigtParameters {
-    type Coefficients<T: Real> = Voigt<T>;
-
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Voigt<T> {
-        Voigt::build(&self.map(T::of), discretisation)
-    }
-
-    fn check(&self) -> Result<(), Rule> {
+impl VoigtParameters {
+    /// [`Published::check`](crate::Published::check).
+    pub(super) fn check_numbers(&self) -> Result<(), Rule> {
         let positive = |x: f32| x > 0.0 && x.is_finite();
         let exponent = |x: f32| (0.0..=LARGEST_EXPONENT).contains(&x);
         rule::check([

@@ -15,7 +15,7 @@
 //! The second condition is what a parameter set with positive feedback through `y_ext` fails, however well it predicts
 //! one step ahead.
 
-use super::Voigt;
+use super::coefficients::Voigt;
 use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::model::published::Scheme;
