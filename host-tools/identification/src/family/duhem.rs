@@ -1,5 +1,6 @@
 //! Duhem models: lag and α are searched, the voltage at which f saturates follows from the training's; the rest is projected.
 
+use super::model_family::DELAYED;
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
@@ -37,7 +38,7 @@ impl super::Family for Family {
     }
 
     fn burden(&self, values: &[f64]) -> f64 {
-        1.0 + super::DELAYED * values.first().map_or(0.0, |lag| lag.abs())
+        1.0 + DELAYED * values.first().map_or(0.0, |lag| lag.abs())
     }
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {

@@ -5,6 +5,7 @@ mod bouc_wen;
 mod duhem;
 mod generalised_prandtl_ishlinskii;
 mod maxwell_slip;
+mod model_family;
 mod narx;
 mod prandtl_ishlinskii;
 mod preisach;
@@ -13,67 +14,12 @@ mod reversal_curves;
 pub mod voigt;
 mod voigt_chain;
 
+pub use model_family::{AnyFamily, Family};
 pub use narx::{BlackBoxInputs, structures_with as black_boxes};
 pub use projection::Projection;
 
-use crate::cost::Cost;
 use crate::problem::Problem;
-use crate::search::Gene;
-use crate::trial::Trial;
-use estimator_core::{Model, Parameters};
-use rayon::prelude::*;
-
-/// What a tick of delay or lag must gain, as a fraction of the cost: at a single frequency they do what hysteresis does.
-const DELAYED: f64 = 3e-3;
-
-/// How a model's candidates are made.
-pub trait Family: Sync {
-    /// The parameters that are found.
-    type Found: Trial;
-
-    /// What is searched.
-    fn genes(&self) -> Vec<Gene>;
-
-    /// The whole parameter set that fits best with these searched values, in the order of the genes; `None` where there is
-    /// none.
-    fn project(&self, values: &[f64], problem: &Problem) -> Option<Self::Found>;
-
-    /// The parameters that are kept of the best candidate, with what is too dear for each: those that fit best, where there is
-    /// nothing of the kind.
-    fn finish(&self, values: &[f64], problem: &Problem) -> Option<Self::Found> {
-        self.project(values, problem)
-    }
-
-    /// The projection with what the search minimises. It need not be an error: candidates are only compared.
-    fn candidate(&self, values: &[f64], problem: &Problem, cost: Cost) -> Option<(Self::Found, f64)> {
-        let found = self.project(values, problem)?;
-        let size = self.burden(values) * problem.cost(&found, cost);
-        Some((found, size))
-    }
-
-    /// What the search minimises of some candidates, in their order; infinite where there is no solution.
-    fn costs(&self, candidates: &[Vec<f64>], problem: &Problem, cost: Cost) -> Vec<f64> {
-        let of = |values: &Vec<f64>| self.candidate(values, problem, cost).map_or(f64::INFINITY, |(_, size)| size);
-        candidates.par_iter().map(of).collect()
-    }
-
-    /// How many of the numbers found were solved for by least squares. Numbers that are laid out before the search (spans,
-    /// thresholds, grids, creep times, orders, scales, limits) do not count, and numbers that follow from one count once.
-    fn solved(&self, found: &Self::Found) -> usize;
-
-    /// Where to start, as fractions of the genes' ranges; genes that are left out start in the middle.
-    fn starts(&self) -> Vec<Vec<f64>> {
-        Vec::new()
-    }
-
-    /// A factor on the cost, from 1 up, that prefers the simpler of two candidates which the logs can hardly tell apart.
-    fn burden(&self, _values: &[f64]) -> f64 {
-        1.0
-    }
-}
-
-/// A family of a model of the catalogue.
-pub type AnyFamily = Box<dyn Family<Found = Parameters>>;
+use estimator_core::Model;
 
 /// The structures of a model, simplest first, each with the genes of those before it among its own; none for the Voigt
 /// family, whose parameters are all searched.

@@ -14,9 +14,9 @@
 //! tails (Cauchy's): most such sessions begin at rest and have none, and where one has, they are large.
 
 use super::basis::FUNCTIONS;
+use super::candidate::{CREEP_TIMES, WORTH};
 use super::columns::{COLUMNS, Stages};
 use super::course::Course;
-use super::{CREEP_TIMES, WORTH};
 use least_squares::{Normal, Sign, Waiting};
 use recordings::session::Session;
 

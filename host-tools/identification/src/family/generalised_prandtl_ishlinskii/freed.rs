@@ -12,10 +12,10 @@
 //! less on the five that were tried.
 
 use super::basis::FUNCTIONS;
+use super::candidate::{Family, PLAYS, Values};
 use super::columns::Stages;
 use super::course::Course;
 use super::fit::{Balanced, Blocks, Prior, Solution};
-use super::{Family, PLAYS, Values};
 use recordings::session::Session;
 
 /// Turns between weights and functions.
@@ -133,7 +133,7 @@ fn read(family: &Family, values: &Values, session: &Session, course: &Course) ->
 
 #[cfg(test)]
 mod tests {
-    use super::super::Extra;
+    use super::super::candidate::Extra;
     use super::*;
     use crate::family::Family as _;
     use crate::{Conditions, Problem};

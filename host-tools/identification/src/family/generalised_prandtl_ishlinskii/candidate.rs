@@ -1,0 +1,174 @@
+//! A candidate: its values by name, their prior, and the stages of the model that follow from them and from what is fixed before the
+//! search.
+
+use super::basis::Basis;
+use super::columns::Stages;
+use super::course::Course;
+use crate::problem::Problem;
+use estimator_core::Range;
+use recordings::session::Session;
+use std::sync::Arc;
+
+/// Play operators beside the reversible part.
+pub const PLAYS: usize = 15;
+/// The smallest half-width, of half the span.
+const NARROWEST: f64 = 0.02;
+/// Time constants of creep, s, a decade apart.
+pub const CREEP_TIMES: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
+/// Least slope of the reversible part, of the stroke over the span: without any the inverse has no unique answer.
+const FLOOR: f64 = 1e-3;
+
+/// Periods that a recording is worth, for what weighs a prior against it.
+pub const WORTH: f64 = 20.0;
+/// Mean of the exponential prior of delay and lag, s: at a single frequency they do what hysteresis does.
+const LATE: f64 = 2e-3;
+/// Where somebody says what they are together, the prior is normal, with this part of it for a standard deviation, and half a
+/// tick at least.
+const SAID: f64 = 0.05;
+
+/// How far the voltage goes within this time, s, does not depend on how short the tick is, as it does at a step.
+const SUSTAINED_S: f64 = 0.1;
+/// The slowest slew limit that is searched, of that.
+const SLOWEST: f64 = 0.05;
+
+/// What the model has besides hysteresis, creep and lag.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Extra {
+    Nothing,
+    Slew,
+    Resonance,
+}
+
+/// What is fixed before the search.
+pub struct Family {
+    pub extra: Extra,
+    /// Of the training sessions, in their order.
+    pub courses: Arc<[Course]>,
+    pub basis: Basis,
+    pub span: Range<f64>,
+    /// Half-widths, V, and Δr_i/R.
+    pub plays: [(f64, f64); PLAYS],
+    pub stroke: f64,
+    pub tick: f64,
+    /// The least from one reading of a session to the next, s.
+    pub interval_s: f64,
+    /// Slew limits that are searched, V/s.
+    pub slews: Range<f64>,
+}
+
+/// A candidate's values by name.
+pub struct Values {
+    pub delay_ticks: f64,
+    pub lag_s: f64,
+    /// ρ.
+    pub law: f64,
+    /// Gains of the fastest and of the slowest creep.
+    pub creep: [f64; 2],
+    pub rest_memory: f64,
+    pub slew_v_per_s: f64,
+    /// Hz and ζ; 0 without.
+    pub resonance: [f64; 2],
+}
+
+impl Values {
+    /// Minus twice the logarithm of the prior, for each of the periods that a recording is worth. `said_s`: what delay and lag are
+    /// together, where somebody says so.
+    pub fn unlikely(&self, tick: f64, said_s: Option<f64>) -> f64 {
+        let [fast, slow] = self.creep.map(libm::log);
+        let square = |x: f64| x * x;
+        let late_s = self.delay_ticks * tick + self.lag_s;
+        let late = said_s.map_or(late_s / LATE, |said| square((late_s - said) / (SAID * said).max(0.5 * tick))) / WORTH;
+        let law = 0.06 * square(libm::log(self.law) + 0.8);
+        let creep = 0.03 * square(fast - slow) + 0.025 * (square(fast + 4.0) + square(slow + 4.0));
+        late + law + creep + 0.02 * square(self.rest_memory)
+    }
+}
+
+impl Family {
+    pub fn new(extra: Extra, courses: Arc<[Course]>, problem: &Problem) -> Self {
+        let tick = problem.extent().tick;
+        let span = problem.training_voltages();
+        let radius = 0.5 * span.span();
+        let half_width = |i: usize| libm::pow(NARROWEST, 1.0 - i as f64 / (PLAYS - 1) as f64);
+        let before = |i: usize| if i == 0 { 0.0 } else { half_width(i - 1) };
+        Self {
+            extra,
+            courses,
+            basis: Basis::new(span),
+            span,
+            plays: std::array::from_fn(|i| (radius * half_width(i), half_width(i) - before(i))),
+            stroke: problem.stroke().span(),
+            tick,
+            interval_s: problem.training().map(Session::interval_s).fold(f64::INFINITY, f64::min).max(tick),
+            slews: slews(problem, tick),
+        }
+    }
+
+    pub fn values(&self, values: &[f64]) -> Option<Values> {
+        let mut values = values.iter().copied();
+        let mut next = || values.next();
+        Some(Values {
+            delay_ticks: next()?,
+            lag_s: next()? * self.tick,
+            law: next()?,
+            creep: [next()?, next()?],
+            rest_memory: next()?,
+            slew_v_per_s: if self.extra == Extra::Nothing { 0.0 } else { next()? },
+            resonance: if self.extra == Extra::Resonance { [next()?, next()?] } else { [0.0, 0.0] },
+        })
+    }
+
+    /// Half-width and weight of each play, by the law.
+    pub fn weighed(&self, law: f64) -> [(f64, f64); PLAYS] {
+        let radius = 0.5 * self.span.span();
+        self.plays.map(|(r, share)| (r, libm::exp(-r / (law * radius)) * share))
+    }
+
+    /// Weight of each play, by the law.
+    pub fn law(&self, values: &Values) -> [f64; PLAYS] {
+        self.weighed(values.law).map(|(_, weight)| weight)
+    }
+
+    /// The gain of each creep element, between the fastest's and the slowest's.
+    pub fn creep(&self, [fast, slow]: [f64; 2]) -> [(f64, f64); CREEP_TIMES.len()] {
+        let last = (CREEP_TIMES.len() - 1) as f64;
+        std::array::from_fn(|i| {
+            let part = i as f64 / last;
+            (CREEP_TIMES[i], (1.0 - part) * fast + part * slow)
+        })
+    }
+
+    pub fn least_slope(&self) -> f64 {
+        FLOOR * self.stroke / self.span.span()
+    }
+
+    pub fn stages<'a>(&'a self, values: &Values, plays: &'a [(f64, f64)], creep: &'a [(f64, f64)]) -> Stages<'a> {
+        let [hertz, damping] = values.resonance;
+        Stages {
+            basis: &self.basis,
+            span: self.span,
+            delay_ticks: values.delay_ticks,
+            lag_s: values.lag_s,
+            slew_v_per_s: values.slew_v_per_s,
+            plays,
+            creep,
+            rest_memory: values.rest_memory,
+            resonance: (hertz > 0.0).then_some((hertz, damping)),
+        }
+    }
+}
+
+/// Slew limits that are searched, V/s. The least is a part of what the training's voltage does in a tenth of a second, since a step is as
+/// steep as the tick is short; in their middle, where a search begins, is the steepest tick, at which nothing is limited yet.
+fn slews(problem: &Problem, tick: f64) -> Range<f64> {
+    let within = |ticks: usize| {
+        let changes = problem.training().flat_map(move |session| {
+            let later = session.voltage.iter().skip(ticks);
+            session.voltage.iter().zip(later).map(|(from, to)| (to - from).abs())
+        });
+        changes.fold(0.0, f64::max) / (ticks as f64 * tick)
+    };
+    let steepest = within(1).max(f64::MIN_POSITIVE);
+    let least = SLOWEST * within((SUSTAINED_S / tick).ceil() as usize).clamp(1e-3 * steepest, steepest);
+    Range { min: least, max: steepest * (steepest / least) }
+}
