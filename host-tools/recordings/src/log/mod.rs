@@ -43,12 +43,10 @@ pub use number::Number;
 pub use read_options::ReadOptions;
 pub use reading::{Chosen, Reading, Row};
 pub use recorded::{Log, twins};
+pub use recording::MINIMUM_ROWS;
 use recording::Recording;
 pub use sensitivity::{Sensitivity, SensitivityError};
 pub use write::{Displacement, write_csv};
-
-/// Fewest rows that make a log.
-pub const MINIMUM_ROWS: usize = 16;
 
 /// Reads the log in the file at `path`.
 ///

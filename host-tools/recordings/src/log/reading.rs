@@ -12,7 +12,7 @@ use super::choose::choose;
 use super::error::PlacedFault;
 use super::fault::Fault;
 use super::read_options::ReadOptions;
-use super::recording::Recording;
+use super::recording::{MINIMUM_ROWS, Recording};
 use super::{LogError, clock};
 
 /// A log whose columns are known and whose rows have not been read.
@@ -169,7 +169,7 @@ fn placed(PlacedFileFault(at, fault): PlacedFileFault, quantities: &[Quantity]) 
         FileFault::Unreadable(error) => Fault::Unreadable(error),
         FileFault::Empty => Fault::Empty,
         FileFault::Binary { what } => Fault::Binary { what },
-        FileFault::NoRows => Fault::FewRows { rows: 0, minimum: super::MINIMUM_ROWS },
+        FileFault::NoRows => Fault::FewRows { rows: 0, minimum: MINIMUM_ROWS },
         FileFault::UnevenRow { found, expected } => Fault::UnevenRow { found, expected },
         FileFault::EmptyLine => Fault::EmptyLine,
         FileFault::NotANumber { column, value } => Fault::NotANumber { quantity: quantity(column), value },

@@ -4,6 +4,9 @@ use measurement_files::{Place, SampleTime};
 
 use super::channels::Channels;
 
+/// Fewest rows that make a log.
+pub const MINIMUM_ROWS: usize = 16;
+
 /// The numbers of one file, finite and in s, V and µm, before they are checked.
 #[derive(Debug)]
 pub(super) struct Recording {
