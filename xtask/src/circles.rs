@@ -1,18 +1,18 @@
 //! Modules that need each other: drawn from the imports, no arrows between a crate's modules make a circle.
 //!
-//! Cargo lets no circle of crates pass, rustc any of modules. Drawn are, for each crate of the repository, the modules directly
-//! beneath its root, and for each module that has others in it, those. Each is drawn with all that is in it.
+//! Cargo lets no circle of crates pass, rustc any of modules. Drawn are, for each crate of the repository, its root and the modules
+//! directly beneath it, and for each module that has others in it, its own file and those. Each is drawn with all that is in it, but
+//! a root and a folder's own file with nothing but what they define themselves.
 //!
 //! | what counts as an arrow | to |
 //! |---|---|
 //! | an import, a path in code or within what a macro is given | the module that defines what is named, wherever it was handed on from |
 //! | the same, through a module that hands on what is none of its own | that module, too |
-//! | what a module takes that the crate's root itself defines | the root, which is drawn as `lib.rs` or `main.rs` |
-//! | what the root's own code takes of its modules | these |
+//! | what a module takes that the one which it is in itself defines | that one's own file, drawn as `lib.rs` or `mod.rs`, as it is called |
+//! | what such a file's own code takes of the modules in it | these |
 //!
-//! What counts for none: what is compiled in tests only; methods, and macros by example without a path, which name no module; what the
-//! root hands on from its modules (`pub use`), for it only gathers; and what a module below the root takes of the module that it is in,
-//! or that of it. A folder is the module of its name, whose type its files may share.
+//! What counts for none: what is compiled in tests only; methods, and macros by example without a path, which name no module: a type's
+//! methods may stand in several files beneath its own; and what a module hands on from those in it (`pub use`), for it only gathers.
 
 mod graph;
 mod imports;
@@ -29,7 +29,7 @@ use anyhow::Result;
 use xshell::{Shell, cmd};
 
 use graph::Arrows;
-use modules::Modules;
+use modules::{Module, Modules};
 
 /// The roots of crates, beside their manifests, which need not name them.
 const ROOTS: [&str; 2] = ["src/lib.rs", "src/main.rs"];
@@ -63,10 +63,9 @@ fn named_roots(manifest: &str) -> impl Iterator<Item = &str> {
 
 /// Those of the crate `name` with this root, of whose files `read` has the texts.
 fn of_crate(name: &str, root: &Path, read: &dyn Fn(&Path) -> Option<String>) -> Result<Vec<String>> {
-    let root_name = root.file_name().unwrap_or_default().to_string_lossy();
     let modules = Modules::read(root, read)?;
     let mut found = Vec::new();
-    for (folder, arrows) in drawn(&modules, &root_name) {
+    for (folder, arrows) in drawn(&modules) {
         let within = [&[name.to_owned()], &folder[..]].concat().join("::");
         found.extend(graph::circles(&arrows).into_iter().map(|circle| {
             let places = circle.windows(2).map(|pair| arrows[&pair[0]][&pair[1]].as_str());
@@ -77,25 +76,25 @@ fn of_crate(name: &str, root: &Path, read: &dyn Fn(&Path) -> Option<String>) -> 
     Ok(found)
 }
 
-/// The arrows between the modules of each module, by its path.
-fn drawn(modules: &Modules, root: &str) -> BTreeMap<Vec<String>, Drawn> {
+/// The arrows between the modules of each module and its own file, by its path.
+fn drawn(modules: &Modules) -> BTreeMap<Vec<String>, Drawn> {
     let mut drawn: BTreeMap<Vec<String>, Drawn> = BTreeMap::new();
     for (number, from) in modules.0.iter().enumerate() {
         for reference in references::of(&from.items) {
             let Some(target) = modules.target(number, &reference.path) else { continue };
             for to in std::iter::once(target.module).chain(target.through) {
-                let to = &modules.0[to].path;
-                let common = from.path.iter().zip(to).take_while(|(one, other)| one == other).count();
-                let (within, ends) = (&from.path[..common], [from.path.get(common), to.get(common)]);
-                let [tail, head] = match ends {
-                    [Some(tail), Some(head)] => [tail.as_str(), head],
-                    [None, Some(head)] if common == 0 && !reference.hands_on => [root, head],
-                    [Some(tail), None] if common == 0 => [tail, root],
+                let to = &modules.0[to];
+                let common = from.path.iter().zip(&to.path).take_while(|(one, other)| one == other).count();
+                let own = |module: &Module| module.file.file_name().unwrap_or_default().display().to_string();
+                let [tail, head] = match [from.path.get(common), to.path.get(common)] {
+                    [Some(tail), Some(head)] => [tail.clone(), head.clone()],
+                    [None, Some(head)] if !reference.hands_on => [own(from), head.clone()],
+                    [Some(tail), None] => [tail.clone(), own(to)],
                     _ => continue,
                 };
-                let arrows = drawn.entry(within.to_vec()).or_default().entry(tail.to_owned()).or_default();
+                let arrows = drawn.entry(from.path[..common].to_vec()).or_default().entry(tail).or_default();
                 let place = || format!("{}:{}", from.file.display(), reference.line);
-                arrows.entry(head.to_owned()).or_insert_with(place);
+                arrows.entry(head).or_insert_with(place);
             }
         }
     }
@@ -157,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn the_root_counts_with_what_it_defines_and_not_with_what_it_gathers() {
+    fn a_root_counts_with_what_it_defines_and_not_with_what_it_gathers() {
         let gathers = [
             ("src/lib.rs", "mod a;\npub use a::A;\npub const N: u8 = 1;"),
             ("src/a.rs", "pub struct A([u8; crate::N]);"),
@@ -168,10 +167,33 @@ mod tests {
     }
 
     #[test]
+    fn a_folders_own_file_counts_with_what_it_defines_and_not_with_what_it_gathers() {
+        let lib = ("src/lib.rs", "mod a;");
+        let inner = ("src/a/inner.rs", "use super::N;\npub struct Inner([u8; N]);\nimpl super::A { fn of() {} }");
+        let gathers = "mod inner;\npub use inner::Inner;\npub const N: usize = 1;\npub struct A;";
+        assert_eq!(found(&[lib, ("src/a.rs", gathers), inner]), [""; 0]);
+        let needs = "mod inner;\npub const N: usize = 1;\npub struct A;\nfn of(_: inner::Inner) {}";
+        assert_eq!(
+            found(&[lib, ("src/a/mod.rs", needs), inner]),
+            ["c::a: inner → mod.rs → inner (src/a/inner.rs:1, src/a/mod.rs:4)"]
+        );
+    }
+
+    #[test]
+    fn a_variable_of_a_modules_name_draws_no_arrow() {
+        let files = [
+            ("src/lib.rs", "mod a;"),
+            ("src/a.rs", "mod inner;\npub struct A;\nfn of(inner: u8) -> u8 { dbg!(inner) + inner }"),
+            ("src/a/inner.rs", "use super::A;"),
+        ];
+        assert_eq!(found(&files), [""; 0]);
+    }
+
+    #[test]
     fn modules_within_a_module_make_circles_of_their_own() {
         let files = [
             ("src/lib.rs", "mod a;"),
-            ("src/a.rs", "mod b;\nmod c;\npub use c::C;\npub struct A(b::B);"),
+            ("src/a.rs", "mod b;\nmod c;\npub use c::C;\npub struct A;"),
             ("src/a/b.rs", "use super::{A, C};\npub struct B(A, C);"),
             ("src/a/c.rs", "use super::b::B;\npub struct C;"),
         ];

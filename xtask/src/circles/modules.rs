@@ -102,10 +102,14 @@ impl Modules {
         Ok(number)
     }
 
-    /// Where `path` leads in the module `from`; nowhere if it leaves the crate.
+    /// Where `path` leads in the module `from`; nowhere if it leaves the crate, or names nothing but a module in there.
     pub fn target(&self, from: usize, path: &[String]) -> Option<Target> {
         let mut through = Vec::new();
-        let module = self.follow(from, path, &mut through, 0)?.0;
+        let (module, itself) = self.follow(from, path, &mut through, 0)?;
+        if itself && path.len() == 1 {
+            // A variable or a field that is called as a module is: nobody takes a module itself.
+            return None;
+        }
         // Whoever gathers what its own modules have hands on what is beneath it.
         through.retain(|&by| by != from && !self.0[module].path.starts_with(&self.0[by].path));
         Some(Target { module, through })
