@@ -11,6 +11,15 @@ use crate::circles;
 const HOST: &str = "host-tools";
 /// The command line, and the crates of the sentences that name its options; the others are libraries, which know of none.
 const COMMAND_LINE: [&str; 3] = ["piezo", "remedy", "findings"];
+/// Libraries beyond the host's, which know of none either.
+const OTHERS: [&str; 6] = ["estimator-core", "estimator-c", "firmware", "parameter-store", "protocol", "python"];
+/// The files of the program's verbs.
+const VERBS: &str = "host-tools/piezo/src/verb";
+/// What stands in files and on the page for whoever finds them, and names the verb that makes them.
+const KNOWN_BY: [&str; 3] =
+    ["// Made by `piezo emit`", "make its other faces again: piezo emit", "<title>piezo monitor</title>"];
+/// How a file's own tests begin.
+const TESTS: &str = "#[cfg(test)]\nmod tests {";
 /// What starts another program, with that program's flags.
 const STARTS_ANOTHER: &str = "host-tools/device-link/src/probe.rs";
 /// What a crate's manifest says where its documentation has no example, so that no time goes into looking for one.
@@ -27,6 +36,13 @@ const NOT_OF_IDENTIFICATION: [&str; 6] = ["clap", "anyhow", "serialport", "askam
 /// Those that are broken, each with its place and its remedy.
 pub fn check(sh: &Shell) -> Result<()> {
     let mut broken = Vec::new();
+    let files = sh.read_dir(VERBS)?;
+    let verbs: Vec<_> = files.iter().filter_map(|file| file.file_stem()?.to_str()).collect();
+    let others = OTHERS.map(|library| sources(sh, &sh.current_dir().join(library).join("src")));
+    for path in others.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten() {
+        let place = path.strip_prefix(sh.current_dir()).unwrap_or(&path);
+        broken.extend(of_the_command_line(place, &sh.read_file(&path)?, &verbs));
+    }
     for folder in sh.read_dir(HOST)?.iter().filter(|folder| folder.join("Cargo.toml").is_file()) {
         let name = folder.file_name().and_then(|name| name.to_str()).context("a crate's folder is not UTF-8")?;
         let mut lines = 0;
@@ -37,13 +53,7 @@ pub fn check(sh: &Shell) -> Result<()> {
             if COMMAND_LINE.contains(&name) || place == Path::new(STARTS_ANOTHER) {
                 continue;
             }
-            broken.extend(flags(&text).map(|(line, code)| {
-                let place = place.display();
-                format!(
-                    "{place}:{line}: `{code}` names a flag, which only {} may: say it there",
-                    COMMAND_LINE.join(" and ")
-                )
-            }));
+            broken.extend(of_the_command_line(place, &text, &verbs));
         }
         if lines > MOST_LINES {
             broken.push(format!("{HOST}/{name} has {lines} lines, more than {MOST_LINES}: split it"));
@@ -62,6 +72,17 @@ pub fn check(sh: &Shell) -> Result<()> {
     }
     ensure!(broken.is_empty(), "{}", broken.join("\n"));
     Ok(())
+}
+
+/// What a library says of the command line.
+fn of_the_command_line(place: &Path, text: &str, verbs: &[&str]) -> Vec<String> {
+    let place = place.display();
+    let may = COMMAND_LINE.join(" and ");
+    let flags = flags(text)
+        .map(|(line, code)| format!("{place}:{line}: `{code}` names a flag, which only {may} may: say it there"));
+    let verbs = named_verbs(text, verbs)
+        .map(|(line, code)| format!("{place}:{line}: `{code}` names a verb, which only {may} may: say it there"));
+    flags.chain(verbs).collect()
 }
 
 /// Examples in the documentation of crates whose manifest has cargo test none.
@@ -119,6 +140,17 @@ fn flags(text: &str) -> impl Iterator<Item = (usize, &str)> {
     (1..).zip(text.lines().map(str::trim)).filter(move |(_, code)| !code.starts_with("//") && names_flag(code))
 }
 
+/// Lines of code with the program's name and one of its verbs, but for those within tests, which quote what others say.
+fn named_verbs<'a>(text: &'a str, verbs: &[&str]) -> impl Iterator<Item = (usize, &'a str)> {
+    let names_verb = |code: &str| {
+        let mut words =
+            code.split("piezo ").skip(1).filter_map(|after| after.split(|c: char| !c.is_ascii_alphabetic()).next());
+        words.any(|word| verbs.contains(&word)) && !KNOWN_BY.iter().any(|known| code.contains(known))
+    };
+    let code = text.split(TESTS).next().unwrap_or_default();
+    (1..).zip(code.lines().map(str::trim)).filter(move |(_, code)| !code.starts_with("//") && names_verb(code))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,6 +159,15 @@ mod tests {
     fn flags_are_found_in_strings_and_not_in_comments() {
         let text = "/// With --out.\nlet a = \"say --out\";\nlet b = \"1 -- 2\";\n// --out\n  use --delay \\\n----";
         assert_eq!(flags(text).map(|(line, _)| line).collect::<Vec<_>>(), [2, 5]);
+    }
+
+    #[test]
+    fn verbs_are_found_with_the_programs_name_and_not_in_tests_or_what_a_file_is_known_by() {
+        let text = format!(
+            "/// By `piezo emit`.\nlet a = \"try `piezo emit`\";\nlet b = \"a piezo actuator\";\nlet c = \"{}\";\n{TESTS}\nlet d = \"piezo emit\";",
+            KNOWN_BY[0]
+        );
+        assert_eq!(named_verbs(&text, &["emit", "push"]).map(|(line, _)| line).collect::<Vec<_>>(), [2]);
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub enum TableError {
     #[error("not a parameter table (the page may be erased)")]
     NotATable,
     /// A record of another format version. It is refused, never guessed.
-    #[error("format version {found}, this software reads version {read}: make the table again with `piezo emit`")]
+    #[error("format version {found}, this software reads version {read}")]
     Version {
         /// Format version that the record has in its bytes 4 and 5.
         found: u16,

@@ -185,8 +185,8 @@ impl InputStage {
         };
         let (least, most) = cost.pin_v;
         format!(
-            "Resistors of {} %: off by {:.1} mV of the {} at most{}, the pin at {least:.3} … {most:.3} V. `piezo calibrate` with two \
-             points takes that away, and their drift is left: with {:.0} ppm/K, {:.2} mV at most{} for {} K.",
+            "Resistors of {} %: off by {:.1} mV of the {} at most{}, the pin at {least:.3} … {most:.3} V. Two measured points \
+             take that away, and their drift is left: with {:.0} ppm/K, {:.2} mV at most{} for {} K.",
             100.0 * cost.tolerance,
             1e3 * cost.off_v,
             self.source.name(),
@@ -205,7 +205,7 @@ impl InputStage {
             Some(volts) if (low..=high).contains(&volts) => format!(
                 "With the monitor's wire off, it reads as {volts:.3} V{}. Where the DAC does not drive the amplifier and the table's range \
                  holds that voltage, no flag tells it from an actuator at rest, unless the voltage leaps there farther than the amplifier \
-                 can (amplifier_slew of board.toml; `piezo install` says how far that is).",
+                 can (amplifier_slew of board.toml).",
                 self.at(volts).map_or(String::new(), |volts| format!(", which is {volts:.2} V of the amplifier"))
             ),
             Some(volts) => format!(

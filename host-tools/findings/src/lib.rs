@@ -23,6 +23,6 @@ pub use left_out::left_out;
 pub use proven::proven;
 pub use reason::reason;
 pub use surveyed::{remarked, surveyed};
-pub use table_file::table_file;
+pub use table_file::{bring_to, table_file};
 pub use unsaid::{hold_out, model};
 pub use validated::{EXPLAINED, held, suspicion};

@@ -224,9 +224,11 @@ fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
     match shared.guard.admit(&request) {
         Err(Refusal::Host) => say(&mut stream, Status::Forbidden, "the page is not to be had under this name"),
         Err(Refusal::Origin) => say(&mut stream, Status::Forbidden, "another page asks: only the scope's own may"),
-        Err(Refusal::Secret) => {
-            say(&mut stream, Status::NotFound, "nothing is here: open the whole address that piezo monitor has printed")
-        }
+        Err(Refusal::Secret) => say(
+            &mut stream,
+            Status::NotFound,
+            "nothing is here: open the whole address that was printed where the page is served",
+        ),
         Ok(path) => {
             let Some(_admitted) = Admitted::to(&shared.admitted) else {
                 return say(&mut stream, Status::Busy, "too many connections: close some of the pages");

@@ -5,6 +5,7 @@ use super::paste::{log, quoted};
 use ::calibration::ConverterMismatch;
 use ::calibration::drive::SetpointMismatch;
 use comparison::ComparisonError;
+use estimator_core::TableError;
 use identification::cost::UnusedWeight;
 use identification::validate::{Bound, ScopeError};
 use identification::{CandidateError, JobError};
@@ -13,7 +14,7 @@ use recordings::{LogUse, Role};
 use std::error::Error;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use table_files::{OtherFace, TableFileError};
+use table_files::{OtherFace, Refused, TableFileError};
 use thesis::ThesisError;
 
 /// What Ctrl-C does while learn identifies.
@@ -33,6 +34,8 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(unused_weight))
         .or_else(|| error.downcast_ref().map(scope))
         .or_else(|| error.downcast_ref().map(table))
+        .or_else(|| error.downcast_ref().map(refused_file))
+        .or_else(|| error.downcast_ref().map(refused))
         .or_else(|| error.downcast_ref().map(other_face))
         .or_else(|| error.downcast_ref().map(file))
         .or_else(|| error.downcast_ref().map(setpoint))
@@ -131,6 +134,22 @@ fn scope(error: &ScopeError) -> String {
     }
 }
 
+/// Why a table is refused.
+pub(super) fn refused(error: &TableError) -> String {
+    match error {
+        TableError::Version { .. } => format!("{error}: make the table again with `piezo emit`"),
+        _ => error.to_string(),
+    }
+}
+
+/// The same of a table in a file.
+fn refused_file(error: &Refused) -> String {
+    match error {
+        Refused::Table(error) => refused(error),
+        _ => error.to_string(),
+    }
+}
+
 fn other_face(error: &OtherFace) -> String {
     let faces = [&error.named, &error.beside];
     match faces.into_iter().find(|face| face.ends_with("table.toml")) {
@@ -226,5 +245,25 @@ fn table(error: &TableFileError) -> String {
             format!("{}: is no table.toml: {WANTED}, and logs after it", path.display())
         }
         _ => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sentence;
+    use super::*;
+    use device_link::table::RunningTableError;
+
+    #[test]
+    fn a_table_of_another_version_is_to_be_made_again_wherever_it_lies() {
+        let version = TableError::Version { found: 3, read: 9 };
+        let (path, source) = ("table.bin".into(), Refused::Table(version));
+        let wherever: [&dyn Error; 3] =
+            [&version, &TableFileError::Refused { path, source }, &RunningTableError::Refused(version)];
+        for error in wherever {
+            let said = sentence(error);
+            assert!(said.ends_with("reads version 9: make the table again with `piezo emit`"), "{said}");
+        }
+        assert!(!version.to_string().contains("piezo"), "{version}");
     }
 }

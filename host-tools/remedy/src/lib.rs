@@ -18,7 +18,8 @@ pub use bench::{complaint, identify, introduced, stopped};
 pub use bits::{Meaning, faults, remarks, status};
 pub use device::{board, not_estimating, refusal, rehearsed};
 pub use findings::{
-    DETERMINED, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason, remarked, surveyed,
+    DETERMINED, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason, remarked,
+    surveyed,
 };
 pub use identification::{ENDS, mismatch};
 pub use log::kept;

@@ -1,6 +1,7 @@
 //! Who a device is, which table it runs and how it is, as lines for people: faults and status bits come with their remedies.
 
 use crate::bits::{self, Meaning};
+use crate::identification::refused;
 use crate::{played, supply};
 use bench::describe;
 use device_link::words;
@@ -89,7 +90,7 @@ fn table_lines(identity: &Identity, table: Option<&(Result<Admitted, TableError>
             let described = match table {
                 Ok(table) => describe(table),
                 // A firmware of another record format runs tables that this program cannot read.
-                Err(error) => vec![format!("it cannot be shown here: {error}")],
+                Err(error) => vec![format!("it cannot be shown here: {}", refused(error))],
             };
             lines.extend(described.into_iter().map(|line| format!("         {line}")));
             lines

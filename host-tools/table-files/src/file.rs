@@ -97,7 +97,8 @@ impl TableFile {
         Ok(admitted)
     }
 
-    /// Brings the table to a tick of so many µs, and its recipe with it, without another search ([`Table::at_tick`]).
+    /// Brings the table to a tick of so many µs, and its recipe with it, without another search ([`Table::at_tick`]). What its errors
+    /// are there nobody has measured, which the doubts are to say.
     ///
     /// # Errors
     /// Its model is bound to the tick that it was identified at.
@@ -110,10 +111,6 @@ impl TableFile {
         self.recipe.tick_us = tick_us;
         let delay_us = f64::from(self.recipe.delay_ticks) * f64::from(before_us);
         self.recipe.delay_ticks = (delay_us / f64::from(tick_us)).round() as u32;
-        self.doubts.push(format!(
-            "identified at a tick of {before_us} µs and brought to one of {tick_us} µs by its equations: what its errors are there was \
-             not measured (piezo validate)"
-        ));
         Ok(())
     }
 

@@ -87,7 +87,6 @@ fn a_delay_that_is_too_long_for_the_shorter_tick_is_refused_and_the_tick_of_its_
     // What is a length of time stays one.
     let rate = |file: &TableFile| file.table.interval.unwrap().rate_ticks * file.table.sample_period_us as f32;
     assert!((rate(&brought) / rate(&operator) - 1.0).abs() < 1e-6);
-    assert!(brought.doubts.last().unwrap().contains("brought to one of 100 µs"));
 }
 
 #[test]

@@ -55,7 +55,8 @@ pub fn run(arguments: &Emit) -> Result<bool> {
     let (mut file, _) = if again { TableFile::load(&arguments.table)? } else { look_at(&arguments.table)? };
     if let Some(tick_us) = arguments.tick_us {
         let name = arguments.table.display();
-        file.bring_to(tick_us).map_err(|bound| anyhow!("{name}: {bound}: identify with --tick-us {tick_us}"))?;
+        remedy::bring_to(&mut file, tick_us)
+            .map_err(|bound| anyhow!("{name}: {bound}: identify with --tick-us {tick_us}"))?;
     }
     let calibration = arguments.calibration.options()?;
     calibration.apply(&mut file.table);
