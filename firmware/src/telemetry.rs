@@ -2,13 +2,17 @@
 //! Of each value either the tick is the only writer, but for [`Telemetry::forget`], or the main loop is; and nothing interrupts the
 //! tick, so plain loads and stores are enough.
 
+mod bias;
+mod rest;
+
 use crate::correction::Given;
 use crate::facts::Facts;
-use crate::ramp::{Ramp, Stride};
+use crate::ramp::Stride;
 use crate::rate::ticks_in;
 use crate::supply::Supply;
+use bias::Bias;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
-use estimator_core::{AdcCode, DacCode, Status};
+use estimator_core::{AdcCode, Status};
 use protocol::{Faults, Mode};
 
 /// Counters and latches of the tick.
@@ -68,10 +72,8 @@ pub struct Telemetry {
     pub given: Given,
     /// The set-point's code, and one more; 0 where there is none.
     setpoint: AtomicU32,
-    /// Bits of the bias, µm.
-    bias: AtomicU32,
-    /// Ticks since the bias was told, and one more; 0 where it was not since the estimate began.
-    told: AtomicU32,
+    /// What is added to the model's displacement, and since when.
+    pub bias: Bias,
     faults: AtomicU16,
     faults_seen: AtomicU16,
     mode: AtomicU8,
@@ -119,8 +121,7 @@ impl Telemetry {
             supply: Supply::new(),
             given: Given::new(),
             setpoint: AtomicU32::new(0),
-            bias: AtomicU32::new(0),
-            told: AtomicU32::new(0),
+            bias: Bias::new(),
             faults: AtomicU16::new(0),
             faults_seen: AtomicU16::new(0),
             mode: AtomicU8::new(0),
@@ -158,49 +159,6 @@ impl Telemetry {
             self.cycles_max.store(cycles, Relaxed);
         }
         in_time
-    }
-
-    /// The DAC's safe code.
-    pub fn safe(&self) -> DacCode {
-        DacCode(self.safe.load(Relaxed))
-    }
-
-    /// Whether the output is put on its pin at all: where nobody knows what is wired to it, it is not.
-    pub fn connected(&self) -> bool {
-        self.connected.load(Relaxed)
-    }
-
-    /// What the DAC is to be given for it, at the supply of now, in the board's parts of a code.
-    pub fn safe_given(&self) -> DacCode {
-        self.given.of(self.safe())
-    }
-
-    /// The way from what the DAC has been given to what it is given for its safe code, in the board's parts of a code.
-    pub fn ramp(&self, from: DacCode) -> Ramp {
-        Ramp::new(from, self.safe_given(), self.stride_given())
-    }
-
-    /// Most that what the DAC is given may change in a tick, at the supply of now, in the board's parts of a code.
-    #[inline]
-    pub fn stride_given(&self) -> Stride {
-        match self.stride() {
-            Stride::JUMP => Stride::JUMP,
-            stride => self.given.stride(stride),
-        }
-    }
-
-    /// Whether the DAC drives something, so that its code may not jump.
-    pub fn drives(&self) -> bool {
-        self.stride() != Stride::JUMP
-    }
-
-    /// Ticks from the DAC's last code to the safe one.
-    pub fn ticks_to_safe(&self) -> u32 {
-        Ramp::new(DacCode(self.dac.load(Relaxed)), self.safe(), self.stride()).ticks()
-    }
-
-    fn stride(&self) -> Stride {
-        Stride(self.stride.load(Relaxed))
     }
 
     /// The code that was read last at the set-point, corrected for the supply; `None` where the board has no such channel.
@@ -245,17 +203,6 @@ impl Telemetry {
         self.mode() == Mode::Waveform && !self.stopped.load(Relaxed)
     }
 
-    /// What is added to the model's displacement, µm; 0 where nothing was told.
-    pub fn bias_um(&self) -> f32 {
-        f32::from_bits(self.bias.load(Relaxed))
-    }
-
-    /// Ticks since the bias was told, at most [`protocol::Health::OLDEST_BIAS_TICKS`]; `None` where it was not since the
-    /// estimate began.
-    pub fn bias_age_ticks(&self) -> Option<u32> {
-        self.told.load(Relaxed).checked_sub(1)
-    }
-
     /// Forgets counts and faults seen.
     pub fn forget(&self) {
         let counters = [
@@ -273,37 +220,10 @@ impl Telemetry {
         self.faults_seen.store(0, Relaxed);
     }
 
-    pub(crate) fn set_safe(&self, safe: DacCode, stride: Stride, connected: bool) {
-        self.connected.store(connected, Relaxed);
-        self.dac.store(safe.0, Relaxed);
-        self.safe.store(safe.0, Relaxed);
-        self.stride.store(stride.0, Relaxed);
-    }
-
-    #[inline]
-    pub(crate) fn set_dac(&self, code: DacCode) {
-        self.dac.store(code.0, Relaxed);
-    }
-
     pub(crate) fn set_mode(&self, mode: Mode) {
         self.mode.store(mode as u8, Relaxed);
         self.starved.store(0, Relaxed);
         self.epoch.store(self.epoch.load(Relaxed).wrapping_add(1), Relaxed);
-    }
-
-    /// The bias (µm) was told at this tick; without one, the estimate has begun anew.
-    pub(crate) fn set_bias(&self, told_um: Option<f32>) {
-        self.bias.store(told_um.unwrap_or(0.0).to_bits(), Relaxed);
-        self.told.store(u32::from(told_um.is_some()), Relaxed);
-    }
-
-    /// A tick has passed since the bias was told, where it was.
-    #[inline]
-    pub(crate) fn age_bias(&self) {
-        let told = self.told.load(Relaxed);
-        if told > 0 {
-            self.told.store(told.saturating_add(1), Relaxed);
-        }
     }
 
     #[inline]
@@ -340,25 +260,6 @@ impl Telemetry {
             if status.contains(bit) {
                 add(counter, 1);
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use protocol::Health;
-
-    #[test]
-    fn a_bias_grows_no_older_than_can_be_said() {
-        let telemetry = Telemetry::new();
-        telemetry.age_bias();
-        assert_eq!(telemetry.bias_age_ticks(), None, "what was never told does not age");
-        telemetry.set_bias(Some(0.5));
-        telemetry.told.store(u32::MAX - 1, Relaxed);
-        for _ in 0..3 {
-            telemetry.age_bias();
-            assert_eq!(telemetry.bias_age_ticks(), Some(Health::OLDEST_BIAS_TICKS));
         }
     }
 }

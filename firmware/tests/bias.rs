@@ -16,26 +16,26 @@ fn the_bias_is_told_at_the_next_tick_and_ages_until_the_estimate_begins_anew() {
     for k in 0..500 {
         tick.sample(triangle(k).into(), k * PERIOD);
     }
-    assert_eq!((link.telemetry.bias_um(), link.telemetry.bias_age_ticks()), (0.0, None));
+    assert_eq!((link.telemetry.bias.um(), link.telemetry.bias.age_ticks()), (0.0, None));
     link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).unwrap();
     link.telemetry.streaming.store(true, Relaxed);
     tick.sample(triangle(500).into(), 500 * PERIOD);
     assert!((link.queues.samples.dequeue().unwrap().sample.displacement - 3.0).abs() < 0.1);
-    assert_eq!(link.telemetry.bias_age_ticks(), Some(0));
-    let zeroed = link.telemetry.bias_um();
+    assert_eq!(link.telemetry.bias.age_ticks(), Some(0));
+    let zeroed = link.telemetry.bias.um();
     for k in 501..511 {
         tick.sample(triangle(k).into(), k * PERIOD);
     }
-    assert_eq!(link.telemetry.bias_age_ticks(), Some(10));
+    assert_eq!(link.telemetry.bias.age_ticks(), Some(10));
     link.telemetry.forget();
-    assert_eq!(link.telemetry.bias_um(), zeroed, "the bias is no count");
+    assert_eq!(link.telemetry.bias.um(), zeroed, "the bias is no count");
     link.queues.commands.enqueue(Command::ShiftBias { by_um: -0.5 }).unwrap();
     tick.sample(triangle(511).into(), 511 * PERIOD);
-    assert!((link.telemetry.bias_um() - (zeroed - 0.5)).abs() < 1e-5);
-    assert_eq!(link.telemetry.bias_age_ticks(), Some(0));
+    assert!((link.telemetry.bias.um() - (zeroed - 0.5)).abs() < 1e-5);
+    assert_eq!(link.telemetry.bias.age_ticks(), Some(0));
     link.queues.commands.enqueue(Command::SetMode(Mode::Pause)).unwrap();
     tick.sample(triangle(512).into(), 512 * PERIOD);
-    assert_eq!((link.telemetry.bias_um(), link.telemetry.bias_age_ticks()), (0.0, None));
+    assert_eq!((link.telemetry.bias.um(), link.telemetry.bias.age_ticks()), (0.0, None));
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn the_estimate_and_its_zero_go_on_from_mode_to_mode_unless_something_is_wrong()
         k += 1;
         link.queues.samples.dequeue().map(|found| found.sample)
     };
-    let told = |link: &LinkEnd| link.telemetry.bias_age_ticks().is_some();
+    let told = |link: &LinkEnd| link.telemetry.bias.age_ticks().is_some();
     for code in 0..3_000 {
         reference.tick(triangle(code));
         next(&mut link, None, triangle(code));
@@ -96,7 +96,7 @@ fn a_zero_that_comes_with_a_code_not_to_be_believed_is_not_taken() {
         tick.sample(before.into(), k * PERIOD);
         link.queues.commands.enqueue(Command::SetZero { at_um: 3.0 }).unwrap();
         tick.sample(triangle(900).into(), (k + 1) * PERIOD);
-        link.telemetry.bias_age_ticks().is_some()
+        link.telemetry.bias.age_ticks().is_some()
     };
     for (k, odd) in
         [AdcCode(0), AdcCode(65_520), table.adc.code(table.voltage_range_v.max + 0.02)].into_iter().enumerate()

@@ -232,7 +232,7 @@ fn a_set_point_that_fails_and_comes_back_leaves_the_zero_alone_and_a_monitor_s_e
     device.run(10);
     device.bench.set(Mode::Linearise);
     device.run(2 * CALM_TICKS);
-    let told = |device: &Controlled| device.bench.link.telemetry.bias_age_ticks().is_some();
+    let told = |device: &Controlled| device.bench.link.telemetry.bias.age_ticks().is_some();
     device.wants = AdcCode(0);
     assert!(device.run(2 * SATURATED).1.contains(Faults::SETPOINT) && told(&device));
     device.wants = code(30.0);

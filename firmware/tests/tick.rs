@@ -267,5 +267,5 @@ fn a_main_loop_that_goes_on_after_all_ends_the_fault_a_second_later_and_costs_no
         let (_, faults, valid) = next(&link, true);
         assert!(faults.is_empty() && valid, "{faults:?}");
     }
-    assert_eq!(link.telemetry.bias_age_ticks(), Some(STALLED + 10 + HOLD + 98), "the estimate went on meanwhile");
+    assert_eq!(link.telemetry.bias.age_ticks(), Some(STALLED + 10 + HOLD + 98), "the estimate went on meanwhile");
 }

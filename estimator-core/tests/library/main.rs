@@ -13,6 +13,7 @@ mod laws;
 mod maxwell_slip;
 mod models;
 mod narx;
+mod narx_bound;
 mod noise;
 mod prandtl_ishlinskii;
 mod precision;

@@ -5,6 +5,7 @@
 
 mod device;
 mod loaded;
+mod state;
 mod waveform;
 
 pub use device::{Device, Taken};

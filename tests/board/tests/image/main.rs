@@ -4,6 +4,7 @@ mod boot;
 mod common;
 mod cycles;
 mod excite;
+mod failures;
 mod faults;
 mod flood;
 mod follow;

@@ -1,5 +1,8 @@
 //! The page as a browser has it, over HTTP, beside an emulated device.
 
+mod browser;
+
+use browser::Page;
 use device_link::{Client, words};
 use emulator::faults::samples;
 use emulator::{Emulator, FaultyLine, TABLE};
@@ -8,14 +11,10 @@ use live_scope::{Device, Gone, PAGE, Scope, Server, run, server};
 use protocol::Mode;
 use recordings::log::{ReadOptions, read};
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-
-const PATIENCE: Duration = Duration::from_secs(20);
 
 fn open(address: SocketAddr) -> Result<Device, Gone> {
     let (client, identity) = Client::connect(&address.into()).map_err(|error| Gone(error.to_string()))?;
@@ -45,86 +44,6 @@ fn shown(device: SocketAddr, folder: &Path, then: impl FnOnce(&Page)) {
         let _end = End(over);
         then(&page);
     });
-}
-
-/// Where the page is.
-struct Page {
-    host: String,
-    path: String,
-}
-
-impl Page {
-    fn of(url: &str) -> Self {
-        let (host, path) = url.strip_prefix("http://").unwrap().split_once('/').unwrap();
-        Self { host: host.to_owned(), path: format!("/{path}") }
-    }
-
-    /// Sends a request with these lines in its head; what is answered.
-    fn send(&self, request: &str, head: &str, body: &str) -> BufReader<TcpStream> {
-        let mut stream = TcpStream::connect(&self.host).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        write!(stream, "{request} HTTP/1.1\r\n{head}Content-Length: {}\r\n\r\n{body}", body.len()).unwrap();
-        BufReader::new(stream)
-    }
-
-    fn asked(&self, request: &str, head: &str, body: &str) -> (String, String) {
-        let mut answer = String::new();
-        self.send(request, head, body).read_to_string(&mut answer).unwrap();
-        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
-        (head.split(' ').nth(1).unwrap().to_owned(), body.to_owned())
-    }
-
-    /// As the page's own script asks.
-    fn asks(&self, what: &str, body: &str) -> (String, String) {
-        let head = format!("Host: {0}\r\nOrigin: http://{0}\r\n", self.host);
-        self.asked(&format!("POST {}{what}", self.path), &head, body)
-    }
-
-    fn events(&self) -> Events {
-        let head = format!("Host: {}\r\n", self.host);
-        let mut answer = self.send(&format!("GET {}events", self.path), &head, "");
-        let mut line = String::new();
-        while line != "\r\n" {
-            line.clear();
-            assert_ne!(answer.read_line(&mut line).unwrap(), 0);
-        }
-        Events(answer)
-    }
-}
-
-/// What the page is sent.
-struct Events(BufReader<TcpStream>);
-
-impl Events {
-    fn next(&mut self) -> (String, Value) {
-        let mut name = String::new();
-        loop {
-            let mut line = String::new();
-            assert_ne!(self.0.read_line(&mut line).unwrap(), 0, "the events end");
-            if let Some(event) = line.strip_prefix("event: ") {
-                event.trim().clone_into(&mut name);
-            }
-            if let Some(data) = line.strip_prefix("data: ") {
-                return (name, serde_json::from_str(data).unwrap());
-            }
-        }
-    }
-
-    /// The next of a name that is as it should be.
-    fn wait(&mut self, name: &str, is: impl Fn(&Value) -> bool) -> Value {
-        let start = Instant::now();
-        let mut last = Value::Null;
-        while start.elapsed() < PATIENCE {
-            let (event, data) = self.next();
-            if event == name {
-                if is(&data) {
-                    return data;
-                }
-                last = data;
-            }
-        }
-        panic!("no such {name}; the last was {last}");
-    }
 }
 
 fn number(value: &Value) -> f64 {

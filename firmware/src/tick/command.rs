@@ -1,0 +1,90 @@
+//! What commands make of the tick: another mode, a displacement that is told, a start anew.
+
+use super::{Tick, tick_restart};
+use crate::decimation::Streamed;
+use crate::queues::Command;
+use crate::watch::Watch;
+use core::sync::atomic::Ordering::Relaxed;
+use estimator_core::Estimator;
+use protocol::{Faults, Mode};
+
+impl Tick<'_> {
+    pub(super) fn restart(&mut self) {
+        if let Some(estimator) = &mut self.startup.estimator {
+            tick_restart(estimator);
+        }
+        self.startup.correction.restart();
+        if let Some(leap) = &mut self.startup.leap {
+            leap.restart();
+        }
+        self.telemetry.bias.set(None);
+        if core::mem::take(&mut self.told) {
+            self.startup.faults.insert(Faults::ZERO_LOST);
+        }
+    }
+
+    /// Tells the estimator its bias, which it may not take.
+    fn tell(&mut self, tell: impl FnOnce(&mut Estimator<f32>) -> bool) {
+        if let Some(estimator) = &mut self.startup.estimator
+            && tell(estimator)
+        {
+            self.telemetry.bias.set(Some(estimator.bias()));
+            // Of fed codes it is over with them.
+            if self.mode.measures() {
+                self.told = true;
+                self.startup.faults.remove(Faults::ZERO_LOST);
+            }
+        }
+    }
+
+    /// Begins a mode, wherever the output stands. An estimate from the ADC, with which nothing was wrong, goes on.
+    pub(super) fn enter(&mut self, mode: Mode) {
+        let goes_on = self.mode.measures() && mode.measures() && self.watch.sound();
+        self.mode = mode;
+        self.number = 0;
+        self.decimation = Streamed::default();
+        while self.queues.fed.dequeue().is_some() {}
+        while self.queues.references.dequeue().is_some() {}
+        if goes_on {
+            self.watch.go_on();
+        } else {
+            self.watch = Watch::new(self.adc_full_scale);
+            self.restart();
+        }
+        if let Some(setpoint) = &mut self.startup.setpoint {
+            setpoint.restart();
+        }
+        if let Some(drive) = &mut self.startup.drive {
+            drive.restart();
+            if matches!(mode, Mode::Linearise | Mode::Waveform) {
+                drive.go(true);
+            }
+        }
+        self.player.stop();
+        self.telemetry.holding.store(false, Relaxed);
+        self.telemetry.stopped.store(false, Relaxed);
+        self.telemetry.set_mode(mode);
+    }
+
+    pub(super) fn obey(&mut self, command: Command) {
+        match command {
+            Command::SetMode(mode) => self.enter(mode),
+            Command::Play(how) => {
+                self.enter(Mode::Waveform);
+                if let Some(drive) = &self.startup.drive {
+                    let (from, pace) = drive.stands();
+                    self.player.play(how, from, pace);
+                }
+            }
+            Command::Go { hold } => {
+                if let Some(drive) = &mut self.startup.drive {
+                    drive.go(hold);
+                }
+            }
+            // The voltage may have gone wrong since the device has looked.
+            Command::SetZero { .. } if self.telemetry.doubts() => {}
+            Command::SetZero { at_um } => self.tell(|estimator| estimator.set_zero(at_um)),
+            Command::ShiftBias { by_um } => self.tell(|estimator| estimator.shift(by_um)),
+        }
+    }
+}
