@@ -17,7 +17,7 @@ const _: () = assert!(SATURATED < CALM_TICKS);
 
 /// A set-point's code.
 #[derive(Clone, Copy, Debug)]
-pub struct Wish {
+pub struct SetpointCode {
     /// As it was read, which shows whether it is one.
     pub read: AdcCode,
     /// As it would be were the supply not off.
@@ -52,7 +52,7 @@ impl Setpoint {
 
     /// What is wanted at a tick, µm relative to the model's zero, where that can be said; `sound` says that nothing else is
     /// wrong, `rests` that the voltage is at rest, which matters before the set-point is followed only.
-    pub fn wanted(&mut self, Wish { read, corrected }: Wish, sound: bool, rests: bool) -> Option<f32> {
+    pub fn wanted(&mut self, SetpointCode { read, corrected }: SetpointCode, sound: bool, rests: bool) -> Option<f32> {
         let plausible = !self.ends.near(read);
         if !sound {
             self.calm = 0;

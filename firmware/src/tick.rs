@@ -16,7 +16,7 @@ use crate::correction::Read;
 use crate::decimation::Streamed;
 use crate::facts::Facts;
 use crate::queues::{Numbered, TickQueues};
-use crate::setpoint::Wish;
+use crate::setpoint::SetpointCode;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch, suffers};
@@ -147,7 +147,7 @@ impl<'q> Tick<'q> {
             status |= leap.status();
         }
         let setpoint = self.setpoint(read);
-        let (mut faults, sound) = self.supervise(read, setpoint.map(|wish| wish.read), status, missed, faults);
+        let (mut faults, sound) = self.supervise(read, setpoint.map(|code| code.read), status, missed, faults);
         self.telemetry.doubtful.store(status.intersects(DOUBTFUL) || !self.watch.sound(), Relaxed);
         let shown = self.startup.showing(displacement, dac);
         let output = self.output(shown, setpoint, sound);
@@ -177,9 +177,9 @@ impl<'q> Tick<'q> {
     }
 
     /// The set-point's code, where it is followed. One that does not come is as good as one at an end of the range.
-    fn setpoint(&self, Read { conversion, corrected }: Read) -> Option<Wish> {
+    fn setpoint(&self, Read { conversion, corrected }: Read) -> Option<SetpointCode> {
         let at = |conversion: Conversion| conversion.setpoint.unwrap_or(AdcCode(0));
-        (self.mode == Mode::Linearise).then(|| Wish { read: at(conversion), corrected: at(corrected) })
+        (self.mode == Mode::Linearise).then(|| SetpointCode { read: at(conversion), corrected: at(corrected) })
     }
 
     /// Adds the faults that last to this tick's, and says whether the output may be anything but the safe one.

@@ -15,7 +15,7 @@ const STRIDE_RULE: Rule =
     "the drive's slew_v_per_s must be larger: a tick's change of the voltage would be lost in rounding";
 /// A drive goes through its range in this time at most, s. A device that fails goes to rest before it starts anew, and answers
 /// nobody meanwhile; an actuator creeps as much in ten minutes as a slower ramp is there to avoid.
-const LONGEST_WAY_S: f32 = 600.0;
+const LONGEST_SWEEP_S: f32 = 600.0;
 
 impl Admitted {
     /// The inverse of the model, at rest, within limits that may be other than the table's own.
@@ -63,7 +63,7 @@ impl Admitted {
             });
         }
         self.inverse::<f32>(&limits).map_err(TableError::Drive)?;
-        if limits.range_v.span() > LONGEST_WAY_S * limits.slew_v_per_s {
+        if limits.range_v.span() > LONGEST_SWEEP_S * limits.slew_v_per_s {
             return Err(TableError::OutOfRange {
                 rule: "the drive's slew_v_per_s must be so large that its range_v is gone through in 10 minutes",
             });

@@ -4,7 +4,7 @@
 use super::Tick;
 use crate::decimation::Streamed;
 use crate::drive::Drive;
-use crate::setpoint::Wish;
+use crate::setpoint::SetpointCode;
 use crate::shaping::Codes;
 use crate::telemetry::add;
 use core::sync::atomic::Ordering::Relaxed;
@@ -29,7 +29,7 @@ impl Tick<'_> {
 
     /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code `setpoint`;
     /// where not `sound`, the safe one.
-    pub(crate) fn output(&mut self, estimated: Codes, setpoint: Option<Wish>, sound: bool) -> Output {
+    pub(crate) fn output(&mut self, estimated: Codes, setpoint: Option<SetpointCode>, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
             Some(drive) if self.mode.drives() => {
@@ -38,7 +38,7 @@ impl Tick<'_> {
                     drive.stop();
                 }
                 let next = match (setpoint, &mut self.startup.setpoint) {
-                    (Some(wish), Some(wants)) => wants.wanted(wish, sound, drive.rests()),
+                    (Some(code), Some(wants)) => wants.wanted(code, sound, drive.rests()),
                     _ if self.mode == Mode::Waveform => {
                         let wanted = if drive.stopped() { None } else { self.player.tick() };
                         if wanted.is_none() {

@@ -51,10 +51,10 @@ impl Driven {
     /// A fault stops it, the link fails, or the user has had enough; here and below.
     pub fn go(&mut self, client: &mut Client, volts: f32, interrupt: &Interrupt) -> Result<(), BenchError> {
         let tick_s: f64 = self.table.sample_period();
-        let (from, way) = (f64::from(self.volts), f64::from(volts - self.volts));
-        let steps = (ramp_s(way, self.drive.limits.slew_v_per_s) / tick_s).ceil().max(1.0) as usize;
+        let (from, travel) = (f64::from(self.volts), f64::from(volts - self.volts));
+        let steps = (ramp_s(travel, self.drive.limits.slew_v_per_s) / tick_s).ceil().max(1.0) as usize;
         let mut references: Vec<f32> =
-            (1..=steps).map(|step| (from + way * step as f64 / steps as f64) as f32).collect();
+            (1..=steps).map(|step| (from + travel * step as f64 / steps as f64) as f32).collect();
         references.extend(std::iter::repeat_n(volts, (SETTLES_S / tick_s) as usize));
         self.volts = volts;
         self.play(client, &references, interrupt).map(drop)
@@ -96,8 +96,8 @@ impl Driven {
 }
 
 /// How long a way of so many volts takes, s.
-fn ramp_s(way: f64, slew_v_per_s: f32) -> f64 {
-    way.abs() / (OF_SLEW * f64::from(slew_v_per_s))
+fn ramp_s(travel: f64, slew_v_per_s: f32) -> f64 {
+    travel.abs() / (OF_SLEW * f64::from(slew_v_per_s))
 }
 
 /// The limits of a table's drive, with the smaller slew where the board's file has one, if they and the file allow the voltages.
@@ -113,8 +113,8 @@ fn allowed(volts: [f32; 2], limits: DriveLimits, facts: &BoardFacts) -> Result<D
         }
     }
     let slew_v_per_s = facts.drive_slew.map_or(limits.slew_v_per_s, |slew| limits.slew_v_per_s.min(slew as f32));
-    let ways = [volts[0] - limits.rest_v, volts[1] - volts[0]];
-    let seconds = ways.map(|way| ramp_s(f64::from(way), slew_v_per_s)).into_iter().fold(0.0, f64::max);
+    let travels = [volts[0] - limits.rest_v, volts[1] - volts[0]];
+    let seconds = travels.map(|travel| ramp_s(f64::from(travel), slew_v_per_s)).into_iter().fold(0.0, f64::max);
     match seconds <= LONGEST_S {
         true => Ok(DriveLimits { slew_v_per_s, ..limits }),
         false => Err(BenchError::SlowRamp { seconds, slew_v_per_s }),

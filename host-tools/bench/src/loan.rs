@@ -121,9 +121,9 @@ pub fn rest(client: &mut Client, adc: AdcCalibration, limits: DriveLimits) -> Re
     client.set_mode(Mode::Estimate)?;
     client.stream(true)?;
     let (rest_v, near) = (limits.rest_v, NEAR * limits.range_v.span());
-    let way = Duration::from_secs_f32((PATIENCE * limits.range_v.span() / limits.slew_v_per_s).min(3600.0));
+    let patience = Duration::from_secs_f32((PATIENCE * limits.range_v.span() / limits.slew_v_per_s).min(3600.0));
     let (begun, mut volts) = (Instant::now(), f32::NAN);
-    while begun.elapsed() < way.max(AT_LEAST) {
+    while begun.elapsed() < patience.max(AT_LEAST) {
         if let Some(batch) = client.samples(Duration::from_millis(100))? {
             volts = batch.samples.last().map_or(volts, |sample| adc.voltage(AdcCode(sample.code)));
         }

@@ -205,14 +205,14 @@ impl Waveform {
         let back = back_ticks.map(|ticks| Transition::new(last, first, ticks));
         let of_line = |tick: usize| match back {
             // Less than a way's ticks.
-            Some(way) if tick > between => way.at((tick - between) as u32),
+            Some(back) if tick > between => back.at((tick - between) as u32),
             _ => self.straight(tick),
         };
         let approach = Transition::new(rest, first, approach_ticks);
-        let way = (1..approach_ticks).map(|tick| approach.at(tick));
+        let lead = (1..approach_ticks).map(|tick| approach.at(tick));
         // The second is like all others.
         let lines = (0..2 * line_ticks).map(|tick| of_line(tick % line_ticks));
-        let wanted: Vec<f64> = way.chain(lines).map(f64::from).take(LOOKED_AT).collect();
+        let wanted: Vec<f64> = lead.chain(lines).map(f64::from).take(LOOKED_AT).collect();
         let plan = plan(table, &limits, &Trajectory(wanted))?;
         let from = approach_ticks as usize - 1;
         let from = if from + 2 * line_ticks <= plan.wanted.len() { from + line_ticks } else { from };

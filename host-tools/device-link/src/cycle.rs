@@ -31,9 +31,9 @@ const LOOK: Duration = Duration::from_millis(100);
 /// A cycle is looked for again when this part more samples have come, so that a long wait costs little.
 const MORE: usize = 50;
 
-/// What is wanted.
+/// Which cycle is waited for.
 #[derive(Clone, Copy, Debug)]
-pub struct Wish {
+pub struct CycleRequest {
     /// Codes to volts.
     pub calibration: AdcCalibration,
     /// What a cycle spans at least, V.
@@ -44,7 +44,7 @@ pub struct Wish {
     pub wait_s: f64,
 }
 
-impl Wish {
+impl CycleRequest {
     /// A cycle of a device that runs this table, waited for so long, s of the device.
     pub fn new(table: &Admitted, wait_s: f64) -> Self {
         let least_span_v = LEAST_SPAN * f64::from(table.voltage_range_v.span());
@@ -116,12 +116,12 @@ pub enum CycleError {
 /// There is no cycle in time, or what it would be found in is not sound; the link fails; or the user does not want to wait.
 pub fn over_cycle(
     client: &mut Client,
-    wish: &Wish,
+    request: &CycleRequest,
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Cycle, CycleError> {
     client.stream(true)?;
-    let found = find(client, wish, interrupt, progress);
+    let found = find(client, request, interrupt, progress);
     // A device that no longer answers has been reported already.
     let stopped = client.stream(false);
     let cycle = found?;
@@ -172,7 +172,7 @@ impl Heard {
 
 fn find(
     client: &mut Client,
-    wish: &Wish,
+    request: &CycleRequest,
     interrupt: &Interrupt,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Cycle, CycleError> {
@@ -195,15 +195,15 @@ fn find(
             Continuity::Restarted => return Err(CycleError::Restarted),
         }
         for sample in batch.samples {
-            heard.take(sample, batch.every, &wish.calibration)?;
+            heard.take(sample, batch.every, &request.calibration)?;
         }
         let every = usize::from(batch.every.get());
         let ticks = heard.voltage.len() * every;
         progress(ticks);
-        let late = ticks as u64 >= wish.ticks();
+        let late = ticks as u64 >= request.ticks();
         if late || ticks >= look {
             look = ticks + ticks / MORE;
-            match heard.cycle(wish.least_span_v, every) {
+            match heard.cycle(request.least_span_v, every) {
                 Some(cycle) if cycle.status.intersects(WORTHLESS) => {
                     return Err(CycleError::Worthless(cycle.status & WORTHLESS));
                 }
@@ -212,7 +212,7 @@ fn find(
             }
         }
         if late {
-            let &Wish { wait_s, least_span_v, .. } = wish;
+            let &CycleRequest { wait_s, least_span_v, .. } = request;
             let span_v = Range::of_values(heard.voltage.iter().copied()).span().max(0.0);
             return Err(CycleError::NoCycle { wait_s, span_v, least_span_v });
         }
@@ -230,8 +230,8 @@ mod tests {
         let device = Emulator::new().plant(plant).speed(8.0).start().unwrap();
         let line = FaultyLine::to(device.address(), fault).unwrap();
         let (mut client, _) = Client::connect(&line.address().into()).unwrap();
-        let wish = Wish::new(&TABLE.admit().unwrap(), 4.0);
-        let found = over_cycle(&mut client, &wish, &Interrupt::default(), &mut |_| {});
+        let request = CycleRequest::new(&TABLE.admit().unwrap(), 4.0);
+        let found = over_cycle(&mut client, &request, &Interrupt::default(), &mut |_| {});
         assert_eq!(client.samples(Duration::from_millis(100)).unwrap(), None, "the stream was stopped");
         found
     }
@@ -254,9 +254,9 @@ mod tests {
     fn the_mean_over_a_cycle_is_0_once_it_is_taken_off() {
         let device = Emulator::new().speed(8.0).start().unwrap();
         let (mut client, _) = Client::connect(&device.address().into()).unwrap();
-        let wish = Wish::new(&TABLE.admit().unwrap(), 4.0);
+        let request = CycleRequest::new(&TABLE.admit().unwrap(), 4.0);
         let over_cycle = |client: &mut Client| {
-            let cycle = over_cycle(client, &wish, &Interrupt::default(), &mut |_| {}).unwrap();
+            let cycle = over_cycle(client, &request, &Interrupt::default(), &mut |_| {}).unwrap();
             assert_eq!(cycle.ticks, 2_000, "the triangle's period");
             cycle
         };

@@ -26,9 +26,9 @@ pub const SILENCE: Duration = Duration::from_secs(2);
 /// How often the wish to end is looked at.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// What is wanted.
+/// What is to be recorded.
 #[derive(Clone, Copy, Debug)]
-pub struct Wish {
+pub struct RecordingRequest {
     /// Codes to volts.
     pub calibration: AdcCalibration,
     /// The sensor, where one is to be recorded.
@@ -85,7 +85,7 @@ pub enum End {
 /// A recording under way, which takes the frames of samples as they come: for who has other uses of them, too.
 #[derive(Debug)]
 pub struct Recorder<W> {
-    wish: Wish,
+    request: RecordingRequest,
     log: W,
     numbers: Numbers,
     recording: Recording,
@@ -96,9 +96,9 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// The log cannot be written, here and below.
-    pub fn begin(wish: Wish, mut log: W) -> io::Result<Self> {
-        writeln!(log, "{}", if wish.sensor.is_some() { HEADER_WITH_SENSOR } else { HEADER })?;
-        Ok(Self { wish, log, numbers: Numbers::default(), recording: Recording::default() })
+    pub fn begin(request: RecordingRequest, mut log: W) -> io::Result<Self> {
+        writeln!(log, "{}", if request.sensor.is_some() { HEADER_WITH_SENSOR } else { HEADER })?;
+        Ok(Self { request, log, numbers: Numbers::default(), recording: Recording::default() })
     }
 
     /// Writes the next frame; or says why it is not written, and nothing after it may be.
@@ -106,7 +106,7 @@ impl<W: Write> Recorder<W> {
         let recording = &mut self.recording;
         match self.numbers.take(samples) {
             Continuity::Contiguous => {}
-            Continuity::Gap(ticks) if self.wish.allow_gaps => {
+            Continuity::Gap(ticks) if self.request.allow_gaps => {
                 recording.lost += samples_in(ticks, samples);
                 recording.ticks += u64::from(ticks);
                 recording.before = None;
@@ -114,10 +114,10 @@ impl<W: Write> Recorder<W> {
             Continuity::Gap(ticks) => return Ok(Some(End::Gap { samples: samples_in(ticks, samples) })),
             Continuity::Restarted => return Ok(Some(End::Restarted)),
         }
-        if self.wish.sensor.is_some() && samples.samples.iter().any(|sample| sample.sensor.is_none()) {
+        if self.request.sensor.is_some() && samples.samples.iter().any(|sample| sample.sensor.is_none()) {
             return Ok(Some(End::NoSensor));
         }
-        write(samples, &self.wish, recording, &mut self.log)?;
+        write(samples, &self.request, recording, &mut self.log)?;
         // Where the program is killed, what is on the disk ends with a whole line, and is a frame old.
         self.log.flush()?;
         Ok(None)
@@ -151,15 +151,15 @@ impl<W: Write> Recorder<W> {
 /// The log cannot be written.
 pub fn record(
     client: &mut Client,
-    wish: &Wish,
+    request: &RecordingRequest,
     log: &mut impl Write,
     mut enough: impl FnMut(&Recording) -> bool,
 ) -> io::Result<(Recording, End)> {
-    let mut recorder = Recorder::begin(*wish, log)?;
+    let mut recorder = Recorder::begin(*request, log)?;
     let mut silence = Duration::ZERO;
     let end = loop {
         let recording = recorder.recording();
-        if wish.ticks.is_some_and(|ticks| recording.ticks >= ticks) || enough(recording) {
+        if request.ticks.is_some_and(|ticks| recording.ticks >= ticks) || enough(recording) {
             break End::Complete;
         }
         let samples = match client.samples(LOOK) {
@@ -179,16 +179,21 @@ pub fn record(
     Ok((recorder.finish()?.0, end))
 }
 
-fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut impl Write) -> io::Result<()> {
+fn write(
+    samples: &Samples,
+    request: &RecordingRequest,
+    recording: &mut Recording,
+    log: &mut impl Write,
+) -> io::Result<()> {
     let ticks = u64::from(samples.every.get());
     recording.every = Some(samples.every);
     for sample in &samples.samples {
-        if wish.ticks.is_some_and(|ticks| recording.ticks >= ticks) {
+        if request.ticks.is_some_and(|ticks| recording.ticks >= ticks) {
             break;
         }
         // Whole µs over 10⁶ is the double nearest to the true time, and so prints short.
-        let time = (recording.ticks * u64::from(wish.tick_us)) as f64 / 1e6;
-        let voltage: f32 = wish.calibration.voltage(AdcCode(sample.code));
+        let time = (recording.ticks * u64::from(request.tick_us)) as f64 / 1e6;
+        let voltage: f32 = request.calibration.voltage(AdcCode(sample.code));
         // A sample's displacement is that of the next tick, beside whose voltage it belongs.
         let Some(before) = recording.before.replace(*sample) else {
             if recording.rows > 0 {
@@ -198,7 +203,7 @@ fn write(samples: &Samples, wish: &Wish, recording: &mut Recording, log: &mut im
             continue;
         };
         let displacement = estimate_at(&before, sample, samples.every);
-        match wish.sensor {
+        match request.sensor {
             None => writeln!(log, "{time},{voltage},{displacement}")?,
             Some(sensor) => {
                 // Every sample has one: it was looked at before.
@@ -228,9 +233,10 @@ mod tests {
         let (mut client, identity) = Client::connect(&line.address().into()).unwrap();
         let calibration = TABLE.adc;
         client.stream(true).unwrap();
-        let wish = Wish { calibration, sensor: None, tick_us: identity.tick_us, ticks: Some(ticks), allow_gaps };
+        let request =
+            RecordingRequest { calibration, sensor: None, tick_us: identity.tick_us, ticks: Some(ticks), allow_gaps };
         let mut log = Vec::new();
-        let (recording, end) = record(&mut client, &wish, &mut log, |_| false).unwrap();
+        let (recording, end) = record(&mut client, &request, &mut log, |_| false).unwrap();
         (String::from_utf8(log).unwrap(), recording, end)
     }
 
@@ -253,8 +259,9 @@ mod tests {
         let (mut client, _) = Client::connect(&device.address().into()).unwrap();
         client.stream(true).unwrap();
         let sensor = Some(Sensor { zero_um: 0.0, full_um: 30.0, full_scale: TABLE.adc.full_scale });
-        let wish = Wish { calibration: TABLE.adc, sensor, tick_us: 500, ticks: Some(100), allow_gaps: false };
-        let (recording, end) = record(&mut client, &wish, &mut Vec::new(), |_| false).unwrap();
+        let request =
+            RecordingRequest { calibration: TABLE.adc, sensor, tick_us: 500, ticks: Some(100), allow_gaps: false };
+        let (recording, end) = record(&mut client, &request, &mut Vec::new(), |_| false).unwrap();
         assert!(matches!(end, End::NoSensor) && recording.rows == 0, "{end:?}");
     }
 

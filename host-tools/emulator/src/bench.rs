@@ -97,8 +97,8 @@ impl Bench {
 /// From rest to the full voltage for the first time, slowly enough for the amplifier, µm.
 fn first_stroke(actuator: &plants::Plant) -> f64 {
     let quick = plants::Plant { creep: 0.0, lag_s: 0.0, slew_v_per_s: None, ..*actuator };
-    let way: Vec<f64> = (0..=10_000).map(|k| actuator.full_v * f64::from(k) / 10_000.0).collect();
-    let reached = quick.respond(&way);
+    let rise: Vec<f64> = (0..=10_000).map(|k| actuator.full_v * f64::from(k) / 10_000.0).collect();
+    let reached = quick.respond(&rise);
     // A way of ten thousand steps has a first and a last.
     reached.last().zip(reached.first()).map_or(1.0, |(last, first)| last - first)
 }

@@ -171,9 +171,9 @@ fn major(request: &Request, seconds: f64) -> Gone {
     let mut path = Path::new(request);
     let rest = (REST * seconds).min(REST_S);
     path.hold(rest);
-    let way = (seconds - 2.0 * rest) / 5.0;
+    let line_s = (seconds - 2.0 * rest) / 5.0;
     for turn in [request.max_v, request.min_v, request.max_v, request.min_v] {
-        path.line_to(turn, way);
+        path.line_to(turn, line_s);
     }
     path.swing_to(request.rest_v, 0.0);
     path.hold(rest);
@@ -195,11 +195,11 @@ fn reversals(request: &Request, seconds: f64) -> Gone {
     within(request, seconds, |path, left| {
         path.swing_to(request.max_v, 0.0);
         // Each curve gets time by its way, so that all are gone at one rate.
-        let ways = f64::from(TURNS * (TURNS + 1));
+        let sum = f64::from(TURNS * (TURNS + 1));
         for turn in 1..=TURNS {
             let low = request.max_v - request.span_v() * f64::from(turn) / f64::from(TURNS);
-            path.line_to(low, left * f64::from(turn) / ways);
-            path.line_to(request.max_v, left * f64::from(turn) / ways);
+            path.line_to(low, left * f64::from(turn) / sum);
+            path.line_to(request.max_v, left * f64::from(turn) / sum);
         }
     })
 }

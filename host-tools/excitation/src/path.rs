@@ -32,16 +32,16 @@ impl<'r> Path<'r> {
 
     /// Moves to a voltage along half a cosine, in so many s or as fast as it may.
     pub fn swing_to(&mut self, target: f64, seconds: f64) {
-        let (from, way) = (self.at, target - self.at);
-        let seconds = seconds.max(0.5 * PI * way.abs() / Self::fastest(self.request));
-        self.go(seconds, target, |part| from + way * 0.5 * (1.0 - libm::cos(PI * part)));
+        let (from, travel) = (self.at, target - self.at);
+        let seconds = seconds.max(0.5 * PI * travel.abs() / Self::fastest(self.request));
+        self.go(seconds, target, |part| from + travel * 0.5 * (1.0 - libm::cos(PI * part)));
     }
 
     /// Moves to a voltage along a straight line, in so many s or as fast as it may.
     pub fn line_to(&mut self, target: f64, seconds: f64) {
-        let (from, way) = (self.at, target - self.at);
-        let seconds = seconds.max(way.abs() / Self::fastest(self.request));
-        self.go(seconds, target, |part| from + way * part);
+        let (from, travel) = (self.at, target - self.at);
+        let seconds = seconds.max(travel.abs() / Self::fastest(self.request));
+        self.go(seconds, target, |part| from + travel * part);
     }
 
     /// Whole periods of a sine from its lowest voltage, where the path stands, up by a span and back.

@@ -18,24 +18,24 @@ const MOST_TICKS: f64 = 1e6;
 pub fn approach(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory) -> Result<Vec<f64>, NoInverse> {
     let rest = Estimator::<f64>::new(table).of_held_voltage().tick_volts(limits.rest_v.into()).displacement;
     let (begin, near) = (trajectory.at(0.0), near(table));
-    let way = begin - rest;
+    let travel = begin - rest;
     let [low, high] = reach(table, limits);
-    if way.abs() < near || !(low.min(high)..=high.max(low)).contains(&begin) {
+    if travel.abs() < near || !(low.min(high)..=high.max(low)).contains(&begin) {
         return Ok(Vec::new());
     }
     // As fast as the voltage may go all the way, were displacement and voltage proportional; at most π/2 of its mean speed.
     let whole_s = f64::from(limits.range_v.span()) / f64::from(limits.slew_v_per_s);
     let tick_s: f64 = table.sample_period();
-    let mut ticks = (PI / 2.0 * whole_s * way.abs() / (high - low).abs() / tick_s).max(2.0).ceil();
+    let mut ticks = (PI / 2.0 * whole_s * travel.abs() / (high - low).abs() / tick_s).max(2.0).ceil();
     let mut attempt = 0;
     loop {
         let count = ticks.min(MOST_TICKS) as usize;
         let eased = |tick: usize| 0.5 - 0.5 * (PI * tick as f64 / count as f64).cos();
-        let lead: Vec<f64> = (0..count).map(|tick| rest + way * eased(tick)).collect();
+        let lead: Vec<f64> = (0..count).map(|tick| rest + travel * eased(tick)).collect();
         // It stays there for a moment, as a trajectory may begin at rest: then nothing overshoots.
         let stays = std::iter::repeat_n(begin, count);
         let tried = plan(table, limits, &Trajectory(lead.iter().copied().chain(stays).collect()))?;
-        let beyond = tried.displacement.iter().map(|y| (y - begin) * way.signum()).fold(f64::MIN, f64::max);
+        let beyond = tried.displacement.iter().map(|y| (y - begin) * travel.signum()).fold(f64::MIN, f64::max);
         if (tried.out_of_reach == 0 && beyond < near) || attempt == DOUBLINGS || ticks >= MOST_TICKS {
             return Ok(lead);
         }

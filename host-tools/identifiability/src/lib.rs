@@ -166,8 +166,8 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
         let standard_error_um = gradient.dot(&precision.solve(&gradient)).max(0.0).sqrt();
         let value_um = before[index];
         let before_um = gradient.norm();
-        let slower = experiment.swing(voltages.span()).is_some_and(|(way, period_s)| {
-            sessions.iter().all(|session| farthest(session, 0.25 * period_s) < AS_FAR * way)
+        let slower = experiment.swing(voltages.span()).is_some_and(|(swing_v, period_s)| {
+            sessions.iter().all(|session| farthest(session, 0.25 * period_s) < AS_FAR * swing_v)
         });
         let told = if slower {
             Told::Slower

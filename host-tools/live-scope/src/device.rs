@@ -2,7 +2,7 @@
 
 use crate::feed::Feed;
 use device_link::Client;
-use device_link::recording::Wish;
+use device_link::recording::RecordingRequest;
 use device_link::sensor::Sensor;
 use device_link::window::Window;
 use estimator_core::Admitted;
@@ -37,8 +37,8 @@ impl Device {
     }
 
     /// A recording of it, with its sensor, that lasts until somebody has enough and ends where samples are lost.
-    pub fn recording(&self) -> Wish {
+    pub fn recording(&self) -> RecordingRequest {
         let &Self { sensor, identity: Identity { tick_us, .. }, .. } = self;
-        Wish { calibration: self.table.adc, sensor, tick_us, ticks: None, allow_gaps: false }
+        RecordingRequest { calibration: self.table.adc, sensor, tick_us, ticks: None, allow_gaps: false }
     }
 }

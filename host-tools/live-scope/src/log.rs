@@ -1,7 +1,7 @@
 //! A recording that the page began: the log of `device_link::recording`, in a file of its own.
 
 use crate::error::Unkept;
-use device_link::recording::{End, Recorder, SILENCE, Wish};
+use device_link::recording::{End, Recorder, RecordingRequest, SILENCE};
 use protocol::Samples;
 use recordings::file::{Replacement, partial};
 use std::io::{self, BufWriter, Write};
@@ -26,13 +26,13 @@ pub struct Log {
 struct Disk {
     file: Replacement,
     #[cfg(test)]
-    room: usize,
+    bytes_left: usize,
 }
 
 impl Write for Disk {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         #[cfg(test)]
-        let bytes = &bytes[..bytes.len().min(self.room)];
+        let bytes = &bytes[..bytes.len().min(self.bytes_left)];
         #[cfg(test)]
         if bytes.is_empty() {
             return Err(io::ErrorKind::StorageFull.into());
@@ -40,7 +40,7 @@ impl Write for Disk {
         let written = self.file.write(bytes)?;
         #[cfg(test)]
         {
-            self.room -= written;
+            self.bytes_left -= written;
         }
         Ok(written)
     }
@@ -55,17 +55,17 @@ impl Log {
     ///
     /// # Errors
     /// It cannot be written, here and below.
-    pub fn begin(folder: &Path, wish: Wish) -> io::Result<Self> {
+    pub fn begin(folder: &Path, request: RecordingRequest) -> io::Result<Self> {
         let free = |path: &Path| !path.exists() && !path.is_symlink();
         let free = names(folder, 1).find(|(_, path)| free(path) && free(&partial(path)));
         let (number, path) = free.ok_or(io::ErrorKind::AlreadyExists)?;
         let disk = Disk {
             file: Replacement::growing(&path).map_err(io::Error::other)?,
             #[cfg(test)]
-            room: usize::MAX,
+            bytes_left: usize::MAX,
         };
-        let recorder = Recorder::begin(wish, BufWriter::new(disk))?;
-        Ok(Self { path, number, recorder, tick_us: wish.tick_us, heard: Instant::now() })
+        let recorder = Recorder::begin(request, BufWriter::new(disk))?;
+        Ok(Self { path, number, recorder, tick_us: request.tick_us, heard: Instant::now() })
     }
 
     /// Where it will be, unless another program makes a file there meanwhile: then it is the next that is free.
@@ -153,8 +153,11 @@ mod tests {
     }
 
     fn begun(folder: &Path) -> Log {
-        Log::begin(folder, Wish { calibration: TABLE.adc, sensor: None, tick_us: 500, ticks: None, allow_gaps: false })
-            .unwrap()
+        Log::begin(
+            folder,
+            RecordingRequest { calibration: TABLE.adc, sensor: None, tick_us: 500, ticks: None, allow_gaps: false },
+        )
+        .unwrap()
     }
 
     #[test]
@@ -219,9 +222,10 @@ mod tests {
     fn a_disk_that_is_full_keeps_the_lines_that_it_has() {
         let folder = tempfile::tempdir().unwrap();
         let mut log = begun(folder.path());
-        let disk = Disk { file: Replacement::of(log.path()).unwrap(), room: 60 };
-        let wish = Wish { calibration: TABLE.adc, sensor: None, tick_us: 500, ticks: None, allow_gaps: false };
-        log.recorder = Recorder::begin(wish, BufWriter::with_capacity(8, disk)).unwrap();
+        let disk = Disk { file: Replacement::of(log.path()).unwrap(), bytes_left: 60 };
+        let request =
+            RecordingRequest { calibration: TABLE.adc, sensor: None, tick_us: 500, ticks: None, allow_gaps: false };
+        log.recorder = Recorder::begin(request, BufWriter::with_capacity(8, disk)).unwrap();
         let path = log.path().to_owned();
         let failed = (0..100).find_map(|number| log.take(&samples(4 * number)).err());
         assert!(failed.is_some_and(|error| error.kind() == io::ErrorKind::StorageFull));

@@ -77,9 +77,9 @@ fn turns(blocks: BlocksView<'_>, threshold: f64) -> Vec<(f64, f64)> {
     let mut turns = if voltages.is_empty() { Vec::new() } else { vec![0] };
     turns.extend(reversals(&voltages, threshold));
     if let Some(&last) = turns.last() {
-        let way = |index: &usize| (voltages[*index] - voltages[last]).abs();
-        let furthest = (last..voltages.len()).max_by(|one, other| way(one).total_cmp(&way(other)));
-        turns.extend(furthest.filter(|index| turns.len() > 1 || way(index) >= threshold));
+        let distance = |index: &usize| (voltages[*index] - voltages[last]).abs();
+        let furthest = (last..voltages.len()).max_by(|one, other| distance(one).total_cmp(&distance(other)));
+        turns.extend(furthest.filter(|index| turns.len() > 1 || distance(index) >= threshold));
     }
     turns.into_iter().map(point).collect()
 }

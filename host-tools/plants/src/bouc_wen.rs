@@ -43,9 +43,9 @@ impl BoucWen {
 
 impl Hysteresis for BoucWen {
     fn step(&mut self, u: f64, _: f64) -> f64 {
-        let way = u - self.before;
-        let steps = (way.abs() / FINEST).ceil().max(1.0);
-        let step = way / steps;
+        let change = u - self.before;
+        let steps = (change.abs() / FINEST).ceil().max(1.0);
+        let step = change / steps;
         for _ in 0..steps as usize {
             let size = self.z.abs();
             let power = libm::pow(size, self.exponent);

@@ -50,9 +50,9 @@ impl JilesAtherton {
 
 impl Hysteresis for JilesAtherton {
     fn step(&mut self, u: f64, _: f64) -> f64 {
-        let way = u - self.before;
-        let steps = (way.abs() / FINEST).ceil().max(1.0);
-        let step = way / steps;
+        let change = u - self.before;
+        let steps = (change.abs() / FINEST).ceil().max(1.0);
+        let step = change / steps;
         for _ in 0..steps as usize {
             self.before += step;
             let anhysteretic = self.anhysteretic(self.before + self.coupling * self.polarisation);

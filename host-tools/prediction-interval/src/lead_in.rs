@@ -3,20 +3,20 @@
 use estimator_core::Range;
 
 /// From one voltage to another it goes in so long, s.
-const WAY_S: f64 = 0.4;
+const RAMP_S: f64 = 0.4;
 
 /// The voltages from a rest to both ends of a range, back to the rest, which lasts for `rested_s`, and on to another voltage, V a
 /// tick of `tick_s` seconds; and the tick at which the rest ends.
 pub fn lead_in(rest: f64, to: f64, range: Range<f64>, rested_s: f64, tick_s: f64) -> (Vec<f64>, usize) {
     let ticks = |s: f64| ((s / tick_s) as usize).max(1);
-    let way = |[from, to]: [f64; 2]| {
-        let ticks = ticks(WAY_S);
+    let ramp = |[from, to]: [f64; 2]| {
+        let ticks = ticks(RAMP_S);
         (0..ticks).map(move |k| from + (to - from) * k as f64 / ticks as f64)
     };
-    let swing = [[rest, range.min], [range.min, range.max], [range.max, rest]].into_iter().flat_map(way);
+    let swing = [[rest, range.min], [range.min, range.max], [range.max, rest]].into_iter().flat_map(ramp);
     let mut voltage: Vec<f64> = swing.chain(std::iter::repeat_n(rest, ticks(rested_s))).collect();
     let ends = voltage.len();
-    voltage.extend(way([rest, to]));
+    voltage.extend(ramp([rest, to]));
     (voltage, ends)
 }
 

@@ -107,7 +107,7 @@ mod tests {
     const RESET: Speeds = Speeds { system: 16 * MHZ, core: 16 * MHZ };
 
     /// The way to 170 MHz: boost or not, wait states, the core's first and second speed and the clocks between them.
-    fn way(boost: bool, wait_states: u32, first: u32, between: u64, second: u32) -> Result<()> {
+    fn switched(boost: bool, wait_states: u32, first: u32, between: u64, second: u32) -> Result<()> {
         let mut clock = Clock::new(RESET);
         clock.write(PWR_CR5, if boost { 0 } else { R1MODE });
         clock.write(FLASH_ACR, 0x0004_0600 | wait_states);
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn there_is_one_way_to_170_mhz() {
-        way(true, 4, 85, 170, 170).unwrap();
+        switched(true, 4, 85, 170, 170).unwrap();
         for (boost, wait_states, first, between, second, why) in [
             (false, 8, 85, 170, 170, "without range 1 boost"),
             (true, 3, 85, 170, 170, "170 MHz with 3 wait states"),
@@ -127,7 +127,7 @@ mod tests {
             (true, 4, 170, 170, 170, "in one step"),
             (true, 4, 85, 169, 170, "169 clocks after"),
         ] {
-            let error = way(boost, wait_states, first, between, second).expect_err(why).to_string();
+            let error = switched(boost, wait_states, first, between, second).expect_err(why).to_string();
             assert!(error.contains(why), "{error}");
         }
     }

@@ -12,8 +12,8 @@ pub fn circles<N: Ord + Clone, A>(arrows: &Arrows<N, A>) -> Vec<Vec<N>> {
     for (tail, heads) in arrows {
         for head in heads.keys() {
             let named = found.iter().any(|circle| circle.windows(2).any(|pair| pair[0] == *tail && pair[1] == *head));
-            if let Some(way) = (!named).then(|| shortest(arrows, head, tail)).flatten() {
-                found.push([vec![tail.clone()], way].concat());
+            if let Some(path) = (!named).then(|| shortest(arrows, head, tail)).flatten() {
+                found.push([vec![tail.clone()], path].concat());
             }
         }
     }
@@ -26,14 +26,14 @@ fn shortest<N: Ord + Clone, A>(arrows: &Arrows<N, A>, from: &N, to: &N) -> Optio
     let mut next = VecDeque::from([from]);
     while let Some(at) = next.pop_front() {
         if at == to {
-            let mut way = vec![at.clone()];
+            let mut path = vec![at.clone()];
             let mut last = at;
             while let Some(Some(previous)) = before.get(last) {
-                way.push((*previous).clone());
+                path.push((*previous).clone());
                 last = previous;
             }
-            way.reverse();
-            return Some(way);
+            path.reverse();
+            return Some(path);
         }
         for head in arrows.get(at).into_iter().flat_map(BTreeMap::keys) {
             if !before.contains_key(head) {

@@ -133,8 +133,8 @@ impl SignalFault {
 /// The code of a voltage (V) at a supply (mV).
 pub(crate) fn read(adc: &AdcCalibration, volts: f64, supply_mv: f64) -> AdcCode {
     let zero = -f64::from(adc.offset_v) / f64::from(adc.gain_v_per_code) * if adc.invert { -1.0 } else { 1.0 };
-    let way = volts / f64::from(adc.gain_v_per_code) * if adc.invert { -1.0 } else { 1.0 };
-    let code = zero + way * f64::from(MADE_FOR_MV) / supply_mv;
+    let codes = volts / f64::from(adc.gain_v_per_code) * if adc.invert { -1.0 } else { 1.0 };
+    let code = zero + codes * f64::from(MADE_FOR_MV) / supply_mv;
     // Limited to the converter's range, which fits.
     AdcCode(code.round().clamp(0.0, f64::from(adc.full_scale)) as u16)
 }

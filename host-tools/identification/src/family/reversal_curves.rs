@@ -79,8 +79,8 @@ impl Family {
             Some(lower) if lower.top() > low => (lower.top(), lower.everett(low)),
             _ => (low, 0.0),
         };
-        let way = upper.top() - from;
-        if way <= 0.0 { least } else { least + (upper.everett(low) - least) * ((high - from) / way).min(1.0) }
+        let distance = upper.top() - from;
+        if distance <= 0.0 { least } else { least + (upper.everett(low) - least) * ((high - from) / distance).min(1.0) }
     }
 }
 

@@ -10,7 +10,7 @@ use bench::BoardFacts;
 use clap::Args;
 use device_link::LinkError;
 use device_link::interrupt::Interrupt;
-use device_link::recording::{End, Recording, Wish, record};
+use device_link::recording::{End, Recording, RecordingRequest, record};
 use device_link::sensor::Sensor;
 use device_link::table;
 use indicatif::ProgressBar;
@@ -68,10 +68,10 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let span = facts.and_then(|facts| facts.sensor_span);
     let sensor = span.map(|(zero_um, full_um)| Sensor { zero_um, full_um, full_scale: identity.adc_full_scale });
     let calibration = table::running(&mut client)?.adc;
-    let wish = Wish { calibration, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };
+    let request = RecordingRequest { calibration, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };
     client.stream(true)?;
     let bar = ticks.map_or_else(ProgressBar::new_spinner, super::print::progress);
-    let recorded = record(&mut client, &wish, &mut BufWriter::new(&mut file), |recording| {
+    let recorded = record(&mut client, &request, &mut BufWriter::new(&mut file), |recording| {
         bar.set_message(format!("{:.1} s", seconds(recording, tick_us)));
         bar.set_position(recording.ticks);
         interrupt.wanted()
@@ -96,7 +96,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
     if recording.rows > 0 {
         file.commit_measured(arguments.overwrite.force).with_context(cannot_write)?;
     }
-    tell(arguments, &recording, &end, (tick_us, wish.sensor.is_some()))?;
+    tell(arguments, &recording, &end, (tick_us, request.sensor.is_some()))?;
     let complete = conclude(arguments, &recording, end)?;
     if complete {
         stopped?;

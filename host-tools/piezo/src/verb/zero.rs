@@ -6,7 +6,7 @@ use crate::option::link::PortOption;
 use crate::option::{finite, not_negative};
 use anyhow::{Context, Result};
 use clap::Args;
-use device_link::cycle::{Cycle, Wish, over_cycle};
+use device_link::cycle::{Cycle, CycleRequest, over_cycle};
 use device_link::interrupt::Interrupt;
 use device_link::motion::{Motion, displacement, look};
 use device_link::table;
@@ -103,7 +103,7 @@ pub fn run(arguments: &Zero) -> Result<bool> {
 /// The voltage's first full cycle. An error says that nothing is changed.
 fn cycle(arguments: &Zero, client: &mut Client, table: &Admitted, interrupt: &Interrupt) -> Result<Cycle> {
     let bar = ProgressBar::new_spinner();
-    let found = over_cycle(client, &Wish::new(table, arguments.seconds), interrupt, &mut |ticks| {
+    let found = over_cycle(client, &CycleRequest::new(table, arguments.seconds), interrupt, &mut |ticks| {
         bar.set_message(format!("waits for a full cycle of the voltage, {:.1} s", seconds(ticks, table)));
     });
     bar.finish_and_clear();

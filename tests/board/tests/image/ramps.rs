@@ -32,19 +32,19 @@ const TIM7_CNT: u32 = 0x4000_1424;
 const DMA1_CCR2: u32 = 0x4002_001C;
 
 /// The modes that drive, and a reference far from rest: µm, V.
-const WAYS: [(Mode, f32); 2] = [(Mode::Follow, 30.0), (Mode::Excite, 3.0)];
+const DRIVING: [(Mode, f32); 2] = [(Mode::Follow, 30.0), (Mode::Excite, 3.0)];
 
 /// A device whose amplifier has been driven far from rest, which the ADC reads, and the first latch on the way.
-fn driven(way: (Mode, f32)) -> Result<(Bench, usize)> {
-    let (mut bench, start) = driving(way)?;
+fn driven(driving_mode: (Mode, f32)) -> Result<(Bench, usize)> {
+    let (mut bench, start) = driving(driving_mode)?;
     bench.run(0.1)?;
     assert!(bench.board.output() > Some(REST + 1000), "{:?}", bench.board.output());
     Ok((bench, start))
 }
 
 /// The same, on its way there.
-fn driving(way: (Mode, f32)) -> Result<(Bench, usize)> {
-    driving_amplifier(way, None)
+fn driving(driving_mode: (Mode, f32)) -> Result<(Bench, usize)> {
+    driving_amplifier(driving_mode, None)
 }
 
 /// The same with an amplifier of which is said how fast it can go, V/s.
@@ -91,12 +91,12 @@ fn smooth(name: &str, outputs: &[Latch]) {
 
 #[test]
 fn every_change_of_mode() -> Result<()> {
-    for way in WAYS {
+    for driving_mode in DRIVING {
         for mode in [Mode::Estimate, Mode::Pause, Mode::Pil, Mode::Follow, Mode::Excite] {
-            let (mut bench, start) = driven(way)?;
+            let (mut bench, start) = driven(driving_mode)?;
             bench.does(Request::SetMode(mode))?;
             bench.run(0.1)?;
-            went_to_rest(&format!("{way:?} to {mode:?}"), &bench, start);
+            went_to_rest(&format!("{driving_mode:?} to {mode:?}"), &bench, start);
         }
     }
     Ok(())
@@ -104,30 +104,30 @@ fn every_change_of_mode() -> Result<()> {
 
 #[test]
 fn a_main_loop_that_hangs_is_seen_by_the_tick_which_has_it_at_rest_before_the_watchdog_bites() -> Result<()> {
-    for way in WAYS {
-        let (mut bench, start) = driven(way)?;
+    for driving_mode in DRIVING {
+        let (mut bench, start) = driven(driving_mode)?;
         let clock = bench.board.clock();
         // `b .`, in the main loop: every interrupt goes on.
         bench.board.poke(SPARE, 0xE7FE_E7FE)?;
         bench.board.jump(SPARE);
         bench.run(0.14)?;
-        went_to_rest(&format!("{way:?}"), &bench, start);
+        went_to_rest(&format!("{driving_mode:?}"), &bench, start);
         // 60 ms, and up to 20 ms since the main loop's last word; then nothing.
         let good = valid_since(&bench.board, clock);
-        assert!((80..=122).contains(&good), "{way:?}: {good} good ticks");
-        assert_eq!(bench.board.run(0.1)?, Stop::Reset(Reset::Watchdog), "{way:?}");
-        assert_eq!(bench.board.output(), Some(REST), "{way:?}");
+        assert!((80..=122).contains(&good), "{driving_mode:?}: {good} good ticks");
+        assert_eq!(bench.board.run(0.1)?, Stop::Reset(Reset::Watchdog), "{driving_mode:?}");
+        assert_eq!(bench.board.output(), Some(REST), "{driving_mode:?}");
         bench.reboot(Reset::Watchdog)?;
         bench.run(0.1)?;
         let faults = bench.health()?.faults_seen;
-        assert_eq!(faults, Faults::empty(), "{way:?}: the next start knows of none");
+        assert_eq!(faults, Faults::empty(), "{driving_mode:?}: the next start knows of none");
     }
     Ok(())
 }
 
 #[test]
 fn a_reset_that_is_asked_for() -> Result<()> {
-    let (mut bench, start) = driven(WAYS[0])?;
+    let (mut bench, start) = driven(DRIVING[0])?;
     let ticks = bench.board.output().map_or(0.0, |code| f32::from(code - REST) / 20.48);
     let in_ms = bench.reset()?;
     assert!((in_ms as f32 - ticks / 2.0).abs() < 3.0, "{in_ms} ms for {ticks} ticks");
@@ -166,7 +166,7 @@ fn a_panic_a_hard_fault_and_a_dac_that_gets_no_codes() -> Result<()> {
         }),
     ];
     for (name, fail) in failures {
-        let (mut bench, start) = driven(WAYS[1])?;
+        let (mut bench, start) = driven(DRIVING[1])?;
         fail(&mut bench)?;
         // Longer than the watchdog's period, were the rest ten times as far.
         assert_eq!(bench.board.run(0.5)?, Stop::Reset(Reset::Software), "{name}");
@@ -182,7 +182,7 @@ fn a_panic_a_hard_fault_and_a_dac_that_gets_no_codes() -> Result<()> {
 fn ticks_that_do_not_come_or_come_late() -> Result<()> {
     // Ticks for which none is served.
     for ticks in [0.7, 0.95, 1.0, 1.2, 1.5, 1.97, 3.0, 3.6, 5.5] {
-        let (mut bench, start) = driving(WAYS[1])?;
+        let (mut bench, start) = driving(DRIVING[1])?;
         let name = format!("{ticks} ticks");
         let miss = |bench: &mut Bench| -> Result<()> {
             bench.run(0.02)?;
@@ -213,7 +213,7 @@ fn ticks_that_are_done_just_before_their_trigger_or_just_after() -> Result<()> {
     // Their interrupt's delay beyond the conversion, µs: some 430 lie between that and the trigger. After the longest the next tick is
     // done a few µs later.
     for delay_us in (380..450).step_by(2).chain(421..428) {
-        let (mut bench, start) = driving(WAYS[1])?;
+        let (mut bench, start) = driving(DRIVING[1])?;
         bench.run(0.02)?;
         for _ in 0..5 {
             let ticks = bench.board.record().conversions.len();
@@ -242,9 +242,11 @@ fn an_amplifier_that_does_not_go_along() -> Result<()> {
         ("a tripped amplifier", |_| 0.0),
         ("a span a quarter too wide", |volts| 1.25 * volts),
     ];
-    for (way, (name, plant)) in WAYS.into_iter().flat_map(|way| plants.map(|plant| (way, plant))) {
-        let name = format!("{name}, {way:?}");
-        let (mut bench, start) = driven(way)?;
+    for (driving_mode, (name, plant)) in
+        DRIVING.into_iter().flat_map(|driving_mode| plants.map(|plant| (driving_mode, plant)))
+    {
+        let name = format!("{name}, {driving_mode:?}");
+        let (mut bench, start) = driven(driving_mode)?;
         let table = bench.table()?;
         // The command moves as the model creeps; it must stand for the fault to come at its earliest.
         bench.run(0.4)?;
@@ -264,53 +266,57 @@ fn an_amplifier_that_does_not_go_along() -> Result<()> {
 
 #[test]
 fn a_monitor_that_comes_off_while_driving_is_a_fault_after_ten_milliseconds() -> Result<()> {
-    for way in WAYS {
+    for driving_mode in DRIVING {
         // As slow as the drive: nothing that it does itself is held.
-        let (mut bench, start) = driving_amplifier(way, Some(LIMITS.slew_v_per_s))?;
+        let (mut bench, start) = driving_amplifier(driving_mode, Some(LIMITS.slew_v_per_s))?;
         bench.does(Request::Stream(true))?;
         bench.run(0.5)?;
-        assert_eq!(bench.health()?.faults_seen, Faults::empty(), "{way:?}");
+        assert_eq!(bench.health()?.faults_seen, Faults::empty(), "{driving_mode:?}");
         let samples = bench.samples.iter().flat_map(Samples::numbered);
         let (moving, said) = samples.fold((0, Status::empty()), |(moving, said), (_, sample)| {
             (moving + u32::from(sample.dac > REST), said | sample.status)
         });
-        assert!(moving > 900 && !said.contains(Status::SLEW_EXCEEDED), "{way:?}: {moving} samples, {said:?}");
+        assert!(moving > 900 && !said.contains(Status::SLEW_EXCEEDED), "{driving_mode:?}: {moving} samples, {said:?}");
         let table = bench.table()?;
         bench.connect(&table, |_| 1.0);
         let clock = bench.board.clock();
         bench.run(0.009)?;
-        assert!(bench.board.output() > Some(REST + 1000), "{way:?}: a glitch may be over by then");
+        assert!(bench.board.output() > Some(REST + 1000), "{driving_mode:?}: a glitch may be over by then");
         bench.run(0.2)?;
-        went_to_rest(&format!("open, {way:?}"), &bench, start);
+        went_to_rest(&format!("open, {driving_mode:?}"), &bench, start);
         let health = bench.health()?;
-        assert!(health.faults.contains(Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT), "{way:?}: {health:?}");
-        assert_eq!(valid_since(&bench.board, clock + 25 * PERIOD), 0, "{way:?}: VALID is silent");
+        assert!(health.faults.contains(Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT), "{driving_mode:?}: {health:?}");
+        assert_eq!(valid_since(&bench.board, clock + 25 * PERIOD), 0, "{driving_mode:?}: VALID is silent");
     }
     Ok(())
 }
 
 #[test]
 fn a_crystal_that_stops() -> Result<()> {
-    for way in WAYS {
-        let (mut bench, start) = driven(way)?;
+    for driving_mode in DRIVING {
+        let (mut bench, start) = driven(driving_mode)?;
         let clock = bench.board.clock();
         bench.board.break_crystal();
-        assert_eq!(bench.board.run(1.0)?, Stop::Reset(Reset::Software), "{way:?}");
-        went_to_rest(&format!("{way:?}, crystal"), &bench, start);
-        assert_eq!(valid_since(&bench.board, clock + PERIOD), 0, "{way:?}: VALID has died");
+        assert_eq!(bench.board.run(1.0)?, Stop::Reset(Reset::Software), "{driving_mode:?}");
+        went_to_rest(&format!("{driving_mode:?}, crystal"), &bench, start);
+        assert_eq!(valid_since(&bench.board, clock + PERIOD), 0, "{driving_mode:?}: VALID has died");
         bench.reboot(Reset::Software)?;
         bench.run(0.2)?;
         let health = bench.health()?;
         let words = health.last_words.unwrap_or_default();
         assert!(words.contains("the crystal has stopped"), "{words}");
-        assert_eq!((health.faults, bench.board.output()), (Faults::CLOCK | Faults::SAFE_OUTPUT, Some(REST)), "{way:?}");
+        assert_eq!(
+            (health.faults, bench.board.output()),
+            (Faults::CLOCK | Faults::SAFE_OUTPUT, Some(REST)),
+            "{driving_mode:?}"
+        );
         for mode in [Mode::Follow, Mode::Excite] {
-            assert_eq!(bench.ask(Request::SetMode(mode))?, Reply::Refused(Refusal::Faulty), "{way:?}");
+            assert_eq!(bench.ask(Request::SetMode(mode))?, Reply::Refused(Refusal::Faulty), "{driving_mode:?}");
         }
         bench.board.mend_crystal();
         bench.restart()?;
         bench.run(0.1)?;
-        assert_eq!(bench.health()?.faults, Faults::SAFE_OUTPUT, "{way:?}: it waits to be told");
+        assert_eq!(bench.health()?.faults, Faults::SAFE_OUTPUT, "{driving_mode:?}: it waits to be told");
     }
     Ok(())
 }
