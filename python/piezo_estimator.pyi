@@ -212,7 +212,7 @@ class Figures:
         """Root mean square error, um."""
     @property
     def stroke_um(self) -> float:
-        """Measured displacement, peak to peak, um."""
+        """Measured displacement, peak to peak without spikes, um."""
     @property
     def offset_um(self) -> float:
         """Median of estimate - measurement, um."""

@@ -16,7 +16,7 @@ pub struct Figures {
     max_um: f64,
     /// Root mean square error, µm.
     rmse_um: f64,
-    /// Measured displacement, peak to peak, µm.
+    /// Measured displacement, peak to peak without spikes, µm.
     stroke_um: f64,
     /// Median of estimate − measurement, µm.
     offset_um: f64,

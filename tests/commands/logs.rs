@@ -118,8 +118,9 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
     let most = clean.voltage.iter().copied().fold(0.0, f64::max);
     let cut = Log { voltage: clean.voltage.iter().map(|v| v.min(0.6 * most)).collect(), ..clean.clone() };
     for (log, kind) in [(spike, "spike"), (spikes, "spike"), (frozen, "frozen"), (beyond, "frozen"), (cut, "clipped")] {
-        let (spoilt, _, flaws) = fit(&log, &[]);
+        let (spoilt, its, flaws) = fit(&log, &[]);
         assert_eq!(flaws, [kind]);
+        assert!((its / stroke - 1.0).abs() < 0.25, "{kind}, as it is: {its} of {stroke} µm");
         let (repaired, theirs, flaws) = fit(&log, &["--repair"]);
         assert_eq!(flaws, [kind]);
         assert!((theirs / stroke - 1.0).abs() < 0.25, "{kind}: {theirs} of {stroke} µm");
@@ -149,6 +150,8 @@ fn validate_says_of_a_log_what_in_it_is_no_measurement() {
             && said.contains("at 10.0000 s: the errors above take it for a measurement"),
         "{said}"
     );
+    let stroke = |log: &Log| number(&serde_json::from_str(&of(log, &["--json"])).unwrap(), "/logs/0/sil/stroke_um");
+    assert_eq!(stroke(&spoilt), stroke(&clean), "a spike makes no error smaller beside it");
     let said = of(&spoilt, &["--from", "11"]);
     assert!(said.contains("leaps away and back by 3"), "what is not scored spoils nothing: {said}");
     let found: Value = serde_json::from_str(&of(&spoilt, &["--json"])).unwrap();

@@ -19,6 +19,7 @@ use device_link::play::{Play, Played, play};
 use device_link::{table, told};
 use estimator_core::{AdcCode, Admitted, DriveLimits, Range, record};
 use excitation::{Drive, Request};
+use log_survey::stroke;
 use protocol::{Mode, Sample};
 use std::path::{Path, PathBuf};
 use validation::Figures;
@@ -89,8 +90,7 @@ pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(us
         Ok(measured) => measured,
         Err(error) => return Err(beside(error, home)),
     };
-    let (estimates, sensor): (Vec<f64>, Vec<f64>) = instants.iter().map(|at| (at.estimate_um, at.sensor_um)).unzip();
-    let figures = Figures::of(&estimates, &sensor);
+    let figures = figures(&instants);
     let shares = Shares::of(&instants, table.interval.is_some());
     let verdict = Verdict::of(&figures, &shares, proof.max_percent);
     let held_out_um = table.provenance.validation_mae_um.map(f64::from);
@@ -239,8 +239,9 @@ fn drive(
             if let Some(before) = last.replace(*sample) {
                 let (estimate, half) = (f64::from(of.estimate(&before)), before.half_width.map(f64::from));
                 let status = of.status(&before);
-                instants.push(Instant { estimate_um: estimate, sensor_um: um, half_width_um: half, status });
-                let mut row = vec![volts(sample), um, estimate];
+                let voltage_v = volts(sample);
+                instants.push(Instant { estimate_um: estimate, sensor_um: um, voltage_v, half_width_um: half, status });
+                let mut row = vec![voltage_v, um, estimate];
                 // A table that has an interval has it from the zero on.
                 row.extend(table.interval.map(|_| half.unwrap_or(f64::NAN)));
                 // The first row is at 0 s.
@@ -258,9 +259,43 @@ fn drive(
     Ok(Measured { instants, complaint, log: log.end()?.0 })
 }
 
+/// Errors since the zero.
+fn figures(instants: &[Instant]) -> Figures {
+    let all = |of: fn(&Instant) -> f64| instants.iter().map(of).collect::<Vec<_>>();
+    let sensor = all(|at| at.sensor_um);
+    Figures::of(&all(|at| at.estimate_um), &sensor, stroke(&all(|at| at.voltage_v), &sensor))
+}
+
 fn stopped(played: &Played) -> Result<(), BenchError> {
     match played.stopped {
         faults if faults.is_empty() => Ok(()),
         faults => Err(BenchError::Stopped { ticks: played.ticks, faults }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimator_core::Status;
+
+    #[test]
+    fn one_spike_of_the_sensor_makes_no_proof_pass() {
+        let instant = |row: usize, spike_um: f64| {
+            let course = f64::sin(row as f64 * 0.01);
+            Instant {
+                estimate_um: 5.0 * course + 0.5,
+                sensor_um: 5.0 * course + if row == 3_000 { spike_um } else { 0.0 },
+                voltage_v: 50.0 * course,
+                half_width_um: None,
+                status: Status::empty(),
+            }
+        };
+        let of = |spike_um: f64| {
+            let instants: Vec<Instant> = (0..6_000).map(|row| instant(row, spike_um)).collect();
+            let figures = figures(&instants);
+            (figures.mae_percent, Verdict::of(&figures, &Shares::of(&instants, false), None).passed)
+        };
+        let ((sound, passes), (spiky, passes_too)) = (of(0.0), of(90.0));
+        assert!((spiky / sound - 1.0).abs() < 0.05 && !passes && !passes_too, "{spiky} %, not {sound} %");
     }
 }

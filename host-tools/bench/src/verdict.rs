@@ -29,6 +29,8 @@ pub struct Instant {
     pub estimate_um: f64,
     /// The sensor above its zero, µm.
     pub sensor_um: f64,
+    /// The voltage at that tick, V.
+    pub voltage_v: f64,
     /// The ± that the board states, µm.
     pub half_width_um: Option<f64>,
     /// What the board says of its estimate.
@@ -142,6 +144,7 @@ mod tests {
             .map(|k| Instant {
                 estimate_um: 0.1 * k as f64 + off_um,
                 sensor_um: 0.1 * k as f64,
+                voltage_v: k as f64,
                 half_width_um: half_width_um(k),
                 status: if k < 21 { odd } else { Status::empty() },
             })
@@ -149,7 +152,7 @@ mod tests {
         let (estimates, sensor): (Vec<f64>, Vec<f64>) =
             instants.iter().map(|at| (at.estimate_um, at.sensor_um)).unzip();
         let shares = Shares::of(&instants, instants.iter().any(|at| at.half_width_um.is_some()));
-        Verdict::of(&Figures::of(&estimates, &sensor), &shares, most)
+        Verdict::of(&Figures::of(&estimates, &sensor, 9.9), &shares, most)
     }
 
     #[test]
@@ -188,7 +191,7 @@ mod tests {
             Status::VOLTAGE_OUT_OF_RANGE,
             Status::ADC_SATURATED,
         ];
-        let at = |status| Instant { estimate_um: 0.0, sensor_um: 0.0, half_width_um: None, status };
+        let at = |status| Instant { estimate_um: 0.0, sensor_um: 0.0, voltage_v: 0.0, half_width_um: None, status };
         let of =
             Shares::of(&[&statuses[..], &[Status::empty(); 6]].concat().into_iter().map(at).collect::<Vec<_>>(), false);
         assert_eq!((of.beyond_percent, of.leapt_percent, of.clamped_percent), (40.0, 20.0, 10.0));

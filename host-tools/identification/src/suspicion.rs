@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn a_log_that_is_missed_is_a_poor_fit_and_offsets_of_either_sign_are_a_drift() {
-        let of = |stroke: f64, error: f64| Figures::of(&[error, stroke - error], &[0.0, stroke]);
+        let of = |stroke: f64, error: f64| Figures::of(&[error, stroke - error], &[0.0, stroke], stroke);
         let [large, small] = [of(10.0, 0.03), of(0.1, 0.03)];
         assert_eq!(poor([("large", large), ("small", small)].into_iter()), None);
         let missed = [("large", large), ("missed", of(8.0, 1.0)), ("small", small)];

@@ -50,7 +50,7 @@ pub struct Stretch {
 }
 
 /// Most rows of a spike.
-const SPIKE_ROWS: usize = 3;
+pub(crate) const SPIKE_ROWS: usize = 3;
 /// A spike leaps by this many times the steps that all but one in 20 are within,
 const STEPS: f64 = 6.0;
 /// and by this part of the stroke,
@@ -113,13 +113,10 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
     let spike = |&(first, last, leap_um): &_| Flaw::Spike { at: at(first, last), leap_um, back: true };
     let mut found: Vec<Flaw> =
         end_spike(start).into_iter().chain(inside.iter().map(spike)).chain(end_spike(end)).collect();
-    if resolution(displacement) < COARSE * stroke {
-        let frozen = runs(displacement).filter_map(|(first, last)| {
-            let voltage_v = extent(&voltage[first..=last]);
-            (voltage_v > MOVES * volts).then(|| Flaw::Frozen { at: at(first, last), voltage_v })
-        });
-        found.extend(frozen);
-    }
+    found.extend(
+        frozen(voltage, displacement)
+            .map(|(first, last)| Flaw::Frozen { at: at(first, last), voltage_v: extent(&voltage[first..=last]) }),
+    );
     let (low, high) = ends(voltage);
     found.extend(runs(voltage).filter_map(|(first, last)| {
         let voltage_v = voltage[first];
@@ -128,6 +125,13 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
             .then(|| Flaw::Clipped { at: at(first, last), voltage_v })
     }));
     found
+}
+
+/// First and last row of each stretch in which the displacement is one number and the voltage moves.
+pub(crate) fn frozen(voltage: &[f64], displacement: &[f64]) -> impl Iterator<Item = (usize, usize)> {
+    let least_v = MOVES * range(voltage);
+    let fine = resolution(displacement) < COARSE * range(displacement);
+    runs(displacement).filter(move |&(first, last)| fine && extent(&voltage[first..=last]) > least_v)
 }
 
 /// The gravest of each kind, and how many there are of it.

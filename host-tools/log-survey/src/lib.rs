@@ -19,6 +19,7 @@ pub mod settled;
 mod signal;
 mod start;
 mod stillness;
+mod stroke;
 mod swings;
 
 use recordings::log::{Chosen, LogError, Reading, Remark, Row};
@@ -36,6 +37,7 @@ pub use series::Series;
 pub use signal::{falls, is_noise, range};
 pub use start::prepared;
 pub use stillness::Stillness;
+pub use stroke::stroke;
 pub use swings::{Cell, Swings};
 
 use blocks::Blocks;

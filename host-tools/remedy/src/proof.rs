@@ -144,7 +144,7 @@ mod tests {
     fn a_proof_that_fails_says_what_the_training_lacks() {
         let said_of =
             |off_um: f64, untrained_percent, [out_of_range, clamped, saturated, leapt]: [f64; 4], held_out_um| {
-                let figures = Figures::of(&[0.0 + off_um, 10.0 + off_um], &[0.0, 10.0]);
+                let figures = Figures::of(&[0.0 + off_um, 10.0 + off_um], &[0.0, 10.0], 10.0);
                 let shares = Shares {
                     held_percent: None,
                     half_width_um: None,

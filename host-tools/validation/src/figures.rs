@@ -18,7 +18,7 @@ pub struct Figures {
     pub max_um: f64,
     /// Root mean square error.
     pub rmse_um: f64,
-    /// Measured displacement, peak to peak.
+    /// Measured displacement, peak to peak, without what is no measurement ([`stroke`](log_survey::stroke)).
     pub stroke_um: f64,
     /// Median of estimate − measurement: what drift, creep and the session's start leave, and re-zeroing removes.
     pub offset_um: f64,
@@ -39,8 +39,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Of estimates beside what was measured at the same instants, µm.
-    pub fn of(estimated: &[f64], measured: &[f64]) -> Self {
+    /// Of estimates beside what was measured at the same instants, µm, of a displacement of this [`stroke`](log_survey::stroke).
+    pub fn of(estimated: &[f64], measured: &[f64], stroke_um: f64) -> Self {
         let errors: Vec<f64> = estimated.iter().zip(measured).map(|(e, m)| e - m).collect();
         let count = errors.len().max(1) as f64;
         let mean = |of: &dyn Fn(f64) -> f64| errors.iter().map(|&e| of(e)).sum::<f64>() / count;
@@ -51,8 +51,6 @@ impl Figures {
         let mae_without_offset_um = mean(&|e| (e - offset_um).abs());
         let mean_um = mean(&|e| e);
         let rmse_without_offset_um = mean(&|e| (e - mean_um) * (e - mean_um)).sqrt();
-        let extreme = |pick: fn(f64, f64) -> f64, start| measured.iter().copied().fold(start, pick);
-        let stroke_um = extreme(f64::max, f64::NEG_INFINITY) - extreme(f64::min, f64::INFINITY);
         let max_um = errors.iter().fold(0.0f64, |max, e| e.abs().max(max));
         let rmse_um = mean(&|e| e * e).sqrt();
         let percent = |um: f64| 100.0 * um / stroke_um;
@@ -106,7 +104,7 @@ mod tests {
     #[test]
     fn the_rms_without_offset_is_the_standard_deviation_of_the_error() {
         let measured = [0.0, 10.0, 0.0, 10.0];
-        let figures = Figures::of(&[1.0, 11.0, 1.0, 15.0], &measured);
+        let figures = Figures::of(&[1.0, 11.0, 1.0, 15.0], &measured, 10.0);
         // Errors 1, 1, 1, 5: mean 2, median 1.
         assert_eq!(figures.offset_um, 1.0);
         assert_eq!(figures.mae_without_offset_um, 1.0);
@@ -118,7 +116,7 @@ mod tests {
     #[test]
     fn over_several_logs_it_is_the_root_of_the_mean_square() {
         let measured = [0.0, 10.0];
-        let logs = [Figures::of(&[1.0, 9.0], &measured), Figures::of(&[7.0, 3.0], &measured)];
+        let logs = [Figures::of(&[1.0, 9.0], &measured, 10.0), Figures::of(&[7.0, 3.0], &measured, 10.0)];
         let all = Figures::all(logs.iter()).unwrap();
         assert!((all.rmse_without_offset_um - 25f64.sqrt()).abs() < 1e-12, "{all:?}");
     }

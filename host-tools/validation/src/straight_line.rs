@@ -8,6 +8,7 @@
 //! As every model's estimate of a tick it follows from the voltages before it. It is no choice of a table.
 
 use crate::figures::Figures;
+use crate::told::stroke;
 use recordings::session::Session;
 
 /// A voltage (V), the displacement (µm) that belongs to it, and the weight of the pair's squared error.
@@ -72,7 +73,9 @@ impl StraightLine {
     pub fn errors(&self, session: &Session) -> Figures {
         let judged = session.lead_in.max(1);
         let estimated = voltages(session).skip(judged - 1).map(|voltage| self.displacement(voltage));
-        Figures::of(&estimated.collect::<Vec<f64>>(), session.displacement.get(judged..).unwrap_or_default())
+        let stroke_um = stroke(session, &(judged - 1..session.instants.len().saturating_sub(1)));
+        let measured = session.displacement.get(judged..).unwrap_or_default();
+        Figures::of(&estimated.collect::<Vec<f64>>(), measured, stroke_um)
     }
 }
 

@@ -175,8 +175,16 @@ impl Correction {
     /// Errors of what is scored.
     pub fn figures(&self, session: &Session, run: &Run) -> Figures {
         let estimated: Vec<f64> = self.scored.clone().map(|k| run.estimated[k] - self.at(k)).collect();
-        Figures::of(&estimated, &session.displacement[1..][self.scored.clone()])
+        Figures::of(&estimated, &session.displacement[1..][self.scored.clone()], stroke(session, &self.scored))
     }
+}
+
+/// The stroke (µm) of some of the measured instants after the first.
+pub(crate) fn stroke(session: &Session, part: &Range<usize>) -> f64 {
+    let measured = session.displacement.get(1..).and_then(|of| of.get(part.clone())).unwrap_or_default();
+    let instants = session.instants.get(1..).and_then(|of| of.get(part.clone())).unwrap_or_default();
+    let voltage: Vec<f64> = instants.iter().filter_map(|&tick| session.voltage.get(tick as usize).copied()).collect();
+    log_survey::stroke(&voltage, measured)
 }
 
 /// The measured instants of the first full cycle within a part; `None` where there is none, or next to nothing after it.
