@@ -117,7 +117,17 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
     let beyond = displaced(&clean, |_, y| y.min(low + 0.8 * (high - low)));
     let most = clean.voltage.iter().copied().fold(0.0, f64::max);
     let cut = Log { voltage: clean.voltage.iter().map(|v| v.min(0.6 * most)).collect(), ..clean.clone() };
-    for (log, kind) in [(spike, "spike"), (spikes, "spike"), (frozen, "frozen"), (beyond, "frozen"), (cut, "clipped")] {
+    let misread = |row: usize, v: f64| if [2_000, 2_001, 6_000].contains(&row) { v - 300.0 } else { v };
+    let misread = clean.voltage.iter().enumerate().map(|(row, &v)| misread(row, v)).collect();
+    let misread = Log { voltage: misread, ..clean.clone() };
+    for (log, kind) in [
+        (spike, "spike"),
+        (spikes, "spike"),
+        (frozen, "frozen"),
+        (beyond, "frozen"),
+        (cut, "clipped"),
+        (misread, "voltage-spike"),
+    ] {
         let (spoilt, its, flaws) = fit(&log, &[]);
         assert_eq!(flaws, [kind]);
         assert!((its / stroke - 1.0).abs() < 0.25, "{kind}, as it is: {its} of {stroke} µm");
@@ -126,6 +136,25 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
         assert!((theirs / stroke - 1.0).abs() < 0.25, "{kind}: {theirs} of {stroke} µm");
         assert!(repaired < 2.0 * mae, "{kind}: {repaired} instead of {mae} µm (unrepaired {spoilt})");
     }
+}
+
+#[test]
+fn samples_that_were_lost_without_a_gap_are_suspected_and_no_repair_is_promised() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = measured();
+    // At 1 Hz and 200 Hz: a quarter of a period.
+    let rest = |values: &[f64]| [&values[..3_010], &values[3_060..]].concat();
+    let lost = Log { voltage: rest(&whole.voltage), displacement: whole.displacement.as_deref().map(rest), ..whole };
+    let path = write(folder.path(), &lost);
+    let output = piezo().args(["look", text(&path)]).assert().success().get_output().clone();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        said.contains("samples may be missing here, unless the drive leapt, row 3010: nothing can repair"),
+        "{said}"
+    );
+    let result = identify(&[lost], &[&SHORTEST, &["--model", "voigt", "--repair"]]);
+    let found = result["doubts"].as_array().unwrap().iter().find(|doubt| doubt["worst"]["kind"] == "missing");
+    assert_eq!(found.map(|doubt| &doubt["left_out"]), Some(&Value::from(false)), "{}", result["doubts"]);
 }
 
 #[test]

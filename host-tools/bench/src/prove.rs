@@ -262,8 +262,10 @@ fn drive(
 /// Errors since the zero.
 fn figures(instants: &[Instant]) -> Figures {
     let all = |of: fn(&Instant) -> f64| instants.iter().map(of).collect::<Vec<_>>();
-    let sensor = all(|at| at.sensor_um);
-    Figures::of(&all(|at| at.estimate_um), &sensor, stroke(&all(|at| at.voltage_v), &sensor))
+    let (sensor, voltage) = (all(|at| at.sensor_um), all(|at| at.voltage_v));
+    // It begins at rest.
+    let rest_v = voltage.first().copied().unwrap_or(0.0);
+    Figures::of(&all(|at| at.estimate_um), &sensor, stroke(&voltage, &sensor, rest_v))
 }
 
 fn stopped(played: &Played) -> Result<(), BenchError> {

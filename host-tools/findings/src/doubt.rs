@@ -1,10 +1,11 @@
 //! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
+use crate::flaw::flawed;
 use crate::short::short;
 use calibration::{Assumed, CalibrationOptions};
 use estimator_core::DuhemCondition;
 use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};
-use log_survey::{Flaw, Implausible, Stretch};
+use log_survey::Implausible;
 use serde_json::{Value, json};
 
 /// A half-width beyond this percentage of the stroke says next to nothing.
@@ -187,43 +188,10 @@ fn named(converter: Converter) -> &'static str {
     }
 }
 
-/// What the gravest of a log's flaws of one kind is, where there are `count` of them, without the log's name.
-pub fn flaw(worst: &Flaw, count: usize) -> String {
-    let Stretch { from_s, to_s } = worst.at();
-    let times = if count == 1 { String::new() } else { format!(" {count} times, the gravest") };
-    match worst {
-        Flaw::Spike { leap_um, back: true, .. } => {
-            format!("the displacement leaps away and back{times} by {leap_um:.3} µm at {from_s:.4} s")
-        }
-        Flaw::Spike { leap_um, back: false, .. } => format!(
-            "the displacement leaps{times} by {leap_um:.3} µm at {from_s:.4} s, where the log begins or ends (a line cut in mid-number?)"
-        ),
-        Flaw::Frozen { voltage_v, .. } => format!(
-            "the displacement stands still{times} from {from_s:.4} to {to_s:.4} s while the voltage moves by {voltage_v:.2} V \
-             (a sensor beyond its range, off, or read too slowly)"
-        ),
-        Flaw::Clipped { voltage_v, .. } => format!(
-            "the voltage stands at {voltage_v:.4} V{times} from {from_s:.4} to {to_s:.4} s while the displacement goes and comes \
-             back (an input beyond its range)"
-        ),
-    }
-}
-
-/// What in a log is no measurement, what it does, and what helps.
-fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
-    let what = flaw(worst, count);
-    if left_out {
-        format!("in {log} {what}: what was measured there was left out (--repair); record it again without")
-    } else {
-        format!(
-            "in {log} {what}, and it was learnt and judged as if it were so: record it again, or leave it out with --repair"
-        )
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use log_survey::{Flaw, Stretch};
 
     const FLAW: Flaw = Flaw::Spike { at: Stretch { from_s: 1.0, to_s: 1.0 }, leap_um: 9.0, back: true };
 

@@ -6,6 +6,7 @@
 mod determination;
 mod doubt;
 pub mod figures;
+mod flaw;
 mod interval;
 mod left_out;
 mod proven;
@@ -17,7 +18,8 @@ mod unsaid;
 mod validated;
 
 pub use determination::{DETERMINED, determination};
-pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, flaw, implausible};
+pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, implausible};
+pub use flaw::{flaw, flaw_found, flaw_scored};
 pub use interval::interval;
 pub use left_out::left_out;
 pub use proven::proven;

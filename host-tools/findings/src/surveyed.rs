@@ -1,6 +1,7 @@
 //! What was understood of a log before anything is fitted to it, in words.
 
-use crate::doubt::{flaw, implausible};
+use crate::doubt::implausible;
+use crate::flaw::flaw_found;
 use crate::short::short;
 use log_survey::{Cell, Clock, ColumnRead, Flaw, RateSource, Series, Survey};
 use recordings::log::{Log, Remark};
@@ -52,12 +53,11 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
     for of in survey.flaws.iter().flatten() {
         // A sensor that stands still is said already.
         if survey.frozen.is_none() || !matches!(of.worst, Flaw::Frozen { .. }) {
-            let words = flaw(&of.worst, of.count);
-            line("flaw", &format!("{words}, row {}: --repair of identify leaves it out", of.first_row + 1));
+            line("flaw", &flaw_found(&of.worst, of.count, of.first_row + 1));
         }
     }
     if survey.flaws.is_none() {
-        line("", "a long log: leaps of the displacement and a voltage that is cut off are not looked for here");
+        line("", "a long log: leaps, and a voltage that is cut off, are not looked for here");
     }
     swings(&mut line, survey);
     lines

@@ -14,7 +14,9 @@ use crate::search::SearchOptions;
 use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{Character, Implausible, falls, flaws, gravest, is_noise, leave_out, prepared, range, sound};
+use log_survey::{
+    Character, Flaw, Implausible, falls, flaws, gravest, is_noise, leave_out, mended, prepared, range, sound,
+};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -112,11 +114,12 @@ impl Job {
     pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared, JobError> {
         let Parts { training, held_out, rests } =
             Parts::of(&self.training, &self.held_out, self.hold_out, &self.prepare)?;
-        let sound = |log: &Log| if self.conditions.repair { sound(log, &flaws(log)) } else { log.clone() };
-        let mut recipe = self.prepare.resolve(&training.iter().map(sound).collect::<Vec<_>>());
+        let flaws = |log: &Log| if self.conditions.repair { flaws(log) } else { Vec::new() };
+        let each = |of: fn(&Log, &[Flaw]) -> Log| training.iter().map(|log| of(log, &flaws(log))).collect::<Vec<_>>();
+        let mut recipe = self.prepare.resolve(&each(sound));
         let estimated = match self.prepare.delay {
             AutoOr::Given(_) => None,
-            AutoOr::Auto => Some(self.delay_search().estimate(&training, &recipe, progress)?),
+            AutoOr::Auto => Some(self.delay_search().estimate(&each(mended), &recipe, progress)?),
         };
         if let Some(Delay { ticks, .. }) = estimated {
             recipe.delay_ticks = ticks;
@@ -125,9 +128,10 @@ impl Job {
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
         let mut repaired = Vec::new();
         let mut session = |log: &Log| -> Result<Session, PrepareError> {
-            let mut session = prepared(&recipe, log)?;
+            let flaws = flaws(log);
+            let mut session = prepared(&recipe, &mended(log, &flaws))?;
             let delay_s = f64::from(recipe.delay_ticks) * recipe.tick_s();
-            if self.conditions.repair && leave_out(&mut session, &flaws(log), delay_s) > 0 {
+            if leave_out(&mut session, &flaws, delay_s) > 0 {
                 repaired.push(log.name.clone());
             }
             Ok(session)
@@ -210,8 +214,8 @@ impl Job {
     fn flawed(&self, repaired: &[String]) -> Vec<Doubt> {
         let mut doubts = Vec::new();
         for log in self.training.iter().chain(&self.held_out) {
-            let left_out = repaired.contains(&log.name);
             for (worst, count) in gravest(&flaws(&self.prepare.cut(log))) {
+                let left_out = worst.repairable() && repaired.contains(&log.name);
                 doubts.push(Doubt::Flawed { log: log.name.clone(), worst, count, left_out });
             }
         }

@@ -182,10 +182,17 @@ impl Correction {
 /// The stroke (µm) of some of the measured instants after the first.
 pub(crate) fn stroke(session: &Session, part: &Range<usize>) -> f64 {
     let measured = session.displacement.get(1..).and_then(|of| of.get(part.clone())).unwrap_or_default();
-    let instants = session.instants.get(1..).and_then(|of| of.get(part.clone())).unwrap_or_default();
-    let voltage: Vec<f64> = instants.iter().filter_map(|&tick| session.voltage.get(tick as usize).copied()).collect();
-    log_survey::stroke(&voltage, measured)
+    let voltage: Vec<f64> = session.instants.iter().skip(1).map(|&tick| session.voltage[tick as usize]).collect();
+    // What a log's beginning shows of the voltage before it may be seen for some rows.
+    let before_v = match part.start.checked_sub(SEEN) {
+        Some(before) => voltage.get(before).copied().unwrap_or(0.0),
+        None => session.rested_v.unwrap_or(0.0),
+    };
+    log_survey::stroke(voltage.get(part.clone()).unwrap_or_default(), measured, before_v)
 }
+
+/// Measured instants for which a log may show how it began.
+const SEEN: usize = 3;
 
 /// The measured instants of the first full cycle within a part; `None` where there is none, or next to nothing after it.
 fn cycle(session: &Session, part: &Range<usize>) -> Option<Range<usize>> {

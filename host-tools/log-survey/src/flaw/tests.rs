@@ -2,8 +2,11 @@
 
 use super::*;
 use plants::{CATALOGUE, Plant, Waveform};
+use recordings::log::{ReadOptions, read};
 use recordings::prepare::PrepareOptions;
 use recordings::rig::{EXCITATIONS, Rig};
+use recordings::session::Session;
+use std::path::Path;
 
 fn log() -> Log {
     Rig { duration: 0.5, ..Rig::default() }.log(EXCITATIONS[1])
@@ -36,7 +39,10 @@ fn devices_of_other_classes_have_none_either() {
         for waveform in [
             Waveform::Sine { amplitude, hertz: 100.0, offset: 0.0 },
             Waveform::AmplitudeModulated { amplitude, hertz: 5.0, swell_hz: 0.5 },
+            Waveform::Triangle { amplitude, hertz: 20.0, offset: 0.0 },
             Waveform::Staircase { amplitude, steps: 6, hold_s: 0.1 },
+            Waveform::Staircase { amplitude, steps: 1, hold_s: 0.3 },
+            Waveform::Staircase { amplitude, steps: 40, hold_s: 0.004 },
             Waveform::Multisine { amplitude, from_hz: 1.0, to_hz: 40.0, tones: 12 },
         ] {
             let log = plant.log("log", &waveform, 2.0, seed.into());
@@ -150,4 +156,134 @@ fn what_is_left_out_is_what_was_measured_there() {
     let mut session = late.session(&spiky).unwrap();
     assert!(leave_out(&mut session, &flaws, 20.0 * late.tick_s()) > 0);
     assert!(largest(&whole) - largest(&session) > 10.0);
+}
+
+#[test]
+fn the_measured_logs_have_none() {
+    for name in ["picma-p885-1hz.csv", "picma-p885-session2.csv"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data").join(name);
+        let log = read(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(flaws(&log), [], "{name}");
+        let displacement = log.displacement.as_deref().unwrap();
+        assert_eq!(crate::stroke(&log.voltage, displacement, 0.0), extent(displacement), "{name}");
+    }
+}
+
+fn rows_of(flaw: &Flaw, log: &Log) -> [usize; 2] {
+    let Stretch { from_s, to_s } = flaw.at();
+    [from_s, to_s].map(|time| (time / log.sample_period).round() as usize)
+}
+
+#[test]
+fn spikes_of_the_voltage_are_found_where_the_displacement_does_not_go_along() {
+    for excitation in EXCITATIONS {
+        let clean = Rig { duration: 0.5, ..Rig::default() }.log(excitation);
+        let last = clean.voltage.len() - 1;
+        for leap_v in [-300.0, 25.0] {
+            let voltage: Vec<f64> = clean
+                .voltage
+                .iter()
+                .enumerate()
+                .map(|(row, v)| if [300, 700, 701, last].contains(&row) { v + leap_v } else { *v })
+                .collect();
+            let spiky = Log { voltage, ..clean.clone() };
+            let found = flaws(&spiky);
+            let rows: Vec<_> = found.iter().map(|flaw| rows_of(flaw, &spiky)).collect();
+            assert_eq!(rows, [[300, 300], [700, 701], [last, last]], "{} and {leap_v} V", excitation.name);
+            assert!(
+                found.iter().all(
+                    |flaw| matches!(flaw, Flaw::VoltageSpike { leap_v: of, .. } if (of - leap_v.abs()).abs() < 3.0)
+                ),
+                "{found:?}"
+            );
+            let mended = mended(&spiky, &found);
+            let off = mended.voltage.iter().zip(&clean.voltage).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 1.5, "{}: {off} V", excitation.name);
+            assert_eq!(mended.displacement, clean.displacement);
+        }
+    }
+}
+
+/// What is commanded shows in the displacement, at once or soon; what is broken in both columns is found in both.
+#[test]
+fn a_short_pulse_that_the_displacement_follows_is_no_spike_of_the_voltage() {
+    let pulse = 3_000..3_003;
+    let follows = changed(|row, v, y| {
+        let behind = if row < pulse.start + 1 { 0.0 } else { 6.0 * libm::exp(-((row - pulse.start - 1) as f64) / 8.0) };
+        (if pulse.contains(&row) { v + 30.0 } else { v }, y + behind)
+    });
+    assert!(flaws(&follows).iter().all(|flaw| !matches!(flaw, Flaw::VoltageSpike { .. })), "{:?}", flaws(&follows));
+    let broken = changed(|row, v, y| if row == 3_000 { (v + 900.0, y + 900.0) } else { (v, y) });
+    let kinds = flaws(&broken);
+    assert!(matches!(kinds[..], [Flaw::Spike { .. }, Flaw::VoltageSpike { .. }]), "{kinds:?}");
+}
+
+#[test]
+fn what_was_seen_at_a_spike_of_the_voltage_is_left_out_and_the_voltage_is_run_through_between_its_neighbours() {
+    let spiky = changed(|row, v, y| (if row == 300 { v + 200.0 } else { v }, y));
+    let flaws = flaws(&spiky);
+    let recipe = PrepareOptions { tick_us: 100, ..PrepareOptions::default() }.resolve(&[sound(&spiky, &flaws)]);
+    let (clean, whole) = (recipe.session(&log()).unwrap(), recipe.session(&spiky).unwrap());
+    // A late sensor shows at the spike's own time what happened before it.
+    for delay_ticks in [0, 20] {
+        let late = recordings::prepare::Recipe { delay_ticks, ..recipe.clone() };
+        let mut session = late.session(&mended(&spiky, &flaws)).unwrap();
+        let delay_s = f64::from(delay_ticks) * late.tick_s();
+        // Brought to the tick, it is a tick of the two beside it at most.
+        assert!((1..=2).contains(&leave_out(&mut session, &flaws, delay_s)));
+        assert!(!session.instants.contains(&300), "the voltage's own instant, a sensor late by {delay_ticks} ticks");
+        assert!((session.voltage[300] - clean.voltage[300]).abs() < 0.5 && whole.voltage[300] > 150.0);
+    }
+}
+
+/// Rows that a recorder lost, with time stamps that go on as if it had not.
+fn without_rows(log: &Log, lost: std::ops::Range<usize>) -> Log {
+    let rest = |values: &[f64]| [&values[..lost.start], &values[lost.end..]].concat();
+    Log { voltage: rest(&log.voltage), displacement: log.displacement.as_deref().map(rest), ..log.clone() }
+}
+
+#[test]
+fn lost_samples_are_suspected_where_both_leap_and_go_on() {
+    for (excitation, from) in [(EXCITATIONS[0], 500), (EXCITATIONS[1], 1_200), (EXCITATIONS[4], 1_210)] {
+        let lost = without_rows(&Rig { duration: 0.5, ..Rig::default() }.log(excitation), from..from + 200);
+        let found = flaws(&lost);
+        let [Flaw::Missing { leap_v, leap_um, .. }] = found[..] else { panic!("{}: {found:?}", excitation.name) };
+        assert_eq!(rows_of(&found[0], &lost), [from - 1, from], "{}", excitation.name);
+        assert!(leap_v > 1.0 && leap_um > 0.2, "{found:?}");
+        assert!(!found[0].repairable());
+        let recipe = PrepareOptions::default().resolve(std::slice::from_ref(&lost));
+        assert_eq!(leave_out(&mut recipe.session(&lost).unwrap(), &found, 0.0), 0, "nothing there can be left out");
+    }
+    for kind in CATALOGUE {
+        let plant = Plant::drawn(kind, 3);
+        let sine = Waveform::Sine { amplitude: 0.8 * plant.full_v, hertz: 1.0, offset: 0.0 };
+        let whole = plant.log("log", &sine, 3.0, 3);
+        let rows = (0.1 / whole.sample_period) as usize;
+        let lost = without_rows(&whole, 8 * rows..10 * rows);
+        assert!(matches!(flaws(&lost)[..], [Flaw::Missing { .. }]), "{}: {:?}", kind.name(), flaws(&lost));
+    }
+}
+
+/// A displacement that follows at once, as of a log that is slow beside the actuator.
+#[test]
+fn what_a_drive_leaps_by_is_no_loss_of_samples() {
+    let of = |volts: &dyn Fn(f64) -> f64| {
+        let voltage: Vec<f64> = (0..4_000).map(|row| volts(f64::from(row))).collect();
+        let mut draw = 1_u64;
+        let mut noise = || {
+            draw = draw * 48_271 % 2_147_483_647;
+            draw as f64 / 2_147_483_647.0 - 0.5
+        };
+        let displacement = voltage.iter().map(|v| 0.1 * v + 0.002 * noise()).collect();
+        flaws(&Log { voltage, displacement: Some(displacement), ..log() })
+    };
+    let sine = |row: f64| 40.0 * libm::sin(row * 0.005);
+    assert_eq!(of(&|row| 10.0 * (row / 500.0).floor()), [], "stairs up");
+    assert_eq!(of(&|row| if row < 2_000.0 { 0.0 } else { 50.0 }), [], "one step");
+    assert_eq!(of(&|row| if row < 2_000.0 { 20.0 } else { sine(row) }), [], "a step from rest into a sine");
+    assert_eq!(of(&|row| sine(row) + if row % 1_000.0 < 500.0 { 30.0 } else { 0.0 }), [], "steps on a sine");
+    assert_eq!(of(&|row| (row % 1_300.0) * 0.05), [], "a sawtooth");
+    assert_eq!(of(&|row| if row < 2_500.0 { row * 0.02 } else { (row - 2_500.0) * 0.02 }), [], "one flyback");
+    let leaps = of(&|row| if row < 1_700.0 { sine(row) } else { sine(row + 200.0) });
+    assert!(matches!(leaps[..], [Flaw::Missing { .. }]), "{leaps:?}");
 }

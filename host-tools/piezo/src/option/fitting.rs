@@ -33,8 +33,8 @@ pub struct Fitting {
     /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
     #[arg(long, display_order = BEHIND, value_name = "FRACTION", allow_negative_numbers = true)]
     pub hold_out: Option<f64>,
-    /// Leave out what is no measurement: where the displacement leaps away and back or stands still while the voltage moves,
-    /// and where the voltage is cut off. The voltage there is run through all the same.
+    /// Leave out what is no measurement: where the displacement leaps away and back or stands still while the voltage moves, and
+    /// where the voltage is cut off or leaps alone. The voltage is run through all the same, straight past its own leaps.
     #[arg(long)]
     pub repair: bool,
     /// Print the result as JSON.

@@ -8,7 +8,7 @@ use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use findings::figures::{heading, row};
-use findings::{EXPLAINED, flaw, held, suspicion};
+use findings::{EXPLAINED, flaw_scored, held, suspicion};
 use identification::validate::{
     Comparison, Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates,
 };
@@ -208,7 +208,7 @@ fn print(comparison: &Comparison, log: &Log, trained_on: Option<&TrainedOn<'_>>,
         out(&format!("    the table was trained on {share}{from:.2} … {to:.2} s of this log; {says}"));
     }
     for (worst, count) in flaws_of(log, comparison.scored_s) {
-        out(&format!("    {}: the errors above take it for a measurement", flaw(&worst, count)));
+        out(&format!("    {}", flaw_scored(&worst, count)));
     }
     if log.displacement_estimated {
         out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");

@@ -1,0 +1,107 @@
+//! What in a log is no measurement, in words.
+
+use log_survey::{Flaw, Stretch};
+
+/// What the gravest of a log's flaws of one kind is, where there are `count` of them, without the log's name.
+pub fn flaw(worst: &Flaw, count: usize) -> String {
+    let Stretch { from_s, to_s } = worst.at();
+    let times = if count == 1 { String::new() } else { format!(" {count} times, the gravest") };
+    match worst {
+        Flaw::Spike { leap_um, back: true, .. } => {
+            format!("the displacement leaps away and back{times} by {leap_um:.3} µm at {from_s:.4} s")
+        }
+        Flaw::Spike { leap_um, back: false, .. } => format!(
+            "the displacement leaps{times} by {leap_um:.3} µm at {from_s:.4} s, where the log begins or ends (a line cut in mid-number?)"
+        ),
+        Flaw::Frozen { voltage_v, .. } => format!(
+            "the displacement stands still{times} from {from_s:.4} to {to_s:.4} s while the voltage moves by {voltage_v:.2} V \
+             (a sensor beyond its range, off, or read too slowly)"
+        ),
+        Flaw::Clipped { voltage_v, .. } => format!(
+            "the voltage stands at {voltage_v:.4} V{times} from {from_s:.4} to {to_s:.4} s while the displacement goes and comes \
+             back (an input beyond its range)"
+        ),
+        Flaw::VoltageSpike { leap_v, .. } => format!(
+            "the voltage leaps away{times} by {leap_v:.3} V at {from_s:.4} s for a few rows at most, and the displacement does not go along \
+             (an interference, or a number misread)"
+        ),
+        Flaw::Missing { leap_v, leap_um, .. } => format!(
+            "voltage and displacement leap together{times} from {from_s:.4} to {to_s:.4} s, by {leap_v:.3} V and {leap_um:.3} µm, and go on as \
+             before: samples may be missing here, unless the drive leapt"
+        ),
+    }
+}
+
+/// The same beside errors that were scored over it.
+pub fn flaw_scored(worst: &Flaw, count: usize) -> String {
+    let so = match worst {
+        Flaw::Missing { .. } => "the errors above take it for one course",
+        _ => "the errors above take it for a measurement",
+    };
+    format!("{}: {so}", flaw(worst, count))
+}
+
+/// The same with its row, counted from 1, before anything is learnt.
+pub fn flaw_found(worst: &Flaw, count: usize, row: u64) -> String {
+    let helps = match worst.repairable() {
+        true => "--repair of identify leaves it out",
+        false => "nothing can repair that; record it again, or use what lies before it or behind",
+    };
+    format!("{}, row {row}: {helps}", flaw(worst, count))
+}
+
+/// What in a log is no measurement, what it does, and what helps.
+pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
+    let what = flaw(worst, count);
+    match (worst, left_out) {
+        (Flaw::Missing { .. }, _) => format!(
+            "in {log} {what}. If they are, the model is learnt and judged over a course that never was, and --repair cannot mend it: record it \
+             again, or keep what lies before it or behind with --skip-end or --skip-start"
+        ),
+        (Flaw::VoltageSpike { .. }, true) => format!(
+            "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight from the row before to the row \
+             behind (--repair); record it again without"
+        ),
+        (_, true) => {
+            format!("in {log} {what}: what was measured there was left out (--repair); record it again without")
+        }
+        (_, false) => format!(
+            "in {log} {what}, and it was learnt and judged as if it were so: record it again, or leave it out with --repair"
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_flaw_is_said_with_its_time_and_what_repair_does_to_it() {
+        let at = Stretch { from_s: 1.25, to_s: 1.2505 };
+        let spike = Flaw::VoltageSpike { at, leap_v: 300.0 };
+        let (found, scored) = (flaw_found(&spike, 1, 2_501), flaw_scored(&spike, 2));
+        assert!(
+            found.contains("leaps away by 300.000 V at 1.2500 s")
+                && found.ends_with("row 2501: --repair of identify leaves it out"),
+            "{found}"
+        );
+        assert!(scored.contains("leaps away 2 times, the gravest by 300.000 V"), "{scored}");
+        let (as_it_is, repaired) = (flawed("a", &spike, 1, false), flawed("a", &spike, 1, true));
+        assert!(
+            as_it_is.ends_with("leave it out with --repair") && repaired.contains("straight from the row before"),
+            "{repaired}"
+        );
+        let missing = Flaw::Missing { at, leap_v: 3.0, leap_um: 0.4 };
+        let (found, doubt) = (flaw_found(&missing, 1, 2_501), flawed("a", &missing, 1, false));
+        assert!(
+            found.contains("samples may be missing here, unless the drive leapt, row 2501: nothing can repair that"),
+            "{found}"
+        );
+        assert!(
+            doubt.contains("from 1.2500 to 1.2505 s, by 3.000 V and 0.400 µm")
+                && doubt.contains("--repair cannot mend it"),
+            "{doubt}"
+        );
+        assert!(flaw_scored(&missing, 1).ends_with("for one course"));
+    }
+}

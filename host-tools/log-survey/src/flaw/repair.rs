@@ -1,0 +1,72 @@
+//! A log and a session without what its flaws hold.
+
+use super::voltage::without;
+use super::{Flaw, Stretch};
+use recordings::log::Log;
+use recordings::session::Session;
+
+/// More than this part of a log is no flaw of it: it is left as it is.
+const MOST: f64 = 0.5;
+
+/// Leaves what was measured in the flaws of its log out of a session whose sensor is late by `delay_s`; the voltage stays, as it
+/// was or was [mended].
+/// Returns how many instants it were, the first among them where it has another's value: none where it would be most of them.
+pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> usize {
+    let (start_s, tick_s) = (session.start_s, session.tick_s);
+    let flawed = |instant: u32| {
+        // A session has what was seen at the tick at which it happened; the voltage is read as it happens.
+        let happened = start_s + f64::from(instant) * tick_s;
+        // What was resampled between a good row and a flawed one is neither.
+        let near = |at: Stretch, time: f64| time > at.from_s - tick_s && time < at.to_s + tick_s;
+        flaws.iter().any(|flaw| match *flaw {
+            Flaw::Missing { .. } => false,
+            Flaw::VoltageSpike { at, .. } => near(at, happened),
+            Flaw::Spike { at, .. } | Flaw::Frozen { at, .. } | Flaw::Clipped { at, .. } => near(at, happened + delay_s),
+        })
+    };
+    let kept: Vec<bool> = session.instants.iter().map(|&instant| !flawed(instant)).collect();
+    let left_out = kept.iter().filter(|kept| !**kept).count();
+    if left_out as f64 > MOST * kept.len() as f64 {
+        return 0;
+    }
+    // A session begins at its first instant: that stays, and has what was soundly measured next.
+    let next = kept.iter().position(|kept| *kept).unwrap_or(0);
+    if next > 0 {
+        session.displacement[0] = session.displacement[next];
+    }
+    let kept: Vec<bool> = kept.iter().enumerate().map(|(at, kept)| at == 0 || *kept).collect();
+    let before = kept.iter().take(session.lead_in).filter(|kept| !**kept).count();
+    session.lead_in -= before;
+    let mut keep = kept.iter();
+    session.instants.retain(|_| keep.next() == Some(&true));
+    let mut keep = kept.iter();
+    session.displacement.retain(|_| keep.next() == Some(&true));
+    left_out
+}
+
+/// A log's sound rows, as if nothing had been between them: what zeros are decided from.
+#[must_use]
+pub fn sound(log: &Log, flaws: &[Flaw]) -> Log {
+    let half = 0.5 * log.sample_period;
+    let flawed = |row: usize| {
+        let time = log.start_s + row as f64 * log.sample_period;
+        let at = |flaw: &Flaw| time > flaw.at().from_s - half && time < flaw.at().to_s + half;
+        flaws.iter().any(|flaw| flaw.repairable() && at(flaw))
+    };
+    let rows = |values: &[f64]| -> Vec<f64> {
+        values.iter().enumerate().filter(|(row, _)| !flawed(*row)).map(|(_, value)| *value).collect()
+    };
+    Log { voltage: rows(&log.voltage), displacement: log.displacement.as_deref().map(rows), ..log.clone() }
+}
+
+/// A log with a voltage on the straight line between the rows beside each spike of it: the recursion needs one, and remembers
+/// every extreme.
+#[must_use]
+pub fn mended(log: &Log, flaws: &[Flaw]) -> Log {
+    let row = |time: f64| ((time - log.start_s) / log.sample_period).round() as usize;
+    let spikes = flaws.iter().filter_map(|flaw| match *flaw {
+        Flaw::VoltageSpike { at, .. } => Some((row(at.from_s), row(at.to_s))),
+        _ => None,
+    });
+    Log { voltage: without(&log.voltage, spikes), ..log.clone() }
+}
