@@ -4,6 +4,7 @@ use super::{json, number, piezo, refused, text};
 use std::io::{BufRead, BufReader, Lines};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// `piezo emulate` while it runs, where it listens, and what else it prints.
 pub struct Emulated {
@@ -165,6 +166,34 @@ fn a_flash_in_a_file_outlives_its_board() {
     std::fs::write(&flash, "no flash").unwrap();
     let other = ["emulate", "--tcp-port", "0", "--board", text(&board), "--flash", text(&flash)];
     refused(&other, &["flash.bin", "it has 8 bytes"]);
+}
+
+#[test]
+fn a_session_that_was_killed_is_learnt_from_as_far_as_it_went() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, board) = (folder.path().join("p885"), folder.path().join("board.toml"));
+    let emulated = Emulated::start(&board, &["--speed", "8"]);
+    let link = ["--port", &*emulated.port, "--board", text(&board), "--out", text(&out)];
+    let train = [&["train", "--minutes", "0.7", "--up-to", "20"], &link[..]].concat();
+    let mut killed = Command::new(env!("CARGO_BIN_EXE_piezo")).args(&train).stdout(Stdio::null()).spawn().unwrap();
+    let under_way = out.join("03-reversals.csv");
+    let length = || std::fs::metadata(&under_way).map_or(0, |log| log.len());
+    let start = Instant::now();
+    while length() < 100_000 {
+        assert!(start.elapsed() < Duration::from_secs(60) && killed.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert!(std::fs::read_to_string(&under_way).unwrap().ends_with('\n'), "a row is cut in the middle");
+    let said = "the session ended before its time: 3 of 8 logs are there, the last one cut short, none to prove with";
+    let model = folder.path().join("model");
+    let short = ["--model", "voigt", "--generations", "5", "--rounds", "1", "--devices", "0"];
+    let identify = ["identify", text(&out), "--board", text(&board), "--out", text(&model)];
+    let learnt = piezo().args(identify).args(short).assert().success().get_output().stderr.clone();
+    let learnt = String::from_utf8(learnt).unwrap();
+    assert!(learnt.contains(said) && model.join("table.toml").is_file(), "{learnt}");
+    refused(&train, &[said, "choose another --out, or learn from what is there"]);
 }
 
 #[test]

@@ -76,6 +76,17 @@ fn the_folder_of_a_session_stands_for_its_logs() {
     };
     assert_eq!(roles(&[]), [r#""01-loops.csv" "training""#, r#""held-out.csv" "held-out""#]);
     assert_eq!(roles(&["--hold-out", "0"]), [r#""01-loops.csv" "training""#]);
+    // Its own tick, unless one is typed, be it the usual one.
+    let session_file = |tick: &str| {
+        fs::write(session.join("session.toml"), format!("complete = true\nseed = 1\n{tick}{}", logs.concat())).unwrap();
+    };
+    let tick = |arguments: &[&str]| {
+        let identify = ["identify", text(&session), "--json", "--out", text(&out)];
+        json(piezo().args(identify).args(SHORTEST).args(arguments))["recipe"]["tick_us"].clone()
+    };
+    session_file("tick_us = 250\n");
+    assert_eq!([tick(&[]), tick(&["--tick-us", "500"])], [250, 500]);
+    session_file("");
     // One that ended before its time is learnt from as far as it goes, and not silently.
     let identify = [&["identify", text(&session), "--out", text(&out)], &SHORTEST[..]].concat();
     assert!(!said(&identify).contains("before its time"));

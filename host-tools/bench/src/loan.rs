@@ -2,8 +2,8 @@
 //! wiring allows. The table of before is kept in a file until it is in use again.
 
 use crate::error::BenchError;
-use crate::log::unoccupied;
 use crate::output::Output;
+use crate::session::unoccupied;
 use crate::wiring::Wiring;
 use device_link::busy::idle;
 use device_link::table::{in_use, to_record};

@@ -2,7 +2,8 @@
 
 use crate::error::BenchError;
 use crate::loan::{self, Loan, beside};
-use crate::log::{LogFile, SESSION};
+use crate::log::LogFile;
+use crate::session::SESSION;
 use crate::watch::{Complaint, Watch};
 use crate::wiring::Wiring;
 use device_link::Client;
@@ -102,7 +103,11 @@ pub fn train(
         done: 0,
         held: None,
     };
-    let ended = drive.segments.iter().enumerate().find_map(|at| recorder.record(client, at, progress).err());
+    // Written before anything moves: of a session that is killed, too, it is known what was recorded.
+    let ended = match file::write(&folder.join(SESSION), planned(training)) {
+        Ok(()) => drive.segments.iter().enumerate().find_map(|at| recorder.record(client, at, progress).err()),
+        Err(error) => Some(Ended::Log(error.into())),
+    };
     let Recorder { logs, starved, .. } = recorder;
     // A voltage that was not seen to come to rest is no reason to keep the device from its table: it rests by itself.
     let rested = loan::rest(client, wiring.adc(), wiring.drive().limits);
@@ -137,12 +142,8 @@ impl Recorder<'_> {
         progress: &mut dyn FnMut(&Segment, usize),
     ) -> Result<(), Ended> {
         let Training { wiring, folder, interrupt, .. } = *self.training;
-        let name = match segment.held_out {
-            true => format!("{}.csv", segment.name),
-            false => format!("{:02}-{}.csv", index + 1, segment.name),
-        };
         let tick_s = wiring.line().sample_period();
-        let mut log = LogFile::create(&folder.join(name), HEADING, tick_s).map_err(Ended::Log)?;
+        let mut log = LogFile::create(&folder.join(name(index, segment)), HEADING, tick_s).map_err(Ended::Log)?;
         let (references, ticks) = (&segment.volts[..], segment.volts.len());
         // It ends at rest, where it is held until the next one goes on.
         let what = Play { mode: Mode::Excite, goes_on: self.held, references, hold: true, ticks };
@@ -172,11 +173,21 @@ impl Recorder<'_> {
     }
 }
 
+/// The name of a segment's log.
+fn name(index: usize, segment: &Segment) -> String {
+    match segment.held_out {
+        true => format!("{}.csv", segment.name),
+        false => format!("{:02}-{}.csv", index + 1, segment.name),
+    }
+}
+
 /// What was done, as it is kept beside the logs.
 #[derive(Serialize)]
 struct Session<'a> {
     tool: String,
     complete: bool,
+    /// The logs are those that are planned, with the rows that they are to have.
+    under_way: bool,
     seed: u64,
     tick_us: u32,
     covers: Vec<String>,
@@ -187,19 +198,42 @@ struct Session<'a> {
     logs: &'a [Written],
 }
 
+/// The description of a session that is about to begin.
+fn planned(training: &Training<'_>) -> String {
+    let of = |(index, segment): (usize, &Segment)| Written {
+        log: training.folder.join(name(index, segment)),
+        what: segment.what,
+        rows: segment.volts.len() as u64,
+        complete: false,
+        held_out: segment.held_out,
+    };
+    let logs: Vec<Written> = training.drive.segments.iter().enumerate().map(of).collect();
+    described(Session { under_way: true, ..of_session(training, &logs) })
+}
+
+/// That of one that has ended.
 fn session(training: &Training<'_>, trained: &Trained) -> String {
-    let session = Session {
+    let session = of_session(training, &trained.logs);
+    described(Session { complete: trained.complete(), waited_ticks: trained.starved, ..session })
+}
+
+fn of_session<'a>(training: &'a Training<'_>, logs: &'a [Written]) -> Session<'a> {
+    Session {
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
-        complete: trained.complete(),
+        complete: false,
+        under_way: false,
         seed: training.drive.request().seed,
         tick_us: training.wiring.line().sample_period_us,
         covers: training.drive.covers(),
         forbidden: training.drive.forbidden(),
-        waited_ticks: trained.starved,
+        waited_ticks: 0,
         planned: training.drive.segments.len(),
         board: &training.wiring.facts,
-        logs: &trained.logs,
-    };
+        logs,
+    }
+}
+
+fn described(session: Session<'_>) -> String {
     // Cannot fail: strings and numbers, the tables last.
     toml::to_string(&session).expect("a session's description is plain")
 }

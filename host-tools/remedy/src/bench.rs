@@ -160,7 +160,7 @@ fn session(error: &BenchError) -> String {
 /// The command that identifies a table from the logs of a session in a folder, but for the board's file.
 pub fn identify(folder: &Path) -> String {
     let folder = quoted(&folder.display().to_string());
-    format!("piezo identify {folder}/[0-9][0-9]-*.csv --validate-on {folder}/held-out.csv --out {folder}/model")
+    format!("piezo identify {folder} --out {folder}/model")
 }
 
 fn another(error: &AnotherBoard) -> String {

@@ -56,8 +56,8 @@ pub fn without(voltage: &[f64], spikes: impl Iterator<Item = (usize, usize)>) ->
         debug_assert!(first > 0 && last < first + SPIKE_ROWS);
         let (before, after) = (voltage[first - 1], voltage.get(last + 1).copied().unwrap_or(voltage[first - 1]));
         let rows = (last + 2 - first) as f64;
-        for row in first..=last {
-            mended[row] = before + (after - before) * (row + 1 - first) as f64 / rows;
+        for (index, value) in mended[first..=last].iter_mut().enumerate() {
+            *value = before + (after - before) * (index + 1) as f64 / rows;
         }
     }
     mended

@@ -67,7 +67,7 @@ pub struct Fitting {
 }
 
 impl Fitting {
-    /// Puts the logs of a session in its folder's place, with its tick where none but the usual one was typed.
+    /// Puts the logs of a session in its folder's place, with its tick where none was typed.
     pub fn open_session(&mut self) -> Result<(), BenchError> {
         let (else_held_out, folder) = (self.hold_out.is_some(), self.logs.first().cloned().unwrap_or_default());
         if let Some(unfinished) =

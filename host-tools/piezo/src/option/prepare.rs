@@ -9,9 +9,9 @@ use recordings::prepare::{AutoOr, Decimation, PrepareOptions};
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Preparation of the logs (recorded in the table)")]
 pub struct PrepareArgs {
-    /// Tick, µs; 500 is the thesis's 2 kHz.
-    #[arg(long, hide_short_help = true, default_value_t = 500, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
-    pub tick_us: u32,
+    /// Tick, µs; 500, the thesis's 2 kHz, where none is typed and the logs are no training session's, which has its board's.
+    #[arg(long, hide_short_help = true, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
+    pub tick_us: Option<u32>,
     /// Factor on the recorded voltage, e.g. the amplifier's gain where its input was recorded.
     #[arg(long, help_heading = None::<&str>, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
     pub voltage_scale: f64,
@@ -47,10 +47,17 @@ pub const DECIMATIONS: [Choice<Decimation>; 2] = [
     (Decimation::Average, "average", "The mean of each n samples; the rates must be multiples"),
 ];
 
-options!(PrepareArgs => PrepareOptions {
-    tick_us, voltage_scale, displacement_scale, voltage_zero, displacement_zero, delay, max_delay, skip_start,
-    skip_end, decimate,
-});
+impl From<&PrepareArgs> for PrepareOptions {
+    fn from(arguments: &PrepareArgs) -> Self {
+        let &PrepareArgs { tick_us, voltage_scale, displacement_scale, voltage_zero, displacement_zero, .. } =
+            arguments;
+        let &PrepareArgs { delay, max_delay, skip_start, skip_end, decimate, .. } = arguments;
+        let tick_us = tick_us.unwrap_or(Self::default().tick_us);
+        let prepare =
+            Self { tick_us, voltage_scale, displacement_scale, voltage_zero, displacement_zero, ..Self::default() };
+        Self { delay, max_delay, skip_start, skip_end, decimate, ..prepare }
+    }
+}
 
 #[cfg(test)]
 mod tests {

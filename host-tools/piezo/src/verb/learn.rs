@@ -13,7 +13,6 @@ use bench::{BenchError, Session, session};
 use clap::{Args, Parser};
 use device_link::busy::idle;
 use device_link::interrupt::Interrupt;
-use recordings::prepare::PrepareOptions;
 use remedy::quoted;
 use std::path::PathBuf;
 
@@ -56,9 +55,6 @@ enum Part {
     Prove(Prove),
 }
 
-/// The option of `piezo identify` that says the tick.
-const TICK: &str = "--tick-us";
-
 /// Runs the verb; `false` where a part says so, and what follows that is not begun. Run again, it goes on behind a session that
 /// is whole: the sensor need not come back for what was not learnt or not installed.
 pub fn run(arguments: &Learn) -> Result<bool> {
@@ -80,18 +76,11 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     train.extend(range.clone());
     let another = arguments.board.another_board.then_some("--another-board");
     let link: Vec<&str> = ["--board", &board, "--port", &port].into_iter().chain(another).collect();
-    let identify = |logs: Vec<String>, held_out: Vec<String>, tick_us: u32| {
-        let held_out = held_out.into_iter().flat_map(|log| ["--validate-on".to_owned(), log]);
-        let where_to = words(&["--board", &board, "--out", &model]);
-        // The board's, where none was typed.
-        let said = tick_us == PrepareOptions::default().tick_us
-            || arguments.identify.iter().any(|word| word.starts_with(TICK));
-        let tick = if said { Vec::new() } else { vec![TICK.to_owned(), tick_us.to_string()] };
-        let parts = [words(&["identify"]), logs, where_to, held_out.collect(), tick, arguments.identify.clone()];
-        parts.concat()
-    };
+    // The folder stands for its logs, with the board's tick.
+    let identify =
+        [words(&["identify", &folder, "--board", &board, "--out", &model]), arguments.identify.clone()].concat();
     // What stands behind `--` is understood before anything moves.
-    parse(identify(words(&["log.csv"]), Vec::new(), PrepareOptions::default().tick_us))?;
+    parse(identify.clone())?;
     let proof = arguments.out.join("proof");
     if proof.exists() {
         return Err(BenchError::Occupied { path: proof }.into());
@@ -111,11 +100,9 @@ pub fn run(arguments: &Learn) -> Result<bool> {
         } else {
             part([train, words(&["--dry-run"])].concat())?;
         }
-        let (seed, tick_us) = whole
-            .map_or((excitation.seed, PrepareOptions::default().tick_us), |session| (session.seed, session.tick_us));
-        let session = identify(vec![folder], Vec::new(), tick_us);
+        let seed = whole.map_or(excitation.seed, |session| session.seed);
         out("\nThen, one after the other, unless one fails:\n");
-        [session, install, prove(seed)?].iter().for_each(|words| out(&format!("    piezo {}", typed(words))));
+        [identify, install, prove(seed)?].iter().for_each(|words| out(&format!("    piezo {}", typed(words))));
         return Ok(true);
     }
     if whole.is_some() {
@@ -124,9 +111,7 @@ pub fn run(arguments: &Learn) -> Result<bool> {
     } else if !part(train)? {
         return Ok(false);
     }
-    let Session { logs, held_out, seed, tick_us, .. } = session(&arguments.out)?;
-    let paths = |logs: Vec<PathBuf>| logs.into_iter().map(path).collect::<Result<Vec<_>>>();
-    let identify = identify(paths(logs)?, paths(held_out)?, tick_us);
+    let Session { seed, .. } = session(&arguments.out)?;
     let proven = part(identify)? && part(install)? && part(prove(seed)?)?;
     if proven {
         out(&format!(

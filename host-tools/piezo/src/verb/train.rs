@@ -85,7 +85,7 @@ pub fn run(arguments: &Train) -> Result<bool> {
         error if arguments.out.join(FORMER).exists() => anyhow!(error).context(stranded(arguments)),
         error => error.into(),
     })?;
-    tell(arguments, &trained, wiring.line().sample_period_us)?;
+    tell(arguments, &trained)?;
     // It is said before what hinders the way home, which is what the user must know last.
     let complete = trained.complete();
     trained.home.with_context(|| stranded(arguments))?;
@@ -106,7 +106,7 @@ fn stranded(arguments: &Train) -> String {
     }
 }
 
-fn tell(arguments: &Train, trained: &Trained, tick_us: u32) -> Result<()> {
+fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
     if arguments.json {
         let summary = json!({
             "logs": trained.logs,
@@ -138,11 +138,7 @@ fn tell(arguments: &Train, trained: &Trained, tick_us: u32) -> Result<()> {
         None if arguments.of_learn => {}
         None => {
             let board = remedy::quoted(&arguments.board.board.display().to_string());
-            let tick = match tick_us == PrepareOptions::default().tick_us {
-                true => String::new(),
-                false => format!(" --tick-us {tick_us}"),
-            };
-            out(&format!("Next:\n\n    {} --board {board}{tick}", remedy::identify(&arguments.out)));
+            out(&format!("Next:\n\n    {} --board {board}", remedy::identify(&arguments.out)));
         }
     }
     Ok(())
