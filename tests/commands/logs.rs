@@ -7,6 +7,7 @@ use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
+use table_files::TableFile;
 
 /// A search that is as short as each test can do with.
 const SHORT: [&str; 6] = ["--generations", "15", "--rounds", "3", "--devices", "0"];
@@ -136,6 +137,31 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
         assert!((theirs / stroke - 1.0).abs() < 0.25, "{kind}: {theirs} of {stroke} µm");
         assert!(repaired < 2.0 * mae, "{kind}: {repaired} instead of {mae} µm (unrepaired {spoilt})");
     }
+}
+
+#[test]
+fn the_noise_is_kept_in_the_table_and_what_is_no_measurement_stands_in_the_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let noisy = Rig { duration: 0.5, voltage_noise: 0.05, ..Rig::default() }.log(EXCITATIONS[1]);
+    let spiky = displaced(&noisy, |row, y| if row == 1_000 { y + 20.0 } else { y });
+    let (path, out) = (write(folder.path(), &spiky), folder.path().join("out"));
+    piezo().args(["identify", text(&path), "--model", "voigt", "--out", text(&out)]).args(SHORTEST).assert().success();
+    let (file, table) = TableFile::load(&out.join("table.toml")).unwrap();
+    let noise = file.noise.unwrap();
+    assert!(
+        (noise.voltage_v / 0.05 - 1.0).abs() < 0.15 && (noise.displacement_um / 0.007 - 1.0).abs() < 0.2,
+        "{noise:?}"
+    );
+    let told = noise.told(table.deadband_v);
+    let times = f64::from(table.deadband_v) / noise.voltage_v;
+    assert!((7.5..8.5).contains(&times) && told.contains("times the voltage's"), "{told}");
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    let marked = page.contains("<h2>What is no measurement</h2>") && page.contains(r#"class="flaw""#);
+    assert!(marked && page.contains(&told.replace('\'', "&#39;")));
+    let again = folder.path().join("again");
+    let emitted = piezo().args(["emit", text(&out.join("table.toml")), "--out", text(&again)]).assert().success();
+    assert!(String::from_utf8_lossy(&emitted.get_output().stdout).contains(&told));
+    assert_eq!(TableFile::load(&again.join("table.toml")).unwrap().0.noise, Some(noise));
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! What in a log is no measurement, in words.
 
+use identification::Job;
 use log_survey::{Flaw, Stretch};
+use recordings::log::Log;
 
 /// What the gravest of a log's flaws of one kind is, where there are `count` of them, without the log's name.
 pub fn flaw(worst: &Flaw, count: usize) -> String {
@@ -48,6 +50,15 @@ pub fn flaw_found(worst: &Flaw, count: usize, row: u64) -> String {
         false => "nothing can repair that; record it again, or use what lies before it or behind",
     };
     format!("{}, row {row}: {helps}", flaw(worst, count))
+}
+
+/// Each flaw of the logs of a job, in the order of the logs and their kinds: the log's name, where it is, and what, in words.
+pub fn flaws(job: &Job) -> Vec<(String, Stretch, String)> {
+    let of = |log: &Log| {
+        let found = log_survey::flaws(&job.prepare.cut(log));
+        found.iter().map(|of| (log.name.clone(), of.at(), flaw(of, 1))).collect::<Vec<_>>()
+    };
+    job.training.iter().chain(&job.held_out).flat_map(of).collect()
 }
 
 /// What in a log is no measurement, what it does, and what helps.

@@ -19,7 +19,7 @@ mod validated;
 
 pub use determination::{DETERMINED, determination};
 pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, implausible};
-pub use flaw::{flaw, flaw_found, flaw_scored};
+pub use flaw::{flaw, flaw_found, flaw_scored, flaws};
 pub use interval::interval;
 pub use left_out::left_out;
 pub use proven::proven;

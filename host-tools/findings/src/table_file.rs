@@ -3,11 +3,13 @@
 use estimator_core::table::BoundToTick;
 use identification::cost::Cost;
 use identification::{Outcome, SearchOptions};
-use table_files::TableFile;
+use table_files::{Noise, TableFile};
 
 /// The file of the chosen model. `determined` are the lines of [`determination`](crate::determination).
 pub fn table_file(outcome: &Outcome, cost: Cost, search: &SearchOptions, determined: &[(String, String)]) -> TableFile {
+    let (voltage_v, displacement_um) = log_survey::noise(outcome.problem.training());
     TableFile {
+        noise: Some(Noise { voltage_v, displacement_um }),
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
         doubts: outcome.doubts.iter().map(crate::doubt).collect(),
         determined: determined.iter().map(|(what, found)| format!("{what}: {found}")).collect(),

@@ -13,14 +13,20 @@ const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 /// A normal distribution's median of absolute values, in standard deviations.
 const MEDIAN: f64 = 0.674_489_75;
 
-/// The deadband (V) for sessions whose voltages have this span (V): the larger of 0.083 % of it and eight deviations of the voltage's noise, that of the
-/// quietest session, since in fast ones some of the course remains.
+/// The deadband (V) for sessions whose voltages have this span (V): the larger of 0.083 % of it and eight deviations of the voltage's noise.
 pub fn deadband(sessions: &[Session], span: f64) -> f64 {
-    let read = |session: &Session| {
+    (LEAST * span).max(DEVIATIONS * noise(sessions.iter()).0)
+}
+
+/// One standard deviation of what voltage (V) and sensor (µm) are read with, that of the quietest session, since in fast ones some of the
+/// course remains.
+pub fn noise<'a>(sessions: impl Iterator<Item = &'a Session> + Clone) -> (f64, f64) {
+    let quietest =
+        |of: &dyn Fn(&Session) -> Option<f64>| sessions.clone().filter_map(of).reduce(f64::min).unwrap_or(0.0);
+    let voltage = |session: &Session| {
         noise_of(&session.instants.iter().map(|&instant| session.voltage[instant as usize]).collect::<Vec<f64>>())
     };
-    let quietest = sessions.iter().filter_map(read).reduce(f64::min).unwrap_or(0.0);
-    (LEAST * span).max(DEVIATIONS * quietest)
+    (quietest(&voltage), quietest(&|session| noise_of(&session.displacement)))
 }
 
 /// One standard deviation of the noise of readings that were taken evenly in time, in their unit, of the middle half of their sixth
@@ -69,6 +75,8 @@ mod tests {
     fn a_noisy_voltage_has_eight_deviations() {
         let found = of(&[sine(5.0, 0.05)]);
         assert!((found / 0.4 - 1.0).abs() < 0.1, "{found} V");
+        let (volts, micrometres) = noise([sine(5.0, 0.05)].iter());
+        assert!((volts / 0.05 - 1.0).abs() < 0.1 && micrometres == volts, "{volts} V, {micrometres} µm");
         let found = of(&[sine(300.0, 0.05), sine(5.0, 0.05)]);
         assert!((found / 0.4 - 1.0).abs() < 0.1, "{found} V: the slow one tells");
     }

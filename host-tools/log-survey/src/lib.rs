@@ -29,7 +29,7 @@ pub use blocks::Block;
 pub use character::Character;
 pub use clock::{Clock, RateSource};
 pub use corners::{corners, corners_left_out, stands_still_s};
-pub use deadband::{deadband, noise_of};
+pub use deadband::{deadband, noise, noise_of};
 pub use flaw::{Flaw, Stretch, flaws, gravest, leave_out, mended, sound};
 pub use implausible::Implausible;
 pub use rows::Found;

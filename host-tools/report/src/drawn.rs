@@ -16,7 +16,7 @@ pub fn over_time(log: &Comparison, name: &str) -> Option<(String, String)> {
     if log.trace.time_s.is_empty() {
         return None;
     }
-    let (drawing, _) = traces::draw(&log.trace, POINTS);
+    let (drawing, ..) = traces::draw(&log.trace, Vec::new(), POINTS);
     let caption = format!("On {}. {}", log.name, rows::sentence(log));
     let label = format!("Displacement over time, {name}: sensor, estimate, error. {caption}");
     Some((drawing.inline(&label), caption))

@@ -24,7 +24,7 @@ mod tests;
 
 pub use comparison::{ComparisonReport, comparison};
 pub use error::ReportError;
-pub use page::{Report, render};
+pub use page::{Mark, Report, render};
 pub use picture::picture;
 pub use reproduction::{ReproductionReport, reproduction};
 pub use section::{Grid, Picture, Section, shown, yes};

@@ -22,6 +22,8 @@ const LOOPS: usize = 24;
 const HELD_OUT_TRACES: usize = 8;
 /// Training logs whose traces are drawn at most.
 const TRAINING_TRACES: usize = 3;
+/// Flaws that are listed at most.
+const FLAWS: usize = 60;
 
 /// What a report says.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +40,23 @@ pub struct Report<'a> {
     pub candidates: &'a [Candidate],
     /// What every model is to better.
     pub straight_line: Option<&'a Baseline>,
+    /// What in the logs is no measurement.
+    pub flaws: &'a [Mark],
     /// Provenance: log digests, options, seed, version.
     pub facts: &'a [(String, String)],
+}
+
+/// A place in a log that is no measurement.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Mark {
+    /// Name of the log.
+    pub log: String,
+    /// Time within the log at which it begins, s.
+    pub from_s: f64,
+    /// When it ends, s.
+    pub to_s: f64,
+    /// What it is, in words.
+    pub what: String,
 }
 
 /// A plot with its caption.
@@ -74,6 +91,8 @@ pub struct Page<'a> {
     by_swing: BySwing,
     traces: Vec<Figure>,
     traces_left_out: Vec<&'a str>,
+    flaws: &'a [Mark],
+    flaws_left_out: usize,
     search: Vec<Figure>,
     genes: Vec<GeneRow>,
     parameters: Vec<ParameterRow>,
@@ -130,8 +149,10 @@ impl<'a> Page<'a> {
             loops_left_out,
             places: place_figures(chosen, &of_held_out, &of_training, retreat),
             by_swing: BySwing::of(&of_held_out, &of_training),
-            traces: traced.into_iter().map(|shown| trace_figure(shown, limit)).collect(),
+            traces: traced.into_iter().map(|shown| trace_figure(shown, report.flaws, limit)).collect(),
             traces_left_out,
+            flaws: &report.flaws[..report.flaws.len().min(FLAWS)],
+            flaws_left_out: report.flaws.len().saturating_sub(FLAWS),
             search: search_figures(report, limit),
             genes: chosen.fit.genes.iter().map(GeneRow::new).collect(),
             parameters: rows::parameters(&chosen.table),
@@ -164,15 +185,19 @@ fn loop_figure(Shown { log, role }: Shown<'_>, limit: usize) -> Figure {
     Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption }
 }
 
-fn trace_figure(Shown { log, role }: Shown<'_>, limit: usize) -> Figure {
-    let (drawing, detail) = traces::draw(&log.trace, limit);
-    let caption = match detail {
+fn trace_figure(Shown { log, role }: Shown<'_>, flaws: &[Mark], limit: usize) -> Figure {
+    let of_log = flaws.iter().filter(|flaw| flaw.log == log.name).map(|flaw| (flaw.from_s, flaw.to_s));
+    let (drawing, detail, flawed) = traces::draw(&log.trace, of_log.collect(), limit);
+    let mut caption = match detail {
         Some((from, to)) => format!(
             "The last {} and their error; below, the error over the whole log, in which they are shaded.",
             quantity(to - from, "s")
         ),
         None => "The whole log and its error.".to_owned(),
     };
+    if flawed {
+        caption += " What is no measurement is marked behind the error.";
+    }
     let label = format!("Displacement of {} over time ({role}): sensor, estimate, error. {caption}", log.name);
     Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption }
 }

@@ -9,6 +9,8 @@ use askama::filters::{Escaper, Html};
 const STYLE: &str = include_str!("../templates/figure.css");
 /// Width of a letter, as a fraction of the font size.
 const LETTER: f64 = 0.55;
+/// Least width of what marks a stretch.
+const LEAST_WIDTH: f64 = 1.0;
 
 /// A drawing under way.
 pub struct Drawing {
@@ -114,14 +116,14 @@ impl Drawing {
         }
     }
 
-    /// Marks a stretch of the horizontal axis.
-    pub fn window(&mut self, panel: &Panel, from: f64, to: f64) {
-        let Frame { top, height, .. } = panel.frame;
-        let (from, to) = (panel.at((from, 0.0)).0, panel.at((to, 0.0)).0);
-        if from < to {
-            let width = to - from;
+    /// Marks what a panel has of a stretch of the horizontal axis, however short.
+    pub fn window(&mut self, panel: &Panel, class: &str, from: f64, to: f64) {
+        let Frame { left, top, width, height } = panel.frame;
+        let (from, to) = (panel.at((from, 0.0)).0.max(left), panel.at((to, 0.0)).0.min(left + width));
+        if from <= to {
+            let width = (to - from).max(LEAST_WIDTH);
             self.body += &format!(
-                r#"<rect class="window" x="{from:.1}" y="{top:.1}" width="{width:.1}" height="{height:.1}"/>"#
+                r#"<rect class="{class}" x="{from:.1}" y="{top:.1}" width="{width:.1}" height="{height:.1}"/>"#
             );
         }
     }

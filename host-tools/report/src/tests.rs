@@ -97,6 +97,10 @@ fn candidate(model: Model, training: Vec<Comparison>, held_out: Vec<Comparison>)
 }
 
 fn html(chosen: &Candidate, doubts: &[&str]) -> String {
+    with_flaws(chosen, doubts, &[])
+}
+
+fn with_flaws(chosen: &Candidate, doubts: &[&str], flaws: &[Mark]) -> String {
     let doubts: Vec<String> = doubts.iter().map(|&doubt| doubt.to_owned()).collect();
     let line = chosen.training_figures().map(|training| Baseline {
         gain_um_per_v: 0.2,
@@ -111,6 +115,7 @@ fn html(chosen: &Candidate, doubts: &[&str]) -> String {
         chosen,
         straight_line: line.as_ref(),
         candidates: std::slice::from_ref(chosen),
+        flaws,
         facts: &[("Seed".to_owned(), "<1>".to_owned())],
     })
     .unwrap();
@@ -155,6 +160,28 @@ fn figures_tables_and_words_are_there() {
     let order = ["<h1>", "0.1 µm", "When not", "Candidates", "Loops", "Where it is off", "about 10\u{a0}Hz"];
     let then = ["Over time", "Convergence", "Residuals", "Searched coordinates", "Published parameters", "&#60;1&#62;"];
     assert!(order.iter().chain(&then).map(|words| first(words)).is_sorted());
+}
+
+#[test]
+fn what_is_no_measurement_is_marked_over_time_and_listed() {
+    let chosen = candidate(Model::Voigt, vec![log("a", 4000, |_| 0.1)], vec![log("b", 1000, |_| 0.1)]);
+    let mark = |log: &str, from_s: f64, to_s: f64| Mark {
+        log: log.to_owned(),
+        from_s,
+        to_s,
+        what: format!("<leaps> at {from_s} s"),
+    };
+    // Two of them are one mark; one lies in the last periods, too, and one beyond what was scored.
+    let flaws = [mark("a", 0.5, 0.5), mark("a", 0.501, 0.7), mark("a", 1.95, 1.95), mark("b", 30.0, 31.0)];
+    let page = with_flaws(&chosen, &[], &flaws);
+    assert_eq!(page.matches(r#"<rect class="flaw""#).count(), 3);
+    assert_eq!(page.matches("What is no measurement is marked behind the error.</figcaption>").count(), 1);
+    assert_eq!(page.matches("&#60;leaps&#62; at").count(), 4);
+    assert!(!page.contains("more.</p>") && page.contains("<h2>What is no measurement</h2>"));
+    let many: Vec<Mark> = (0..5_000).map(|n| mark("a", f64::from(n) * 4e-4, f64::from(n) * 4e-4)).collect();
+    let page = with_flaws(&chosen, &[], &many);
+    assert!(page.contains("And 4940 more.") && page.matches(r#"<rect class="flaw""#).count() < 400);
+    assert!(!html(&chosen, &[]).contains("What is no measurement"));
 }
 
 #[test]

@@ -13,6 +13,8 @@ pub struct Lines {
     error: Vec<Point>,
     /// Half-width of the interval, where it is drawn round the error.
     half_width: Vec<Point>,
+    /// Stretches of time that are no measurement, s.
+    flaws: Vec<(f64, f64)>,
 }
 
 impl Lines {
@@ -25,6 +27,7 @@ impl Lines {
             estimated: over_time(&trace.estimated),
             error: over_time(&error),
             half_width: Vec::new(),
+            flaws: Vec::new(),
         }
     }
 
@@ -47,6 +50,7 @@ impl Lines {
             estimated: cut(&self.estimated),
             error: cut(&self.error),
             half_width: cut(&self.half_width),
+            flaws: self.flaws.clone(),
         }
     }
 
@@ -72,7 +76,10 @@ impl Lines {
         let errors = self.error.iter().chain(&upper).chain(&lower).map(|point| point.1).chain([0.0]);
         let panel = drawing.panel(frame, self.time(), Axis::linear(errors, 2), ("time, s", title));
         if let Some((from, to)) = mark {
-            drawing.window(&panel, from, to);
+            drawing.window(&panel, "window", from, to);
+        }
+        for (from, to) in &self.flaws {
+            drawing.window(&panel, "flaw", *from, *to);
         }
         if !upper.is_empty() {
             drawing.band(&panel, "band", &upper, &lower);
@@ -89,9 +96,23 @@ impl Lines {
 /// Title of an error's axis.
 pub const ERROR: &str = "estimate − sensor, µm";
 
-/// Draws a log; at most `limit` points a line. Also the seconds that are shown in detail, where not all are.
-pub fn draw(trace: &Trace, limit: usize) -> (Drawing, Option<(f64, f64)>) {
-    let all = Lines::of(trace);
+/// Draws a log, and where it is no measurement; at most `limit` points a line. Also the seconds that are shown in detail, where not all
+/// are, and whether any such place is drawn.
+pub fn draw(trace: &Trace, flaws: Vec<(f64, f64)>, limit: usize) -> (Drawing, Option<(f64, f64)>, bool) {
+    let lines = Lines::of(trace);
+    let (first, last) = lines.span();
+    let mut flaws: Vec<(f64, f64)> = flaws.into_iter().filter(|(from, to)| *to >= first && *from <= last).collect();
+    flaws.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Next to another they are one mark.
+    flaws.dedup_by(|next, kept| {
+        let near = next.0 - kept.1 < (last - first) / MARKS;
+        if near {
+            kept.1 = kept.1.max(next.1);
+        }
+        near
+    });
+    let flawed = !flaws.is_empty();
+    let all = Lines { flaws, ..lines };
     let detail = last_periods(&trace.voltage);
     let shown = all.cut(&detail);
     let mark = (*detail.start() > 0).then(|| shown.span());
@@ -103,5 +124,8 @@ pub fn draw(trace: &Trace, limit: usize) -> (Drawing, Option<(f64, f64)>) {
     if mark.is_some() {
         all.error(&mut drawing, frame(308.0, 48.0), limit, "the same over the whole log, µm", mark);
     }
-    (drawing, mark)
+    (drawing, mark, flawed)
 }
+
+/// Marks that the width of a drawing has room for.
+const MARKS: f64 = 150.0;

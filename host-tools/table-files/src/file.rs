@@ -3,6 +3,7 @@
 use crate::earlier::earlier;
 use crate::error::{Refused, TableFileError};
 use crate::name::name;
+use crate::noise::Noise;
 use estimator_core::table::BoundToTick;
 use estimator_core::{Admitted, Table};
 use identification::SearchOptions;
@@ -24,6 +25,9 @@ pub struct TableFile {
     /// What the training determined of the actuator, with standard errors, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub determined: Vec<String>,
+    /// What the logs were read with; none in a table of before, or where it was written by hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
     /// The parameter table itself.
     pub table: Table,
     /// How logs are prepared for it.

@@ -7,6 +7,7 @@ mod error;
 mod faces;
 mod file;
 mod name;
+mod noise;
 mod record;
 
 pub use constant::rust_source;
@@ -14,4 +15,5 @@ pub use error::{OtherFace, Refused, TableFileError};
 pub use faces::{FACES, RECORD, agree, read_doubted};
 pub use file::{MOST_BYTES, TableFile, former, read};
 pub use name::name;
+pub use noise::Noise;
 pub use record::record;

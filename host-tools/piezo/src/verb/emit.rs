@@ -82,7 +82,8 @@ pub fn run(arguments: &Emit) -> Result<bool> {
             out(&serde_json::to_string_pretty(&json!({ "written": faces }))?);
         } else {
             faces.iter().for_each(|path| out(&path.display().to_string()));
-            describe(&admitted).iter().for_each(|line| out(&format!("    {line}")));
+            let noise = file.noise.map(|noise| noise.told(admitted.deadband_v));
+            describe(&admitted).iter().chain(&noise).for_each(|line| out(&format!("    {line}")));
         }
     }
     match arguments.face {

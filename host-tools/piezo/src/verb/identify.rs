@@ -10,9 +10,10 @@ use identifiability::Determination;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
 use identification::{Candidate, Doubt, Job, ModelChoice, Outcome, StraightLine};
+use log_survey::Stretch;
 use recordings::Role;
 use recordings::prepare::Recipe;
-use report::Report;
+use report::{Mark, Report};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -115,6 +116,10 @@ fn write(
     let file = findings::table_file(outcome, job.cost, &job.search, determined);
     let names: Vec<&str> =
         outcome.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
+    let noise: Vec<_> =
+        file.noise.map(|noise| ("Noise".to_owned(), noise.told(file.table.deadband_v))).into_iter().collect();
+    let mark = |(log, at, what): (String, Stretch, String)| Mark { log, from_s: at.from_s, to_s: at.to_s, what };
+    let flaws: Vec<Mark> = findings::flaws(job).into_iter().map(mark).collect();
     let html = report::render(&Report {
         title: &names.join(", "),
         verdict,
@@ -122,7 +127,8 @@ fn write(
         chosen: candidate,
         candidates: &outcome.candidates,
         straight_line: outcome.straight_line.as_ref(),
-        facts: &[determined, &facts(arguments, job.cost, outcome)].concat(),
+        flaws: &flaws,
+        facts: &[determined, &facts(arguments, job.cost, outcome), &noise].concat(),
     })?;
     let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
     let title = format!("{}: {}", shown.name, candidate.table.model());
