@@ -19,8 +19,9 @@
 //! alone is whole. A cut leaves the whole one without a mark, and it is the last that was stored. With a mark, the newest was whole
 //! and is not any more: the one before, which may say something else altogether, is not given in its stead
 //! ([`StoreError::NewestLost`]). Power that fails between the new record's last word and the mark leaves none; whoever stored it
-//! was not told that it is, and storing it again sets the mark. Nor is there one where firmware stored the newest that set none, or where
-//! an erase of the marked page was cut when the mark had gone and the record had not: the one before is then given if the newest decays.
+//! was not told that it is, and storing it again sets the mark. Nor is there one where firmware stored the newest that set none: the one
+//! before is then given if the newest decays. An erase that is cut may take the mark and leave the rest, so the beginning of a whole
+//! record is zeros before its page is erased: what such an erase leaves is none.
 //!
 //! The store does not know what a record means: what it gives back must still be parsed.
 #![cfg_attr(not(test), no_std)]
@@ -280,8 +281,18 @@ impl<F: NorFlash> ParameterStore<F> {
         Ok(if whole { Content::Record { number, length } } else { Content::Damaged })
     }
 
+    /// Makes a whole record none: no checksum of a number and a length of zero is zero. (Zeros may be written over any word.)
+    async fn void(&mut self, page: usize) -> Result<(), StoreError> {
+        if let Content::Record { .. } = self.read(page).await? {
+            let zeros = &[0; BUFFER][..(HEADER + CHECKSUM).next_multiple_of(F::WRITE_SIZE)];
+            self.flash.write(self.pages[page], zeros).await.map_err(|_| StoreError::Flash)?;
+        }
+        Ok(())
+    }
+
     /// Erases a page and sees that it is blank, all of it.
     async fn clear(&mut self, page: usize) -> Result<(), StoreError> {
+        self.void(page).await?;
         let (start, end) = (self.pages[page], self.pages[page] + F::ERASE_SIZE as u32);
         self.flash.erase(start, end).await.map_err(|_| StoreError::Flash)?;
         let mut word = [0; WORD];

@@ -172,7 +172,7 @@ fn without_a_mark_the_one_before_comes_back_until_a_table_is_stored_again_or_all
             memory[page * PAGE + 8] ^= 1;
             memory
         };
-        // As firmware leaves it that set none, or an erase that was cut when it had gone and the record had not.
+        // As firmware leaves it that set none.
         let mut unmarked = pages.memory.clone();
         unmarked[(1 - pages.newest) * PAGE + MARK..][..WORD].fill(0xFF);
         assert_eq!(load(&unmarked), Ok(pages.new.clone()));
@@ -195,6 +195,8 @@ fn without_a_mark_the_one_before_comes_back_until_a_table_is_stored_again_or_all
 struct Worn<'m> {
     flash: RamFlash<&'m mut [u8]>,
     page: usize,
+    /// Nor can it be written, as one that is protected.
+    protected: bool,
 }
 
 impl ErrorType for Worn<'_> {
@@ -222,12 +224,13 @@ impl NorFlash for Worn<'_> {
     }
 
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), RamFlashError> {
-        self.flash.write(offset, bytes).await
+        let kept = self.protected && offset as usize / PAGE == self.page;
+        if kept { Ok(()) } else { self.flash.write(offset, bytes).await }
     }
 }
 
 fn worn(memory: &mut [u8], page: usize) -> ParameterStore<Worn<'_>> {
-    ParameterStore::new(Worn { flash: RamFlash::new(memory), page }, 0..2 * PAGE as u32).unwrap()
+    ParameterStore::new(Worn { flash: RamFlash::new(memory), page, protected: false }, 0..2 * PAGE as u32).unwrap()
 }
 
 #[test]
@@ -252,19 +255,33 @@ fn a_newest_record_that_has_decayed_on_a_page_that_is_worn_leaves_a_store_that_t
     }
 }
 
+fn protected(memory: &mut [u8], page: usize) -> ParameterStore<Worn<'_>> {
+    let protected = Worn { flash: RamFlash::new(memory), page, protected: true };
+    ParameterStore::new(protected, 0..2 * PAGE as u32).unwrap()
+}
+
 #[test]
 fn a_page_that_is_worn_costs_no_record_that_is_used() {
     for pages in Pages::both() {
-        let mut memory = pages.memory.clone();
-        assert_eq!(block_on(worn(&mut memory, 1 - pages.newest).store(&record(77))), Err(StoreError::NotErased));
-        assert_eq!(load(&memory), Ok(pages.new.clone()));
+        let older = 1 - pages.newest;
+        for flash in [worn, protected] {
+            let mut memory = pages.memory.clone();
+            assert_eq!(block_on(flash(&mut memory, older).store(&record(77))), Err(StoreError::NotErased));
+            assert_eq!(load(&memory), Ok(pages.new.clone()));
+        }
         // As a store of earlier firmware, whose older record has no mark: it would be used in the newest's stead.
-        memory[(1 - pages.newest) * PAGE + MARK..][..WORD].fill(0xFF);
-        assert_eq!(block_on(worn(&mut memory, 1 - pages.newest).erase()), Err(StoreError::NotErased));
+        let mut unmarked = pages.memory.clone();
+        unmarked[older * PAGE + MARK..][..WORD].fill(0xFF);
+        let mut memory = unmarked.clone();
+        assert_eq!(block_on(protected(&mut memory, older).erase()), Err(StoreError::NotErased));
         assert_eq!(load(&memory), Ok(pages.new.clone()));
-        // With it, none is.
-        memory[(1 - pages.newest) * PAGE + MARK..][..WORD].fill(0);
-        assert_eq!(block_on(worn(&mut memory, 1 - pages.newest).erase()), Err(StoreError::NotErased));
+        // With the mark, none is.
+        let mut memory = pages.memory.clone();
+        assert_eq!(block_on(protected(&mut memory, older).erase()), Err(StoreError::NotErased));
         assert_eq!(load(&memory), Err(StoreError::NewestLost));
+        // Nor one whose beginning is zeros.
+        let mut memory = unmarked;
+        assert_eq!(block_on(worn(&mut memory, older).erase()), Err(StoreError::NotErased));
+        assert_eq!(load(&memory), Err(StoreError::Damaged));
     }
 }
