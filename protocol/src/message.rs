@@ -87,7 +87,8 @@ pub enum Request {
         references: References,
         /// Follow them from now on. Until then they wait, so that the first ones need not be in a hurry.
         go: bool,
-        /// Hold the last one for ever. Otherwise the voltage goes back to rest when none has come for a second.
+        /// Hold the last one: in [`Mode::Follow`] for ever, in [`Mode::Excite`] for as long as the host speaks. Otherwise the voltage
+        /// goes back to rest when none has come for a second.
         hold: bool,
     },
     /// Go to the safe output, then start again. → [`Reply::Resetting`], then the reset.

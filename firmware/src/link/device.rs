@@ -172,9 +172,12 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.streaming.store(on, Relaxed);
     }
 
-    /// Whether the mode is one that lasts only while the host that has set it speaks.
+    /// Whether the mode is one that lasts only while the host that has set it speaks. To stay at a displacement is asked for; the
+    /// voltages of a session are held between its parts, by a host that goes on.
     pub fn lent(&self) -> bool {
-        !self.telemetry.mode().lasts() && !self.telemetry.holding.load(Relaxed)
+        let mode = self.telemetry.mode();
+        let stays = mode == Mode::Follow && self.telemetry.holding.load(Relaxed);
+        !mode.lasts() && !stays
     }
 
     /// Changes what the tick does, which takes a tick.

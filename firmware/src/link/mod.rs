@@ -28,7 +28,7 @@ use protocol::{Deframer, FrameError, Mode, Refusal, Reply, Request, Samples, ToD
 /// Longest wait before samples are sent: four to ten of them.
 const PACE: Duration = Duration::from_millis(4);
 /// How long a mode that the host has set lasts without a word from it. Some last for ever ([`Mode::lasts`]), and so does
-/// one that drives while it holds a reference that is to be held for ever.
+/// [`Mode::Follow`] while it holds a displacement that is to be held for ever.
 pub const LEASE: Duration = Duration::from_secs(5);
 /// What a reply needs at most to leave the serial line's own buffers.
 const DRAIN: Duration = Duration::from_millis(10);

@@ -23,7 +23,8 @@ pub struct Play<'r> {
     pub goes_on: Option<Held>,
     /// µm in [`Mode::Follow`], V in [`Mode::Excite`], one a tick.
     pub references: &'r [f32],
-    /// The last reference is held for ever; without it, as each one before the last, for a second.
+    /// The last reference is held, a displacement for ever, a voltage for as long as the host speaks; without it, as each one before
+    /// the last, for a second.
     pub hold: bool,
     /// Ticks that are wanted, from the first reference on, and one more for each that finds no reference.
     pub ticks: usize,

@@ -52,26 +52,33 @@ fn a_mode_lasts_as_long_as_somebody_speaks() -> Result<()> {
 
 #[test]
 fn a_drive_rests_and_its_mode_ends_but_where_it_is_to_stay() -> Result<()> {
-    for hold in [false, true] {
+    for (mode, hold, stays) in [
+        (Mode::Follow, false, false),
+        (Mode::Follow, true, true),
+        // A host that is gone goes on with no session.
+        (Mode::Excite, true, false),
+    ] {
         let mut bench = Bench::started()?;
         let table = Table { drive: Some(DRIVE), ..*bench.table()? }.admit()?;
         bench.connect(&table, |volts| volts);
         bench.push(&table)?;
         bench.restart()?;
-        bench.does(Request::SetMode(Mode::Follow))?;
-        let references = [30.0; 64].iter().copied().collect();
+        bench.does(Request::SetMode(mode))?;
+        let wanted = if mode == Mode::Follow { 30.0 } else { 2.0 };
+        let references = [wanted; 64].iter().copied().collect();
         let reply = bench.ask(Request::Refer { first: 0, references, go: true, hold })?;
         ensure!(reply == Reply::Referred { next: 64, starved: 0 }, "{reply:?}");
         bench.run(0.5)?;
         let away = bench.board.output();
         bench.run(LEASE)?;
         let rest = DRIVE.code(LIMITS.rest_v, 4095).0;
-        assert_eq!(bench.board.output(), if hold { away } else { Some(rest) }, "{hold}");
-        assert_eq!(bench.health()?.mode, if hold { Mode::Follow } else { Mode::Estimate }, "{hold}");
+        assert_eq!(bench.board.output(), if stays { away } else { Some(rest) }, "{mode:?}, {hold}");
+        assert_ne!(away, Some(rest), "{mode:?}: it has moved");
+        assert_eq!(bench.health()?.mode, if stays { mode } else { Mode::Estimate }, "{mode:?}, {hold}");
         let shown = shown(bench.board.record(), 0);
         let steps = shown.windows(2).map(|pair| pair[0].code.abs_diff(pair[1].code));
         // The table before, which drove nothing, moved as it liked.
-        assert!(steps.rev().take(10_000).all(|step| step <= 328), "{hold}");
+        assert!(steps.rev().take(10_000).all(|step| step <= 328), "{mode:?}, {hold}");
     }
     Ok(())
 }
