@@ -1,10 +1,11 @@
 //! `piezo follow` on an emulated device whose DAC drives an amplifier.
 
-use super::{piezo, text};
+use super::{piezo, refused, text};
 use device_link::Client;
 use device_link::pages;
 use device_link::table::to_record;
-use emulator::{EmulatedDevice, Emulator, Plant, TABLE, amplifier};
+use emulator::faults::silent_from;
+use emulator::{EmulatedDevice, Emulator, FaultyLine, Plant, TABLE, amplifier};
 use estimator_core::{AdcCode, DriveCalibration, DriveLimits, Range, Table};
 use parameter_store::RamFlash;
 use std::fs;
@@ -12,7 +13,7 @@ use std::process::Output;
 
 const LIMITS: DriveLimits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
 /// An amplifier of 0 … 4 V on the DAC's scale.
-const DRIVE: DriveCalibration =
+pub const DRIVE: DriveCalibration =
     DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
 
 /// Follows a swing about a displacement (µm); the device's queue of references lasts for half a second.
@@ -160,4 +161,18 @@ fn a_fault_on_the_way_is_a_failure_and_the_log_is_kept() {
     // The way there begins slowly: some ticks have the code of the rest.
     let rows = log.unwrap().lines().count();
     assert!((100..110).contains(&rows), "{rows}");
+}
+
+#[test]
+fn a_device_that_falls_silent_on_the_way_costs_nothing_of_what_it_has_said() {
+    let (device, folder) = (driven(sound()), tempfile::tempdir().unwrap());
+    let (wanted, log) = (folder.path().join("wanted.csv"), folder.path().join("followed.csv"));
+    fs::write(&wanted, "time_s,displacement_um\n0.0,15\n0.5,20\n").unwrap();
+    let line = FaultyLine::to(device.address(), silent_from(400)).unwrap();
+    let port = format!("tcp:{}", line.address());
+    let says = ["followed.csv holds the ", " samples before"];
+    refused(&["follow", text(&wanted), "--out", text(&log), "--port", &port], &says);
+    let rows = fs::read_to_string(&log).unwrap().lines().count();
+    assert!(rows > 100, "{rows}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing else is left");
 }

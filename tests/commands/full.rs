@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 /// Runs `piezo` where no file may become longer than so many blocks of 512 bytes.
-fn limited(blocks: u32, arguments: &[&str]) -> Output {
+pub fn limited(blocks: u32, arguments: &[&str]) -> Output {
     // The signal that comes with the error would end the program; a full disk sends none.
     let limit = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
     let mut command = Command::new("sh");
@@ -22,7 +22,7 @@ fn limited(blocks: u32, arguments: &[&str]) -> Output {
 }
 
 /// Every file of a folder, with what it holds.
-fn held(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub fn held(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     files.map(|path| (path.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(path).unwrap())).collect()
 }
@@ -98,6 +98,14 @@ fn whatever_cannot_be_written_whole_is_not_there_and_named() {
     let pages = made("pages");
     does(&["man", "--out", text(&pages)]);
     leaves_all_as_it_was(&pages, &["piezo.1", "piezo-look.1"], &["man", "--out", text(&pages)]);
+}
+
+#[test]
+fn a_reproduction_that_cannot_be_written_whole_is_not_there_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let reproduce = ["reproduce", "loops", "--generations", "2", "--rounds", "1", "--out", text(folder.path())];
+    super::piezo().args(reproduce).assert().success();
+    leaves_all_as_it_was(folder.path(), &["reproduce.html"], &reproduce);
 }
 
 #[test]

@@ -19,7 +19,7 @@ use table_files::{TableFile, agree};
 const SHORT: Duration = Duration::from_secs(4);
 const LONG: Duration = Duration::from_secs(60);
 
-fn begun(arguments: &[&str]) -> Child {
+pub fn begun(arguments: &[&str]) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_piezo"));
     command.args(arguments).current_dir(root()).env_remove("PIEZO_PORT");
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()

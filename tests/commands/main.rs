@@ -17,9 +17,12 @@ mod feedforward;
 mod follow;
 mod found;
 mod full;
+#[cfg(unix)]
+mod full_driving;
 mod info;
 mod instruments;
 mod killed;
+mod killed_driving;
 mod linearise;
 mod locale;
 mod logs;

@@ -60,9 +60,8 @@ pub fn pushed() -> Record {
     to_record(&TableFile::load(&root().join(TABLE)).unwrap().1)
 }
 
-/// What a device must do when a host has left it, whatever that host had begun.
-pub fn goes_on(what: &str, device: &EmulatedDevice, new: &Record) -> bool {
-    let old = to_record(&emulator::TABLE.admit().unwrap());
+/// What a device must do when a host has left it, whatever that host had begun; it is then asked further.
+pub fn ticks_on(what: &str, device: &EmulatedDevice) -> Client {
     let (mut client, _) = Client::connect(&device.address().into()).unwrap_or_else(|error| panic!("{what}: {error}"));
     let health = client.health().unwrap();
     assert_eq!((health.mode, health.missed), (Mode::Estimate, 0), "{what}");
@@ -70,6 +69,13 @@ pub fn goes_on(what: &str, device: &EmulatedDevice, new: &Record) -> bool {
     while client.health().unwrap().ticks == health.ticks {
         assert!(start.elapsed() < IN_TIME, "{what}: it does not tick");
     }
+    client
+}
+
+/// The same, and that it has the table of its image or a new one, and which.
+pub fn goes_on(what: &str, device: &EmulatedDevice, new: &Record) -> bool {
+    let old = to_record(&emulator::TABLE.admit().unwrap());
+    let mut client = ticks_on(what, device);
     let source = client.restart().unwrap().source;
     let record = client.pull().unwrap();
     let expected = if source == TableSource::Stored { new } else { &old };

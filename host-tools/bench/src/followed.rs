@@ -7,7 +7,8 @@ use device_link::streamed::{Streamed, of_tick_before};
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, Status};
 use feedforward::{Plan, Trajectory, approach, near, plan, reach};
 use serde::Serialize;
-use std::fmt::{self, Display, Formatter, Write as _};
+use std::fmt::{self, Display, Formatter};
+use std::io::{self, Write};
 
 /// An estimate this near to what was wanted has met it, as a fraction of the table's span of displacements.
 const MET: f64 = 1e-2;
@@ -141,33 +142,63 @@ pub fn late(table: &Admitted) -> f64 {
     2.0 + f64::from(table.parameters.delay_ticks())
 }
 
-/// The instants of samples, ticks from the one that took the first reference on, of a device whose estimate has this bias, µm: what is
-/// wanted is relative to the model's zero, and so are they.
-pub fn rows(table: &Admitted, trajectory: &Trajectory, samples: &[Streamed], bias_um: f64) -> Vec<Row> {
-    let (tick_s, late): (f64, f64) = (table.sample_period(), late(table));
-    let row = |before: &Streamed, now: &Streamed| {
+/// Names of a log's columns.
+const HEADING: &str = "time_s,voltage_V,estimated_displacement_um,wanted_um,driven_V";
+
+/// What a device has done of a trajectory so far, of which a log can be written as it comes.
+#[derive(Debug)]
+pub struct Following<'t> {
+    table: &'t Admitted,
+    trajectory: &'t Trajectory,
+    /// The device's: what is wanted is relative to the model's zero, and so are the estimates of the log.
+    bias_um: f64,
+    /// What it has sent.
+    pub samples: Vec<Streamed>,
+    /// The instants of those that have one before them.
+    pub rows: Vec<Row>,
+}
+
+impl<'t> Following<'t> {
+    /// Nothing yet, of a device whose estimate has this bias, µm.
+    pub fn new(table: &'t Admitted, trajectory: &'t Trajectory, bias_um: f32) -> Self {
+        Self { table, trajectory, bias_um: bias_um.into(), samples: Vec::new(), rows: Vec::new() }
+    }
+
+    /// Takes the next sample, and writes its row, where there is a log; the heading is above the first one.
+    ///
+    /// # Errors
+    /// The log cannot be written.
+    pub fn take(&mut self, now: &Streamed, log: Option<&mut impl Write>) -> io::Result<()> {
+        let before = self.samples.last().copied();
+        self.samples.push(*now);
+        let Some(before) = before else { return Ok(()) };
+        let row = self.row(&before, now);
+        // A line is handed over at once: a program that is killed leaves whole ones.
+        let line = if self.rows.is_empty() { format!("{HEADING}\n{row}\n") } else { format!("{row}\n") };
+        self.rows.push(row);
+        log.map_or(Ok(()), |log| log.write_all(line.as_bytes()))
+    }
+
+    fn row(&self, before: &Streamed, now: &Streamed) -> Row {
+        let Self { table, trajectory, bias_um, .. } = self;
         // The code of a sample is put out a tick later.
         let driven =
             table.drive.map_or([0.0; 2], |drive| [before, now].map(|of| drive.voltage::<f64>(DacCode(of.sample.dac))));
         Row {
-            seconds: now.tick as f64 * tick_s,
+            seconds: now.tick as f64 * table.sample_period::<f64>(),
             voltage: table.adc.voltage(AdcCode(now.sample.code)),
             estimated: f64::from(now.estimate(&before.sample)) - bias_um,
-            wanted: trajectory.at(now.tick as f64 - late),
+            wanted: trajectory.at(now.tick as f64 - late(table)),
             driven: of_tick_before(driven[0], driven[1], now.every),
         }
-    };
-    samples.windows(2).map(|pair| row(&pair[0], &pair[1])).collect()
+    }
 }
 
-/// The instants as a log.
-pub fn csv(rows: &[Row]) -> String {
-    let mut text = "time_s,voltage_V,estimated_displacement_um,wanted_um,driven_V\n".to_owned();
-    for Row { seconds, voltage, estimated, wanted, driven } in rows {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{seconds:.6},{voltage:.6},{estimated:.6},{wanted:.6},{driven:.6}");
+impl Display for Row {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { seconds, voltage, estimated, wanted, driven } = self;
+        write!(f, "{seconds:.6},{voltage:.6},{estimated:.6},{wanted:.6},{driven:.6}")
     }
-    text
 }
 
 impl Met {

@@ -166,7 +166,7 @@ impl Recorder<'_> {
         self.held = played.as_ref().ok().map(|played| played.held);
         self.done += ticks;
         let ended = ended.or(fault.map(Ended::Fault)).or(played.err().map(Ended::Play));
-        let (log, rows) = log.end().map_err(Ended::Log)?;
+        let (log, rows) = log.end();
         let (what, held_out) = (segment.what, segment.held_out);
         self.logs.push(Written { log, what, rows, complete: ended.is_none(), held_out });
         ended.map_or(Ok(()), Err)

@@ -29,6 +29,21 @@ impl Overwrite {
         let free = self.force || !path.metadata().is_ok_and(|of| of.is_file() && of.len() > 0);
         free.then_some(()).with_context(|| remedy::kept(path))
     }
+
+    /// The log that grows beside this one, not over what is read, and over what was measured once only where that was meant.
+    pub fn growing(self, path: &Path, inputs: &[&Path]) -> Result<Replacement> {
+        ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
+        not_over(path, inputs)?;
+        // What a killed run left is named first: nobody knows of it.
+        let file = Replacement::growing(path)?;
+        self.of_measurement(path)?;
+        Ok(file)
+    }
+
+    /// Puts such a log into its place.
+    pub fn grown(self, path: &Path, file: Replacement) -> Result<()> {
+        file.commit_measured(self.force).with_context(|| format!("{}: cannot be written", path.display()))
+    }
 }
 
 /// Refuses to write over what is read.

@@ -22,7 +22,7 @@ pub use findings::{
     surveyed,
 };
 pub use identification::{ENDS, mismatch};
-pub use log::kept;
+pub use log::{cut_short, kept};
 pub use motion::moving;
 pub use paste::{learn_from, quoted};
 pub use proof::{narrow, other_range, unproven, zeroed};

@@ -1,9 +1,11 @@
 //! What is wrong with a log or with how it is prepared.
 
 use super::paste::{self, verb};
+use recordings::file::Replacement;
 use recordings::log::{Fault, LogError, Quantity, Unit};
 use recordings::prepare::PrepareError;
 use std::error::Error;
+use std::io;
 use std::path::Path;
 
 /// The error with its remedy, if it is one of these.
@@ -124,6 +126,15 @@ pub fn prepare(error: &PrepareError) -> String {
         ),
         PrepareError::NoDisplacement { .. } => error.to_string(),
     }
+}
+
+/// A log that can be written no further, for this error: the lines that are whole are kept, and it is said where.
+pub fn cut_short(path: &Path, file: Replacement, error: &io::Error) -> String {
+    let kept = match file.keep_lines() {
+        Ok(kept) => kept.map_or(String::new(), |kept| format!("; {} holds the samples before", kept.display())),
+        Err(uncut) => format!("; {uncut}"),
+    };
+    format!("{}: cannot be written: {error}{kept}", path.display())
 }
 
 /// What is said of a recording in a result's place.

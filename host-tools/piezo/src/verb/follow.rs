@@ -4,21 +4,18 @@ use super::device::note_damage;
 use super::print::{out, progress};
 use crate::option::link::PortOption;
 use crate::option::{LogOptions, Overwrite, not_negative};
-use crate::output::{self, Replacement};
 use ::feedforward::Trajectory;
-use anyhow::{Context, Result, ensure};
-use bench::followed::{Foreseen, Met, Reached, csv, late, rows};
+use anyhow::{Result, bail};
+use bench::followed::{Following, Foreseen, Met, Reached, late};
 use bench::{beyond_training, caveats, require_model};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, Played, play};
-use device_link::streamed::Streamed;
 use device_link::{table, words};
 use estimator_core::Status;
 use protocol::Mode;
 use serde_json::json;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `piezo follow`.
 #[derive(Args, Debug)]
@@ -58,14 +55,15 @@ pub struct Follow {
 /// Runs the verb; `false` where a fault ended it, the link fell behind, or the trajectory was not met.
 pub fn run(arguments: &Follow) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
-    let log = arguments.log.read_trajectory(&arguments.trajectory)?;
+    let wanted = arguments.log.read_trajectory(&arguments.trajectory)?;
     // A log that cannot be written is no reason to have driven an actuator.
     let out_file = arguments.out.as_deref().filter(|_| !arguments.dry_run);
-    let file = out_file.map(|path| beside(path, arguments)).transpose()?;
+    let log = |path| arguments.overwrite.growing(path, &[&arguments.trajectory]);
+    let mut file = out_file.map(log).transpose()?;
     let (mut client, _) = arguments.port.connect()?;
     let table = table::running(&mut client)?;
     require_model(&table)?;
-    let foreseen = Foreseen::of(&table, &Trajectory::of(&log, table.sample_period()), arguments.max_error)?;
+    let foreseen = Foreseen::of(&table, &Trajectory::of(&wanted, table.sample_period()), arguments.max_error)?;
     if arguments.dry_run {
         out(&if arguments.json { serde_json::to_string_pretty(&foreseen)? } else { foreseen.to_string() });
         if let (false, Some(drive)) = (arguments.json, table.drive) {
@@ -79,56 +77,59 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let ticks = references.len() + late(&table).ceil() as usize;
     let bar = progress(ticks as u64);
     let what = Play { mode: Mode::Follow, goes_on: None, references: &references, hold: arguments.stay, ticks };
-    let mut samples = Vec::with_capacity(ticks);
+    // A mode that is set while a fault lasts takes the bias away, and so does a fault later: it is asked for between them.
+    client.set_mode(Mode::Follow)?;
+    let mut following = Following::new(&table, &trajectory, client.health()?.bias_um);
+    let mut unwritten = None;
     let followed = play(&mut client, &what, &interrupt, &mut |of| {
-        samples.push(*of);
         bar.set_position(of.tick as u64 + 1);
-        true
+        unwritten = following.take(of, file.as_mut()).err();
+        unwritten.is_none()
     });
     bar.finish_and_clear();
-    // A fault, or a mode that is set while one lasts, takes the bias away.
-    let health = client.health();
     // Whatever happened, it goes to rest, but where it is to stay.
     let rested = match (&followed, arguments.stay) {
-        (Ok(followed), true) if followed.stopped.is_empty() => client.stream(false),
+        (Ok(followed), true) if followed.stopped.is_empty() && !followed.enough => client.stream(false),
         _ => client.set_mode(Mode::Estimate),
     };
-    let followed = followed?;
-    rested?;
     note_damage(&client);
-    let rows = rows(&table, &trajectory, &samples, health?.bias_um.into());
-    if let (Some(mut file), Some(path)) = (file, &arguments.out) {
-        let cannot = || format!("{}: cannot be written", path.display());
-        file.write_all(csv(&rows).as_bytes()).with_context(cannot)?;
-        file.commit_measured(arguments.overwrite.force).with_context(cannot)?;
+    if let (Some(file), Some(path)) = (file, &arguments.out) {
+        if let Some(error) = unwritten {
+            bail!("{}", remedy::cut_short(path, file, &error));
+        }
+        // A device that no longer answers must not cost what it has already given.
+        if !following.rows.is_empty() {
+            arguments.overwrite.grown(path, file)?;
+        }
     }
-    tell(arguments, &samples, &followed, Met::of(&table, &rows, &foreseen), &foreseen)
-}
-
-/// The file that becomes the log.
-fn beside(path: &Path, arguments: &Follow) -> Result<Replacement> {
-    ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
-    output::not_over(path, &[&arguments.trajectory])?;
-    arguments.overwrite.of_measurement(path)?;
-    Replacement::of(path).with_context(|| format!("{}: cannot be written", path.display()))
+    let followed = match (followed, &arguments.out) {
+        (Err(error), Some(path)) if !following.rows.is_empty() => {
+            let before = format!("{} holds the {} samples before", path.display(), following.rows.len());
+            return Err(anyhow::Error::from(error).context(before));
+        }
+        (followed, _) => followed?,
+    };
+    rested?;
+    tell(arguments, &following, &followed, Met::of(&table, &following.rows, &foreseen), &foreseen)
 }
 
 fn tell(
     arguments: &Follow,
-    samples: &[Streamed],
+    following: &Following<'_>,
     followed: &Played,
     met: Option<Met>,
     foreseen: &Foreseen,
 ) -> Result<bool> {
-    let Reached { status, limited, ticks } = foreseen.reached(samples);
+    let Reached { status, limited, ticks } = foreseen.reached(&following.samples);
+    let written = arguments.out.as_ref().filter(|_| !following.rows.is_empty());
     let beyond = met.zip(arguments.max_error).filter(|(met, most)| met.max_um > *most);
     let good = followed.stopped.is_empty() && followed.starved == 0 && met.is_some() && beyond.is_none();
     if arguments.json {
         let summary = json!({
             "passed": good,
-            "out": arguments.out,
+            "out": written,
             "ticks": followed.ticks,
-            "samples": samples.len(),
+            "samples": following.samples.len(),
             "starved": followed.starved,
             "stopped": followed.stopped.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
             "status": status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
@@ -144,7 +145,7 @@ fn tell(
     if met.is_some() || followed.stopped.is_empty() {
         out(&foreseen.told(followed.ticks, met));
     }
-    if let Some(path) = &arguments.out {
+    if let Some(path) = written {
         out(&path.display().to_string());
     }
     let often = format!(" (on {limited} of {ticks} ticks)");

@@ -4,11 +4,9 @@ use super::device::{note_damage, require_estimating};
 use super::print::out;
 use crate::option::link::PortOption;
 use crate::option::{Overwrite, count, not_negative};
-use crate::output::Replacement;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use bench::BoardFacts;
 use clap::Args;
-use device_link::LinkError;
 use device_link::interrupt::Interrupt;
 use device_link::recording::{End, Recording, RecordingRequest, record};
 use device_link::sensor::Sensor;
@@ -49,13 +47,8 @@ pub struct Record {
 
 /// Runs the verb; `false` when the recording ended before its time. What was recorded by then is kept.
 pub fn run(arguments: &Record) -> Result<bool> {
-    let name = arguments.out.display();
-    ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
-    // What a killed run left is named first: nobody knows of it.
-    let mut file = Replacement::growing(&arguments.out)?;
-    arguments.overwrite.of_measurement(&arguments.out)?;
+    let mut file = arguments.overwrite.growing(&arguments.out, &[])?;
     let interrupt = Interrupt::watch()?;
-    let cannot_write = || format!("{name}: cannot be written");
     let (mut client, identity) = arguments.port.connect()?;
     require_estimating(&client.health()?, &arguments.port.port)?;
     let tick_us = identity.tick_us;
@@ -85,16 +78,10 @@ pub fn run(arguments: &Record) -> Result<bool> {
     note_damage(&client);
     let (recording, end) = match recorded {
         Ok(recorded) => recorded,
-        Err(error) => {
-            let kept = match file.keep_lines() {
-                Ok(kept) => kept.map_or(String::new(), |kept| format!("; {} holds the samples before", kept.display())),
-                Err(uncut) => format!("; {uncut}"),
-            };
-            bail!("{}: {error}{kept}", cannot_write())
-        }
+        Err(error) => bail!("{}", remedy::cut_short(&arguments.out, file, &error)),
     };
     if recording.rows > 0 {
-        file.commit_measured(arguments.overwrite.force).with_context(cannot_write)?;
+        arguments.overwrite.grown(&arguments.out, file)?;
     }
     tell(arguments, &recording, &end, (tick_us, request.sensor.is_some()))?;
     let complete = conclude(arguments, &recording, end)?;
@@ -164,12 +151,8 @@ fn conclude(arguments: &Record, recording: &Recording, end: End) -> Result<bool>
         End::Restarted => format!("the device was restarted, or its mode set: {before}"),
         End::NoSensor => bail!("the device reads no sensor: leave --board out to record its estimate alone"),
         End::Silence => format!("the device sends no samples any more: {before}. Look at it with `piezo info`"),
-        End::Link(error) => return Err(lost(error, &before)),
+        End::Link(error) => return Err(anyhow::Error::from(error).context(before)),
     };
     eprintln!("piezo: {why}");
     Ok(false)
-}
-
-fn lost(error: LinkError, before: &str) -> anyhow::Error {
-    anyhow::Error::from(error).context(before.to_owned())
 }
