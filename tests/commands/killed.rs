@@ -9,6 +9,7 @@ use device_link::table::to_record;
 use emulator::{EmulatedDevice, Emulator};
 use protocol::Record;
 use recordings::log::{ReadOptions, read};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -152,4 +153,33 @@ fn a_killed_install_leaves_the_old_table_or_the_new_one() {
     let install = ["install", TABLE, "--doubted", "--narrow", "--board", text(&board)];
     let (_, table, _) = ::bench::for_board(&root().join(TABLE), &board).unwrap();
     writes(&install, &to_record(&table), || Emulator::new().speed(4.0).start().unwrap());
+}
+
+#[test]
+fn a_killed_simulate_leaves_logs_of_one_rig_and_never_of_two() {
+    let folders = tempfile::tempdir().unwrap();
+    let out = folders.path().join("rig");
+    let simulate =
+        ["1", "2"].map(|seed| ["simulate", "--duration", "5", "--noise-nm", "20", "--seed", seed, "--out", text(&out)]);
+    let held = || -> BTreeMap<String, Vec<u8>> {
+        let files = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().path());
+        let logs = files.filter(|path| path.extension().is_some_and(|of| of == "csv"));
+        logs.map(|path| (path.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(&path).unwrap())).collect()
+    };
+    let rigs = simulate.each_ref().map(|simulate| {
+        whole(simulate);
+        held()
+    });
+    assert!(rigs.iter().all(|rig| rig.len() == 6) && rigs[0].iter().all(|(name, log)| rigs[1][name] != *log));
+    let (mut moments, mut kills, start) = (Moments::of(whole(&simulate[0])), 0, Instant::now());
+    while start.elapsed() < SHORT || kills < 12 && start.elapsed() < LONG {
+        moments.kill(begun(&simulate[kills % 2]));
+        kills += 1;
+        let logs = held();
+        let of = |rig: &BTreeMap<String, Vec<u8>>| logs.iter().all(|(name, log)| rig[name] == *log);
+        assert!(rigs.iter().any(of), "logs of both, after {kills} kills: {:?}", logs.keys());
+    }
+    assert!(kills >= 12, "{kills} kills are too few to say anything");
+    whole(&simulate[0]);
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 6, "leftovers are swept");
 }

@@ -1,7 +1,7 @@
 //! What a log may be like: a sensor with any offset, late, falling or of something else, a glitch, a voltage that rests.
 
 use super::{MEASURED, json, number, piezo, refused, root, text};
-use recordings::log::{Displacement, Log, ReadOptions, read, write_csv};
+use recordings::log::{Displacement, Log, ReadOptions, csv_beside, read};
 use recordings::rig::{EXCITATIONS, Rig};
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -32,7 +32,9 @@ fn displaced(log: &Log, change: impl Fn(usize, f64) -> f64) -> Log {
 /// Writes a log into a folder under its name.
 pub fn write(folder: &Path, log: &Log) -> PathBuf {
     let path = folder.join(&log.name).with_extension("csv");
-    write_csv(&path, log.sample_period, &log.voltage, log.displacement.as_ref().unwrap(), Displacement::Measured)
+    csv_beside(&path, log.sample_period, &log.voltage, log.displacement.as_ref().unwrap(), Displacement::Measured)
+        .unwrap()
+        .commit()
         .unwrap();
     path
 }

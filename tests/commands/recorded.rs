@@ -2,7 +2,7 @@
 
 use super::logs::rig;
 use super::{MEASURED, json, piezo, text};
-use recordings::log::{Displacement, write_csv};
+use recordings::log::{Displacement, csv_beside};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,10 @@ const DOUBT: &str = "is a device's estimate";
 fn recorded(folder: &Path, name: &str) -> PathBuf {
     let (path, log) = (folder.join(name).with_extension("csv"), rig(name));
     let displacement = log.displacement.unwrap();
-    write_csv(&path, log.sample_period, &log.voltage, &displacement, Displacement::Estimated).unwrap();
+    csv_beside(&path, log.sample_period, &log.voltage, &displacement, Displacement::Estimated)
+        .unwrap()
+        .commit()
+        .unwrap();
     path
 }
 

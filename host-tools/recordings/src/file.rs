@@ -51,6 +51,12 @@ pub enum FileError {
     },
 }
 
+/// That a file cannot be written, for this reason.
+fn failed(path: &Path) -> impl Fn(io::Error) -> FileError + use<> {
+    let path = path.to_owned();
+    move |source| FileError::Write { path: path.clone(), source }
+}
+
 /// Reads a regular file of no more than so many bytes: no pipe that nobody writes into, no device without an end.
 ///
 /// # Errors
@@ -113,10 +119,6 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
 /// # Errors
 /// [`FileError::Write`], of the file that cannot be written.
 pub fn write_all(files: impl IntoIterator<Item = (PathBuf, impl AsRef<[u8]>)>) -> Result<(), FileError> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| FileError::Write { path, source }
-    };
     let mut written = Vec::new();
     for (path, contents) in files {
         let attempt = || -> io::Result<Replacement> {

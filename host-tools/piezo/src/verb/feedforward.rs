@@ -4,7 +4,7 @@ use super::device::look_at;
 use super::print::out;
 use crate::option::{LogOptions, Overwrite};
 use crate::option::{not_negative, span};
-use crate::output;
+use crate::output::{self, Replacement};
 use ::calibration::drive::{identified_on, planned, trained_on};
 use ::calibration::span::Span;
 use ::feedforward::{Plan, Trajectory, approach, near, plan, reach};
@@ -12,7 +12,7 @@ use anyhow::{Context, Result, ensure};
 use bench::{beyond_training, caveats};
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
-use recordings::log::{Displacement, write_csv};
+use recordings::log::{Displacement, csv_beside};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -67,7 +67,8 @@ pub fn run(arguments: &Feedforward) -> Result<bool> {
     let begins = whole.len();
     whole.extend(wanted.0);
     let plan = plan(&table, &limits, &Trajectory(whole)).with_context(|| no_plan(&table, &limits))?;
-    write_csv(&arguments.out, tick_s, &plan.voltage, &plan.displacement, Displacement::Estimated)
+    csv_beside(&arguments.out, tick_s, &plan.voltage, &plan.displacement, Displacement::Estimated)
+        .and_then(Replacement::commit)
         .with_context(|| format!("{name}: cannot be written"))?;
     tell(arguments, &table, &limits, &plan, begins)
 }

@@ -2,10 +2,10 @@
 
 use super::print::out;
 use crate::option::{Overwrite, RigArgs};
-use crate::output;
+use crate::output::{self, Replacement};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use recordings::log::{Displacement, write_csv};
+use recordings::log::{Displacement, csv_beside};
 use recordings::rig::{EXCITATIONS, Recording, Rig};
 use serde_json::json;
 use std::path::PathBuf;
@@ -54,20 +54,21 @@ pub fn run(arguments: &Simulate) -> Result<bool> {
         "{samples:.0} samples a log: choose --duration and --fs for 16 to 100 million"
     );
     let _held = output::to_folder(&arguments.out)?;
-    let mut written = Vec::new();
+    let (mut logs, mut files) = (Vec::new(), Vec::new());
     for excitation in EXCITATIONS {
         let path = arguments.out.join(format!("{}.csv", excitation.name));
         arguments.overwrite.of(&path, "time_s,voltage_V,displacement_um\n")?;
         let Recording { voltage, displacement } = rig.record(excitation);
-        write_csv(&path, 1.0 / rig.fs, &voltage, &displacement, Displacement::Measured)
-            .with_context(|| format!("{}: cannot be written", path.display()))?;
-        if !arguments.json {
-            out(&format!("{}  {} samples at {} Hz", path.display(), voltage.len(), rig.fs));
-        }
-        written.push(json!({ "path": path, "samples": voltage.len(), "sample_rate_hz": rig.fs }));
+        let file = csv_beside(&path, 1.0 / rig.fs, &voltage, &displacement, Displacement::Measured);
+        files.push(file.with_context(|| format!("{}: cannot be written", path.display()))?);
+        logs.push((path, voltage.len()));
     }
+    Replacement::commit_set(files)?;
     if arguments.json {
-        out(&serde_json::to_string_pretty(&written)?);
+        let log = |(path, samples)| json!({ "path": path, "samples": samples, "sample_rate_hz": rig.fs });
+        out(&serde_json::to_string_pretty(&logs.into_iter().map(log).collect::<Vec<_>>())?);
+        return Ok(true);
     }
+    logs.iter().for_each(|(path, samples)| out(&format!("{}  {samples} samples at {} Hz", path.display(), rig.fs)));
     Ok(true)
 }

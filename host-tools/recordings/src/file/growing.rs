@@ -4,7 +4,7 @@
 //! that was killed had by then: a measurement, which nobody sweeps and nothing is written over.
 
 use super::replacement::Place;
-use super::{FileError, Replacement};
+use super::{FileError, Replacement, failed};
 use fs4::{FileExt, TryLockError};
 use std::fs::File;
 #[cfg(unix)]
@@ -28,21 +28,20 @@ impl Replacement {
     /// # Errors
     /// Another program writes it, or was killed and left something; as [`Replacement::of`].
     pub fn growing(path: &Path) -> Result<Self, FileError> {
-        let failed = |source| FileError::Write { path: path.to_owned(), source };
-        let place = Place::of(path).map_err(failed)?;
+        let place = Place::of(path).map_err(failed(path))?;
         let file = held(&partial(&place.target))?;
-        place.filled_by(file).map_err(failed)
+        place.filled_by(file).map_err(failed(path))
     }
 }
 
 /// An empty file of this name that this program alone writes.
 fn held(path: &Path) -> Result<NamedTempFile, FileError> {
-    let failed = |source| FileError::Write { path: path.to_owned(), source };
     if path.symlink_metadata().is_ok_and(|there| !there.is_file()) {
-        return Err(failed(io::Error::new(ErrorKind::InvalidInput, "it is no regular file: remove it")));
+        return Err(failed(path)(io::Error::new(ErrorKind::InvalidInput, "it is no regular file: remove it")));
     }
     loop {
-        let file = File::options().read(true).write(true).create(true).truncate(false).open(path).map_err(failed)?;
+        let file =
+            File::options().read(true).write(true).create(true).truncate(false).open(path).map_err(failed(path))?;
         if matches!(FileExt::try_lock(&file), Err(TryLockError::WouldBlock)) {
             return Err(FileError::Growing { path: path.to_owned() });
         }
@@ -50,10 +49,10 @@ fn held(path: &Path) -> Result<NamedTempFile, FileError> {
         if !is_at(&file, path) {
             continue;
         }
-        if file.metadata().map_err(failed)?.len() > 0 {
+        if file.metadata().map_err(failed(path))?.len() > 0 {
             return Err(FileError::Left { path: path.to_owned() });
         }
-        return Ok(NamedTempFile::from_parts(file, TempPath::try_from_path(path).map_err(failed)?));
+        return Ok(NamedTempFile::from_parts(file, TempPath::try_from_path(path).map_err(failed(path))?));
     }
 }
 

@@ -3,6 +3,7 @@
 //! Whoever writes one holds a lock on it, which ends with the program however it ends: one that is not locked is a leftover.
 
 use super::made::Made;
+use super::{FileError, failed};
 use fs4::{FileExt, TryLockError};
 use std::fs::{self, File, Permissions};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -90,6 +91,25 @@ impl Replacement {
         self.sync()?;
         self.file.persist(self.target).map_err(|error| error.error)?;
         Ok(())
+    }
+
+    /// Puts files that can be made again into their places, once those of before are gone: a program that is killed meanwhile leaves
+    /// some of the one set or some of the other, and none beside another's.
+    ///
+    /// # Errors
+    /// Whatever the operating system says; of the file that it says it of.
+    pub fn commit_set(files: Vec<Self>) -> Result<(), FileError> {
+        files.iter().try_for_each(|file| file.sync().map_err(failed(&file.target)))?;
+        for Self { target, .. } in &files {
+            match fs::remove_file(target) {
+                Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(target)(error)),
+                _ => {}
+            }
+        }
+        files
+            .into_iter()
+            .map(|file| (failed(&file.target), file))
+            .try_for_each(|(failed, file)| file.commit().map_err(failed))
     }
 
     /// Puts what was measured once into the target's place, over what is there only where `over` says so, or where that is empty. Where

@@ -46,7 +46,7 @@ pub use recorded::{Log, twins};
 pub use recording::MINIMUM_ROWS;
 use recording::Recording;
 pub use sensitivity::{Sensitivity, SensitivityError};
-pub use write::{Displacement, write_csv};
+pub use write::{Displacement, csv_beside};
 
 /// Reads the log in the file at `path`.
 ///

@@ -18,18 +18,18 @@ pub enum Displacement {
 /// Writes `time_s,voltage_V,displacement_um`, a row a sample, time from 0 at `sample_period` (s), voltage in V and
 /// displacement in µm, with the fewest digits that read back as the same numbers.
 ///
-/// The file is written beside `path` and renamed, so that `path` is never half a log.
+/// The file is written beside `path`, which is never half a log, and not yet in its place: it may belong to others.
 ///
 /// # Errors
 /// Series of different lengths, a number that is not finite, a period that is not positive
 /// ([`ErrorKind::InvalidInput`]); whatever the file system reports.
-pub fn write_csv(
+pub fn csv_beside(
     path: &Path,
     sample_period: f64,
     voltage: &[f64],
     displacement: &[f64],
     whose: Displacement,
-) -> io::Result<()> {
+) -> io::Result<Replacement> {
     let invalid = |what: String| Err(Error::new(ErrorKind::InvalidInput, what));
     if voltage.len() != displacement.len() {
         let (v, y) = (voltage.len(), displacement.len());
@@ -58,7 +58,7 @@ pub fn write_csv(
     }
     out.flush()?;
     drop(out);
-    file.commit()
+    Ok(file)
 }
 
 #[cfg(test)]
@@ -70,7 +70,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.csv");
         let ramp: Vec<f64> = (0..20).map(f64::from).collect();
-        write_csv(&path, 0.0005, &ramp, &ramp, Displacement::Measured).unwrap();
+        csv_beside(&path, 0.0005, &ramp, &ramp, Displacement::Measured).unwrap().commit().unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         assert_eq!(text.lines().nth(8), Some("0.0035,7,7"), "k·period would print 0.0035000000000000005");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
@@ -92,7 +92,7 @@ mod tests {
             (f64::NAN, vec![1.0], vec![1.0]),
             (0.001, vec![f64::NAN], vec![1.0]),
         ] {
-            let error = write_csv(&path, period, &voltage, &displacement, Displacement::Measured).unwrap_err();
+            let error = csv_beside(&path, period, &voltage, &displacement, Displacement::Measured).err().unwrap();
             assert_eq!(error.kind(), ErrorKind::InvalidInput);
         }
         assert!(!path.exists());

@@ -258,7 +258,7 @@ proptest! {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.csv");
         let period = 1.0 / rate;
-        write_csv(&path, period, &voltage, &displacement, Displacement::Measured).unwrap();
+        csv_beside(&path, period, &voltage, &displacement, Displacement::Measured).unwrap().commit().unwrap();
         let log = read(&path, &ReadOptions::default()).unwrap();
         prop_assert_eq!(log.voltage, voltage);
         prop_assert_eq!(log.displacement, Some(displacement));
