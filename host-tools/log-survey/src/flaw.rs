@@ -6,7 +6,7 @@ mod missing;
 mod repair;
 mod voltage;
 
-use crate::signal::range;
+use crate::signal::{ends, range};
 use recordings::log::Log;
 use serde::Serialize;
 use std::mem::discriminant;
@@ -14,7 +14,7 @@ use std::mem::discriminant;
 pub(crate) use leaps::{Explained, SPIKE_ROWS};
 pub use repair::{leave_out, mended, sound};
 
-use leaps::{at_ends, least_leap, spikes};
+use leaps::{ROWS, at_ends, least_leap, spikes};
 use missing::missing;
 use voltage::{voltage_spikes, without};
 
@@ -78,8 +78,6 @@ pub struct Stretch {
     pub to_s: f64,
 }
 
-/// Fewest rows of one number that are a stretch.
-const ROWS: usize = 8;
 /// Smallest part of the voltage's or the displacement's range that is a movement.
 const MOVES: f64 = 0.05;
 /// A sensor whose steps are this part of the stroke stands still between them.
@@ -202,10 +200,6 @@ fn resolution(values: &[f64]) -> f64 {
 fn extent(values: &[f64]) -> f64 {
     let (low, high) = ends(values);
     high - low
-}
-
-fn ends(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)))
 }
 
 #[cfg(test)]

@@ -17,6 +17,11 @@ pub fn range(values: &[f64]) -> f64 {
     }
 }
 
+/// The least and the largest; infinities the other way round of none.
+pub(crate) fn ends(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)))
+}
+
 /// Correlation of voltage and displacement at the measured instants, −1 … 1; 0 where one of them rests.
 pub fn correlation(session: &Session) -> f64 {
     correlation_behind(session, 0)

@@ -1,7 +1,7 @@
 //! Values that leap away and back within a few rows, or where a log begins or ends.
 
-use super::ROWS;
-
+/// Fewest rows of one number that are a stretch; twice as many are what is near an end.
+pub const ROWS: usize = 8;
 /// Most rows of a spike.
 pub(crate) const SPIKE_ROWS: usize = 3;
 /// A spike leaps by this many times the steps that all but one in 20 are within,

@@ -1,7 +1,8 @@
 //! A folder of results that one program at a time writes into.
 
+use super::error::FileError;
 use super::made::Made;
-use super::{FileError, writable, write_all};
+use super::{writable, write_all};
 use fs4::{FileExt, TryLockError};
 use std::fs::File;
 use std::io;
