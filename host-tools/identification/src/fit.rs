@@ -77,6 +77,9 @@ pub fn identify_black_box(
 
 /// What searches again from where another fit ended.
 const NEARBY: Optimiser = Optimiser::Local;
+/// Candidates a number that suffice it where a family says what its cost is near a point, and that leave nothing for restarts: they
+/// found nothing better from there.
+const SMOOTH: usize = 20;
 
 /// What is identified from what, and how.
 #[derive(Clone, Copy, Debug)]
@@ -122,7 +125,10 @@ impl Identification<'_> {
         let structures = family::of(fit.model, self.problem);
         let alike = structures.iter().find(|family| family.genes().len() == fit.genes.len());
         match alike.or(structures.first()) {
-            Some(family) => self.structure(fit.model, family.as_ref(), NEARBY, evaluations, Some(fit), None),
+            Some(family) => {
+                let enough = if family.smooth() { SMOOTH * fit.genes.len() } else { evaluations };
+                self.structure(fit.model, family.as_ref(), NEARBY, enough, Some(fit), None)
+            }
             None => {
                 let (space, seeds) = self.space(fit.model, std::slice::from_ref(fit));
                 self.within(space, &seeds, NEARBY, evaluations, None)

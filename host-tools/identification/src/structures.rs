@@ -5,7 +5,7 @@ use crate::family::{AnyFamily, Family};
 use crate::fit::{Convergence, Fit, Identification, Progress};
 use crate::problem::Problem;
 use crate::search::Gene;
-use crate::search::{Budget, Minimum, Optimiser, minimise};
+use crate::search::{Budget, Minimum, Objective, Optimiser, minimise};
 use estimator_core::Model;
 
 /// A new best is shown, which takes a simulation of every log, where it costs less than this factor times the one that was shown last.
@@ -83,7 +83,10 @@ impl StructureSearch<'_> {
             convergence.push(Convergence { training: shown.0, validation: shown.1 });
             progress(made, shown.0);
         };
-        let Minimum { at, evaluations, .. } = minimise(self.method, genes.len(), budget, &starts, &costs, &mut watch);
+        let quadratic = |at: &[f64]| family.quadratic(at, problem);
+        let objective = Objective { costs: &costs, quadratic: &quadratic };
+        let Minimum { at, evaluations, .. } =
+            minimise(self.method, genes.len(), budget, &starts, objective, &mut watch);
         let parameters = family.finish(&values(&at), problem);
         Found {
             genes: genes.iter().copied().zip(values(&at)).collect(),

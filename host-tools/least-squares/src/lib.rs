@@ -9,6 +9,7 @@
 //! Normal equations square the condition: coefficients of columns that differ by less than some 10⁻⁴ of their norm are
 //! the ridge's choice, the residual is not affected. Other norms than L2 by reweighting the rows.
 
+mod directions;
 mod solve;
 mod waiting;
 

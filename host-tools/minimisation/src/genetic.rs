@@ -50,7 +50,7 @@ fn breed(search: &mut Search<'_>, genes: &[Gene], population: usize, generations
     };
     let seed = search.random.random();
     let seeds: Vec<Vec<f64>> = known.iter().map(|point| point.at.clone()).collect();
-    let (ask, asked) = (search.costs(), Cell::new(0));
+    let (ask, asked) = (search.objective().costs, Cell::new(0));
     let cost_known = |values: &Vec<f64>| known.iter().find(|point| point.at == *values).map(|point| point.cost);
     let costs = |points: &[Vec<f64>]| {
         let unknown: Vec<Vec<f64>> = points.iter().filter(|at| cost_known(at).is_none()).map(|at| inside(at)).collect();

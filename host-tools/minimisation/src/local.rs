@@ -1,11 +1,13 @@
-//! Nelder–Mead with the coefficients for many dimensions (Gao and Han, 2012), limited to the cube, from the best start
-//! or the centre.
+//! Downhill from the best start or the centre, and once more from elsewhere: by [Newton's steps](super::newton) where the cost's
+//! owner says what it is near a point, else by Nelder and Mead's simplex with the coefficients for many dimensions (Gao and Han, 2012),
+//! limited to the cube.
 //!
-//! The simplex forgets directions, above all at a face of the cube, and it finds the minimum next to where it begins. So what the first
-//! descent has found is tried by pairs of descents, which run at the same time: one around the best point, and one around the best of
-//! some points anywhere. The search ends where a pair finds nothing better, and need not spend its budget.
+//! Either finds the minimum next to where it begins, and the simplex forgets directions, above all at a face of the cube. So what the
+//! first descent has found is tried by pairs of descents, which run at the same time: from the best of some points anywhere, and for the
+//! simplex one around the best point. The search ends where a pair finds nothing better, and need not spend its budget.
 
-use super::state::{Budget, Costs, Minimum, Scored, Search, extent, sort};
+use super::newton;
+use super::state::{Budget, Minimum, Objective, Scored, Search, extent, sort};
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -15,8 +17,10 @@ const EDGE: f64 = 0.1;
 const CONVERGED: f64 = 1e-5;
 /// Difference of a simplex's costs at which it has, as a fraction of the cost.
 const LEVEL: f64 = 1e-5;
-/// An improvement that a pair has to make for the search to go on, as a fraction of the cost.
+/// An improvement that a pair has to make for the search to go on, as a fraction of the cost: of simplexes, which stop short of a minimum,
+/// and of Newton's steps, for which it is another minimum.
 const WORTHWHILE: f64 = 1e-4;
+const ANOTHER: f64 = 1e-2;
 
 /// Searches until nothing better is found, or the budget is spent.
 pub fn run(search: &mut Search<'_>) {
@@ -24,38 +28,46 @@ pub fn run(search: &mut Search<'_>) {
         search.evaluate(vec![search.best.at.clone()]);
     }
     let before = search.left();
-    let first = best(search);
-    if let Some(simplex) = around(search, first) {
-        descend(search, simplex);
-    }
+    let smooth = downhill(search);
     // A pair that the budget ends amid has seldom found anything better.
     let pair = if search.best.cost.is_finite() { 2 * (before - search.left()) } else { 0 };
     let mut helped = true;
     while helped && search.left() > pair {
         let before = search.best.cost;
-        let afar = explore(search);
+        let (afar, other) = (explore(search), if smooth { explore(search) } else { best(search) });
         let half = search.left() / 2;
-        let branches = [(best(search), search.left() - half), (afar, half)]
+        let branches = [(other, search.left() - half), (afar, half)]
             .map(|(centre, evaluations)| (centre, Budget { evaluations, seed: search.random.random() }));
-        let costs = search.costs();
-        let branch = |(centre, budget)| descended(costs, budget, centre);
+        let objective = search.objective();
+        let branch = |(centre, budget)| descended(objective, budget, centre);
         let found: Vec<Minimum> = branches.into_par_iter().map(branch).collect();
         for Minimum { at, cost, evaluations } in found {
             search.note(evaluations, &[Scored { at, cost }]);
         }
-        helped = before == f64::INFINITY || search.best.cost < before - WORTHWHILE * before.abs();
+        let worthwhile = if smooth { ANOTHER } else { WORTHWHILE };
+        helped = before == f64::INFINITY || search.best.cost < before - worthwhile * before.abs();
     }
 }
 
-/// What a descent around a point finds with a budget of its own.
-fn descended(costs: Costs<'_>, budget: Budget, centre: Scored) -> Minimum {
+/// What a descent from a point finds with a budget of its own.
+fn descended(objective: Objective<'_>, budget: Budget, centre: Scored) -> Minimum {
     let mut unwatched = |_: usize, _: &Minimum| ();
-    let mut own = Search::new(centre.at.len(), budget, costs, &mut unwatched);
-    own.best = Minimum { at: centre.at.clone(), cost: centre.cost, evaluations: 0 };
-    if let Some(simplex) = around(&mut own, centre) {
-        descend(&mut own, simplex);
-    }
+    let mut own = Search::new(centre.at.len(), budget, objective, &mut unwatched);
+    own.best = Minimum { at: centre.at, cost: centre.cost, evaluations: 0 };
+    downhill(&mut own);
     own.best
+}
+
+/// Descends from the best point; true where by Newton's steps.
+fn downhill(search: &mut Search<'_>) -> bool {
+    let smooth = newton::descend(search, search.objective().quadratic);
+    if !smooth {
+        let centre = best(search);
+        if let Some(simplex) = around(search, centre) {
+            descend(search, simplex);
+        }
+    }
+    smooth
 }
 
 fn best(search: &Search<'_>) -> Scored {

@@ -15,7 +15,7 @@ pub enum Optimiser {
     ParticleSwarm,
     /// Covariance matrix adaptation.
     CmaEs,
-    /// Nelder–Mead with restarts.
+    /// Downhill, by Newton's steps or Nelder and Mead's simplex, with restarts.
     Local,
 }
 

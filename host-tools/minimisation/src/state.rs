@@ -1,5 +1,6 @@
 //! What the methods share: the cost with its budget, the best point so far, the random numbers.
 
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -27,6 +28,34 @@ pub struct Minimum {
 /// The costs of some points, one each in their order.
 pub type Costs<'a> = &'a (dyn Fn(&[Vec<f64>]) -> Vec<f64> + Sync);
 
+/// What a cost is near a point.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Quadratic {
+    /// Its slope along each coordinate.
+    pub slope: DVector<f64>,
+    /// Its curvature, positive semidefinite.
+    pub curvature: DMatrix<f64>,
+}
+
+/// What the cost is near a point; `None` where nobody can say.
+pub type Quadratics<'a> = &'a (dyn Fn(&[f64]) -> Option<Quadratic> + Sync);
+
+/// What is minimised.
+#[derive(Clone, Copy)]
+pub struct Objective<'a> {
+    /// Its costs.
+    pub costs: Costs<'a>,
+    /// What it is near a point, for the methods that make use of it.
+    pub quadratic: Quadratics<'a>,
+}
+
+impl<'a, F: Fn(&[Vec<f64>]) -> Vec<f64> + Sync> From<&'a F> for Objective<'a> {
+    /// Of costs alone.
+    fn from(costs: &'a F) -> Self {
+        Self { costs, quadratic: &|_| None }
+    }
+}
+
 /// An evaluated point.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Scored {
@@ -44,19 +73,24 @@ pub struct Search<'a> {
     pub best: Minimum,
     /// Seeded by the budget.
     pub random: ChaCha8Rng,
-    costs: Costs<'a>,
+    objective: Objective<'a>,
     limit: usize,
     watch: &'a mut dyn FnMut(usize, &Minimum),
 }
 
 impl<'a> Search<'a> {
     /// Nothing evaluated yet.
-    pub fn new(dimension: usize, budget: Budget, costs: Costs<'a>, watch: &'a mut dyn FnMut(usize, &Minimum)) -> Self {
+    pub fn new(
+        dimension: usize,
+        budget: Budget,
+        objective: Objective<'a>,
+        watch: &'a mut dyn FnMut(usize, &Minimum),
+    ) -> Self {
         Self {
             dimension,
             best: Minimum { at: vec![0.5; dimension], cost: f64::INFINITY, evaluations: 0 },
             random: ChaCha8Rng::seed_from_u64(budget.seed),
-            costs,
+            objective,
             limit: budget.evaluations,
             watch,
         }
@@ -67,9 +101,9 @@ impl<'a> Search<'a> {
         self.limit.saturating_sub(self.best.evaluations)
     }
 
-    /// The costs alone, for a method that evaluates by itself and then calls [`Self::note`].
-    pub fn costs(&self) -> Costs<'a> {
-        self.costs
+    /// What is minimised, for a method that evaluates by itself and then calls [`Self::note`].
+    pub fn objective(&self) -> Objective<'a> {
+        self.objective
     }
 
     /// Evaluates points of the unit cube, as many of the first as the budget has left; returns those.
@@ -78,7 +112,7 @@ impl<'a> Search<'a> {
         if points.is_empty() {
             return Vec::new();
         }
-        let costs = (self.costs)(&points);
+        let costs = (self.objective.costs)(&points);
         let scored = points.into_iter().zip(costs).map(|(at, cost)| Scored { cost: admissible(cost), at });
         let scored: Vec<Scored> = scored.collect();
         self.note(scored.len(), &scored);

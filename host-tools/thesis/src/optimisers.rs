@@ -62,7 +62,7 @@ struct Row {
 /// Generations that it takes, roughly, for a progress bar.
 pub fn generations(search: &SearchOptions) -> u64 {
     let searches = u64::from(SEEDS) * Optimiser::ALL.len() as u64;
-    // Most methods take some tens of candidates a generation, Nelder–Mead one or two.
+    // Most methods take some tens of candidates a generation, a descent one or a few.
     searches * u64::from(search.evaluations)
 }
 

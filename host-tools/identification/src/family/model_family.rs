@@ -2,7 +2,7 @@
 
 use crate::cost::Cost;
 use crate::problem::Problem;
-use crate::search::Gene;
+use crate::search::{Gene, Quadratic};
 use crate::trial::Trial;
 use estimator_core::Parameters;
 use rayon::prelude::*;
@@ -39,6 +39,16 @@ pub trait Family: Sync {
     fn costs(&self, candidates: &[Vec<f64>], problem: &Problem, cost: Cost) -> Vec<f64> {
         let of = |values: &Vec<f64>| self.candidate(values, problem, cost).map_or(f64::INFINITY, |(_, size)| size);
         candidates.par_iter().map(of).collect()
+    }
+
+    /// Whether [`quadratic`](Self::quadratic) says something.
+    fn smooth(&self) -> bool {
+        false
+    }
+
+    /// What the search's cost is near a point, in parts of the genes' ranges; `None` where nobody can say.
+    fn quadratic(&self, _at: &[f64], _problem: &Problem) -> Option<Quadratic> {
+        None
     }
 
     /// How many of the numbers found were solved for by least squares. Numbers that are laid out before the search (spans,

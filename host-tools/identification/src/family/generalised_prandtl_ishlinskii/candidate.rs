@@ -1,11 +1,10 @@
 //! A candidate: its values by name, their prior, and the stages of the model that follow from them and from what is fixed before the
 //! search.
 
-use super::basis::Basis;
-use super::columns::Stages;
-use super::course::Course;
 use crate::problem::Problem;
+use crate::search::Gene;
 use estimator_core::Range;
+use play_columns::{Basis, CREEP_TIMES, Course, Stages, WORTH};
 use recordings::session::Session;
 use std::sync::Arc;
 
@@ -13,18 +12,17 @@ use std::sync::Arc;
 pub const PLAYS: usize = 15;
 /// The smallest half-width, of half the span.
 const NARROWEST: f64 = 0.02;
-/// Time constants of creep, s, a decade apart.
-pub const CREEP_TIMES: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
 /// Least slope of the reversible part, of the stroke over the span: without any the inverse has no unique answer.
 const FLOOR: f64 = 1e-3;
 
-/// Periods that a recording is worth, for what weighs a prior against it.
-pub const WORTH: f64 = 20.0;
 /// Mean of the exponential prior of delay and lag, s: at a single frequency they do what hysteresis does.
 const LATE: f64 = 2e-3;
 /// Where somebody says what they are together, the prior is normal, with this part of it for a standard deviation, and half a
 /// tick at least.
 const SAID: f64 = 0.05;
+
+/// The highest natural frequency that is looked for, of the readings' frequency.
+const HIGHEST: f64 = 0.45;
 
 /// How far the voltage goes within this time, s, does not depend on how short the tick is, as it does at a step.
 const SUSTAINED_S: f64 = 0.1;
@@ -104,6 +102,27 @@ impl Family {
         }
     }
 
+    /// What is searched, in the order of its values.
+    pub fn searched(&self) -> Vec<Gene> {
+        let mut genes = vec![
+            Gene::linear("delay", "delay from voltage to actuator", "ticks", 0.0, 15.0),
+            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            Gene::logarithmic("rho", "half-width at which the plays weigh 1/e, of half the span", "", 0.05, 5.0),
+            Gene::logarithmic("creep_fast", "gain of the creep in 0.01 s", "", 1e-4, 0.3),
+            Gene::logarithmic("creep_slow", "gain of the creep in 100 s", "", 1e-4, 0.3),
+            Gene::linear("memory", "memory at rest", "", 0.0, 1.0),
+        ];
+        if self.extra != Extra::Nothing {
+            genes.push(Gene::logarithmic("slew", "slew limit", "V/s", self.slews.min, self.slews.max));
+        }
+        if self.extra == Extra::Resonance {
+            let most = HIGHEST / self.interval_s;
+            genes.push(Gene::logarithmic("resonance", "natural frequency", "Hz", 0.02 * most, most));
+            genes.push(Gene::logarithmic("damping", "ζ of the resonance", "", 0.003, 0.7));
+        }
+        genes
+    }
+
     pub fn values(&self, values: &[f64]) -> Option<Values> {
         let mut values = values.iter().copied();
         let mut next = || values.next();
@@ -116,6 +135,11 @@ impl Family {
             slew_v_per_s: if self.extra == Extra::Nothing { 0.0 } else { next()? },
             resonance: if self.extra == Extra::Resonance { [next()?, next()?] } else { [0.0, 0.0] },
         })
+    }
+
+    /// The training sessions, each with its course.
+    pub fn sessions<'a>(&'a self, problem: &'a Problem) -> Vec<(&'a Session, &'a Course)> {
+        problem.training().zip(self.courses.iter()).collect()
     }
 
     /// Half-width and weight of each play, by the law.

@@ -5,17 +5,14 @@
 //! a⁰_i = exp(−r_i/(ρR))·Δr_i/R,   s_i = max(a⁰_i, 0.3·mean a⁰)
 //! ```
 //!
-//! by turns: a for the last e, then e and the reversible part for that a; c_b are the noises of the blocks (see `fit`). The law
+//! by turns: a for the last e, then e and the reversible part for that a; c_b are the noises of the blocks (see [`Blocks`]). The law
 //! says how an actuator answers amplitudes that were not recorded; the draw d towards it is weak where several were, and
 //! strong where there was one. On five of eight kinds of simulated devices of other classes that leaves 28 to 42 % less error on
 //! recordings unlike the training where it has several amplitudes, on the others as much as before; where it has one, 4 to 20 %
 //! less on the five that were tried.
 
-use super::basis::FUNCTIONS;
 use super::candidate::{Family, PLAYS, Values};
-use super::columns::Stages;
-use super::course::Course;
-use super::fit::{Balanced, Blocks, Prior, Solution};
+use play_columns::{Balanced, Blocks, Course, FUNCTIONS, Prior, Solution, Stages};
 use recordings::session::Session;
 
 /// Turns between weights and functions.
@@ -69,14 +66,11 @@ pub fn freed(
         let of_plays = solve(&readings, sessions, family.stroke, &priors, PLAYS, |columns, play| {
             own(columns, play).iter().zip(envelope).map(|(column, weight)| column * weight).sum()
         })?;
-        weights.copy_from_slice(of_plays.found.get(FUNCTIONS..)?);
-        let Balanced { mut found, constants, total } =
-            solve(&readings, sessions, family.stroke, &[], FUNCTIONS, |columns, function| {
-                weights.iter().enumerate().map(|(play, weight)| weight * own(columns, play)[function]).sum()
-            })?;
-        let envelope = found.split_off(FUNCTIONS);
-        let offset = constants.iter().sum::<f64>() / constants.len() as f64;
-        solution = Some(Solution { reversible: found, envelope, offset, total });
+        weights.copy_from_slice(of_plays.common().get(FUNCTIONS..)?);
+        let of_functions = solve(&readings, sessions, family.stroke, &[], FUNCTIONS, |columns, function| {
+            weights.iter().enumerate().map(|(play, weight)| weight * own(columns, play)[function]).sum()
+        })?;
+        solution = Some(Solution::of(&of_functions));
     }
     Some(Freed { weights, solution: solution? })
 }

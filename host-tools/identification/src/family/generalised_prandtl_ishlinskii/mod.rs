@@ -5,31 +5,23 @@
 //! others. The search knows no other weights; those of its best candidate are then [freed] from the law as far as the logs
 //! say so. What one recording cannot tell apart is drawn towards what actuators are like.
 
-mod basis;
 mod candidate;
-mod columns;
-mod course;
-mod fit;
+mod curvature;
 mod freed;
 
 use super::AnyFamily;
 use crate::cost::{Cost, Feedback};
 use crate::problem::Problem;
-use crate::search::Gene;
-use basis::FUNCTIONS;
-use candidate::{CREEP_TIMES, Extra, Family, PLAYS, Values};
-use course::Course;
+use crate::search::{Gene, Quadratic};
+use candidate::{Extra, Family, PLAYS, Values};
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
-use fit::Solution;
 use freed::{Freed, freed};
 use log_survey::Character;
-use recordings::session::Session;
+use play_columns::{CREEP_TIMES, Course, FUNCTIONS, Solution, solve};
 use std::sync::Arc;
 
 /// Longest interval of readings, s, at which a resonance is looked for.
 const SWINGS_S: f64 = 2e-3;
-/// The highest natural frequency that is looked for, of the readings' frequency.
-const HIGHEST: f64 = 0.45;
 
 /// Simplest first. A single frequency cannot tell a slew limit or a resonance from hysteresis; a log that is read too seldom shows
 /// no resonance.
@@ -49,11 +41,7 @@ impl Family {
     fn solve(&self, values: &Values, problem: &Problem) -> Option<Solution> {
         let sessions = self.sessions(problem);
         let (plays, creep) = (self.weighed(values.law), self.creep(values.creep));
-        fit::solve(&sessions, &self.stages(values, &plays, &creep), self.stroke, self.least_slope())
-    }
-
-    fn sessions<'a>(&'a self, problem: &'a Problem) -> Vec<(&'a Session, &'a Course)> {
-        problem.training().zip(self.courses.iter()).collect()
+        solve(&sessions, &self.stages(values, &plays, &creep), self.stroke, self.least_slope())
     }
 
     /// The model whose plays weigh so much.
@@ -92,23 +80,7 @@ impl super::Family for Family {
     type Found = Parameters;
 
     fn genes(&self) -> Vec<Gene> {
-        let mut genes = vec![
-            Gene::linear("delay", "delay from voltage to actuator", "ticks", 0.0, 15.0),
-            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
-            Gene::logarithmic("rho", "half-width at which the plays weigh 1/e, of half the span", "", 0.05, 5.0),
-            Gene::logarithmic("creep_fast", "gain of the creep in 0.01 s", "", 1e-4, 0.3),
-            Gene::logarithmic("creep_slow", "gain of the creep in 100 s", "", 1e-4, 0.3),
-            Gene::linear("memory", "memory at rest", "", 0.0, 1.0),
-        ];
-        if self.extra != Extra::Nothing {
-            genes.push(Gene::logarithmic("slew", "slew limit", "V/s", self.slews.min, self.slews.max));
-        }
-        if self.extra == Extra::Resonance {
-            let most = HIGHEST / self.interval_s;
-            genes.push(Gene::logarithmic("resonance", "natural frequency", "Hz", 0.02 * most, most));
-            genes.push(Gene::logarithmic("damping", "ζ of the resonance", "", 0.003, 0.7));
-        }
-        genes
+        self.searched()
     }
 
     /// Lags of half a tick, of five and of thirty.
@@ -137,6 +109,14 @@ impl super::Family for Family {
             Some(Freed { weights, solution }) => self.parameters(&values, weights, &solution),
             None => self.parameters(&values, self.law(&values), &law),
         }
+    }
+
+    fn smooth(&self) -> bool {
+        true
+    }
+
+    fn quadratic(&self, at: &[f64], problem: &Problem) -> Option<Quadratic> {
+        curvature::quadratic(self, at, problem)
     }
 
     fn solved(&self, _found: &Parameters) -> usize {

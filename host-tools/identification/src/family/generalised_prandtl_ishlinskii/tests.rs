@@ -2,7 +2,11 @@
 
 use super::*;
 use crate::Conditions;
+use crate::family::Family as _;
+use crate::search::{Budget, Minimum, Objective, Optimiser, each, minimise};
 use estimator_core::{Discretisation, Process, Scheme};
+use plants::{Density, Kind, Plant, Waveform};
+use recordings::session::Session;
 
 /// A rest at 10 V, sines of growing amplitude about it and a staircase; every `every`-th tick has a reading, of some µm.
 fn session(every: usize) -> Session {
@@ -124,5 +128,70 @@ fn a_course_of_few_readings_gives_the_columns_of_the_whole() {
         });
         println!("{worst} of the stroke");
         assert!((1e-9..most).contains(&worst), "{worst} of the stroke");
+    }
+}
+
+/// What the search minimises at a point, and what the family says of it there.
+fn at(family: &Family, problem: &Problem, at: &[f64]) -> f64 {
+    let values: Vec<f64> = family.searched().iter().zip(at).map(|(gene, &x)| gene.value(x)).collect();
+    family.candidate(&values, problem, Cost::from(Feedback::Simulation)).unwrap().1
+}
+
+/// Sessions of a device that no model is made of, one from rest and one that begins amid a swing.
+fn devices() -> Problem {
+    let plant = Plant::drawn(Kind::Relays(Density::Gaussian), 3);
+    let sine = |amplitude: f64, hertz| Waveform::Sine { amplitude: amplitude * plant.full_v, hertz, offset: 0.0 };
+    let mut sessions = [(sine(1.0, 5.0), 1), (sine(0.5, 20.0), 2)].map(|(waveform, seed)| {
+        let log = plant.log("log", &waveform, 2.0, seed);
+        let instants = (0..log.voltage.len() as u32).collect();
+        Session::new(log.name, log.voltage, instants, log.displacement.unwrap(), log.sample_period)
+    });
+    let cut = 950;
+    let second = &mut sessions[1];
+    second.voltage.drain(..cut);
+    second.displacement.drain(..cut);
+    second.instants.truncate(second.voltage.len());
+    Problem::new(sessions.to_vec(), vec![], Conditions::default())
+}
+
+/// What a search of 100 candidates by slopes, and one of 250 by costs alone, find.
+fn searched(family: &Family, problem: &Problem) -> [Minimum; 2] {
+    let costs = each(|point| at(family, problem, point));
+    let slopes = |point: &[f64]| family.quadratic(point, problem);
+    let search = |quadratic, evaluations| {
+        let (objective, budget) = (Objective { costs: &costs, quadratic }, Budget { evaluations, seed: 1 });
+        minimise(Optimiser::Local, family.searched().len(), budget, &family.starts(), objective, &mut |_, _| ())
+    };
+    [search(&slopes, 100), search(&|_| None, 250)]
+}
+
+#[test]
+fn slopes_take_a_fraction_of_the_candidates_that_costs_alone_take() {
+    let problem = devices();
+    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
+    let family = Family::new(Extra::Nothing, courses, &problem);
+    let [by_slopes, by_costs] = searched(&family, &problem);
+    assert!(by_slopes.cost < 1.002 * by_costs.cost, "{by_slopes:?} {by_costs:?}");
+}
+
+/// Near the minimum, where the coefficients do not tear at each other: elsewhere they follow the blocks' noises, which the slope leaves out.
+#[test]
+fn the_slope_is_that_of_the_cost() {
+    let problem = devices();
+    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
+    let family = Family::new(Extra::Nothing, courses.clone(), &problem);
+    let [Minimum { at: least, .. }, _] = searched(&family, &problem);
+    let near: Vec<f64> = least.iter().map(|x| if *x < 0.5 { x + 0.02 } else { x - 0.02 }).collect();
+    let Quadratic { slope, curvature } = family.quadratic(&near, &problem).unwrap();
+    for i in 0..near.len() {
+        let moved = |by: f64| {
+            let mut to = near.clone();
+            to[i] += by;
+            at(&family, &problem, &to)
+        };
+        let expected = (moved(1e-3) - moved(-1e-3)) / 2e-3;
+        // A slope beyond which the minimum would be far, by the curvature.
+        let scale = (curvature[(i, i)] * at(&family, &problem, &near)).sqrt();
+        assert!((slope[i] - expected).abs() < 0.02 * scale, "number {i}: {}, not {expected}; of {scale}", slope[i]);
     }
 }

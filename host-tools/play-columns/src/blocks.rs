@@ -1,4 +1,4 @@
-//! The least squares of one candidate: every session whole, from its first sample on, its start and its rest each with a
+//! The least squares of columns and readings: every session whole, from its first sample on, its start and its rest each with a
 //! noise of its own.
 //!
 //! ```text
@@ -13,11 +13,10 @@
 //! Σ_t a_t·exp(−t/T_t), one for each element of creep. Their sizes are solved for, under a prior that is narrow and has wide
 //! tails (Cauchy's): most such sessions begin at rest and have none, and where one has, they are large.
 
-use super::basis::FUNCTIONS;
-use super::candidate::{CREEP_TIMES, WORTH};
-use super::columns::{COLUMNS, Stages};
-use super::course::Course;
+use crate::course::Course;
+use crate::{CREEP_TIMES, WORTH};
 use least_squares::{Normal, Sign, Waiting};
+use nalgebra::{DMatrix, DVector};
 use recordings::session::Session;
 
 /// What the start's block counts beside the rest's: few periods, and the least certain.
@@ -35,36 +34,6 @@ const LEAST: f64 = 1e-4;
 /// A ridge that is nothing but for columns that are alike.
 const RIDGE: f64 = 1e-9;
 
-/// What was found.
-pub struct Solution {
-    /// Coefficients of the functions of the reversible part, at least 0, µm.
-    pub reversible: Vec<f64>,
-    /// Of the envelope.
-    pub envelope: Vec<f64>,
-    /// Mean of the sessions' constants, µm.
-    pub offset: f64,
-    /// Logarithm of the mean square errors, those of the blocks weighed.
-    pub total: f64,
-}
-
-/// The coefficients that fit sessions best, each on its course; their stroke is `stroke` µm. `floor` is the least slope of the
-/// reversible part, µm/V.
-pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, stroke: f64, floor: f64) -> Option<Solution> {
-    let mut blocks = Blocks::new(COLUMNS, sessions, stroke);
-    for (number, (session, course)) in sessions.iter().enumerate() {
-        let mut rows = blocks.of(number);
-        stages.walk(session, course, |index, values, input| {
-            let target = session.displacement[index] - floor * (input - stages.span.min);
-            rows.add(session.instants[index], index < course.settled, values, target);
-        });
-        rows.finish();
-    }
-    let Balanced { mut found, constants, total } = blocks.balanced(&[])?;
-    let envelope = found.split_off(FUNCTIONS);
-    let offset = constants.iter().sum::<f64>() / constants.len() as f64;
-    Some(Solution { reversible: found, envelope, offset, total })
-}
-
 /// What a coefficient is drawn towards.
 #[derive(Clone, Copy)]
 pub struct Prior {
@@ -80,12 +49,27 @@ pub struct Prior {
 
 /// Coefficients under the blocks' own noises.
 pub struct Balanced {
-    /// Of the sessions' common columns, at least 0.
-    pub found: Vec<f64>,
-    /// Of each session, µm.
-    pub constants: Vec<f64>,
+    /// Of the sessions' common columns, at least 0; then each session's constant, µm; then its decays.
+    coefficients: Vec<f64>,
+    /// How many columns are common, and how many sessions there are.
+    counts: (usize, usize),
+    /// What each block weighed when they were solved for.
+    weights: Vec<f64>,
     /// Logarithm of the mean square errors, those of the blocks weighed.
     pub total: f64,
+}
+
+impl Balanced {
+    /// Of the sessions' common columns, at least 0.
+    pub fn common(&self) -> &[f64] {
+        &self.coefficients[..self.counts.0]
+    }
+
+    /// Mean of the sessions' constants, µm.
+    pub fn offset(&self) -> f64 {
+        let (common, sessions) = self.counts;
+        self.coefficients[common..common + sessions].iter().sum::<f64>() / sessions as f64
+    }
 }
 
 /// The starts and the rests of some sessions.
@@ -143,56 +127,117 @@ impl Blocks {
         let signs = [vec![Sign::NonNegative; self.common], vec![Sign::Free; sessions + decays]].concat();
         let scale = DECAY * self.stroke;
         let mut weights: Vec<f64> = self.blocks.iter().map(|block| block.share).collect();
-        let mut found = vec![0.0; columns];
+        let mut balanced = Balanced {
+            coefficients: vec![0.0; columns],
+            counts: (self.common, sessions),
+            weights: Vec::new(),
+            total: f64::INFINITY,
+        };
         let mut errors = Vec::new();
         for turn in 0..TURNS {
-            let mut normal = Normal::new(columns).ridge(RIDGE);
-            for (block, weight) in self.blocks.iter().zip(&weights) {
-                normal.merge(&block.normal, &block.columns, weight / block.rows);
-            }
+            let mut normal = self.weighed(&weights);
             // At first the weights are no noises yet.
-            let decays = (self.common + sessions..columns).map(|column| Prior {
-                column,
-                towards: 0.0,
-                within: if turn > 1 { scale.hypot(found[column]) } else { scale },
-                weight: 2.0 / WORTH,
-            });
+            let within = |column| if turn > 1 { scale.hypot(balanced.coefficients[column]) } else { scale };
+            let decays = (self.common + sessions..columns).map(|column| draw(column, within(column)));
             for prior in decays.chain(priors.iter().copied()).filter(|_| turn > 0) {
-                let mut row = vec![0.0; columns];
-                row[prior.column] = 1.0 / prior.within;
-                normal.add(&row, prior.towards / prior.within, prior.weight);
+                add(&mut normal, prior);
             }
-            found = normal.solve(&signs)?;
-            errors = self.errors(&found);
+            balanced.coefficients = normal.solve(&signs)?;
+            errors = self.errors(&balanced.coefficients);
             let quietest = errors.iter().copied().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
             let weigh = |(block, error): (&Block, &f64)| block.share / (error + QUIET * quietest);
-            weights = self.blocks.iter().zip(&errors).map(weigh).collect();
+            let next = self.blocks.iter().zip(&errors).map(weigh).collect();
+            balanced.weights = std::mem::replace(&mut weights, next);
         }
         let shares: f64 = self.blocks.iter().map(|block| block.share).sum();
         let logarithms = self.blocks.iter().zip(&errors).map(|(block, error)| block.share * libm::log(*error));
-        let mut constants = found.split_off(self.common);
-        let unlikely =
-            constants.split_off(sessions).into_iter().map(|decay| libm::log1p((decay / scale) * (decay / scale)));
-        let total = logarithms.sum::<f64>() / shares + 2.0 / WORTH * unlikely.sum::<f64>() / sessions as f64;
-        total.is_finite().then_some(Balanced { found, constants, total })
+        let decays = balanced.coefficients.iter().skip(self.common + sessions);
+        let unlikely = decays.map(|decay| libm::log1p((decay / scale) * (decay / scale)));
+        balanced.total = logarithms.sum::<f64>() / shares + 2.0 / WORTH * unlikely.sum::<f64>() / sessions as f64;
+        balanced.total.is_finite().then_some(balanced)
     }
+
+    /// Slope and curvature of [`total`](Balanced::total) along the last `last` of these blocks' common columns, which are what the
+    /// displacement changes by with something. `found` is of the same blocks without those columns: its coefficients above 0, and what
+    /// each session has for itself, make up for the changes as far as they can. `None` where they have no answer.
+    ///
+    /// The curvature is that of Gauss and Newton: of the mean square errors, not of their logarithms.
+    pub fn along(&self, found: &Balanced, last: usize) -> Option<(DVector<f64>, DMatrix<f64>)> {
+        let first = self.common - last;
+        let (common, own) = found.coefficients.split_at(first);
+        let coefficients = [common, &vec![0.0; last], own].concat();
+        let decays = self.common + self.decays.len()..coefficients.len();
+        let scale = DECAY * self.stroke;
+        let mut solved = self.weighed(&found.weights);
+        for column in decays.clone() {
+            add(&mut solved, draw(column, scale.hypot(coefficients[column])));
+        }
+        let making_up = (0..first).filter(|&i| coefficients[i] > 0.0).chain(self.common..coefficients.len());
+        let changes: Vec<usize> = (first..self.common).collect();
+        let combinations = solved.compensated(&changes, &making_up.collect::<Vec<_>>())?;
+        let (mut slope, curvature) = self.weighed(&self.slopes(&coefficients)).along(&coefficients, &combinations);
+        for column in decays {
+            let decay = coefficients[column];
+            let of_unlikely = 2.0 * decay / (scale * scale + decay * decay);
+            slope += 2.0 / WORTH / self.decays.len() as f64 * of_unlikely * combinations.row(column).transpose();
+        }
+        Some((slope, curvature))
+    }
+
+    /// The rows of all blocks, those of each weighing so much together.
+    fn weighed(&self, weights: &[f64]) -> Normal {
+        let own: usize = self.decays.iter().map(|decays| 1 + decays.len()).sum();
+        let mut normal = Normal::new(self.common + own).ridge(RIDGE);
+        for (block, weight) in self.blocks.iter().zip(weights) {
+            normal.merge(&block.normal, &block.columns, weight / block.rows);
+        }
+        normal
+    }
+
+    /// What each block has to weigh for the sum of squares to change as the weighed logarithms do.
+    fn slopes(&self, found: &[f64]) -> Vec<f64> {
+        let errors: Vec<f64> = self.blocks.iter().map(|block| block.mean_square_error(found)).collect();
+        let shares: f64 = self.blocks.iter().map(|block| block.share).sum();
+        let mut weights: Vec<f64> = self.blocks.iter().map(|block| block.share / shares).collect();
+        for at in 0..weights.len() {
+            // A start that is believed to be as loud as its rest changes as that does.
+            if self.blocks[at].of_start && errors.get(at + 1).is_some_and(|rest| *rest > errors[at]) {
+                weights[at + 1] += std::mem::take(&mut weights[at]);
+            }
+        }
+        weights.iter().zip(errors).map(|(weight, error)| weight / error.max(self.least())).collect()
+    }
+
+    /// The least mean square error that a block is believed to have, µm².
+    fn least(&self) -> f64 {
+        (LEAST * self.stroke) * (LEAST * self.stroke)
+    }
+
+    /// The mean square error that each block is believed to have, µm².
+    fn errors(&self, found: &[f64]) -> Vec<f64> {
+        let own = |block: &Block| block.mean_square_error(found).max(self.least());
+        let own: Vec<f64> = self.blocks.iter().map(own).collect();
+        // Behind a start stands the rest of its session, where there is any.
+        let rest = |at: usize| if self.blocks[at].of_start { own.get(at + 1).copied().unwrap_or(0.0) } else { 0.0 };
+        (0..own.len()).map(|at| own[at].max(rest(at))).collect()
+    }
+}
+
+/// What draws a decay towards 0.
+fn draw(column: usize, within: f64) -> Prior {
+    Prior { column, towards: 0.0, within, weight: 2.0 / WORTH }
+}
+
+fn add(normal: &mut Normal, prior: Prior) {
+    let mut row = vec![0.0; normal.columns()];
+    row[prior.column] = 1.0 / prior.within;
+    normal.add(&row, prior.towards / prior.within, prior.weight);
 }
 
 /// Time constants, in ticks, of the decays that a session may begin with.
 fn decays(session: &Session) -> Vec<f64> {
     let longest = LONG * session.voltage.len() as f64;
     CREEP_TIMES.iter().map(|time| time / session.tick_s).filter(|ticks| (1.0..longest).contains(ticks)).collect()
-}
-
-impl Blocks {
-    /// The mean square error that each block is believed to have, µm².
-    fn errors(&self, found: &[f64]) -> Vec<f64> {
-        let least = (LEAST * self.stroke) * (LEAST * self.stroke);
-        let own: Vec<f64> = self.blocks.iter().map(|block| block.mean_square_error(found).max(least)).collect();
-        // Behind a start stands the rest of its session, where there is any.
-        let rest = |at: usize| if self.blocks[at].of_start { own.get(at + 1).copied().unwrap_or(0.0) } else { 0.0 };
-        (0..own.len()).map(|at| own[at].max(rest(at))).collect()
-    }
 }
 
 /// A part of a session: normal equations of the columns, of the session's constant and of its decays.

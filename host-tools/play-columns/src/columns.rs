@@ -4,8 +4,8 @@
 //! columns (the test `what_is_found_is_what_the_model_runs` holds that). Voltage and sensor are taken at the same instant:
 //! what the model predicts ahead of the voltage is not the fit's concern, and would bend the hysteresis.
 
-use super::basis::{Basis, FUNCTIONS, Values};
-use super::course::Course;
+use crate::basis::{Basis, FUNCTIONS, Values};
+use crate::course::Course;
 use estimator_core::model::{RampLag, RampLagged, play};
 use estimator_core::{Range, Resonance, ResonanceState};
 use pulp::{Arch, NullaryFnOnce};

@@ -1,0 +1,20 @@
+//! What the displacement of a generalised Prandtl–Ishlinskii model is a sum of along a session, and the least squares of it: the linear part
+//! of its identification. What is searched, delay, lag, law, creep, slew limit and resonance, is given here as [`Stages`].
+
+mod basis;
+mod blocks;
+mod columns;
+mod course;
+mod solution;
+
+pub use basis::{Basis, FUNCTIONS, KNOTS};
+pub use blocks::{Balanced, Blocks, Prior, Rows};
+pub use columns::{COLUMNS, Stages};
+pub use course::Course;
+pub use solution::{Solution, solve};
+
+/// Time constants of creep, s, a decade apart.
+pub const CREEP_TIMES: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
+
+/// Periods that a recording is worth, for what weighs a prior against it.
+pub const WORTH: f64 = 20.0;

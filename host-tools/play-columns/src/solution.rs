@@ -1,0 +1,47 @@
+//! The slopes of the two functions that fit some sessions best, the other stages given.
+
+use crate::basis::FUNCTIONS;
+use crate::blocks::{Balanced, Blocks};
+use crate::columns::{COLUMNS, Stages};
+use crate::course::Course;
+use recordings::session::Session;
+
+/// What was found.
+pub struct Solution {
+    /// Coefficients of the functions of the reversible part, at least 0, µm.
+    pub reversible: Vec<f64>,
+    /// Of the envelope.
+    pub envelope: Vec<f64>,
+    /// Mean of the sessions' constants, µm.
+    pub offset: f64,
+    /// Logarithm of the mean square errors, those of the blocks weighed.
+    pub total: f64,
+}
+
+impl Solution {
+    /// Whose common columns are those of the reversible part, then those of the envelope.
+    pub fn of(balanced: &Balanced) -> Self {
+        let (reversible, envelope) = balanced.common().split_at(FUNCTIONS);
+        Self {
+            reversible: reversible.to_vec(),
+            envelope: envelope.to_vec(),
+            offset: balanced.offset(),
+            total: balanced.total,
+        }
+    }
+}
+
+/// The coefficients that fit sessions best, each on its course; their stroke is `stroke` µm. `floor` is the least slope of the
+/// reversible part, µm/V; `None` where they have none.
+pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, stroke: f64, floor: f64) -> Option<Solution> {
+    let mut blocks = Blocks::new(COLUMNS, sessions, stroke);
+    for (number, (session, course)) in sessions.iter().enumerate() {
+        let mut rows = blocks.of(number);
+        stages.walk(session, course, |index, values, input| {
+            let target = session.displacement[index] - floor * (input - stages.span.min);
+            rows.add(session.instants[index], index < course.settled, values, target);
+        });
+        rows.finish();
+    }
+    Some(Solution::of(&blocks.balanced(&[])?))
+}
