@@ -1,7 +1,8 @@
 //! Every model in seconds, so that they can be compared: a search that stops long before its last digit.
 
+use crate::family;
 use crate::fit::{Fit, Identification, Progress};
-use crate::search::SearchOptions;
+use crate::search::{Optimiser, SearchOptions};
 use estimator_core::Model;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -32,7 +33,8 @@ impl Brief {
 }
 
 impl Identification<'_> {
-    /// Each of these models by a [`Brief`] search of the method for the models beyond the Voigt family.
+    /// Each of these models by a [`Brief`] search of the method for the models beyond the Voigt family; a [smooth](Self::smooth) one at
+    /// length, which takes no longer.
     pub fn brief(&self, models: &[Model], progress: Progress<'_>) -> Vec<Fit> {
         let Brief { of_a_number, of_voigt } = Brief::of(self.options);
         let (family, others): (Vec<Model>, Vec<Model>) = models.iter().partition(|model| model.is_voigt());
@@ -42,8 +44,19 @@ impl Identification<'_> {
         // None of them starts from another.
         let progress = Mutex::new(progress);
         let tell = |model, cost| progress.lock().unwrap_or_else(PoisonError::into_inner)(model, cost);
-        let of = |&model| search(None).run(&[model], &mut |model, cost| tell(model, cost));
+        let of = |&model| {
+            let search = if self.smooth(model) { *self } else { search(None) };
+            search.run(&[model], &mut |model, cost| tell(model, cost))
+        };
         fits.par_extend(others.par_iter().flat_map_iter(of));
         fits
+    }
+
+    /// Whether a model is found by slopes, a search that soon ends by itself.
+    pub fn smooth(&self, model: Model) -> bool {
+        let structures = family::of(model, self.problem);
+        self.options.optimiser == Optimiser::Local
+            && !structures.is_empty()
+            && structures.iter().all(|family| family.smooth())
     }
 }

@@ -67,7 +67,8 @@ impl Identification<'_> {
         };
         let validated = CrossValidation::of(self, &tried, || progress(least.0, least.1));
         let model = validated.as_ref().map_or(least.0, |of| of.score().model);
-        for longer in self.run(&[model], progress) {
+        let searched: &[Model] = if self.smooth(model) { &[] } else { &[model] };
+        for longer in self.run(searched, progress) {
             if let Some(brief) = fits.iter_mut().find(|fit| fit.model == model && self.off(&longer) <= self.off(fit)) {
                 *brief = longer;
             }

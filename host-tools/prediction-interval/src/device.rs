@@ -45,6 +45,8 @@ pub struct Device {
     tick_s: f64,
     /// Deviation of the user's sensor, µm.
     noise_um: f64,
+    /// Displacements at the instants of the training sessions, µm.
+    trained: Vec<Vec<f64>>,
 }
 
 impl Device {
@@ -70,9 +72,12 @@ impl Device {
             steps: (tick_s / STEP_S).round().max(1.0) as usize,
             tick_s,
             noise_um: noise(problem),
+            trained: Vec::new(),
         };
-        let moved = Range::of_values(problem.training().flat_map(|session| device.session(0, session).displacement));
-        Self { scale: problem.stroke().span() / moved.span(), ..device }
+        let unscaled: Vec<Vec<f64>> = problem.training().map(|session| device.positions(session)).collect();
+        let scale = problem.stroke().span() / Range::of_values(unscaled.iter().flatten().copied()).span();
+        let scaled = |positions: Vec<f64>| positions.into_iter().map(|position| scale * position).collect();
+        Self { scale, trained: unscaled.into_iter().map(scaled).collect(), ..device }
     }
 
     /// What it lags behind the voltage, s.
@@ -109,22 +114,30 @@ impl Device {
         response.iter().skip(before).step_by(self.steps).map(|position| self.scale * position).collect()
     }
 
-    /// A session of the user's, the one of this number, as this device would have given it.
-    pub fn session(&self, number: u64, session: &Session) -> Session {
-        let ticks = session.voltage.len().min((LONGEST_S / self.tick_s) as usize);
-        let voltage = session.voltage[..ticks].to_vec();
-        let count = session.instants.partition_point(|&instant| (instant as usize) < ticks);
-        let instants = session.instants[..count].to_vec();
-        let rest = session.rested_v.or(voltage.first().copied()).unwrap_or(0.0);
-        let response = self.respond(&[(rest, RESTS_S)], &voltage);
-        let displacement: Vec<f64> = instants.iter().map(|&instant| response[instant as usize]).collect();
+    /// A session of the user's, the one of this number with the training's counted first, as this device would have given it.
+    pub fn session(&self, number: usize, session: &Session) -> Session {
+        let positions = self.trained.get(number).cloned().unwrap_or_else(|| self.positions(session));
+        let count = positions.len();
         Session {
-            voltage,
-            instants,
-            displacement: self.read(&displacement, number),
+            voltage: session.voltage[..self.ticks(session)].to_vec(),
+            instants: session.instants[..count].to_vec(),
+            displacement: self.read(&positions, number as u64),
             lead_in: session.lead_in.min(count.saturating_sub(1)),
             ..session.clone()
         }
+    }
+
+    /// Displacements at the instants of a session, µm.
+    fn positions(&self, session: &Session) -> Vec<f64> {
+        let voltage = &session.voltage[..self.ticks(session)];
+        let rest = session.rested_v.or(voltage.first().copied()).unwrap_or(0.0);
+        let response = self.respond(&[(rest, RESTS_S)], voltage);
+        session.instants.iter().map_while(|&instant| response.get(instant as usize).copied()).collect()
+    }
+
+    /// Ticks of a session that are simulated.
+    fn ticks(&self, session: &Session) -> usize {
+        session.voltage.len().min((LONGEST_S / self.tick_s) as usize)
     }
 
     /// The plant's voltage for one of the user's, V.

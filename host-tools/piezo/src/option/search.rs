@@ -101,7 +101,11 @@ pub const OPTIMISERS: [Choice<Optimiser>; 5] = [
     (Optimiser::DifferentialEvolution, "differential-evolution", "Differential evolution"),
     (Optimiser::ParticleSwarm, "particle-swarm", "Particle swarm"),
     (Optimiser::CmaEs, "cma-es", "Covariance matrix adaptation"),
-    (Optimiser::Local, "local", "Downhill, by Gauss–Newton or Nelder–Mead, with restarts until they find nothing better"),
+    (
+        Optimiser::Local,
+        "local",
+        "Downhill, by Gauss–Newton or Nelder–Mead, with restarts until they find nothing better",
+    ),
 ];
 
 options!(SearchArgs => SearchOptions {
