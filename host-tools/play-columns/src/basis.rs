@@ -1,15 +1,16 @@
 //! The functions that the slopes of a generalised Prandtl–Ishlinskii model are made of.
 //!
-//! Eight Bernstein polynomials of degree 7 over the span, tabulated as the model tabulates its functions: between two knots
-//! the slope runs straight. Coefficients of at least 0 give slopes of at least 0. Fewer polynomials describe the middle of
-//! the span wrongly at full stroke, and lag and creep are bent to hide it.
+//! The slopes that the model holds, one a knot: each function's slope is a hat, 1 at its knot, straight down to 0 at the knots beside
+//! it. Coefficients of at least 0 give slopes of at least 0. Smoother functions, Bernstein's polynomials of degree 7, follow a device whose
+//! slope changes quickly only at a price: lag and creep are bent to hide what they leave (two to three times the error on recordings unlike
+//! the training of simulated relays).
 
 use estimator_core::Range;
 
-/// How many functions a slope is made of.
-pub const FUNCTIONS: usize = 8;
 /// Knots at which the model holds slopes.
 pub const KNOTS: usize = 9;
+/// How many functions a slope is made of: one a knot.
+pub const FUNCTIONS: usize = KNOTS;
 
 /// A value of each function.
 pub type Values = [f64; FUNCTIONS];
@@ -21,8 +22,6 @@ pub struct Basis {
     spacing: f64,
     /// Of each interval between two knots.
     intervals: [Interval; KNOTS - 1],
-    /// Slope at each knot, µm from one knot to the next.
-    slopes: [Values; KNOTS],
 }
 
 /// The functions between two knots, and beyond an outer one: `value + p·slope + p²/2·rise` at a part p of the interval.
@@ -37,21 +36,19 @@ struct Interval {
 }
 
 impl Basis {
-    /// Functions that each rise by about 1 µm over the span (V).
+    /// Functions that each rise by 1 µm over a span (V), those of its ends by half of it.
     pub fn new(span: Range<f64>) -> Self {
-        let intervals = (KNOTS - 1) as f64;
-        let slopes: [Values; KNOTS] = std::array::from_fn(|knot| {
-            polynomials(knot as f64 / intervals).map(|slope| FUNCTIONS as f64 * slope / intervals)
-        });
+        let slopes: [Values; KNOTS] =
+            std::array::from_fn(|knot| std::array::from_fn(|j| if j == knot { 1.0 } else { 0.0 }));
         let mut value = [0.0; FUNCTIONS];
-        let intervals_between = std::array::from_fn(|knot| {
+        let intervals = std::array::from_fn(|knot| {
             let (slope, next) = (slopes[knot], slopes[knot + 1]);
             let interval = Interval { value, slope, rise: std::array::from_fn(|j| next[j] - slope[j]) };
             value = std::array::from_fn(|j| value[j] + 0.5 * (slope[j] + next[j]));
             interval
         });
-        let spacing = span.span() / intervals;
-        Self { first: span.min, knots_per_volt: 1.0 / spacing, spacing, intervals: intervals_between, slopes }
+        let spacing = span.span() / (KNOTS - 1) as f64;
+        Self { first: span.min, knots_per_volt: 1.0 / spacing, spacing, intervals }
     }
 
     /// The sum of the functions at voltages (V), each times its weight.
@@ -81,21 +78,13 @@ impl Basis {
     }
 
     /// Slopes at the knots (µm/V) of the functions with these coefficients.
+    ///
+    /// # Panics
+    ///
+    /// When there are fewer coefficients than functions.
     pub fn slopes(&self, coefficients: &[f64]) -> [f64; KNOTS] {
-        self.slopes.map(|slopes| slopes.iter().zip(coefficients).map(|(s, c)| s * c).sum::<f64>() / self.spacing)
+        std::array::from_fn(|knot| coefficients[knot] / self.spacing)
     }
-}
-
-/// Bernstein's polynomials at a part of the span; their sum is 1.
-fn polynomials(part: f64) -> Values {
-    let degree = (FUNCTIONS - 1) as f64;
-    let mut choose = 1.0;
-    std::array::from_fn(|j| {
-        let j = j as f64;
-        let value = choose * libm::pow(part, j) * libm::pow(1.0 - part, degree - j);
-        choose *= (degree - j) / (j + 1.0);
-        value
-    })
 }
 
 #[cfg(test)]
@@ -105,7 +94,7 @@ mod tests {
     #[test]
     fn the_functions_are_the_integrals_of_their_slopes() {
         let basis = Basis::new(Range { min: -20.0, max: 60.0 });
-        let coefficients = [0.3, 0.0, 1.0, 2.0, 0.5, 0.0, 0.1, 4.0];
+        let coefficients = [0.3, 0.0, 1.0, 2.0, 0.5, 0.0, 0.1, 4.0, 1.5];
         let at = |voltage: f64| {
             let sum = basis.sum([(voltage, 0.5), (voltage, 0.5)].into_iter());
             sum.iter().zip(&coefficients).map(|(f, c)| f * c).sum::<f64>()

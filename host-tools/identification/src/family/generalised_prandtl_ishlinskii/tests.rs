@@ -37,8 +37,8 @@ fn what_is_found_is_what_the_model_runs() {
     let values = family.values(&[3.4, 2.0, 0.5, 0.02, 0.03, 0.4, 1e6, 500.0, 0.1]).unwrap();
     let sessions: Vec<&Session> = problem.training().collect();
     let mut solution = family.solve(&values, &problem).unwrap();
-    solution.reversible = vec![0.5, 0.1, 0.4, 0.0, 0.3, 0.2, 0.6, 0.1];
-    solution.envelope = vec![1.0, 3.0, 0.0, 2.0, 5.0, 0.0, 1.0, 2.0];
+    solution.reversible = vec![0.5, 0.1, 0.4, 0.0, 0.3, 0.2, 0.6, 0.1, 0.3];
+    solution.envelope = vec![1.0, 3.0, 0.0, 2.0, 5.0, 0.0, 1.0, 2.0, 1.0];
     let found = family.parameters(&values, family.law(&values), &solution).unwrap();
     let discretisation =
         Discretisation { sample_period: 5e-4, scheme: Scheme::ForwardEuler, deadband: problem.deadband };
