@@ -53,9 +53,16 @@ fn cross_validated(of: &CrossValidation) -> String {
             close(of.by(next))
         ),
         (_, Some(best), _) => format!(
-            "of the models that do as well as the best on what they were not fitted to it is the simplest: {:.3} µm where \
-             {left_out} were left out in turn; the best is {} with {:.3} µm, a difference within its standard error",
-            score.error_um, best.model, best.error_um
+            "of the models that do as well as the best on what they were not fitted to it is {}: {:.3} µm where {left_out} were \
+             left out in turn; the best is {} with {:.3} µm, a difference within its standard error",
+            if score.parameters < best.parameters {
+                "the simplest"
+            } else {
+                "the one that says most of other amplitudes"
+            },
+            score.error_um,
+            best.model,
+            best.error_um
         ),
         // There are at least two scores where there is a choice.
         _ => format!("{:.3} µm where {left_out} were left out in turn", score.error_um),

@@ -6,9 +6,13 @@
 //! ```
 //!
 //! The best has the least geometric mean of the parts' errors: in an arithmetic one the part that is hardest for all, a frequency far above the
-//! others, say, would be all that counts. The simplest model with d̄ ≤ s is chosen, where it has at most half the numbers of the best (Hastie,
-//! Tibshirani and Friedman, *The Elements of Statistical Learning*, 7.10, with the standard error of the difference). A few numbers fewer
-//! are no reason: on one of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there.
+//! others, say, would be all that counts. A model does as well as the best where d̄ ≤ s and its errors are no more than a tenth
+//! larger: of few parts s alone lets almost anything pass. The simplest that does as well is chosen, where it has at most half the numbers of
+//! the best (Hastie, Tibshirani and Friedman, *The Elements of Statistical Learning*, 7.10, with the standard error of the difference). A few
+//! numbers fewer are no reason: on one of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there.
+//! Without such a model it is the generalised Prandtl–Ishlinskii model, where that does as well: one law over its half-widths says
+//! something of amplitudes that were not recorded. Of 18 trainings of nine simulated devices that no model is made of, three were given
+//! another model with s alone, each further off than this one on recordings unlike the training, 1.5 to 2 times.
 
 use crate::cost::Cost;
 use crate::fit::{Fit, Identification};
@@ -28,6 +32,10 @@ const OF_A_NUMBER: usize = 12;
 /// A model that is off in the training, once settled and in simulation, by so many times the least is not tried: without a part it will not
 /// be the best.
 const HOPELESS: f64 = 3.0;
+/// A model does as well as the best with errors of no more than so many times the best's.
+const AS_WELL: f64 = 1.1;
+/// What is chosen where it does as well as the best and no simpler one does.
+const IN_DOUBT: Model = Model::GeneralisedPrandtlIshlinskii;
 /// Models whose many weights no law ties to each other: a single amplitude teaches them its loop, and nothing beyond.
 const FREE: [Model; 2] = [Model::Preisach, Model::Narx];
 
@@ -109,7 +117,7 @@ impl CrossValidation {
             .filter(|score| score.error_um.is_finite())
             .collect();
         scores.sort_by(|a, b| a.error_um.total_cmp(&b.error_um));
-        let chosen = simplest(&scores).ok_or(Undecided::WithoutParts)?;
+        let chosen = choose(&scores).ok_or(Undecided::WithoutParts)?;
         Ok(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
     }
 
@@ -137,15 +145,18 @@ fn several_amplitudes(problem: &Problem) -> bool {
     !Character::of(problem.training(), problem.deadband).single_amplitude()
 }
 
-/// Index of the best, which is the first, or of the model with the fewest numbers among those of at most half its numbers
-/// that it does not better by more than a standard error of the difference; `None` of none.
-fn simplest(scores: &[Score]) -> Option<usize> {
+/// Index of the chosen one: of those that do as well as the best, which is the first, the one with the fewest numbers where that has at
+/// most half the best's, or the one that is chosen in doubt; else the best. `None` of none.
+fn choose(scores: &[Score]) -> Option<usize> {
     let best = scores.first()?;
-    let simpler = scores.iter().enumerate().filter(|(_, score)| {
+    let as_well = |score: &Score| {
         let (mean, standard_error) = difference(score, best);
-        2 * score.parameters <= best.parameters && mean <= standard_error
-    });
-    Some(simpler.min_by_key(|(index, score)| (score.parameters, *index)).map_or(0, |(index, _)| index))
+        mean <= standard_error.min(AS_WELL.ln())
+    };
+    let of = || scores.iter().enumerate().filter(|(_, score)| as_well(score));
+    let simplest = of().filter(|(_, score)| 2 * score.parameters <= best.parameters);
+    let simplest = simplest.min_by_key(|(index, score)| (score.parameters, *index));
+    Some(simplest.or_else(|| of().find(|(_, score)| score.model == IN_DOUBT)).map_or(0, |(index, _)| index))
 }
 
 /// The mean difference of the logarithms of two models' errors over the parts, and its standard error.
@@ -220,19 +231,33 @@ mod tests {
     }
 
     #[test]
-    fn the_simplest_within_a_standard_error_is_chosen() {
+    fn the_simplest_that_does_as_well_as_the_best_is_chosen() {
         let best = score(Model::Narx, 35, &[1.0, 3.0, 2.0, 4.0]);
-        let alike = score(Model::BoucWen, 8, &[1.3, 2.8, 2.4, 3.6]);
-        let nearly_as_large = score(Model::PrandtlIshlinskii, 18, &[1.3, 2.8, 2.4, 3.6]);
+        let alike = score(Model::BoucWen, 8, &[1.2, 2.8, 2.2, 3.6]);
+        let nearly_as_large = score(Model::PrandtlIshlinskii, 18, &[1.2, 2.8, 2.2, 3.6]);
         let worse = score(Model::Voigt, 5, &[1.5, 3.4, 2.5, 4.6]);
-        assert_eq!(simplest(&[best.clone(), alike, worse.clone()]), Some(1));
-        assert_eq!(simplest(&[best.clone(), nearly_as_large]), Some(0));
+        assert_eq!(choose(&[best.clone(), alike, worse.clone()]), Some(1));
+        assert_eq!(choose(&[best.clone(), nearly_as_large]), Some(0));
         // Parts that are hard for both models do not make them alike, nor does one that is hard for the best alone.
-        assert_eq!(simplest(&[best, worse]), Some(0));
+        assert_eq!(choose(&[best, worse]), Some(0));
         let hard = score(Model::GeneralisedPrandtlIshlinskii, 38, &[0.419, 0.103, 0.08, 0.209, 0.974]);
         let far = score(Model::DisplacementExtremum, 7, &[0.576, 0.539, 0.381, 0.479, 0.519]);
-        assert_eq!(simplest(&[hard, far]), Some(0));
-        assert_eq!(simplest(&[]), None);
+        assert_eq!(choose(&[hard, far]), Some(0));
+        // Within its standard error, and half as much again.
+        let best = score(Model::GeneralisedPrandtlIshlinskii, 38, &[0.05, 0.04, 0.06]);
+        let scattered = score(Model::BoucWen, 8, &[0.04, 0.05, 0.2]);
+        assert_eq!(choose(&[best, scattered]), Some(0));
+        assert_eq!(choose(&[]), None);
+    }
+
+    #[test]
+    fn in_doubt_it_is_the_model_that_says_something_of_other_amplitudes() {
+        let best = score(Model::BoucWen, 8, &[1.0, 3.0, 2.0, 4.0]);
+        let middle = score(Model::MaxwellSlip, 16, &[1.1, 2.9, 2.1, 3.9]);
+        let general = score(Model::GeneralisedPrandtlIshlinskii, 38, &[1.2, 2.8, 2.2, 3.7]);
+        assert_eq!(choose(&[best.clone(), middle.clone(), general]), Some(2));
+        let far = score(Model::GeneralisedPrandtlIshlinskii, 38, &[1.2, 3.6, 2.4, 4.7]);
+        assert_eq!(choose(&[best, middle, far]), Some(0));
     }
 
     #[test]

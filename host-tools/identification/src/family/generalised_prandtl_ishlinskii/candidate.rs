@@ -55,6 +55,7 @@ pub struct Family {
 }
 
 /// A candidate's values by name.
+#[derive(Clone, Copy)]
 pub struct Values {
     pub delay_ticks: f64,
     pub lag_s: f64,

@@ -20,6 +20,9 @@ use log_survey::Character;
 use play_columns::{CREEP_TIMES, Course, FUNCTIONS, Solution, solve};
 use std::sync::Arc;
 
+/// A slew limit that makes the errors smaller by no more than this part of them is idle.
+const IDLE: f64 = 0.01;
+
 /// Longest interval of readings, s, at which a resonance is looked for.
 const SWINGS_S: f64 = 2e-3;
 
@@ -42,6 +45,16 @@ impl Family {
         let sessions = self.sessions(problem);
         let (plays, creep) = (self.weighed(values.law), self.creep(values.creep));
         solve(&sessions, &self.stages(values, &plays, &creep), self.stroke, self.least_slope())
+    }
+
+    /// The same without a slew limit that makes the fit hardly better: one that did not act in the training would cut whatever is faster.
+    fn without_idle_limit(&self, values: Values, problem: &Problem) -> Option<Values> {
+        let without = Values { slew_v_per_s: 0.0, ..values };
+        if values.slew_v_per_s == 0.0 {
+            return Some(values);
+        }
+        let better = self.solve(&without, problem)?.total - self.solve(&values, problem)?.total;
+        Some(if better < 2.0 * IDLE { without } else { values })
     }
 
     /// The model whose plays weigh so much.
@@ -100,9 +113,9 @@ impl super::Family for Family {
         Some(self.candidate(values, problem, Cost::from(Feedback::Simulation))?.0)
     }
 
-    /// With weights freed from the law, where the logs give any.
+    /// Without what did not act, and with weights freed from the law, where the logs give any.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
-        let values = self.values(values)?;
+        let values = self.without_idle_limit(self.values(values)?, problem)?;
         let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
         let law = self.solve(&values, problem)?;
         match freed(self, &values, &law, &self.sessions(problem), several) {
