@@ -65,6 +65,8 @@ impl Experiment {
 /// An actuator that is driven.
 struct Actuator {
     estimator: Estimator<f64>,
+    /// Displacement at the next tick, µm: what a tick returns is that of the one after it.
+    next: f64,
     voltage_zero: f64,
     tick_s: f64,
 }
@@ -73,6 +75,7 @@ impl Actuator {
     fn at_rest(table: &Admitted, voltage: f64) -> Self {
         let mut actuator = Self {
             estimator: Estimator::new(table),
+            next: 0.0,
             voltage_zero: table.voltage_zero_v.into(),
             tick_s: table.sample_period(),
         };
@@ -102,7 +105,7 @@ impl Actuator {
         (rise.hull(fall), [up, down])
     }
 
-    /// Goes from a voltage to another; returns the displacement there, µm. At least one tick.
+    /// Goes from a voltage to another; returns the displacement at the last tick, µm. At least one tick.
     fn ramp(&mut self, from: f64, to: f64, duration_s: f64) -> f64 {
         let ticks = (duration_s / self.tick_s).round().max(1.0) as u32;
         let mut displacement = 0.0;
@@ -112,7 +115,9 @@ impl Actuator {
         displacement
     }
 
+    /// Takes a tick's voltage, V; returns the displacement at the same tick, µm, as a log has them in one row.
     fn tick(&mut self, voltage: f64) -> f64 {
-        self.estimator.tick_volts(voltage + self.voltage_zero).displacement
+        let next = self.estimator.tick_volts(voltage + self.voltage_zero).displacement;
+        std::mem::replace(&mut self.next, next)
     }
 }

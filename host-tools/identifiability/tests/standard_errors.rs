@@ -14,9 +14,12 @@ const LOW: f64 = 0.0;
 const HIGH: f64 = 3.6;
 
 fn table() -> Admitted {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models/generalised-prandtl-ishlinskii.toml");
-    let (_, table) = table_files::TableFile::load(&path).unwrap();
+    table_of("generalised-prandtl-ishlinskii")
+}
+
+fn table_of(model: &str) -> Admitted {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models");
+    let (_, table) = table_files::TableFile::load(&models.join(format!("{model}.toml"))).unwrap();
     Table { interval: None, ..*table }.admit().unwrap()
 }
 
@@ -34,9 +37,13 @@ fn hold(seconds: f64) -> Vec<f64> {
 /// What a sensor with noise of this deviation (µm) sees of the table's own actuator; the noise is one of steps, so that every
 /// reading is independent.
 fn session(voltage: &[f64], noise_um: f64) -> Session {
-    let instants: Vec<u32> = (0..voltage.len() as u32).step_by(EVERY as usize).collect();
+    seen(&table(), voltage, EVERY, noise_um)
+}
+
+fn seen(table: &Admitted, voltage: &[f64], every: u32, noise_um: f64) -> Session {
+    let instants: Vec<u32> = (0..voltage.len() as u32).step_by(every as usize).collect();
     let blank = Session::new("made".into(), voltage.to_vec(), instants.clone(), vec![0.0; instants.len()], TICK_S);
-    let run = Run::of::<f64>(&table(), &blank, None, None);
+    let run = Run::of::<f64>(table, &blank, None, None);
     let noise = (0u32..).map(|n| if n.wrapping_mul(2_654_435_761) >> 31 == 0 { noise_um } else { -noise_um });
     let first = run.estimated[0];
     let seen = std::iter::once(first).chain(run.estimated).zip(noise).map(|(displacement, noise)| displacement + noise);
@@ -79,6 +86,26 @@ fn what_was_recorded_is_known_and_what_was_not_is_not() {
     assert!(of_loops.clone().count() == 2 && of_loops.clone().all(|found| found.told == Told::Slower), "{slow:#?}");
     let hardly = of(&major, 3.0);
     assert!(hardly.found.iter().any(|found| found.experiment == HALF && found.told == Told::Not), "{hardly:#?}");
+}
+
+/// How far apart the branches of the last sine of a session's displacement are at its middle voltage, µm.
+fn width_in_log(session: &Session, period: usize) -> f64 {
+    let last = &session.displacement[session.displacement.len() - period..];
+    last[3 * period / 4] - last[period / 4]
+}
+
+#[test]
+fn a_loop_is_as_wide_as_in_a_log_of_the_table_where_a_row_has_voltage_and_displacement_of_one_instant() {
+    for model in ["generalised-prandtl-ishlinskii", "bouc-wen", "prandtl-ishlinskii", "voigt-chain"] {
+        let table = table_of(model);
+        for (experiment, hz) in [(FULL, 1.0), (FAST, 10.0)] {
+            let log = seen(&table, &sines(1.0, hz, 2), 1, 1e-4);
+            let found = determination(&table, &[&log]).expect("there is something to tell").found;
+            let read = found.iter().find(|found| found.experiment == experiment).expect("every experiment is made");
+            let (read, logged) = (read.value_um, width_in_log(&log, (1.0 / hz / TICK_S).round() as usize));
+            assert!((read - logged).abs() < 0.005, "{model} at {hz} Hz: {read:.3} µm read, {logged:.3} µm in the log");
+        }
+    }
 }
 
 #[test]

@@ -168,7 +168,15 @@ fn fields(parameters: &Parameters) -> Vec<ParameterRow> {
     // Plain numbers, lists and tables of numbers: TOML has all of them.
     let Ok(toml::Value::Table(whole)) = toml::Value::try_from(parameters) else { return Vec::new() };
     let named = whole.iter().filter_map(|(_, model)| model.as_table()).flatten();
-    named.map(|(name, value)| (name.clone(), shown(value))).collect()
+    named.map(|(name, value)| (name.clone(), shown(value) + beside(name))).collect()
+}
+
+/// What tells a parameter from the searched coordinate of another value.
+fn beside(name: &str) -> &'static str {
+    match name {
+        "delay_ticks" => ", the coordinate delay less one tick: what a tick returns is the displacement at the next",
+        _ => "",
+    }
 }
 
 /// What else the table says.
