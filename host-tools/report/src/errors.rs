@@ -1,4 +1,4 @@
-//! The error over the generations (Fig. 4.9), and how it is distributed.
+//! The error over the steps of a search (Fig. 4.9), and how it is distributed.
 
 use super::axis::Axis;
 use super::svg::{Drawing, Frame};
@@ -10,8 +10,9 @@ const FRAME: Frame = Frame { left: 42.0, top: 22.0, width: 300.0, height: 208.0 
 const SIZE: (f64, f64, f64) = (350.0, 262.0, 11.0);
 const BINS: usize = 40;
 
-/// Training and held-out error after each generation; `None` where there is nothing to draw.
-pub fn convergence(course: &[Convergence], limit: usize) -> Option<Drawing> {
+/// Training and held-out error after each generation, or what else the search's steps are called; `None` where there is nothing to
+/// draw.
+pub fn convergence(course: &[Convergence], step: &str, limit: usize) -> Option<Drawing> {
     let line = |of: &dyn Fn(&Convergence) -> Option<f64>| -> Vec<Point> {
         let numbered = course.iter().enumerate();
         numbered.filter_map(|(n, after)| Some((n as f64, of(after).filter(|&error| drawable(error))?))).collect()
@@ -24,8 +25,8 @@ pub fn convergence(course: &[Convergence], limit: usize) -> Option<Drawing> {
     let (width, height, font) = SIZE;
     let mut drawing = Drawing::new(width, height, font);
     let errors = training.iter().chain(&held_out).map(|point| point.1);
-    let generations = Axis::tight([0.0, course.len().saturating_sub(1).max(1) as f64], 3);
-    let panel = drawing.panel(FRAME, generations, Axis::logarithmic(errors), ("generation", "error, µm"));
+    let steps = Axis::tight([0.0, course.len().saturating_sub(1).max(1) as f64], 3);
+    let panel = drawing.panel(FRAME, steps, Axis::logarithmic(errors), (step, "error, µm"));
     drawing.line(&panel, "training", &thin(training, limit));
     let mut entries = vec![("training", "training")];
     if !held_out.is_empty() {

@@ -235,9 +235,11 @@ fn place_figures(chosen: &Candidate, held_out: &[Swing], training: &[Swing], ret
 fn search_figures(report: &Report<'_>, limit: usize) -> Vec<Figure> {
     let chosen = report.chosen;
     let mut figures = Vec::new();
-    if let Some(drawing) = errors::convergence(&chosen.fit.convergence, limit) {
+    // The genetic algorithm has the Voigt family, other methods the rest.
+    let step = if chosen.fit.model.is_voigt() { "generation" } else { "step of the search" };
+    if let Some(drawing) = errors::convergence(&chosen.fit.convergence, step, limit) {
         let caption = format!(
-            "Error of the best candidate after each generation ({}; held out always in simulation). Where the training error \
+            "Error of the best candidate after each {step} ({}; held out always in simulation). Where the training error \
              still falls and the held-out error rises, the model learns the recording and no longer the actuator.",
             chosen.fit.minimised
         );

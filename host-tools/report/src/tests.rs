@@ -185,6 +185,23 @@ fn what_is_no_measurement_is_marked_over_time_and_listed() {
 }
 
 #[test]
+fn a_delay_that_is_a_tick_less_than_the_searched_one_says_why() {
+    let models = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models");
+    let (_, table) = table_files::TableFile::load(&models.join("generalised-prandtl-ishlinskii.toml")).unwrap();
+    let rows = rows::parameters(&table);
+    let (_, delay) = rows.iter().find(|(name, _)| name == "delay_ticks").expect("the model has a delay");
+    assert!(delay.contains("the coordinate delay less one tick"), "{delay}");
+}
+
+#[test]
+fn generations_are_drawn_of_the_genetic_algorithm_alone() {
+    let of = |model| html(&candidate(model, vec![log("a", 100, |_| 0.1)], Vec::new()), &[]);
+    let (voigt, other) = (of(Model::Voigt), of(Model::Duhem));
+    assert!(voigt.contains("after each generation") && voigt.contains(">generation</text>"));
+    assert!(!other.contains("generation") && other.contains(">step of the search</text>"));
+}
+
+#[test]
 fn names_are_escaped() {
     let name = "<img src=x onerror=\"a\">&'\u{0}";
     let chosen = candidate(Model::Voigt, vec![log(name, 100, |_| 0.1)], vec![log(name, 100, |_| 0.1)]);

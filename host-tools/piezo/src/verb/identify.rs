@@ -9,7 +9,7 @@ use findings::figures::{heading, row};
 use identifiability::Determination;
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
-use identification::{Candidate, Doubt, Job, ModelChoice, Outcome, StraightLine};
+use identification::{Candidate, Doubt, Job, ModelChoice, Outcome, SearchOptions, StraightLine};
 use log_survey::Stretch;
 use recordings::Role;
 use recordings::prepare::Recipe;
@@ -128,7 +128,7 @@ fn write(
         candidates: &outcome.candidates,
         straight_line: outcome.straight_line.as_ref(),
         flaws: &flaws,
-        facts: &[determined, &facts(arguments, job.cost, outcome), &noise].concat(),
+        facts: &[determined, &facts(arguments, job.cost, &job.search, outcome), &noise].concat(),
     })?;
     let shown = candidate.held_out.first().or(candidate.training.first()).context("no log was fitted to")?;
     let title = format!("{}: {}", shown.name, candidate.table.model());
@@ -179,21 +179,14 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
 }
 
 /// Provenance for the report.
-fn facts(arguments: &Identify, cost: Cost, outcome: &Outcome) -> Vec<(String, String)> {
+fn facts(arguments: &Identify, cost: Cost, search: &SearchOptions, outcome: &Outcome) -> Vec<(String, String)> {
     let recipe = &outcome.context.recipe;
-    let search = &arguments.search;
     let mut facts = vec![
         ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
         ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme)),
         ("Zero".to_owned(), remedy::zeros(recipe)),
         ("Cost".to_owned(), cost.to_string()),
-        (
-            "Search".to_owned(),
-            format!(
-                "seed {}, {} rounds of {} generations, {} chromosomes of {} bits a gene, mutation {}",
-                search.seed, search.rounds, search.generations, search.population, search.bits, search.mutation
-            ),
-        ),
+        ("Search".to_owned(), findings::search(outcome.candidate().table.model(), search)),
     ];
     for log in &outcome.logs {
         let role = match log.role {
