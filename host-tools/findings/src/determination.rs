@@ -25,6 +25,9 @@ pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, Strin
             Told::Well => by_model,
             Told::Partly => format!("{by_model}; to narrow it, record {record}, or more of it"),
             Told::Slower => format!("not known, no log goes as far that fast: record {record}"),
+            Told::Restless => format!(
+                "{value_um:.2} µm by the model's law, hardly by these logs: none rests so long behind a move; record {record}"
+            ),
             Told::Not => format!("{by_model}, hardly by these logs: record {record}, or more of it"),
         };
         (what, said)

@@ -17,7 +17,8 @@ pub enum Experiment {
         /// Its frequency, Hz.
         hz: f64,
     },
-    /// The whole range in a tenth of a second, and a hold: how far the displacement goes from 0.1 to 10 s after it.
+    /// Over the range and back, and a hold; then the whole range in a tenth of a second, and a hold: how far the displacement goes from
+    /// 0.1 to 10 s after it.
     Creep,
 }
 
@@ -43,6 +44,11 @@ impl Experiment {
         }
     }
 
+    /// From when to when after a move its voltage rests, s; `None` of one that does not.
+    pub(crate) fn rest_s(self) -> Option<(f64, f64)> {
+        (self == Self::Creep).then_some((FROM_S, TO_S))
+    }
+
     /// What is read off it, µm, by a table, over voltages relative to the model's zero.
     pub(crate) fn run(self, table: &Admitted, voltages: Range<f64>) -> f64 {
         let mut actuator = Actuator::at_rest(table, voltages.min);
@@ -54,6 +60,9 @@ impl Experiment {
                 down - up
             }
             Self::Creep => {
+                // What is not known of the start is wiped out, and what creeps since is over.
+                actuator.period(voltages, SLOW_HZ);
+                actuator.ramp(voltages.min, voltages.min, TO_S);
                 actuator.ramp(voltages.min, voltages.max, RAMP_S);
                 let there = actuator.ramp(voltages.max, voltages.max, FROM_S);
                 actuator.ramp(voltages.max, voltages.max, TO_S - FROM_S) - there

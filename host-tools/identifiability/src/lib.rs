@@ -13,11 +13,19 @@
 //! actuator does in an experiment is told by all of them together, and is what a user means. D takes every number to be known
 //! to its own size beforehand, so that what the logs do not see has a large standard error, and not an infinite one.
 //!
+//! Creep is asked for over seconds, and what a model makes of it is drawn from what is faster, where the logs do not rest. So its
+//! standard error has what the estimate was off by in their rests, as another rest would be; without any it says nothing.
+//!
+//! ```text
+//! se² + (1 + 1/n)·Σ e²/n            e what the estimate is off by more at the end of a rest, for a move over the range
+//! ```
+//!
 //! It is the errors of the readings that speak here, as if the model were right. What the model itself is wrong by, the
 //! interval beside the estimate says.
 
 mod experiment;
 mod numbers;
+mod rests;
 
 pub use experiment::Experiment;
 
@@ -26,6 +34,7 @@ use nalgebra::{DMatrix, DVector};
 use numbers::{Number, numbers};
 use rayon::prelude::*;
 use recordings::session::{Session, one_of_each};
+use rests::missed;
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 use validation::Run;
@@ -91,12 +100,14 @@ pub struct Found {
 pub enum Told {
     /// The standard error is at most half a percent of the stroke.
     Well,
-    /// It is more, and at most a tenth of what it was before them.
+    /// It is more, and at most a tenth of what it was before them; or the logs show what is asked for, in rests.
     Partly,
     /// What is known is mostly what the model takes for granted.
     Not,
     /// No log's voltage goes nearly as fast: number and standard error are those of a law that only slower ones have shown.
     Slower,
+    /// No log's voltage rests as long behind a move: number and standard error are those of a law that only what is quicker has shown.
+    Restless,
 }
 
 /// Why it is not known what logs determine of a table.
@@ -163,7 +174,14 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
     let stroke = before.first().map_or(0.0, |stroke| stroke.abs());
     let found = experiments.iter().enumerate().map(|(index, &experiment)| {
         let gradient = DVector::from_iterator(numbers.len(), changes.iter().map(|(_, results)| results[index]));
-        let standard_error_um = gradient.dot(&precision.solve(&gradient)).max(0.0).sqrt();
+        let by_readings = gradient.dot(&precision.solve(&gradient)).max(0.0);
+        let missed: Option<Vec<f64>> = experiment.rest_s().map(|rest_s| {
+            let of = sessions.iter().zip(&judged);
+            of.flat_map(|(session, judged)| missed(session, judged, voltages.span(), rest_s)).collect()
+        });
+        // A model without creep is none to be off in it.
+        let by_rests = missed.as_deref().filter(|_| by_readings > 0.0).map_or(0.0, as_another);
+        let standard_error_um = (by_readings + by_rests).sqrt();
         let value_um = before[index];
         let before_um = gradient.norm();
         let slower = experiment.swing(voltages.span()).is_some_and(|(swing_v, period_s)| {
@@ -171,9 +189,11 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
         });
         let told = if slower {
             Told::Slower
+        } else if missed.as_deref().is_some_and(<[f64]>::is_empty) {
+            Told::Restless
         } else if standard_error_um <= OF_STROKE * stroke {
             Told::Well
-        } else if standard_error_um <= LEFT * before_um {
+        } else if missed.is_some() || standard_error_um <= LEFT * before_um {
             Told::Partly
         } else {
             Told::Not
@@ -247,6 +267,12 @@ impl Judged {
             .map(|reading| if reading < self.start { start } else { settled })
             .collect()
     }
+}
+
+/// The variance of another of some numbers about 0; 0 of none.
+fn as_another(numbers: &[f64]) -> f64 {
+    let count = numbers.len().max(1) as f64;
+    (1.0 + 1.0 / count) * numbers.iter().map(|number| number * number).sum::<f64>() / count
 }
 
 fn mean_absolute(errors: &[f64]) -> f64 {

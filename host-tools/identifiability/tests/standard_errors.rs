@@ -75,6 +75,15 @@ fn what_was_recorded_is_known_and_what_was_not_is_not() {
         assert!(after < 0.6 * before, "{experiment:?}: {before:.4} µm without, {after:.4} µm with");
         assert!(before > 2.0 * error(&alone, FULL), "{experiment:?} was not in {before:.4} µm");
     }
+    let told_of_creep = |log: &[f64]| {
+        let of = of(log, 0.02);
+        of.found.iter().find(|found| found.experiment == Experiment::Creep).unwrap().told
+    };
+    let still = vec![LOW; (15.0 / TICK_S) as usize];
+    assert_eq!(told_of_creep(&[still, major.clone()].concat()), Told::Restless, "nothing moved before it rested");
+    let short = (5.0 / TICK_S) as usize;
+    assert_eq!(told_of_creep(&[major.clone(), hold(15.0)[..short].to_vec()].concat()), Told::Restless, "half as long");
+    assert_ne!(told_of_creep(&[major.clone(), hold(9.5)].concat()), Told::Restless);
     let loud = of(&major, 0.3);
     let told = |experiment| loud.found.iter().find(|found| found.experiment == experiment).unwrap().told;
     assert_eq!((told(FULL), told(HALF)), (Told::Well, Told::Partly), "{loud:#?}");
