@@ -95,6 +95,47 @@ fn a_unit_that_is_wrong_by_a_thousand_is_the_first_doubt() {
 }
 
 #[test]
+fn exchanged_columns_are_the_first_doubt_and_look_asks_for_them() {
+    let folder = tempfile::tempdir().unwrap();
+    // A late displacement, as hysteresis makes it.
+    let of = |k: u32| (sine(k), 3.0 + 0.3 * sine((k + 200).saturating_sub(8)) + 0.01 * noise(k));
+    let right = log(folder.path(), "right.csv", COLUMNS, 2000, of);
+    let exchanged = log(folder.path(), "exchanged.csv", COLUMNS, 2000, |k| (of(k).1, of(k).0));
+    let looked = |log: &Path| String::from_utf8(piezo().arg("look").arg(log).output().unwrap().stdout).unwrap();
+    let asked = "are the two columns exchanged?";
+    assert!(looked(&exchanged).contains(asked) && !looked(&right).contains(asked), "{}", looked(&exchanged));
+    let said = identified(&exchanged, &["--devices", "0"]);
+    let first = said.split("When not to trust it:\n- ").nth(1).unwrap_or_else(|| panic!("no doubts in {said}"));
+    assert!(first.starts_with("in exchanged the displacement runs ahead of the voltage"), "{first}");
+    assert!(first.contains(asked) && first.contains("--columns") && !said.contains("piezo install"), "{said}");
+    assert!(!identified(&right, &["--devices", "0"]).contains(asked));
+}
+
+#[test]
+fn a_held_out_voltage_that_goes_as_it_never_went_in_the_training_is_a_doubt() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |volts: f64, before: f64, k: u32| (volts, 0.3 * before + 0.01 * noise(k));
+    let slow = log(folder.path(), "slow.csv", COLUMNS, 2000, |k| of(sine(k), sine((k + 200).saturating_sub(4)), k));
+    // Small swings about the middle, where the training only passed.
+    let small = |k: u32| 20.0 + 0.2 * (sine(5 * k) - 20.0);
+    let other = log(folder.path(), "other.csv", COLUMNS, 2000, |k| of(small(k), small((k + 200).saturating_sub(4)), k));
+    let again =
+        log(folder.path(), "again.csv", COLUMNS, 2000, |k| of(sine(k), sine((k + 200).saturating_sub(4)), k + 9));
+    let said = |held_out: &Path| identified(&slow, &["--devices", "4", "--validate-on", text(held_out)]);
+    let words = "the voltage went as it never did in the training";
+    let doubted = said(&other);
+    let doubts = doubted.split("When not to trust it:").nth(1).unwrap_or_else(|| panic!("no doubts in {doubted}"));
+    assert!(doubts.contains("- on other ") && doubts.contains(words), "{doubts}");
+    let table = slow.with_extension("out").join("table.toml");
+    let validated = piezo().arg("validate").arg(&table).arg(&other).output().unwrap();
+    let validated = String::from_utf8(validated.stdout).unwrap();
+    let sentence = validated.lines().find(|line| line.contains(words)).unwrap_or_else(|| panic!("{validated}"));
+    let percent = sentence.trim().split(" %").next().unwrap();
+    assert!(doubts.contains(&format!("on other {percent} % of the time")), "{percent} in {doubts}");
+    assert!(!said(&again).contains(words), "{}", said(&again));
+}
+
+#[test]
 fn a_training_log_that_another_program_has_written_is_not_held_out() {
     let folder = tempfile::tempdir().unwrap();
     let [truth, point] = ["instruments/truth.csv", "instruments/german_point.csv"].map(super::data);

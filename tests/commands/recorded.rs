@@ -59,6 +59,19 @@ fn identify_doubts_every_log_that_is_an_estimate_and_no_other() {
 }
 
 #[test]
+fn look_says_which_logs_are_estimates_and_proposes_no_identification_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = recorded(folder.path(), "sin10");
+    let looked = |log: &str| {
+        let said = piezo().args(["look", log]).assert().success().get_output().stdout.clone();
+        String::from_utf8(said).unwrap()
+    };
+    let [estimated, measured] = [looked(text(&log)), looked(MEASURED)];
+    assert!(estimated.contains(DOUBT) && !estimated.contains("piezo identify"), "{estimated}");
+    assert!(!measured.contains(DOUBT) && measured.contains("piezo identify"), "{measured}");
+}
+
+#[test]
 fn validate_says_which_logs_are_estimates() {
     let folder = tempfile::tempdir().unwrap();
     let log = recorded(folder.path(), "sin10");

@@ -1,6 +1,6 @@
 //! What was understood of a log before anything is fitted to it, in words.
 
-use crate::doubt::implausible;
+use crate::doubt::{implausible, runs_ahead};
 use crate::flaw::flaw_found;
 use crate::short::short;
 use log_survey::{Cell, Clock, ColumnRead, Flaw, RateSource, Series, Survey};
@@ -12,6 +12,10 @@ const SELDOM_S: f64 = 0.1;
 const REST: u64 = 8;
 /// Smallest part of a mean half cycle that does: a sine's crest, rounded, is one number for less.
 const PART_OF_A_HALF_CYCLE: u64 = 20;
+
+/// What a displacement that no sensor has measured is, and what helps.
+const ESTIMATED: &str = "the displacement is a device's estimate, no sensor's: nothing is to be learnt from it, and no error read off it; \
+                         piezo record records a sensor that board.toml says the span of (--board)";
 
 /// What was understood of a log, a line each, and why there is no displacement.
 pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
@@ -37,8 +41,14 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
             None => line(name, refusal.unwrap_or("no column holds it")),
         }
     }
+    if survey.displacement_estimated {
+        line("", ESTIMATED);
+    }
     if let Some(of) = &survey.implausible {
         line("doubtful", &implausible(of));
+    }
+    if let Some(of) = &survey.ahead {
+        line("doubtful", &runs_ahead(of));
     }
     if let Some(frozen) = survey.frozen {
         let words = format!(
@@ -187,13 +197,40 @@ mod tests {
     }
 
     fn said(displacement: impl Fn(u32, f64) -> f64) -> String {
-        let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
         let voltage = |row: u32| 50.0 - 50.0 * (f64::from(row) * 0.01).cos();
         let row =
             |row| format!("{},{},{}\n", f64::from(row) * 1e-3, voltage(row), displacement(row, 0.1 * voltage(row)));
         let rows: String = (0..4000).map(row).collect();
-        std::fs::write(file.path(), format!("time_s,voltage_V,displacement_um\n{rows}")).unwrap();
+        said_of(&format!("time_s,voltage_V,displacement_um\n{rows}"))
+    }
+
+    fn said_of(log: &str) -> String {
+        let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
+        std::fs::write(file.path(), log).unwrap();
         surveyed(&survey(open(file.path(), &ReadOptions::default()).unwrap()).unwrap(), None).join("\n")
+    }
+
+    #[test]
+    fn a_displacement_that_is_an_estimate_is_said_to_be_one() {
+        let of = |name: &str| said_of(&format!("time_s,voltage_V,{name}\n0,0,0\n0.1,1,1\n0.2,2,2\n0.3,1,1\n"));
+        assert!(
+            of("estimated_displacement_um").contains("the displacement is a device's estimate, no sensor's"),
+            "{}",
+            of("estimated_displacement_um")
+        );
+        assert!(!of("displacement_um").contains("estimate"));
+    }
+
+    #[test]
+    fn a_displacement_that_runs_ahead_is_asked_whether_the_columns_are_exchanged() {
+        // The displacement of a quarter of a radian later, or earlier.
+        let of = |rows: f64| said(|row, _| 5.0 - 5.0 * ((f64::from(row) + rows) * 0.01).cos());
+        let (behind, ahead) = (of(-25.0), of(25.0));
+        assert!(
+            ahead.contains("the displacement runs ahead of the voltage") && ahead.contains("exchanged?"),
+            "{ahead}"
+        );
+        assert!(!behind.contains("exchanged"), "{behind}");
     }
 
     #[test]

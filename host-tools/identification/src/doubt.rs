@@ -2,7 +2,8 @@
 
 use calibration::Assumed;
 use estimator_core::DuhemCondition;
-use log_survey::{Flaw, Implausible};
+use log_survey::{Ahead, Flaw, Implausible};
+use recordings::Part;
 use serde::Serialize;
 
 /// A reason not to trust a result.
@@ -13,6 +14,14 @@ pub enum Doubt {
     EstimatedDisplacement {
         /// Name of the log.
         log: String,
+    },
+    /// The displacement of a training log runs ahead of its voltage.
+    RunsAhead {
+        /// Name of the log.
+        log: String,
+        /// By how much.
+        #[serde(flatten)]
+        by: Ahead,
     },
     /// A searched coordinate ended at an end of its range.
     AtBound {
@@ -77,11 +86,15 @@ pub enum Doubt {
     SingleFrequency {
         /// Somebody says what the lag is.
         lag_said: bool,
+        /// Training logs of which no more than a part was learnt from.
+        parts: Vec<Part>,
     },
     /// All swings are about as large.
     SingleAmplitude {
         /// The model has terms that need several.
         extremum_terms: bool,
+        /// Training logs of which no more than a part was learnt from.
+        parts: Vec<Part>,
     },
     /// The estimate is off by a constant on what was held out.
     Drift {
@@ -97,6 +110,15 @@ pub enum Doubt {
     BeyondTraining {
         /// Name of the log.
         log: String,
+    },
+    /// On a held-out log the voltage goes as it never went in the training.
+    Untrained {
+        /// Name of the log.
+        log: String,
+        /// How much of the time, %.
+        percent: f64,
+        /// When first, s since the log's first sample.
+        first_s: f64,
     },
     /// The voltage is read with more noise than the deadband.
     NoisyVoltage {
@@ -147,7 +169,7 @@ impl Doubt {
     /// Where it stands among others: the gravest first.
     pub fn rank(&self) -> u8 {
         match self {
-            Self::ImplausibleStroke(_) | Self::EstimatedDisplacement { .. } => 0,
+            Self::ImplausibleStroke(_) | Self::EstimatedDisplacement { .. } | Self::RunsAhead { .. } => 0,
             Self::Diverges { .. }
             | Self::PoorFit { .. }
             | Self::NoBetterThanLine { .. }

@@ -15,12 +15,12 @@ use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
 use log_survey::{
-    Character, Flaw, Implausible, falls, flaws, gravest, is_noise, leave_out, mended, prepared, range, sound,
+    Character, Flaw, Implausible, ahead, falls, flaws, gravest, is_noise, leave_out, mended, prepared, range, sound,
 };
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
-use recordings::{LogUse, Role};
+use recordings::{LogUse, Part, Role};
 use sha2::{Digest as _, Sha256};
 
 /// What to identify from what.
@@ -159,7 +159,7 @@ impl Job {
                 seed: self.search.seed,
             },
             logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
-            of_logs: [self.estimates(), self.flawed(&repaired)].concat(),
+            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&repaired)].concat(),
             delay_at_bound: estimated.filter(|delay| delay.at_bound).map(|_| Doubt::DelayAtBound { delay_ms }),
         })
     }
@@ -194,7 +194,8 @@ impl Job {
             let why = failed.into_iter().find(|(failed, _)| *failed == model);
             return Err(why.map_or(JobError::NothingFound, |(model, source)| JobError::Failed { model, source }));
         };
-        let mut doubts = [of_logs, doubts(&candidates[chosen], &character, self.cost, self.conditions.lag_s)].concat();
+        let (of, lag_s) = (&candidates[chosen], self.conditions.lag_s);
+        let mut doubts = [of_logs, doubts(of, &character, self.cost, lag_s, &self.parts())].concat();
         doubts.extend(delay_at_bound);
         doubts.extend(implausible(&problem).map(Doubt::ImplausibleStroke));
         doubts.extend(self.calibration.assumed().map(|converters| Doubt::CalibrationAssumed { converters }));
@@ -208,6 +209,18 @@ impl Job {
     fn estimates(&self) -> Vec<Doubt> {
         let logs = self.training.iter().chain(&self.held_out).filter(|log| log.displacement_estimated);
         logs.map(|log| Doubt::EstimatedDisplacement { log: log.name.clone() }).collect()
+    }
+
+    /// What is learnt from of the training logs, where that is a part of each.
+    fn parts(&self) -> Vec<Part> {
+        let learnt = |log: &Log| Part::from(&self.prepare.cut(log).split(self.hold_out).0);
+        if self.hold_out > 0.0 { self.training.iter().map(learnt).collect() } else { Vec::new() }
+    }
+
+    /// A doubt for each training log whose displacement runs ahead of its voltage.
+    fn run_ahead(&self) -> Vec<Doubt> {
+        let of = |log: &Log| Some(Doubt::RunsAhead { log: log.name.clone(), by: ahead(&self.prepare.cut(log))? });
+        self.training.iter().filter_map(of).collect()
     }
 
     /// A doubt for each kind of flaw of each log; `repaired` are the logs of which what was measured there was left out.

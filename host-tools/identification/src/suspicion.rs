@@ -7,6 +7,7 @@ use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::{Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
 use log_survey::Character;
+use recordings::Part;
 
 /// More reversals than this multiple of the large ones are noise.
 const NOISY: usize = 3;
@@ -28,11 +29,15 @@ const DRIFT: f64 = 0.5;
 const OFFSET: f64 = 1e-3;
 /// f32 may differ from f64 by this fraction of the stroke.
 const SINGLE_PRECISION: f64 = 1e-4;
-/// Errors in the first tenth of a log beyond this multiple of the largest later on are a transient.
-const TRANSIENT: f64 = 2.0;
 
-/// Every doubt about a candidate, gravest first.
-pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: Option<f64>) -> Vec<Doubt> {
+/// Every doubt about a candidate, gravest first. `parts` are those of the training logs that were not learnt from as a whole.
+pub fn doubts(
+    candidate: &Candidate,
+    character: &Character,
+    cost: Cost,
+    lag_s: Option<f64>,
+    parts: &[Part],
+) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     let model = candidate.table.model();
     let in_chain =
@@ -63,7 +68,7 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
         _ => doubts.push(Doubt::NothingHeldOut),
     }
     for comparison in &candidate.training {
-        if let Some(until_s) = transient(&comparison.trace) {
+        if let Some(until_s) = comparison.trace.transient_s() {
             doubts.push(Doubt::Transient { log: comparison.name.clone(), until_s });
         }
     }
@@ -77,10 +82,11 @@ pub fn doubts(candidate: &Candidate, character: &Character, cost: Cost, lag_s: O
     }
     doubts.extend(spans(candidate));
     if character.single_amplitude() {
-        doubts.push(Doubt::SingleAmplitude { extremum_terms });
+        doubts.push(Doubt::SingleAmplitude { extremum_terms, parts: parts.to_vec() });
     }
     if character.single_frequency() {
-        doubts.push(Doubt::SingleFrequency { lag_said: lag_s.is_some_and(|said| kept(said, candidate)) });
+        let lag_said = lag_s.is_some_and(|said| kept(said, candidate));
+        doubts.push(Doubt::SingleFrequency { lag_said, parts: parts.to_vec() });
     }
     for comparison in &candidate.held_out {
         if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {
@@ -150,38 +156,9 @@ fn spans(candidate: &Candidate) -> Vec<Doubt> {
     found.into_iter().filter(|(inside, _)| !inside).map(|(_, converter)| Doubt::ConverterSpan { converter }).collect()
 }
 
-/// How long the first tenth of a trace has errors beyond [`TRANSIENT`] times the largest of the rest, s.
-fn transient(trace: &Trace) -> Option<f64> {
-    let errors: Vec<f64> = trace.estimated.iter().zip(&trace.measured).map(|(e, m)| (e - m).abs()).collect();
-    let (early, rest) = errors.split_at(errors.len() / 10);
-    let large = TRANSIENT * rest.iter().copied().fold(0.0, f64::max);
-    let last = early.iter().rposition(|&error| error > large)?;
-    // The first time is that of the second sample.
-    Some(trace.time_s[last + 1] - trace.time_s[0])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn trace(error: impl Fn(usize) -> f64) -> Trace {
-        let measured = vec![0.0; 1000];
-        Trace {
-            time_s: (0..1000).map(|k| k as f64 * 0.01).collect(),
-            voltage: measured.clone(),
-            estimated: (0..1000).map(error).collect(),
-            measured,
-        }
-    }
-
-    #[test]
-    fn only_a_large_error_at_the_beginning_is_a_transient() {
-        let ripple = |k: usize| 0.1 * (k as f64).sin();
-        assert_eq!(transient(&trace(ripple)), None);
-        let until = transient(&trace(|k| ripple(k) + if k < 30 { 1.0 } else { 0.0 })).unwrap();
-        assert!((until - 0.30).abs() < 1e-9, "{until}");
-        assert_eq!(transient(&trace(|k| ripple(k) + if k % 200 < 30 { 1.0 } else { 0.0 })), None);
-    }
 
     #[test]
     fn a_log_that_is_missed_is_a_poor_fit_and_offsets_of_either_sign_are_a_drift() {

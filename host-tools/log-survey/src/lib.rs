@@ -4,6 +4,7 @@
 //! A log passes by once and is not kept: [`survey`] needs at most some 150 MB however long it is. Of a log with more than 2¹⁸ rows,
 //! neighbouring rows are kept as their extremes, and of one with more than 2²² no flaws are looked for.
 
+mod ahead;
 mod blocks;
 mod character;
 mod clock;
@@ -25,6 +26,7 @@ mod swings;
 use recordings::log::{Chosen, LogError, Reading, Remark, Row};
 use serde::Serialize;
 
+pub use ahead::{Ahead, ahead};
 pub use blocks::Block;
 pub use character::Character;
 pub use clock::{Clock, RateSource};
@@ -60,8 +62,12 @@ pub struct Survey {
     pub voltage: Option<Series>,
     /// The displacement, µm, where there is one.
     pub displacement: Option<Series>,
+    /// The displacement is a device's estimate and no sensor's.
+    pub displacement_estimated: bool,
     /// They do not go together in a piezo actuator.
     pub implausible: Option<Implausible>,
+    /// The displacement runs ahead of the voltage; `None` also where there are too many rows to look for it.
+    pub ahead: Option<Ahead>,
     /// The longest stretch in which the displacement is one number and the voltage moves most.
     pub frozen: Option<Stillness>,
     /// What is no measurement, the gravest of each kind; `None` where there are too many rows to look for it.
@@ -100,6 +106,7 @@ impl From<Chosen> for ColumnRead {
 /// The first row that is none; a stated rate that the file contradicts.
 pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
     let remarks = reading.remarks();
+    let displacement_estimated = reading.displacement_estimated();
     let columns = reading.chosen().into_iter().map(ColumnRead::from).collect();
     let stated = reading.stated_period()?.map(|seconds| (seconds, reading.sample_time().map(|time| time.name.clone())));
     let mut tally = Tally::default();
@@ -117,8 +124,10 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         rows: tally.rows,
         implausible: displacement.zip(voltage).and_then(|(y, v)| Implausible::of(y.high - y.low, v.high - v.low)),
         displacement,
+        displacement_estimated,
         frozen: tally.watch.result(voltage.as_ref()),
         voltage,
+        ahead: tally.kept.ahead(&clock).filter(|_| !displacement_estimated),
         flaws: tally.kept.flaws(&clock),
         clock,
         swings,

@@ -1,5 +1,6 @@
-//! The rows of a log as long as it is none of the longest, to look for its flaws as an identification does.
+//! The rows of a log as long as it is none of the longest, to look for its flaws, and for exchanged columns, as an identification does.
 
+use crate::ahead::{self, Ahead};
 use crate::clock::Clock;
 use crate::flaw::{Flaw, gravest, in_rows};
 use serde::Serialize;
@@ -34,6 +35,12 @@ impl Rows {
             voltage.push(volts);
             displacement.push(micrometres);
         }
+    }
+
+    /// What of them runs the wrong way round.
+    pub fn ahead(&self, clock: &Clock) -> Option<Ahead> {
+        let (voltage, displacement) = self.0.as_ref().filter(|_| clock.hz.is_finite())?;
+        ahead::in_rows(voltage, displacement, 1.0 / clock.hz)
     }
 
     /// The gravest flaw of each kind; `None` where there are too many rows to look for them.

@@ -15,10 +15,10 @@ mod verdict;
 mod waveform;
 
 pub use bench::{complaint, identify, introduced, stopped};
-pub use bits::{Meaning, faults, remarks, status};
+pub use bits::{Meaning, faults, status};
 pub use device::{board, not_estimating, refusal, rehearsed};
 pub use findings::{
-    DETERMINED, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason, remarked,
+    DETERMINED, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason, remarked, remarks,
     surveyed,
 };
 pub use identification::{ENDS, mismatch};

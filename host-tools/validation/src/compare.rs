@@ -6,35 +6,10 @@ use crate::figures::Figures;
 use crate::run::Run;
 use crate::scope::{Part, Scope, ScopeError, time_s};
 use crate::told::{Correction, Told, ToldFigures};
+use crate::trace::Trace;
 use estimator_core::{Admitted, Status};
 use recordings::session::Session;
 use serde::Serialize;
-
-/// An estimate beside the sensor, at the measured instants after the first.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Trace {
-    /// Time within the log, s.
-    pub time_s: Vec<f64>,
-    /// Voltage, V relative to the model's zero.
-    pub voltage: Vec<f64>,
-    /// Sensor, µm relative to the model's zero.
-    pub measured: Vec<f64>,
-    /// Reference estimate, µm.
-    pub estimated: Vec<f64>,
-}
-
-impl Trace {
-    /// Without what lies before an instant.
-    fn since(self, from: usize) -> Self {
-        let rest = |values: Vec<f64>| values.into_iter().skip(from).collect();
-        Self {
-            time_s: rest(self.time_s),
-            voltage: rest(self.voltage),
-            measured: rest(self.measured),
-            estimated: rest(self.estimated),
-        }
-    }
-}
 
 /// The f32 core as a device starts: without the sensor's first reading, from rest at the first voltage.
 #[derive(Clone, PartialEq, Debug, Serialize)]

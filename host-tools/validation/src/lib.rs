@@ -12,8 +12,9 @@ pub mod statistics;
 mod straight_line;
 mod suspicion;
 mod told;
+mod trace;
 
-pub use compare::{Cold, Comparison, Raised, Trace, compare, compare_within};
+pub use compare::{Cold, Comparison, Raised, compare, compare_within};
 pub use coverage::Coverage;
 pub use estimates::{Estimates, Instant, estimates};
 pub use figures::Figures;
@@ -22,3 +23,4 @@ pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S, errors_within};
 pub use straight_line::{Point, StraightLine};
 pub use suspicion::{Evidence, Suspicion};
 pub use told::{Told, ToldFigures};
+pub use trace::Trace;

@@ -4,16 +4,16 @@ use calibration::CalibrationOptions;
 use estimator_core::{DuhemCondition, DuhemParameters, Model, Parameters, Range, Table};
 use identification::cost::Feedback;
 use identification::{Candidate, Character, Conditions, Doubt, Job, ModelChoice, SearchOptions, doubts};
+use recordings::Part;
+use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 use recordings::rig::{EXCITATIONS, Rig};
 
-#[test]
-fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not() {
-    let rig = Rig { duration: 0.5, ..Rig::default() };
-    let outcome = Job {
-        training: EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).collect(),
+fn job(training: Vec<Log>, hold_out: f64) -> Job {
+    Job {
+        training,
         held_out: Vec::new(),
-        hold_out: 0.0,
+        hold_out,
         prepare: PrepareOptions { delay: AutoOr::Given(0.0), ..PrepareOptions::default() },
         model: ModelChoice::Is(Model::Duhem),
         conditions: Conditions::default(),
@@ -21,8 +21,45 @@ fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not
         cost: Feedback::Simulation.into(),
         search: SearchOptions { evaluations: 40, ..SearchOptions::default() },
     }
-    .run(&mut |_, _| ())
-    .unwrap();
+}
+
+/// The rig's slow sine, 10 s of it.
+fn slow() -> Log {
+    Rig { duration: 10.0, ..Rig::default() }.log(EXCITATIONS[0])
+}
+
+#[test]
+fn exchanged_columns_are_a_grave_doubt_and_no_others_are() {
+    let ahead = |log: Log| -> Vec<Doubt> {
+        let mut doubts = job(vec![log], 0.5).run(&mut |_, _| ()).unwrap().doubts;
+        doubts.retain(|doubt| matches!(doubt, Doubt::RunsAhead { .. }));
+        doubts
+    };
+    assert_eq!(ahead(slow()), []);
+    let Log { voltage, displacement, .. } = slow();
+    let exchanged = Log { voltage: displacement.unwrap(), displacement: Some(voltage), ..slow() };
+    let found = ahead(exchanged);
+    assert!(found.len() == 1 && found[0].grave(), "{found:?}");
+}
+
+#[test]
+fn a_single_frequency_is_that_of_what_was_learnt() {
+    let parts = |hold_out| {
+        let doubts = job(vec![slow()], hold_out).run(&mut |_, _| ()).unwrap().doubts;
+        doubts.into_iter().find_map(|doubt| match doubt {
+            Doubt::SingleFrequency { parts, .. } => Some(parts),
+            _ => None,
+        })
+    };
+    assert_eq!(parts(0.4), Some(vec![Part { log: "sin1".into(), from_s: 0.0, to_s: 6.0 }]));
+    assert_eq!(parts(0.0), Some(Vec::new()));
+}
+
+#[test]
+fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not() {
+    let rig = Rig { duration: 0.5, ..Rig::default() };
+    let outcome =
+        job(EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).collect(), 0.0).run(&mut |_, _| ()).unwrap();
     let candidate = outcome.candidate();
     let Parameters::Duhem(found) = candidate.table.parameters else { panic!("another model") };
     let character = Character::of(outcome.problem.training(), outcome.problem.deadband);
@@ -30,7 +67,8 @@ fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not
         let parameters = Parameters::Duhem(set);
         let wide = Range { min: -1e3, max: 1e3 };
         let table = Table { parameters, displacement_limits_um: wide, ..*candidate.table }.admit().unwrap();
-        let doubts = doubts(&Candidate { table, ..candidate.clone() }, &character, Feedback::Simulation.into(), None);
+        let doubts =
+            doubts(&Candidate { table, ..candidate.clone() }, &character, Feedback::Simulation.into(), None, &[]);
         let condition = |doubt: Doubt| match doubt {
             Doubt::UnmetCondition { condition } => Some(condition),
             _ => None,

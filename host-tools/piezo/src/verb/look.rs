@@ -52,7 +52,8 @@ pub fn run(arguments: &Look) -> Result<bool> {
     for path in &arguments.logs {
         let (reading, refusal) = opened(path, arguments)?;
         let found = survey(reading)?;
-        learnable &= refusal.is_none() && found.voltage.is_some() && found.displacement.is_some();
+        let measured = found.displacement.is_some() && !found.displacement_estimated;
+        learnable &= refusal.is_none() && found.voltage.is_some() && measured;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         pictures.push(report::survey(&found, &name));
         if arguments.json {

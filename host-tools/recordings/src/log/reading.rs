@@ -80,6 +80,12 @@ impl<'a> Reading<'a> {
         self.channels.remarks()
     }
 
+    /// Whether the displacement is an estimate and no sensor's, by the name of its column.
+    #[must_use]
+    pub fn displacement_estimated(&self) -> bool {
+        self.channels.displacement_estimated
+    }
+
     /// What the file says about its sample time outside its columns.
     #[must_use]
     pub fn sample_time(&self) -> Option<&SampleTime> {
