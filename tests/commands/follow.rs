@@ -54,6 +54,18 @@ fn sound() -> impl Plant {
 }
 
 #[test]
+fn a_rest_is_no_fault_in_what_record_and_monitor_say() {
+    let device = driven(sound());
+    let (folder, port) = (tempfile::tempdir().unwrap(), format!("tcp:{}", device.address()));
+    let log = folder.path().join("rest.csv");
+    for verb in [&["record", "--out", text(&log), "--seconds", "0.3"][..], &["monitor", "--seconds", "3"]] {
+        let said = String::from_utf8(piezo().args(verb).args(["--port", &port]).output().unwrap().stdout).unwrap();
+        assert!(said.contains("the DAC is at its rest, as it is while nothing is followed"), "{verb:?}: {said}");
+        assert!(!said.contains("safe value") && !said.contains("mend what else is wrong"), "{verb:?}: {said}");
+    }
+}
+
+#[test]
 fn a_dry_run_drives_nothing_and_the_impossible_is_not_tried() {
     let (done, log) = followed_about(20.0, true, sound());
     assert!(done.status.success() && log.is_none());

@@ -3,13 +3,14 @@
 use device_link::window::Window;
 use device_link::words;
 use estimator_core::Range;
+use protocol::{Faults, Mode};
 use serde_json::json;
 
 /// Characters of the bar.
 const BAR: usize = 50;
 
-/// The last second in a line; `received` and `lost` are its samples.
-pub fn line(window: &Window, received: u64, lost: u64) -> String {
+/// The last second in a line; `received` and `lost` are its samples, `drives` is the mode of a device that drives the amplifier.
+pub fn line(window: &Window, drives: Option<Mode>, received: u64, lost: u64) -> String {
     let (Some(y), Some(v), Some(code)) = (window.displacement(), window.voltage(), window.code()) else {
         return format!("no samples; {lost} lost");
     };
@@ -23,7 +24,7 @@ pub fn line(window: &Window, received: u64, lost: u64) -> String {
         v.min,
         v.max,
         part(window),
-        said(window).map_or(String::new(), |said| format!("  {said}"))
+        said(window, drives).map_or(String::new(), |said| format!("  {said}"))
     )
 }
 
@@ -62,15 +63,19 @@ pub fn object(window: &Window, time_s: f64, samples: u64, lost: u64) -> String {
     .to_string()
 }
 
-/// Status and faults of the last second in words, if there are any.
-fn said(window: &Window) -> Option<String> {
-    let faults = words::faults(window.faults()).map(|(_, what)| what);
+/// Status and faults of the last second in words, if there are any; a rest is no fault.
+fn said(window: &Window, drives: Option<Mode>) -> Option<String> {
+    let rests = drives.is_some_and(|mode| words::rests(mode, window.faults()));
+    let faults = if rests { Faults::empty() } else { window.faults() };
+    let rest = rests.then_some(words::AT_REST);
+    let faults = words::faults(faults).map(|(_, what)| what).chain(rest);
     let words = words::list(faults.chain(words::status(window.status()).map(|(_, what)| what)));
     (!words.is_empty()).then_some(words)
 }
 
-/// The last second as lines for people, with the table's limits and the samples that come in a second.
-pub fn picture(window: &Window, limits: Range, rate: Option<f64>) -> Vec<String> {
+/// The last second as lines for people, with the mode of a device that drives the amplifier, the table's limits and the samples that come
+/// in a second.
+pub fn picture(window: &Window, drives: Option<Mode>, limits: Range, rate: Option<f64>) -> Vec<String> {
     let (Some(y), Some(v), Some(code)) = (window.displacement(), window.voltage(), window.code()) else {
         return vec!["waiting for samples …".to_owned(), "Ctrl-C ends".to_owned()];
     };
@@ -80,7 +85,7 @@ pub fn picture(window: &Window, limits: Range, rate: Option<f64>) -> Vec<String>
         format!("voltage      {:10.4} V    last second {:.4} … {:.4} V   ADC code {code}", v.last, v.min, v.max),
         format!("{:.1} {} {:.1} µm", limits.min, bar(y.last, limits), limits.max),
         format!("{rate} samples a second{}, {} lost", part(window), window.lost()),
-        said(window).unwrap_or("all is well".to_owned()),
+        said(window, drives).unwrap_or("all is well".to_owned()),
         "Ctrl-C ends".to_owned(),
     ]
 }
@@ -99,7 +104,9 @@ mod tests {
     use device_link::Client;
     use emulator::faults::lose_samples_at;
     use emulator::{Emulator, FaultyLine, TABLE};
-    use estimator_core::{AdcCode, DacCode};
+    use estimator_core::{AdcCode, DacCode, Status};
+    use protocol::{Sample, Samples};
+    use std::num::NonZeroU8;
     use std::time::{Duration, Instant};
 
     const LIMITS: Range = Range { min: -5.0, max: 45.0 };
@@ -109,6 +116,28 @@ mod tests {
         let place = |value| bar(value, LIMITS).chars().position(|c| c == '█');
         assert_eq!((place(-5.0), place(45.0), place(-1e9), place(f32::NAN)), (Some(0), Some(49), Some(0), Some(0)));
         assert_eq!(bar(20.0, LIMITS).chars().count(), BAR);
+    }
+
+    #[test]
+    fn a_rest_is_said_to_be_one_where_the_device_drives_and_nothing_else_is_wrong() {
+        let of = |faults: Faults, drives| {
+            let (status, half_width) = (Status::empty(), None);
+            let sample = Sample { code: 3, sensor: None, displacement: 1.0, half_width, dac: 0, status, faults };
+            let mut window = Window::new(TABLE.adc, 2000);
+            window.take(&Samples { first: 0, every: NonZeroU8::MIN, samples: [sample].into_iter().collect() });
+            (line(&window, drives, 1, 0), picture(&window, drives, LIMITS, None).join("\n"))
+        };
+        let (line, picture) = of(Faults::SAFE_OUTPUT, Some(Mode::Estimate));
+        assert!(line.contains(words::AT_REST) && picture.contains(words::AT_REST), "{line}\n{picture}");
+        assert!(!line.contains("safe value") && !picture.contains("safe value"), "{line}\n{picture}");
+        let wrong = [
+            (Faults::SAFE_OUTPUT, None),
+            (Faults::SAFE_OUTPUT, Some(Mode::Follow)),
+            (Faults::SAFE_OUTPUT | Faults::AMPLIFIER, Some(Mode::Estimate)),
+        ];
+        for (faults, drives) in wrong {
+            assert!(of(faults, drives).0.contains("the DAC stands at its safe value"), "{faults:?} {drives:?}");
+        }
     }
 
     #[test]
@@ -124,8 +153,8 @@ mod tests {
         let (mut client, _) = Client::connect(&faulty.address().into()).unwrap();
         client.stream(true).unwrap();
         let mut window = Window::new(TABLE.adc, 2000);
-        assert!(picture(&window, LIMITS, None)[0].contains("waiting"));
-        assert_eq!(line(&window, 0, 0), "no samples; 0 lost");
+        assert!(picture(&window, None, LIMITS, None)[0].contains("waiting"));
+        assert_eq!(line(&window, None, 0, 0), "no samples; 0 lost");
         let until = Instant::now() + Duration::from_secs(10);
         while (window.received() < 200 || window.lost() == 0) && Instant::now() < until {
             client.samples(Duration::from_millis(100)).unwrap().iter().for_each(|samples| window.take(samples));
@@ -134,7 +163,7 @@ mod tests {
         let object: serde_json::Value = serde_json::from_str(&object(&window, 1.0, 7, 8)).unwrap();
         assert!(object["displacement_um"].is_number() && object["voltage_V"].is_number(), "{object}");
         assert_eq!((&object["samples"], &object["lost"]), (&json!(7), &json!(8)));
-        let picture = picture(&window, LIMITS, Some(1999.7)).join("\n");
+        let picture = picture(&window, None, LIMITS, Some(1999.7)).join("\n");
         for part in ["µm", " V ", "█", "2000 samples a second", "had not turned at either end"] {
             assert!(picture.contains(part), "{part:?} is missing in\n{picture}");
         }

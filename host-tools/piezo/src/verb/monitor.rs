@@ -106,10 +106,11 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
         return Ok(true);
     }
     let window = device.window();
-    device.client.stream(true)?;
     let people = !arguments.json && std::io::stdout().is_terminal() && std::io::stdin().is_terminal();
     let limits = device.table.displacement_limits_um;
-    let mut watched = Watched { device: &mut device, datagrams, over: &over };
+    let drives = device.table.drive.map(|_| device.client.health()).transpose()?.map(|health| health.mode);
+    device.client.stream(true)?;
+    let mut watched = Watched { device: &mut device, drives, datagrams, over: &over };
     let shown = if people { block(&mut watched, window, limits) } else { lines(&mut watched, window, arguments.json) };
     let stopped = device.client.stream(false);
     shown?;
@@ -135,6 +136,7 @@ fn open(arguments: &Monitor, span: Option<(f64, f64)>) -> Result<Device> {
 /// A device that is looked at, who else is told, and until when.
 struct Watched<'a, F> {
     device: &'a mut Device,
+    drives: Option<Mode>,
     datagrams: Option<Datagrams>,
     over: &'a F,
 }
@@ -166,7 +168,11 @@ fn lines(watched: &mut Watched<'_, impl Fn() -> bool>, mut window: Window, json:
         // What is left of a second at the end is said where it has something to say.
         if received > 0 || !(watched.over)() {
             let time = start.elapsed().as_secs_f64();
-            out(&if json { object(&window, time, received, lost) } else { line(&window, received, lost) });
+            out(&if json {
+                object(&window, time, received, lost)
+            } else {
+                line(&window, watched.drives, received, lost)
+            });
         }
     }
     Ok(())
@@ -188,7 +194,7 @@ fn block(watched: &mut Watched<'_, impl Fn() -> bool>, mut window: Window, limit
                 window.clear();
             }
         }
-        shown.set_message(picture(&window, limits, rate).join("\n"));
+        shown.set_message(picture(&window, watched.drives, limits, rate).join("\n"));
     }
     shown.abandon();
     Ok(())

@@ -10,8 +10,9 @@ use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::recording::{End, Recording, RecordingRequest, record};
 use device_link::sensor::Sensor;
-use device_link::table;
+use device_link::{table, words};
 use indicatif::ProgressBar;
+use protocol::Faults;
 use serde_json::json;
 use std::io::BufWriter;
 use std::path::PathBuf;
@@ -50,7 +51,8 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let mut file = arguments.overwrite.growing(&arguments.out, &[])?;
     let interrupt = Interrupt::watch()?;
     let (mut client, identity) = arguments.port.connect()?;
-    require_estimating(&client.health()?, &arguments.port.port)?;
+    let health = client.health()?;
+    require_estimating(&health, &arguments.port.port)?;
     let tick_us = identity.tick_us;
     let ticks = arguments.samples.or(arguments.seconds.map(|s| (s * 1e6 / f64::from(tick_us)).round() as u64));
     ensure!(ticks != Some(0), "--seconds is less than one tick of {tick_us} µs");
@@ -60,8 +62,9 @@ pub fn run(arguments: &Record) -> Result<bool> {
     }
     let span = facts.and_then(|facts| facts.sensor_span);
     let sensor = span.map(|(zero_um, full_um)| Sensor { zero_um, full_um, full_scale: identity.adc_full_scale });
-    let calibration = table::running(&mut client)?.adc;
-    let request = RecordingRequest { calibration, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };
+    let table = table::running(&mut client)?;
+    let request =
+        RecordingRequest { calibration: table.adc, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };
     client.stream(true)?;
     let bar = ticks.map_or_else(ProgressBar::new_spinner, super::print::progress);
     let recorded = record(&mut client, &request, &mut BufWriter::new(&mut file), |recording| {
@@ -83,7 +86,8 @@ pub fn run(arguments: &Record) -> Result<bool> {
     if recording.rows > 0 {
         arguments.overwrite.grown(&arguments.out, file)?;
     }
-    tell(arguments, &recording, &end, (tick_us, request.sensor.is_some()))?;
+    let rests = table.drive.is_some() && words::rests(health.mode, recording.faults);
+    tell(arguments, &recording, &end, (tick_us, request.sensor.is_some(), rests))?;
     let complete = conclude(arguments, &recording, end)?;
     if complete {
         stopped?;
@@ -95,7 +99,12 @@ fn seconds(recording: &Recording, tick_us: u32) -> f64 {
     recording.ticks as f64 * f64::from(tick_us) * 1e-6
 }
 
-fn tell(arguments: &Record, recording: &Recording, end: &End, (tick_us, sensor): (u32, bool)) -> Result<()> {
+fn tell(
+    arguments: &Record,
+    recording: &Recording,
+    end: &End,
+    (tick_us, sensor, rests): (u32, bool, bool),
+) -> Result<()> {
     if arguments.json {
         let summary = json!({
             "out": (recording.rows > 0).then_some(&arguments.out),
@@ -130,7 +139,11 @@ fn tell(arguments: &Record, recording: &Recording, end: &End, (tick_us, sensor):
     if recording.late > 0 {
         out(&format!("on {} ticks the device was late", recording.late));
     }
-    let meanings = remedy::status(recording.status).chain(remedy::faults(recording.faults));
+    if rests {
+        out(words::AT_REST);
+    }
+    let faults = if rests { Faults::empty() } else { recording.faults };
+    let meanings = remedy::status(recording.status).chain(remedy::faults(faults));
     meanings.for_each(|meaning| out(&format!("- {}\n  → {}", meaning.what, meaning.remedy)));
     Ok(())
 }
