@@ -6,6 +6,6 @@ use clap::Args;
 #[derive(Args, Clone, Copy, Debug)]
 pub struct Overwrite {
     /// Write over a file that is no former result of this verb, or over a measurement.
-    #[arg(long)]
+    #[arg(long, help_heading = None::<&str>)]
     pub force: bool,
 }

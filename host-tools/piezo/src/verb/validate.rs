@@ -27,9 +27,6 @@ pub struct Validate {
     /// Logs, best such as it has not seen.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
-    /// What is scored.
-    #[command(flatten)]
-    pub scope: ScopeArgs,
     /// What the estimator is told, where a threshold judges and in what --out writes.
     #[arg(long, value_parser = choice(TOLD), default_value = Told::FirstReading.name())]
     pub told: Told,
@@ -58,6 +55,9 @@ pub struct Validate {
     /// Print the figures as JSON.
     #[arg(long)]
     pub json: bool,
+    /// What is scored.
+    #[command(flatten)]
+    pub scope: ScopeArgs,
     /// Reading of the logs.
     #[command(flatten)]
     pub files: LogOptions,
