@@ -27,7 +27,7 @@ pub use left_out::left_out;
 pub use proven::proven;
 pub use raised::remarks;
 pub use reason::reason;
-pub use search::search;
+pub use search::{search, searches};
 pub use surveyed::{remarked, surveyed};
 pub use table_file::{bring_to, table_file};
 pub use unsaid::{hold_out, model};

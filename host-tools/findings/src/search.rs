@@ -18,6 +18,15 @@ pub fn search(model: Model, of: &SearchOptions) -> String {
     }
 }
 
+/// How models of either kind are searched.
+pub fn searches(of: &SearchOptions) -> String {
+    format!(
+        "seed {}; Voigt family {} rounds of {} generations of {} chromosomes of {} bits a gene, the others {} \
+         candidates a searched number by {}",
+        of.seed, of.rounds, of.generations, of.population, of.bits, of.evaluations, of.optimiser
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

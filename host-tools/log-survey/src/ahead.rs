@@ -29,15 +29,15 @@ const DEVIATIONS: f64 = 8.0;
 const SHARED: f64 = 0.25;
 /// Fewest loops that say something.
 const FEWEST: usize = 3;
-/// What is ahead by less is none that is taken for exchanged columns: an actuator is three times as far behind, and more.
-const LEAST: f64 = 0.02;
+/// What is ahead by less is none that is taken for exchanged columns: an actuator is several times as far behind.
+const LEAST: f64 = 0.01;
 /// Standard errors that must lie between.
 const SURELY: f64 = 2.0;
-/// The voltage may be read so much later than the displacement, s, or by so many rows.
+/// The voltage may be read so much later than the displacement, s, and by a row.
 const LATE_S: f64 = 1e-3;
-const LATE_ROWS: f64 = 2.0;
-/// What a displacement ahead by τ is on a sine of period T, in τ/T: π²/2.
-const OF_A_SINE: f64 = 4.93;
+/// Loops are looked at on which that does so much, or so many times what it does on the slowest.
+const LATE: f64 = 0.005;
+const AS_SLOW: f64 = 2.0;
 
 /// What of a log runs the wrong way round; `None` where nothing does, or the displacement is no sensor's.
 pub fn ahead(log: &Log) -> Option<Ahead> {
@@ -54,14 +54,11 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], period: f64) -> Opt
         .windows(3)
         .filter_map(|turns| Loop::of(voltage, displacement, [turns[0], turns[1], turns[2]], SHARED * whole))
         .collect();
-    // The slower half: what is late by a constant time does least there.
-    loops.sort_by(|one, other| other.rows.total_cmp(&one.rows));
-    loops.truncate(loops.len().div_ceil(2).max(FEWEST));
-    if loops.len() < FEWEST {
-        return None;
-    }
-    let late = LATE_ROWS.max(LATE_S / period);
-    let surplus: Vec<f64> = loops.iter().map(|of| of.ahead - OF_A_SINE * late / of.rows).collect();
+    loops.sort_by(|one, other| one.a_row_late.total_cmp(&other.a_row_late));
+    let late = (LATE_S / period).max(1.0);
+    let slow = LATE.max(AS_SLOW * late * loops.get(FEWEST - 1)?.a_row_late);
+    loops.retain(|of| late * of.a_row_late <= slow);
+    let surplus: Vec<f64> = loops.iter().map(|of| of.ahead - late * of.a_row_late).collect();
     let count = loops.len() as f64;
     let mean = surplus.iter().sum::<f64>() / count;
     let variance = surplus.iter().map(|of| (of - mean) * (of - mean)).sum::<f64>() / (count - 1.0);
@@ -72,8 +69,8 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], period: f64) -> Opt
 /// Two branches, and how far the displacement is ahead on them, of its way.
 struct Loop {
     ahead: f64,
-    /// Twice the rows of the shorter branch.
-    rows: f64,
+    /// How far it would be ahead if the voltage were read a row late, of its way.
+    a_row_late: f64,
 }
 
 impl Loop {
@@ -82,13 +79,14 @@ impl Loop {
         let ends = [from, to].map(|end| voltage[end]);
         let nearer = if voltage[turn] > ends[0] { ends[0].max(ends[1]) } else { ends[0].min(ends[1]) };
         let shared = Range { min: voltage[turn].min(nearer), max: voltage[turn].max(nearer) };
-        let (mut area, mut way) = (0.0, Range::empty());
+        let (mut area, mut late, mut way) = (0.0, 0.0, Range::empty());
         for row in from..to {
             let ([v, next_v], [y, next_y]) =
                 ([voltage[row], voltage[row + 1]], [displacement[row], displacement[row + 1]]);
             let [begin, end] = [v, next_v].map(|volts| shared.clamp(volts));
             if begin != end {
                 let at = |volts: f64| y + (volts - v) / (next_v - v) * (next_y - y);
+                late += (at(end) - at(begin)) * (end - begin);
                 area += 0.5 * (at(begin) + at(end)) * (end - begin);
                 way = way.include(at(begin)).include(at(end));
             }
@@ -96,9 +94,7 @@ impl Loop {
         // A sensor that is mounted the other way falls while the voltage rises.
         let rises = (displacement[turn] - displacement[from]) * (voltage[turn] - voltage[from]) > 0.0;
         let box_of = shared.span() * way.span();
-        (shared.span() >= least_v && box_of > 0.0).then(|| Self {
-            ahead: if rises { area } else { -area } / box_of,
-            rows: 2.0 * (turn - from).min(to - turn) as f64,
-        })
+        (shared.span() >= least_v && box_of > 0.0)
+            .then(|| Self { ahead: if rises { area } else { -area } / box_of, a_row_late: late.abs() / box_of })
     }
 }

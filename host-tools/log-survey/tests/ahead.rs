@@ -31,6 +31,39 @@ fn sound() -> Vec<Log> {
     logs
 }
 
+/// A narrow loop at 1 Hz among many at 10 Hz, 1 kHz: a fifteenth of the stroke at its widest.
+fn narrow() -> Log {
+    let hertz =
+        [1.0, 1.0, 1.0, 10.0, 1.0, 1.0].into_iter().flat_map(|hertz| vec![hertz; if hertz > 1.0 { 40 } else { 1 }]);
+    let voltage: Vec<f64> = hertz
+        .flat_map(|hertz: f64| {
+            let rows = (1e3 / hertz) as u32;
+            (0..rows).map(move |row| 50.0 - 50.0 * libm::cos(std::f64::consts::TAU * f64::from(row) / f64::from(rows)))
+        })
+        .collect();
+    let mut play = 0.0_f64;
+    let displacement = voltage.iter().map(|volts| {
+        play = play.clamp(volts - 3.5, volts + 3.5);
+        0.1 * play
+    });
+    Log {
+        name: "narrow".into(),
+        path: "narrow".into(),
+        sha256: String::new(),
+        start_s: 0.0,
+        sample_period: 1e-3,
+        displacement: Some(displacement.collect()),
+        voltage,
+        displacement_estimated: false,
+    }
+}
+
+#[test]
+fn exchanged_columns_are_found_on_a_few_slow_loops_among_fast_ones() {
+    assert_eq!(ahead(&narrow()), None);
+    assert!(ahead(&exchanged(narrow())).is_some());
+}
+
 fn exchanged(log: Log) -> Log {
     let displacement = Some(log.voltage);
     Log { voltage: log.displacement.expect("it has one"), displacement, ..log }

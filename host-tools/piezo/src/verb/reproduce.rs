@@ -175,20 +175,7 @@ fn facts(bench: &Bench) -> Vec<(String, String)> {
         ("Held out", used(Role::HeldOut)),
         ("Zero and delay", remedy::zeros(recipe)),
         ("Tick", format!("{} µs, forward Euler", recipe.tick_us)),
-        (
-            "Search",
-            format!(
-                "seed {}; Voigt family {} rounds of {} generations of {} chromosomes of {} bits a gene, the others {} \
-                 candidates a searched number by {}",
-                search.seed,
-                search.rounds,
-                search.generations,
-                search.population,
-                search.bits,
-                search.evaluations,
-                search.optimiser
-            ),
-        ),
+        ("Search", findings::searches(search)),
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
     ];
     let doubts = bench.prepared.of_logs.iter().chain(&bench.prepared.delay_at_bound);
