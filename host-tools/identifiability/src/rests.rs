@@ -3,7 +3,7 @@
 //! Creep is slow, and errors of a loop say little of it: a model whose creep in seconds is drawn from that in milliseconds fits the
 //! loops all the same, with a small standard error and another creep. A rest of the length that is asked for shows it.
 
-use super::Judged;
+use crate::judged::Judged;
 use recordings::session::Session;
 
 /// How far a voltage that rests may go, of the span.
