@@ -5,7 +5,7 @@ use crate::log::{Log, Session};
 use estimator_core::{Admitted, Range};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use recordings::file::{Held, may_be_replaced};
+use result_files::{Held, may_be_replaced};
 use std::ffi::CString;
 use std::path::PathBuf;
 use table_files::{FACES, TableFile};

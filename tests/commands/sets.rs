@@ -2,7 +2,7 @@
 
 use super::{MEASURED, data, piezo, refused, text};
 use estimator_core::record::checksum;
-use recordings::file::Held;
+use result_files::Held;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};

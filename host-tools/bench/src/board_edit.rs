@@ -3,7 +3,7 @@
 
 use crate::board_file::{BoardFacts, BoardFileError, MOST_BYTES};
 use protocol::Uid;
-use recordings::file::{self, FileError};
+use result_files::FileError;
 use std::fmt::{self, Display, Formatter};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ impl Edited {
     /// # Errors
     /// It cannot be read, is no board.toml, or would say what cannot be.
     pub fn of(path: &Path, measured: &Measured) -> Result<Self, BoardFileError> {
-        let text = match file::read_text(path, MOST_BYTES) {
+        let text = match result_files::read_text(path, MOST_BYTES) {
             Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
             read => read.map_err(|error| BoardFileError::Unreadable { path: path.to_owned(), error })?,
         };
@@ -94,7 +94,7 @@ impl Edited {
     /// # Errors
     /// It cannot be written, and is as it was.
     pub fn write(&self) -> Result<(), FileError> {
-        file::write(&self.path, &self.text)
+        result_files::write(&self.path, &self.text)
     }
 
     /// The lines whose values are others than before, with the former value.

@@ -24,7 +24,6 @@ use ::calibration::drive::{DriveOptions, ordered};
 use ::calibration::span::Span;
 use estimator_core::Range;
 use protocol::{Identity, Uid};
-use recordings::file;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -93,7 +92,7 @@ impl BoardFacts {
     /// # Errors
     /// It cannot be read, says something else, or what cannot be.
     pub fn read(path: &Path) -> Result<Self, BoardFileError> {
-        let text = file::read_text(path, MOST_BYTES)
+        let text = result_files::read_text(path, MOST_BYTES)
             .map_err(|error| BoardFileError::Unreadable { path: path.to_owned(), error })?;
         Self::parse(path, &text)
     }

@@ -17,7 +17,7 @@ use estimator_core::Range;
 use estimator_core::table::Misfit;
 use excitation::ExcitationError;
 use protocol::Faults;
-use recordings::file::FileError;
+use result_files::FileError;
 use std::error::Error;
 use std::path::PathBuf;
 use table_files::TableFileError;

@@ -11,7 +11,6 @@ use device_link::write::Writing;
 use device_link::{Client, board};
 use estimator_core::{AdcCalibration, AdcCode, Admitted, DriveLimits, Table};
 use protocol::{Mode, Record, TableSource};
-use recordings::file;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -56,7 +55,7 @@ impl Loan {
         unoccupied(folder)?;
         let line = to_record(wiring.line());
         if former == line {
-            file::folder(folder)?;
+            result_files::folder(folder)?;
             return Ok(Self::Nothing);
         }
         let table: Admitted = Table::parse(&former).map_err(|_| BenchError::NotDriving)?;
@@ -64,8 +63,8 @@ impl Loan {
             return Err(BenchError::NotDriving);
         }
         Output::same(&table, wiring.line())?;
-        file::folder(folder)?;
-        file::write(&kept, &former)?;
+        result_files::folder(folder)?;
+        result_files::write(&kept, &former)?;
         let loan = if identity.source == TableSource::Stored { Self::Stored(Box::new(former)) } else { Self::Compiled };
         match bring(client, &line, false) {
             Ok(()) => Ok(loan),

@@ -13,7 +13,6 @@ use device_link::streamed::Streamed;
 use estimator_core::AdcCode;
 use excitation::{Drive, Segment};
 use protocol::{Faults, Mode};
-use recordings::file;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -104,7 +103,7 @@ pub fn train(
         held: None,
     };
     // Written before anything moves: of a session that is killed, too, it is known what was recorded.
-    let ended = match file::write(&folder.join(SESSION), planned(training)) {
+    let ended = match result_files::write(&folder.join(SESSION), planned(training)) {
         Ok(()) => drive.segments.iter().enumerate().find_map(|at| recorder.record(client, at, progress).err()),
         Err(error) => Some(Ended::Log(error.into())),
     };
@@ -117,7 +116,7 @@ pub fn train(
         Err(error) => Err(beside(error, given_back)),
     };
     let trained = Trained { logs, starved, ended, lent: !matches!(loan, Loan::Nothing), home };
-    file::write(&folder.join(SESSION), session(training, &trained))?;
+    result_files::write(&folder.join(SESSION), session(training, &trained))?;
     Ok(trained)
 }
 

@@ -3,7 +3,7 @@
 use crate::error::Unkept;
 use device_link::recording::{End, Recorder, RecordingRequest, SILENCE};
 use protocol::Samples;
-use recordings::file::{Replacement, partial};
+use result_files::{Replacement, partial};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

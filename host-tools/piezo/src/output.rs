@@ -2,8 +2,8 @@
 
 use crate::option::Overwrite;
 use anyhow::{Context, Result, bail, ensure};
-use recordings::file::may_be_replaced;
-pub use recordings::file::{Held, Replacement, write};
+use result_files::may_be_replaced;
+pub use result_files::{Held, Replacement, write};
 use std::io::Write;
 use std::path::Path;
 pub use table_files::{FACES, RECORD};

@@ -2,7 +2,6 @@
 //! actuator whose parameters are known ([`rig`]).
 
 mod content;
-pub mod file;
 pub mod log;
 mod log_use;
 pub mod prepare;

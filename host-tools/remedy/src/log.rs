@@ -1,9 +1,9 @@
 //! What is wrong with a log or with how it is prepared.
 
 use super::paste::{self, verb};
-use recordings::file::Replacement;
 use recordings::log::{Fault, LogError, Quantity, Unit};
 use recordings::prepare::PrepareError;
+use result_files::Replacement;
 use std::error::Error;
 use std::io;
 use std::path::Path;

@@ -7,7 +7,6 @@ use crate::file::{MOST_BYTES, TableFile, read};
 use crate::name::name;
 use crate::record::record;
 use estimator_core::{Admitted, record::checksum};
-use recordings::file;
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -66,7 +65,7 @@ fn says(face: &Path) -> Option<String> {
             Err(_) => None,
         };
     }
-    let bytes = file::read(face, MOST_BYTES).ok()?;
+    let bytes = result_files::read(face, MOST_BYTES).ok()?;
     if face.extension()? == "bin" {
         return bytes.starts_with(RECORD.1.as_bytes()).then(|| format!("{:08x}", checksum(&bytes).unwrap_or_default()));
     }

@@ -9,7 +9,7 @@ use estimator_core::{Admitted, Table};
 use identification::SearchOptions;
 use identification::cost::{Feedback, Norm};
 use recordings::prepare::Recipe;
-use recordings::{LogUse, Role, file};
+use recordings::{LogUse, Role};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -60,7 +60,7 @@ impl TableFile {
     /// # Errors
     /// The file cannot be read, is no table, or is refused.
     pub fn load(path: &Path) -> Result<(Self, Admitted), TableFileError> {
-        let text = file::read_text(path, MOST_BYTES)
+        let text = result_files::read_text(path, MOST_BYTES)
             .map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
         Self::parse(path, &text)
     }
@@ -138,8 +138,8 @@ pub fn read(path: &Path) -> Result<(Option<TableFile>, Admitted), TableFileError
         let (file, admitted) = TableFile::load(path)?;
         return Ok((Some(file), admitted));
     }
-    let bytes =
-        file::read(path, MOST_BYTES).map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
+    let bytes = result_files::read(path, MOST_BYTES)
+        .map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
     let admitted = Table::parse(&bytes)
         .map_err(|error| TableFileError::Refused { path: path.to_owned(), source: error.into() })?;
     Ok((None, admitted))

@@ -19,7 +19,6 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use live_scope::terminal::{line, object, picture};
 use live_scope::{Datagrams, Device, Format, Gone, Scope, Server, server};
 use protocol::Mode;
-use recordings::file;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -91,7 +90,7 @@ pub fn run(arguments: &Monitor) -> Result<bool> {
     let over = || interrupt.wanted() || end.is_some_and(|end| Instant::now() >= end);
     if let Some(address) = &arguments.web {
         let server = Server::start(address)?;
-        file::folder(&arguments.out)?;
+        result_files::folder(&arguments.out)?;
         if !server.is_loopback() {
             eprintln!("piezo: careful: other machines reach this page; whoever knows its address can zero and record");
         }

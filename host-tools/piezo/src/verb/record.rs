@@ -63,8 +63,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
     let span = facts.and_then(|facts| facts.sensor_span);
     let sensor = span.map(|(zero_um, full_um)| Sensor { zero_um, full_um, full_scale: identity.adc_full_scale });
     let table = table::running(&mut client)?;
-    let request =
-        RecordingRequest { calibration: table.adc, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };
+    let request = RecordingRequest { calibration: table.adc, sensor, tick_us, ticks, allow_gaps: arguments.allow_gaps };
     client.stream(true)?;
     let bar = ticks.map_or_else(ProgressBar::new_spinner, super::print::progress);
     let recorded = record(&mut client, &request, &mut BufWriter::new(&mut file), |recording| {

@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Error, ErrorKind, Write};
 use std::path::Path;
 
 use super::clock::whole_rate;
-use crate::file::Replacement;
+use result_files::Replacement;
 
 /// Whose a displacement is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

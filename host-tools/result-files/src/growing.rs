@@ -3,8 +3,8 @@
 //! Whoever writes one holds a lock on it, which ends with the program however it ends. One that is not locked is what a program
 //! that was killed had by then: a measurement, which nobody sweeps and nothing is written over.
 
-use super::error::{FileError, failed};
-use super::replacement::{Place, Replacement};
+use crate::error::{FileError, failed};
+use crate::replacement::{Place, Replacement};
 use fs4::{FileExt, TryLockError};
 use std::fs::File;
 #[cfg(unix)]

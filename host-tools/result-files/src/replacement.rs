@@ -2,8 +2,8 @@
 //!
 //! Whoever writes one holds a lock on it, which ends with the program however it ends: one that is not locked is a leftover.
 
-use super::error::{FileError, failed};
-use super::made::Made;
+use crate::error::{FileError, failed};
+use crate::made::Made;
 use fs4::{FileExt, TryLockError};
 use std::fs::{self, File, Permissions};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};

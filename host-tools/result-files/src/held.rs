@@ -1,8 +1,8 @@
 //! A folder of results that one program at a time writes into.
 
-use super::error::FileError;
-use super::made::Made;
-use super::{writable, write_all};
+use crate::error::FileError;
+use crate::made::Made;
+use crate::{writable, write_all};
 use fs4::{FileExt, TryLockError};
 use std::fs::File;
 use std::io;

@@ -1,6 +1,6 @@
 //! Files that are written whole or not at all, and what they are never written over.
 
-use recordings::file::{FileError, may_be_replaced, writable, write, write_all};
+use result_files::{FileError, may_be_replaced, writable, write, write_all};
 use std::fs;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! A measurement that grows beside its place: what a killed program leaves, and what becomes of it where the place is taken.
 
-use recordings::file::{FileError, Replacement, partial};
+use result_files::{FileError, Replacement, partial};
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
