@@ -82,7 +82,7 @@ pub fn rests(mode: Mode, faults: Faults) -> bool {
     faults == Faults::SAFE_OUTPUT && (!mode.drives() || mode == Mode::Waveform)
 }
 
-/// What a device that [rests](rests) does.
+/// What a device that [`rests`] does.
 pub const AT_REST: &str = "the DAC is at its rest, as it is while nothing is followed";
 
 /// Where the table in use comes from, and why not from the store, as the end of a sentence.

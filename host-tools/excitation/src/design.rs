@@ -19,6 +19,8 @@ const LOOPS: u32 = 10;
 const TURNS: u32 = 8;
 /// Steps of the staircase either way.
 const STEPS: u32 = 6;
+/// The topmost is held for so long, s, where that is no more than half of the staircase: creep that only loops show is hardly told.
+const HELD_S: f64 = 11.0;
 /// How much longer than asked for a drive may be.
 const OVERTIME: f64 = 1.1;
 
@@ -225,11 +227,13 @@ fn frequency(request: &Request, index: usize, seconds: f64, swings: &mut Vec<Swi
 
 fn staircase(request: &Request, seconds: f64) -> Gone {
     within(request, seconds, |path, left| {
-        let step = left / f64::from(2 * STEPS);
+        let held_s = if 2.0 * HELD_S <= left { HELD_S } else { 0.0 };
+        let step = (left - held_s) / f64::from(2 * STEPS);
         for at in (1..=STEPS).chain((0..STEPS).rev()) {
             let before = path.seconds();
             path.swing_to(request.min_v + request.span_v() * f64::from(at) / f64::from(STEPS), 0.0);
-            path.hold(step - (path.seconds() - before));
+            let top_s = if at == STEPS { held_s } else { 0.0 };
+            path.hold(step + top_s - (path.seconds() - before));
         }
     })
 }

@@ -31,6 +31,18 @@ fn keeps_to_its_limits(request: &Request, segments: &[Segment]) {
     }
 }
 
+#[test]
+fn a_session_of_some_minutes_holds_a_step_long_enough_for_creep_to_show() {
+    let longest_s = |duration_s: f64| {
+        let drive = Drive::design(&Request { duration_s, ..PICMA }).unwrap();
+        let staircase = drive.segments.iter().find(|segment| segment.name == "staircase").unwrap();
+        let held = staircase.volts.chunk_by(|a, b| a == b).map(<[f32]>::len).max().unwrap();
+        held as f64 * PICMA.tick_s
+    };
+    assert!(longest_s(240.0) > 11.0, "{} s", longest_s(240.0));
+    assert!(longest_s(60.0) < 5.0, "{} s: the steps share what there is", longest_s(60.0));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 

@@ -15,11 +15,11 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
     };
     let (misfit_um, memory_um) = (parameters.misfit_um, parameters.memory_um[0]);
     format!(
-        "Beside the estimate stands what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time: \
-         at least ±{misfit_um:.3} µm, on voltages as they were in the training ({own_um:.3} µm by these logs' own errors alone, \
-         and more by those of {devices} simulated devices that were learnt from the same voltages), more where the voltage goes otherwise or fast, \
-         and, until a full swing has wiped out how it stood at a start, up to ±{:.3} µm after one in the middle of its range, and up to \
-         ±{:.3} µm after one at an end of it.",
+        "The ± beside the estimate is what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time. \
+         It is at least ±{misfit_um:.3} µm, where the voltage goes as it did in the training: ±{own_um:.3} µm by these logs' own errors, \
+         more by those of {devices} simulated devices that were learnt from the same voltages. It is more where the voltage goes otherwise \
+         or fast. After a start it is up to ±{:.3} µm, or ±{:.3} µm where the voltage stood at an end of its range, until a full swing \
+         has wiped out what was before.",
         misfit_um.hypot(memory_um),
         misfit_um.hypot(parameters.memory_at_ends * memory_um)
     )
@@ -52,9 +52,7 @@ mod tests {
             earliest_s: 0.0,
         };
         let said = interval(Some(&Calibration { parameters, own_um: 1.0 }), 12);
-        for part in
-            ["at least ±1.500 µm", "up to ±4.272 µm after one in the middle", "up to ±2.500 µm after one at an end"]
-        {
+        for part in ["at least ±1.500 µm", "up to ±4.272 µm", "±2.500 µm where the voltage stood at an end"] {
             assert!(said.contains(part), "{part:?} is missing in {said}");
         }
     }
