@@ -4,8 +4,8 @@ use super::Normal;
 use nalgebra::{DMatrix, DVector};
 
 impl Normal {
-    /// Each of some columns less what others explain of it by least squares, without limits: a combination of all columns a column of the
-    /// matrix. `None` where the others have no answer.
+    /// What is left of each of `columns` when the others have explained what they can, by least squares without limits. Each column of
+    /// the matrix holds the coefficients of one, over all columns. `None` where the others have no answer.
     ///
     /// # Panics
     ///

@@ -16,7 +16,9 @@ const DAMPING: f64 = 1e-3;
 const EASED: f64 = 0.2;
 /// And after one that does not.
 const RAISED: f64 = 8.0;
-/// The part of the largest curvature that every coordinate is damped by, one without any, too.
+/// No step helps where one that is damped so much does not.
+const MOST: f64 = 1e4;
+/// Every coordinate is damped by at least this part of the largest curvature, even one that has none.
 const FLAT: f64 = 1e-6;
 /// No coordinate goes further in a step, of the cube's edge: the model is one of the neighbourhood.
 const REACH: f64 = 0.25;
@@ -24,7 +26,8 @@ const REACH: f64 = 0.25;
 const WORTHWHILE: f64 = 1e-4;
 
 /// Steps from the best point until none is worth while, or the budget is spent. A quadratic model counts for as many evaluations as
-/// there are coordinates. False where there is none at the first point.
+/// there are coordinates. False where it has not begun: without a model at the first point, with an infinite cost there, or too little left
+/// of the budget.
 pub fn descend(search: &mut Search<'_>, quadratic: Quadratics<'_>) -> bool {
     let mut damping = DAMPING;
     let mut any = false;
@@ -35,8 +38,11 @@ pub fn descend(search: &mut Search<'_>, quadratic: Quadratics<'_>) -> bool {
         search.note(search.dimension, &[]);
         while search.best.cost == cost {
             match step(&model, &at, damping) {
-                Some((to, gain)) if gain > WORTHWHILE * cost && search.left() > 0 => drop(search.evaluate(vec![to])),
-                _ => return true,
+                _ if search.left() == 0 || damping > MOST => return true,
+                Some(step) if step.gain > WORTHWHILE * cost => drop(search.evaluate(vec![step.to])),
+                Some(step) if !step.cut_short => return true,
+                // What is cut short may lead uphill though the way is down, and a model may have no answer: shorter.
+                _ => {}
             }
             damping *= if search.best.cost < cost { EASED } else { RAISED };
         }
@@ -47,26 +53,39 @@ pub fn descend(search: &mut Search<'_>, quadratic: Quadratics<'_>) -> bool {
     any
 }
 
-/// Where a damped step leads from a point of the cube, and what the model says that it gains; `None` where it has no answer.
-fn step(model: &Quadratic, at: &[f64], damping: f64) -> Option<(Vec<f64>, f64)> {
+/// A damped step.
+struct Step {
+    /// Where it leads.
+    to: Vec<f64>,
+    /// What the model says that it gains.
+    gain: f64,
+    /// A coordinate would have gone further.
+    cut_short: bool,
+}
+
+/// The step from a point of the cube; `None` where the model has none.
+fn step(model: &Quadratic, at: &[f64], damping: f64) -> Option<Step> {
     let diagonal = model.curvature.diagonal();
     let least = FLAT * diagonal.max();
     let damped = &model.curvature + DMatrix::from_diagonal(&diagonal.map(|own| damping * own + least));
     let limited = |i: usize, x: f64| x.clamp((at[i] - REACH).max(0.0) - at[i], (at[i] + REACH).min(1.0) - at[i]);
     let mut step = DVector::zeros(at.len());
     let mut free: Vec<usize> = (0..at.len()).collect();
+    let mut cut_short = false;
     // Each turn but the last takes at least one coordinate out.
     while !free.is_empty() {
         let slope = (&model.slope + &damped * &step).select_rows(&free);
         let solved = damped.select_rows(&free).select_columns(&free).cholesky()?.solve(&-slope);
         let (outside, inside): (Vec<_>, Vec<_>) =
             free.iter().copied().zip(solved.iter().copied()).partition(|&(i, x)| limited(i, x) != x);
+        cut_short |= !outside.is_empty();
         let (settled, rest) = if outside.is_empty() { (inside, Vec::new()) } else { (outside, inside) };
         settled.into_iter().for_each(|(i, x)| step[i] = limited(i, x));
         free = rest.into_iter().map(|(i, _)| i).collect();
     }
     let gain = -(model.slope.dot(&step) + 0.5 * step.dot(&(&model.curvature * &step)));
-    Some((at.iter().zip(&step).map(|(x, by)| (x + by).clamp(0.0, 1.0)).collect(), gain))
+    let to = at.iter().zip(&step).map(|(x, by)| (x + by).clamp(0.0, 1.0)).collect();
+    Some(Step { to, gain, cut_short })
 }
 
 #[cfg(test)]
@@ -102,6 +121,21 @@ mod tests {
     fn few_steps_lead_to_a_minimum_at_a_face_of_the_cube() {
         let Minimum { at, .. } = minimised(&quadratic, 80);
         assert!((at[0] - 0.7).abs() < 1e-2 && (at[1] - 0.2).abs() < 1e-2 && at[2] == 1.0, "{at:?}");
+    }
+
+    /// A valley across both coordinates: a step that is cut short in both leads uphill.
+    #[test]
+    fn a_step_that_is_cut_short_and_leads_uphill_is_damped() {
+        let curvature = DMatrix::from_row_slice(2, 2, &[1.0, 4.9, 4.9, 25.0]);
+        let slope = |at: &[f64]| &curvature * DVector::from_column_slice(&[at[0] - 1.7, at[1] - 0.2]);
+        let cost = |at: &[f64]| 1.0 + 0.5 * DVector::from_column_slice(&[at[0] - 1.7, at[1] - 0.2]).dot(&slope(at));
+        let quadratic = |at: &[f64]| Some(Quadratic { slope: slope(at), curvature: curvature.clone() });
+        let costs = each(cost);
+        let objective = Objective { costs: &costs, quadratic: &quadratic };
+        let budget = Budget { evaluations: 60, seed: 1 };
+        let found = minimise(Optimiser::Local, 2, budget, &[vec![0.3, 0.9]], objective, &mut |_, _| ());
+        // At the face x = 1: y where the slope along it is 0.
+        assert!((found.at[0] - 1.0).abs() < 1e-3 && (found.at[1] - 0.3372).abs() < 2e-2, "{found:?}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The functions that the slopes of a generalised Prandtl–Ishlinskii model are made of.
 //!
-//! The slopes that the model holds, one a knot: each function's slope is a hat, 1 at its knot, straight down to 0 at the knots beside
-//! it. Coefficients of at least 0 give slopes of at least 0. Smoother functions, Bernstein's polynomials of degree 7, follow a device whose
+//! The model holds a slope at each knot. The slope of each function is a hat: 1 at its own knot, falling straight to 0 at its neighbours.
+//! Coefficients of at least 0 give slopes of at least 0. Smoother functions, Bernstein's polynomials of degree 7, follow a device whose
 //! slope changes quickly only at a price: lag and creep are bent to hide what they leave (two to three times the error on recordings unlike
 //! the training of simulated relays).
 
@@ -36,7 +36,7 @@ struct Interval {
 }
 
 impl Basis {
-    /// Functions that each rise by 1 µm over a span (V), those of its ends by half of it.
+    /// Functions that each rise by 1 µm over a span (V), those of its ends by 0.5 µm.
     pub fn new(span: Range<f64>) -> Self {
         let slopes: [Values; KNOTS] =
             std::array::from_fn(|knot| std::array::from_fn(|j| if j == knot { 1.0 } else { 0.0 }));

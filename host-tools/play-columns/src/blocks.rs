@@ -157,8 +157,8 @@ impl Blocks {
         balanced.total.is_finite().then_some(balanced)
     }
 
-    /// Slope and curvature of [`total`](Balanced::total) along the last `last` of these blocks' common columns, which are what the
-    /// displacement changes by with something. `found` is of the same blocks without those columns: its coefficients above 0, and what
+    /// Slope and curvature of [`total`](Balanced::total) along the last `last` of these blocks' common columns: each is the change of the
+    /// displacement with one searched number. `found` is of the same blocks without those columns: its coefficients above 0, and what
     /// each session has for itself, make up for the changes as far as they can. `None` where they have no answer.
     ///
     /// The curvature is that of Gauss and Newton: of the mean square errors, not of their logarithms.
@@ -205,7 +205,9 @@ impl Blocks {
                 weights[at + 1] += std::mem::take(&mut weights[at]);
             }
         }
-        weights.iter().zip(errors).map(|(weight, error)| weight / error.max(self.least())).collect()
+        // At the least that is believed nothing changes.
+        let of = |(weight, error): (&f64, f64)| if error > self.least() { weight / error } else { 0.0 };
+        weights.iter().zip(errors).map(of).collect()
     }
 
     /// The least mean square error that a block is believed to have, µm².

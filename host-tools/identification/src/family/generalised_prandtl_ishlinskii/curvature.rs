@@ -6,7 +6,7 @@
 //! D_j = (y(x + δ·e_j, c) − y(x, c))/δ            change of the displacement with number j; c what fits best at x
 //! ```
 //!
-//! A descent takes some ten of them, where one by costs alone takes hundreds of candidates (the test
+//! A descent takes some ten such slopes, where one by costs alone takes hundreds of candidates (the test
 //! `slopes_take_a_fraction_of_the_candidates_that_costs_alone_take`).
 
 use super::candidate::{Family, Values};
@@ -92,7 +92,8 @@ fn blocks(family: &Family, sessions: &[(&Session, &Course)], read: &[Readings], 
     blocks
 }
 
-/// Slope and curvature of a function that is cheap; along a number in which it is concave it counts as straight.
+/// Slope and curvature of a function that is cheap, by central differences; along the directions in which it is concave its curvature is
+/// taken for 0.
 fn by_differences(of: impl Fn(&[f64]) -> Option<f64>, at: &[f64]) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let n = at.len();
     let (mut slope, mut curvature) = (DVector::zeros(n), DMatrix::zeros(n, n));
@@ -105,11 +106,9 @@ fn by_differences(of: impl Fn(&[f64]) -> Option<f64>, at: &[f64]) -> Option<(DVe
             curvature[(j, i)] = curvature[(i, j)];
         }
     }
-    for i in (0..n).filter(|&i| curvature[(i, i)] < 0.0).collect::<Vec<_>>() {
-        curvature.row_mut(i).fill(0.0);
-        curvature.column_mut(i).fill(0.0);
-    }
-    Some((slope, curvature))
+    let mut directions = curvature.symmetric_eigen();
+    directions.eigenvalues.apply(|curved| *curved = curved.max(0.0));
+    Some((slope, directions.recompose()))
 }
 
 /// A point with some of its coordinates moved.

@@ -53,8 +53,9 @@ impl Family {
         if values.slew_v_per_s == 0.0 {
             return Some(values);
         }
-        let better = self.solve(&without, problem)?.total - self.solve(&values, problem)?.total;
-        Some(if better < 2.0 * IDLE { without } else { values })
+        let with = self.solve(&values, problem)?.total;
+        let idle = self.solve(&without, problem).is_some_and(|without| without.total - with < 2.0 * IDLE);
+        Some(if idle { without } else { values })
     }
 
     /// The model whose plays weigh so much.

@@ -174,6 +174,21 @@ fn slopes_take_a_fraction_of_the_candidates_that_costs_alone_take() {
     assert!(by_slopes.cost < 1.002 * by_costs.cost, "{by_slopes:?} {by_costs:?}");
 }
 
+/// The prior of a stated lag is concave along some directions; a descent goes on there.
+#[test]
+fn a_lag_that_is_stated_is_kept_to() {
+    let mut problem = devices();
+    problem.lag_s = Some(5e-3);
+    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
+    let family = Family::new(Extra::Nothing, courses, &problem);
+    let point = [0.1, 0.55, 0.45, 0.65, 0.65, 0.2];
+    let Quadratic { curvature, .. } = family.quadratic(&point, &problem).unwrap();
+    let (least, largest) = (curvature.symmetric_eigenvalues().min(), curvature.amax());
+    assert!(least > -1e-9 * largest, "{least} of {largest}");
+    let [by_slopes, by_costs] = searched(&family, &problem);
+    assert!(by_slopes.cost < 1.01 * by_costs.cost, "{by_slopes:?} {by_costs:?}");
+}
+
 /// Near the minimum, where the coefficients do not tear at each other: elsewhere they follow the blocks' noises, which the slope leaves out.
 #[test]
 fn the_slope_is_that_of_the_cost() {
