@@ -24,12 +24,12 @@ pub fn flaw(worst: &Flaw, count: usize) -> String {
              back (an input beyond its range)"
         ),
         Flaw::VoltageSpike { leap_v, .. } => format!(
-            "the voltage leaps away{times} by {leap_v:.3} V at {from_s:.4} s for a few rows at most, and the displacement does not go along \
-             (an interference, or a number misread)"
+            "the voltage leaps{times} by {leap_v:.3} V at {from_s:.4} s for a few rows at most, or in the last row, and the displacement is not \
+             seen to go along (an interference, a number misread, or a pulse too short to show)"
         ),
         Flaw::Missing { leap_v, leap_um, .. } => format!(
             "voltage and displacement leap together{times} from {from_s:.4} to {to_s:.4} s, by {leap_v:.3} V and {leap_um:.3} µm, and go on as \
-             before: samples may be missing here, unless the drive leapt"
+             before: samples may be missing here, unless the drive leapt or recordings were joined"
         ),
     }
 }
@@ -92,11 +92,11 @@ mod tests {
         let spike = Flaw::VoltageSpike { at, leap_v: 300.0 };
         let (found, scored) = (flaw_found(&spike, 1, 2_501), flaw_scored(&spike, 2));
         assert!(
-            found.contains("leaps away by 300.000 V at 1.2500 s")
+            found.contains("leaps by 300.000 V at 1.2500 s")
                 && found.ends_with("row 2501: --repair of identify leaves it out"),
             "{found}"
         );
-        assert!(scored.contains("leaps away 2 times, the gravest by 300.000 V"), "{scored}");
+        assert!(scored.contains("leaps 2 times, the gravest by 300.000 V"), "{scored}");
         let (as_it_is, repaired) = (flawed("a", &spike, 1, false), flawed("a", &spike, 1, true));
         assert!(
             as_it_is.ends_with("leave it out with --repair") && repaired.contains("straight from the row before"),
@@ -105,7 +105,7 @@ mod tests {
         let missing = Flaw::Missing { at, leap_v: 3.0, leap_um: 0.4 };
         let (found, doubt) = (flaw_found(&missing, 1, 2_501), flawed("a", &missing, 1, false));
         assert!(
-            found.contains("samples may be missing here, unless the drive leapt, row 2501: nothing can repair that"),
+            found.contains("samples may be missing here, unless the drive leapt or recordings were joined, row 2501: nothing can repair that"),
             "{found}"
         );
         assert!(

@@ -31,8 +31,10 @@ pub fn missed(session: &Session, judged: &Judged, span_v: f64, (since_s, until_s
     let missed = long.iter().filter_map(|rest| {
         let end_s = until_s.min((rest.to - rest.from) as f64 * session.tick_s);
         let at = |seconds: f64| {
-            let tick = |part: f64| rest.from + (part * seconds / session.tick_s).round() as usize;
-            mean(session, judged, tick(1.0 - MOMENT), tick(1.0 + MOMENT).min(rest.to - 1))
+            // A slow log has its reading within an interval.
+            let either_way_s = (MOMENT * seconds).max(session.interval_s());
+            let tick = |seconds: f64| rest.from + (seconds.max(0.0) / session.tick_s).round() as usize;
+            mean(session, judged, tick(seconds - either_way_s), tick(seconds + either_way_s).min(rest.to - 1))
         };
         Some((at(end_s)? - at(since_s)?) * span_v / rest.moved_v)
     });

@@ -30,6 +30,10 @@ pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
     let left_out = |at: &dyn Fn(usize) -> usize| {
         let spikes = |count: &usize| {
             let next = sorted[at(*count)];
+            // First, since few are: of a long log there are many counts.
+            if (sorted[at(count - 1)] - next).abs() <= APART * usual {
+                return false;
+            }
             let mut beyond: Vec<usize> = (0..*count).map(|index| rows[at(index)]).collect();
             beyond.sort_unstable();
             let leap = |run: &[usize]| run.iter().map(|&row| (displacement[row] - next).abs()).fold(0.0, f64::max);
@@ -37,8 +41,7 @@ pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
                 (run.contains(&0) && leap(run) <= explained.start_um)
                     || (run.contains(&(displacement.len() - 1)) && leap(run) <= explained.end_um)
             };
-            (sorted[at(count - 1)] - next).abs() > APART * usual
-                && beyond.chunk_by(|a, b| a + 1 == *b).all(|run| run.len() <= SPIKE_ROWS && !explains(run))
+            beyond.chunk_by(|a, b| a + 1 == *b).all(|run| run.len() <= SPIKE_ROWS && !explains(run))
         };
         (1..=rare).rev().find(spikes).unwrap_or(0)
     };

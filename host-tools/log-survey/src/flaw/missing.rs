@@ -49,7 +49,8 @@ pub fn missing(voltage: &[f64], displacement: &[f64], volts: f64, stroke: f64) -
         .filter(|&row| leaps(voltage, volts, row) && leaps(displacement, stroke, row))
         .map(|row| (row, step(voltage, row), step(displacement, row)))
         .filter(|&(row, leap_v, leap_um)| {
-            let together = leap_um / stroke / (leap_v / volts);
+            // A sensor that is mounted the other way leaps the other way.
+            let together = (leap_um / stroke / (leap_v / volts)).abs();
             (TOGETHER.recip()..TOGETHER).contains(&together)
                 && moves(row - NEAR, row)
                 && moves(row + 1, row + 1 + NEAR)
