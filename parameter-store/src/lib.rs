@@ -281,7 +281,8 @@ impl<F: NorFlash> ParameterStore<F> {
         Ok(if whole { Content::Record { number, length } } else { Content::Damaged })
     }
 
-    /// Makes a whole record none: no checksum of a number and a length of zero is zero. (Zeros may be written over any word.)
+    /// Makes a whole record none: the checksum of a number and a length that are both zero is not zero. Zeros may be written over any word
+    /// of this flash.
     async fn void(&mut self, page: usize) -> Result<(), StoreError> {
         if let Content::Record { .. } = self.read(page).await? {
             let zeros = &[0; BUFFER][..(HEADER + CHECKSUM).next_multiple_of(F::WRITE_SIZE)];
@@ -292,7 +293,8 @@ impl<F: NorFlash> ParameterStore<F> {
 
     /// Erases a page and sees that it is blank, all of it.
     async fn clear(&mut self, page: usize) -> Result<(), StoreError> {
-        self.void(page).await?;
+        // The erase makes it none in any case; this is for where the erase is cut.
+        let _ = self.void(page).await;
         let (start, end) = (self.pages[page], self.pages[page] + F::ERASE_SIZE as u32);
         self.flash.erase(start, end).await.map_err(|_| StoreError::Flash)?;
         let mut word = [0; WORD];

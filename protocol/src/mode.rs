@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// What the tick does. A mode other than [`Mode::Estimate`], [`Mode::Linearise`] and [`Mode::Waveform`] lasts while sound frames come: five seconds
-/// after the last one the device estimates again, but for a mode that holds a reference which is to be held for ever.
+/// after the last one the device estimates again, but in [`Mode::Follow`] while it holds a displacement that is to be held.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Mode {
     /// Estimates from the ADC; the DAC follows.

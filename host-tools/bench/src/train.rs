@@ -12,7 +12,7 @@ use device_link::play::{Held, Play, PlayError, play};
 use device_link::streamed::Streamed;
 use estimator_core::AdcCode;
 use excitation::{Drive, Segment};
-use protocol::{Faults, Mode};
+use protocol::{Faults, Mode, stream_every};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -199,10 +199,12 @@ struct Session<'a> {
 
 /// The description of a session that is about to begin.
 fn planned(training: &Training<'_>) -> String {
+    let every = usize::from(stream_every(1_000_000 / training.wiring.line().sample_period_us).get());
     let of = |(index, segment): (usize, &Segment)| Written {
         log: training.folder.join(name(index, segment)),
         what: segment.what,
-        rows: segment.volts.len() as u64,
+        // Streamed are as many ticks, but the last ones may fall between two samples.
+        rows: (segment.volts.len() / every).saturating_sub(1) as u64,
         complete: false,
         held_out: segment.held_out,
     };

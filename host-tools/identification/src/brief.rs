@@ -7,7 +7,7 @@ use estimator_core::Model;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Of the search's candidates a number, this part is tried for the models whose weights are solved for.
+/// One in so many of the search's candidates a number is tried for the models whose weights are solved for.
 const OF_OTHERS: u32 = 6;
 /// A model of the Voigt family, whose candidates are cheap and whose numbers are all searched, may try so many times the
 /// search's candidates a number in all.

@@ -240,11 +240,11 @@ mod tests {
         assert_eq!(choose(&[best.clone(), nearly_as_large]), Some(0));
         // Parts that are hard for both models do not make them alike, nor does one that is hard for the best alone.
         assert_eq!(choose(&[best, worse]), Some(0));
-        let hard = score(Model::GeneralisedPrandtlIshlinskii, 38, &[0.419, 0.103, 0.08, 0.209, 0.974]);
+        let hard = score(Model::GeneralisedPrandtlIshlinskii, 40, &[0.419, 0.103, 0.08, 0.209, 0.974]);
         let far = score(Model::DisplacementExtremum, 7, &[0.576, 0.539, 0.381, 0.479, 0.519]);
         assert_eq!(choose(&[hard, far]), Some(0));
-        // Within its standard error, and half as much again.
-        let best = score(Model::GeneralisedPrandtlIshlinskii, 38, &[0.05, 0.04, 0.06]);
+        // Within its standard error, but half as much again.
+        let best = score(Model::GeneralisedPrandtlIshlinskii, 40, &[0.05, 0.04, 0.06]);
         let scattered = score(Model::BoucWen, 8, &[0.04, 0.05, 0.2]);
         assert_eq!(choose(&[best, scattered]), Some(0));
         assert_eq!(choose(&[]), None);
@@ -254,9 +254,9 @@ mod tests {
     fn in_doubt_it_is_the_model_that_says_something_of_other_amplitudes() {
         let best = score(Model::BoucWen, 8, &[1.0, 3.0, 2.0, 4.0]);
         let middle = score(Model::MaxwellSlip, 16, &[1.1, 2.9, 2.1, 3.9]);
-        let general = score(Model::GeneralisedPrandtlIshlinskii, 38, &[1.2, 2.8, 2.2, 3.7]);
+        let general = score(Model::GeneralisedPrandtlIshlinskii, 40, &[1.2, 2.8, 2.2, 3.7]);
         assert_eq!(choose(&[best.clone(), middle.clone(), general]), Some(2));
-        let far = score(Model::GeneralisedPrandtlIshlinskii, 38, &[1.2, 3.6, 2.4, 4.7]);
+        let far = score(Model::GeneralisedPrandtlIshlinskii, 40, &[1.2, 3.6, 2.4, 4.7]);
         assert_eq!(choose(&[best, middle, far]), Some(0));
     }
 

@@ -77,8 +77,8 @@ pub fn identify_black_box(
 
 /// What searches again from where another fit ended.
 const NEARBY: Optimiser = Optimiser::Local;
-/// Candidates a number that suffice it where a family says what its cost is near a point, and that leave nothing for restarts: they
-/// found nothing better from there.
+/// Candidates a number that suffice it where a family says what its cost is near a point: little is left for restarts, which found
+/// nothing better from there.
 const SMOOTH: usize = 20;
 
 /// What is identified from what, and how.
@@ -120,7 +120,7 @@ impl Identification<'_> {
     }
 
     /// The model of a fit once more, on other sessions, from where that one ended: one structure and one search of so many
-    /// candidates, whose convergence is not kept.
+    /// candidates, or of as many as a smooth family needs, whose convergence is not kept.
     pub fn again(&self, fit: &Fit, evaluations: usize) -> Fit {
         let structures = family::of(fit.model, self.problem);
         let alike = structures.iter().find(|family| family.genes().len() == fit.genes.len());

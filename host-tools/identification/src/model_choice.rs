@@ -29,7 +29,7 @@ impl ModelChoice {
 pub enum Reason {
     /// It was asked for.
     AskedFor,
-    /// It is the simplest that does as well as the best on parts of the training data that it was not fitted to.
+    /// Cross-validation's rule chose it, by parts of the training data that it was not fitted to.
     CrossValidated(CrossValidation),
     /// Its error in training, once each log's start has settled, is the least, and cross-validation decides nothing.
     Least(Undecided),

@@ -95,7 +95,10 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     note_damage(&client);
     if let (Some(file), Some(path)) = (file, &arguments.out) {
         if let Some(error) = unwritten {
-            bail!("{}", remedy::cut_short(path, file, &error));
+            let unrested = rested
+                .err()
+                .map_or(String::new(), |error| format!("; and the device was not brought to rest: {error}"));
+            bail!("{}{unrested}", remedy::cut_short(path, file, &error));
         }
         // A device that no longer answers must not cost what it has already given.
         if !following.rows.is_empty() {
