@@ -177,7 +177,9 @@ fn samples_that_were_lost_without_a_gap_are_suspected_and_no_repair_is_promised(
     let output = piezo().args(["look", text(&path)]).assert().success().get_output().clone();
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(
-        said.contains("samples may be missing here, unless the drive leapt, row 3010: nothing can repair"),
+        said.contains(
+            "samples may be missing here, unless the drive leapt or recordings were joined, row 3010: nothing"
+        ),
         "{said}"
     );
     let result = identify(&[lost], &[&SHORTEST, &["--model", "voigt", "--repair"]]);
