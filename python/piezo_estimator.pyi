@@ -286,6 +286,7 @@ def identify(
     *,
     validate_on: Sequence[Log] = (),
     hold_out: float | None = None,
+    as_judged: bool = False,
     model: str = "auto",
     lag_ms: float | None = None,
     delay_ms: float | Literal["auto"] = 0.0,

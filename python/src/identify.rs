@@ -21,9 +21,9 @@ pub struct Identified {
     table: Py<Table>,
     /// Why that model was chosen.
     reason: String,
-    /// Errors of the f64 reference on what it was fitted to.
+    /// Errors of the f64 reference on what the table was fitted to.
     training: Option<Figures>,
-    /// The same on what was held out; None where nothing was.
+    /// The same of the model before it was fitted to what had been held out, on that; None where nothing was.
     held_out: Option<Figures>,
     /// Every model that was identified, simplest first, with its errors on what was held out, else in training.
     candidates: Vec<(&'static str, Option<Figures>)>,
@@ -57,11 +57,11 @@ struct Stopped(PyErr);
 /// Identifies a table from logs, as `piezo identify` does with the options of the same names and says of them. Ctrl-C ends it
 /// between two generations of a search.
 #[pyfunction]
-#[pyo3(signature = (logs, *, validate_on=Vec::new(), hold_out=None, model="auto", lag_ms=None, delay_ms=Delay::Given(0.0),
+#[pyo3(signature = (logs, *, validate_on=Vec::new(), hold_out=None, as_judged=false, model="auto", lag_ms=None, delay_ms=Delay::Given(0.0),
     repair=false, tick_us=500, voltage_scale=1.0, displacement_scale=1.0, skip_start_s=0.0, skip_end_s=0.0, adc_span=None,
     adc_full_scale=None, amplifier_slew=None, dac_span=None, dac_full_scale=None, devices=prediction_interval::DEVICES,
     evaluations=SearchOptions::DEFAULT.evaluations, seed=SearchOptions::DEFAULT.seed),
-    text_signature = "(logs, *, validate_on=(), hold_out=None, model='auto', lag_ms=None, delay_ms=0.0, repair=False, \
+    text_signature = "(logs, *, validate_on=(), hold_out=None, as_judged=False, model='auto', lag_ms=None, delay_ms=0.0, repair=False, \
     tick_us=500, voltage_scale=1.0, displacement_scale=1.0, skip_start_s=0.0, skip_end_s=0.0, adc_span=None, \
     adc_full_scale=None, amplifier_slew=None, dac_span=None, dac_full_scale=None, devices=12, evaluations=250, seed=1)")]
 // They are keywords in Python.
@@ -71,6 +71,7 @@ pub fn identify(
     logs: Vec<PyRef<'_, Log>>,
     validate_on: Vec<PyRef<'_, Log>>,
     hold_out: Option<f64>,
+    as_judged: bool,
     model: &str,
     lag_ms: Option<f64>,
     delay_ms: Delay,
@@ -110,6 +111,7 @@ pub fn identify(
         training: whole(&logs)?,
         held_out: whole(&validate_on)?,
         hold_out,
+        as_judged,
         prepare,
         model: findings::model(choice(model)?, lag_s),
         conditions: Conditions { lag_s, repair, ..Conditions::default() },
@@ -151,8 +153,8 @@ fn stoppable(job: &Job) -> PyResult<PyResult<Outcome>> {
 }
 
 fn identified(py: Python<'_>, outcome: &Outcome, job: &Job) -> PyResult<Identified> {
-    let candidate = outcome.candidate();
-    let training: Vec<_> = outcome.problem.training().collect();
+    let (judged, candidate) = (outcome.judged(), &outcome.learnt.candidate);
+    let training: Vec<_> = outcome.learnt_from().training().collect();
     let determined = findings::determination(identifiability::determination(&candidate.table, &training).as_ref());
     let file = findings::table_file(outcome, job.cost, &job.search, &determined);
     let candidates = outcome.candidates.iter().map(|candidate| {
@@ -162,7 +164,7 @@ fn identified(py: Python<'_>, outcome: &Outcome, job: &Job) -> PyResult<Identifi
     Ok(Identified {
         reason: findings::reason(&outcome.reason),
         training: candidate.training_figures().map(Figures::from),
-        held_out: candidate.held_out_figures().map(Figures::from),
+        held_out: judged.held_out_figures().map(Figures::from),
         candidates: candidates.collect(),
         doubts: file.doubts.clone(),
         determined,

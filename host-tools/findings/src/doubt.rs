@@ -8,7 +8,6 @@ use estimator_core::{DuhemCondition, Status};
 use identification::validate::{Raised, compare};
 use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};
 use log_survey::{Ahead, Implausible};
-use recordings::Part;
 use recordings::session::Session;
 use serde_json::{Value, json};
 
@@ -16,8 +15,6 @@ use serde_json::{Value, json};
 const WIDE: f64 = 10.0;
 /// What is untrained for less of the time, %, is a glitch.
 const RARE: f64 = 1.0;
-/// Logs that a sentence names at most.
-const NAMED: usize = 3;
 
 /// A doubt as the user reads it.
 pub fn doubt(doubt: &Doubt) -> String {
@@ -77,25 +74,25 @@ pub fn doubt(doubt: &Doubt) -> String {
             "hysteresis needs at least {FEW_REVERSALS} reversals of the voltage, and the training logs have {reversals}: record \
              several cycles"
         ),
-        Doubt::SingleFrequency { lag_said: false, parts } => format!(
+        Doubt::SingleFrequency { lag_said: false } => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
-             frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet{}",
-            learnt(parts)
-        ),
-        Doubt::SingleFrequency { lag_said: true, parts } => format!(
-            "the training logs have a single frequency: at others the estimate may be wrong; record several{}",
-            learnt(parts)
-        ),
-        Doubt::SingleAmplitude { extremum_terms: true, parts } => format!(
+             frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet"
+            .to_owned()
+        }
+        Doubt::SingleFrequency { lag_said: true } => {
+            "the training logs have a single frequency: at others the estimate may be wrong; record several"
+            .to_owned()
+        }
+        Doubt::SingleAmplitude { extremum_terms: true } => {
             "the training logs have a single amplitude, which teaches a single loop: the extremum terms are not \
-             determined and can be far off at other amplitudes; record several, or use --model voigt{}",
-            learnt(parts)
-        ),
-        Doubt::SingleAmplitude { extremum_terms: false, parts } => format!(
+             determined and can be far off at other amplitudes; record several, or use --model voigt"
+            .to_owned()
+        }
+        Doubt::SingleAmplitude { extremum_terms: false } => {
             "the training logs have a single amplitude, which teaches a single loop: at other amplitudes the error \
-             is unknown; record several{}",
-            learnt(parts)
-        ),
+             is unknown; record several"
+            .to_owned()
+        }
         Doubt::Drift { offset_um } => format!(
             "on the held-out data the estimate is off by a constant {offset_um:+.3} µm (creep, drift, or where the \
              session started), which no sensorless estimate can know: set the zero again at rest"
@@ -149,27 +146,13 @@ pub fn doubt(doubt: &Doubt) -> String {
     }
 }
 
-/// Which parts of the training logs were learnt from where that is not all of them, and how more is, as the end of a sentence.
-fn learnt(parts: &[Part]) -> String {
-    let spans =
-        parts.iter().take(NAMED).map(|Part { log, from_s, to_s }| format!("{from_s:.2} … {to_s:.2} s of {log}"));
-    let spans = spans.chain((parts.len() > NAMED).then(|| "…".to_owned())).collect::<Vec<_>>().join(", ");
-    if parts.is_empty() {
-        return String::new();
-    }
-    format!(
-        ". No more than {spans} was learnt: where the rest has others, learn from all with --hold-out 0, and hold out another log \
-         with --validate-on"
-    )
-}
-
 /// Adds to the doubts of an outcome those of its interval, which come after them: where it is wide, and where the voltage of a
 /// held-out log goes as it never went in the training, which no table without an interval says.
 pub fn doubt_interval(outcome: &mut Outcome) {
     let untrained: Vec<Doubt> =
-        outcome.problem.validation().filter_map(|log| untrained(outcome.candidate(), log)).collect();
+        outcome.learnt_from().validation().filter_map(|log| untrained(&outcome.learnt.candidate, log)).collect();
     outcome.doubts.extend(untrained);
-    outcome.doubts.extend(wide(outcome.candidate()));
+    outcome.doubts.extend(wide(&outcome.learnt.candidate));
     outcome.doubts.sort_by_key(Doubt::rank);
 }
 
@@ -257,20 +240,6 @@ mod tests {
     }
 
     #[test]
-    fn what_was_learnt_of_a_log_is_named_with_the_options_that_learn_more() {
-        let of = |parts| doubt(&Doubt::SingleFrequency { lag_said: false, parts });
-        let part = Part { log: "a".into(), from_s: 0.0, to_s: 13.55 };
-        let said = of(vec![part.clone()]);
-        assert!(
-            said.contains(". No more than 0.00 … 13.55 s of a was learnt: where the rest has others")
-                && said.ends_with("with --hold-out 0, and hold out another log with --validate-on"),
-            "{said}"
-        );
-        assert!(of(vec![part; 5]).contains("s of a, … was learnt"));
-        assert!(!of(Vec::new()).contains("learnt"));
-    }
-
-    #[test]
     fn a_delay_at_its_end_has_the_option_that_states_it() {
         let said = doubt(&Doubt::AtBound { gene: "delay", value: 15.0 });
         assert!(said.contains("state by how much with --delay") && said.contains("--max-delay"), "{said}");
@@ -278,7 +247,6 @@ mod tests {
 
     #[test]
     fn every_doubt_says_what_helps() {
-        let parts = vec![Part { log: "a".into(), from_s: 0.0, to_s: 13.55 }];
         let all = [
             Doubt::EstimatedDisplacement { log: "c".into() },
             Doubt::AtBound { gene: "p", value: 2.5 },
@@ -291,10 +259,10 @@ mod tests {
             Doubt::UnmetCondition { condition: DuhemCondition::Rising },
             Doubt::UnmetCondition { condition: DuhemCondition::Lagging },
             Doubt::FewReversals { reversals: 2 },
-            Doubt::SingleFrequency { lag_said: false, parts: Vec::new() },
-            Doubt::SingleFrequency { lag_said: true, parts: parts.clone() },
-            Doubt::SingleAmplitude { extremum_terms: true, parts: parts.clone() },
-            Doubt::SingleAmplitude { extremum_terms: false, parts: Vec::new() },
+            Doubt::SingleFrequency { lag_said: false },
+            Doubt::SingleFrequency { lag_said: true },
+            Doubt::SingleAmplitude { extremum_terms: true },
+            Doubt::SingleAmplitude { extremum_terms: false },
             Doubt::RunsAhead { log: "f".into(), by: Ahead { percent: 9.0, loops: 5 } },
             Doubt::Untrained { log: "g".into(), percent: 13.79, first_s: 2.0 },
             Doubt::AtBound { gene: "delay", value: 15.0 },

@@ -9,6 +9,7 @@ pub mod figures;
 mod flaw;
 mod interval;
 mod left_out;
+mod log_use;
 mod proven;
 mod raised;
 mod reason;
@@ -24,6 +25,7 @@ pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, implausible, runs
 pub use flaw::{flaw, flaw_found, flaw_scored, flaws};
 pub use interval::interval;
 pub use left_out::left_out;
+pub use log_use::{log_use, used};
 pub use proven::proven;
 pub use raised::remarks;
 pub use reason::reason;

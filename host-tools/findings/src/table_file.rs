@@ -7,19 +7,19 @@ use table_files::{Noise, TableFile};
 
 /// The file of the chosen model. `determined` are the lines of [`determination`](crate::determination).
 pub fn table_file(outcome: &Outcome, cost: Cost, search: &SearchOptions, determined: &[(String, String)]) -> TableFile {
-    let (voltage_v, displacement_um) = log_survey::noise(outcome.problem.training());
+    let (voltage_v, displacement_um) = log_survey::noise(outcome.learnt_from().training());
     TableFile {
         noise: Some(Noise { voltage_v, displacement_um }),
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
         doubts: outcome.doubts.iter().map(crate::doubt).collect(),
         determined: determined.iter().map(|(what, found)| format!("{what}: {found}")).collect(),
-        table: *outcome.candidate().table,
-        recipe: outcome.context.recipe.clone(),
+        table: *outcome.learnt.candidate.table,
+        recipe: outcome.learnt.context.recipe.clone(),
         cost: Some(cost.feedback),
         norm: Some(cost.norm),
         feedback_weight: cost.feedback_weight,
         search: Some(search.clone()),
-        logs: outcome.logs.clone(),
+        logs: outcome.learnt.logs.clone(),
     }
 }
 

@@ -75,6 +75,7 @@ fn said(plant: &Plant, command: &Command) -> Found {
         training: vec![log(plant, command)],
         held_out: Vec::new(),
         hold_out: 0.0,
+        as_judged: false,
         prepare: PrepareOptions::default(),
         model: ModelChoice::Is(Model::GeneralisedPrandtlIshlinskii),
         conditions: Conditions::default(),
@@ -84,7 +85,7 @@ fn said(plant: &Plant, command: &Command) -> Found {
     };
     let outcome = job.run(&mut |_, _| ()).expect("the model is found");
     let training: Vec<_> = outcome.problem.training().collect();
-    let of = determination(&outcome.candidate().table, &training).expect("there is something to tell");
+    let of = determination(&outcome.judged().table, &training).expect("there is something to tell");
     *of.found.iter().find(|found| found.experiment == Experiment::Creep).expect("every experiment is made")
 }
 

@@ -1,6 +1,6 @@
 //! A log in, a parameter table out: `identify log.csv table.bin`.
 //!
-//! What is learnt from the first half of the log is judged on the second. `piezo identify` does more: it calibrates the ± beside
+//! What is learnt from the first half of the log is judged on the second, and learnt again from all of it. `piezo identify` does more: it calibrates the ± beside
 //! the estimate, says what the log did not determine, puts the doubts in words, and draws it all.
 //!
 //!     cargo run --release --package identification --example identify -- tests/data/picma-p885-1hz.csv table.bin
@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         training: vec![log::read(&log, &ReadOptions::default())?],
         held_out: Vec::new(),
         hold_out: 0.5,
+        as_judged: false,
         prepare: PrepareOptions::default(),
         model: ModelChoice::Auto,
         conditions: Conditions::default(),
@@ -30,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         search: SearchOptions::DEFAULT,
     };
     let outcome = job.run(&mut |_model, _cost_um| ())?;
-    let chosen = outcome.candidate();
+    let chosen = &outcome.learnt.candidate;
     for candidate in &outcome.candidates {
         if let Some(errors) = candidate.held_out_figures() {
             let mark = if candidate.table.model() == chosen.table.model() { "chosen" } else { "" };

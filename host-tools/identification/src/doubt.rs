@@ -3,7 +3,6 @@
 use calibration::Assumed;
 use estimator_core::DuhemCondition;
 use log_survey::{Ahead, Flaw, Implausible};
-use recordings::Part;
 use serde::Serialize;
 
 /// A reason not to trust a result.
@@ -86,15 +85,11 @@ pub enum Doubt {
     SingleFrequency {
         /// Somebody says what the lag is.
         lag_said: bool,
-        /// Training logs of which no more than a part was learnt from.
-        parts: Vec<Part>,
     },
     /// All swings are about as large.
     SingleAmplitude {
         /// The model has terms that need several.
         extremum_terms: bool,
-        /// Training logs of which no more than a part was learnt from.
-        parts: Vec<Part>,
     },
     /// The estimate is off by a constant on what was held out.
     Drift {

@@ -3,12 +3,14 @@
 use crate::baseline::Baseline;
 use crate::candidate::{Candidate, CandidateError, TableContext};
 use crate::cost::Cost;
-use crate::delay::{Delay, DelaySearch};
+use crate::delay::DelaySearch;
 use crate::division::Parts;
 use crate::doubt::Doubt;
 use crate::fit::{Identification, Progress};
 use crate::job_error::JobError;
+use crate::learnt::Learnt;
 use crate::model_choice::{Choice, ModelChoice, Reason, with_contained};
+use crate::prepared::Prepared;
 use crate::problem::{Conditions, Problem};
 use crate::search::SearchOptions;
 use crate::suspicion::{doubts, no_better};
@@ -20,7 +22,7 @@ use log_survey::{
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
-use recordings::{LogUse, Part, Role};
+use recordings::{LogUse, Role};
 use sha2::{Digest as _, Sha256};
 
 /// What to identify from what.
@@ -30,8 +32,10 @@ pub struct Job {
     pub training: Vec<Log>,
     /// Logs that decide nothing.
     pub held_out: Vec<Log>,
-    /// Fraction of each training log, at its end, that is held out too.
+    /// Fraction of each training log, at its end, that is held out until the model is chosen and judged, and learnt from then.
     pub hold_out: f64,
+    /// The chosen model is delivered as it was judged, and not learnt from what was held out.
+    pub as_judged: bool,
     /// Preparation of the logs.
     pub prepare: PrepareOptions,
     /// Which model.
@@ -46,25 +50,10 @@ pub struct Job {
     pub search: SearchOptions,
 }
 
-/// What every model of a job is identified on and made into a table with.
-#[derive(Clone, Debug)]
-pub struct Prepared {
-    /// The sessions, cut, divided and prepared.
-    pub problem: Problem,
-    /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone, in its recipe.
-    pub context: TableContext,
-    /// What each log was used for.
-    pub logs: Vec<LogUse>,
-    /// Doubts of the logs: those that are no sensor's, and what in the others is no measurement.
-    pub of_logs: Vec<Doubt>,
-    /// A doubt of the delay that was found.
-    pub delay_at_bound: Option<Doubt>,
-}
-
 /// What came of it.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Every model that was identified, simplest first.
+    /// Every model that was identified, simplest first, as it was judged.
     pub candidates: Vec<Candidate>,
     /// Models without an admissible candidate, and why.
     pub failed: Vec<(Model, CandidateError)>,
@@ -76,18 +65,21 @@ pub struct Outcome {
     pub doubts: Vec<Doubt>,
     /// What every model is to better; `None` where the training voltage does not move.
     pub straight_line: Option<Baseline>,
-    /// What every model was identified on.
+    /// What every model was judged on.
     pub problem: Problem,
-    /// What every table holds besides; how the logs were prepared is in its recipe.
-    pub context: TableContext,
-    /// What each log was used for.
-    pub logs: Vec<LogUse>,
+    /// The chosen model as it is delivered.
+    pub learnt: Learnt,
 }
 
 impl Outcome {
-    /// The chosen candidate.
-    pub fn candidate(&self) -> &Candidate {
+    /// The chosen candidate as it was judged, learnt without what was held out.
+    pub fn judged(&self) -> &Candidate {
         &self.candidates[self.chosen]
+    }
+
+    /// What the delivered table was learnt from.
+    pub fn learnt_from(&self) -> &Problem {
+        self.learnt.whole.as_ref().unwrap_or(&self.problem)
     }
 }
 
@@ -112,16 +104,25 @@ impl Job {
     /// # Errors
     /// A log cannot be used.
     pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared, JobError> {
-        let Parts { training, held_out, rests } =
-            Parts::of(&self.training, &self.held_out, self.hold_out, &self.prepare)?;
+        self.prepare_parts(self.hold_out, None, progress)
+    }
+
+    /// As [`prepare`](Self::prepare), with this fraction of each training log held out, and a delay that was decided before.
+    pub(crate) fn prepare_parts(
+        &self,
+        hold_out: f64,
+        known_delay_ticks: Option<u32>,
+        progress: Progress<'_>,
+    ) -> Result<Prepared, JobError> {
+        let Parts { training, held_out, rests } = Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;
         let flaws = |log: &Log| if self.conditions.repair { flaws(log) } else { Vec::new() };
         let each = |of: fn(&Log, &[Flaw]) -> Log| training.iter().map(|log| of(log, &flaws(log))).collect::<Vec<_>>();
         let mut recipe = self.prepare.resolve(&each(sound));
-        let estimated = match self.prepare.delay {
-            AutoOr::Given(_) => None,
-            AutoOr::Auto => Some(self.delay_search().estimate(&each(mended), &recipe, progress)?),
+        let estimated = match (self.prepare.delay, known_delay_ticks) {
+            (AutoOr::Auto, None) => Some(self.delay_search().estimate(&each(mended), &recipe, progress)?),
+            _ => None,
         };
-        if let Some(Delay { ticks, .. }) = estimated {
+        if let Some(ticks) = known_delay_ticks.or(estimated.map(|delay| delay.ticks)) {
             recipe.delay_ticks = ticks;
         }
         let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
@@ -170,12 +171,11 @@ impl Job {
     /// A log cannot be used, or the model that counts has no admissible candidate.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
         let Prepared { problem, context, logs, of_logs, delay_at_bound } = self.prepare(progress)?;
-        let character = Character::of(problem.training(), problem.deadband);
         if let Some(first) = problem.training().next() {
             if problem.training().all(is_noise) {
                 return Err(JobError::Noise { log: first.name.clone(), span_um: range(&first.displacement) });
             }
-            if character.reversals == 0 {
+            if Character::of(problem.training(), problem.deadband).reversals == 0 {
                 return Err(JobError::NoReversal { log: first.name.clone() });
             }
         }
@@ -194,27 +194,43 @@ impl Job {
             let why = failed.into_iter().find(|(failed, _)| *failed == model);
             return Err(why.map_or(JobError::NothingFound, |(model, source)| JobError::Failed { model, source }));
         };
-        let (of, lag_s) = (&candidates[chosen], self.conditions.lag_s);
-        let mut doubts = [of_logs, doubts(of, &character, self.cost, lag_s, &self.parts())].concat();
+        let learnt = self.learnt(&candidates[chosen], context, logs, progress)?;
+        let learnt_from = learnt.whole.as_ref().unwrap_or(&problem);
+        let character = Character::of(learnt_from.training(), learnt_from.deadband);
+        let of_model = doubts(&learnt.candidate, &candidates[chosen], &character, self.cost, self.conditions.lag_s);
+        let mut doubts = [of_logs, of_model].concat();
         doubts.extend(delay_at_bound);
-        doubts.extend(implausible(&problem).map(Doubt::ImplausibleStroke));
+        doubts.extend(implausible(learnt_from).map(Doubt::ImplausibleStroke));
         doubts.extend(self.calibration.assumed().map(|converters| Doubt::CalibrationAssumed { converters }));
         let straight_line = Baseline::of(&problem);
         doubts.extend(straight_line.and_then(|line| no_better(&candidates[chosen], &line)));
         doubts.sort_by_key(Doubt::rank);
-        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, problem, context, logs })
+        Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, problem, learnt })
+    }
+
+    /// The judged candidate as it is delivered.
+    fn learnt(
+        &self,
+        judged: &Candidate,
+        context: TableContext,
+        logs: Vec<LogUse>,
+        progress: Progress<'_>,
+    ) -> Result<Learnt, JobError> {
+        if self.hold_out == 0.0 || self.as_judged {
+            return Ok(Learnt { candidate: judged.clone(), context, logs, whole: None });
+        }
+        let wholes = self.prepare_parts(0.0, Some(context.recipe.delay_ticks), &mut *progress)?;
+        let identification =
+            Identification { problem: &wholes.problem, cost: self.cost, options: &self.search, budget: None };
+        let fit = identification.anew(&judged.fit, progress);
+        let model = fit.model;
+        Learnt::from_wholes(fit, wholes, judged, logs).map_err(|source| JobError::Failed { model, source })
     }
 
     /// A doubt for each log that is no sensor's.
     fn estimates(&self) -> Vec<Doubt> {
         let logs = self.training.iter().chain(&self.held_out).filter(|log| log.displacement_estimated);
         logs.map(|log| Doubt::EstimatedDisplacement { log: log.name.clone() }).collect()
-    }
-
-    /// What is learnt from of the training logs, where that is a part of each.
-    fn parts(&self) -> Vec<Part> {
-        let learnt = |log: &Log| Part::from(&self.prepare.cut(log).split(self.hold_out).0);
-        if self.hold_out > 0.0 { self.training.iter().map(learnt).collect() } else { Vec::new() }
     }
 
     /// A doubt for each training log whose displacement runs ahead of its voltage.

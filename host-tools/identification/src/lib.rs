@@ -18,6 +18,7 @@
 //!     training: vec![sine, faster_sine],
 //!     held_out: vec![triangle],
 //!     hold_out: 0.0,
+//!     as_judged: false,
 //!     prepare: PrepareOptions::default(),
 //!     model: ModelChoice::Is(Model::PrandtlIshlinskii),
 //!     conditions: Conditions::default(),
@@ -26,7 +27,7 @@
 //!     search: SearchOptions { evaluations: 10, ..SearchOptions::DEFAULT },
 //! };
 //! let outcome = job.run(&mut |_model, _cost_um| ())?;
-//! let errors = outcome.candidate().held_out_figures().expect("a log was held out");
+//! let errors = outcome.judged().held_out_figures().expect("a log was held out");
 //! let straight_line = outcome.straight_line.as_ref().expect("the voltage moves");
 //! assert!(errors.mae_um < 0.5 * straight_line.held_out.expect("a log was held out").mae_um);
 //! # Ok(())
@@ -49,8 +50,10 @@ mod fit;
 mod fixtures;
 mod job;
 mod job_error;
+mod learnt;
 mod left_out;
 mod model_choice;
+mod prepared;
 mod problem;
 mod rounds;
 pub mod search;
@@ -66,11 +69,13 @@ pub use cross_validation::{CrossValidation, Score, Undecided};
 pub use doubt::{Converter, Doubt, FEW_REVERSALS};
 pub use family::BlackBoxInputs;
 pub use fit::{Convergence, Fit, Identification, Progress, identify, identify_black_box};
-pub use job::{Job, Outcome, Prepared};
+pub use job::{Job, Outcome};
 pub use job_error::JobError;
+pub use learnt::Learnt;
 pub use left_out::LeftOut;
 pub use log_survey::{Character, prepared};
 pub use model_choice::{Choice, ModelChoice, Reason, with_contained};
+pub use prepared::Prepared;
 pub use problem::{Conditions, Problem};
 pub use search::{SearchOptions, Start};
 pub use structures::{Found, StructureSearch};

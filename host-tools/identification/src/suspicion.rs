@@ -7,7 +7,6 @@ use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::{Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
 use log_survey::Character;
-use recordings::Part;
 
 /// More reversals than this multiple of the large ones are noise.
 const NOISY: usize = 3;
@@ -30,13 +29,14 @@ const OFFSET: f64 = 1e-3;
 /// f32 may differ from f64 by this fraction of the stroke.
 const SINGLE_PRECISION: f64 = 1e-4;
 
-/// Every doubt about a candidate, gravest first. `parts` are those of the training logs that were not learnt from as a whole.
+/// Every doubt about a candidate that is delivered, gravest first. `judged` is what the same model was before what had been held out was
+/// learnt from, too.
 pub fn doubts(
     candidate: &Candidate,
+    judged: &Candidate,
     character: &Character,
     cost: Cost,
     lag_s: Option<f64>,
-    parts: &[Part],
 ) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     let model = candidate.table.model();
@@ -44,7 +44,6 @@ pub fn doubts(
         matches!(candidate.table.parameters, Parameters::VoigtChain(of) if of.voltage_extremum_um_per_v != 0.0);
     let extremum_terms = in_chain || model.has_voltage_term() || model.has_displacement_term();
     let training = candidate.training_figures();
-    let held_out = candidate.held_out_figures();
     if let (true, Some(training)) = (cost.weight() > 0.0, training) {
         let simulation_um = match cost.norm {
             Norm::L1 => training.mae_um,
@@ -56,13 +55,13 @@ pub fn doubts(
         }
     }
     doubts.extend(poor(candidate.training.iter().map(|log| (&*log.name, log.mil))));
-    match (training, held_out) {
+    match (judged.training_figures(), judged.held_out_figures()) {
         (Some(training), Some(held_out)) => {
             let (training_um, held_out_um) = (training.mae_without_offset_um, held_out.mae_without_offset_um);
             if held_out_um > FAR * training_um {
                 doubts.push(Doubt::HeldOutFar { training_um, held_out_um });
             }
-            let offsets: Vec<f64> = candidate.held_out.iter().map(|log| log.mil.offset_um).collect();
+            let offsets: Vec<f64> = judged.held_out.iter().map(|log| log.mil.offset_um).collect();
             doubts.extend(drift(&offsets, &held_out));
         }
         _ => doubts.push(Doubt::NothingHeldOut),
@@ -82,20 +81,20 @@ pub fn doubts(
     }
     doubts.extend(spans(candidate));
     if character.single_amplitude() {
-        doubts.push(Doubt::SingleAmplitude { extremum_terms, parts: parts.to_vec() });
+        doubts.push(Doubt::SingleAmplitude { extremum_terms });
     }
     if character.single_frequency() {
         let lag_said = lag_s.is_some_and(|said| kept(said, candidate));
-        doubts.push(Doubt::SingleFrequency { lag_said, parts: parts.to_vec() });
+        doubts.push(Doubt::SingleFrequency { lag_said });
     }
-    for comparison in &candidate.held_out {
+    for comparison in &judged.held_out {
         if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {
             doubts.push(Doubt::BeyondTraining { log: comparison.name.clone() });
         }
     }
     let at_bound = candidate.fit.genes.iter().filter(|(gene, value)| gene.undetermined(*value));
     doubts.extend(at_bound.map(|(gene, value)| Doubt::AtBound { gene: gene.name, value: *value }));
-    let all = candidate.training.iter().chain(&candidate.held_out);
+    let all = candidate.training.iter().chain(&judged.held_out);
     let difference_um = all.clone().map(|comparison| comparison.mil_sil_um).fold(0.0, f64::max);
     if all.clone().any(|comparison| comparison.mil_sil_um > SINGLE_PRECISION * comparison.mil.stroke_um) {
         doubts.push(Doubt::SinglePrecision { difference_um });

@@ -18,7 +18,9 @@ use device::Device;
 use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{IntervalParameters, Parameters};
 use gains::{Gains, Tried};
-use identification::{Candidate, CandidateError, Identification, Outcome, Problem, SearchOptions, TableContext};
+use identification::{
+    Candidate, CandidateError, Identification, Learnt, Outcome, Problem, SearchOptions, TableContext,
+};
 use memory_at_ends::memory_at_ends;
 use rayon::prelude::*;
 use recordings::session::Session;
@@ -79,7 +81,7 @@ pub fn calibrate(
     })
 }
 
-/// What was found, with an interval in the chosen table, and where its width comes from; without one where [`calibrate`] has none.
+/// What was found, with an interval in the delivered table, and where its width comes from; without one where [`calibrate`] has none.
 ///
 /// # Errors
 /// The interval breaks a rule.
@@ -89,9 +91,9 @@ pub fn with_interval(
     devices: u32,
     progress: impl Fn() + Sync,
 ) -> Result<(Outcome, Option<Calibration>), CandidateError> {
-    let chosen = outcome.candidate();
-    let interval = calibrate(&outcome.problem, chosen, &outcome.context, search, devices, progress);
-    outcome.candidates[outcome.chosen] = chosen.clone().with_interval(interval.map(|of| of.parameters))?;
+    let Learnt { candidate, context, .. } = &outcome.learnt;
+    let interval = calibrate(outcome.learnt_from(), candidate, context, search, devices, progress);
+    outcome.learnt.candidate = candidate.clone().with_interval(interval.map(|of| of.parameters))?;
     Ok((outcome, interval))
 }
 

@@ -20,6 +20,7 @@ fn learnt(plant: &Plant, model: Model) -> (Prepared, Candidate, SearchOptions) {
         training: vec![plant.log("slow", &sine(2.0), 2.0, 1), plant.log("fast", &sine(8.0), 2.0, 2)],
         held_out: Vec::new(),
         hold_out: 0.0,
+        as_judged: false,
         prepare: PrepareOptions {
             voltage_zero: AutoOr::Given(0.0),
             displacement_zero: AutoOr::Given(0.0),

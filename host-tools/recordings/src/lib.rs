@@ -9,4 +9,4 @@ pub mod rig;
 pub mod session;
 
 pub use content::Content;
-pub use log_use::{LogUse, Part, Role};
+pub use log_use::{LogUse, Role};

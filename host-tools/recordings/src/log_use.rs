@@ -23,24 +23,6 @@ pub struct LogUse {
     pub content: Option<Content>,
 }
 
-/// A part of a log.
-#[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Part {
-    /// Name of the log.
-    pub log: String,
-    /// Its first second.
-    pub from_s: f64,
-    /// Its end, s.
-    pub to_s: f64,
-}
-
-impl From<&Log> for Part {
-    /// All of a log that may have been cut.
-    fn from(log: &Log) -> Self {
-        Self { log: log.name.clone(), from_s: log.start_s, to_s: log.start_s + log.duration() }
-    }
-}
-
 /// What a log was used for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -49,6 +31,9 @@ pub enum Role {
     Training,
     /// It decided nothing; the errors stated are those on it.
     HeldOut,
+    /// A part of what was trained on that had been held out until the model was judged: the errors stated are those on it, by the model
+    /// as it was learnt without it.
+    JudgedThenLearnt,
 }
 
 impl LogUse {

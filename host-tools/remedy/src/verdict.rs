@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// How good it is, in plain words.
 pub fn verdict(outcome: &Outcome) -> Vec<String> {
-    let candidate = outcome.candidate();
+    let (candidate, learnt) = (outcome.judged(), &outcome.learnt);
     let mut sentences =
         vec![format!("Model: {}, since {}", candidate.table.model(), findings::reason(&outcome.reason))];
     if let Some(held_out) = candidate.held_out_figures() {
@@ -35,10 +35,17 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
             training.mae_percent
         ));
     }
-    sentences.push(findings::proven(&candidate.table));
-    sentences.push(format!("{}.", zeros(&outcome.context.recipe)));
-    sentences.push(format!("On the board {}.", bench::time(&candidate.table)));
-    if let Some(not_found) = bench::wire_not_found(&candidate.table) {
+    if learnt.whole.is_some() {
+        sentences.push(
+            "The table is this model learnt once more, from the training logs as a whole: on these nothing tells any longer what it is off by \
+             on data it has not seen."
+                .to_owned(),
+        );
+    }
+    sentences.push(findings::proven(&learnt.candidate.table));
+    sentences.push(format!("{}.", zeros(&learnt.context.recipe)));
+    sentences.push(format!("On the board {}.", bench::time(&learnt.candidate.table)));
+    if let Some(not_found) = bench::wire_not_found(&learnt.candidate.table) {
         sentences.push(format!("On the board {not_found}."));
     }
     sentences

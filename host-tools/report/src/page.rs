@@ -34,8 +34,10 @@ pub struct Report<'a> {
     pub verdict: &'a [String],
     /// When not to trust it; may be empty.
     pub doubts: &'a [String],
-    /// The model that was chosen.
+    /// The model that was chosen, as it was judged: its errors are what is drawn.
     pub chosen: &'a Candidate,
+    /// The same as it is delivered, learnt from what had been held out, too.
+    pub learnt: &'a Candidate,
     /// All identified models, the chosen one included.
     pub candidates: &'a [Candidate],
     /// What every model is to better.
@@ -154,9 +156,9 @@ impl<'a> Page<'a> {
             flaws: &report.flaws[..report.flaws.len().min(FLAWS)],
             flaws_left_out: report.flaws.len().saturating_sub(FLAWS),
             search: search_figures(report, limit),
-            genes: chosen.fit.genes.iter().map(GeneRow::new).collect(),
-            parameters: rows::parameters(&chosen.table),
-            table: rows::table(&chosen.table),
+            genes: report.learnt.fit.genes.iter().map(GeneRow::new).collect(),
+            parameters: rows::parameters(&report.learnt.table),
+            table: rows::table(&report.learnt.table),
             facts: report.facts,
         }
     }

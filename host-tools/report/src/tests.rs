@@ -113,6 +113,7 @@ fn with_flaws(chosen: &Candidate, doubts: &[&str], flaws: &[Mark]) -> String {
         verdict: &[concat!("It is `0.1 µm` off; see --", "hold-out.").to_owned()],
         doubts: &doubts,
         chosen,
+        learnt: chosen,
         straight_line: line.as_ref(),
         candidates: std::slice::from_ref(chosen),
         flaws,

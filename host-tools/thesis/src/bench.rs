@@ -225,6 +225,7 @@ pub mod tests {
             training,
             held_out,
             hold_out: 0.0,
+            as_judged: false,
             prepare: Bench::zeroed(&PrepareOptions::default()),
             model: ModelChoice::Auto,
             conditions: Conditions::default(),

@@ -111,7 +111,7 @@ fn held_out_in_short(printed: &Value) -> Result<Content> {
     table(1, &["MAE µm", "MAX µm", "MAE, % of stroke"], [straight].into_iter().chain(models))
 }
 
-/// How the interval does after a zero, on the recording's own held-out half and on another day.
+/// How the interval does after a zero, on the recording's own second half and on another day.
 fn intervals(printed: &Printed<'_>) -> Result<Content> {
     let row = |(name, command): (&str, Command)| -> Result<Vec<String>> {
         let printed = printed.by(command)?;
@@ -127,7 +127,10 @@ fn intervals(printed: &Printed<'_>) -> Result<Content> {
             fixed(number(log, "/interval/best_constant_um")?, 3),
         ])
     };
-    let rows = [("its own held-out half, zeroed at 20.1 s", SameDay), ("another session, zeroed at 24 s", OtherDay)];
+    let rows = [
+        ("its second half, by a table of the first, zeroed at 20.1 s", SameDay),
+        ("another session, zeroed at 24 s", OtherDay),
+    ];
     let columns = [
         "MAE µm",
         "RMS µm without offset",

@@ -4,7 +4,6 @@ use calibration::CalibrationOptions;
 use estimator_core::{DuhemCondition, DuhemParameters, Model, Parameters, Range, Table};
 use identification::cost::Feedback;
 use identification::{Candidate, Character, Conditions, Doubt, Job, ModelChoice, SearchOptions, doubts};
-use recordings::Part;
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 use recordings::rig::{EXCITATIONS, Rig};
@@ -14,6 +13,7 @@ fn job(training: Vec<Log>, hold_out: f64) -> Job {
         training,
         held_out: Vec::new(),
         hold_out,
+        as_judged: false,
         prepare: PrepareOptions { delay: AutoOr::Given(0.0), ..PrepareOptions::default() },
         model: ModelChoice::Is(Model::Duhem),
         conditions: Conditions::default(),
@@ -43,16 +43,19 @@ fn exchanged_columns_are_a_grave_doubt_and_no_others_are() {
 }
 
 #[test]
-fn a_single_frequency_is_that_of_what_was_learnt() {
-    let parts = |hold_out| {
-        let doubts = job(vec![slow()], hold_out).run(&mut |_, _| ()).unwrap().doubts;
-        doubts.into_iter().find_map(|doubt| match doubt {
-            Doubt::SingleFrequency { parts, .. } => Some(parts),
-            _ => None,
-        })
+fn a_single_frequency_is_that_of_what_is_delivered() {
+    let Log { mut voltage, displacement: Some(mut displacement), .. } = slow() else {
+        panic!("a log without displacement")
     };
-    assert_eq!(parts(0.4), Some(vec![Part { log: "sin1".into(), from_s: 0.0, to_s: 6.0 }]));
-    assert_eq!(parts(0.0), Some(Vec::new()));
+    let fast = Rig { duration: 5.0, ..Rig::default() }.log(EXCITATIONS[1]);
+    let doubted = |log: Log| {
+        let doubts = job(vec![log], 0.4).run(&mut |_, _| ()).unwrap().doubts;
+        doubts.iter().any(|doubt| matches!(doubt, Doubt::SingleFrequency { .. }))
+    };
+    assert!(doubted(slow()));
+    voltage.extend(&fast.voltage);
+    displacement.extend(fast.displacement.unwrap());
+    assert!(!doubted(Log { voltage, displacement: Some(displacement), ..slow() }), "its other half has another");
 }
 
 #[test]
@@ -60,7 +63,7 @@ fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not
     let rig = Rig { duration: 0.5, ..Rig::default() };
     let outcome =
         job(EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).collect(), 0.0).run(&mut |_, _| ()).unwrap();
-    let candidate = outcome.candidate();
+    let candidate = outcome.judged();
     let Parameters::Duhem(found) = candidate.table.parameters else { panic!("another model") };
     let character = Character::of(outcome.problem.training(), outcome.problem.deadband);
     let doubted = |set: DuhemParameters| -> Vec<DuhemCondition> {
@@ -68,7 +71,7 @@ fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not
         let wide = Range { min: -1e3, max: 1e3 };
         let table = Table { parameters, displacement_limits_um: wide, ..*candidate.table }.admit().unwrap();
         let doubts =
-            doubts(&Candidate { table, ..candidate.clone() }, &character, Feedback::Simulation.into(), None, &[]);
+            doubts(&Candidate { table, ..candidate.clone() }, candidate, &character, Feedback::Simulation.into(), None);
         let condition = |doubt: Doubt| match doubt {
             Doubt::UnmetCondition { condition } => Some(condition),
             _ => None,

@@ -84,6 +84,7 @@ fn what_was_fitted_with_is_what_the_table_runs_with() {
             training: EXCITATIONS.into_iter().map(|excitation| rig.log(excitation)).collect(),
             held_out: Vec::new(),
             hold_out: 0.0,
+            as_judged: false,
             prepare: PrepareOptions { delay: AutoOr::Given(0.0), ..PrepareOptions::default() },
             model: ModelChoice::Is(model),
             conditions,
@@ -93,7 +94,7 @@ fn what_was_fitted_with_is_what_the_table_runs_with() {
         }
         .run(&mut |_, _| ())
         .unwrap();
-        let table = outcome.candidate().table;
+        let table = outcome.judged().table;
         let (fitted, code) = (outcome.problem.deadband, f64::from(table.adc.gain_v_per_code));
         assert!((fitted - 0.3).abs() <= 0.5 * code && fitted != 0.3, "{model}: {fitted} V, codes of {code} V");
         let runs = table.engine::<f64>();

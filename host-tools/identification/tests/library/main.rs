@@ -6,6 +6,7 @@ mod cost;
 mod doubt;
 mod fit;
 mod genetic_algorithm;
+mod learnt;
 mod preisach;
 mod search;
 mod space;

@@ -30,7 +30,8 @@ pub struct Fitting {
     /// Logs that are held out: their errors are reported and decide nothing.
     #[arg(long, num_args = 1.., value_name = "LOG")]
     pub validate_on: Vec<PathBuf>,
-    /// Hold out this fraction at the end of each log; 0.5 unless --validate-on names logs.
+    /// Hold out this fraction at the end of each log until the model is judged; 0.5 unless --validate-on names logs. `identify` then
+    /// learns the chosen model once more from all of them.
     #[arg(long, display_order = BEHIND, value_name = "FRACTION", allow_negative_numbers = true)]
     pub hold_out: Option<f64>,
     /// Leave out what is no measurement: where the displacement leaps away and back or stands still while the voltage moves, and
@@ -93,6 +94,7 @@ impl Fitting {
             training,
             held_out,
             hold_out,
+            as_judged: false,
             prepare: (&self.prepare).into(),
             model: ModelChoice::Auto,
             conditions: Conditions {

@@ -115,10 +115,7 @@ const NOTES: [&str; 5] = [
 
 /// What every model saw, and how.
 fn facts(arguments: &Compare, job: &Job, matrix: &Matrix) -> Vec<(String, String)> {
-    let used = |role: Role| {
-        let logs = matrix.logs.iter().filter(|log| log.role == role);
-        logs.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")
-    };
+    let used = |role| findings::used(&matrix.logs, role);
     let recipe = &matrix.recipe;
     let facts = [
         ("Every model fitted to", used(Role::Training)),

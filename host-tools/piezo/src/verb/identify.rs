@@ -5,6 +5,7 @@ use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choic
 use crate::output::{self, FACES, Held, PAGE, PICTURE};
 use anyhow::{Context, Result};
 use clap::Args;
+use estimator_core::Table;
 use findings::figures::{heading, row};
 use identifiability::Determination;
 use identification::cost::Cost;
@@ -26,6 +27,9 @@ pub struct Identify {
     /// Which model; `auto` tries every one and chooses by cross-validation inside the training data.
     #[arg(long, value_parser = model_choice(), default_value = "auto")]
     pub model: ModelChoice,
+    /// Deliver the chosen model as it was judged, instead of learning it once more from what was held out of the logs.
+    #[arg(long, hide_short_help = true)]
+    pub as_judged: bool,
     /// What comes next is typed by learn.
     #[arg(skip)]
     pub of_learn: bool,
@@ -68,7 +72,8 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
     let calibration = arguments.calibration.options()?;
     let drive = &calibration.drive;
     drive.require(drive.drive_span.is_some(), drive.setpoint_span.is_some())?;
-    let mut job = Job { calibration, ..arguments.fitting.job((&arguments.search).into())? };
+    let mut job =
+        Job { calibration, as_judged: arguments.as_judged, ..arguments.fitting.job((&arguments.search).into())? };
     job.model = findings::model(arguments.model, job.conditions.lag_s);
     let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
@@ -83,11 +88,12 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
         prediction_interval::with_interval(outcome, &job.search, arguments.devices, || bar.inc(1))?;
     bar.finish_and_clear();
     findings::doubt_interval(&mut outcome);
-    let training: Vec<_> = outcome.problem.training().collect();
-    let determination = identifiability::determination(&outcome.candidate().table, &training);
+    let training: Vec<_> = outcome.learnt_from().training().collect();
+    let determination = identifiability::determination(&outcome.learnt.candidate.table, &training);
     let determined = remedy::determination(determination.as_ref());
     let mut verdict =
-        [remedy::verdict(&outcome), remedy::left_out(&job, &outcome.context.recipe, &outcome.problem)].concat();
+        [remedy::verdict(&outcome), remedy::left_out(&job, &outcome.learnt.context.recipe, outcome.learnt_from())]
+            .concat();
     verdict.push(remedy::interval(interval.as_ref(), arguments.devices));
     write(&folder, arguments, &job, &outcome, &verdict, &determined)?;
     if arguments.fitting.json {
@@ -112,10 +118,10 @@ fn write(
     verdict: &[String],
     determined: &[(String, String)],
 ) -> Result<()> {
-    let candidate = outcome.candidate();
+    let candidate = outcome.judged();
     let file = findings::table_file(outcome, job.cost, &job.search, determined);
     let names: Vec<&str> =
-        outcome.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
+        outcome.learnt.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
     let noise: Vec<_> =
         file.noise.map(|noise| ("Noise".to_owned(), noise.told(file.table.deadband_v))).into_iter().collect();
     let mark = |(log, at, what): (String, Stretch, String)| Mark { log, from_s: at.from_s, to_s: at.to_s, what };
@@ -125,6 +131,7 @@ fn write(
         verdict,
         doubts: &file.doubts,
         chosen: candidate,
+        learnt: &outcome.learnt.candidate,
         candidates: &outcome.candidates,
         straight_line: outcome.straight_line.as_ref(),
         flaws: &flaws,
@@ -138,21 +145,22 @@ fn write(
     Ok(folder.write_all(file.faces()?.into_iter().chain(pages))?)
 }
 
-/// When the first log that was held out, else fitted to, may be zeroed first (s), and its estimates with their interval since
-/// then; `None` where the table has no interval, or the log ends before.
+/// When the first log that was held out, else fitted to, may be zeroed first (s), and its estimates with the delivered table's interval
+/// since then; `None` where that has none, or the log ends before.
 fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<(f64, Estimates)> {
-    let (table, problem) = (&outcome.candidate().table, &outcome.problem);
-    let session = problem.validation().next().or(problem.training().next())?;
-    let at = shown.trace.time_s.first()?.max(table.interval?.earliest_s.into()) + 2.0 * ZERO_WINDOW_S;
+    let Table { interval, .. } = *outcome.learnt.candidate.table;
+    let table = outcome.judged().clone().with_interval(interval).ok()?.table;
+    let session = outcome.problem.validation().next().or(outcome.problem.training().next())?;
+    let at = shown.trace.time_s.first()?.max(interval?.earliest_s.into()) + 2.0 * ZERO_WINDOW_S;
     // µm relative to the model's zero, as the comparison has them.
-    let recipe = Recipe { displacement_scale: 1.0, displacement_zero_um: 0.0, ..outcome.context.recipe.clone() };
+    let recipe = Recipe { displacement_scale: 1.0, displacement_zero_um: 0.0, ..outcome.learnt.context.recipe.clone() };
     let scope = Scope { zero_at_s: Some(at), ..Scope::ALL };
-    Some((at, estimates(table, session, &recipe, &scope, Told::FirstReading).ok()?))
+    Some((at, estimates(&table, session, &recipe, &scope, Told::FirstReading).ok()?))
 }
 
 fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determined: &[(String, String)]) {
     let figures = |candidate: &Candidate| candidate.held_out_figures().or(candidate.training_figures());
-    let held_out = outcome.candidate().held_out_figures().is_some();
+    let held_out = outcome.judged().held_out_figures().is_some();
     out(&heading(if held_out { "held out, in simulation" } else { "training, in simulation" }));
     for (index, candidate) in outcome.candidates.iter().enumerate() {
         let mark = if index == outcome.chosen { "→ " } else { "  " };
@@ -180,22 +188,15 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
 
 /// Provenance for the report.
 fn facts(arguments: &Identify, cost: Cost, search: &SearchOptions, outcome: &Outcome) -> Vec<(String, String)> {
-    let recipe = &outcome.context.recipe;
+    let recipe = &outcome.learnt.context.recipe;
     let mut facts = vec![
         ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
         ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme)),
         ("Zero".to_owned(), remedy::zeros(recipe)),
         ("Cost".to_owned(), cost.to_string()),
-        ("Search".to_owned(), findings::search(outcome.candidate().table.model(), search)),
+        ("Search".to_owned(), findings::search(outcome.judged().table.model(), search)),
     ];
-    for log in &outcome.logs {
-        let role = match log.role {
-            Role::Training => "Trained on",
-            Role::HeldOut => "Held out",
-        };
-        let what = format!("{}, {:.2} … {:.2} s, SHA-256 {}", log.file, log.from_s, log.to_s, log.sha256);
-        facts.push((role.to_owned(), what));
-    }
+    facts.extend(outcome.learnt.logs.iter().map(findings::log_use));
     facts
 }
 
@@ -224,17 +225,18 @@ fn to_json(outcome: &Outcome, verdict: &[String], determination: Option<&Determi
         .collect();
     let doubts = outcome.doubts.iter().map(remedy::doubt_json).collect::<serde_json::Result<Vec<Value>>>()?;
     Ok(json!({
-        "model": outcome.candidate().table.model(),
+        "model": outcome.judged().table.model(),
         "reason": remedy::reason(&outcome.reason),
         "cross_validation": outcome.reason.cross_validation(),
         "verdict": verdict,
         "determination": determination,
         "candidates": candidates,
-        "interval": outcome.candidate().table.interval,
+        "parameters": outcome.learnt.candidate.table.parameters,
+        "interval": outcome.learnt.candidate.table.interval,
         "straight_line": outcome.straight_line,
         "failed": failed,
         "doubts": doubts,
-        "recipe": outcome.context.recipe,
-        "logs": outcome.logs,
+        "recipe": outcome.learnt.context.recipe,
+        "logs": outcome.learnt.logs,
     }))
 }

@@ -123,6 +123,7 @@ fn job(arguments: &Reproduce) -> Result<(Job, Option<Rig>)> {
         training,
         held_out,
         hold_out,
+        as_judged: false,
         prepare: if own { prepare } else { Bench::zeroed(&prepare) },
         model: ModelChoice::Auto,
         conditions: Conditions { limit: arguments.limit, ..Conditions::default() },
@@ -161,10 +162,7 @@ fn print(arguments: &Reproduce, sections: &[(Item, Section)], facts: &[(String, 
 /// Where the figures come from.
 fn facts(bench: &Bench) -> Vec<(String, String)> {
     let (recipe, search) = (&bench.prepared.context.recipe, bench.search());
-    let used = |role: Role| {
-        let logs = bench.prepared.logs.iter().filter(|log| log.role == role);
-        logs.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")
-    };
+    let used = |role: Role| findings::used(&bench.prepared.logs, role);
     let actuator = match &bench.rig {
         Some(rig) => format!("the synthetic rig, seed {}", rig.seed),
         None => "that of the given logs".to_owned(),

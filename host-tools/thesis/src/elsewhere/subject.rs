@@ -90,6 +90,7 @@ pub fn sessions(job: &Job, seed: u32) -> Result<Subject, ThesisError> {
             training: vec![training],
             held_out: Vec::new(),
             hold_out: 0.0,
+            as_judged: false,
             prepare,
             search: seeded(job, seed),
             calibration: CalibrationOptions::default(),
@@ -115,6 +116,7 @@ pub fn thesis_rig(job: &Job, seed: u32) -> Subject {
             training,
             held_out: Vec::new(),
             hold_out: 0.0,
+            as_judged: false,
             prepare: Bench::zeroed(&job.prepare),
             search: seeded(job, seed),
             ..job.clone()
@@ -135,6 +137,7 @@ pub fn plants(job: &Job, seed: u32) -> impl Iterator<Item = Subject> {
                 training,
                 held_out: Vec::new(),
                 hold_out: 0.0,
+                as_judged: false,
                 prepare: Bench::zeroed(&job.prepare),
                 search: seeded(job, seed),
                 ..job.clone()

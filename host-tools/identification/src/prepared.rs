@@ -1,0 +1,21 @@
+//! A job's logs, ready to be identified on.
+
+use crate::candidate::TableContext;
+use crate::doubt::Doubt;
+use crate::problem::Problem;
+use recordings::LogUse;
+
+/// What every model of a job is identified on and made into a table with.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The sessions, cut, divided and prepared.
+    pub problem: Problem,
+    /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone, in its recipe.
+    pub context: TableContext,
+    /// What each log was used for.
+    pub logs: Vec<LogUse>,
+    /// Doubts of the logs: those that are no sensor's, and what in the others is no measurement.
+    pub of_logs: Vec<Doubt>,
+    /// A doubt of the delay that was found.
+    pub delay_at_bound: Option<Doubt>,
+}

@@ -1,0 +1,78 @@
+//! What is delivered once what was held out has judged it.
+
+use calibration::CalibrationOptions;
+use estimator_core::{Model, Table};
+use identification::cost::Feedback;
+use identification::{Conditions, Job, ModelChoice, Outcome, SearchOptions};
+use recordings::prepare::{AutoOr, PrepareOptions};
+use recordings::rig::{EXCITATIONS, Rig};
+use recordings::{LogUse, Role};
+
+/// Judged on the ends of two logs, or learnt from them as a whole.
+fn outcome(model: Model, hold_out: f64) -> Outcome {
+    of(model, hold_out, false)
+}
+
+fn of(model: Model, hold_out: f64, as_judged: bool) -> Outcome {
+    let rig = Rig { duration: 0.6, ..Rig::default() };
+    Job {
+        training: EXCITATIONS.into_iter().skip(1).take(2).map(|excitation| rig.log(excitation)).collect(),
+        held_out: vec![rig.log(EXCITATIONS[4])],
+        hold_out,
+        as_judged,
+        prepare: PrepareOptions { delay: AutoOr::Given(0.0), ..PrepareOptions::default() },
+        model: ModelChoice::Is(model),
+        conditions: Conditions::default(),
+        calibration: CalibrationOptions::default(),
+        cost: Feedback::Simulation.into(),
+        search: SearchOptions { evaluations: 40, ..SearchOptions::default() },
+    }
+    .run(&mut |_, _| ())
+    .unwrap()
+}
+
+#[test]
+fn a_model_is_learnt_from_the_whole_once_its_half_has_judged_it() {
+    for model in [Model::GeneralisedPrandtlIshlinskii, Model::BoucWen, Model::Voigt] {
+        let (halved, whole) = (outcome(model, 0.5), outcome(model, 0.0));
+        let lengths = |of: &Outcome| of.learnt_from().training().map(|log| log.voltage.len()).collect::<Vec<_>>();
+        assert_eq!(lengths(&halved), lengths(&whole), "{model}");
+        let [as_judged, delivered] = [halved.judged(), &halved.learnt.candidate]
+            .map(|of| halved.learnt_from().cost(&of.table.parameters, Feedback::Simulation));
+        assert!(delivered < as_judged, "{model}: {delivered} µm on the whole, {as_judged} µm as judged");
+        // What it is off by on data it has not seen is that of the judged one, on the ends of the two and the third.
+        let figures = halved.judged().held_out_figures().unwrap();
+        let Table { provenance, .. } = *halved.learnt.candidate.table;
+        assert_eq!(provenance.validation_mae_um, Some(figures.mae_um as f32));
+        assert_eq!((halved.judged().held_out.len(), halved.learnt.candidate.held_out.len()), (3, 1));
+        assert_eq!(provenance.logs, whole.learnt.candidate.table.provenance.logs);
+    }
+}
+
+#[test]
+fn a_model_is_delivered_as_it_was_judged_where_that_is_asked_for() {
+    let outcome = of(Model::Voigt, 0.5, true);
+    assert_eq!(outcome.learnt.candidate.table, outcome.judged().table);
+    let roles: Vec<Role> = outcome.learnt.logs.iter().map(|log| log.role).collect();
+    assert_eq!(roles, [Role::Training, Role::Training, Role::HeldOut, Role::HeldOut, Role::HeldOut]);
+}
+
+#[test]
+fn the_generalised_model_is_delivered_as_if_nothing_had_been_held_out() {
+    let parameters =
+        |hold_out| outcome(Model::GeneralisedPrandtlIshlinskii, hold_out).learnt.candidate.table.parameters;
+    assert_eq!(parameters(0.5), parameters(0.0));
+}
+
+#[test]
+fn what_each_log_was_used_for_says_which_part_has_judged() {
+    let told = |of: &Outcome| -> Vec<(Role, f64, f64)> {
+        let rounded = |s: f64| (s * 1e3).round() / 1e3;
+        let use_of = |log: &LogUse| (log.role, rounded(log.from_s), rounded(log.to_s));
+        of.learnt.logs.iter().map(use_of).collect()
+    };
+    let whole = [(Role::Training, 0.0, 0.6), (Role::Training, 0.0, 0.6), (Role::HeldOut, 0.0, 0.6)];
+    assert_eq!(told(&outcome(Model::Voigt, 0.0)), whole);
+    let judged = [(Role::JudgedThenLearnt, 0.3, 0.6); 2];
+    assert_eq!(told(&outcome(Model::Voigt, 0.5)), [&whole[..], &judged].concat());
+}
