@@ -118,8 +118,8 @@ fn every_choice_of_the_search_is_kept_in_the_table() {
     let report = fs::read_to_string(table.with_file_name("report.html")).unwrap();
     assert!(report.contains("multi-step with feedback weight 0.2, root mean square error"));
     let parts: Vec<(f64, f64)> = file.logs.iter().map(|log| (log.from_s, log.to_s)).collect();
-    let [(from, split), (there, to)] = parts[..] else { panic!("{parts:?}") };
-    assert!(from == 0.0 && (split - 0.35).abs() < 1e-9 && there == split && (to - 0.5).abs() < 1e-9, "{parts:?}");
+    let [(from, to), (split, end)] = parts[..] else { panic!("{parts:?}") };
+    assert!(from == 0.0 && (split - 0.35).abs() < 1e-9 && to == end && (to - 0.5).abs() < 1e-9, "{parts:?}");
 }
 
 #[test]
