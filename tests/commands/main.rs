@@ -14,6 +14,7 @@ mod doubted;
 mod doubts;
 mod faces;
 mod feedforward;
+mod fleet;
 mod follow;
 mod found;
 mod full;

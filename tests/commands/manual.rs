@@ -72,6 +72,7 @@ fn every_option_stands_under_a_heading_that_is_its_own() {
         ("Calibration of the target", "board adc-span adc-full-scale amplifier-slew dac-span dac-full-scale"),
         ("Where the DAC drives the amplifier", "drive-span drive-slew drive-range drive-rest setpoint-span linearise"),
         ("The interval beside", "devices"),
+        ("A fleet of units", "unit if-changed"),
         ("What is scored", "from to zero-at"),
         ("The voltages", "range up-to seed"),
         (

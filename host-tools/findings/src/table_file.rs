@@ -10,6 +10,7 @@ pub fn table_file(outcome: &Outcome, cost: Cost, search: &SearchOptions, determi
     let (voltage_v, displacement_um) = log_survey::noise(outcome.learnt_from().training());
     TableFile {
         noise: Some(Noise { voltage_v, displacement_um }),
+        unit: None,
         tool: format!("piezo {}", env!("CARGO_PKG_VERSION")),
         doubts: outcome.doubts.iter().map(crate::doubt).collect(),
         determined: determined.iter().map(|(what, found)| format!("{what}: {found}")).collect(),

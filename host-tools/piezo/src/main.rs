@@ -14,9 +14,9 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
-    calibrate, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install, learn,
-    linearise, look, manual, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train, validate,
-    waveform, zero,
+    calibrate, collect, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install,
+    learn, linearise, look, manual, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train,
+    validate, waveform, zero,
 };
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
@@ -29,7 +29,7 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate`, `feedforward` or `prove` was exceeded or a trajectory not met, \
-                          a bit of `pil` or `install` differs, `record` or `train` ended before its time, a part of `learn` failed, or `follow` was stopped by a \
+                          a bit of `pil` or `install` differs, a unit of `collect` has no table, `record` or `train` ended before its time, a part of `learn` failed, or `follow` was stopped by a \
                           fault or waited for the host; 2 the arguments, a file or the device are wrong: no file is left half-written.";
 
 // In the order in which a newcomer meets them: logs, a board with a sensor, a board that estimates, its tables, the thesis.
@@ -45,8 +45,14 @@ enum Verb {
   piezo identify tests/data/picma-p885-1hz.csv --out out/demo
   piezo identify tests/data/picma-p885-1hz.csv --model enhanced --out out/enhanced
   piezo identify tests/data/picma-p885-1hz.csv --out out/two-days \\
-      --validate-on tests/data/picma-p885-session2.csv --adc-span -22:22 --dac-span -8:52")]
+      --validate-on tests/data/picma-p885-session2.csv --adc-span -22:22 --dac-span -8:52
+  piezo identify logs/SN042.csv --unit SN042 --if-changed --out fleet/SN042")]
     Identify(Box<identify::Identify>),
+    /// Units of a fleet → one table of them all: what failed or is missing, and what is unlike the rest.
+    #[command(after_help = "Examples:
+  piezo collect fleet --csv fleet.csv
+  piezo collect fleet/SN001 fleet/SN002")]
+    Collect(collect::Collect),
     /// Table + logs → errors, f64 reference and f32 core side by side.
     #[command(after_help = "Example: piezo validate out/demo/table.toml other.csv --max-percent 2")]
     Validate(validate::Validate),
@@ -170,6 +176,7 @@ impl Cli {
         match self.verb {
             Verb::Look(arguments) => look::run(&arguments),
             Verb::Identify(mut arguments) => identify::run(&mut arguments),
+            Verb::Collect(arguments) => collect::run(&arguments),
             Verb::Validate(arguments) => validate::run(&arguments),
             Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Feedforward(arguments) => feedforward::run(&arguments),

@@ -18,7 +18,7 @@ impl Overwrite {
         let free = || may_be_replaced(path, known_by).with_context(|| format!("{}: cannot be read", path.display()));
         ensure!(
             self.force || free()?,
-            "{}: is there already, and no former result of this kind: name another with --out, or lose it with --force",
+            "{}: is there already, and no former result of this kind: name another file or folder, or lose it with --force",
             path.display()
         );
         Ok(())

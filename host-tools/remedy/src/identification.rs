@@ -6,6 +6,7 @@ use ::calibration::ConverterMismatch;
 use ::calibration::drive::SetpointMismatch;
 use comparison::ComparisonError;
 use estimator_core::TableError;
+use fleet::UnitError;
 use identification::cost::UnusedWeight;
 use identification::validate::{Bound, ScopeError};
 use identification::{CandidateError, JobError};
@@ -39,6 +40,20 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(other_face))
         .or_else(|| error.downcast_ref().map(file))
         .or_else(|| error.downcast_ref().map(setpoint))
+        .or_else(|| error.downcast_ref().map(unit))
+}
+
+fn unit(error: &UnitError) -> String {
+    let remedy = match error {
+        UnitError::Missing { .. } => "identify it with `piezo identify LOG --unit NAME --out FOLDER`",
+        UnitError::NoUnit { .. } | UnitError::Version { .. } => {
+            "have it made again with `piezo identify LOG --unit NAME --out FOLDER --force`, or leave the folder out"
+        }
+        UnitError::Unreadable { .. } => "look at its permissions, and at what it is",
+        UnitError::Program { .. } => "leave --unit out, or have the program where it can be read",
+        UnitError::Name { .. } => "give --unit another",
+    };
+    format!("{error}: {remedy}")
 }
 
 /// What does not fit between a table and its converters.

@@ -3,10 +3,12 @@
 
 mod bench;
 mod bits;
+mod compared;
 mod device;
 mod identification;
 mod log;
 mod motion;
+mod outcome_json;
 mod paste;
 mod proof;
 mod state;
@@ -16,6 +18,7 @@ mod waveform;
 
 pub use bench::{complaint, identify, introduced, stopped};
 pub use bits::{Meaning, faults, status};
+pub use compared::{COMPARED, compared, compared_how};
 pub use device::{board, not_estimating, refusal, rehearsed};
 pub use findings::{
     DETERMINED, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason, remarked,
@@ -24,6 +27,7 @@ pub use findings::{
 pub use identification::{ENDS, mismatch};
 pub use log::{cut_short, kept};
 pub use motion::moving;
+pub use outcome_json::outcome_json;
 pub use paste::{learn_from, quoted};
 pub use proof::{narrow, other_range, unproven, zeroed};
 pub use state::{Known, state};

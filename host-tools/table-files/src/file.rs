@@ -19,6 +19,9 @@ use std::path::Path;
 pub struct TableFile {
     /// Which program wrote it.
     pub tool: String,
+    /// The unit of a fleet that it is of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
     /// Reasons not to trust it, in words.
     #[serde(default)]
     pub doubts: Vec<String>,
@@ -150,7 +153,9 @@ pub fn former(folder: &Path) -> Option<String> {
     let (file, table) = TableFile::load(&folder.join("table.toml")).ok()?;
     let logs: Vec<&str> =
         file.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
-    let of = if logs.is_empty() { String::new() } else { format!(" of {}", logs.join(", ")) };
+    let logs = Some(logs.join(", ")).filter(|logs| !logs.is_empty());
+    let of: Vec<String> = file.unit.into_iter().chain(logs).collect();
+    let of = if of.is_empty() { String::new() } else { format!(" of {}", of.join(", ")) };
     Some(format!("the {} table{of} (checksum {})", table.model().name(), name(&table)))
 }
 

@@ -3,11 +3,11 @@
 use super::print::{out, progress};
 use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choice};
 use crate::output::{self, FACES, Held, PAGE, PICTURE};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use estimator_core::Table;
 use findings::figures::{heading, row};
-use identifiability::Determination;
+use fleet::{Asked, Found, Run, UNIT, Unit, UnitName};
 use identification::cost::Cost;
 use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
 use identification::{Candidate, Doubt, Job, ModelChoice, Outcome, SearchOptions, StraightLine};
@@ -15,8 +15,12 @@ use log_survey::Stretch;
 use recordings::Role;
 use recordings::prepare::Recipe;
 use report::{Mark, Report};
-use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use table_files::TableFile;
+
+/// What its results name as their maker.
+const TOOL: &str = concat!("piezo ", env!("CARGO_PKG_VERSION"));
 
 /// Arguments of `piezo identify`.
 #[derive(Args, Debug)]
@@ -51,23 +55,61 @@ pub struct Identify {
     /// The search.
     #[command(flatten)]
     pub search: SearchArgs,
+    /// One of a fleet: its name or serial number, for the table, the report and unit.json in the folder. That file says what came of
+    /// it, a table or the error that there was instead; `piezo collect` reads many of them.
+    #[arg(long, hide_short_help = true, help_heading = FLEET, value_name = "NAME", allow_hyphen_values = true)]
+    pub unit: Option<UnitName>,
+    /// Search nothing where the folder has the unit's result of the same logs, whatever they are called now, by the same options and
+    /// the same program, as it was written.
+    #[arg(long, hide_short_help = true, help_heading = FLEET, requires = "unit")]
+    pub if_changed: bool,
     /// What becomes of a file in a result's place.
     #[command(flatten)]
     pub overwrite: Overwrite,
 }
 
+const FLEET: &str = "A fleet of units";
+
 /// Runs the verb.
 pub fn run(arguments: &mut Identify) -> Result<bool> {
-    arguments.fitting.open_session()?;
     let folder = output::to_folder(&arguments.out)?;
-    let inputs: Vec<&Path> =
-        arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on).map(PathBuf::as_path).collect();
+    let path = arguments.out.join(UNIT.0);
+    let Some(unit) = arguments.unit.clone() else {
+        // What it says would be of tables that are gone.
+        if let Ok(Unit { unit, .. }) = Unit::read(&path) {
+            bail!("{}: says what came of {unit}: add --unit, or name another folder with --out", path.display());
+        }
+        return identify(arguments, &folder, None);
+    };
+    output::not_over(&path, &inputs(arguments))?;
+    arguments.overwrite.of(&path, UNIT.1)?;
+    let mut run = Run::new(&arguments.out, unit, TOOL.to_owned());
+    let fit = identify(arguments, &folder, Some(&mut run));
+    let (exit_code, error) = match &fit {
+        Ok(fit) => (u8::from(!fit), None),
+        Err(error) => (2, Some(remedy::sentence(error.as_ref()))),
+    };
+    match (run.end(exit_code, error), fit) {
+        (Err(unwritten), Err(error)) => {
+            eprintln!("piezo: careful: {}", remedy::sentence(&unwritten));
+            Err(error)
+        }
+        (written, fit) => written.map_err(Into::into).and(fit),
+    }
+}
+
+/// What is read.
+fn inputs(arguments: &Identify) -> Vec<&Path> {
+    arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on).map(PathBuf::as_path).collect()
+}
+
+/// Identifies, with a unit's run told of it where it is one; whether the table is to be used.
+fn identify(arguments: &mut Identify, folder: &Held, mut run: Option<&mut Run>) -> Result<bool> {
+    arguments.fitting.open_session()?;
+    let inputs = inputs(arguments);
     for (name, known_by) in FACES.into_iter().chain([("report.html", PAGE), ("estimate.svg", PICTURE)]) {
         output::not_over(&arguments.out.join(name), &inputs)?;
         arguments.overwrite.of(&arguments.out.join(name), known_by)?;
-    }
-    if let Some(former) = table_files::former(&arguments.out) {
-        eprintln!("piezo: careful: {}: what is learnt will replace {former}", arguments.out.display());
     }
     let calibration = arguments.calibration.options()?;
     let drive = &calibration.drive;
@@ -75,6 +117,19 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
     let mut job =
         Job { calibration, as_judged: arguments.as_judged, ..arguments.fitting.job((&arguments.search).into())? };
     job.model = findings::model(arguments.model, job.conditions.lag_s);
+    let asked =
+        run.is_some().then(|| Asked::of(&job, &arguments.fitting.files.options(), arguments.devices)).transpose()?;
+    if let (Some(run), Some(asked)) = (&mut run, &asked) {
+        match run.changed(asked).filter(|_| arguments.if_changed) {
+            Some(changed) => eprintln!("piezo: {}: {changed}: it is searched", arguments.out.display()),
+            None if arguments.if_changed => return unchanged(arguments, run),
+            None => {}
+        }
+        run.begin()?;
+    }
+    if let Some(former) = table_files::former(&arguments.out) {
+        eprintln!("piezo: careful: {}: what is learnt will replace {former}", arguments.out.display());
+    }
     let bar = progress(job.generations());
     let outcome = job.run(&mut |model, cost| {
         bar.set_prefix(model.to_string());
@@ -95,14 +150,29 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
         [remedy::verdict(&outcome), remedy::left_out(&job, &outcome.learnt.context.recipe, outcome.learnt_from())]
             .concat();
     verdict.push(remedy::interval(interval.as_ref(), arguments.devices));
-    write(&folder, arguments, &job, &outcome, &verdict, &determined)?;
+    let files = write(folder, arguments, &job, &outcome, &verdict, &determined)?;
+    if let (Some(run), Some(asked)) = (run, asked) {
+        run.found(asked, Found::of(&outcome)?, files);
+    }
     if arguments.fitting.json {
-        out(&serde_json::to_string_pretty(&to_json(&outcome, &verdict, determination.as_ref().ok())?)?);
+        out(&serde_json::to_string_pretty(&remedy::outcome_json(&outcome, &verdict, determination.as_ref().ok())?)?);
     } else {
         summary(arguments, &outcome, &verdict, &determined);
     }
     // Learn installs no table that belongs on no board.
     Ok(!(arguments.of_learn && unfit(&outcome)))
+}
+
+/// Says that the result is there already, and leaves it.
+fn unchanged(arguments: &Identify, run: &mut Run) -> Result<bool> {
+    let unit = run.keep()?;
+    if arguments.fitting.json {
+        out(&serde_json::to_string_pretty(&unit)?);
+    } else {
+        let (unit, folder) = (unit.unit, arguments.out.display());
+        out(&format!("{unit}: logs, options and program are those of the result in {folder}: nothing was searched"));
+    }
+    Ok(true)
 }
 
 /// Whether the table is not to be used as it is.
@@ -117,9 +187,10 @@ fn write(
     outcome: &Outcome,
     verdict: &[String],
     determined: &[(String, String)],
-) -> Result<()> {
+) -> Result<BTreeMap<String, String>> {
     let candidate = outcome.judged();
-    let file = findings::table_file(outcome, job.cost, &job.search, determined);
+    let unit = arguments.unit.as_ref().map(UnitName::to_string);
+    let file = TableFile { unit: unit.clone(), ..findings::table_file(outcome, job.cost, &job.search, determined) };
     let names: Vec<&str> =
         outcome.learnt.logs.iter().filter(|log| log.role == Role::Training).map(|log| log.file.as_str()).collect();
     let noise: Vec<_> =
@@ -127,7 +198,7 @@ fn write(
     let mark = |(log, at, what): (String, Stretch, String)| Mark { log, from_s: at.from_s, to_s: at.to_s, what };
     let flaws: Vec<Mark> = findings::flaws(job).into_iter().map(mark).collect();
     let html = report::render(&Report {
-        title: &names.join(", "),
+        title: &unit.into_iter().chain([names.join(", ")]).collect::<Vec<_>>().join(": "),
         verdict,
         doubts: &file.doubts,
         chosen: candidate,
@@ -142,7 +213,9 @@ fn write(
     let picture = report::picture(shown, &title, zeroed(outcome, shown).as_ref())?;
     // Everything is made before anything is written.
     let pages = [("report.html", html.into_bytes()), ("estimate.svg", picture.into_bytes())];
-    Ok(folder.write_all(file.faces()?.into_iter().chain(pages))?)
+    let files: Vec<_> = file.faces()?.into_iter().chain(pages).collect();
+    folder.write_all(files.iter().map(|(name, contents)| (*name, contents)))?;
+    Ok(fleet::digests(files))
 }
 
 /// When the first log that was held out, else fitted to, may be zeroed first (s), and its estimates with the delivered table's interval
@@ -179,8 +252,8 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
     out(remedy::DETERMINED);
     determined.iter().for_each(|(what, found)| out(&format!("  {what:<46} {found}")));
     out(&format!("\n{}", remedy::doubts(&outcome.doubts)));
-    let folder = arguments.out.display();
-    out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg"));
+    let (folder, unit) = (arguments.out.display(), arguments.unit.as_ref().map_or("", |_| ", unit.json"));
+    out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg{unit}"));
     if !arguments.of_learn || unfit(outcome) {
         out(&remedy::next(&outcome.doubts, &arguments.out));
     }
@@ -189,54 +262,15 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
 /// Provenance for the report.
 fn facts(arguments: &Identify, cost: Cost, search: &SearchOptions, outcome: &Outcome) -> Vec<(String, String)> {
     let recipe = &outcome.learnt.context.recipe;
-    let mut facts = vec![
-        ("Tool".to_owned(), format!("piezo {}", env!("CARGO_PKG_VERSION"))),
+    let unit = arguments.unit.iter().map(|unit| ("Unit".to_owned(), unit.to_string()));
+    let mut facts: Vec<_> = unit.collect();
+    facts.extend([
+        ("Tool".to_owned(), TOOL.to_owned()),
         ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme)),
         ("Zero".to_owned(), remedy::zeros(recipe)),
         ("Cost".to_owned(), cost.to_string()),
         ("Search".to_owned(), findings::search(outcome.judged().table.model(), search)),
-    ];
+    ]);
     facts.extend(outcome.learnt.logs.iter().map(findings::log_use));
     facts
-}
-
-fn to_json(outcome: &Outcome, verdict: &[String], determination: Option<&Determination>) -> serde_json::Result<Value> {
-    let candidates: Vec<Value> = outcome
-        .candidates
-        .iter()
-        .map(|candidate| {
-            json!({
-                "model": candidate.table.model(),
-                "cost": candidate.fit.minimised.feedback,
-                "norm": candidate.fit.minimised.norm,
-                "feedback_weight": candidate.fit.minimised.feedback_weight,
-                "cost_um": candidate.fit.cost,
-                "evaluations": candidate.fit.evaluations,
-                "parameters": candidate.table.parameters,
-                "training": candidate.training_figures(),
-                "held_out": candidate.held_out_figures(),
-            })
-        })
-        .collect();
-    let failed: Vec<Value> = outcome
-        .failed
-        .iter()
-        .map(|(model, error)| json!({ "model": model, "reason": remedy::sentence(error) }))
-        .collect();
-    let doubts = outcome.doubts.iter().map(remedy::doubt_json).collect::<serde_json::Result<Vec<Value>>>()?;
-    Ok(json!({
-        "model": outcome.judged().table.model(),
-        "reason": remedy::reason(&outcome.reason),
-        "cross_validation": outcome.reason.cross_validation(),
-        "verdict": verdict,
-        "determination": determination,
-        "candidates": candidates,
-        "parameters": outcome.learnt.candidate.table.parameters,
-        "interval": outcome.learnt.candidate.table.interval,
-        "straight_line": outcome.straight_line,
-        "failed": failed,
-        "doubts": doubts,
-        "recipe": outcome.learnt.context.recipe,
-        "logs": outcome.learnt.logs,
-    }))
 }

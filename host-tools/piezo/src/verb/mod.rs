@@ -2,6 +2,7 @@
 //! whether it succeeded.
 
 pub mod calibrate;
+pub mod collect;
 pub mod compare;
 pub mod divider;
 pub mod emit;

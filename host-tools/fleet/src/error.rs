@@ -1,0 +1,60 @@
+//! Why a folder says nothing of a unit.
+
+use std::io;
+use std::path::PathBuf;
+
+/// What is wrong with a unit's file, or with its name.
+#[derive(Debug, thiserror::Error)]
+pub enum UnitError {
+    /// There is none.
+    #[error("{}: has no unit.json", folder.display())]
+    Missing {
+        /// The folder that was to hold it.
+        folder: PathBuf,
+    },
+    /// It cannot be read.
+    #[error("{}: cannot be read ({error})", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says, or that it is no regular file, or too large.
+        error: io::Error,
+    },
+    /// It holds something else.
+    #[error("{}: is no unit.json ({error})", path.display())]
+    NoUnit {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        error: serde_json::Error,
+    },
+    /// Its format is of another version.
+    #[error("{}: is a unit.json of version {version}, and this program reads version {read}", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        version: u64,
+        /// The version that is read.
+        read: u64,
+    },
+    /// The program that runs cannot be told from another.
+    #[error("{}: cannot be read ({error}), so whether a result is this program's is not known", path.display())]
+    Program {
+        /// The program's own file.
+        path: PathBuf,
+        /// What the operating system says.
+        error: io::Error,
+    },
+    /// A name that is none.
+    #[error(
+        "`{name}` is no unit's name: it is at most {longest} characters long, none of them a control character, and begins with none of \
+         `- = + @`"
+    )]
+    Name {
+        /// What was given.
+        name: String,
+        /// Characters that it may have.
+        longest: usize,
+    },
+}
