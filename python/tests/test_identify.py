@@ -89,7 +89,7 @@ def test_a_log_without_a_quantity_tells_its_length_and_is_not_learnt_from(missin
 
 def test_defaults_are_those_of_the_program_and_of_the_stubs() -> None:
     said = {name: of.default for name, of in inspect.signature(pz.identify).parameters.items()}
-    assert len(said) == 20 and said.pop("logs") is inspect.Parameter.empty
+    assert len(said) == 21 and said.pop("logs") is inspect.Parameter.empty
     (stub,) = [
         node
         for node in ast.parse((PYTHON / "piezo_estimator.pyi").read_text()).body
