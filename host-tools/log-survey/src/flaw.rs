@@ -1,6 +1,7 @@
 //! What in a log is no measurement of a displacement, found before anything is learnt from it: one such stretch can be the
 //! largest error of a whole log, and the search would follow it.
 
+mod commanded;
 mod leaps;
 mod missing;
 mod repair;
@@ -11,6 +12,7 @@ use recordings::log::Log;
 use serde::Serialize;
 use std::mem::discriminant;
 
+pub(crate) use commanded::Commanded;
 pub(crate) use leaps::{Explained, SPIKE_ROWS};
 pub use repair::{leave_out, mended, sound};
 
@@ -22,7 +24,8 @@ use voltage::{voltage_spikes, without};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Flaw {
-    /// The displacement leaps away and back within three rows, or in the first or last three, by this many µm.
+    /// The displacement leaps away and back within three rows, or in the first or last three, by this many µm, and no pulse of the
+    /// voltage commands it.
     Spike {
         /// The rows that it takes.
         #[serde(flatten)]
@@ -125,10 +128,13 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
         from_s: start_s + first as f64 * period,
         to_s: start_s + last as f64 * period,
     };
-    let misread = voltage_spikes(voltage, displacement, volts, stroke / volts);
+    let commanded = Commanded::of(voltage, displacement, stroke);
+    let uncommanded = |of: &(usize, usize, f64)| !commanded.explains(of.0, of.1, of.2);
+    let misread = voltage_spikes(voltage, displacement, volts, stroke / volts, &uncommanded);
     let voltage = &without(voltage, misread.iter().map(|&(first, last, _)| (first, last)));
     let least = least_leap(displacement, stroke);
     let mut inside = spikes(displacement, least);
+    inside.retain(uncommanded);
     let [start, end] = at_ends(displacement, Explained::of(voltage, 0.0, stroke / volts), least);
     // A leap at an end holds what is inside it; beside a spike inside it is nothing but that one's way back.
     inside.retain(|of| ![start, end].iter().flatten().any(|end| end.0 <= of.0 && of.1 <= end.1));

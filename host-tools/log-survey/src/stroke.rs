@@ -1,6 +1,6 @@
 //! How far a displacement goes, where some of what was recorded of it is no measurement.
 
-use crate::flaw::{Explained, SPIKE_ROWS, frozen};
+use crate::flaw::{Commanded, Explained, SPIKE_ROWS, frozen};
 use crate::signal::range;
 
 /// At most one value in so many is left out at either end,
@@ -10,8 +10,8 @@ const APART: f64 = 0.05;
 
 /// The stroke of a displacement (µm) beside the voltage at the same instants (V), from its lowest to its highest value; `before_v` is
 /// the voltage before the first. Left out are stretches in which it stands still while the voltage moves, and a few values beyond a
-/// gap that come no more than three in a row, unless they are the first or the last and the voltage leaps there, too: a spike is no
-/// movement. Where a sensor stood still for most of the time, nothing of that is left out.
+/// gap that come no more than three in a row, unless the voltage leaps there, too: a spike is no movement, and a pulse that is commanded is
+/// one. Where a sensor stood still for most of the time, nothing of that is left out.
 pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
     debug_assert_eq!(voltage.len(), displacement.len());
     let mut moved = vec![true; displacement.len()];
@@ -25,6 +25,7 @@ pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
     let Some(end) = sorted.len().checked_sub(1) else { return 0.0 };
     let usual = range(&sorted);
     let explained = Explained::of(voltage, before_v, usual / range(voltage));
+    let commanded = Commanded::of(voltage, displacement, usual);
     let rare = sorted.len() / RARE;
     // So many values at an end, the most of them that can be, are left out; `at` counts from that end.
     let left_out = |at: &dyn Fn(usize) -> usize| {
@@ -38,7 +39,8 @@ pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
             beyond.sort_unstable();
             let leap = |run: &[usize]| run.iter().map(|&row| (displacement[row] - next).abs()).fold(0.0, f64::max);
             let explains = |run: &[usize]| {
-                (run.contains(&0) && leap(run) <= explained.start_um)
+                commanded.explains(run[0], run[run.len() - 1], leap(run))
+                    || (run.contains(&0) && leap(run) <= explained.start_um)
                     || (run.contains(&(displacement.len() - 1)) && leap(run) <= explained.end_um)
             };
             beyond.chunk_by(|a, b| a + 1 == *b).all(|run| run.len() <= SPIKE_ROWS && !explains(run))
@@ -52,6 +54,7 @@ pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flaw::in_rows;
     use plants::{CATALOGUE, Plant, Waveform};
     use recordings::log::Log;
     use recordings::rig::{EXCITATIONS, Rig};
@@ -124,6 +127,50 @@ mod tests {
         let voltage: Vec<f64> = voltage.iter().map(|v| v + 60.0).collect();
         assert!((stroke(&voltage, &displacement, 0.0) - 17.0).abs() < 1e-9);
         assert!((stroke(&voltage, &displacement, voltage[0]) - 10.0).abs() < 1e-9);
+    }
+
+    /// A rest, or a slow sine of ±`amplitude_v`, at 0.1 µm/V with noise in both; one row in 400 begins a pulse of so many rows to 50 V,
+    /// which the displacement follows so many rows late.
+    fn pulses(amplitude_v: f64, rows: usize, late: usize) -> (Vec<f64>, Vec<f64>) {
+        let mut draw = 1_u64;
+        let mut noise = || {
+            draw = draw * 48_271 % 2_147_483_647;
+            draw as f64 / 2_147_483_647.0 - 0.5
+        };
+        let commanded = |row: usize| {
+            let sine = amplitude_v * libm::sin(row as f64 * 0.005);
+            if row % 400 >= 200 && row % 400 < 200 + rows { 50.0 } else { sine }
+        };
+        (0..10_000)
+            .map(|row| (commanded(row) + 0.02 * noise(), 0.1 * commanded(row.saturating_sub(late)) + 0.004 * noise()))
+            .unzip()
+    }
+
+    #[test]
+    fn rare_pulses_that_the_voltage_commands_count_and_spikes_beside_them_do_not() {
+        for amplitude_v in [0.0, 5.0] {
+            for (rows, late) in [(1, 0), (2, 0), (3, 0), (1, 2), (3, 2)] {
+                let (voltage, displacement) = pulses(amplitude_v, rows, late);
+                let whole = 5.0 + 0.1 * amplitude_v;
+                let found = stroke(&voltage, &displacement, 0.0);
+                let which = format!("{rows} rows, {late} late, on ±{amplitude_v} V");
+                assert!((found - whole).abs() < 0.02, "{which}: {found} µm, not {whole} µm");
+                assert_eq!(in_rows(&voltage, &displacement, 0.0, 5e-4), [], "{which}");
+                let mut spiky = displacement.clone();
+                spiky[5_100] += 90.0;
+                spiky[7_350] -= 40.0;
+                let found = stroke(&voltage, &spiky, 0.0);
+                assert!((found - whole).abs() < 0.02, "{which}, with spikes: {found} µm, not {whole} µm");
+            }
+        }
+    }
+
+    /// As by a row of another file; by the log's own gain the pulse would have moved the displacement by 90 µm.
+    #[test]
+    fn rows_that_are_broken_in_both_columns_do_not_count() {
+        let (mut voltage, mut displacement) = sine(1.0, |_, y| y);
+        (voltage[4_000], displacement[4_000]) = (900.0, 900.0);
+        assert_eq!(stroke(&voltage, &displacement, 0.0), 10.0);
     }
 
     /// As a sensor that is off reads.

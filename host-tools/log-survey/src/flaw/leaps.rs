@@ -10,8 +10,8 @@ const STEPS: f64 = 6.0;
 const LEAP: f64 = 0.05;
 /// and comes back to where it left by this part of its leap.
 const BACK: f64 = 0.3;
-/// A leap at an end of up to this many times (stroke/voltage range) × (the largest step of the voltage near that end) is the voltage's.
-const EXPLAINED: f64 = 2.0;
+/// A leap of up to this many times (stroke/voltage range) × (how far the voltage leaps near it) is the voltage's.
+pub const EXPLAINED: f64 = 2.0;
 
 /// The least leap of a spike.
 pub fn least_leap(values: &[f64], range: f64) -> f64 {

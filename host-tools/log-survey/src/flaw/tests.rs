@@ -213,6 +213,9 @@ fn a_short_pulse_that_the_displacement_follows_is_no_spike_of_the_voltage() {
         (if pulse.contains(&row) { v + 30.0 } else { v }, y + behind)
     });
     assert!(flaws(&follows).iter().all(|flaw| !matches!(flaw, Flaw::VoltageSpike { .. })), "{:?}", flaws(&follows));
+    // A log that is slow beside the actuator.
+    let at_once = changed(|row, v, y| if pulse.contains(&row) { (v + 30.0, y + 6.0) } else { (v, y) });
+    assert_eq!(flaws(&at_once), []);
     let broken = changed(|row, v, y| if row == 3_000 { (v + 900.0, y + 900.0) } else { (v, y) });
     let kinds = flaws(&broken);
     assert!(matches!(kinds[..], [Flaw::Spike { .. }, Flaw::VoltageSpike { .. }]), "{kinds:?}");

@@ -13,8 +13,14 @@ const DEVIATIONS: f64 = 4.0;
 const FURTHER: f64 = 2.0;
 
 /// First and last row of each leap of a voltage of this range and back, or in the last row, and how far it is. `um_per_v` is what a
-/// displacement that goes along does.
-pub fn voltage_spikes(voltage: &[f64], displacement: &[f64], range: f64, um_per_v: f64) -> Vec<(usize, usize, f64)> {
+/// displacement that goes along does; of its own spikes only those that are `uncommanded` are broken rows.
+pub fn voltage_spikes(
+    voltage: &[f64],
+    displacement: &[f64],
+    range: f64,
+    um_per_v: f64,
+    uncommanded: &dyn Fn(&(usize, usize, f64)) -> bool,
+) -> Vec<(usize, usize, f64)> {
     if range <= 0.0 || !um_per_v.is_finite() {
         return Vec::new();
     }
@@ -23,7 +29,7 @@ pub fn voltage_spikes(voltage: &[f64], displacement: &[f64], range: f64, um_per_
     let noise = DEVIATIONS * noise_of(displacement).unwrap_or(0.0);
     let goes_along = |&(first, last, leap): &(usize, usize, f64)| {
         // What is broken in both columns, as by a row of another file, shows nothing of the actuator.
-        let both = broken.iter().any(|of| of.0 == first && of.1 == last);
+        let both = broken.iter().any(|of| of.0 == first && of.1 == last && uncommanded(of));
         !both
             && off_line(displacement, first - 1, (last + SOON).min(displacement.len() - 1))
                 > ALONG * um_per_v * leap + noise
