@@ -26,7 +26,7 @@ pub struct Fit {
     pub model: Model,
     /// Its published parameters; `None` where no candidate has a solution.
     pub parameters: Option<Parameters>,
-    /// The searched coordinates and where the best lies.
+    /// The searched coordinates that the model has, and where the best lies.
     pub genes: Vec<(Gene, f64)>,
     /// Numbers of the parameters that were solved for by least squares.
     pub solved: usize,
@@ -123,10 +123,14 @@ impl Identification<'_> {
     /// candidates, or of as many as a smooth family needs, whose convergence is not kept.
     pub fn again(&self, fit: &Fit, evaluations: usize) -> Fit {
         let structures = family::of(fit.model, self.problem);
-        let alike = structures.iter().find(|family| family.genes().len() == fit.genes.len());
+        let has = |genes: &[Gene], name| genes.iter().any(|gene| gene.name == name);
+        let alike = structures.iter().find(|family| {
+            let genes = family.genes();
+            fit.genes.iter().all(|(gene, _)| has(&genes, gene.name))
+        });
         match alike.or(structures.first()) {
             Some(family) => {
-                let enough = if family.smooth() { SMOOTH * fit.genes.len() } else { evaluations };
+                let enough = if family.smooth() { SMOOTH * family.genes().len() } else { evaluations };
                 self.structure(fit.model, family.as_ref(), NEARBY, enough, Some(fit), None)
             }
             None => {

@@ -8,6 +8,8 @@ use crate::search::Gene;
 use crate::search::{Budget, Minimum, Objective, Optimiser, minimise};
 use estimator_core::Model;
 
+/// Where in its range a gene of which nothing is known begins.
+const MIDDLE: f64 = 0.5;
 /// A new best is shown, which takes a simulation of every log, where it costs less than this factor times the one that was shown last.
 const SHOWN: f64 = 0.99;
 /// A richer structure must be off, once the logs have settled, by less than this factor times the simpler one.
@@ -18,7 +20,7 @@ const BETTER: f64 = 0.97;
 pub struct Found<P> {
     /// The parameters that cost least; `None` where no candidate has a solution.
     pub parameters: Option<P>,
-    /// The searched coordinates and where the best lies.
+    /// The searched coordinates that the parameters have, and where the best lies.
     pub genes: Vec<(Gene, f64)>,
     /// Numbers of the parameters that were solved for by least squares.
     pub solved: usize,
@@ -47,7 +49,7 @@ pub struct StructureSearch<'a> {
 
 impl StructureSearch<'_> {
     /// Searches a structure from its own starts and from the middle, or from where a simpler one ended (`known`: values of
-    /// its genes, which are the first of this one's). `progress` is told how many candidates have been evaluated and the best
+    /// its genes, found here by their names). `progress` is told how many candidates have been evaluated and the best
     /// cost so far (µm); where nobody is told, no convergence is kept: each point of it takes a simulation of every log.
     pub fn run<F: Family + ?Sized>(
         &self,
@@ -65,8 +67,9 @@ impl StructureSearch<'_> {
             family.costs(&candidates, problem, self.cost)
         };
         // Where another problem lays a range out otherwise, a value is the same, and not its part of the range.
-        let known = known.iter().zip(&genes).map(|((_, value), gene)| gene.fraction(*value)).collect();
-        let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(0.5)).take(genes.len()).collect();
+        let value = |gene: &Gene| known.iter().find(|(of, _)| of.name == gene.name).map(|(_, value)| *value);
+        let known = genes.iter().map(|gene| value(gene).map_or(MIDDLE, |value| gene.fraction(value))).collect();
+        let whole = |start: Vec<f64>| start.into_iter().chain(std::iter::repeat(MIDDLE)).take(genes.len()).collect();
         let starts: Vec<Vec<f64>> = family.starts().into_iter().chain([known]).map(whole).collect();
         let mut convergence = Vec::new();
         let (mut least, mut shown) = (f64::INFINITY, (f64::INFINITY, None));
@@ -88,8 +91,9 @@ impl StructureSearch<'_> {
         let Minimum { at, evaluations, .. } =
             minimise(self.method, genes.len(), budget, &starts, objective, &mut watch);
         let parameters = family.finish(&values(&at), problem);
+        let has = |gene: &Gene| parameters.as_ref().is_none_or(|found| family.has(gene, found));
         Found {
-            genes: genes.iter().copied().zip(values(&at)).collect(),
+            genes: genes.iter().copied().zip(values(&at)).filter(|(gene, _)| has(gene)).collect(),
             solved: parameters.as_ref().map_or(0, |found| family.solved(found)),
             cost: parameters.as_ref().map_or(f64::INFINITY, |found| problem.cost(found, self.cost)),
             parameters,

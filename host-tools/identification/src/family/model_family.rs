@@ -28,6 +28,11 @@ pub trait Family: Sync {
         self.project(values, problem)
     }
 
+    /// Whether the parameters that were kept have what a gene stands for: what was too dear is no longer in them.
+    fn has(&self, _gene: &Gene, _found: &Self::Found) -> bool {
+        true
+    }
+
     /// The projection with what the search minimises. It need not be an error: candidates are only compared.
     fn candidate(&self, values: &[f64], problem: &Problem, cost: Cost) -> Option<(Self::Found, f64)> {
         let found = self.project(values, problem)?;

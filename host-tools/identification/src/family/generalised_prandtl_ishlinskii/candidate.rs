@@ -26,11 +26,13 @@ const HIGHEST: f64 = 0.45;
 
 /// How far the voltage goes within this time, s, does not depend on how short the tick is, as it does at a step.
 const SUSTAINED_S: f64 = 0.1;
+/// The searched coordinate that an idle limit leaves the model without.
+pub const SLEW: &str = "slew";
 /// The slowest slew limit that is searched, of that.
 const SLOWEST: f64 = 0.05;
 
 /// What the model has besides hysteresis, creep and lag.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Extra {
     Nothing,
     Slew,
@@ -114,7 +116,7 @@ impl Family {
             Gene::linear("memory", "memory at rest", "", 0.0, 1.0),
         ];
         if self.extra != Extra::Nothing {
-            genes.push(Gene::logarithmic("slew", "slew limit", "V/s", self.slews.min, self.slews.max));
+            genes.push(Gene::logarithmic(SLEW, "slew limit", "V/s", self.slews.min, self.slews.max));
         }
         if self.extra == Extra::Resonance {
             let most = HIGHEST / self.interval_s;

@@ -13,7 +13,7 @@ use super::AnyFamily;
 use crate::cost::{Cost, Feedback};
 use crate::problem::Problem;
 use crate::search::{Gene, Quadratic};
-use candidate::{Extra, Family, PLAYS, Values};
+use candidate::{Extra, Family, PLAYS, SLEW, Values};
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
 use freed::{Freed, freed};
 use log_survey::Character;
@@ -123,6 +123,11 @@ impl super::Family for Family {
             Some(Freed { weights, solution }) => self.parameters(&values, weights, &solution),
             None => self.parameters(&values, self.law(&values), &law),
         }
+    }
+
+    fn has(&self, gene: &Gene, found: &Parameters) -> bool {
+        let Parameters::GeneralisedPrandtlIshlinskii(of) = found else { return true };
+        gene.name != SLEW || of.slew_v_per_s > 0.0
     }
 
     fn smooth(&self) -> bool {

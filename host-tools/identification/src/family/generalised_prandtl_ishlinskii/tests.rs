@@ -1,9 +1,9 @@
 //! What is solved for, beside the model that is made of it.
 
 use super::*;
-use crate::Conditions;
 use crate::family::Family as _;
 use crate::search::{Budget, Minimum, Objective, Optimiser, each, minimise};
+use crate::{Conditions, Identification, SearchOptions};
 use estimator_core::{Discretisation, Process, Scheme};
 use plants::{Density, Kind, Plant, Waveform};
 use recordings::session::Session;
@@ -59,10 +59,11 @@ fn what_is_found_is_what_the_model_runs() {
     });
 }
 
+/// Of an amplifier's slew limit, V/s.
+const LIMIT: f64 = 300.0;
+
 /// A log of 1 kHz at a tick of 2 kHz, of an amplifier that is slower than steps of two lengths.
-#[test]
-fn a_slew_limit_shows_in_a_log_that_is_slower_than_the_tick() {
-    const LIMIT: f64 = 300.0;
+fn limited() -> Session {
     let mut session = session(2);
     let steps = |k: u32| f64::from(k / if k < 2_000 { 200 } else { 80 } % 2);
     session.voltage = (0..4_000).map(|k| 10.0 * steps(k)).collect();
@@ -71,6 +72,12 @@ fn a_slew_limit_shows_in_a_log_that_is_slower_than_the_tick() {
         Some(0.15 * *u)
     };
     session.displacement = session.voltage.iter().scan(0.0, slow).step_by(2).collect();
+    session
+}
+
+#[test]
+fn a_slew_limit_shows_in_a_log_that_is_slower_than_the_tick() {
+    let session = limited();
     let tried = |every: usize| {
         let mut of = session.clone();
         of.displacement = of.displacement.into_iter().step_by(every).collect();
@@ -87,6 +94,47 @@ fn a_slew_limit_shows_in_a_log_that_is_slower_than_the_tick() {
     };
     let [with, without] = [LIMIT, family.slews.max].map(total);
     assert!(family.slews.min < LIMIT && with < without - 4.0, "ln µm²: {with} with the limit, {without} without");
+}
+
+/// A limit that did not act is in no list of what was found, and a search from there goes on without one.
+#[test]
+fn coordinates_that_were_found_are_those_that_the_model_has() {
+    let limited = Problem::new(vec![limited()], vec![], Conditions::default());
+    for (problem, extra, limits) in
+        [(devices(), Extra::Slew, false), (devices(), Extra::Resonance, false), (limited, Extra::Slew, true)]
+    {
+        let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
+        let (options, cost) = (SearchOptions::default(), Cost::from(Feedback::Simulation));
+        let search = Identification { problem: &problem, cost, options: &options, budget: None };
+        let model = estimator_core::Model::GeneralisedPrandtlIshlinskii;
+        let family = Family::new(extra, courses, &problem);
+        // From the limit that was applied: a lag explains much of it, too.
+        let near = [0.0, 0.1, 0.5, 1e-4, 1e-4, 0.0, LIMIT];
+        let structure = |evaluations, from: Option<&crate::Fit>| {
+            search.structure(model, &family, Optimiser::Local, evaluations, from, None)
+        };
+        let mut begun = structure(1, None);
+        if limits {
+            begun.genes = family.searched().into_iter().zip(near).collect();
+        }
+        let fit = structure(300, Some(&begun));
+        let names = |fit: &crate::Fit| fit.genes.iter().map(|(gene, _)| gene.name).collect::<Vec<_>>();
+        let Some(Parameters::GeneralisedPrandtlIshlinskii(of)) = fit.parameters else { panic!("{fit:?}") };
+        assert_eq!((names(&fit).contains(&SLEW), of.slew_v_per_s > 0.0), (limits, limits), "{extra:?}: {fit:?}");
+        let swings = extra == Extra::Resonance;
+        assert_eq!(names(&fit).contains(&"resonance"), swings, "{extra:?}");
+        let again = search.again(&fit, 300);
+        assert_eq!(names(&again).contains(&"resonance"), swings, "{extra:?}");
+        // With a limit that limits nothing yet where there is none, as a search begins.
+        let objective = |fit: &crate::Fit| {
+            let found = |gene: &Gene| fit.genes.iter().find(|(of, _)| of.name == gene.name).map(|(_, value)| *value);
+            let values: Vec<f64> =
+                family.searched().iter().map(|gene| found(gene).unwrap_or(gene.value(0.5))).collect();
+            family.candidate(&values, &problem, cost).unwrap().1
+        };
+        let [first, then] = [objective(&fit), objective(&again)];
+        assert!(then < 1.02 * first, "{extra:?}: {first}, then {then}");
+    }
 }
 
 /// The ends of the span are rounded one by one, and its half may come out less than the widest play's half-width.
