@@ -183,15 +183,21 @@ fn a_session_that_was_killed_is_learnt_from_as_far_as_it_went() {
         assert!(start.elapsed() < Duration::from_secs(60) && killed.try_wait().unwrap().is_none());
         std::thread::sleep(Duration::from_millis(5));
     }
+    let model = folder.path().join("model");
+    let short = ["--model", "voigt", "--generations", "5", "--rounds", "1", "--devices", "0"];
+    let identify = ["identify", text(&out), "--board", text(&board), "--out", text(&model)];
+    let learnt = || {
+        let learnt = piezo().args(identify).args(short).assert().success().get_output().stderr.clone();
+        String::from_utf8(learnt).unwrap()
+    };
+    let while_recorded = learnt();
+    let begun = "the session is still being recorded: 3 of 8 logs are there so far, the last one cut short";
+    assert!(while_recorded.contains(begun) && while_recorded.contains("wait until it has ended"), "{while_recorded}");
     killed.kill().unwrap();
     killed.wait().unwrap();
     assert!(std::fs::read_to_string(&under_way).unwrap().ends_with('\n'), "a row is cut in the middle");
     let said = "the session ended before its time: 3 of 8 logs are there, the last one cut short, none to prove with";
-    let model = folder.path().join("model");
-    let short = ["--model", "voigt", "--generations", "5", "--rounds", "1", "--devices", "0"];
-    let identify = ["identify", text(&out), "--board", text(&board), "--out", text(&model)];
-    let learnt = piezo().args(identify).args(short).assert().success().get_output().stderr.clone();
-    let learnt = String::from_utf8(learnt).unwrap();
+    let learnt = learnt();
     assert!(learnt.contains(said) && model.join("table.toml").is_file(), "{learnt}");
     refused(&train, &[said, "choose another --out, or learn from what is there"]);
 }

@@ -1,6 +1,7 @@
 //! What a training session leaves: its logs and their description, of one that was killed, too.
 
 use crate::error::BenchError;
+use result_files::is_held;
 use serde::Deserialize;
 use std::fmt::{self, Display, Formatter};
 use std::io::ErrorKind;
@@ -44,13 +45,17 @@ pub struct Session {
     pub logs: Vec<PathBuf>,
     /// To prove with.
     pub held_out: Vec<PathBuf>,
+    /// A program still writes it.
+    pub recorded: bool,
     /// What is missing of it.
     pub unfinished: Option<Unfinished>,
 }
 
-/// A session that ended before all of its logs were there.
+/// A session of which not all logs are there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Unfinished {
+    /// A program still writes into its folder.
+    pub under_way: bool,
     /// Logs that were begun.
     pub there: usize,
     /// The last of them is cut short.
@@ -62,10 +67,11 @@ pub struct Unfinished {
 }
 
 impl Unfinished {
-    fn of(logs: &[Described], planned: Option<usize>) -> Option<Self> {
+    fn of(logs: &[Described], planned: Option<usize>, under_way: bool) -> Option<Self> {
         let (there, cut_short) = (logs.len(), logs.iter().any(|log| !log.complete));
         let held_out = logs.iter().any(|log| log.held_out);
         (cut_short || planned.is_some_and(|planned| there < planned)).then_some(Self {
+            under_way,
             there,
             cut_short,
             planned,
@@ -79,11 +85,12 @@ impl Display for Unfinished {
         let of = self.planned.map_or(String::new(), |planned| format!(" of {planned}"));
         let cut = if self.cut_short { ", the last one cut short" } else { "" };
         let proof = if self.held_out { "" } else { ", none to prove with among them" };
-        write!(
-            f,
-            "the session ended before its time: {}{of} logs are there{cut}{proof}; what is missing is not learnt",
-            self.there
-        )
+        let (begun, so_far) = match self.under_way {
+            true => ("the session is still being recorded", " so far"),
+            false => ("the session ended before its time", ""),
+        };
+        let there = self.there;
+        write!(f, "{begun}: {there}{of} logs are there{so_far}{cut}{proof}; what is missing is not learnt")
     }
 }
 
@@ -151,12 +158,13 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     let text = std::fs::read_to_string(&path).map_err(failed)?;
     let Description { complete, seed, tick_us, planned, under_way, logs } =
         toml::from_str(&text).map_err(|error| failed(std::io::Error::new(ErrorKind::InvalidData, error)))?;
+    let recorded = under_way && is_held(folder);
     let found = |log: Described| if under_way { log.found(folder) } else { log };
     let logs: Vec<Described> = logs.into_iter().map(found).filter(Described::begun).collect();
-    let unfinished = Unfinished::of(&logs, planned);
+    let unfinished = Unfinished::of(&logs, planned, recorded);
     let (held_out, learnt): (Vec<Described>, Vec<Described>) = logs.into_iter().partition(|log| log.held_out);
     let paths = |logs: Vec<Described>| logs.iter().map(|of| of.beside(folder)).collect();
-    Ok(Session { complete, seed, tick_us, logs: paths(learnt), held_out: paths(held_out), unfinished })
+    Ok(Session { complete, seed, tick_us, logs: paths(learnt), held_out: paths(held_out), recorded, unfinished })
 }
 
 /// Where `logs` is one folder that a training session wrote, puts the session's logs in its place, those to prove with into
@@ -177,10 +185,11 @@ pub fn open_session(
     }
     let described = session(folder)?;
     if described.logs.is_empty() {
-        let source = std::io::Error::new(
-            ErrorKind::InvalidData,
-            "the session ended before it had a log to learn from: train again",
-        );
+        let said = match described.recorded {
+            true => "the session is still being recorded and has no log to learn from yet: wait until it has ended",
+            false => "the session ended before it had a log to learn from: train again",
+        };
+        let source = std::io::Error::new(ErrorKind::InvalidData, said);
         return Err(BenchError::Log { path: folder.join(SESSION), source });
     }
     if held_out.is_empty() && !else_held_out {
@@ -194,6 +203,7 @@ pub fn open_session(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use result_files::Held;
 
     #[test]
     fn what_is_missing_of_a_session_is_counted() {
@@ -253,6 +263,17 @@ mod tests {
             (logs, held_out) == (2, 0) && said.contains("2 of 4 logs are there, the last one cut short, none to"),
             "{said}"
         );
+        // While a program holds the folder, it is under way.
+        let held = Held::of(folder).unwrap();
+        let (logs, _, said) = left(&[502, 400]);
+        let begun =
+            "the session is still being recorded: 2 of 4 logs are there so far, the last one cut short, none to";
+        assert!(logs == 2 && said.starts_with(begun), "{said}");
+        let mut logs = vec![folder.to_owned()];
+        left(&[3, 3]);
+        let none = open_session(&mut logs, &mut Vec::new(), false, &mut None).unwrap_err();
+        assert!(std::error::Error::source(&none).unwrap().to_string().contains("no log to learn from yet: wait"));
+        drop(held);
         // One that had hardly begun is none.
         let (logs, _, said) = left(&[502, 500, 99]);
         assert!(logs == 2 && said.contains("2 of 4 logs are there, none to"), "{said}");

@@ -92,7 +92,7 @@ fn a_session_leaves_its_logs_and_the_device_as_it_was() {
     is_home(&mut client, folder.path());
     let session = std::fs::read_to_string(folder.path().join("session.toml")).unwrap();
     assert!(session.contains("complete = true") && session.contains("sensor_span"), "{session}");
-    let Session { complete, seed, logs, held_out, tick_us, unfinished } = crate::session(folder.path()).unwrap();
+    let Session { complete, seed, logs, held_out, tick_us, unfinished, .. } = crate::session(folder.path()).unwrap();
     assert_eq!(tick_us, 500);
     assert!(complete && session.contains(&format!("seed = {seed}\n")));
     let (last, learnt): (Vec<_>, Vec<_>) =
@@ -207,6 +207,29 @@ fn an_interrupted_session_keeps_what_it_has_and_brings_the_device_home() {
     assert!(trained.logs.last().is_some_and(|log| !log.complete));
     let unfinished = session(folder.path()).unwrap().unfinished.unwrap();
     assert!(unfinished.cut_short && unfinished.planned > Some(unfinished.there), "{unfinished:?}");
+    is_home(&mut client, folder.path());
+}
+
+/// The host sleeps once a segment is over: longer than the device holds a voltage for it, 5 s of its own.
+#[test]
+fn a_host_that_was_suspended_between_two_segments_is_told_so_and_keeps_the_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = device(FACTS.sensor_span);
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
+    let training = Training { wiring: &wiring, drive: &drive, folder: folder.path(), interrupt: &interrupt };
+    let first = drive.segments[0].volts.len();
+    let mut slept = false;
+    let trained = train(&mut client, &training, &mut |_, ticks| {
+        if ticks >= first && !slept {
+            slept = true;
+            std::thread::sleep(std::time::Duration::from_millis(5_500));
+        }
+    });
+    let trained = trained.unwrap();
+    assert!(matches!(trained.ended, Some(Ended::Play(device_link::play::PlayError::LetGo))), "{trained:?}");
+    let session = session(folder.path()).unwrap();
+    assert!(trained.logs[0].complete && session.logs == [trained.logs[0].log.clone()], "{trained:?}");
     is_home(&mut client, folder.path());
 }
 

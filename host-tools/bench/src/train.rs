@@ -93,6 +93,8 @@ pub fn train(
     progress: &mut dyn FnMut(&Segment, usize),
 ) -> Result<Trained, BenchError> {
     let Training { wiring, drive, folder, .. } = *training;
+    // Whoever looks at the folder meanwhile sees by it that the session has not ended.
+    let _held = result_files::Held::of(folder)?;
     let loan = Loan::take(client, wiring, folder)?;
     let mut recorder = Recorder {
         training,

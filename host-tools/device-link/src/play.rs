@@ -6,7 +6,7 @@ use super::error::LinkError;
 use super::interrupt::Interrupt;
 use super::streamed::Streamed;
 use super::window::{Continuity, Numbers, samples_in};
-use protocol::{Faults, MOST_VALUES, Mode, References, Samples};
+use protocol::{Faults, MOST_VALUES, Mode, References, Refusal, Samples};
 use std::time::{Duration, Instant};
 
 /// A device that returns nothing for so long has stopped.
@@ -67,6 +67,11 @@ pub enum PlayError {
     /// Samples were lost.
     #[error("{0} samples were lost: is the cable sound, and this machine not too busy?")]
     SamplesLost(u64),
+    /// The device has left the mode, as it does where its host is silent for so long.
+    #[error(
+        "the device heard nothing of this machine for five seconds, or another program set its mode: its voltage went to rest"
+    )]
+    LetGo,
     /// The device counts from 0 again.
     #[error("the device was restarted, or its mode set by somebody else")]
     Restarted,
@@ -94,7 +99,7 @@ pub fn play(
     }
     client.stream(true)?;
     // The number that the device gives the first reference.
-    let (begin, _) = client.refer(0, References::new(), false, false)?;
+    let (begin, _) = client.refer(0, References::new(), false, false).map_err(let_go)?;
     let mut played = Played::default();
     let mut numbers = Numbers::default();
     let (mut sent, mut going, mut news) = (0, goes_on.is_some(), Instant::now());
@@ -118,7 +123,8 @@ pub fn play(
             // Nothing but the end is held: a host that dies on the way is waited for for a second.
             let last = sent + next.len() == references.len();
             going |= last;
-            let (needed, starved) = client.refer(begin.wrapping_add(sent as u32), chunk, going, hold && last)?;
+            let from = begin.wrapping_add(sent as u32);
+            let (needed, starved) = client.refer(from, chunk, going, hold && last).map_err(let_go)?;
             let taken = needed.wrapping_sub(begin) as usize;
             if !(sent..=sent + next.len()).contains(&taken) {
                 return Err(PlayError::Restarted);
@@ -152,6 +158,14 @@ pub fn play(
         }
     }
     Ok(played)
+}
+
+/// What it means that no reference is taken in a mode that took them.
+fn let_go(error: LinkError) -> PlayError {
+    match error {
+        LinkError::Refused { refusal, .. } if *refusal == Refusal::NotFollowing => PlayError::LetGo,
+        error => error.into(),
+    }
 }
 
 impl Played {

@@ -162,6 +162,7 @@ fn port(error: &PortError) -> String {
 fn play(error: &PlayError) -> String {
     match error {
         PlayError::Link(error) => link(error),
+        PlayError::LetGo => format!("{error}; was this machine suspended, or too busy?"),
         PlayError::Silent => format!("{error}: look at it with `piezo info`"),
         _ => error.to_string(),
     }

@@ -13,6 +13,7 @@ mod paste;
 mod proof;
 mod state;
 mod supply;
+mod unfinished;
 mod verdict;
 mod waveform;
 
@@ -32,6 +33,7 @@ pub use paste::{learn_from, quoted};
 pub use proof::{narrow, other_range, unproven, zeroed};
 pub use state::{Known, state};
 pub use supply::supply;
+pub use unfinished::{ended, kept_logs, unfinished};
 pub use verdict::{doubts, next, verdict, zeros};
 pub use waveform::{played, plays};
 

@@ -44,6 +44,23 @@ impl Held {
     }
 }
 
+/// Whether a program, this one or another, holds a folder; `false`, too, where the file system knows no locks.
+#[must_use]
+pub fn is_held(folder: &Path) -> bool {
+    there(folder).is_ok_and(|lock| matches!(FileExt::try_lock_shared(&lock), Err(TryLockError::WouldBlock)))
+}
+
+#[cfg(unix)]
+fn there(folder: &Path) -> io::Result<File> {
+    handle(folder)
+}
+
+/// What would be locked, which is not made where it is not there.
+#[cfg(not(unix))]
+fn there(folder: &Path) -> io::Result<File> {
+    File::options().write(true).open(folder.join(".piezo-folder"))
+}
+
 /// What is locked: the folder itself, which leaves nothing behind.
 #[cfg(unix)]
 fn handle(folder: &Path) -> io::Result<File> {
@@ -68,7 +85,9 @@ mod tests {
         let held = Held::of(&deep).unwrap();
         assert!(matches!(Held::of(&deep), Err(FileError::Busy { path }) if path == deep));
         Held::of(folder.path()).unwrap();
+        assert!(is_held(&deep) && !is_held(folder.path()));
         drop(held);
+        assert!(!is_held(&deep));
         assert!(!folder.path().join("not").exists());
         Held::of(&deep).unwrap().write_all([("a", "1"), ("b", "2")]).unwrap();
         assert_eq!(fs::read_to_string(deep.join("b")).unwrap(), "2");

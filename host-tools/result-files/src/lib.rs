@@ -8,7 +8,7 @@ mod replacement;
 
 pub use error::FileError;
 pub use growing::partial;
-pub use held::Held;
+pub use held::{Held, is_held};
 pub use replacement::Replacement;
 
 use error::failed;

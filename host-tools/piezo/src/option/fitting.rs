@@ -74,10 +74,7 @@ impl Fitting {
         if let Some(unfinished) =
             open_session(&mut self.logs, &mut self.validate_on, else_held_out, &mut self.prepare.tick_us)?
         {
-            eprintln!(
-                "piezo: careful: {}: {unfinished}: piezo train with another --out plays a session anew",
-                folder.display()
-            );
+            eprintln!("piezo: careful: {}: {}", folder.display(), remedy::unfinished(&unfinished));
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, Overwrite};
 use crate::output;
 use anyhow::{Context, Result, anyhow};
-use bench::{BenchError, Ended, FORMER, NO_MODEL, Trained, Training, train, unoccupied};
+use bench::{BenchError, FORMER, NO_MODEL, Trained, Training, train, unoccupied};
 use clap::Args;
 use device_link::interrupt::Interrupt;
 use recordings::prepare::PrepareOptions;
@@ -112,7 +112,7 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
             "logs": trained.logs,
             "complete": trained.complete(),
             "waited_ticks": trained.starved,
-            "ended": trained.ended.as_ref().map(ended),
+            "ended": trained.ended.as_ref().map(remedy::ended),
         });
         out(&serde_json::to_string_pretty(&summary)?);
         return Ok(());
@@ -134,7 +134,10 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
         });
     }
     match &trained.ended {
-        Some(why) => out(&format!("FAILED: it ended before its time: {}", ended(why))),
+        Some(why) => {
+            out(&format!("FAILED: it ended before its time: {}", remedy::ended(why)));
+            remedy::kept_logs(&arguments.out).iter().for_each(|kept| out(kept));
+        }
         None if arguments.of_learn => {}
         None => {
             let board = remedy::quoted(&arguments.board.board.display().to_string());
@@ -142,13 +145,4 @@ fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn ended(why: &Ended) -> String {
-    match why {
-        Ended::Fault(faults) => remedy::stopped(*faults),
-        Ended::Complaint(complaint) => remedy::complaint(complaint),
-        Ended::Log(error) => remedy::sentence(error),
-        Ended::Play(error) => remedy::sentence(error),
-    }
 }

@@ -1,0 +1,59 @@
+//! What is said of a session on the bench that has ended before its time, or has not ended.
+
+use super::bench::{complaint, identify, stopped};
+use super::paste::typed;
+use super::sentence;
+use bench::{Ended, Unfinished};
+use std::path::Path;
+
+/// Why a session ended before its time, with its remedy.
+pub fn ended(why: &Ended) -> String {
+    match why {
+        Ended::Fault(faults) => stopped(*faults),
+        Ended::Complaint(of) => complaint(of),
+        Ended::Log(error) => sentence(error),
+        Ended::Play(error) => sentence(error),
+    }
+}
+
+/// What is kept of a session that ended before its time, and the command that learns from it; `None` where there is nothing to learn from.
+pub fn kept_logs(folder: &Path) -> Option<String> {
+    let session = bench::session(folder).ok().filter(|session| !session.logs.is_empty())?;
+    let there = session.unfinished.map_or(session.logs.len(), |unfinished| unfinished.there);
+    let logs = if there == 1 { "1 log is".to_owned() } else { format!("{there} logs are") };
+    Some(format!("{logs} kept, to learn from as far as they go:\n\n    {}{}", identify(folder), typed("--board")))
+}
+
+/// What is missing of a session, with its remedy.
+pub fn unfinished(of: &Unfinished) -> String {
+    match of.under_way {
+        true => format!("{of}: wait until it has ended"),
+        false => format!("{of}: piezo train with another --out plays a session anew"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use device_link::play::PlayError;
+
+    #[test]
+    fn a_session_that_a_silent_host_ended_says_why_and_what_is_kept() {
+        let said = ended(&Ended::Play(PlayError::LetGo));
+        assert!(said.contains("nothing of this machine for five seconds") && said.contains("suspended"), "{said}");
+        let folder = tempfile::tempdir().unwrap();
+        let of = |rows: [u32; 2]| {
+            let log = |(name, rows): (&str, u32)| {
+                format!("[[logs]]\nlog = \"{name}.csv\"\nheld_out = false\ncomplete = {}\nrows = {rows}\n", rows > 500)
+            };
+            let logs = [("01-branch", rows[0]), ("02-loops", rows[1])].map(log).concat();
+            let session = format!("complete = false\nseed = 1\nplanned = 8\n{logs}");
+            std::fs::write(folder.path().join("session.toml"), session).unwrap();
+            kept_logs(folder.path())
+        };
+        let said = of([900, 0]).unwrap();
+        assert!(said.starts_with("1 log is kept") && said.contains(&identify(folder.path())), "{said}");
+        assert!(of([900, 200]).unwrap().starts_with("2 logs are kept"));
+        assert_eq!(of([20, 0]), None);
+    }
+}
