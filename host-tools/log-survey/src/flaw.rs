@@ -52,7 +52,7 @@ pub enum Flaw {
         /// The voltage there, V.
         voltage_v: f64,
     },
-    /// The voltage leaps away and back within three rows, or in the last, and the displacement does not go along.
+    /// The voltage leaps away and back within three rows, or in the last but for one to rest, and the displacement does not go along.
     VoltageSpike {
         /// The rows that it takes.
         #[serde(flatten)]

@@ -221,6 +221,22 @@ fn a_short_pulse_that_the_displacement_follows_is_no_spike_of_the_voltage() {
     assert!(matches!(kinds[..], [Flaw::Spike { .. }, Flaw::VoltageSpike { .. }]), "{kinds:?}");
 }
 
+/// The displacement has not gone along by then. A line that is cut in mid-number ends elsewhere.
+#[test]
+fn a_drive_that_was_switched_off_in_the_last_row_is_no_spike() {
+    let last = log().voltage.len() - 1;
+    let ends_at = |offset: f64, end: f64| {
+        flaws(&changed(|row, v, y| {
+            (if row == last { end } else { v + offset + if row + 200 > last { 30.0 } else { 0.0 } }, y)
+        }))
+    };
+    assert_eq!(ends_at(0.0, 0.0), []);
+    assert_eq!(ends_at(60.0, 60.0), [], "where it began");
+    assert_eq!(ends_at(60.0, 0.0), []);
+    let cut = ends_at(60.0, 9.0);
+    assert!(matches!(cut[..], [Flaw::VoltageSpike { .. }]), "{cut:?}");
+}
+
 #[test]
 fn what_was_seen_at_a_spike_of_the_voltage_is_left_out_and_the_voltage_is_run_through_between_its_neighbours() {
     let spiky = changed(|row, v, y| (if row == 300 { v + 200.0 } else { v }, y));

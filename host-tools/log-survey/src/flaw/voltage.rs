@@ -9,6 +9,8 @@ const SOON: usize = 3;
 const ALONG: f64 = 0.3;
 /// and by so many deviations of its noise.
 const DEVIATIONS: f64 = 4.0;
+/// A voltage is at rest within this part of the range.
+const AT_REST: f64 = 0.01;
 /// The last row leaps by this many times the largest step before it.
 const FURTHER: f64 = 2.0;
 
@@ -35,18 +37,20 @@ pub fn voltage_spikes(
                 > ALONG * um_per_v * leap + noise
     };
     let mut found: Vec<_> = inside.iter().copied().filter(|spike| !goes_along(spike)).collect();
-    found.extend(last_row(voltage, &inside, least));
+    found.extend(last_row(voltage, &inside, least, AT_REST * range));
     found
 }
 
-/// A last row that leaps as none before it, as of a line that was cut in mid-number. What it does to the displacement is not seen.
-fn last_row(voltage: &[f64], inside: &[(usize, usize, f64)], least: f64) -> Option<(usize, usize, f64)> {
+/// A last row that leaps as none before it, as of a line that was cut in mid-number. What it does to the displacement is not seen. One
+/// that goes to within `near` of 0 V, or of where the log began, is a drive that was switched off.
+fn last_row(voltage: &[f64], inside: &[(usize, usize, f64)], least: f64, near: f64) -> Option<(usize, usize, f64)> {
     let last = voltage.len() - 1;
     let sound = |row: &usize| inside.iter().all(|of| row + 1 < of.0 || of.1 < *row);
     let step = |row: usize| (voltage[row + 1] - voltage[row]).abs();
     let largest = (0..last - 1).filter(sound).map(step).fold(0.0, f64::max);
     let leap = step(last - 1);
-    (sound(&(last - 1)) && leap > least && leap > FURTHER * largest).then_some((last, last, leap))
+    let rests = [0.0, voltage[0]].into_iter().any(|rest: f64| (voltage[last] - rest).abs() <= near);
+    (!rests && sound(&(last - 1)) && leap > least && leap > FURTHER * largest).then_some((last, last, leap))
 }
 
 /// How far the values are at most from the straight line between two rows.
