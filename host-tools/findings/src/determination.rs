@@ -26,7 +26,7 @@ pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, Strin
             Told::Partly => format!("{by_model}; to narrow it, record {record}, or more of it"),
             Told::Slower => format!("not known, no log goes as far that fast: record {record}"),
             Told::Restless => format!(
-                "{value_um:.2} µm by the model's law, hardly by these logs: none rests so long behind a move; record {record}"
+                "{value_um:.2} µm is what the model extrapolates, for in no log does the voltage stand still so long after a step: record {record}"
             ),
             Told::Not => format!("{by_model}, hardly by these logs: record {record}, or more of it"),
         };
@@ -61,5 +61,34 @@ fn words(experiment: Experiment) -> (String, String) {
         Experiment::Creep => {
             ("Creep from 0.1 to 10 s after a step over it".to_owned(), "a step, and a hold of 10 s".to_owned())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_hardly_told_says_why_and_what_to_record() {
+        let of = |told, experiment| {
+            let found = Found { experiment, value_um: 0.14, standard_error_um: 0.02, before_um: 1.0, told };
+            let of = Determination {
+                readings: 1_000,
+                effective_readings: 100.0,
+                mae_um: 0.01,
+                numbers: 3,
+                held: 0,
+                condition: 10.0,
+                found: vec![found],
+            };
+            determination(Ok(&of)).pop().unwrap().1
+        };
+        let said = of(Told::Restless, Experiment::Creep);
+        let why = "in no log does the voltage stand still so long after a step: record a step, and a hold of 10 s";
+        assert!(said.starts_with("0.14 µm is what the model extrapolates") && said.ends_with(why), "{said}");
+        assert_eq!(of(Told::Well, Experiment::Creep), "0.14 ± 0.02 µm");
+        assert!(
+            of(Told::Slower, Experiment::Width { part: 1.0, hz: 10.0 }).ends_with("record the full range at 10 Hz")
+        );
     }
 }
