@@ -97,3 +97,46 @@ fn the_folder_of_a_session_stands_for_its_logs() {
         "{found}"
     );
 }
+
+/// Time stamps that an identification takes or refuses: what look says of them, and whether it proposes to learn from them.
+#[test]
+fn look_says_of_time_stamps_what_identify_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, out) = (folder.path().join("log.csv"), folder.path().join("out"));
+    let of = |time: &dyn Fn(u32) -> String| {
+        let row = |row: u32| {
+            let volts = 50.0 - 50.0 * (f64::from(row) * 0.02).cos();
+            format!("{},{volts:.4},{:.5}\n", time(row), 0.1 * volts + 1e-3 * f64::from(row % 7))
+        };
+        let rows: String = (0..1_500).map(row).collect();
+        fs::write(&log, format!("time_s,voltage_V,displacement_um\n{rows}")).unwrap();
+        let identify = piezo().args(["identify", text(&log), "--out", text(&out)]).args(SHORTEST).output().unwrap();
+        (said(&["look", text(&log)]), identify.status.success(), String::from_utf8(identify.stderr).unwrap())
+    };
+    let even = |row: u32| f64::from(row) * 5e-4;
+    for (what, time) in [
+        ("even", &(|row| format!("{:.4}", even(row))) as &dyn Fn(u32) -> String),
+        ("rounded to twice the period", &|row| format!("{:.3}", even(row))),
+        ("of a little jitter", &|row| format!("{:.7}", even(row) + 2e-6 * (f64::from(row) * 1.7).sin())),
+    ] {
+        let (looked, taken, said) = of(time);
+        assert!(taken && looked.contains("Next:\n    piezo identify"), "{what}: {looked}\n{said}");
+        assert!(!looked.contains("gap") && !looked.contains("not learnable"), "{what}: {looked}");
+    }
+    for (what, time, remedy) in [
+        (
+            "jitter",
+            &(|row| format!("{:.7}", even(row) + 2e-5 * (f64::from(row) * 1.7).sin())) as &dyn Fn(u32) -> String,
+            true,
+        ),
+        ("backwards", &|row| format!("{:.4}", if row == 700 { 0.2 } else { even(row) }), false),
+        ("a gap", &|row| format!("{:.4}", even(if row < 700 { row } else { row + 40 })), false),
+    ] {
+        let (looked, taken, said) = of(time);
+        assert!(!taken && !looked.contains("Next:"), "{what}: {looked}\n{said}");
+        let why = said.lines().find_map(|line| line.split_once("log.csv:")).expect("a place in the log").1;
+        assert!(looked.contains(why), "{what}: {looked}, but identify says: {why}");
+        assert_eq!(looked.contains("--fs '<HZ>'"), remedy, "{what}: {looked}");
+        assert_eq!(said.contains("--fs '<HZ>'"), remedy, "{what}: {said}");
+    }
+}

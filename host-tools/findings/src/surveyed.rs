@@ -17,8 +17,8 @@ const PART_OF_A_HALF_CYCLE: u64 = 20;
 const ESTIMATED: &str = "the displacement is a device's estimate, no sensor's: nothing is to be learnt from it, and no error read off it; \
                          piezo record records a sensor that board.toml says the span of (--board)";
 
-/// What was understood of a log, a line each, and why there is no displacement.
-pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
+/// What was understood of a log, a line each, why there is no displacement, and why the log cannot be learnt from.
+pub fn surveyed(survey: &Survey, refusal: Option<&str>, refused: Option<&str>) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = |name: &str, words: &str| lines.push(format!("  {name:<13} {words}"));
     for ColumnRead { quantity, number, name, unit } in &survey.columns {
@@ -70,6 +70,9 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>) -> Vec<String> {
         line("", "a long log: leaps, and a voltage that is cut off, are not looked for here");
     }
     swings(&mut line, survey);
+    if let Some(refused) = refused {
+        line("not learnable", refused);
+    }
     lines
 }
 
@@ -105,7 +108,7 @@ fn seldom(period_s: f64, duration_s: f64) -> Option<String> {
 }
 
 fn rate(survey: &Survey) -> String {
-    let Clock { hz, source, steps_s, long_steps, duration_s } = &survey.clock;
+    let Clock { hz, source, steps_s, duration_s, .. } = &survey.clock;
     let source = match source {
         RateSource::Column => "by the time column".to_owned(),
         RateSource::File(name) => format!("by the file's {name:?}"),
@@ -117,11 +120,6 @@ fn rate(survey: &Survey) -> String {
         }
         _ => String::new(),
     };
-    let gaps = match long_steps {
-        0 => String::new(),
-        1 => "; 1 gap, where identify will refuse it".to_owned(),
-        gaps => format!("; {gaps} gaps, where identify will refuse it"),
-    };
     if survey.rows < 2 {
         return format!("{} row, of which there must be two to have a rate", survey.rows);
     }
@@ -132,7 +130,7 @@ fn rate(survey: &Survey) -> String {
             survey.rows
         );
     }
-    format!("{} Hz, {source}; {} rows, {} s{steps}{gaps}", short(*hz), survey.rows, short(*duration_s))
+    format!("{} Hz, {source}; {} rows, {} s{steps}", short(*hz), survey.rows, short(*duration_s))
 }
 
 fn ranges(line: &mut dyn FnMut(&str, &str), name: &str, (unit, small): (&str, &str), series: &Series) {
@@ -207,7 +205,7 @@ mod tests {
     fn said_of(log: &str) -> String {
         let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
         std::fs::write(file.path(), log).unwrap();
-        surveyed(&survey(open(file.path(), &ReadOptions::default()).unwrap()).unwrap(), None).join("\n")
+        surveyed(&survey(open(file.path(), &ReadOptions::default()).unwrap()).unwrap(), None, None).join("\n")
     }
 
     #[test]

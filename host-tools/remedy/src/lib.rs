@@ -6,6 +6,7 @@ mod bits;
 mod compared;
 mod device;
 mod identification;
+mod learnable;
 mod log;
 mod motion;
 mod outcome_json;
@@ -26,6 +27,7 @@ pub use findings::{
     remarks, surveyed,
 };
 pub use identification::{ENDS, mismatch};
+pub use learnable::refused;
 pub use log::{cut_short, kept};
 pub use motion::moving;
 pub use outcome_json::outcome_json;

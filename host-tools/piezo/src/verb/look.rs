@@ -52,15 +52,17 @@ pub fn run(arguments: &Look) -> Result<bool> {
     for path in &arguments.logs {
         let (reading, refusal) = opened(path, arguments)?;
         let found = survey(reading)?;
+        let tried = refusal.is_none() && found.voltage.is_some();
+        let refused = if tried { remedy::refused(path, &arguments.files.options(), &found) } else { None };
         let measured = found.displacement.is_some() && !found.displacement_estimated;
-        learnable &= refusal.is_none() && found.voltage.is_some() && measured;
+        learnable &= tried && refused.is_none() && measured;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         pictures.push(report::survey(&found, &name));
         if arguments.json {
-            surveys.push(serde_json::json!({ "log": path, "survey": found, "refusal": refusal }));
+            surveys.push(serde_json::json!({ "log": path, "survey": found, "refusal": refusal.or(refused) }));
         } else {
             out(&path.display().to_string());
-            remedy::surveyed(&found, refusal.as_deref()).iter().for_each(|line| out(line));
+            remedy::surveyed(&found, refusal.as_deref(), refused.as_deref()).iter().for_each(|line| out(line));
         }
     }
     if arguments.json {
