@@ -48,6 +48,18 @@ fn a_unit_that_is_not_stated_is_asked_for() {
     assert!(text.ends_with(" --columns time=1:s,voltage=2:V,displacement=3:um"), "{text}");
 }
 
+/// As a data acquisition names its channels, whatever of the others states a unit.
+#[test]
+fn a_channel_that_says_nothing_of_itself_may_be_a_sensor_in_volts_first() {
+    let rows: String = (0..20).map(|k| format!("{},{k},{k}\n", f64::from(k) * 1e-3)).collect();
+    for header in ["Time,Dev1/ai0,Dev1/ai1", "Time (s),Voltage,Dev1/ai1", "Time,Voltage (V),Dev1/ai1"] {
+        let said = refused(&format!("{header}\n{rows}"), "", None);
+        let options = ["'time=1:s,voltage=2:V,displacement=3:<N>um/V'", "time=1:s,voltage=2:V,displacement=3:um"];
+        let [volts, length] = options.map(|columns| said.find(&format!(" --columns {columns}")));
+        assert!(said.contains("with its scale for <N>") && volts.is_some() && volts < length, "{header}: {said}");
+    }
+}
+
 #[test]
 fn no_remedy_names_a_number_that_it_was_not_given() {
     let gcs = "# SAMPLE_TIME = 5e-3\n# NAME0 = Voltage\n# NAME1 = Position\n";

@@ -65,6 +65,11 @@ fn fault(fault: &Fault, path: &Path) -> String {
         Fault::SensitivityOfLength { .. } => format!("{fault}: leave --sensor out"),
         Fault::RateContradicted { .. } => format!("{fault}: leave --fs out; if the file is wrong, correct it there"),
         Fault::TwoClaims { example, .. } => format!("{fault}: choose one, as in{}", columns(example)),
+        Fault::MissingUnit { example, with_sensor: Some(in_volts), .. } => format!(
+            "{fault}: state it; if the displacement is a sensor's output in volts, with its scale for <N>{}\nor, if these units are right{}",
+            columns(in_volts),
+            columns(example)
+        ),
         Fault::MissingUnit { example, .. } => {
             format!("{fault}: state it; if these units are right{}", columns(example))
         }

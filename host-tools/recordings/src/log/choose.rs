@@ -146,7 +146,7 @@ impl Chooser<'_> {
         }
         let example = self.example(None);
         let unit = label.unit_as(quantity, &example)?;
-        let unit = unit.ok_or_else(|| Fault::MissingUnit { column: excerpt(&label.text), example })?;
+        let unit = unit.ok_or_else(|| self.missing_unit(index, example))?;
         Ok(Some(Channel::new(index, unit)))
     }
 

@@ -67,6 +67,21 @@ impl Chooser<'_> {
         !has_time && self.options.sample_rate.is_none() && self.table.sample_time.is_none()
     }
 
+    /// That a column states no unit; a channel that says neither what it holds nor its unit may be a sensor's volts.
+    pub(super) fn missing_unit(&self, index: usize, example: String) -> Fault {
+        let guess = self.guess();
+        let bare = |at: usize| {
+            let label = &self.labels[at];
+            label.quantity().is_none() && QUANTITIES.iter().all(|&of| label.unit_of(of).is_none())
+        };
+        let with_sensor = guess.displacement.filter(|displacement| bare(displacement.index));
+        Fault::MissingUnit {
+            column: excerpt(&self.labels[index].text),
+            example,
+            with_sensor: with_sensor.map(|_| guess::with_sensor(&guess, self.options.sensor)),
+        }
+    }
+
     fn may_be_volts(&self, index: usize) -> bool {
         self.labels[index].unit_of(Quantity::Displacement).is_none()
     }

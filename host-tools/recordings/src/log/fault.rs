@@ -143,6 +143,8 @@ pub enum Fault {
         column: String,
         /// [`Columns`](super::Columns) as they may be meant.
         example: String,
+        /// The same where the displacement was recorded as a sensor's volts; if that can be.
+        with_sensor: Option<String>,
     },
     /// A header name with a unit that is not known.
     #[error("column {column:?}: {unit}")]

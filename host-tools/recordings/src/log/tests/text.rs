@@ -113,7 +113,7 @@ fn header_faults_stand_at_the_header() {
     let text = csv("# log\ntime,u_V,y_um\n", 0.001, ",");
     let (place, fault) = refused(&text, &options("", None));
     assert_eq!(place, Place::Line(2));
-    let Fault::MissingUnit { column, example } = fault else { panic!("{fault}") };
+    let Fault::MissingUnit { column, example, with_sensor: None } = fault else { panic!("{fault}") };
     assert_eq!((&*column, &*example), ("time", "time=1:s,voltage=2:V,displacement=3:um"));
     let stated = options("time=1,voltage=2,displacement=3", None);
     assert_eq!(parsed(&text, &stated).unwrap().sample_period, 0.001);
