@@ -55,6 +55,12 @@ fn plays_with_lag_and_creep_beat_voigt_on_what_neither_has_seen() {
     assert_eq!(line, number(&result, "/straight_line/held_out/logs/0/errors/mae_um"));
     assert_eq!(number(&result, "/straight_line/parameters"), 2.0);
 
+    // Each model's table is kept, and says that it was made to be compared.
+    for model in ["generalised-prandtl-ishlinskii", "voigt", "preisach"] {
+        let table = out.join(model).with_extension("toml");
+        assert!(fs::read_to_string(&table).unwrap().contains(&format!("`piezo identify --model {model}` does both")));
+        piezo().args(["validate", text(&table)]).arg(log("tr10")).assert().success();
+    }
     let page = fs::read_to_string(out.join("compare.html")).unwrap();
     for words in [
         "generalised Prandtl–Ishlinskii",
@@ -91,6 +97,22 @@ fn a_model_without_an_admissible_candidate_is_a_row() {
     assert!(why.contains("no admissible candidate"), "{why}");
     assert!(number(&result, "/rows/1/held_out/all/mae_um") > 0.0);
     assert!(fs::read_to_string(out.join("compare.html")).unwrap().contains("no admissible candidate"));
+}
+
+/// A session's folder stands for its logs, as it does for identify.
+#[test]
+fn the_folder_of_a_session_is_compared_on_what_it_holds_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = folder.path().join("p885");
+    piezo().args(["simulate", "--duration", "0.5", "--out"]).arg(&session).assert().success();
+    let logs = [("sin10", false), ("tr10", true)]
+        .map(|(name, held_out)| format!("[[logs]]\nlog = \"{name}.csv\"\nheld_out = {held_out}\n"));
+    fs::write(session.join("session.toml"), format!("complete = true\nseed = 1\n{}", logs.concat())).unwrap();
+    let compare = ["compare", text(&session), "--models", "preisach", "--json"];
+    let found = json(piezo().args(compare).args(KNOWN));
+    let roles: Vec<String> =
+        found["logs"].as_array().unwrap().iter().map(|log| format!("{} {}", log["file"], log["role"])).collect();
+    assert_eq!(roles, [r#""sin10.csv" "training""#, r#""tr10.csv" "held-out""#]);
 }
 
 #[test]

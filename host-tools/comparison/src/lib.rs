@@ -2,7 +2,7 @@
 //! evaluations, and judged by its simulation errors (µm) on logs that decided nothing. Zeros and delay are decided
 //! once, from the training data.
 
-use estimator_core::Model;
+use estimator_core::{Model, Table};
 use identification::{
     Candidate, Doubt, Fit, Identification, Job, JobError, Prepared, Problem, Progress, StraightLine, with_contained,
 };
@@ -42,6 +42,9 @@ pub struct Row {
     pub evaluations: usize,
     /// What a tick of it takes on the target, where that was measured.
     pub instructions: Option<Instructions>,
+    /// Its table, where it was identified.
+    #[serde(skip)]
+    pub table: Option<Box<Table>>,
     /// Its errors, or why it has no admissible candidate.
     #[serde(flatten)]
     pub result: Judgement,
@@ -201,12 +204,15 @@ pub fn run(
     }
     let rows = models.iter().filter_map(|model| {
         let (fit, seconds) = found.iter().find(|(fit, _)| fit.model == *model)?;
-        let result = Candidate::new(&problem, fit.clone(), &context).map(|candidate| errors(&candidate));
+        let candidate = Candidate::new(&problem, fit.clone(), &context);
+        let table = candidate.as_ref().ok().map(|candidate| Box::new(*candidate.table));
+        let result = candidate.map(|candidate| errors(&candidate));
         Some(Row {
             model: *model,
             seconds: *seconds,
             evaluations: fit.evaluations,
             instructions: None,
+            table,
             result: match result {
                 Ok(errors) => Judgement::Identified(Box::new(errors?)),
                 Err(error) => Judgement::Failed { failed: say(&error) },

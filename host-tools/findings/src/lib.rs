@@ -3,6 +3,7 @@
 //!
 //! The words name the program's options, as those of `remedy` do, which hands them on.
 
+mod compared;
 mod determination;
 mod doubt;
 pub mod figures;
@@ -20,6 +21,7 @@ mod table_file;
 mod unsaid;
 mod validated;
 
+pub use compared::{compared, table_name};
 pub use determination::{DETERMINED, determination};
 pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, implausible, runs_ahead};
 pub use flaw::{flaw, flaw_found, flaw_scored, flaws};

@@ -178,7 +178,7 @@ impl Cli {
             Verb::Identify(mut arguments) => identify::run(&mut arguments),
             Verb::Collect(arguments) => collect::run(&arguments),
             Verb::Validate(arguments) => validate::run(&arguments),
-            Verb::Compare(arguments) => compare::run(&arguments),
+            Verb::Compare(mut arguments) => compare::run(&mut arguments),
             Verb::Feedforward(arguments) => feedforward::run(&arguments),
             Verb::Emulate(arguments) => emulate::run(&arguments),
             Verb::Divider(arguments) => divider::run(&arguments),

@@ -39,7 +39,10 @@ impl Held {
     ///
     /// # Errors
     /// [`FileError::Write`], of the file that cannot be written.
-    pub fn write_all<'n>(&self, files: impl IntoIterator<Item = (&'n str, impl AsRef<[u8]>)>) -> Result<(), FileError> {
+    pub fn write_all(
+        &self,
+        files: impl IntoIterator<Item = (impl AsRef<Path>, impl AsRef<[u8]>)>,
+    ) -> Result<(), FileError> {
         write_all(files.into_iter().map(|(name, contents)| (self.path.join(name), contents)))
     }
 }

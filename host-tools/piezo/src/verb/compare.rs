@@ -2,7 +2,7 @@
 
 use super::print::{out, progress};
 use crate::option::{Fitting, OPTIMISERS, Overwrite, STARTS, asked, choice, models};
-use crate::output::{self, PAGE};
+use crate::output::{self, FACES, PAGE};
 use anyhow::{Context, Result};
 use clap::Args;
 use comparison::Instructions;
@@ -22,7 +22,7 @@ pub struct Compare {
     /// Which models, separated by commas; all where none is named.
     #[arg(long, value_name = "MODEL,…", value_delimiter = ',', value_parser = models())]
     pub models: Vec<Model>,
-    /// Folder for compare.html.
+    /// Folder for compare.html and each model's table.
     #[arg(long)]
     pub out: Option<PathBuf>,
     /// Instructions per tick on the target, to be shown beside the errors: a JSON map of model names to
@@ -52,10 +52,14 @@ pub struct Compare {
 }
 
 /// Runs the verb.
-pub fn run(arguments: &Compare) -> Result<bool> {
+pub fn run(arguments: &mut Compare) -> Result<bool> {
+    arguments.fitting.open_session()?;
     let folder = arguments.out.as_deref().map(output::to_folder).transpose()?;
     if let Some(folder) = &arguments.out {
         arguments.overwrite.of(&folder.join("compare.html"), PAGE)?;
+        for model in asked(&arguments.models) {
+            arguments.overwrite.of(&folder.join(findings::table_name(model)), FACES[0].1)?;
+        }
     }
     let instructions = arguments.instructions.as_deref().map(read_instructions).transpose()?.unwrap_or_default();
     let Compare { optimiser, start, seed, .. } = *arguments;
@@ -75,14 +79,15 @@ pub fn run(arguments: &Compare) -> Result<bool> {
     let facts = remedy::compared_how(&job, budget, &matrix);
     if let Some(folder) = &folder {
         let html = report::comparison(&ComparisonReport { matrix: &matrix, notes: &remedy::COMPARED, facts: &facts })?;
-        folder.write_all([("compare.html", html)])?;
+        let tables = findings::compared(&matrix, job.cost, &job.search)?;
+        folder.write_all(tables.into_iter().chain([("compare.html".to_owned(), html)]))?;
     }
     if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&matrix)?);
     } else {
         remedy::compared(&matrix, &facts).iter().for_each(|line| out(line));
         if let Some(folder) = &arguments.out {
-            out(&format!("\nWritten to {}: compare.html", folder.display()));
+            out(&format!("\nWritten to {}: compare.html, and a table of each model", folder.display()));
         }
     }
     Ok(true)
