@@ -241,10 +241,10 @@ class Identified:
         """Why that model was chosen."""
     @property
     def training(self) -> Figures | None:
-        """Errors of the f64 reference on what it was fitted to."""
+        """Errors of the f64 reference on what the table was fitted to."""
     @property
     def held_out(self) -> Figures | None:
-        """The same on what was held out; None where nothing was."""
+        """The same of the model before it was fitted to what had been held out, on that; None where nothing was."""
     @property
     def candidates(self) -> list[tuple[str, Figures | None]]:
         """Every model that was identified, simplest first, with its errors on what was held out, else in training."""
@@ -306,6 +306,8 @@ def identify(
     seed: int = 1,
 ) -> Identified:
     """Identifies a table from logs, as `piezo identify` does with the options of the same names, and says of them.
+
+    What was held out of `logs` is learnt from in the end, unless `as_judged`.
 
     Ctrl-C ends it between two generations of a search.
     """

@@ -89,7 +89,7 @@ pub fn describe(table: &Admitted) -> Vec<String> {
     let (voltage, limits, made) = (table.voltage_range_v, table.displacement_limits_um, &table.provenance);
     let [major, minor, patch] = made.tool_version;
     let held_out = match (made.validation_mae_um, made.validation_max_um) {
-        (Some(mae), Some(max)) => format!("{mae:.3} µm on what was held out, at most {max:.3} µm"),
+        (Some(mae), Some(max)) => format!("{mae:.3} µm on what was held out then, at most {max:.3} µm"),
         _ => "nothing was held out".to_owned(),
     };
     vec![

@@ -44,7 +44,8 @@ pub fn doubt(doubt: &Doubt) -> String {
         Doubt::Flawed { log, worst, count, left_out } => flawed(log, worst, *count, *left_out),
         Doubt::HeldOutFar { training_um, held_out_um } => format!(
             "on the held-out data the error without offset is {held_out_um:.3} µm, in training {training_um:.3} µm: the model \
-             has learnt this recording rather than the actuator, or the two were recorded under other conditions"
+             has learnt this recording rather than the actuator, the two were recorded under other conditions, or what was held out goes as far or \
+             as fast as nothing before it did"
         ),
         Doubt::NothingHeldOut => {
             "nothing was held out, so nothing is known of data it has not seen: use --validate-on or --hold-out"

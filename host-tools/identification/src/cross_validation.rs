@@ -212,6 +212,7 @@ mod tests {
             minimised: Feedback::Simulation.into(),
             evaluations: 1,
             convergence: Vec::new(),
+            structure: 0,
             space: None,
         }
     }

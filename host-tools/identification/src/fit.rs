@@ -38,6 +38,8 @@ pub struct Fit {
     pub evaluations: usize,
     /// After each generation.
     pub convergence: Vec<Convergence>,
+    /// Which of the model's structures it is; 0 of the Voigt family, which has none.
+    pub(crate) structure: usize,
     /// The space that was searched, of a model of the Voigt family.
     pub(crate) space: Option<Space>,
 }
@@ -123,15 +125,11 @@ impl Identification<'_> {
     /// candidates, or of as many as a smooth family needs, whose convergence is not kept.
     pub fn again(&self, fit: &Fit, evaluations: usize) -> Fit {
         let structures = family::of(fit.model, self.problem);
-        let has = |genes: &[Gene], name| genes.iter().any(|gene| gene.name == name);
-        let alike = structures.iter().find(|family| {
-            let genes = family.genes();
-            fit.genes.iter().all(|(gene, _)| has(&genes, gene.name))
-        });
-        match alike.or(structures.first()) {
+        match structures.get(fit.structure).or(structures.first()) {
             Some(family) => {
                 let enough = if family.smooth() { SMOOTH * family.genes().len() } else { evaluations };
-                self.structure(fit.model, family.as_ref(), NEARBY, enough, Some(fit), None)
+                let found = self.structure(fit.model, family.as_ref(), NEARBY, enough, Some(fit), None);
+                Fit { structure: fit.structure, ..found }
             }
             None => {
                 let (space, seeds) = self.space(fit.model, std::slice::from_ref(fit));

@@ -87,7 +87,11 @@ impl Job {
     /// Generations that it takes at most, for a progress bar.
     pub fn generations(&self) -> u64 {
         let search = match self.model {
-            ModelChoice::Is(model) => self.search.generations_of(&with_contained(model, self.search.start)),
+            ModelChoice::Is(model) => {
+                let once_more = self.learns_once_more() && !model.is_voigt();
+                let again = if once_more { self.search.generations_of(&[model]) } else { 0 };
+                self.search.generations_of(&with_contained(model, self.search.start)) + again
+            }
             ModelChoice::Auto => OF_ALL,
         };
         self.generations_before() + search
@@ -202,10 +206,15 @@ impl Job {
         doubts.extend(delay_at_bound);
         doubts.extend(implausible(learnt_from).map(Doubt::ImplausibleStroke));
         doubts.extend(self.calibration.assumed().map(|converters| Doubt::CalibrationAssumed { converters }));
-        let straight_line = Baseline::of(&problem);
-        doubts.extend(straight_line.and_then(|line| no_better(&candidates[chosen], &line)));
+        doubts.extend(Baseline::of(learnt_from).and_then(|line| no_better(&learnt.candidate, &line)));
         doubts.sort_by_key(Doubt::rank);
+        let straight_line = Baseline::of(&problem);
         Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, problem, learnt })
+    }
+
+    /// Whether what was held out of the training logs is learnt from in the end.
+    fn learns_once_more(&self) -> bool {
+        self.hold_out > 0.0 && !self.as_judged
     }
 
     /// The judged candidate as it is delivered.
@@ -216,15 +225,16 @@ impl Job {
         logs: Vec<LogUse>,
         progress: Progress<'_>,
     ) -> Result<Learnt, JobError> {
-        if self.hold_out == 0.0 || self.as_judged {
+        if !self.learns_once_more() {
             return Ok(Learnt { candidate: judged.clone(), context, logs, whole: None });
         }
-        let wholes = self.prepare_parts(0.0, Some(context.recipe.delay_ticks), &mut *progress)?;
+        let whole = |source| JobError::Whole { source: Box::new(source) };
+        let wholes = self.prepare_parts(0.0, Some(context.recipe.delay_ticks), &mut *progress).map_err(whole)?;
         let identification =
             Identification { problem: &wholes.problem, cost: self.cost, options: &self.search, budget: None };
         let fit = identification.anew(&judged.fit, progress);
         let model = fit.model;
-        Learnt::from_wholes(fit, wholes, judged, logs).map_err(|source| JobError::Failed { model, source })
+        Learnt::from_wholes(fit, wholes, judged, logs).map_err(|source| whole(JobError::Failed { model, source }))
     }
 
     /// A doubt for each log that is no sensor's.

@@ -71,6 +71,12 @@ pub enum JobError {
         /// Why it has none.
         source: CandidateError,
     },
+    /// The chosen model was judged, and cannot be learnt once more from all of the training logs.
+    #[error("the chosen model was judged, and cannot be learnt once more from the whole of each log")]
+    Whole {
+        /// Why not.
+        source: Box<JobError>,
+    },
     /// No model has an admissible candidate.
     #[error("of no model an admissible candidate was found")]
     NothingFound,

@@ -46,10 +46,14 @@ impl Learnt {
 }
 
 impl Identification<'_> {
-    /// The model of a fit on more of the same logs: a [smooth](Self::smooth) one as if it had not been searched before, since what was
-    /// held out may ask for another structure; the models that take long from where they ended.
+    /// The model of a fit on more of the same logs: as if it had not been searched before, since what was held out may ask for another
+    /// structure; of the Voigt family, whose search takes long, from where it ended. It is the fit itself where nothing better is found.
     pub(crate) fn anew(&self, fit: &Fit, progress: Progress<'_>) -> Fit {
-        let found = if self.smooth(fit.model) { self.run(&[fit.model], progress).pop() } else { None };
-        found.unwrap_or_else(|| self.again(fit, self.options.evaluations as usize * fit.genes.len()))
+        let found = match fit.model.is_voigt() {
+            true => vec![self.again(fit, self.options.evaluations as usize * fit.genes.len())],
+            false => self.run(&[fit.model], progress),
+        };
+        let better = |found: &Fit| self.off(found) < self.off(fit);
+        found.into_iter().find(better).unwrap_or_else(|| fit.clone())
     }
 }

@@ -50,6 +50,7 @@ impl Identification<'_> {
             minimised: self.cost,
             evaluations: asked.get(),
             convergence,
+            structure: 0,
             space: Some(space.clone()),
         }
     }

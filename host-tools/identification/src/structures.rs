@@ -127,7 +127,7 @@ impl Identification<'_> {
             evaluations += found.evaluations;
             let off = self.off(&found);
             if best.as_ref().is_none_or(|(_, best)| off < BETTER * best) {
-                best = Some((found, off));
+                best = Some((Fit { structure: index, ..found }, off));
             }
         }
         // Only the Voigt family has no structures, and it does not come here.
@@ -162,6 +162,7 @@ impl Identification<'_> {
             minimised: self.cost,
             evaluations: found.evaluations,
             convergence: [before, &found.convergence].concat(),
+            structure: 0,
             space: None,
         }
     }

@@ -87,7 +87,7 @@ pub fn doubts(
         let lag_said = lag_s.is_some_and(|said| kept(said, candidate));
         doubts.push(Doubt::SingleFrequency { lag_said });
     }
-    for comparison in &judged.held_out {
+    for comparison in &candidate.held_out {
         if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {
             doubts.push(Doubt::BeyondTraining { log: comparison.name.clone() });
         }

@@ -19,8 +19,8 @@ use verb::{
     validate, waveform, zero,
 };
 
-/// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, prove it on
-/// data it has not seen, and put it on a microcontroller.
+/// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, judge it on
+/// data it had not seen, and put it on a microcontroller.
 #[derive(Parser)]
 #[command(name = "piezo", version, after_help = EXIT_CODES)]
 struct Cli {

@@ -95,6 +95,12 @@ fn job(error: &JobError) -> String {
         JobError::Noise { .. } => format!(
             "{error}: did the actuator rest, or was the sensor off? Record it moving; else are the columns the right ones (--columns)?"
         ),
+        JobError::Whole { source } => {
+            format!(
+                "{error} ({}): --as-judged delivers it as it was judged, learnt without what was held out",
+                job(source)
+            )
+        }
         _ => error.to_string(),
     }
 }

@@ -37,8 +37,8 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
     }
     if learnt.whole.is_some() {
         sentences.push(
-            "The table is this model learnt once more, from the training logs as a whole: on these nothing tells any longer what it is off by \
-             on data it has not seen."
+            "The table is this model learnt once more, from the whole of each training log. The error above is the model's before that; of the \
+             table, no recording is left that could tell it: `piezo validate` does with another."
                 .to_owned(),
         );
     }

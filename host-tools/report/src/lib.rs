@@ -25,7 +25,7 @@ mod tests;
 pub use comparison::{ComparisonReport, comparison};
 pub use error::ReportError;
 pub use page::{Mark, Report, render};
-pub use picture::picture;
+pub use picture::{Zeroed, picture};
 pub use reproduction::{ReproductionReport, reproduction};
 pub use section::{Grid, Picture, Section, shown, yes};
 pub use survey::survey;

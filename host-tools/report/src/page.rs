@@ -96,6 +96,8 @@ pub struct Page<'a> {
     flaws: &'a [Mark],
     flaws_left_out: usize,
     search: Vec<Figure>,
+    /// What is delivered is not what was judged.
+    learnt_anew: bool,
     genes: Vec<GeneRow>,
     parameters: Vec<ParameterRow>,
     table: Vec<ParameterRow>,
@@ -156,6 +158,7 @@ impl<'a> Page<'a> {
             flaws: &report.flaws[..report.flaws.len().min(FLAWS)],
             flaws_left_out: report.flaws.len().saturating_sub(FLAWS),
             search: search_figures(report, limit),
+            learnt_anew: report.learnt.table.parameters != chosen.table.parameters,
             genes: report.learnt.fit.genes.iter().map(GeneRow::new).collect(),
             parameters: rows::parameters(&report.learnt.table),
             table: rows::table(&report.learnt.table),

@@ -9,12 +9,23 @@ use identification::validate::{Comparison, Estimates};
 
 const LIMIT: usize = 1500;
 
+/// How a log's estimates went on since a zero.
+#[derive(Clone, Debug)]
+pub struct Zeroed {
+    /// When it was, s.
+    pub at_s: f64,
+    /// The estimates with their half-width.
+    pub estimates: Estimates,
+    /// The half-width is that of a table that was learnt from this log, too.
+    pub learnt: bool,
+}
+
 /// A standalone SVG, 900 units wide on white: the estimate against the sensor, and on an axis of its own the error: since
-/// the zero and within ± where `zeroed` says when that was (s) and how the same log's estimates went on, else as it is.
+/// a zero and within ± where there was one, else as it is.
 ///
 /// # Errors
 /// [`ReportError::Nothing`] where the log has no measured instant after its first.
-pub fn picture(comparison: &Comparison, title: &str, zeroed: Option<&(f64, Estimates)>) -> Result<String, ReportError> {
+pub fn picture(comparison: &Comparison, title: &str, zeroed: Option<&Zeroed>) -> Result<String, ReportError> {
     let trace = &comparison.trace;
     if trace.time_s.is_empty() {
         return Err(ReportError::Nothing { log: comparison.name.clone() });
@@ -27,8 +38,9 @@ pub fn picture(comparison: &Comparison, title: &str, zeroed: Option<&(f64, Estim
     loops::draw_in(&mut drawing, Frame { left: 58.0, top: 92.0, width: 352.0, height: 290.0 }, trace, LIMIT);
     let lines = Lines::of(trace);
     let (lines, error) = match zeroed {
-        Some((at, zeroed)) => {
-            (lines.since_zero(zeroed), format!("estimate − sensor since a zero at {at:.1} s, and its ±, µm"))
+        Some(Zeroed { at_s, estimates, learnt }) => {
+            let of = if *learnt { "the ± of the table that learnt it then" } else { "its ±" };
+            (lines.since_zero(estimates), format!("estimate − sensor since a zero at {at_s:.1} s, and {of}, µm"))
         }
         None => (lines, ERROR.to_owned()),
     };

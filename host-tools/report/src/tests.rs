@@ -101,6 +101,10 @@ fn html(chosen: &Candidate, doubts: &[&str]) -> String {
 }
 
 fn with_flaws(chosen: &Candidate, doubts: &[&str], flaws: &[Mark]) -> String {
+    page(chosen, chosen, doubts, flaws)
+}
+
+fn page(chosen: &Candidate, learnt: &Candidate, doubts: &[&str], flaws: &[Mark]) -> String {
     let doubts: Vec<String> = doubts.iter().map(|&doubt| doubt.to_owned()).collect();
     let line = chosen.training_figures().map(|training| Baseline {
         gain_um_per_v: 0.2,
@@ -113,7 +117,7 @@ fn with_flaws(chosen: &Candidate, doubts: &[&str], flaws: &[Mark]) -> String {
         verdict: &[concat!("It is `0.1 µm` off; see --", "hold-out.").to_owned()],
         doubts: &doubts,
         chosen,
-        learnt: chosen,
+        learnt,
         straight_line: line.as_ref(),
         candidates: std::slice::from_ref(chosen),
         flaws,
@@ -257,6 +261,19 @@ fn values_that_are_not_finite_or_do_not_vary_can_be_drawn() {
 }
 
 #[test]
+fn the_parameters_are_those_of_the_table_that_is_delivered() {
+    let judged = candidate(Model::Enhanced, vec![log("a", 100, |_| 0.1)], vec![log("b", 100, |_| 0.1)]);
+    let note = "learnt once more from the whole of each log";
+    assert!(!html(&judged, &[]).contains(note));
+    let learnt = candidate(Model::Voigt, vec![log("a", 100, |_| 0.1)], Vec::new());
+    let page = page(&judged, &learnt, &[], &[]);
+    assert!(page.contains(note));
+    let names = |of: &Candidate| rows::parameters(&of.table).into_iter().map(|(name, _)| name).collect::<Vec<_>>();
+    let stands = |name: &String| page.contains(&format!("<dt>{name}</dt>"));
+    assert!(names(&learnt).iter().all(stands) && !names(&judged).iter().all(stands), "{page}");
+}
+
+#[test]
 fn a_log_without_samples_is_named() {
     let empty = log("empty", 0, |_| 0.1);
     assert!(picture(&empty, "a", None).unwrap_err().to_string().contains("log 'empty'"));
@@ -279,10 +296,14 @@ fn the_error_since_a_zero_stands_in_its_band() {
             status: Status::empty(),
             scored: time_s > 0.9,
         });
-        (0.9, Estimates { log: "a".to_owned(), instants: rows.collect() })
+        Estimates { log: "a".to_owned(), instants: rows.collect() }
     };
-    let drawn = |half_width| picture(&beside, "a", Some(&instants(half_width))).unwrap();
-    let (with, without) = (drawn(Some(0.2)), drawn(None));
+    let drawn = |half_width, learnt| {
+        let zeroed = Zeroed { at_s: 0.9, estimates: instants(half_width), learnt };
+        picture(&beside, "a", Some(&zeroed)).unwrap()
+    };
+    let (with, without) = (drawn(Some(0.2), false), drawn(None, false));
+    assert!(with.contains("and its ±") && drawn(Some(0.2), true).contains("the ± of the table that learnt it then"));
     check(&with);
     assert!(with.contains("since a zero at 0.9 s") && with.contains(r#"<polygon class="band""#), "{with}");
     assert!(!without.contains("<polygon"), "{without}");

@@ -116,8 +116,7 @@ impl<'sh> Printed<'sh> {
         if let Some(value) = self.values.borrow().get(&command) {
             return Ok(Rc::clone(value));
         }
-        if matches!(command, Command::Validate | Command::OtherDay | Command::OtherDayUnzeroed | Command::SignalFaults)
-        {
+        if matches!(command, Command::OtherDay | Command::OtherDayUnzeroed | Command::SignalFaults) {
             // Its table.
             self.by(Command::Identify)?;
         }
@@ -126,13 +125,12 @@ impl<'sh> Printed<'sh> {
         Ok(value)
     }
 
-    /// The folder of what `piezo identify` writes.
+    /// The folder of what `piezo identify --as-judged` writes.
     ///
     /// # Errors
     /// It fails.
-    pub fn identified(&self) -> Result<PathBuf> {
-        self.by(Command::Identify)?;
-        Ok(self.demo())
+    pub fn as_judged(&self) -> Result<PathBuf> {
+        half(self.sh, &self.piezo, &self.demo())
     }
 
     fn demo(&self) -> PathBuf {
@@ -145,8 +143,8 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
     let start = Instant::now();
     let printed = match command {
         Command::Identify => json(cmd!(sh, "{piezo} identify {LOG} --out {demo}")),
-        Command::Validate => validated(sh, piezo, demo, LOG, &[]),
-        Command::SameDay => same_day(sh, piezo, &demo.with_file_name("half")),
+        Command::Validate => validated(sh, piezo, &half(sh, piezo, demo)?, LOG, &[]),
+        Command::SameDay => validated(sh, piezo, &half(sh, piezo, demo)?, LOG, &["--zero-at", "20.1"]),
         Command::OtherDay => validated(sh, piezo, demo, OTHER_DAY, &["--zero-at", "24"]),
         Command::OtherDayUnzeroed => validated(sh, piezo, demo, OTHER_DAY, &[]),
         Command::SignalFaults => signal_faults(sh, piezo, demo),
@@ -160,10 +158,13 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
     printed.with_context(|| format!("{command:?}"))
 }
 
-/// What `piezo validate` prints of the log's second half and a table that was learnt from the first alone, into this folder.
-fn same_day(sh: &Shell, piezo: &Path, half: &Path) -> Result<Value> {
-    cmd!(sh, "{piezo} identify {LOG} --as-judged --out {half}").quiet().ignore_stdout().ignore_stderr().run()?;
-    validated(sh, piezo, half, LOG, &["--zero-at", "20.1"])
+/// The folder of a table that was learnt from the log's first half alone, beside the demonstration's.
+fn half(sh: &Shell, piezo: &Path, demo: &Path) -> Result<PathBuf> {
+    let folder = demo.with_file_name("half");
+    if !folder.exists() {
+        cmd!(sh, "{piezo} identify {LOG} --as-judged --out {folder}").quiet().ignore_stdout().ignore_stderr().run()?;
+    }
+    Ok(folder)
 }
 
 /// What `piezo validate` prints of the identified table and a log.

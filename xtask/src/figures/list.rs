@@ -40,7 +40,7 @@ pub const FIGURES: [Figure; 18] = [
         name: "picture",
         file: Some("book/src/estimate.svg"),
         slack: 0.0,
-        make: |printed| Ok(Content::File(bytes(&printed.identified()?.join("estimate.svg"))?)),
+        make: |printed| Ok(Content::File(bytes(&printed.as_judged()?.join("estimate.svg"))?)),
     },
     stated("held-out", |printed| held_out(&*printed.by(Identify)?)),
     stated("held-out-in-short", |printed| held_out_in_short(&*printed.by(Identify)?)),

@@ -9,12 +9,12 @@ use estimator_core::Table;
 use findings::figures::{heading, row};
 use fleet::{Asked, Found, Run, UNIT, Unit, UnitName};
 use identification::cost::Cost;
-use identification::validate::{Comparison, Estimates, Scope, Told, ZERO_WINDOW_S, estimates};
+use identification::validate::{Comparison, Scope, Told, ZERO_WINDOW_S, estimates};
 use identification::{Candidate, Doubt, Job, ModelChoice, Outcome, SearchOptions, StraightLine};
 use log_survey::Stretch;
 use recordings::Role;
 use recordings::prepare::Recipe;
-use report::{Mark, Report};
+use report::{Mark, Report, Zeroed};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use table_files::TableFile;
@@ -220,7 +220,7 @@ fn write(
 
 /// When the first log that was held out, else fitted to, may be zeroed first (s), and its estimates with the delivered table's interval
 /// since then; `None` where that has none, or the log ends before.
-fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<(f64, Estimates)> {
+fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<Zeroed> {
     let Table { interval, .. } = *outcome.learnt.candidate.table;
     let table = outcome.judged().clone().with_interval(interval).ok()?.table;
     let session = outcome.problem.validation().next().or(outcome.problem.training().next())?;
@@ -228,7 +228,8 @@ fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<(f64, Estimates)> {
     // µm relative to the model's zero, as the comparison has them.
     let recipe = Recipe { displacement_scale: 1.0, displacement_zero_um: 0.0, ..outcome.learnt.context.recipe.clone() };
     let scope = Scope { zero_at_s: Some(at), ..Scope::ALL };
-    Some((at, estimates(&table, session, &recipe, &scope, Told::FirstReading).ok()?))
+    let estimates = estimates(&table, session, &recipe, &scope, Told::FirstReading).ok()?;
+    Some(Zeroed { at_s: at, estimates, learnt: outcome.learnt.whole.is_some() })
 }
 
 fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determined: &[(String, String)]) {
