@@ -2,9 +2,10 @@
 //!
 //! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts the
 //! firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes the documents'
-//! figures; `soak` has it stream for an hour.
+//! figures; `bench` measures what identification costs; `soak` has the firmware stream for an hour.
 
 mod artifact;
+mod bench;
 mod beside;
 mod book;
 mod check;
@@ -54,6 +55,8 @@ enum Chore {
     Cycles(cycles::Arguments),
     /// Write the figures that documents state, from what the commands print, or compare them
     Figures(figures::Arguments),
+    /// Measure what identification costs: sample-evaluations a second beside a plain loop
+    Bench(bench::Arguments),
     /// Have the firmware stream for an hour of its own time, and compare every sample with the host's
     Soak(soak::Arguments),
 }
@@ -76,6 +79,7 @@ fn main() -> Result<ExitCode> {
         Chore::Size(arguments) => size::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Cycles(arguments) => cycles::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Figures(arguments) => figures::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
+        Chore::Bench(arguments) => bench::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Soak(arguments) => soak::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
     }
 }
