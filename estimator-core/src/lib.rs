@@ -68,7 +68,7 @@ pub use model::{
     GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, Linear, MaxwellSlip, MaxwellSlipParameters,
     Model, Narx, NarxParameters, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Preisach,
     PreisachParameters, Process, Published, Recursion, Resonance, ResonanceState, Running, Scheme, Stop, Superposition,
-    Voigt, VoigtChain, VoigtChainParameters, VoigtParameters, VoigtState, VoigtTerms, solve,
+    Voigt, VoigtChain, VoigtChainParameters, VoigtParameters, VoigtPoint, VoigtState, VoigtTerms, solve,
 };
 pub use range::Range;
 pub use rule::Rule;

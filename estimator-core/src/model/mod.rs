@@ -41,5 +41,5 @@ pub use published::{Discretisation, Published, Scheme};
 pub use recursion::{Linear, Recursion, solve};
 pub use relaxation::{Lag, RampLag, RampLagged, Relaxation, Relaxed};
 pub use resonance::{Resonance, ResonanceState};
-pub use voigt::{LEAST_DECAY, Voigt, VoigtParameters, VoigtState, VoigtTerms};
+pub use voigt::{LEAST_DECAY, Voigt, VoigtParameters, VoigtPoint, VoigtState, VoigtTerms};
 pub use voigt_chain::{VoigtChain, VoigtChainParameters, VoigtChainState};

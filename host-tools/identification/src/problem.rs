@@ -186,9 +186,14 @@ impl Problem {
     }
 
     /// Whether a model is proven to stay within any of the limits at voltages of a range (V).
-    pub(crate) fn admits(&self, model: &impl Process<f64>, voltage: Range<f64>) -> bool {
+    fn admits(&self, model: &impl Process<f64>, voltage: Range<f64>) -> bool {
+        self.admits_by(|limits| model.bound(voltage, limits).is_ok())
+    }
+
+    /// Whether any of the limits (µm) is one that a model is proven to stay within.
+    pub(crate) fn admits_by(&self, proven: impl Fn(Range<f64>) -> bool) -> bool {
         // The widest limits first: nearly every set that has any has those.
-        LIMIT_STEPS.into_iter().rev().any(|step| model.bound(voltage, self.limits_at(step)).is_ok())
+        LIMIT_STEPS.into_iter().rev().any(|step| proven(self.limits_at(step)))
     }
 }
 

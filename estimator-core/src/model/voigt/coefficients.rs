@@ -24,22 +24,43 @@ impl<T: Real> VoigtTerms<T> {
     }
 }
 
-/// Per-tick coefficients of the Voigt family: one `exp` and one power a tick.
+/// What the equation comes to at a voltage without the extremum terms.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct VoigtPoint<T> {
+    /// The voltage, V.
+    pub voltage: T,
+    /// [`Voigt::rate`], 1/s.
+    pub rate: T,
+    /// [`Voigt::drive`], µm/s.
+    pub drive: T,
+}
+
+/// Per-tick coefficients of the Voigt family: one `exp` and one power a tick. They can be read by whoever computes
+/// [points](VoigtPoint) and extremum terms of many sets at once.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Voigt<T> {
     pub(super) scheme: Scheme,
     sample_period: T,
     /// Retreat that counts as a reversal, V.
     pub(super) deadband: T,
-    rate_scale: T,
-    lambda: T,
-    lambda_beta: T,
-    p: T,
-    ln_drive_scale: T,
-    g: T,
-    h: T,
-    e_um: T,
-    f: T,
+    /// 1e6/(α·λ·b), 1/s.
+    pub rate_scale: T,
+    /// λ, 1/V.
+    pub lambda: T,
+    /// λ·β, no unit.
+    pub lambda_beta: T,
+    /// P, no unit.
+    pub p: T,
+    /// ln(1e6·b^−P): what the logarithm of the drive (µm/s) is at 1 V.
+    pub ln_drive_scale: T,
+    /// g, µm/s per V^h.
+    pub g: T,
+    /// h, no unit.
+    pub h: T,
+    /// e, µm/s per µm^f.
+    pub e_um: T,
+    /// f, no unit.
+    pub f: T,
 }
 
 impl<T: Real> Voigt<T> {
@@ -86,10 +107,21 @@ impl<T: Real> Voigt<T> {
         if voltage < T::zero() { -magnitude } else { magnitude }
     }
 
+    /// Rate and drive at this voltage (V).
+    #[inline]
+    pub fn point(&self, voltage: T) -> VoigtPoint<T> {
+        VoigtPoint { voltage, rate: self.rate(voltage), drive: self.drive(voltage) }
+    }
+
     /// The affine map of a tick at this voltage (V).
     #[inline]
     pub fn terms(&self, voltage: T) -> VoigtTerms<T> {
-        let rate = self.rate(voltage);
+        self.terms_at(self.point(voltage))
+    }
+
+    /// The affine map of a tick at a point.
+    #[inline]
+    pub fn terms_at(&self, VoigtPoint { rate, drive, .. }: VoigtPoint<T>) -> VoigtTerms<T> {
         let (a, m) = match self.scheme {
             Scheme::ForwardEuler => (T::one() - self.sample_period * rate, self.sample_period),
             Scheme::ZeroOrderHold => {
@@ -97,7 +129,7 @@ impl<T: Real> Voigt<T> {
                 (T::one() - decay, decay / rate)
             }
         };
-        VoigtTerms { a, c: m * self.drive(voltage), m }
+        VoigtTerms { a, c: m * drive, m }
     }
 
     /// `g·sgn(V_ext)·|V_ext|^h` of Eq. (5.4), µm/s, of the voltage at a reversal (V); 0 where g is.

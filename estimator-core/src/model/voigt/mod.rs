@@ -23,7 +23,7 @@ mod coefficients;
 mod parameters;
 mod proof;
 
-pub use coefficients::{Voigt, VoigtTerms};
+pub use coefficients::{Voigt, VoigtPoint, VoigtTerms};
 pub use parameters::VoigtParameters;
 pub use proof::LEAST_DECAY;
 
@@ -64,6 +64,20 @@ impl<T: Real> Voigt<T> {
         }
         state.displacement = terms.apply(state.displacement, state.ext);
         state.displacement
+    }
+
+    /// As [`Recursion::bound`], with the points given between which it is proven, from the lowest voltage (V) to the highest. The
+    /// closer they stand, the less the proof refuses that is admissible.
+    ///
+    /// # Errors
+    /// The displacement may leave the limits (µm), or a tick is not stable.
+    pub fn bound_between(
+        &self,
+        points: impl Iterator<Item = VoigtPoint<T>>,
+        voltage: Range<T>,
+        limits: Range<T>,
+    ) -> Result<Range<T>, Inadmissible<T>> {
+        proof::check_between(self, points, voltage, limits)
     }
 
     /// Long at rest at the voltage of these terms, no reversal seen; at this displacement (µm) where it is known.

@@ -15,7 +15,7 @@
 //! The second condition is what a parameter set with positive feedback through `y_ext` fails, however well it predicts
 //! one step ahead.
 
-use super::coefficients::Voigt;
+use super::coefficients::{Voigt, VoigtPoint};
 use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::model::published::Scheme;
@@ -30,6 +30,19 @@ const CELLS: u16 = 256;
 ///
 /// `voltage` in V (relative to the model's zero). All of the model's parameters are finite, P, h and f at least 0.
 pub fn check<T: Real>(model: &Voigt<T>, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
+    let step = (voltage.max - voltage.min) / T::of(f32::from(CELLS));
+    let between = (1..CELLS).map(|cell| voltage.min + step * T::of(f32::from(cell)));
+    let ends = core::iter::once(voltage.min).chain(between).chain(core::iter::once(voltage.max));
+    check_between(model, ends.map(|voltage| model.point(voltage)), voltage, limits)
+}
+
+/// As [`check`], with the points between the cells of the voltage range given, from its lower end to its upper one.
+pub fn check_between<T: Real>(
+    model: &Voigt<T>,
+    points: impl Iterator<Item = VoigtPoint<T>>,
+    voltage: Range<T>,
+    limits: Range<T>,
+) -> Result<Range<T>, Inadmissible<T>> {
     let overflows =
         [voltage.min, voltage.max].iter().any(|&v| !model.drive(v).is_finite() || !model.voltage_term(v).is_finite())
             || [limits.min, limits.max].iter().any(|&y| !model.displacement_term(y).is_finite());
@@ -45,7 +58,7 @@ pub fn check<T: Real>(model: &Voigt<T>, voltage: Range<T>, limits: Range<T>) -> 
             return Err(Inadmissible::Unstable { voltage: v, a });
         }
     }
-    within(static_reach(model, voltage, extremum_range(model, voltage, limits)), limits)?;
+    within(static_reach(model, points, extremum_range(model, voltage, limits)), limits)?;
     Ok(limits)
 }
 
@@ -57,28 +70,25 @@ fn extremum_range<T: Real>(model: &Voigt<T>, voltage: Range<T>, limits: Range<T>
     Range { min: of_voltage.min + of_displacement.min, max: of_voltage.max + of_displacement.max }
 }
 
-/// Bounds of `(drive(V) + ext)/rate(V)` over the voltage range.
-fn static_reach<T: Real>(model: &Voigt<T>, voltage: Range<T>, ext: Range<T>) -> Range<T> {
-    let step = (voltage.max - voltage.min) / T::of(f32::from(CELLS));
+/// Bounds of `(drive(V) + ext)/rate(V)` over the voltages from the first point to the last.
+fn static_reach<T: Real>(model: &Voigt<T>, mut points: impl Iterator<Item = VoigtPoint<T>>, ext: Range<T>) -> Range<T> {
     let slowest = model.slowest_voltage();
     let mut reach = Range::empty();
-    let mut left = voltage.min;
-    let (mut left_rate, mut left_drive) = (model.rate(left), model.drive(left));
-    for cell in 1..=CELLS {
-        let right = if cell == CELLS { voltage.max } else { voltage.min + step * T::of(f32::from(cell)) };
-        let (right_rate, right_drive) = (model.rate(right), model.drive(right));
-        let least = if left < slowest && slowest < right { model.rate(slowest) } else { left_rate.min(right_rate) };
-        let most = left_rate.max(right_rate);
+    let Some(mut left) = points.next() else { return reach };
+    for right in points {
+        let passes_slowest = left.voltage < slowest && slowest < right.voltage;
+        let least = if passes_slowest { model.rate(slowest) } else { left.rate.min(right.rate) };
+        let most = left.rate.max(right.rate);
         let quotient =
             |numerator: T, away: T, towards: T| numerator / if numerator > T::zero() { away } else { towards };
-        let highest = quotient(right_drive + ext.max, least, most);
-        let lowest = quotient(left_drive + ext.min, most, least);
+        let highest = quotient(right.drive + ext.max, least, most);
+        let lowest = quotient(left.drive + ext.min, most, least);
         if lowest.is_nan() || highest.is_nan() {
             // `include` would pass over it.
             return Range::point(T::nan());
         }
         reach = reach.include(lowest).include(highest);
-        (left, left_rate, left_drive) = (right, right_rate, right_drive);
+        left = right;
     }
     reach
 }

@@ -1,35 +1,24 @@
 //! Costs of many candidates of the Voigt family at once: what their ticks have in common is done once, and each tick is
 //! the same few operations on neighbouring numbers, which the compiler makes vector instructions of.
 //!
-//! It is [`estimator_core::Voigt`] with its terms interpolated between [`knots`](super::knots), and gives the same cost
+//! It is [`estimator_core::Voigt`] with its terms interpolated between [`knots`](voigt_lanes::knots), and gives the same cost
 //! whatever stands in the other lanes.
 
-use super::knots::{KNOTS, Knots};
-use super::timeline::{Event, Timeline};
+use super::run::{Extrema, Run};
 use crate::cost::Cost;
 use crate::problem::Problem;
-use estimator_core::{Discretisation, Extremum, Running, Voigt, VoigtParameters, VoigtTerms};
-use pulp::{Arch, NullaryFnOnce};
+use estimator_core::{Discretisation, Scheme, Voigt, VoigtParameters};
+use pulp::Arch;
 use rayon::prelude::*;
+use voigt_lanes::knots::Knots;
+use voigt_lanes::terms::{Intervals, Lanes, Points, Voltages};
+use voigt_lanes::timeline::Timeline;
 
-/// Candidates that run side by side.
-const LANES: usize = 8;
-
-/// A number of each candidate.
-type Lanes = [f64; LANES];
-
-/// The affine map `y ← a·y + c + m·ext` between a knot and the next, each term a weight's way from the knot's.
-struct Interval {
-    a: Term,
-    c: Term,
-    m: Term,
-}
-
-/// A term at a knot, and how much more it is at the next.
-struct Term {
-    here: Lanes,
-    more: Lanes,
-}
+/// Candidates that run side by side: two vectors of the widest instructions, of which one computes while the other waits for its
+/// last tick.
+const LANES: usize = 16;
+/// Where there are no more than these, in one vector.
+const FEW: usize = 8;
 
 /// What every candidate runs through.
 pub struct Kernel<'a> {
@@ -37,115 +26,68 @@ pub struct Kernel<'a> {
     cost: Cost,
     discretisation: Discretisation<f64>,
     knots: Knots,
+    voltages: Voltages,
     timelines: Vec<Timeline>,
 }
+
+/// A candidate that runs, with its place among the others.
+type Entrant = (usize, Voigt<f64>, Points);
 
 impl<'a> Kernel<'a> {
     /// Over the training sessions of a problem.
     pub fn new(problem: &'a Problem, cost: Cost) -> Self {
         let knots = Knots::over(problem.voltage_range());
         let timelines = problem.training().filter_map(|session| Timeline::of(session, &knots, problem.deadband));
-        Self { problem, cost, discretisation: problem.discretisation(), knots, timelines: timelines.collect() }
+        Self {
+            problem,
+            cost,
+            discretisation: problem.discretisation(),
+            knots,
+            voltages: Voltages::of(&knots),
+            timelines: timelines.collect(),
+        }
     }
 
     /// Costs (µm) of candidates, in their order; infinite of what is not admissible or diverges.
     pub fn costs(&self, candidates: &[VoigtParameters<f64>]) -> Vec<f64> {
-        let models: Vec<Voigt<f64>> = candidates.iter().map(|of| Voigt::build(of, &self.discretisation)).collect();
-        let covered = self.knots.covered();
-        let admissible: Vec<bool> =
-            models.par_iter().map(|model| self.problem.admits(&Running::new(*model), covered)).collect();
-        let run: Vec<usize> = (0..models.len()).filter(|&index| admissible[index]).collect();
-        let found: Vec<Lanes> = run
-            .par_chunks(LANES)
-            .map(|some| self.lanes(&std::array::from_fn(|lane| models[some[lane.min(some.len() - 1)]])))
-            .collect();
+        let run: Vec<Entrant> =
+            candidates.par_iter().enumerate().filter_map(|(index, of)| self.admitted(index, of)).collect();
+        let found = if run.len() <= FEW { self.side_by_side::<FEW>(&run) } else { self.side_by_side::<LANES>(&run) };
         let mut costs = vec![f64::INFINITY; candidates.len()];
-        run.iter().zip(found.into_iter().flatten()).for_each(|(&index, cost)| costs[index] = cost);
+        run.iter().zip(found).for_each(|((index, ..), cost)| costs[*index] = cost);
         costs
     }
 
-    /// Costs of as many models as there are lanes.
-    fn lanes(&self, models: &[Voigt<f64>; LANES]) -> Lanes {
-        let at = |knot| models.map(|model| model.terms(self.knots.voltage(knot)));
-        let of: Vec<[VoigtTerms<f64>; LANES]> = (0..KNOTS).map(at).collect();
-        let term =
-            |left: &[VoigtTerms<f64>; LANES], right: &[VoigtTerms<f64>; LANES], part: fn(VoigtTerms<f64>) -> f64| {
-                let (here, there) = (left.map(part), right.map(part));
-                Term { here, more: std::array::from_fn(|lane| there[lane] - here[lane]) }
-            };
-        let interval = |pair: &[[VoigtTerms<f64>; LANES]]| Interval {
-            a: term(&pair[0], &pair[1], |of| of.a),
-            c: term(&pair[0], &pair[1], |of| of.c),
-            m: term(&pair[0], &pair[1], |of| of.m),
-        };
-        let intervals: Vec<Interval> = of.windows(2).map(interval).collect();
-        let mut sums = [0.0; LANES];
+    /// Costs of candidates that run, so many at a time, and of what stands in the lanes that are left.
+    fn side_by_side<const N: usize>(&self, run: &[Entrant]) -> Vec<f64> {
+        run.par_chunks(N).flat_map_iter(|some| self.lanes::<N>(some)).collect()
+    }
+
+    /// What runs of a candidate, with its place; `None` where it is not proven to stay within any of the limits.
+    fn admitted(&self, index: usize, candidate: &VoigtParameters<f64>) -> Option<Entrant> {
+        let model = Voigt::build(candidate, &self.discretisation);
+        let points = Points::of(&model, &self.voltages);
+        let covered = self.knots.covered();
+        let proven = |limits| model.bound_between(points.each(&self.voltages), covered, limits).is_ok();
+        self.problem.admits_by(proven).then_some((index, model, points))
+    }
+
+    /// Costs of as many candidates as there are lanes; the last one stands in the lanes that are left.
+    fn lanes<const N: usize>(&self, some: &[Entrant]) -> Lanes<N> {
+        let of = |lane: usize| &some[lane.min(some.len() - 1)];
+        let models: [&Voigt<f64>; N] = std::array::from_fn(|lane| &of(lane).1);
+        let constant = self.discretisation.scheme == Scheme::ForwardEuler;
+        let points = std::array::from_fn(|lane| &of(lane).2);
+        let intervals = Intervals::of(models, points, &self.voltages, constant);
+        let extrema = Extrema::of(models);
+        let mut sums = [0.0; N];
         for timeline in &self.timelines {
             // Wider instructions where the machine has them; each lane's are the same.
-            let errors = Arch::new().dispatch(Run { kernel: self, models, intervals: &intervals, timeline });
-            sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error);
+            let run = Run { cost: self.cost, intervals: &intervals, extrema: &extrema, timeline };
+            sums.iter_mut().zip(Arch::new().dispatch(run)).for_each(|(sum, error)| *sum += error);
         }
         let sessions = self.timelines.len().max(1) as f64;
         sums.map(|sum| if sum.is_finite() { self.cost.norm.error(sum / sessions) } else { f64::INFINITY })
-    }
-
-    /// Mean sizes of the errors over a session.
-    #[inline(always)]
-    fn errors(&self, models: &[Voigt<f64>; LANES], intervals: &[Interval], timeline: &Timeline) -> Lanes {
-        let weight = self.cost.weight();
-        let mut displacement = [timeline.start; LANES];
-        let (mut extreme, mut input, mut sums) = (displacement, [0.0; LANES], [0.0; LANES]);
-        let mut done = 0;
-        for mark in &timeline.marks {
-            for position in &timeline.positions[done..mark.tick] {
-                tick(&mut displacement, &input, &intervals[position.knot as usize], position.weight);
-            }
-            done = mark.tick;
-            match mark.event {
-                Event::Extreme => extreme = displacement,
-                Event::Reversal(voltage) => {
-                    input = std::array::from_fn(|lane| {
-                        models[lane].extremum_input(Extremum { voltage, displacement: extreme[lane] })
-                    });
-                }
-                Event::Measured { displacement: measured, counts } => {
-                    if counts {
-                        let sizes = displacement.map(|estimated| self.cost.norm.size(estimated - measured));
-                        sums.iter_mut().zip(sizes).for_each(|(sum, size)| *sum += size);
-                    }
-                    if weight > 0.0 {
-                        displacement = displacement.map(|estimated| (1.0 - weight) * estimated + weight * measured);
-                    }
-                }
-            }
-        }
-        sums.map(|sum| sum / timeline.judged as f64)
-    }
-}
-
-/// Lanes on their way through a session.
-struct Run<'a> {
-    kernel: &'a Kernel<'a>,
-    models: &'a [Voigt<f64>; LANES],
-    intervals: &'a [Interval],
-    timeline: &'a Timeline,
-}
-
-impl NullaryFnOnce for Run<'_> {
-    type Output = Lanes;
-
-    #[inline(always)]
-    fn call(self) -> Lanes {
-        self.kernel.errors(self.models, self.intervals, self.timeline)
-    }
-}
-
-/// One tick of every lane, a weight's way from the interval's lower knot.
-#[inline(always)]
-fn tick(displacement: &mut Lanes, input: &Lanes, at: &Interval, weight: f64) {
-    for lane in 0..LANES {
-        let term = |of: &Term| of.here[lane] + weight * of.more[lane];
-        displacement[lane] = term(&at.a) * displacement[lane] + (term(&at.c) + term(&at.m) * input[lane]);
     }
 }
 
@@ -175,7 +117,7 @@ mod tests {
         /// knots, and a candidate's does not depend on its lane.
         #[test]
         fn costs_are_those_of_the_model(
-            fractions in proptest::collection::vec(proptest::collection::vec(0.0..1.0, 9), 1..12),
+            fractions in proptest::collection::vec(proptest::collection::vec(0.0..1.0, 9), 1..20),
             feedback in 0..3usize,
             l2 in any::<bool>(),
         ) {

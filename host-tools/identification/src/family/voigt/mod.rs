@@ -1,8 +1,7 @@
 //! The Voigt family where it is to be searched like any other model: all that it has is searched, nothing projected.
 
 mod kernel;
-mod knots;
-mod timeline;
+mod run;
 
 pub use kernel::Kernel;
 
