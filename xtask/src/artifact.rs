@@ -23,6 +23,20 @@ pub fn build(cargo_build: Cmd<'_>, file_name: &str) -> Result<PathBuf> {
         .with_context(|| format!("cargo built no {file_name}"))
 }
 
+/// Runs a `cargo test --no-run` and returns the program of the target of this name, which cargo adds a number to.
+///
+/// # Errors
+/// The build fails, or has no such target.
+pub fn executable(cargo_build: Cmd<'_>, target: &str) -> Result<PathBuf> {
+    let messages = cargo_build.arg("--message-format=json-render-diagnostics").read()?;
+    messages
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Value>(line).ok())
+        .filter(|message| message["target"]["name"] == target)
+        .find_map(|message| Some(PathBuf::from(message["executable"].as_str()?)))
+        .with_context(|| format!("cargo built no program of the target {target}"))
+}
+
 /// Builds the host tool as the tests do, which optimises what is hot of it and is quicker built than a release; returns its path.
 ///
 /// # Errors

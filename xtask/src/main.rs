@@ -2,7 +2,7 @@
 //!
 //! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts the
 //! firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes the documents'
-//! figures; `bench` measures what identification costs; `soak` has the firmware stream for an hour.
+//! figures; `bench` measures what identification costs, `kernels` counts the instructions of what is hot in it; `soak` has the firmware stream for an hour.
 
 mod artifact;
 mod bench;
@@ -15,6 +15,7 @@ mod embedded;
 mod emulate;
 mod figures;
 mod image;
+mod kernels;
 mod outcome;
 mod packages;
 mod python;
@@ -57,6 +58,8 @@ enum Chore {
     Figures(figures::Arguments),
     /// Measure what identification costs: sample-evaluations a second beside a plain loop
     Bench(bench::Arguments),
+    /// Count the instructions of identification's hot kernels, or write the file that the check compares with
+    Kernels(kernels::Arguments),
     /// Have the firmware stream for an hour of its own time, and compare every sample with the host's
     Soak(soak::Arguments),
 }
@@ -80,6 +83,7 @@ fn main() -> Result<ExitCode> {
         Chore::Cycles(arguments) => cycles::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Figures(arguments) => figures::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Bench(arguments) => bench::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
+        Chore::Kernels(arguments) => kernels::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Soak(arguments) => soak::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
     }
 }

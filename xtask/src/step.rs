@@ -11,9 +11,10 @@ use crate::{
     embedded::{self, Board, TARGET, TICK_HZ},
     figures,
     image::Image,
+    kernels,
     packages::{BOARD, HOST, MICROMATH},
     python, rules,
-    tool::{self, ARM_GCC, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, PYTHON, QEMU, Tool},
+    tool::{self, ARM_GCC, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, PYTHON, QEMU, Tool, VALGRIND},
 };
 
 /// One check.
@@ -32,7 +33,7 @@ pub struct Step {
 
 /// Every check, the quick ones first, and those that run beside others before these. `board` is the first of them: its
 /// tests compile while others run.
-pub const STEPS: [Step; 15] = [
+pub const STEPS: [Step; 16] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: |sh, _| fmt(sh) },
     Step {
         name: "rules",
@@ -98,6 +99,13 @@ pub const STEPS: [Step; 15] = [
         tools: &[],
         beside: false,
         run: |sh, _| test(sh),
+    },
+    Step {
+        name: "kernels",
+        about: "the hot kernels of the identification take the instructions that are stated, within 3 %",
+        tools: &[&VALGRIND],
+        beside: false,
+        run: |sh, _| kernels::check(sh),
     },
     Step {
         name: "emulated",

@@ -41,6 +41,16 @@ pub const QEMU: Tool = Tool {
         variable: None,
     },
 };
+/// What counts instructions of the host's programs.
+pub const VALGRIND: Tool = Tool {
+    name: "valgrind",
+    find: |_| program("valgrind"),
+    source: Source::Package {
+        debian: "valgrind",
+        elsewhere: "install Valgrind 3.19 or newer; there is none for macOS on Arm, where only --skip kernels helps",
+        variable: None,
+    },
+};
 /// A compiler of C for the microcontroller.
 pub const ARM_GCC: Tool = Tool {
     name: "arm-gcc",

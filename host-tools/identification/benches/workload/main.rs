@@ -2,8 +2,10 @@
 //! by the recursion of `estimator-core` and by the search's engine, side by side in one run; and how the engine's time grows.
 //!
 //! `cargo xtask bench` runs it. With `--quick` it does a share of the workload, with `--json` it prints for machines. Before
-//! anything is timed the kernels' costs are compared: what is not the same computation cannot be compared in speed.
+//! anything is timed the kernels' costs are compared: what is not the same computation cannot be compared in speed. With `--count`
+//! it runs a kernel once, for an emulator to count instructions.
 
+mod count;
 mod plain;
 mod print;
 mod race;
@@ -22,34 +24,41 @@ use std::process::ExitCode;
 use std::thread::available_parallelism;
 use thesis::{GENERATIONS, LENGTH_S, POPULATION};
 
-/// Generations with `--quick`: two a round.
-const QUICK: usize = 2 * ROUNDS;
+const QUICK: &str = "--quick";
+const JSON: &str = "--json";
+/// What cargo tells every bench.
+const BY_CARGO: &str = "--bench";
+/// Two a round.
+const GENERATIONS_IF_QUICK: usize = 2 * ROUNDS;
 /// By what part of itself the recursion's cost may differ from the plain loop's: a table holds its parameters in f32.
 const OF_RECURSION: f64 = 1e-4;
 /// By what part of itself the engine's cost may differ from the plain loop's: it interpolates between voltages.
 const OF_ENGINE: f64 = 2e-3;
 
 fn main() -> ExitCode {
-    let (mut quick, mut json) = (false, false);
-    for argument in std::env::args().skip(1) {
-        match argument.as_str() {
-            "--quick" => quick = true,
-            "--json" => json = true,
-            // Cargo's own.
-            "--bench" => {}
-            other => {
-                eprintln!("{other} is no option of this bench; it takes --quick and --json");
-                return ExitCode::FAILURE;
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != BY_CARGO).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["--counted"] => println!("{}", json!({ "instructions": instructions(), "kernels": count::names() })),
+        ["--count", kernel] => match count::run(kernel) {
+            Some(sample_evaluations) => println!("{sample_evaluations}"),
+            None => return refused(&format!("{kernel} is no kernel; there are {}", count::names().join(", "))),
+        },
+        ref options if options.iter().all(|option| [QUICK, JSON].contains(option)) => {
+            let report = measure(if options.contains(&QUICK) { GENERATIONS_IF_QUICK } else { GENERATIONS });
+            if options.contains(&JSON) {
+                println!("{report:#}");
+            } else {
+                print!("{}", print::text(&report));
             }
         }
-    }
-    let report = measure(if quick { QUICK } else { GENERATIONS });
-    if json {
-        println!("{report:#}");
-    } else {
-        print!("{}", print::text(&report));
+        _ => return refused("this bench takes --quick and --json, or --counted, or --count KERNEL"),
     }
     ExitCode::SUCCESS
+}
+
+fn refused(why: &str) -> ExitCode {
+    eprintln!("{why}");
+    ExitCode::FAILURE
 }
 
 /// Pools of one thread, two, four and so on, and last of all that there are.
