@@ -17,7 +17,7 @@ use identification::Problem;
 use identification::cost::Feedback;
 use identification::family::voigt;
 use plain::Plain;
-use race::{Kernel, ROUNDS};
+use race::Kernel;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use std::process::ExitCode;
@@ -28,8 +28,7 @@ const QUICK: &str = "--quick";
 const JSON: &str = "--json";
 /// What cargo tells every bench.
 const BY_CARGO: &str = "--bench";
-/// Two a round.
-const GENERATIONS_IF_QUICK: usize = 2 * ROUNDS;
+const GENERATIONS_IF_QUICK: usize = 40;
 /// By what part of itself the recursion's cost may differ from the plain loop's: a table holds its parameters in f32.
 const OF_RECURSION: f64 = 1e-4;
 /// By what part of itself the engine's cost may differ from the plain loop's: it interpolates between voltages.

@@ -1,10 +1,8 @@
-//! Kernels side by side: each takes its turn in every round, so that a machine that is busy for a while slows all of them.
+//! Kernels side by side: each costs one generation in its turn, so that a machine that is busy for a while slows all of them. What
+//! counts is each one's quickest generation: other programs can only slow it.
 
 use std::hint::black_box;
 use std::time::Instant;
-
-/// Rounds that the whole is cut into.
-pub const ROUNDS: usize = 8;
 
 /// Something that costs a generation of candidates.
 pub struct Kernel<'a> {
@@ -18,35 +16,22 @@ pub struct Kernel<'a> {
 
 /// How fast a kernel was.
 pub struct Speed {
-    /// Sample-evaluations a second, the middle one of all rounds.
+    /// Sample-evaluations a second, in the quickest generation.
     pub per_s: f64,
-    /// Of the first kernel's in the same round, the middle one of all rounds.
+    /// Of the first kernel's.
     pub ratio: f64,
 }
 
 /// Runs so many generations of so many sample-evaluations on each kernel.
 pub fn run(kernels: &[Kernel<'_>], generations: usize, of_each: usize) -> Vec<Speed> {
-    let share = generations.div_ceil(ROUNDS);
-    let mut rounds: Vec<Vec<f64>> = vec![Vec::new(); kernels.len()];
-    for _ in 0..ROUNDS {
-        for (kernel, speeds) in kernels.iter().zip(&mut rounds) {
+    let mut best = vec![0.0_f64; kernels.len()];
+    for _ in 0..generations {
+        for (kernel, best) in kernels.iter().zip(&mut best) {
             let start = Instant::now();
-            (0..share).for_each(|_| {
-                black_box((kernel.costs)());
-            });
-            speeds.push((share * of_each) as f64 / start.elapsed().as_secs_f64());
+            black_box((kernel.costs)());
+            *best = best.max(of_each as f64 / start.elapsed().as_secs_f64());
         }
     }
-    let first = rounds.first().cloned().unwrap_or_default();
-    let speed = |speeds: Vec<f64>| Speed {
-        ratio: middle(speeds.iter().zip(&first).map(|(speed, first)| speed / first).collect()),
-        per_s: middle(speeds),
-    };
-    rounds.into_iter().map(speed).collect()
-}
-
-/// The middle one of some numbers.
-pub fn middle(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    let first = best.first().copied().unwrap_or(f64::NAN);
+    best.into_iter().map(|per_s| Speed { per_s, ratio: per_s / first }).collect()
 }
