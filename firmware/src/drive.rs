@@ -96,8 +96,9 @@ impl Drive {
         self.state = State::Waiting;
     }
 
-    /// Takes references from now on. After the last one it holds that for ever, or for [`REFERENCE_TIMEOUT_TICKS`] from then or
-    /// from now, whichever is later: a hold, however long, may be gone on from.
+    /// Takes references from now on. After the last one it holds that until the mode ends, which for a voltage is 5 s after the
+    /// host's last word ([`crate::link::LEASE`]); or for [`REFERENCE_TIMEOUT_TICKS`] from then or from now, whichever is later: a
+    /// hold, however long, may be gone on from.
     pub fn go(&mut self, hold: bool) {
         self.state = match self.state {
             State::Waiting | State::Ready { .. } => State::Ready { hold },
@@ -141,7 +142,7 @@ impl Drive {
         self.last == self.rest
     }
 
-    /// Whether a reference is followed that is to be held for ever.
+    /// Whether a reference is followed that no [`REFERENCE_TIMEOUT_TICKS`] end.
     pub fn holding(&self) -> bool {
         matches!(self.state, State::Following { hold: true, .. })
     }

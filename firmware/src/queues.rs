@@ -24,7 +24,8 @@ pub enum Command {
     },
     /// Follow the references that wait and those that come.
     Go {
-        /// Hold the last reference for ever; otherwise for [`crate::drive::REFERENCE_TIMEOUT_TICKS`].
+        /// Hold the last reference until the mode ends, which for a voltage is 5 s after the host's last word
+        /// ([`crate::link::LEASE`]); otherwise for [`crate::drive::REFERENCE_TIMEOUT_TICKS`].
         hold: bool,
     },
 }

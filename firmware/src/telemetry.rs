@@ -62,7 +62,8 @@ pub struct Telemetry {
     pub may_be_told: AtomicBool,
     /// Whether the last voltage is not to be believed: what was estimated of it is no displacement to be told by.
     pub(crate) doubtful: AtomicBool,
-    /// Whether a reference is followed that is to be held for ever.
+    /// Whether a reference is followed that is to be held until the mode ends. For a voltage the link ends it 5 s after the
+    /// host's last word ([`crate::link::LEASE`]), for a displacement never.
     pub holding: AtomicBool,
     /// Whether, in a mode that drives, nothing is followed until a mode is set.
     pub(crate) stopped: AtomicBool,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use xshell::{Shell, cmd};
 
-use crate::circles;
+use crate::{changelog, circles};
 
 /// The folder of the host's crates.
 const HOST: &str = "host-tools";
@@ -22,6 +22,8 @@ const KNOWN_BY: [&str; 3] =
 const TESTS: &str = "#[cfg(test)]\nmod tests {";
 /// What starts another program, with that program's flags.
 const STARTS_ANOTHER: &str = "host-tools/device-link/src/probe.rs";
+/// What each release says of itself.
+const CHANGELOG: &str = "CHANGELOG.md";
 /// What a crate's manifest says where its documentation has no example, so that no time goes into looking for one.
 const NO_EXAMPLES: &str = "doctest = false";
 /// Most lines of a crate's sources.
@@ -60,6 +62,7 @@ pub fn check(sh: &Shell) -> Result<()> {
         }
     }
     broken.extend(untested_examples(sh)?);
+    broken.extend(changelog::without_format(&sh.read_file(CHANGELOG)?));
     broken.extend(circles::of_repository(sh)?);
     let tree = cmd!(sh, "cargo tree --package {IDENTIFICATION} --edges normal --prefix none").read()?;
     for foreign in NOT_OF_IDENTIFICATION {

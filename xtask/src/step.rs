@@ -37,7 +37,7 @@ pub const STEPS: [Step; 16] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: |sh, _| fmt(sh) },
     Step {
         name: "rules",
-        about: "libraries name no flags or verbs, the identification needs no terminal, no host crate is too long, no modules make a circle, no example is untested",
+        about: "libraries name no flags or verbs, the identification needs no terminal, no host crate is too long, no modules make a circle, no example is untested, each change says whether a format changed",
         tools: &[],
         beside: false,
         run: |sh, _| rules::check(sh),
