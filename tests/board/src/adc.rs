@@ -8,47 +8,50 @@
 
 use anyhow::{Result, bail, ensure};
 
-use crate::{CORE_HZ, NEVER, field, rcc::Rcc, record::Conversion, record::Record};
+use crate::{
+    CORE_HZ, NEVER,
+    bases::{ADC1, ADC12_COMMON},
+    layout::{field, layout},
+    rcc::Rcc,
+    record::{Conversion, Record},
+};
 
-const ISR: u32 = 0x00;
-const IER: u32 = 0x04;
-const CR: u32 = 0x08;
-const CFGR: u32 = 0x0C;
-const CFGR2: u32 = 0x10;
-const SMPR1: u32 = 0x14;
-const SMPR2: u32 = 0x18;
-const SQR1: u32 = 0x30;
-const DR: u32 = 0x40;
-const JSQR: u32 = 0x4C;
-const JDR1: u32 = 0x80;
-const JDR2: u32 = 0x84;
-const JDR3: u32 = 0x88;
-const CCR: u32 = 0x308;
+layout! {
+    "ADC1" {
+        ISR @ 0x00 { ADRDY = 0, EOC = 2, EOS = 3, JEOC = 5, JEOS = 6 }
+        IER @ 0x04 { EOCIE = 2, EOSIE = 3, JEOCIE = 5, JEOSIE = 6 }
+        CR @ 0x08 {
+            ADEN = 0, ADDIS = 1, ADSTART = 2, JADSTART = 3, ADSTP = 4, JADSTP = 5, ADVREGEN = 28, DEEPPWD = 29, ADCALDIF = 30, ADCAL = 31,
+        }
+        CFGR @ 0x0C { OVRMOD = 12, JQDIS = 31 }
+        CFGR2 @ 0x10 { ROVSE = 0, JOVSE = 1, OVSR = 2..=4, OVSS = 5..=8 }
+        SMPR1 @ 0x14 { SMP0 = 0..=2, SMP9 = 27..=29 }
+        SMPR2 @ 0x18 { SMP10 = 0..=2, SMP18 = 24..=26 }
+        SQR1 @ 0x30 { L = 0..=3, SQ1 = 6..=10 }
+        DR @ 0x40 {}
+        JSQR @ 0x4C { JL = 0..=1, JEXTSEL = 2..=6, JEXTEN = 7..=8, JSQ1 = 9..=13, JSQ2 = 15..=19, JSQ3 = 21..=25 }
+        JDR1 @ 0x80 {}
+        JDR2 @ 0x84 {}
+        JDR3 @ 0x88 {}
+    }
+    "ADC12_COMMON" {
+        CCR @ 0x08 { CKMODE = 16..=17, PRESC = 18..=21, VREFEN = 22 }
+    }
+}
 
-const ADRDY: u32 = 1 << 0;
-const EOC: u32 = 1 << 2;
-const EOS: u32 = 1 << 3;
-const JEOC: u32 = 1 << 5;
-const JEOS: u32 = 1 << 6;
+/// CCR, counted from ADC1's first register.
+const COMMON: u32 = ADC12_COMMON - ADC1 + CCR;
+/// The ranks of an injected sequence.
+const RANKS: [u32; 3] = [JSQ1, JSQ2, JSQ3];
+/// The sampling times of ten channels in each register, three bits each.
+const CHANNELS: u32 = 10;
+const TIME: u32 = 3;
+const _: () = assert!(SMP9 == SMP0 << (9 * TIME) && SMP10 == SMP0 && SMP18 == SMP10 << (8 * TIME));
+const _: () = assert!(EOCIE | EOSIE == EOC | EOS && JEOCIE | JEOSIE == JEOC | JEOS);
 
-const ADEN: u32 = 1 << 0;
-const ADDIS: u32 = 1 << 1;
-const ADSTART: u32 = 1 << 2;
-const JADSTART: u32 = 1 << 3;
-const ADSTP: u32 = 1 << 4;
-const JADSTP: u32 = 1 << 5;
-const ADVREGEN: u32 = 1 << 28;
-const DEEPPWD: u32 = 1 << 29;
-const ADCAL: u32 = 1 << 31;
-
-const OVRMOD: u32 = 1 << 12;
-const JQDIS: u32 = 1 << 31;
-const ROVSE: u32 = 1 << 0;
-const JOVSE: u32 = 1 << 1;
-const VREFEN: u32 = 1 << 22;
-
-/// TIM6's TRGO among the injected triggers, rising edge: JEXTSEL 14, JEXTEN 1.
-const TIM6_TRGO: u32 = 14 | 1 << 5;
+/// TIM6's TRGO among the injected triggers (JEXTSEL), and its rising edge (JEXTEN).
+const TIM6_TRGO: u32 = 14;
+const RISING: u32 = 1;
 /// ADC1's channels: those of the amplifier's voltage, of the sensor, of the set-point, and of the internal reference.
 const AMPLIFIER: u32 = 1;
 const SENSOR: u32 = 2;
@@ -133,24 +136,25 @@ impl Adc {
 
     /// Oversampling ratio and right shift.
     fn oversampling(&self, enabled: u32) -> (u32, u32) {
-        if self.cfgr2 & enabled == 0 { (1, 0) } else { (2 << field(self.cfgr2, 2, 3), field(self.cfgr2, 5, 4)) }
+        if self.cfgr2 & enabled == 0 { (1, 0) } else { (2 << field(self.cfgr2, OVSR), field(self.cfgr2, OVSS)) }
     }
 
     /// Core clocks that `ratio` samples of a channel take.
     fn duration(&self, channel: u32, ratio: u32, rcc: &Rcc) -> Result<u64> {
-        let hz = match field(self.common, 16, 2) {
-            0 => rcc.adc_hz()? / DIVIDERS[field(self.common, 18, 4).min(11) as usize],
+        let hz = match field(self.common, CKMODE) {
+            0 => rcc.adc_hz()? / DIVIDERS[field(self.common, PRESC).min(11) as usize],
             mode => CORE_HZ >> (mode - 1),
         };
         ensure!(hz <= FASTEST_HZ, "ADC1 runs at {hz} Hz; it stands {FASTEST_HZ} Hz");
-        let sampling = field(self.sampling[channel as usize / 10], 3 * (channel % 10), 3);
+        let sampling = field(self.sampling[(channel / CHANNELS) as usize], SMP0 << (TIME * (channel % CHANNELS)));
         let half_clocks = (SAMPLING[sampling as usize] + 25) * u64::from(ratio);
         Ok(half_clocks * u64::from(CORE_HZ) / (2 * u64::from(hz)))
     }
 
     /// TIM6's trigger.
     pub fn trigger(&mut self, at: u64, rcc: &Rcc, record: &mut Record) -> Result<()> {
-        if self.cr & (ADEN | JADSTART) != ADEN | JADSTART || field(self.injected, 2, 7) != TIM6_TRGO {
+        let chosen = (field(self.injected, JEXTSEL), field(self.injected, JEXTEN));
+        if self.cr & (ADEN | JADSTART) != ADEN | JADSTART || chosen != (TIM6_TRGO, RISING) {
             return Ok(());
         }
         if self.converting.is_some() {
@@ -163,7 +167,7 @@ impl Adc {
 
     /// The channel of a rank, from 0, of the injected sequence.
     fn channel(&self, rank: usize) -> u32 {
-        field(self.injected, 9 + 6 * rank as u32, 5)
+        field(self.injected, RANKS[rank])
     }
 
     /// Begins the conversion of a rank of the sequence that was triggered at `trigger`.
@@ -211,7 +215,7 @@ impl Adc {
 
     /// JL: the last rank of the injected sequence, from 0.
     fn last_rank(&self) -> usize {
-        field(self.injected, 0, 2) as usize
+        field(self.injected, JL) as usize
     }
 
     /// The code, if the oversampling that is set can give it.
@@ -241,7 +245,7 @@ impl Adc {
             SMPR1 | SMPR2 => self.sampling[(offset - SMPR1) as usize / 4],
             SQR1 => self.sequence,
             JSQR => self.injected,
-            CCR => self.common,
+            COMMON => self.common,
             DR => {
                 self.isr &= !EOC;
                 self.data
@@ -266,10 +270,13 @@ impl Adc {
             SMPR1 | SMPR2 => self.sampling[(offset - SMPR1) as usize / 4] = value,
             SQR1 => self.sequence = value,
             JSQR => {
-                ensure!(value & 3 <= 2, "JSQR = {value:#x}: no more than three injected channels are modelled");
+                ensure!(
+                    (field(value, JL) as usize) < RANKS.len(),
+                    "JSQR = {value:#x}: no more than three injected channels are modelled"
+                );
                 self.injected = value;
             }
-            CCR => self.common = value,
+            COMMON => self.common = value,
             DR | JDR1 | JDR2 | JDR3 => {}
             _ => return Ok(false),
         }
@@ -303,16 +310,16 @@ impl Adc {
             self.isr |= ADRDY;
         }
         if after & !before & ADSTART != 0 {
-            let channel = field(self.sequence, 6, 5);
+            let channel = field(self.sequence, SQ1);
             ensure!(
-                self.sequence & 0xF == 0 && channel == VREFINT && self.common & VREFEN != 0,
+                field(self.sequence, L) == 0 && channel == VREFINT && self.common & VREFEN != 0,
                 "a regular conversion of channel {channel}; the model has that of the switched-on VREFINT, {VREFINT}, alone"
             );
             ensure!(self.cfgr & !OVRMOD == JQDIS, "CFGR = {:#x}: a mode that is not modelled", self.cfgr);
             let (ratio, _) = self.oversampling(ROVSE);
             self.measuring = Some(now + self.duration(channel, ratio, rcc)?);
         }
-        self.cr = value & (ADVREGEN | DEEPPWD | 1 << 30) | after;
+        self.cr = value & (ADVREGEN | DEEPPWD | ADCALDIF) | after;
         Ok(())
     }
 }

@@ -8,6 +8,7 @@ use crate::{
     CORE_HZ, Garbage, Image, Record,
     contents::{Contents, Tear},
     cpu::Cpu,
+    flash::{BOR_LEV, DBANK},
     machine::{Machine, PARTS},
     pin::Pin,
     ram::{RAM, RAM_SIZE},
@@ -234,13 +235,13 @@ impl Board {
     /// The level of the brown-out reset (BOR_LEV) is another from the next start on, as if a probe had written the option bytes.
     pub fn set_brown_out_level(&mut self, level: u8) {
         let machine = self.machine_mut();
-        machine.bench.options = Some(machine.flash.options & !(7 << 8) | u32::from(level & 7) << 8);
+        machine.bench.options =
+            Some(machine.flash.options & !BOR_LEV | u32::from(level) << BOR_LEV.trailing_zeros() & BOR_LEV);
     }
 
     /// The flash is in one bank or in two (DBANK) from the next start on, as if a probe had written the option bytes. What lies
     /// where is as with two: in one nothing but the code is to be read, and nothing to be written.
     pub fn set_two_banks(&mut self, two: bool) {
-        const DBANK: u32 = 1 << 22;
         let machine = self.machine_mut();
         machine.bench.options = Some(machine.flash.options & !DBANK | if two { DBANK } else { 0 });
     }

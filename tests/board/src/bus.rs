@@ -4,42 +4,39 @@ use anyhow::{Result, bail};
 
 use crate::{
     NEVER,
+    bases::{ADC1, DAC1, DMA1, DMAMUX, DWT, FLASH, GPIOA, GPIOB, GPIOC, IWDG, LPUART1, RCC, SCS, TIM5, TIM6, TIM7},
     clock::{FLASH_ACR, PWR_CR5},
     dac::TIM7_TRGO,
+    layout::layout,
     machine::Machine,
-    nvic::Written,
+    nvic::{DEMCR, TRCENA, Written},
     rcc::Reset,
     record::{FlashKind, FlashOperation},
     stop::Stop,
+    timer::PSC,
+    uart::TDR,
 };
 
-// The peripherals with a model, by the 1 KiB that each has.
-const TIM5: u32 = 0x4000_0C00;
-const TIM6: u32 = 0x4000_1000;
-const TIM7: u32 = 0x4000_1400;
-const IWDG: u32 = 0x4000_3000;
-const LPUART1: u32 = 0x4000_8000;
-const DMA1: u32 = 0x4002_0000;
-const DMAMUX: u32 = 0x4002_0800;
-const RCC: u32 = 0x4002_1000;
-const GPIO: [u32; 3] = [0x4800_0000, 0x4800_0400, 0x4800_0800];
-const FLASH: u32 = 0x4002_2000;
-const ADC: u32 = 0x5000_0000;
-const DAC: u32 = 0x5000_0800;
-const SCS: u32 = 0xE000_E000;
-
-const MODELLED: [u32; 11] = [TIM5, TIM6, TIM7, IWDG, LPUART1, DMA1, DMAMUX, RCC, FLASH, ADC, DAC];
+const GPIO: [u32; 3] = [GPIOA, GPIOB, GPIOC];
+/// The peripherals with a model, by the 1 KiB that each has.
+const MODELLED: [u32; 11] = [TIM5, TIM6, TIM7, IWDG, LPUART1, DMA1, DMAMUX, RCC, FLASH, ADC1, DAC1];
 /// Registers of 16 bits or less, which may be written without the rest of the word: prescalers, LPUART1_TDR.
-const SHORT: [u32; 4] = [TIM5 + 0x28, TIM6 + 0x28, TIM7 + 0x28, LPUART1 + 0x28];
+const SHORT: [u32; 4] = [TIM5 + PSC, TIM6 + PSC, TIM7 + PSC, LPUART1 + TDR];
 
-const DWT_CTRL: u32 = 0xE000_1000;
-const DWT_CYCCNT: u32 = 0xE000_1004;
-const DEMCR: u32 = 0xE000_EDFC;
+layout! {
+    "DWT" {
+        CTRL @ 0x00 { CYCCNTENA = 0 }
+        CYCCNT @ 0x04 {}
+    }
+}
+
+const DWT_CTRL: u32 = DWT + CTRL;
+const DWT_CYCCNT: u32 = DWT + CYCCNT;
 
 impl Machine {
     fn cycle_counter_runs(&self) -> bool {
         let set = |address, bit: u32| self.plain.get(&address).is_some_and(|value| value & bit != 0);
-        set(DWT_CTRL, 1) && set(DEMCR, 1 << 24)
+        set(DWT_CTRL, CYCCNTENA) && set(SCS + DEMCR, TRCENA)
     }
 
     pub fn read(&mut self, address: u32, size: u32) -> u32 {
@@ -95,8 +92,8 @@ impl Machine {
                 }
                 value
             }
-            ADC => self.adc.read(offset),
-            DAC => self.dac.read(offset),
+            ADC1 => self.adc.read(offset),
+            DAC1 => self.dac.read(offset),
             _ if address == PWR_CR5 => self.clocks.read(address),
             _ if address == DWT_CYCCNT => {
                 Some(if self.cycle_counter_runs() { self.clock.wrapping_sub(self.cycles) as u32 } else { 0 })
@@ -198,8 +195,8 @@ impl Machine {
                 self.started(started);
                 true
             }
-            ADC => self.adc.write(offset, value, now, &self.rcc)?,
-            DAC => self.dac.write(offset, value, now, &mut self.bench.record.outputs)?,
+            ADC1 => self.adc.write(offset, value, now, &self.rcc)?,
+            DAC1 => self.dac.write(offset, value, now, &mut self.bench.record.outputs)?,
             _ if address == DWT_CYCCNT => {
                 self.cycles = now.wrapping_sub(value.into());
                 true

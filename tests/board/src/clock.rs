@@ -12,13 +12,26 @@
 
 use anyhow::{Result, ensure};
 
-use crate::microseconds;
+use crate::{
+    bases::{FLASH, PWR},
+    layout::layout,
+    microseconds,
+};
 
-pub const PWR_CR5: u32 = 0x4000_7080;
-pub const FLASH_ACR: u32 = 0x4002_2000;
+layout! {
+    "PWR" {
+        CR5 @ 0x80 { R1MODE = 8 }
+    }
+    "FLASH" {
+        ACR @ 0x00 { LATENCY = 0..=3, PRFTEN = 8, ICEN = 9, DCEN = 10, DBG_SWEN = 18 }
+    }
+}
 
-const R1MODE: u32 = 1 << 8;
-const LATENCY: u32 = 0xF;
+pub const PWR_CR5: u32 = PWR + CR5;
+pub const FLASH_ACR: u32 = FLASH + ACR;
+/// What ACR is after a reset.
+const DELIVERED: u32 = DBG_SWEN | DCEN | ICEN;
+
 const MHZ: u32 = 1_000_000;
 /// How long the core must run at half a fast clock before it runs at all of it.
 const HALF: u64 = microseconds(1);
@@ -40,7 +53,7 @@ pub struct Clock {
 
 impl Clock {
     pub fn new(speeds: Speeds) -> Self {
-        Self { power: R1MODE, access: 0x0004_0600, speeds, switched: 0 }
+        Self { power: R1MODE, access: DELIVERED, speeds, switched: 0 }
     }
 
     pub fn read(&self, address: u32) -> Option<u32> {

@@ -14,41 +14,63 @@ use std::{collections::VecDeque, mem, ops::Range};
 use anyhow::{Result, ensure};
 
 use crate::{
-    field,
+    bases::{DAC1, LPUART1},
+    dac::DHR12R1,
+    layout::{field, layout},
     ram::{RAM, RAM_SIZE},
+    uart::{RDR, TDR},
 };
 
 /// Channels of DMA1.
 const CHANNELS: usize = 8;
-const ISR: u32 = 0x00;
-const IFCR: u32 = 0x04;
-/// The first channel's registers, and what the next one's lie behind them.
-const FIRST: u32 = 0x08;
-const STRIDE: u32 = 0x14;
-const CCR: u32 = 0x00;
-const CNDTR: u32 = 0x04;
-const CPAR: u32 = 0x08;
-const CMAR: u32 = 0x0C;
+layout! {
+    "DMA1" {
+        ISR @ 0x00 { GIF1 = 0, TCIF1 = 1, HTIF1 = 2, TEIF1 = 3, GIF2 = 4, GIF8 = 28, TCIF8 = 29, HTIF8 = 30, TEIF8 = 31 }
+        IFCR @ 0x04 { CGIF1 = 0, CTCIF1 = 1, CHTIF1 = 2, CTEIF1 = 3, CGIF8 = 28, CTCIF8 = 29, CHTIF8 = 30, CTEIF8 = 31 }
+        CCR1 @ 0x08 {
+            EN = 0, TCIE = 1, HTIE = 2, DIR = 4, CIRC = 5, PINC = 6, MINC = 7, PSIZE = 8..=9, MSIZE = 10..=11, MEM2MEM = 14,
+        }
+        CNDTR1 @ 0x0C { NDT = 0..=15 }
+        CPAR1 @ 0x10 {}
+        CMAR1 @ 0x14 {}
+        CCR2 @ 0x1C {}
+        CCR8 @ 0x94 {}
+        CMAR8 @ 0xA0 {}
+    }
+    "DMAMUX" {
+        C0CR @ 0x00 { DMAREQ_ID = 0..=6, SE = 16 }
+        C7CR @ 0x1C {}
+    }
+}
 
-const EN: u32 = 1 << 0;
-const FROM_MEMORY: u32 = 1 << 4;
-const CIRC: u32 = 1 << 5;
-const MINC: u32 = 1 << 7;
-/// Peripheral increment, memory to memory.
-const REFUSED: u32 = 1 << 6 | 1 << 14;
-/// Sizes of both ends, two bits each, the peripheral's first: half-words of memory, which a register is given as words.
-const SIZES: u32 = 8;
-const HALF_WORDS: u32 = 0b01_10;
-/// Flags of a channel in ISR, at the places of their enables in CCR; the lowest is any of them.
-const ANY: u32 = 1 << 0;
-const COMPLETE: u32 = 1 << 1;
-const HALF: u32 = 1 << 2;
+/// What the next channel's registers lie behind those of the one before.
+const STRIDE: u32 = CCR2 - CCR1;
+const _: () = assert!(CCR8 == CCR1 + 7 * STRIDE && CMAR8 == CMAR1 + 7 * STRIDE);
+const _: () = assert!(C7CR == C0CR + 4 * (CHANNELS as u32 - 1));
+
+/// A channel's flags in ISR, and what clears them in IFCR.
+const FLAGS: u32 = GIF1 | TCIF1 | HTIF1 | TEIF1;
+/// Bits from a channel's flags to the next one's.
+const WIDTH: u32 = GIF2.trailing_zeros();
+const _: () =
+    assert!(CGIF1 | CTCIF1 | CHTIF1 | CTEIF1 == FLAGS && CGIF8 | CTCIF8 | CHTIF8 | CTEIF8 == FLAGS << (7 * WIDTH));
+const _: () = assert!(GIF8 | TCIF8 | HTIF8 | TEIF8 == FLAGS << (7 * WIDTH));
+/// The flags lie at the places of their enables in CCR.
+const _: () = assert!(TCIF1 == TCIE && HTIF1 == HTIE);
+
+const REFUSED: u32 = PINC | MEM2MEM;
+/// Sizes of both ends: bytes, or half-words of memory, which a register is given as words.
+const BYTES: (u32, u32) = (0, 0);
+const HALF_WORDS: (u32, u32) = (2, 1);
 
 /// LPUART1's data registers and requests.
-const RECEIVE: (u32, u32) = (0x4000_8024, 34);
-const TRANSMIT: (u32, u32) = (0x4000_8028, 35);
+const RECEIVE: (u32, u32) = (LPUART1 + RDR, 34);
+const TRANSMIT: (u32, u32) = (LPUART1 + TDR, 35);
 /// DAC1's holding register and the request of its channel 1.
-const CONVERT: (u32, u32) = (0x5000_0808, 6);
+const CONVERT: (u32, u32) = (DAC1 + DHR12R1, 6);
+#[cfg(test)]
+pub const REQUESTS: [(&str, &str, u32); 3] =
+    [("LPUART1", "RX", RECEIVE.1), ("LPUART1", "TX", TRANSMIT.1), ("DAC1", "CH1", CONVERT.1)];
 
 #[derive(Clone, Default)]
 struct Channel {
@@ -72,12 +94,12 @@ impl Channel {
 
     /// Which request it serves; a synchronised one is none that is modelled.
     fn id(&self) -> u32 {
-        self.request & (0x7F | 1 << 16)
+        self.request & (DMAREQ_ID | SE)
     }
 
     /// Bytes of a transfer in memory.
     fn size(&self) -> u32 {
-        1 << field(self.control, SIZES + 2, 2)
+        1 << field(self.control, MSIZE)
     }
 
     fn switch_on(&mut self) -> Result<()> {
@@ -87,14 +109,14 @@ impl Channel {
             left == block && left > 0,
             "a channel with {left} of {block} transfers left is switched on: not promised to go on"
         );
-        let (to, ring) = (control & FROM_MEMORY != 0, control & CIRC != 0);
+        let (to, ring) = (control & DIR != 0, control & CIRC != 0);
         let (wants, sizes) = match self.id() {
-            _ if !to => (RECEIVE, 0),
+            _ if !to => (RECEIVE, BYTES),
             id if id == CONVERT.1 => (CONVERT, HALF_WORDS),
-            _ => (TRANSMIT, 0),
+            _ => (TRANSMIT, BYTES),
         };
         ensure!(
-            (peripheral, self.id()) == wants && field(control, SIZES, 4) == sizes,
+            (peripheral, self.id()) == wants && (field(control, PSIZE), field(control, MSIZE)) == sizes,
             "request {request:#x} for {peripheral:#x}, CCR = {control:#x}: only LPUART1's and DAC1's are modelled"
         );
         ensure!(
@@ -111,10 +133,10 @@ impl Channel {
         let address = self.memory + (self.block - self.left) * self.size();
         self.left -= 1;
         if self.left == self.block / 2 {
-            self.flags |= HALF | ANY;
+            self.flags |= HTIF1 | GIF1;
         }
         if self.left == 0 {
-            self.flags |= COMPLETE | ANY;
+            self.flags |= TCIF1 | GIF1;
             if self.control & CIRC != 0 {
                 self.left = self.block;
             }
@@ -204,21 +226,23 @@ impl Dma {
     /// The interrupt line of a channel, counted from 1.
     pub fn interrupt(&self, channel: usize) -> bool {
         let Channel { flags, control, .. } = self.channels[channel - 1];
-        flags & control & (COMPLETE | HALF) != 0
+        flags & control & (TCIE | HTIE) != 0
     }
 
     pub fn read(&self, offset: u32) -> Option<u32> {
         if offset == ISR {
             let flags = self.channels.iter().enumerate();
-            return Some(flags.fold(0, |all, (channel, Channel { flags, .. })| all | flags << (4 * channel)));
+            return Some(
+                flags.fold(0, |all, (channel, Channel { flags, .. })| all | flags << (WIDTH * channel as u32)),
+            );
         }
         let (channel, register) = place(offset)?;
         let channel = &self.channels[channel];
         Some(match register {
-            CCR => channel.control,
-            CNDTR => channel.left,
-            CPAR => channel.peripheral,
-            CMAR => channel.memory,
+            CCR1 => channel.control,
+            CNDTR1 => channel.left,
+            CPAR1 => channel.peripheral,
+            CMAR1 => channel.memory,
             _ => return None,
         })
     }
@@ -226,9 +250,9 @@ impl Dma {
     pub fn write(&mut self, offset: u32, value: u32) -> Result<bool> {
         if offset == IFCR {
             for (at, channel) in self.channels.iter_mut().enumerate() {
-                let cleared = field(value, 4 * at as u32, 4);
-                channel.flags &= if cleared & ANY == 0 { !cleared } else { 0 };
-                if channel.flags == ANY {
+                let cleared = field(value, FLAGS << (WIDTH * at as u32));
+                channel.flags &= if cleared & CGIF1 == 0 { !cleared } else { 0 };
+                if channel.flags == GIF1 {
                     channel.flags = 0;
                 }
             }
@@ -236,13 +260,13 @@ impl Dma {
         }
         let Some((at, register)) = place(offset) else { return Ok(false) };
         let channel = &mut self.channels[at];
-        if register == CCR {
+        if register == CCR1 {
             let was_on = channel.on();
             ensure!(!was_on || value & EN == 0 || value == channel.control, "CCR = {value:#x} while the channel is on");
             channel.control = value;
             if !was_on && channel.on() {
                 channel.switch_on()?;
-                if value & FROM_MEMORY != 0 {
+                if value & DIR != 0 {
                     self.wanted = Some((at, channel.memory..channel.memory + channel.left * channel.size()));
                 }
             }
@@ -250,9 +274,9 @@ impl Dma {
         }
         ensure!(!channel.on(), "{value:#x} is written to {offset:#x} while the channel is on");
         match register {
-            CNDTR => (channel.left, channel.block) = (value & 0xFFFF, value & 0xFFFF),
-            CPAR => channel.peripheral = value,
-            CMAR => channel.memory = value,
+            CNDTR1 => (channel.left, channel.block) = (value & NDT, value & NDT),
+            CPAR1 => channel.peripheral = value,
+            CMAR1 => channel.memory = value,
             _ => return Ok(false),
         }
         Ok(true)
@@ -272,9 +296,9 @@ impl Dma {
 
 /// The channel and the register of it at an offset.
 fn place(offset: u32) -> Option<(usize, u32)> {
-    let behind = offset.checked_sub(FIRST)?;
+    let behind = offset.checked_sub(CCR1)?;
     let channel = (behind / STRIDE) as usize;
-    (channel < CHANNELS).then_some((channel, behind % STRIDE))
+    (channel < CHANNELS).then_some((channel, CCR1 + behind % STRIDE))
 }
 
 #[cfg(test)]

@@ -8,7 +8,13 @@ use std::mem;
 use anyhow::{Result, bail};
 use unicorn_engine::{MemType, RegisterARM as Register, uc_error};
 
-use crate::{cpu::Cpu, exceptions::is_return, hooks::unmasked, machine::Look};
+use crate::{
+    cpu::Cpu,
+    exceptions::is_return,
+    hooks::unmasked,
+    machine::Look,
+    nvic::{BFARVALID, IBUSERR, PRECISERR, UNDEFINSTR},
+};
 
 // Instructions.
 const YIELD: u16 = 0xBF10;
@@ -19,12 +25,6 @@ const BKPT: u16 = 0xBE00;
 const AFTER_BKPT: u16 = 0xBF00;
 const SVC: u16 = 0xDF00;
 const AFTER_SVC: u16 = 0xE000;
-
-// Bits of CFSR.
-const IBUSERR: u32 = 1 << 8;
-const BFARVALID: u32 = 1 << 15;
-const PRECISERR: u32 = 1 << 9;
-const UNDEFINSTR: u32 = 1 << 16;
 
 impl Cpu {
     /// Runs until something happens that is not an instruction, and does it.

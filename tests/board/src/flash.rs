@@ -11,37 +11,31 @@ use anyhow::{Result, ensure};
 use crate::{
     NEVER,
     contents::{Contents, Operation, Tear},
-    field, microseconds,
+    layout::{field, layout},
+    microseconds,
     record::FlashKind,
 };
 
-const KEYR: u32 = 0x08;
-const SR: u32 = 0x10;
-const CR: u32 = 0x14;
-const ECCR: u32 = 0x18;
-const OPTR: u32 = 0x20;
+layout! {
+    "FLASH" {
+        KEYR @ 0x08 {}
+        SR @ 0x10 {
+            EOP = 0, OPERR = 1, PROGERR = 3, WRPERR = 4, PGAERR = 5, SIZERR = 6, PGSERR = 7, MISERR = 8, FASTERR = 9, RDERR = 14,
+            OPTVERR = 15, BSY = 16,
+        }
+        CR @ 0x14 {
+            PG = 0, PER = 1, MER1 = 2, PNB = 3..=9, BKER = 11, MER2 = 15, STRT = 16, OPTSTRT = 17, FSTPG = 18, EOPIE = 24, ERRIE = 25,
+            OBL_LAUNCH = 27, SEC_PROT1 = 28, SEC_PROT2 = 29, OPTLOCK = 30, LOCK = 31,
+        }
+        ECCR @ 0x18 { ADDR_ECC = 0..=18, BK_ECC = 21, ECCD = 31 }
+        OPTR @ 0x20 { BOR_LEV = 8..=10, DBANK = 22 }
+    }
+}
 
-const EOP: u32 = 1 << 0;
-const OPERR: u32 = 1 << 1;
-const PROGERR: u32 = 1 << 3;
-const PGAERR: u32 = 1 << 5;
-const SIZERR: u32 = 1 << 6;
-const PGSERR: u32 = 1 << 7;
-const ERRORS: u32 = 0xC3FA;
-const BSY: u32 = 1 << 16;
-
-const PG: u32 = 1 << 0;
-const PER: u32 = 1 << 1;
-const BKER: u32 = 1 << 11;
-const STRT: u32 = 1 << 16;
-const EOPIE: u32 = 1 << 24;
-const ERRIE: u32 = 1 << 25;
-const LOCK: u32 = 1 << 31;
-/// MER1, MER2, OPTSTRT, FSTPG, OBL_LAUNCH, SEC_PROT1 and 2.
-const REFUSED: u32 = 1 << 2 | 1 << 15 | 1 << 17 | 1 << 18 | 7 << 27;
-
-const ECCD: u32 = 1 << 31;
-const BANK_2: u32 = 1 << 21;
+/// After any of them nothing is programmed.
+const ERRORS: u32 = OPERR | PROGERR | WRPERR | PGAERR | SIZERR | PGSERR | MISERR | FASTERR | RDERR | OPTVERR;
+/// Operations that are not modelled.
+const REFUSED: u32 = MER1 | MER2 | OPTSTRT | FSTPG | OBL_LAUNCH | SEC_PROT1 | SEC_PROT2;
 
 /// Option bytes as delivered: dual bank, no protection, software watchdogs, brown-out reset at 1.7 V.
 const DELIVERED: u32 = 0xFFEF_F8AA;
@@ -68,7 +62,7 @@ impl Flash {
         Self {
             contents,
             status: 0,
-            control: 0xC000_0000,
+            control: LOCK | OPTLOCK,
             ecc: 0,
             key: 0,
             half: None,
@@ -138,7 +132,7 @@ impl Flash {
                 ensure!(value & REFUSED == 0, "FLASH_CR = {value:#x}: an operation that is not modelled");
                 self.control = value & !STRT;
                 if value & STRT != 0 && value & PER != 0 {
-                    let page = field(value, 3, 7);
+                    let page = field(value, PNB);
                     ensure!(value & BKER != 0, "page {page} of bank 1 would be erased");
                     ensure!(self.running.is_none(), "an erase is started while the flash is busy");
                     return Ok(Some(self.start(Operation::Erase { page }, now + ERASE)));
@@ -160,7 +154,7 @@ impl Flash {
         let index = offset / 8;
         let (word, sound) = self.contents.word(index);
         if !sound && self.ecc & ECCD == 0 {
-            self.ecc = ECCD | if self.corrupt { 0 } else { BANK_2 | (8 * index) };
+            self.ecc = ECCD | if self.corrupt { 0 } else { BK_ECC | (8 * index) & ADDR_ECC };
         }
         (word >> (8 * (offset % 8)) & (u64::MAX >> (64 - 8 * size))) as u32
     }
@@ -196,7 +190,7 @@ mod tests {
     use crate::contents::PAGE;
 
     const PAGE_127: u32 = 127 * PAGE;
-    const ERASE_127: u32 = PER | BKER | STRT | 127 << 3;
+    const ERASE_127: u32 = PER | BKER | STRT | 127 << PNB.trailing_zeros();
 
     fn unlocked() -> Flash {
         let mut flash = Flash::new(Contents::erased());
@@ -277,7 +271,7 @@ mod tests {
         let torn = word(&mut flash, PAGE_127);
         assert_eq!(torn & 0x5555_5555, 0x5555_5555, "programming only clears bits");
         assert!(torn != u64::MAX && torn != 0x5555_5555);
-        assert_eq!(flash.read(ECCR), Some(ECCD | BANK_2 | PAGE_127));
+        assert_eq!(flash.read(ECCR), Some(ECCD | BK_ECC | PAGE_127));
         flash.write(ECCR, ECCD, 0).unwrap();
         assert!(!flash.double_error());
         assert_eq!(program(&mut flash, PAGE_127, 0), EOP);

@@ -6,16 +6,26 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    field,
+    layout::{field, layout},
     pin::{Pin, Port},
     record::Edge,
 };
 
-const MODER: u32 = 0x00;
-const IDR: u32 = 0x10;
-const ODR: u32 = 0x14;
-const BSRR: u32 = 0x18;
-const BRR: u32 = 0x28;
+layout! {
+    "GPIOA" {
+        MODER @ 0x00 { MODER0 = 0..=1, MODER15 = 30..=31 }
+        IDR @ 0x10 { IDR0 = 0, IDR15 = 15 }
+        ODR @ 0x14 { ODR0 = 0, ODR15 = 15 }
+        BSRR @ 0x18 { BS0 = 0, BS15 = 15, BR0 = 16, BR15 = 31 }
+        BRR @ 0x28 { RESET0 as "BR0" = 0, RESET15 as "BR15" = 15 }
+    }
+}
+
+/// A bit a pin, from the lowest on; two in MODER.
+const PINS: u32 = 0xFFFF;
+const _: () = assert!(MODER0 == 3 && MODER15 == MODER0 << (2 * 15));
+const _: () = assert!(IDR0 | IDR15 == ODR0 | ODR15 && IDR0 | IDR15 == RESET0 | RESET15 && IDR0 | IDR15 == BS0 | BS15);
+const _: () = assert!(BR0 == BS0 << 16 && BR15 == BS15 << 16 && BS0 | BS15 == PINS & !(PINS >> 1) | 1);
 
 const OUTPUT: u32 = 1;
 
@@ -40,7 +50,7 @@ impl Gpio {
     }
 
     pub fn mode(&self, number: u8) -> u32 {
-        field(self.modes, 2 * u32::from(number), 2)
+        field(self.modes, MODER0 << (2 * number))
     }
 
     /// The level of an output.
@@ -67,8 +77,8 @@ impl Gpio {
         let before: [Option<bool>; 16] = std::array::from_fn(|number| self.driven(number as u8));
         match offset {
             MODER => self.modes = value,
-            ODR => self.output = value & 0xFFFF,
-            BSRR => self.output = self.output & !(value >> 16) | value & 0xFFFF,
+            ODR => self.output = value & PINS,
+            BSRR => self.output = self.output & !(value / BR0) | value & PINS,
             BRR => self.output &= !value,
             _ => return false,
         }

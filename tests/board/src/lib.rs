@@ -15,6 +15,7 @@
 //! instructions, by a model of the core and of the flash, where a test asks for it ([`Board::measure`]).
 
 mod adc;
+mod bases;
 mod board;
 mod bus;
 mod clock;
@@ -22,6 +23,8 @@ mod contents;
 mod cpu;
 mod cycles;
 mod dac;
+#[cfg(test)]
+mod described;
 mod dma;
 mod exceptions;
 mod execution;
@@ -29,6 +32,7 @@ mod flash;
 mod gpio;
 mod hooks;
 mod image;
+mod layout;
 mod machine;
 mod measure;
 mod memory;
@@ -63,11 +67,6 @@ const NEVER: u64 = u64::MAX;
 /// The core clocks in so many microseconds.
 const fn microseconds(us: u64) -> u64 {
     us * (CORE_HZ / 1_000_000) as u64
-}
-
-/// `width` bits of a register's value from bit `shift` on.
-const fn field(value: u32, shift: u32, width: u32) -> u32 {
-    value >> shift & ((1 << width) - 1)
 }
 
 /// A repeatable sequence (xorshift64*), for the content of memory that nobody has written.

@@ -5,16 +5,14 @@ use unicorn_engine::HookType;
 
 use crate::{
     board::Board,
-    clock::FLASH_ACR,
+    clock::{DCEN, FLASH_ACR, ICEN, LATENCY, PRFTEN},
     contents::{BANK, Contents},
     cycles::{Measured, Meter},
     image::Image,
 };
 
-// Of FLASH_ACR.
-const LATENCY: u32 = 0xF;
-const PREFETCH: u32 = 1 << 8;
-const CACHES: u32 = 3 << 9;
+/// The caches of instructions and of data.
+const CACHES: u32 = ICEN | DCEN;
 
 impl Board {
     /// From now on the runs of an exception's handler are recorded, and none before.
@@ -24,7 +22,7 @@ impl Board {
     pub fn measure(&mut self, exception: u8) -> Result<()> {
         let access = self.machine().clocks.read(FLASH_ACR).unwrap_or_default();
         ensure!(
-            access & CACHES == CACHES && access & PREFETCH == 0,
+            access & CACHES == CACHES && access & PRFTEN == 0,
             "FLASH_ACR is {access:#x}: the model of cycles has both caches on, and the prefetch off"
         );
         if self.machine().bench.meter.is_none() {

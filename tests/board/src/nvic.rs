@@ -8,7 +8,11 @@
 
 use anyhow::{Result, bail, ensure};
 
-use crate::image::Image;
+use crate::{
+    bases::SCS,
+    image::Image,
+    layout::{field, layout},
+};
 
 /// Exception numbers as [`Record::services`](crate::Record::services) has them.
 pub mod exception {
@@ -36,25 +40,29 @@ pub mod exception {
 
 use exception::{HARD_FAULT, NMI};
 
-// Offsets within the system control space.
-const ISER: u32 = 0x100;
-const ICER: u32 = 0x180;
-const ISPR: u32 = 0x200;
-const ICPR: u32 = 0x280;
-const IPR: u32 = 0x400;
-const ICSR: u32 = 0xD04;
-const AIRCR: u32 = 0xD0C;
-const CFSR: u32 = 0xD28;
-const BFAR: u32 = 0xD38;
-/// Coprocessor access and debug control: plain memory.
-const CPACR: u32 = 0xD88;
-const DEMCR: u32 = 0xDFC;
+layout! {
+    "NVIC" {
+        ISER @ 0x100 {}
+        ICER @ 0x180 {}
+        ISPR @ 0x200 {}
+        ICPR @ 0x280 {}
+        IPR @ 0x400 {}
+    }
+    "SCB" {
+        ICSR @ 0xD04 { NMIPENDSET = 31 }
+        AIRCR @ 0xD0C { SYSRESETREQ = 2, PRIGROUP = 8..=10, VECTKEY = 16..=31 }
+        CFSR @ 0xD28 { IBUSERR = 8, PRECISERR = 9, BFARVALID = 15, UNDEFINSTR = 16 }
+        BFAR @ 0xD38 {}
+        CPACR @ 0xD88 {}
+    }
+    "DCB" {
+        DEMCR @ 0xDFC { TRCENA = 24 }
+    }
+}
 
-const NMIPENDSET: u32 = 1 << 31;
-/// AIRCR: what it reads as, the key to write it, and the request for a reset.
-const KEY_READ: u32 = 0xFA05 << 16;
-const KEY: u32 = 0x05FA;
-const SYSRESETREQ: u32 = 1 << 2;
+/// AIRCR: what its upper half reads as, and the key to write it.
+const KEY_READ: u32 = 0xFA05 << VECTKEY.trailing_zeros();
+const KEY: u32 = 0x5FA;
 /// Bytes of the interrupt registers: 102 interrupts, rounded up to whole words of bits.
 const BITS: u32 = 16;
 const PRIORITIES: u32 = 128;
@@ -183,8 +191,9 @@ impl Nvic {
             AIRCR => Ok(Some(KEY_READ)),
             CFSR => Ok(Some(self.fault_status)),
             BFAR => Ok(Some(self.fault_address)),
+            // Coprocessor access and debug control are plain memory.
             CPACR | DEMCR => Ok(None),
-            _ => bail!("{:#x} is read: not modelled", 0xE000_E000 + offset),
+            _ => bail!("{:#x} is read: not modelled", SCS + offset),
         }
     }
 
@@ -204,15 +213,15 @@ impl Nvic {
             ISPR..ICPR if offset - ISPR < BITS => self.pending |= bits(ISPR),
             ICPR..IPR if offset - ICPR < BITS => self.pending = self.pending & !bits(ICPR) | self.lines & bits(ICPR),
             ICSR if value == NMIPENDSET => self.nmi_asked = true,
-            AIRCR if value >> 16 != KEY => {}
+            AIRCR if field(value, VECTKEY) != KEY => {}
             AIRCR => {
-                ensure!(value & 0x700 == 0, "AIRCR = {value:#x}: priority groups are not modelled");
+                ensure!(value & PRIGROUP == 0, "AIRCR = {value:#x}: priority groups are not modelled");
                 if value & SYSRESETREQ != 0 {
                     return Ok(Written::Reset);
                 }
             }
             CPACR | DEMCR => return Ok(Written::Plain),
-            _ => bail!("{value:#x} is written to {:#x}: not modelled", 0xE000_E000 + offset),
+            _ => bail!("{value:#x} is written to {:#x}: not modelled", SCS + offset),
         }
         Ok(Written::Done)
     }

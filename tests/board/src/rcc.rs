@@ -6,33 +6,56 @@
 
 use anyhow::{Result, bail, ensure};
 
-use crate::{CORE_HZ, clock::Speeds, field};
+use crate::{
+    CORE_HZ,
+    bases::{ADC1, DAC1, DMA1, DMAMUX, FLASH, GPIOA, GPIOB, GPIOC, LPUART1, PWR, TIM5, TIM6, TIM7},
+    clock::Speeds,
+    layout::{field, layout},
+};
 
 const HSI_HZ: u32 = 16_000_000;
 const HSE_HZ: u32 = 24_000_000;
 /// The clocks after a reset.
 pub const RESET: Speeds = Speeds { system: HSI_HZ, core: HSI_HZ };
 
-const CR: usize = 0x00;
-const CFGR: usize = 0x08;
-const PLLCFGR: usize = 0x0C;
-const AHB1RSTR: usize = 0x28;
-const APB1RSTR1: usize = 0x38;
-const AHB1ENR: usize = 0x48;
-const AHB2ENR: usize = 0x4C;
-const APB1ENR1: usize = 0x58;
-const APB1ENR2: usize = 0x5C;
-const CCIPR: usize = 0x88;
-const BDCR: usize = 0x90;
-const CIFR: usize = 0x1C;
-const CICR: usize = 0x20;
-const CSR: usize = 0x94;
-const CRRCR: usize = 0x98;
-const END: usize = 0xA0;
+layout! {
+    "RCC" {
+        CR @ 0x00 { HSION = 8, HSIRDY = 10, HSEON = 16, HSERDY = 17, CSSON = 19, PLLON = 24, PLLRDY = 25 }
+        CFGR @ 0x08 { SW = 0..=1, SWS = 2..=3, HPRE = 4..=7, PPRE1 = 8..=10 }
+        PLLCFGR @ 0x0C { PLLSRC = 0..=1, PLLM = 4..=7, PLLN = 8..=14, PLLP = 17, PLLR = 25..=26, PLLPDIV = 27..=31 }
+        CIFR @ 0x1C { CSSF = 8 }
+        CICR @ 0x20 { CSSC = 8 }
+        AHB1RSTR @ 0x28 { FLASHRST = 8 }
+        APB1RSTR1 @ 0x38 { PWRRST = 28 }
+        AHB1ENR @ 0x48 { DMA1EN = 0, DMAMUX1EN = 2, FLASHEN = 8 }
+        AHB2ENR @ 0x4C { GPIOAEN = 0, GPIOBEN = 1, GPIOCEN = 2, ADC12EN = 13, DAC1EN = 16 }
+        APB1ENR1 @ 0x58 { TIM5EN = 3, TIM6EN = 4, TIM7EN = 5, PWREN = 28 }
+        APB1ENR2 @ 0x5C { LPUART1EN = 0 }
+        CCIPR @ 0x88 { LPUART1SEL = 10..=11, ADC12SEL = 28..=29 }
+        BDCR @ 0x90 { LSEON = 0, LSERDY = 1 }
+        CSR @ 0x94 {
+            LSION = 0, LSIRDY = 1, RMVF = 23, OBLRSTF = 25, PINRSTF = 26, BORRSTF = 27, SFTRSTF = 28, IWDGRSTF = 29, WWDGRSTF = 30,
+            LPWRRSTF = 31,
+        }
+        CRRCR @ 0x98 { HSI48ON = 0, HSI48RDY = 1 }
+    }
+}
 
-const RMVF: u32 = 1 << 23;
-const FLAGS: u32 = 0xFE00_0000;
-const PIN: u32 = 1 << 26;
+/// Bytes of all registers.
+const END: usize = 0xA0;
+/// Why the firmware was started.
+const FLAGS: u32 = OBLRSTF | PINRSTF | BORRSTF | SFTRSTF | IWDGRSTF | WWDGRSTF | LPWRRSTF;
+/// Oscillators, each with its ready bit behind it.
+const FOLLOWED: u32 = HSEON | PLLON;
+const _: () = assert!(HSERDY | PLLRDY == FOLLOWED << 1 && LSERDY == LSEON << 1 && LSIRDY == LSION << 1);
+const _: () = assert!(HSI48RDY == HSI48ON << 1 && LSEON == LSION && LSION == HSI48ON && SWS == SW << 2 && CSSC == CSSF);
+
+/// SW and PLLSRC: HSI16, the crystal, the PLL; the PLL's sources.
+const BY_HSI: u32 = 1;
+const BY_HSE: u32 = 2;
+const BY_PLL: u32 = 3;
+const PLL_BY_HSI: u32 = 2;
+const PLL_BY_HSE: u32 = 3;
 
 /// What starts the firmware, and the flags that say so. Every reset but that of power also pulls the NRST pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,23 +72,15 @@ pub enum Reset {
 
 impl Reset {
     fn flags(self) -> u32 {
-        PIN | match self {
-            Self::PowerOn => 1 << 27,
-            Self::Pin => 0,
-            Self::Software => 1 << 28,
-            Self::Watchdog => 1 << 29,
-        }
+        PINRSTF
+            | match self {
+                Self::PowerOn => BORRSTF,
+                Self::Pin => 0,
+                Self::Software => SFTRSTF,
+                Self::Watchdog => IWDGRSTF,
+            }
     }
 }
-
-/// CR: HSE and PLL on, ready; the clock security system.
-const HSEON: u32 = 1 << 16;
-const HSERDY: u32 = 1 << 17;
-const CSSON: u32 = 1 << 19;
-const PLLON: u32 = 1 << 24;
-const PLLRDY: u32 = 1 << 25;
-/// CIFR: the crystal has failed.
-const CSSF: u32 = 1 << 8;
 
 pub struct Rcc {
     registers: [u32; END / 4],
@@ -79,15 +94,19 @@ impl Rcc {
         let mut rcc = Self { registers: [0; END / 4], broken: false };
         let kept = if reset == Reset::PowerOn { 0 } else { earlier };
         for (offset, value) in
-            [(CR, 0x500), (CFGR, 5), (PLLCFGR, 0x1000), (AHB1ENR, 0x100), (CSR, kept | reset.flags())]
+            [(CR, HSION | HSIRDY), (CFGR, 5), (PLLCFGR, 0x1000), (AHB1ENR, FLASHEN), (CSR, kept | reset.flags())]
         {
-            rcc.registers[offset / 4] = value;
+            *rcc.register(offset) = value;
         }
         rcc
     }
 
-    fn get(&self, offset: usize) -> u32 {
-        self.registers[offset / 4]
+    fn get(&self, offset: u32) -> u32 {
+        self.registers[offset as usize / 4]
+    }
+
+    fn register(&mut self, offset: u32) -> &mut u32 {
+        &mut self.registers[offset as usize / 4]
     }
 
     pub fn reset_flags(&self) -> u32 {
@@ -95,18 +114,17 @@ impl Rcc {
     }
 
     pub fn read(&self, offset: u32) -> Option<u32> {
-        let offset = offset as usize;
-        let value = *self.registers.get(offset / 4)?;
+        let value = *self.registers.get(offset as usize / 4)?;
         // The bits that follow others: a ready bit its oscillator's, SWS the switch SW.
         let (from, by) = match offset {
-            CR => (0x0101_0000, 1),
-            CFGR => (0x3, 2),
-            BDCR | CSR | CRRCR => (0x1, 1),
+            CR => (FOLLOWED, 1),
+            CFGR => (SW, 2),
+            BDCR | CSR | CRRCR => (LSION, 1),
             _ => return Some(value),
         };
         let mut value = value & !(from << by) | (value & from) << by;
         if offset == CR {
-            value = value & !(1 << 10) | (value & 1 << 8) << 2;
+            value = value & !HSIRDY | if value & HSION != 0 { HSIRDY } else { 0 };
             if self.broken {
                 value &= !if self.by_crystal() { HSERDY | PLLRDY } else { HSERDY };
             }
@@ -115,8 +133,7 @@ impl Rcc {
     }
 
     pub fn write(&mut self, offset: u32, value: u32) -> bool {
-        let offset = offset as usize;
-        let Some(register) = self.registers.get_mut(offset / 4) else { return false };
+        let Some(register) = self.registers.get_mut(offset as usize / 4) else { return false };
         *register = match offset {
             CSR if value & RMVF != 0 => value & !(FLAGS | RMVF),
             CSR => value & !FLAGS | *register & FLAGS,
@@ -124,28 +141,28 @@ impl Rcc {
             _ => value,
         };
         if offset == CICR {
-            self.registers[CIFR / 4] &= !value;
+            *self.register(CIFR) &= !value;
         }
         true
     }
 
     /// Whether the PLL's source is the crystal.
     fn by_crystal(&self) -> bool {
-        self.get(PLLCFGR) & 3 == 3
+        field(self.get(PLLCFGR), PLLSRC) == PLL_BY_HSE
     }
 
     /// The crystal stops. Whether the core goes on.
     pub fn break_crystal(&mut self) -> bool {
         self.broken = true;
-        let (on, switch) = (self.get(CR), self.get(CFGR) & 3);
-        let used = switch == 2 || switch == 3 && self.by_crystal();
+        let (on, switch) = (self.get(CR), field(self.get(CFGR), SW));
+        let used = switch == BY_HSE || switch == BY_PLL && self.by_crystal();
         if on & HSEON == 0 || on & CSSON == 0 {
             return !used;
         }
-        self.registers[CR / 4] &= !if self.by_crystal() { HSEON | PLLON } else { HSEON };
-        self.registers[CIFR / 4] |= CSSF;
+        *self.register(CR) &= !if self.by_crystal() { HSEON | PLLON } else { HSEON };
+        *self.register(CIFR) |= CSSF;
         if used {
-            self.registers[CFGR / 4] = self.get(CFGR) & !3 | 1;
+            *self.register(CFGR) = self.get(CFGR) & !SW | BY_HSI;
         }
         true
     }
@@ -158,31 +175,31 @@ impl Rcc {
     /// The PLL's outputs P and R.
     fn pll(&self) -> Result<(u32, u32)> {
         let value = self.get(PLLCFGR);
-        let source = match value & 3 {
-            2 => HSI_HZ,
-            3 => HSE_HZ,
+        let source = match field(value, PLLSRC) {
+            PLL_BY_HSI => HSI_HZ,
+            PLL_BY_HSE => HSE_HZ,
             _ => bail!("the PLL has no source (PLLCFGR = {value:#x})"),
         };
-        let vco = source / (field(value, 4, 4) + 1) * field(value, 8, 7);
-        let p = match (field(value, 27, 5), field(value, 17, 1)) {
+        let vco = source / (field(value, PLLM) + 1) * field(value, PLLN);
+        let p = match (field(value, PLLPDIV), field(value, PLLP)) {
             (0, 0) => 7,
             (0, _) => 17,
             (divider, _) => divider,
         };
-        Ok((vco / p, vco / (2 * (field(value, 25, 2) + 1))))
+        Ok((vco / p, vco / (2 * (field(value, PLLR) + 1))))
     }
 
     /// The frequencies of the system clock and of the core.
     pub fn speeds(&self) -> Result<Speeds> {
         let value = self.get(CFGR);
-        let system = match value & 3 {
-            1 => HSI_HZ,
-            2 => HSE_HZ,
-            3 => self.pll()?.1,
+        let system = match field(value, SW) {
+            BY_HSI => HSI_HZ,
+            BY_HSE => HSE_HZ,
+            BY_PLL => self.pll()?.1,
             _ => bail!("no system clock is chosen"),
         };
         // There is no 32.
-        let shift = match field(value, 4, 4) {
+        let shift = match field(value, HPRE) {
             0..8 => 0,
             divided @ 8..12 => divided - 7,
             divided => divided - 6,
@@ -192,12 +209,12 @@ impl Rcc {
 
     /// Whether PWR is held in reset.
     pub fn holds_power(&self) -> bool {
-        self.get(APB1RSTR1) & 1 << 28 != 0
+        self.get(APB1RSTR1) & PWRRST != 0
     }
 
     /// Whether the flash's interface is.
     pub fn holds_flash(&self) -> bool {
-        self.get(AHB1RSTR) & 1 << 8 != 0
+        self.get(AHB1RSTR) & FLASHRST != 0
     }
 
     /// That the core runs at [`CORE_HZ`], which every other model takes for granted.
@@ -210,7 +227,7 @@ impl Rcc {
 
     /// How many clocks of [`CORE_HZ`] the timers on APB1 count once in: they run at twice the bus's clock, where that is divided.
     pub fn timer_clocks(&self) -> Result<u64> {
-        let divided = self.get(CFGR) >> 8 & 7;
+        let divided = field(self.get(CFGR), PPRE1);
         let timer_hz = self.speeds()?.core >> divided.saturating_sub(4);
         // No whole number where the core is still slow, and no timer runs.
         Ok((CORE_HZ / timer_hz).into())
@@ -218,7 +235,7 @@ impl Rcc {
 
     /// The clock of ADC1 before its own prescaler.
     pub fn adc_hz(&self) -> Result<u32> {
-        match field(self.get(CCIPR), 28, 2) {
+        match field(self.get(CCIPR), ADC12SEL) {
             1 => Ok(self.pll()?.0),
             2 => Ok(CORE_HZ),
             _ => bail!("ADC1 has no clock: ADC12SEL chooses none"),
@@ -227,7 +244,7 @@ impl Rcc {
 
     /// That LPUART1 runs on the system clock of [`CORE_HZ`].
     pub fn check_uart(&self) -> Result<()> {
-        ensure!(field(self.get(CCIPR), 10, 2) == 1, "LPUART1 on PCLK1, HSI16 or LSE is not modelled");
+        ensure!(field(self.get(CCIPR), LPUART1SEL) == 1, "LPUART1 on PCLK1, HSI16 or LSE is not modelled");
         ensure!(self.speeds()?.system == CORE_HZ, "LPUART1 is set up before the system clock is");
         Ok(())
     }
@@ -235,22 +252,22 @@ impl Rcc {
     /// Whether the peripheral that begins at `base` has its bus clock.
     pub fn clocked(&self, base: u32) -> bool {
         let (register, bit) = match base {
-            0x4000_0C00 => (APB1ENR1, 3),
-            0x4000_1000 => (APB1ENR1, 4),
-            0x4000_1400 => (APB1ENR1, 5),
-            0x4000_7000 => (APB1ENR1, 28),
-            0x4000_8000 => (APB1ENR2, 0),
-            0x4002_0000 => (AHB1ENR, 0),
-            0x4002_0800 => (AHB1ENR, 2),
-            0x4002_2000 => (AHB1ENR, 8),
-            0x4800_0000 => (AHB2ENR, 0),
-            0x4800_0400 => (AHB2ENR, 1),
-            0x4800_0800 => (AHB2ENR, 2),
-            0x5000_0000 => (AHB2ENR, 13),
-            0x5000_0800 => (AHB2ENR, 16),
+            TIM5 => (APB1ENR1, TIM5EN),
+            TIM6 => (APB1ENR1, TIM6EN),
+            TIM7 => (APB1ENR1, TIM7EN),
+            PWR => (APB1ENR1, PWREN),
+            LPUART1 => (APB1ENR2, LPUART1EN),
+            DMA1 => (AHB1ENR, DMA1EN),
+            DMAMUX => (AHB1ENR, DMAMUX1EN),
+            FLASH => (AHB1ENR, FLASHEN),
+            GPIOA => (AHB2ENR, GPIOAEN),
+            GPIOB => (AHB2ENR, GPIOBEN),
+            GPIOC => (AHB2ENR, GPIOCEN),
+            ADC1 => (AHB2ENR, ADC12EN),
+            DAC1 => (AHB2ENR, DAC1EN),
             _ => return true,
         };
-        self.get(register) & 1 << bit != 0
+        self.get(register) & bit != 0
     }
 }
 

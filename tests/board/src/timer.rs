@@ -6,25 +6,30 @@
 
 use anyhow::{Result, ensure};
 
-use crate::NEVER;
+use crate::{
+    NEVER,
+    layout::{field, layout},
+};
 
-const CR1: u32 = 0x00;
-const CR2: u32 = 0x04;
-const DIER: u32 = 0x0C;
-const SR: u32 = 0x10;
-const EGR: u32 = 0x14;
-const CNT: u32 = 0x24;
-const PSC: u32 = 0x28;
-const ARR: u32 = 0x2C;
-const CCR1: u32 = 0x34;
-const CCR4: u32 = 0x40;
+layout! {
+    "TIM5" {
+        CR1 @ 0x00 { CEN = 0, URS = 2, ARPE = 7 }
+        CR2 @ 0x04 { MMS = 4..=6 }
+        DIER @ 0x0C { UIE = 0, CC1IE = 1, CC2IE = 2, CC3IE = 3, CC4IE = 4 }
+        SR @ 0x10 { UIF = 0, CC1IF = 1, CC2IF = 2, CC3IF = 3, CC4IF = 4 }
+        EGR @ 0x14 { UG = 0, CC1G = 1, CC2G = 2, CC3G = 3, CC4G = 4 }
+        CNT @ 0x24 {}
+        PSC @ 0x28 {}
+        ARR @ 0x2C {}
+        CCR1 @ 0x34 {}
+        CCR4 @ 0x40 {}
+    }
+}
 
-const CEN: u32 = 1 << 0;
-const URS: u32 = 1 << 2;
-const ARPE: u32 = 1 << 7;
-const UPDATE: u32 = 1 << 0;
-/// Update and four compares: bit numbers of SR, DIER and EGR alike.
-const FLAGS: u32 = 0x1F;
+const COMPARES: [u32; 4] = [CC1IF, CC2IF, CC3IF, CC4IF];
+/// Update and four compares: the same bits of SR, DIER and EGR.
+const FLAGS: u32 = UIF | CC1IF | CC2IF | CC3IF | CC4IF;
+const _: () = assert!(UIE | CC1IE | CC2IE | CC3IE | CC4IE == FLAGS && UG | CC1G | CC2G | CC3G | CC4G == FLAGS);
 
 pub struct Timer {
     cr1: u32,
@@ -115,13 +120,15 @@ impl Timer {
         let update = count > u64::from(self.used.1);
         let count = if update {
             self.load(at);
-            self.sr |= UPDATE;
+            self.sr |= UIF;
             0
         } else {
             count
         };
-        for (channel, &compare) in self.compare.iter().enumerate() {
-            self.sr |= u32::from(count == u64::from(compare)) << (channel + 1);
+        for (&compare, flag) in self.compare.iter().zip(COMPARES) {
+            if count == u64::from(compare) {
+                self.sr |= flag;
+            }
         }
         self.schedule(at);
         update && self.trigger_mode() == 2
@@ -133,7 +140,7 @@ impl Timer {
     }
 
     fn trigger_mode(&self) -> u32 {
-        crate::field(self.cr2, 4, 3)
+        field(self.cr2, MMS)
     }
 
     /// `None`: no rule for this register.
@@ -168,10 +175,10 @@ impl Timer {
             }
             SR => self.sr &= value,
             EGR => {
-                self.sr |= value & FLAGS & !UPDATE;
-                if value & UPDATE != 0 {
+                self.sr |= value & FLAGS & !UG;
+                if value & UG != 0 {
                     self.load(now);
-                    self.sr |= if self.cr1 & URS == 0 { UPDATE } else { 0 };
+                    self.sr |= if self.cr1 & URS == 0 { UIF } else { 0 };
                     trigger = matches!(self.trigger_mode(), 0 | 2);
                 }
             }
@@ -215,7 +222,7 @@ mod tests {
             assert_eq!(timer.read(CNT, timer.due - 1), Some(4999));
             assert!(timer.advance(timer.due), "the update goes out as a trigger");
             assert!(timer.interrupt());
-            timer.write(SR, !UPDATE, tick * 85_000).unwrap();
+            timer.write(SR, !UIF, tick * 85_000).unwrap();
             assert!(!timer.interrupt());
         }
     }

@@ -8,37 +8,38 @@ use std::collections::VecDeque;
 
 use anyhow::{Result, ensure};
 
-use crate::{CORE_HZ, NEVER, field};
+use crate::{
+    CORE_HZ, NEVER,
+    layout::{field, layout},
+};
 
-const CR1: u32 = 0x00;
-const CR3: u32 = 0x08;
-const BRR: u32 = 0x0C;
-const ISR: u32 = 0x1C;
-const ICR: u32 = 0x20;
-const RDR: u32 = 0x24;
-const TDR: u32 = 0x28;
-const PRESC: u32 = 0x2C;
+layout! {
+    "LPUART1" {
+        CR1 @ 0x00 {
+            UE = 0, RE = 2, TE = 3, IDLEIE = 4, RXNEIE = 5, TCIE = 6, TXEIE = 7, PCE = 10, M0 = 12, M1 = 28, FIFOEN = 29,
+        }
+        CR3 @ 0x08 {
+            EIE = 0, HDSEL = 3, DMAR = 6, DMAT = 7, RTSE = 8, CTSE = 9, DDRE = 13, TXFTIE = 23, RXFTIE = 28,
+        }
+        BRR @ 0x0C { DIVIDER as "BRR" = 0..=19 }
+        ISR @ 0x1C { FE = 1, ORE = 3, IDLE = 4, RXNE = 5, TC = 6, TXE = 7, TEACK = 21, REACK = 22 }
+        ICR @ 0x20 { FECF = 1, ORECF = 3, IDLECF = 4, TCCF = 6 }
+        RDR @ 0x24 {}
+        TDR @ 0x28 {}
+        PRESC @ 0x2C { PRESCALER = 0..=3 }
+    }
+}
 
-const UE: u32 = 1 << 0;
-const RE: u32 = 1 << 2;
-const TE: u32 = 1 << 3;
-const FIFOEN: u32 = 1 << 29;
-
-const FE: u32 = 1 << 1;
-const ORE: u32 = 1 << 3;
-const IDLE: u32 = 1 << 4;
-const RXNE: u32 = 1 << 5;
-const TC: u32 = 1 << 6;
-const TXE: u32 = 1 << 7;
-const TEACK: u32 = 1 << 21;
-const REACK: u32 = 1 << 22;
-
-/// CR3: error interrupt, DMA of the receiver and of the transmitter, and what is refused: half duplex, DMA that stops at an error,
-/// flow control, FIFO threshold interrupts.
-const EIE: u32 = 1 << 0;
-const DMAR: u32 = 1 << 6;
-const DMAT: u32 = 1 << 7;
-const REFUSED: u32 = 1 << 3 | 3 << 8 | 1 << 13 | 1 << 23 | 1 << 28;
+/// Flags, each at the place of its enable in CR1.
+const ASKING: u32 = IDLE | RXNE | TC | TXE;
+const _: () = assert!(IDLEIE | RXNEIE | TCIE | TXEIE == ASKING);
+/// Flags, each at the place of what clears it in ICR.
+const CLEARED: u32 = FE | ORE | IDLE | TC;
+const _: () = assert!(FECF | ORECF | IDLECF | TCCF == CLEARED);
+/// Of CR1: frames other than 8N1.
+const OTHER_FRAMES: u32 = M1 | M0 | PCE;
+/// Of CR3: half duplex, flow control, DMA that stops at an error, FIFO threshold interrupts.
+const REFUSED: u32 = HDSEL | RTSE | CTSE | DDRE | TXFTIE | RXFTIE;
 /// Start bit, eight data bits, stop bit.
 const BITS: u64 = 10;
 const DIVIDERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
@@ -102,7 +103,7 @@ impl Uart {
 
     /// Core clocks a byte takes, if that is what it takes the host.
     fn byte(&self) -> Result<u64> {
-        let own = BITS * u64::from(self.divider) * DIVIDERS[field(self.prescaler, 0, 4).min(11) as usize] / 256;
+        let own = BITS * u64::from(self.divider) * DIVIDERS[field(self.prescaler, PRESCALER).min(11) as usize] / 256;
         ensure!(own.abs_diff(BYTE) * 50 <= BYTE, "a byte takes LPUART1 {own} clocks, the host ({BAUD} baud) {BYTE}");
         Ok(own)
     }
@@ -167,9 +168,9 @@ impl Uart {
 
     pub fn interrupt(&self) -> bool {
         let status = self.status();
-        // IDLE, RXNE, TC and TXE have their enables at the same places of CR1; an overrun counts as RXNE or as an error.
-        status & self.cr1 & (IDLE | RXNE | TC | TXE) != 0
-            || status & ORE != 0 && self.cr1 & RXNE != 0
+        // An overrun counts as RXNE or as an error.
+        status & self.cr1 & ASKING != 0
+            || status & ORE != 0 && self.cr1 & RXNEIE != 0
             || status & (FE | ORE) != 0 && self.cr3 & EIE != 0
     }
 
@@ -216,8 +217,7 @@ impl Uart {
     pub fn write(&mut self, offset: u32, value: u32, now: u64) -> Result<bool> {
         match offset {
             CR1 => {
-                // M1, PCE and M0 make other frames than 8N1.
-                ensure!(value & (1 << 28 | 1 << 12 | 1 << 10) == 0, "CR1 = {value:#x}: only 8N1 is modelled");
+                ensure!(value & OTHER_FRAMES == 0, "CR1 = {value:#x}: only 8N1 is modelled");
                 self.cr1 = value;
             }
             CR3 => {
@@ -227,9 +227,9 @@ impl Uart {
                 );
                 self.cr3 = value;
             }
-            BRR => self.divider = value & 0xF_FFFF,
+            BRR => self.divider = value & DIVIDER,
             PRESC => self.prescaler = value,
-            ICR => self.flags &= !(value & (FE | ORE | IDLE | TC)),
+            ICR => self.flags &= !(value & CLEARED),
             TDR => self.put(value as u8, now)?,
             ISR | RDR => {}
             _ => return Ok(false),

@@ -5,14 +5,21 @@
 
 use anyhow::{Result, ensure};
 
-use crate::{CORE_HZ, NEVER};
+use crate::{
+    CORE_HZ, NEVER,
+    layout::{field, layout},
+};
 
 const LSI_HZ: u64 = 32_000;
 
-const KR: u32 = 0x00;
-const PR: u32 = 0x04;
-const RLR: u32 = 0x08;
-const WINR: u32 = 0x10;
+layout! {
+    "IWDG" {
+        KR @ 0x00 {}
+        PR @ 0x04 { PRESCALER as "PR" = 0..=2 }
+        RLR @ 0x08 { RL = 0..=11 }
+        WINR @ 0x10 { WIN = 0..=11 }
+    }
+}
 
 pub struct Watchdog {
     prescaler: u32,
@@ -24,7 +31,7 @@ pub struct Watchdog {
 
 impl Watchdog {
     pub fn new() -> Self {
-        Self { prescaler: 0, reload: 0xFFF, unlocked: false, due: NEVER }
+        Self { prescaler: 0, reload: RL, unlocked: false, due: NEVER }
     }
 
     pub fn write(&mut self, offset: u32, value: u32, now: u64) -> Result<bool> {
@@ -36,9 +43,9 @@ impl Watchdog {
                     self.due = now + u64::from(self.reload + 1) * divider * u64::from(CORE_HZ) / LSI_HZ;
                 }
             }
-            PR if self.unlocked => self.prescaler = value & 7,
-            RLR if self.unlocked => self.reload = value & 0xFFF,
-            WINR => ensure!(value & 0xFFF == 0xFFF, "IWDG window {value:#x}: windows are not modelled"),
+            PR if self.unlocked => self.prescaler = field(value, PRESCALER),
+            RLR if self.unlocked => self.reload = field(value, RL),
+            WINR => ensure!(value & WIN == WIN, "IWDG window {value:#x}: windows are not modelled"),
             PR | RLR => {}
             _ => return Ok(false),
         }

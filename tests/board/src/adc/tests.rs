@@ -22,14 +22,14 @@ fn armed_with(cfgr2: u32, ranks: u32) -> (Adc, Rcc) {
     let mut adc = Adc::new();
     let enabled = ADVREGEN | ADEN;
     for (offset, value) in [
-        (CCR, 2 << 18),
+        (COMMON, 2 << 18),
         (CR, ADVREGEN),
         (CR, ADVREGEN | ADCAL),
         (CR, enabled),
         (CFGR2, cfgr2),
         (SMPR1, 4 << 3 | 3 << 6),
         (SMPR2, 1 << 15),
-        (JSQR, ranks | TIM6_TRGO << 2),
+        (JSQR, ranks | TIM6_TRGO << 2 | RISING << 7),
         (IER, JEOS),
         (CR, enabled | JADSTART),
     ] {
@@ -89,7 +89,7 @@ fn the_reference_is_converted_once_when_software_says_so() {
     let start = ADVREGEN | ADEN | ADSTART;
     adc.write(SQR1, VREFINT << 6, 0, &rcc).unwrap();
     assert!(adc.write(CR, start, 0, &rcc).is_err(), "VREFEN is off");
-    adc.write(CCR, VREFEN | 2 << 18, 0, &rcc).unwrap();
+    adc.write(COMMON, VREFEN | 2 << 18, 0, &rcc).unwrap();
     adc.write(CR, start, 0, &rcc).unwrap();
     adc.advance(adc.due(), &mut inputs(0), &rcc, &mut Record::default()).unwrap();
     assert_eq!(adc.read(ISR).map(|isr| isr & (EOC | EOS)), Some(EOC | EOS));

@@ -3,22 +3,20 @@
 use super::*;
 
 const MEMORY: u32 = RAM as u32 + 0x100;
-const HTIE: u32 = HALF;
-const TCIE: u32 = COMPLETE;
 
 /// DMA1 with its second channel set up for four bytes, off.
 fn dma(peripheral: (u32, u32), control: u32) -> Dma {
     let mut dma = Dma::default();
     assert!(dma.write_mux(4, peripheral.1));
-    for (register, value) in [(CPAR, peripheral.0), (CMAR, MEMORY), (CNDTR, 4), (CCR, MINC | control)] {
-        assert!(dma.write(FIRST + STRIDE + register, value).unwrap());
+    for (register, value) in [(CPAR1, peripheral.0), (CMAR1, MEMORY), (CNDTR1, 4), (CCR1, MINC | control)] {
+        assert!(dma.write(STRIDE + register, value).unwrap());
     }
     dma
 }
 
 fn on(dma: &mut Dma) -> Result<bool> {
-    let control = dma.read(FIRST + STRIDE + CCR).unwrap();
-    dma.write(FIRST + STRIDE + CCR, control | EN)
+    let control = dma.read(CCR2).unwrap();
+    dma.write(CCR2, control | EN)
 }
 
 #[test]
@@ -30,11 +28,11 @@ fn a_ring_goes_round_and_says_where_it_is() {
     for byte in 0..6 {
         assert!(dma.receives());
         dma.receive(byte);
-        left.push((dma.read(FIRST + STRIDE + CNDTR).unwrap(), dma.interrupt(2), dma.read(ISR).unwrap() >> 4));
-        dma.write(IFCR, (HALF | COMPLETE) << 4).unwrap();
+        left.push((dma.read(STRIDE + CNDTR1).unwrap(), dma.interrupt(2), dma.read(ISR).unwrap() >> 4));
+        dma.write(IFCR, (CHTIF1 | CTCIF1) << 4).unwrap();
         assert!(!dma.interrupt(2));
     }
-    let (half, complete) = (HALF | ANY, COMPLETE | ANY);
+    let (half, complete) = (HTIF1 | GIF1, TCIF1 | GIF1);
     let expected = [(3, false, 0), (2, true, half), (1, false, 0), (4, true, complete), (3, false, 0), (2, true, half)];
     assert_eq!(left, expected);
     let at = |offset| MEMORY + offset;
@@ -44,7 +42,7 @@ fn a_ring_goes_round_and_says_where_it_is() {
 
 #[test]
 fn a_block_is_sent_once() {
-    let mut dma = dma(TRANSMIT, FROM_MEMORY | TCIE);
+    let mut dma = dma(TRANSMIT, DIR | TCIE);
     on(&mut dma).unwrap();
     assert_eq!(dma.wanted(), Some(MEMORY..MEMORY + 4));
     dma.load(vec![1, 2, 3, 4]);
@@ -57,18 +55,14 @@ fn a_block_is_sent_once() {
 fn what_is_not_promised_is_refused() {
     let mut halted = dma(RECEIVE, CIRC);
     on(&mut halted).unwrap();
-    assert!(halted.write(FIRST + STRIDE + CNDTR, 4).is_err(), "the channel is on");
+    assert!(halted.write(STRIDE + CNDTR1, 4).is_err(), "the channel is on");
     halted.receive(1);
-    halted.write(FIRST + STRIDE + CCR, MINC | CIRC).unwrap();
+    halted.write(CCR2, MINC | CIRC).unwrap();
     let resumed = on(&mut halted).unwrap_err().to_string();
     assert!(resumed.contains("3 of 4 transfers left"), "{resumed}");
-    for (peripheral, control) in [
-        (RECEIVE, 1 << 8),
-        (RECEIVE, 1 << 14),
-        ((RECEIVE.0, 35), 0),
-        (RECEIVE, FROM_MEMORY),
-        (TRANSMIT, FROM_MEMORY | CIRC),
-    ] {
+    for (peripheral, control) in
+        [(RECEIVE, 1 << 8), (RECEIVE, 1 << 14), ((RECEIVE.0, 35), 0), (RECEIVE, DIR), (TRANSMIT, DIR | CIRC)]
+    {
         assert!(on(&mut dma(peripheral, control)).is_err(), "{peripheral:x?} {control:#x}");
     }
 }
