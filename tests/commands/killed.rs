@@ -3,10 +3,11 @@
 
 use super::logs::{rig, write};
 use super::sets::{Moments, said};
-use super::severed::{LEASE, TABLE, goes_on, pushed};
+use super::severed::{TABLE, goes_on, pushed};
 use super::{piezo, root, text};
 use device_link::table::to_record;
 use emulator::{EmulatedDevice, Emulator};
+use link_attacks::LEASE;
 use protocol::Record;
 use recordings::log::{ReadOptions, read};
 use std::collections::BTreeMap;

@@ -3,13 +3,14 @@
 
 use super::follow::DRIVE;
 use super::killed::begun;
-use super::severed::{LEASE, TABLE as DUHEM, goes_on, ticks_on};
+use super::severed::{TABLE as DUHEM, goes_on};
 use super::{piezo, root, text};
 use ::bench::{EMULATED, FORMER, Wiring, emulated, for_board};
 use device_link::pages;
 use device_link::table::to_record;
 use emulator::{EmulatedDevice, Emulator, Plant, TABLE, amplifier};
 use estimator_core::{DacCode, DriveCalibration, Table};
+use link_attacks::{LEASE, ticks_on};
 use parameter_store::RamFlash;
 use plants::Kind;
 use protocol::Record;
@@ -188,7 +189,7 @@ fn a_killed_train_lets_the_output_rest_and_keeps_the_table_of_before_and_its_log
         let mut moved = false;
         begins(driven, &mut |train| moved = driven.kill(train, after));
         let (out, former) = (driven.path("out"), driven.path("out").join(FORMER));
-        let mut client = ticks_on("train", &driven.device);
+        let mut client = ticks_on("train", driven.device.address());
         client.restart().unwrap();
         let found = client.pull().unwrap();
         drop(client);
@@ -197,7 +198,7 @@ fn a_killed_train_lets_the_output_rest_and_keeps_the_table_of_before_and_its_log
             assert_eq!(fs::read(&former).unwrap(), old[..], "nobody has the table of before");
             let push = ["push", text(&former), "--reset", "--port", &driven.port()];
             piezo().args(push).assert().success();
-            assert_eq!(ticks_on("push", &driven.device).pull().unwrap(), old);
+            assert_eq!(ticks_on("push", driven.device.address()).pull().unwrap(), old);
         }
         let files = fs::read_dir(&out).into_iter().flatten().map(|entry| entry.unwrap().path());
         let logs = files.filter(|path| path.extension().is_some_and(|of| of == "csv"));

@@ -115,30 +115,6 @@ fn a_host_that_leaves_makes_room_for_the_next_and_a_device_switched_off_is_gone(
 }
 
 #[test]
-fn a_host_that_leaves_in_mid_frame_costs_that_frame_and_the_next_host_is_answered() {
-    let device = Emulator::new().speed(16.0).start().unwrap();
-    let push = Request::Push { record: record(), while_estimating: true, rewired: false };
-    let mut buffer = [0; MAX_FRAME];
-    let frame = encode(&ToDevice { sequence: 7, request: push }, &mut buffer).unwrap().to_vec();
-    // Without its delimiter alone it would be whole: the next host's ends it.
-    for sent in (1..frame.len() - 1).step_by(7) {
-        Host::on(&device).line.write_all(&frame[..sent]).unwrap();
-        let mut next = Host::on(&device);
-        // As every host does, which cannot know what was on the line.
-        next.line.write_all(&[0]).unwrap();
-        assert!(matches!(next.source(), TableSource::Compiled { .. }), "{sent} bytes are no push");
-        match next.ask(Request::Health) {
-            Reply::Health(health) => assert_eq!((health.frames_refused, health.missed), (1, 0), "{sent} bytes"),
-            other => panic!("{other:?}"),
-        }
-        assert_eq!(next.ask(Request::Forget), Reply::Done);
-    }
-    let mut last = Host::on(&device);
-    assert_eq!(last.ask(Request::Reset), Reply::Resetting { in_ms: 0 });
-    assert!(matches!(last.source(), TableSource::Compiled { .. }), "nothing was stored");
-}
-
-#[test]
 fn a_flash_of_one_page_is_refused() {
     let refused = Emulator::new().flash(RamFlash::new(vec![0xFF; 2048])).start().err().unwrap().to_string();
     assert!(refused.contains("pages do not fit"), "{refused}");

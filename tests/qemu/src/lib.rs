@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -32,7 +32,11 @@ impl Drop for Board {
     }
 }
 
-fn from_environment(name: &str) -> PathBuf {
+/// The file that an environment variable names.
+///
+/// # Panics
+/// It names none.
+pub fn from_environment(name: &str) -> PathBuf {
     let path = std::env::var_os(name).map(PathBuf::from);
     path.filter(|path| path.is_file()).unwrap_or_else(|| {
         panic!("${name} names no file: run these tests with `cargo xtask test emulated`, which builds what they need")
@@ -88,6 +92,11 @@ impl Board {
                 Err(_) => std::thread::sleep(Duration::from_millis(20)),
             }
         }
+    }
+
+    /// Where its line is.
+    pub fn line_address(&self) -> SocketAddr {
+        (Ipv4Addr::LOCALHOST, self.port).into()
     }
 
     /// What `--port` is told to reach it.
