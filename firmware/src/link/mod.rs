@@ -30,6 +30,9 @@ const PACE: Duration = Duration::from_millis(4);
 /// How long a mode that the host has set lasts without a word from it. Some last for ever ([`Mode::lasts`]), and so does
 /// [`Mode::Follow`] while it holds a displacement that is to be held for ever.
 pub const LEASE: Duration = Duration::from_secs(5);
+/// Bytes that are taken from the line at once. Each time samples, panel, lease and timer are looked at, too: with 64 bytes that was
+/// so often that a line without pauses brought more than was read, where a drive leaves the link a third of the time.
+const AT_ONCE: usize = 256;
 /// What a reply needs at most to leave the serial line's own buffers.
 const DRAIN: Duration = Duration::from_millis(10);
 
@@ -61,11 +64,11 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
 
     /// Serves it until it is asked to restart the device.
     pub async fn serve(mut self) {
-        let mut bytes = [0; 64];
+        let mut bytes = [0; AT_ONCE];
         loop {
             match select(self.receiver.read(&mut bytes), Timer::after(PACE)).await {
                 Either::First(Ok(length)) => {
-                    if self.take(&bytes[..length.min(64)]).await.is_break() {
+                    if self.take(&bytes[..length.min(AT_ONCE)]).await.is_break() {
                         return;
                     }
                 }
