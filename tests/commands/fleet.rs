@@ -169,6 +169,35 @@ fn a_run_that_is_killed_is_seen_to_have_not_ended_and_is_searched_again() {
     assert!(String::from_utf8(again).unwrap().contains("the run before found no table"));
 }
 
+/// The folder of results is held meanwhile, and so is that of a session that is recorded: one is not taken for the other.
+#[test]
+fn a_killed_session_is_learnt_from_into_its_own_folder_by_a_unit_and_by_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = folder.path().join("p885");
+    fs::create_dir(&session).unwrap();
+    fs::rename(write(folder.path(), &rig("sin10")), session.join("01-sine.csv")).unwrap();
+    let log = |name: &str| format!("[[logs]]\nlog = \"{name}.csv\"\nheld_out = false\ncomplete = false\nrows = 1000\n");
+    let logs = log("01-sine") + &log("02-rest");
+    let described = format!("complete = false\nunder_way = true\nseed = 1\nplanned = 2\n{logs}");
+    fs::write(session.join("session.toml"), described).unwrap();
+    for unit in [&[][..], &["--unit", "SN042"]] {
+        let mut command = piezo();
+        command.arg("identify").arg(&session).args(SHORT).arg("--out").arg(&session).args(unit);
+        let said = command.assert().success().get_output().stderr.clone();
+        let said = String::from_utf8(said).unwrap();
+        assert!(said.contains("the session ended before its time: 1 of 2 logs are there"), "{said}");
+        assert!(session.join("table.toml").exists() && session.join("unit.json").exists() != unit.is_empty());
+    }
+    // A session that cannot be learnt from is a unit's error like another.
+    let empty = folder.path().join("p886");
+    fs::create_dir(&empty).unwrap();
+    fs::write(empty.join("session.toml"), "complete = false\nunder_way = true\nseed = 1\nplanned = 2\nlogs = []\n")
+        .unwrap();
+    identify(folder.path(), "SN043", &empty).assert().code(2);
+    let error = unit_file(folder.path(), "SN043")["error"].as_str().unwrap().to_owned();
+    assert!(error.contains("ended before it had a log to learn from"), "{error}");
+}
+
 #[test]
 fn a_folder_of_a_unit_is_not_written_into_by_a_run_of_none_nor_over_a_stranger_s_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -176,6 +205,19 @@ fn a_folder_of_a_unit_is_not_written_into_by_a_run_of_none_nor_over_a_stranger_s
     identify(&fleet, "SN042", &log).assert().success();
     let (out, strangers) = (fleet.join("SN042"), fleet.join("SN043"));
     refused(&["identify", text(&log), "--out", text(&out)], &["says what came of SN042", "--unit", "--out"]);
+    // One that is damaged, or of another version, may be a unit's as well.
+    let (file, table) = (out.join("unit.json"), out.join("table.toml"));
+    let (whole, before) = (fs::read_to_string(&file).unwrap(), fs::read(&table).unwrap());
+    for (damaged, why) in [
+        (&whole[..whole.len() / 2], "unit.json: is no unit.json ("),
+        ("{\"piezo_unit\": 9}", "unit.json: is a unit.json of version 9, and this program reads version 1"),
+    ] {
+        fs::write(&file, damaged).unwrap();
+        let other = ["--seed", "2"];
+        let typed = [&["identify", text(&log), "--out", text(&out)], &SHORT[..], &other[..]].concat();
+        refused(&typed, &[why, "name another folder with --out"]);
+        assert_eq!(fs::read(&table).unwrap(), before);
+    }
     fs::create_dir(&strangers).unwrap();
     fs::write(strangers.join("unit.json"), "{\"of\": \"somebody else\"}").unwrap();
     refused(

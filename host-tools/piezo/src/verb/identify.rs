@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use estimator_core::Table;
 use findings::figures::{heading, row};
-use fleet::{Asked, Found, Run, UNIT, Unit, UnitName};
+use fleet::{Asked, Found, Run, UNIT, Unit, UnitError, UnitName};
 use identification::cost::Cost;
 use identification::validate::{Comparison, Scope, Told, ZERO_WINDOW_S, estimates};
 use identification::{Candidate, Doubt, Job, ModelChoice, Outcome, SearchOptions, StraightLine};
@@ -72,19 +72,20 @@ const FLEET: &str = "A fleet of units";
 
 /// Runs the verb.
 pub fn run(arguments: &mut Identify) -> Result<bool> {
-    let folder = output::to_folder(&arguments.out)?;
+    // Whether a session is being recorded shows by its folder being held: it is looked at before this program holds it.
+    let opened = arguments.fitting.open_session().map_err(anyhow::Error::from);
     let path = arguments.out.join(UNIT.0);
     let Some(unit) = arguments.unit.clone() else {
-        // What it says would be of tables that are gone.
-        if let Ok(Unit { unit, .. }) = Unit::read(&path) {
-            bail!("{}: says what came of {unit}: add --unit, or name another folder with --out", path.display());
-        }
+        opened?;
+        let folder = output::to_folder(&arguments.out)?;
+        of_no_unit(&path)?;
         return identify(arguments, &folder, None);
     };
+    let folder = output::to_folder(&arguments.out)?;
     output::not_over(&path, &inputs(arguments))?;
     arguments.overwrite.of(&path, UNIT.1)?;
     let mut run = Run::new(&arguments.out, unit, TOOL.to_owned());
-    let fit = identify(arguments, &folder, Some(&mut run));
+    let fit = opened.and_then(|()| identify(arguments, &folder, Some(&mut run)));
     let (exit_code, error) = match &fit {
         Ok(fit) => (u8::from(!fit), None),
         Err(error) => (2, Some(remedy::sentence(error.as_ref()))),
@@ -98,6 +99,16 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
     }
 }
 
+/// Refuses a folder that has a unit's file, or one that may be: what it says would be of tables that are gone.
+fn of_no_unit(path: &Path) -> Result<()> {
+    let remedy = "name another folder with --out";
+    match Unit::read(path) {
+        Err(UnitError::Missing { .. }) => Ok(()),
+        Ok(Unit { unit, .. }) => bail!("{}: says what came of {unit}: add --unit, or {remedy}", path.display()),
+        Err(error) => bail!("{error}: {remedy}"),
+    }
+}
+
 /// What is read.
 fn inputs(arguments: &Identify) -> Vec<&Path> {
     arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on).map(PathBuf::as_path).collect()
@@ -105,7 +116,6 @@ fn inputs(arguments: &Identify) -> Vec<&Path> {
 
 /// Identifies, with a unit's run told of it where it is one; whether the table is to be used.
 fn identify(arguments: &mut Identify, folder: &Held, mut run: Option<&mut Run>) -> Result<bool> {
-    arguments.fitting.open_session()?;
     let inputs = inputs(arguments);
     for (name, known_by) in FACES.into_iter().chain([("report.html", PAGE), ("estimate.svg", PICTURE)]) {
         output::not_over(&arguments.out.join(name), &inputs)?;
