@@ -7,6 +7,7 @@ use crate::error::UnitError;
 use identification::Job;
 use recordings::log::{Log, ReadOptions};
 use serde::{Deserialize, Serialize};
+use sha2::digest::Update;
 use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -50,7 +51,11 @@ impl Asked {
 
 /// Of some bytes.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
+    in_words(Sha256::new_with_prefix(bytes))
+}
+
+fn in_words(digest: Sha256) -> String {
+    digest.finalize().iter().fold(String::new(), |mut text, byte| {
         // Cannot fail: a string takes any text.
         let _ = write!(text, "{byte:02x}");
         text
@@ -64,29 +69,35 @@ fn own_file() -> PathBuf {
 }
 
 fn inputs(job: &Job) -> String {
-    let mut bytes = Vec::new();
+    let mut digest = Sha256::new();
+    add_all(&mut digest, job);
+    in_words(digest)
+}
+
+/// Number by number: a copy of all samples would take as much memory as the logs once more.
+fn add_all(digest: &mut impl Update, job: &Job) {
     for logs in [&job.training, &job.held_out] {
-        number(&mut bytes, logs.len());
-        logs.iter().for_each(|log| add(&mut bytes, log));
+        number(digest, logs.len());
+        logs.iter().for_each(|log| add(digest, log));
     }
-    hexadecimal(&bytes)
 }
 
 /// A log's bytes stand for what lies beside them in no format, so what was read counts, too.
-fn add(bytes: &mut Vec<u8>, log: &Log) {
+fn add(digest: &mut impl Update, log: &Log) {
     let Log { sha256, start_s, sample_period, voltage, displacement, displacement_estimated, name: _, path: _ } = log;
-    bytes.extend(sha256.as_bytes());
-    bytes.extend([start_s.to_le_bytes(), sample_period.to_le_bytes()].concat());
-    bytes.push(u8::from(*displacement_estimated));
+    digest.update(sha256.as_bytes());
+    digest.update(&start_s.to_le_bytes());
+    digest.update(&sample_period.to_le_bytes());
+    digest.update(&[u8::from(*displacement_estimated)]);
     for series in [Some(voltage), displacement.as_ref()] {
         let values = series.map_or(&[][..], Vec::as_slice);
-        number(bytes, values.len());
-        bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        number(digest, values.len());
+        values.iter().for_each(|value| digest.update(&value.to_le_bytes()));
     }
 }
 
-fn number(bytes: &mut Vec<u8>, count: usize) {
-    bytes.extend((count as u64).to_le_bytes());
+fn number(digest: &mut impl Update, count: usize) {
+    digest.update(&(count as u64).to_le_bytes());
 }
 
 /// Of the options as the program prints them to itself: it names each field, and every digit of a number that makes a difference.
@@ -148,6 +159,28 @@ mod tests {
         assert_eq!(changed(|job| job.prepare.voltage_scale = 1.0 + f64::EPSILON), ["the options"]);
         assert_eq!(changed(|job| job.calibration.adc_full_scale = Some(65_520)), ["the options"]);
         assert_eq!(changed(|job| job.conditions.repair = true), ["the options"]);
+    }
+
+    /// What a digest is given, and how many bytes of it at once.
+    #[derive(Default)]
+    struct Given {
+        bytes: Vec<u8>,
+        most: usize,
+    }
+
+    impl Update for Given {
+        fn update(&mut self, bytes: &[u8]) {
+            self.bytes.extend(bytes);
+            self.most = self.most.max(bytes.len());
+        }
+    }
+
+    #[test]
+    fn samples_are_digested_where_they_lie() {
+        let (job, mut given) = (job(), Given::default());
+        add_all(&mut given, &job);
+        assert!(given.bytes.len() > 16 * job.training[0].voltage.len() && given.most <= 64, "{}", given.most);
+        assert_eq!(inputs(&job), hexadecimal(&given.bytes));
     }
 
     #[test]
