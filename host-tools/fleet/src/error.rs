@@ -15,7 +15,7 @@ pub enum UnitError {
     /// It cannot be read.
     #[error("{}: cannot be read ({error})", path.display())]
     Unreadable {
-        /// The file.
+        /// The file, or the folder that was to hold it.
         path: PathBuf,
         /// What the operating system says, or that it is no regular file, or too large.
         error: io::Error,
