@@ -9,6 +9,9 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// No file of a result is longer than this.
+const MOST_BYTES: u64 = 64 << 20;
+
 /// One run, in a folder that is its own meanwhile.
 #[derive(Debug)]
 pub struct Run {
@@ -17,7 +20,6 @@ pub struct Run {
     tool: String,
     begun: Instant,
     found: Option<(Asked, Found, BTreeMap<String, String>)>,
-    kept: bool,
 }
 
 /// Why a folder's result is not that of what is asked, and has to be searched.
@@ -52,10 +54,16 @@ pub fn digests<'n>(files: impl IntoIterator<Item = (&'n str, impl AsRef<[u8]>)>)
     files.into_iter().map(|(name, contents)| (name.to_owned(), hexadecimal(contents.as_ref()))).collect()
 }
 
+/// Whether a file of the folder itself is as its digest says. A name that leads elsewhere is no result's.
+fn as_written(folder: &Path, name: &str, digest: &str, most_bytes: u64) -> bool {
+    let plain = Path::new(name).file_name().is_some_and(|plain| plain == name);
+    plain && result_files::read(&folder.join(name), most_bytes).is_ok_and(|bytes| hexadecimal(&bytes) == digest)
+}
+
 impl Run {
     /// The run of a unit by a program, whose results go into a folder.
     pub fn new(folder: &Path, unit: UnitName, tool: String) -> Self {
-        Self { folder: folder.to_owned(), unit, tool, begun: Instant::now(), found: None, kept: false }
+        Self { folder: folder.to_owned(), unit, tool, begun: Instant::now(), found: None }
     }
 
     /// What is other than where the folder's result was made; `None` where the same would be found again.
@@ -64,19 +72,14 @@ impl Run {
         if before.unit != self.unit {
             return Some(Changed::Unit(before.unit));
         }
-        let Some(Identified { asked: of_before, files, .. }) =
-            before.identified().filter(|identified| identified.exit_code == 0)
-        else {
+        let Some(Identified { asked: of_before, files, .. }) = before.identified() else {
             return Some(Changed::NoTable);
         };
         let differs = asked.differs(of_before);
         if !differs.is_empty() {
             return Some(Changed::Asked(differs));
         }
-        let as_written = |(name, digest): (&String, &String)| {
-            std::fs::read(self.folder.join(name)).is_ok_and(|bytes| hexadecimal(&bytes) == *digest)
-        };
-        let other = files.iter().find(|&file| !as_written(file));
+        let other = files.iter().find(|(name, digest)| !as_written(&self.folder, name, digest, MOST_BYTES));
         other.map(|(name, _)| Changed::File(name.clone()))
     }
 
@@ -92,10 +95,8 @@ impl Run {
     ///
     /// # Errors
     /// It cannot be read.
-    pub fn keep(&mut self) -> Result<Unit, UnitError> {
-        let unit = Unit::read(&self.folder.join(UNIT.0))?;
-        self.kept = true;
-        Ok(unit)
+    pub fn keep(&self) -> Result<Unit, UnitError> {
+        Unit::read(&self.folder.join(UNIT.0))
     }
 
     /// Keeps what was found, until the end.
@@ -103,26 +104,21 @@ impl Run {
         self.found = Some((asked, found, files));
     }
 
-    /// Says how it ended: with what was found, or with the error; nothing of a result that is left as it is.
+    /// Says how it ended: with the error, or with what was found; nothing where nothing was searched.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn end(self, exit_code: u8, error: Option<String>) -> Result<(), FileError> {
-        if self.kept && error.is_none() {
-            return Ok(());
-        }
         let seconds = self.begun.elapsed().as_secs_f64();
         let ended = match (&self.found, error) {
+            (_, Some(error)) => {
+                Ended::Failed { exit_code, error, seconds, table_before: table_files::former(&self.folder) }
+            }
             (Some((asked, found, files)), None) => {
                 let (asked, found, files) = (asked.clone(), found.clone(), files.clone());
                 Ended::Identified(Box::new(Identified { exit_code, seconds, asked, found, files }))
             }
-            (_, error) => Ended::Failed {
-                exit_code,
-                error: error.unwrap_or_else(|| "it ended without a result".to_owned()),
-                seconds,
-                table_before: table_files::former(&self.folder),
-            },
+            (None, None) => return Ok(()),
         };
         self.write(ended)
     }
@@ -179,6 +175,36 @@ mod tests {
         assert_eq!(changed("SN042", "a"), Some(Changed::File("table.toml".to_owned())));
         fs::write(folder.path().join("unit.json"), "{}").unwrap();
         assert_eq!(changed("SN042", "a"), Some(Changed::Nothing));
+    }
+
+    #[test]
+    fn a_file_elsewhere_or_longer_than_any_is_none_of_a_result() {
+        let folder = result();
+        let inner = folder.path().join("inner");
+        fs::create_dir(&inner).unwrap();
+        let digest = hexadecimal(b"a table");
+        let is = |name: &str, most| as_written(folder.path(), name, &digest, most);
+        assert!(is("table.toml", 7) && !is("table.toml", 6));
+        assert!(!as_written(&inner, "../table.toml", &digest, 7));
+        let absolute = folder.path().join("table.toml");
+        for name in ["./table.toml", "inner/../table.toml", absolute.to_str().unwrap(), "..", "", "inner"] {
+            assert!(!is(name, 7), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_left_as_it_is_is_not_written_anew_and_what_ends_with_an_error_is() {
+        let folder = result();
+        let path = folder.path().join("unit.json");
+        let before = fs::read(&path).unwrap();
+        let again = run(folder.path(), "SN042");
+        assert_eq!(again.keep().unwrap(), Unit::read(&path).unwrap());
+        again.end(0, None).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), before);
+        let mut found = run(folder.path(), "SN042");
+        found.found(asked("a"), identified("SN042", 0.2, 2.0).identified().unwrap().found.clone(), BTreeMap::new());
+        found.end(2, Some("no memory".to_owned())).unwrap();
+        assert!(matches!(Unit::read(&path).unwrap().ended, Ended::Failed { error, .. } if error == "no memory"));
     }
 
     #[test]

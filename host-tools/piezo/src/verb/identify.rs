@@ -174,7 +174,7 @@ fn identify(arguments: &mut Identify, folder: &Held, mut run: Option<&mut Run>) 
 }
 
 /// Says that the result is there already, and leaves it.
-fn unchanged(arguments: &Identify, run: &mut Run) -> Result<bool> {
+fn unchanged(arguments: &Identify, run: &Run) -> Result<bool> {
     let unit = run.keep()?;
     if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&unit)?);
