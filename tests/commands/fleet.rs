@@ -160,11 +160,14 @@ fn a_run_that_is_killed_is_seen_to_have_not_ended_and_is_searched_again() {
         assert!(begun.elapsed() < Duration::from_secs(30), "it does not begin");
         std::thread::sleep(Duration::from_millis(10));
     }
+    let (code, said) = collect(&[text(&fleet)]);
+    assert_eq!(code, 1);
+    assert!(said.contains("SN042 (running): its run has not ended yet"), "{said}");
     run.kill().unwrap();
     run.wait().unwrap();
     let (code, said) = collect(&[text(&fleet)]);
     assert_eq!(code, 1);
-    assert!(said.contains("SN042 (begun): its run was killed, or has not ended yet"), "{said}");
+    assert!(said.contains("SN042 (killed): its run was killed, unless it goes on on another machine"), "{said}");
     let again = identify(&fleet, "SN042", &log).arg("--if-changed").assert().success().get_output().stderr.clone();
     assert!(String::from_utf8(again).unwrap().contains("the run before found no table"));
 }

@@ -90,8 +90,8 @@ fn alike(members: &[Member]) -> Vec<Alike> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::unit::Unit;
-    use crate::unit::tests::identified;
+    use crate::unit::tests::{identified, unit};
+    use crate::unit::{Ended, Unit};
     use std::fs;
 
     fn fleet(units: Vec<Unit>) -> Fleet {
@@ -114,7 +114,7 @@ mod tests {
         let mut copied = identified("SN2", 0.2, 2.0);
         copied.unit = "SN3".parse().unwrap();
         let mut again = identified("SN1", 0.3, 2.0);
-        if let crate::unit::Ended::Identified(of) = &mut again.ended {
+        if let Ended::Identified(of) = &mut again.ended {
             of.asked.inputs = "others".to_owned();
         }
         let units = vec![identified("SN1", 0.2, 2.0), identified("SN2", 0.2, 2.0), copied, again];
@@ -126,6 +126,18 @@ mod tests {
                 Alike::Logs { units: vec!["SN2".to_owned(), "SN3".to_owned()] }
             ]
         );
+    }
+
+    #[test]
+    fn a_run_that_goes_on_is_told_from_one_that_was_killed() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = folder.path().join("SN1");
+        let held = result_files::Held::of(&at).unwrap();
+        fs::write(at.join("unit.json"), serde_json::to_string(&unit("SN1", Ended::Begun)).unwrap()).unwrap();
+        let state = || Fleet::read(&[folder.path().to_owned()], ToString::to_string).units.remove(0).status;
+        assert_eq!(state(), State::Running);
+        drop(held);
+        assert_eq!(state(), State::Killed);
     }
 
     #[test]

@@ -18,8 +18,10 @@ pub enum State {
     Identified,
     /// It has none.
     Failed,
-    /// Its run has not ended, or was killed.
-    Begun,
+    /// Its run has not ended: it holds the folder.
+    Running,
+    /// Its run was killed, or goes on where its lock is not seen from here.
+    Killed,
     /// There is no file of it.
     Missing,
     /// There is one that says nothing.
@@ -31,7 +33,8 @@ impl fmt::Display for State {
         f.pad(match self {
             Self::Identified => "identified",
             Self::Failed => "failed",
-            Self::Begun => "begun",
+            Self::Running => "running",
+            Self::Killed => "killed",
             Self::Missing => "missing",
             Self::Unreadable => "unreadable",
         })
@@ -108,8 +111,12 @@ impl Row {
         let row = Self { unit: unit.unit.to_string(), ..row };
         match &unit.ended {
             Ended::Begun => {
-                let what = "its run was killed, or has not ended yet".to_owned();
-                Self { status: State::Begun, said: Some(what), ..row }
+                let (status, said) = match result_files::is_held(&member.folder) {
+                    true => (State::Running, "its run has not ended yet"),
+                    // A network's file system may show the locks of another machine to nobody.
+                    false => (State::Killed, "its run was killed, unless it goes on on another machine"),
+                };
+                Self { status, said: Some(said.to_owned()), ..row }
             }
             Ended::Failed { error, seconds, table_before, .. } => {
                 let of_before = |table: &String| format!("; the folder still holds {table} of an earlier run");

@@ -50,7 +50,7 @@ fn line(row: &Row, width: usize) -> String {
 
 /// How many there are of each state, and what the identified ones are like.
 fn counted(fleet: &Fleet) -> String {
-    let others = [State::Failed, State::Begun, State::Missing, State::Unreadable];
+    let others = [State::Failed, State::Running, State::Killed, State::Missing, State::Unreadable];
     let others = others.into_iter().filter(|&state| fleet.count(state) > 0);
     let others: Vec<String> = others.map(|state| format!("{} {state}", fleet.count(state))).collect();
     let all = fleet.units.len();
