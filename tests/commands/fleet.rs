@@ -266,6 +266,12 @@ fn collect_says_what_failed_is_missing_or_broken_and_hides_no_other() {
     ] {
         assert!(said.contains(part), "{part:?} is missing in {said}");
     }
+    let formats = fs::read_to_string(root().join("book/src/formats.md")).unwrap();
+    let (_, chapter) = formats.split_once("**`piezo collect --csv FILE`**").unwrap();
+    let (columns, _) = chapter.split_once("**board.toml**").unwrap();
+    for column in csv::Reader::from_path(&csv).unwrap().headers().unwrap() {
+        assert!(columns.contains(&format!("`{column}`")), "the chapter does not say what {column} is");
+    }
     let rows: Vec<Vec<String>> = csv::Reader::from_path(&csv)
         .unwrap()
         .records()
