@@ -2,9 +2,6 @@
 
 use serde::Serialize;
 
-/// Part of a period by which a step may differ from it.
-const JITTER: f64 = 0.01;
-
 /// When the rows were recorded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Clock {
@@ -19,16 +16,6 @@ pub struct Clock {
     pub long_steps: u64,
     /// Time from the first row to the last, s.
     pub duration_s: f64,
-}
-
-impl Clock {
-    /// Whether no time stamp is further off an even clock than any recorder's: where none are there, too.
-    #[must_use]
-    pub fn even(&self) -> bool {
-        self.steps_s.is_none_or(|(low, high)| {
-            (1.0 - JITTER..=1.0 + JITTER).contains(&(low * self.hz)) && (high * self.hz) <= 1.0 + JITTER
-        })
-    }
 }
 
 /// Who says how fast the rows were recorded.
