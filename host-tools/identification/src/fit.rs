@@ -2,7 +2,7 @@
 //! the simpler ones' solutions; the others by variable projection.
 
 use crate::cost::Cost;
-use crate::family::{self, BlackBoxInputs, voigt};
+use crate::family::{self, AnyFamily, BlackBoxInputs, voigt};
 use crate::problem::Problem;
 use crate::search::SearchOptions;
 use crate::search::space::Space;
@@ -125,11 +125,12 @@ impl Identification<'_> {
     /// candidates, or of as many as a smooth family needs, whose convergence is not kept.
     pub fn again(&self, fit: &Fit, evaluations: usize) -> Fit {
         let structures = family::of(fit.model, self.problem);
-        match structures.get(fit.structure).or(structures.first()) {
-            Some(family) => {
+        match structure_of(fit, &structures) {
+            Some(at) => {
+                let family = &structures[at];
                 let enough = if family.smooth() { SMOOTH * family.genes().len() } else { evaluations };
                 let found = self.structure(fit.model, family.as_ref(), NEARBY, enough, Some(fit), None);
-                Fit { structure: fit.structure, ..found }
+                Fit { structure: at, ..found }
             }
             None => {
                 let (space, seeds) = self.space(fit.model, std::slice::from_ref(fit));
@@ -178,4 +179,15 @@ impl Identification<'_> {
         let found = self.structure(space.model, &family, method, evaluations, None, progress);
         Fit { space: Some(space), ..found }
     }
+}
+
+/// Which of a model's structures a fit goes on in: of those that search all that it was found by, and least besides, its own.
+/// (A limit that the fit was found not to need is not searched again.) `None` of the Voigt family, which has none.
+fn structure_of(fit: &Fit, structures: &[AnyFamily]) -> Option<usize> {
+    let genes: Vec<Vec<Gene>> = structures.iter().map(|family| family.genes()).collect();
+    let has = |genes: &[Gene], name| genes.iter().any(|gene| gene.name == name);
+    let all = |genes: &&Vec<Gene>| fit.genes.iter().all(|(gene, _)| has(genes, gene.name));
+    let least = genes.iter().filter(all).map(Vec::len).min();
+    let alike = |at: &usize| genes.get(*at).is_some_and(|genes| all(&genes) && Some(genes.len()) == least);
+    Some(fit.structure).filter(alike).or_else(|| (0..genes.len()).find(alike)).or((!genes.is_empty()).then_some(0))
 }
