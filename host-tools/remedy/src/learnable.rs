@@ -8,9 +8,8 @@ use std::path::Path;
 
 /// Why `identify` does not take a log; `None` where it does, and of a log too long to keep, which is not tried.
 pub fn refused(path: &Path, options: &ReadOptions, found: &Survey) -> Option<String> {
-    if found.flaws.is_none() {
-        return None;
-    }
+    // Of one that is too long to keep no flaw was looked for.
+    found.flaws.as_ref()?;
     let log = match read(path, options) {
         Ok(log) => log,
         Err(error) => return Some(sentence(&error)),
