@@ -140,3 +140,68 @@ fn look_says_of_time_stamps_what_identify_does() {
         assert_eq!(said.contains("--fs '<HZ>'"), remedy, "{what}: {said}");
     }
 }
+
+/// What identify refuses before it searches is not proposed by look, which says it in the same words.
+#[test]
+fn look_proposes_no_log_that_identify_refuses() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let write = |name: &str, hz: f64, course: &dyn Fn(u32) -> (f64, f64)| {
+        let log = folder.path().join(name).with_extension("csv");
+        let row = |row: u32| {
+            let (volts, micrometres) = course(row);
+            format!("{:.6},{volts:.4},{micrometres:.5}\n", f64::from(row) / hz)
+        };
+        let rows: String = (0..3_000).map(row).collect();
+        fs::write(&log, format!("time_s,voltage_V,displacement_um\n{rows}")).unwrap();
+        log
+    };
+    let sine = |row: u32| 50.0 - 50.0 * (f64::from(row) * 0.02).cos();
+    let noise = |row: u32| 1e-3 * f64::from(row * 7_919 % 1_009) / 1_009.0;
+    let sound = write("sound", 2_000.0, &|row| (sine(row), 0.1 * sine(row) + noise(row)));
+    for (name, course, line) in [
+        (
+            "rising",
+            &(|row| (f64::from(row) * 0.03, f64::from(row) * 3e-3 + noise(row))) as &dyn Fn(u32) -> _,
+            "not alone",
+        ),
+        ("still", &|row| (sine(row), noise(row)), "not alone"),
+        ("falling", &|row| (sine(row), -0.1 * sine(row) + noise(row)), "not as it is"),
+    ] {
+        let log = write(name, 2_000.0, course);
+        let refused = said(&[&["identify", text(&log), "--out", text(&out)], &SHORTEST[..]].concat());
+        let why = refused.trim().rsplit("piezo: ").next().unwrap();
+        let looked = said(&["look", text(&log)]);
+        assert!(looked.contains(&format!("  {line:<13} {why}\n")) && !looked.contains("Next:"), "{looked}\n{refused}");
+        let found = json(piezo().args(["look", text(&log), "--json"]));
+        assert_eq!(found[0]["refusal"], why);
+        // Beside a log that shows something, one that does not is no hindrance.
+        let both = [text(&sound), text(&log)];
+        let taken =
+            piezo().args(["identify"]).args(both).args(["--out", text(&out), "--force"]).args(SHORTEST).output();
+        let looked = said(&[&["look"], &both[..]].concat());
+        assert_eq!(looked.contains("Next:"), taken.unwrap().status.success(), "{name}: {looked}");
+    }
+}
+
+/// Of what the usual tick alone is in the way of, look does not say that it cannot be learnt from.
+#[test]
+fn look_says_that_another_tick_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log.csv");
+    let looked = |rows: u32, hz: f64| {
+        let row = |row: u32| {
+            let volts = 50.0 - 50.0 * (f64::from(row) * 0.02).cos();
+            format!("{:.9},{volts:.4},{:.5}\n", f64::from(row) / hz, 0.1 * volts)
+        };
+        let rows: String = (0..rows).map(row).collect();
+        fs::write(&log, format!("time_s,voltage_V,displacement_um\n{rows}")).unwrap();
+        said(&["look", text(&log)])
+    };
+    // No multiple of the tick's rate is no hindrance.
+    let taken = looked(3_000, 3_000.0);
+    assert!(taken.contains("Next:") && !taken.contains("not as it is"), "{taken}");
+    let slow = looked(12_000, 0.2);
+    assert!(slow.contains("\n  not as it is  ") && slow.contains("use a longer --tick-us"), "{slow}");
+    assert!(!slow.contains("not learnable") && !slow.contains("Next:"), "{slow}");
+}

@@ -17,8 +17,8 @@ const PART_OF_A_HALF_CYCLE: u64 = 20;
 const ESTIMATED: &str = "the displacement is a device's estimate, no sensor's: nothing is to be learnt from it, and no error read off it; \
                          piezo record records a sensor that board.toml says the span of (--board)";
 
-/// What was understood of a log, a line each, why there is no displacement, and why the log cannot be learnt from.
-pub fn surveyed(survey: &Survey, refusal: Option<&str>, refused: Option<&str>) -> Vec<String> {
+/// What was understood of a log, a line each, why there is no displacement, and under a name of its own, what hinders learning from it.
+pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &str)>) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = |name: &str, words: &str| lines.push(format!("  {name:<13} {words}"));
     for ColumnRead { quantity, number, name, unit } in &survey.columns {
@@ -73,8 +73,8 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, refused: Option<&str>) -
         );
     }
     swings(&mut line, survey);
-    if let Some(refused) = refused {
-        line("not learnable", refused);
+    if let Some((name, why)) = hinders {
+        line(name, why);
     }
     lines
 }

@@ -27,7 +27,7 @@ pub use findings::{
     remarks, surveyed,
 };
 pub use identification::{ENDS, mismatch};
-pub use learnable::refused;
+pub use learnable::{Learnable, all_learnable, learnable};
 pub use log::{cut_short, kept};
 pub use motion::moving;
 pub use outcome_json::outcome_json;

@@ -48,22 +48,24 @@ pub fn run(arguments: &Look) -> Result<bool> {
             path.display()
         );
     }
-    let (mut pictures, mut surveys, mut learnable) = (Vec::new(), Vec::new(), true);
+    let (mut pictures, mut surveys, mut tried) = (Vec::new(), Vec::new(), Vec::new());
     for path in &arguments.logs {
         let (reading, refusal) = opened(path, arguments)?;
         let found = survey(reading)?;
-        let tried = refusal.is_none() && found.voltage.is_some();
-        let refused = if tried { remedy::refused(path, &arguments.files.options(), &found) } else { None };
+        let complete = refusal.is_none() && found.voltage.is_some();
+        let learnable = complete.then(|| remedy::learnable(path, &arguments.files.options(), &found));
         let measured = found.displacement.is_some() && !found.displacement_estimated;
-        learnable &= tried && refused.is_none() && measured;
+        let hinders = learnable.as_ref().and_then(|of| of.line());
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         pictures.push(report::survey(&found, &name));
         if arguments.json {
-            surveys.push(serde_json::json!({ "log": path, "survey": found, "refusal": refusal.or(refused) }));
+            let refusal = refusal.as_deref().or(learnable.as_ref().and_then(|of| of.refusal()));
+            surveys.push(serde_json::json!({ "log": path, "survey": found, "refusal": refusal }));
         } else {
             out(&path.display().to_string());
-            remedy::surveyed(&found, refusal.as_deref(), refused.as_deref()).iter().for_each(|line| out(line));
+            remedy::surveyed(&found, refusal.as_deref(), hinders).iter().for_each(|line| out(line));
         }
+        tried.push(learnable.filter(|_| measured));
     }
     if arguments.json {
         out(&serde_json::to_string_pretty(&surveys)?);
@@ -80,7 +82,8 @@ pub fn run(arguments: &Look) -> Result<bool> {
             out(&format!("\nWritten: {}", path.display()));
         }
     }
-    if learnable && !arguments.json {
+    let tried: Option<Vec<_>> = tried.into_iter().collect();
+    if !arguments.json && tried.is_some_and(|logs| remedy::all_learnable(&logs)) {
         out(&format!("\nNext:\n    {}", remedy::learn_from(&arguments.logs)));
     }
     Ok(true)
