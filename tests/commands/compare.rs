@@ -97,6 +97,21 @@ fn a_model_without_an_admissible_candidate_is_a_row() {
     assert!(why.contains("no admissible candidate"), "{why}");
     assert!(number(&result, "/rows/1/held_out/all/mae_um") > 0.0);
     assert!(fs::read_to_string(out.join("compare.html")).unwrap().contains("no admissible candidate"));
+
+    // The table of a former run, in which the model did not fail, is not taken for one of this.
+    fs::copy(out.join("preisach.toml"), out.join("enhanced.toml")).unwrap();
+    fs::copy(out.join("preisach.toml"), out.join("duhem.toml")).unwrap();
+    let again = piezo()
+        .arg("compare")
+        .arg(rig.join("tr10.csv"))
+        .args(KNOWN)
+        .args(["--models", "enhanced,preisach", "--out", text(&out)])
+        .args(search)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(again.stdout).unwrap();
+    let line = said.lines().find(|line| line.starts_with("Written to ")).expect("where it was written");
+    assert!(line.ends_with(": compare.html, preisach.toml; still there from before, and not of this comparison: enhanced.toml, duhem.toml"), "{line}");
 }
 
 /// A session's folder stands for its logs, as it does for identify.

@@ -4,20 +4,12 @@ use comparison::Matrix;
 use estimator_core::Model;
 use identification::SearchOptions;
 use identification::cost::Cost;
-use serde_json::Value;
+use std::path::Path;
 use table_files::{Noise, TableFile, TableFileError};
 
 /// The name of a model's table in the folder of a comparison.
 pub fn table_name(model: Model) -> String {
-    format!("{}.toml", word(model))
-}
-
-/// A model as it is typed.
-fn word(model: Model) -> String {
-    match serde_json::to_value(model) {
-        Ok(Value::String(word)) => word,
-        _ => model.to_string(),
-    }
+    format!("{}.toml", model.name())
 }
 
 /// The file of each model that was identified, by its name. Nobody looked for what makes one of them doubtful, and it has no ±.
@@ -29,7 +21,7 @@ pub fn compared(matrix: &Matrix, cost: Cost, search: &SearchOptions) -> Result<V
     let of = |model: Model| {
         let compared = format!(
             "it was made to be compared: it states no ±, and what makes it doubtful was not looked for; `piezo identify --model {}` does both",
-            word(model)
+            model.name()
         );
         matrix.doubts.iter().map(crate::doubt).chain([compared]).collect()
     };
@@ -52,4 +44,16 @@ pub fn compared(matrix: &Matrix, cost: Cost, search: &SearchOptions) -> Result<V
         Ok((table_name(model), file.to_toml()?))
     };
     tables.map(file).collect()
+}
+
+/// What was written into the folder of a comparison, and which models' tables are there that it did not write.
+pub fn written_to(folder: &Path, tables: &[(String, String)]) -> String {
+    let written: Vec<&str> = tables.iter().map(|(name, _)| name.as_str()).collect();
+    let stays = |name: &String| !written.contains(&name.as_str()) && folder.join(name).exists();
+    let of_before: Vec<String> = Model::ALL.into_iter().map(table_name).filter(stays).collect();
+    let kept = match of_before.is_empty() {
+        true => String::new(),
+        false => format!("; still there from before, and not of this comparison: {}", of_before.join(", ")),
+    };
+    format!("Written to {}: {}{kept}", folder.display(), [&["compare.html"], &written[..]].concat().join(", "))
 }

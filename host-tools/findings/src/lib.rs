@@ -21,7 +21,7 @@ mod table_file;
 mod unsaid;
 mod validated;
 
-pub use compared::{compared, table_name};
+pub use compared::{compared, table_name, written_to};
 pub use determination::{DETERMINED, determination};
 pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, implausible, runs_ahead};
 pub use flaw::{flaw, flaw_found, flaw_scored, flaws};
