@@ -119,12 +119,12 @@ pub enum BenchError {
     #[error("the table in use states no ±, so that nothing says what would be good enough")]
     NothingStated,
     /// There is nothing to compare with.
-    #[error("{complaint}; what was measured before is in {}", log.display())]
+    #[error("{complaint}{}", log.as_ref().map_or(String::new(), |log| format!("; what was measured before is in {}", log.display())))]
     Sensor {
         /// What is wrong with the sensor.
         complaint: Complaint,
-        /// Where it was written.
-        log: PathBuf,
+        /// Where what was measured before was written, where anything was.
+        log: Option<PathBuf>,
     },
     /// Two things went wrong, one after the other.
     #[error("{0}; and then: {1}")]

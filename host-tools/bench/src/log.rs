@@ -14,6 +14,8 @@ pub struct LogFile {
     length: u64,
     tick_s: f64,
     rows: u64,
+    /// It is left without a row, too.
+    left_empty: bool,
 }
 
 impl LogFile {
@@ -26,12 +28,18 @@ impl LogFile {
             ErrorKind::AlreadyExists => BenchError::Occupied { path: path.to_owned() },
             _ => BenchError::Log { path: path.to_owned(), source },
         })?;
-        let mut log = Self { path: path.to_owned(), file, length: 0, tick_s, rows: 0 };
+        let mut log = Self { path: path.to_owned(), file, length: 0, tick_s, rows: 0, left_empty: true };
         log.line(heading).inspect_err(|_| {
             // It holds nothing, and would be in the way of the next session; the error that is said comes first.
             let _ = std::fs::remove_file(path);
         })?;
         Ok(log)
+    }
+
+    /// Takes it away, however it ends, where it has no row then: it would be in the way of the next one.
+    pub fn with_rows_alone(mut self) -> Self {
+        self.left_empty = false;
+        self
     }
 
     /// Adds the row of a tick: the columns behind the time.
@@ -57,6 +65,36 @@ impl LogFile {
 
     /// Ends it; its path and how many rows it has.
     pub fn end(self) -> (PathBuf, u64) {
-        (self.path, self.rows)
+        (self.path.clone(), self.rows)
+    }
+}
+
+impl Drop for LogFile {
+    fn drop(&mut self) {
+        if self.rows == 0 && !self.left_empty {
+            // What has ended it is said; that an empty file is left, the next one says.
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_that_must_have_rows_is_left_only_with_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("proven.csv");
+        let begun = || LogFile::create(&path, "time_s", 5e-4).unwrap();
+        drop(begun().with_rows_alone());
+        assert!(!path.exists());
+        let mut log = begun().with_rows_alone();
+        log.row(0, &[]).unwrap();
+        drop(log);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "time_s\n0.000000\n");
+        std::fs::remove_file(&path).unwrap();
+        drop(begun());
+        assert!(path.exists());
     }
 }

@@ -86,7 +86,7 @@ pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(us
     let measured =
         drive(client, proof, (&table, request.span_v()), &lead_in, &random, progress).and_then(Measured::sound);
     let home = loan::rest(client, table.adc, limits);
-    let Measured { instants, log, .. } = match measured {
+    let Measured { instants, .. } = match measured {
         Ok(measured) => measured,
         Err(error) => return Err(beside(error, home)),
     };
@@ -95,7 +95,16 @@ pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(us
     let verdict = Verdict::of(&figures, &shares, proof.max_percent);
     let held_out_um = table.provenance.validation_mae_um.map(f64::from);
     let checksum = record::checksum(&table::to_record(&table)).unwrap_or(0);
-    Ok(Proven { figures, shares, verdict, learnt: trained_on(&table), held_out_um, table: checksum, log, home })
+    Ok(Proven {
+        figures,
+        shares,
+        verdict,
+        learnt: trained_on(&table),
+        held_out_um,
+        table: checksum,
+        log: proof.log.to_owned(),
+        home,
+    })
 }
 
 /// What [`prove`] would do with a device, in sentences; nothing is driven, and the device is changed in nothing.
@@ -187,7 +196,8 @@ fn request(table: &Admitted, proof: &Proof<'_>) -> Result<(Request, DriveLimits)
 struct Measured {
     instants: Vec<Instant>,
     complaint: Option<Complaint>,
-    log: PathBuf,
+    /// Where it was written, where anything was.
+    log: Option<PathBuf>,
 }
 
 impl Measured {
@@ -223,7 +233,7 @@ fn drive(
     })?;
     stopped(&led_in)?;
     let heading = HEADING.to_owned() + table.interval.map_or("", |_| HALF_WIDTH);
-    let mut log = LogFile::create(proof.log, &heading, table.sample_period())?;
+    let mut log = LogFile::create(proof.log, &heading, table.sample_period())?.with_rows_alone();
     let mut instants: Vec<Instant> = Vec::new();
     if complaint.is_none() {
         told::zero(client, 0.0)?;
@@ -256,7 +266,8 @@ fn drive(
             return Err(error);
         }
     }
-    Ok(Measured { instants, complaint, log: log.end().0 })
+    let (log, rows) = log.end();
+    Ok(Measured { instants, complaint, log: (rows > 0).then_some(log) })
 }
 
 /// Errors since the zero.

@@ -194,7 +194,9 @@ fn a_sensor_that_is_not_there_is_what_a_proof_complains_of() {
     let (wiring, interrupt, log) = (&wiring, &interrupt, &*log);
     let proof = Proof { wiring, range: None, up_to_hz, duration_s, seed, max_percent: Some(2.0), log, interrupt };
     let refused = prove(&mut client, &proof, &mut |_| {}).unwrap_err();
-    assert!(matches!(refused, BenchError::Sensor { complaint: Complaint::NoSensor, .. }), "{refused}");
+    // Nothing was measured: no file is in the way of the next proof, and none is named.
+    assert!(matches!(refused, BenchError::Sensor { complaint: Complaint::NoSensor, log: None }), "{refused}");
+    assert!(!log.exists() && !refused.to_string().contains("proven.csv"), "{refused}");
 }
 
 #[test]
@@ -210,7 +212,8 @@ fn an_interrupted_session_keeps_what_it_has_and_brings_the_device_home() {
     is_home(&mut client, folder.path());
 }
 
-/// The host sleeps once a segment is over: longer than the device holds a voltage for it, 5 s of its own.
+/// The host sleeps once a segment is over: longer than the device holds a voltage for it, 5 s of this machine's
+/// clock, whatever the speed of the emulation: that is of its ticks.
 #[test]
 fn a_host_that_was_suspended_between_two_segments_is_told_so_and_keeps_the_first() {
     let folder = tempfile::tempdir().unwrap();

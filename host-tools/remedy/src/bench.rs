@@ -85,7 +85,8 @@ fn session(error: &BenchError) -> String {
         BenchError::OtherConverters { .. } => format!("{error}: `piezo install` it with this --board"),
         BenchError::Misfit(misfit @ Misfit::Cycles { drives, .. }) => format!("{misfit}: {}", too_long(*drives)),
         BenchError::Misfit(_) => format!("{error}: correct adc_full_scale and dac_full_scale in board.toml"),
-        BenchError::Sensor { complaint: of, log } => {
+        BenchError::Sensor { complaint: of, log: None } => complaint(of),
+        BenchError::Sensor { complaint: of, log: Some(log) } => {
             format!("{}; what was measured before is in {}", complaint(of), log.display())
         }
         BenchError::WouldJump { .. } => {
