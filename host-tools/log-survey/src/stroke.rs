@@ -10,8 +10,8 @@ const APART: f64 = 0.05;
 
 /// The stroke of a displacement (µm) beside the voltage at the same instants (V), from its lowest to its highest value; `before_v` is
 /// the voltage before the first. Left out are stretches in which it stands still while the voltage moves, and a few values beyond a
-/// gap that come no more than three in a row, unless the voltage leaps there, too: a spike is no movement, and a pulse that is commanded is
-/// one. Where a sensor stood still for most of the time, nothing of that is left out.
+/// gap that come no more than three in a row, unless the voltage leaps there, too: a spike is no movement, and a pulse that the
+/// voltage commands is a movement. Where a sensor stood still for most of the time, nothing of that is left out.
 pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
     debug_assert_eq!(voltage.len(), displacement.len());
     let mut moved = vec![true; displacement.len()];
