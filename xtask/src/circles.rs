@@ -183,7 +183,7 @@ mod tests {
     fn a_variable_of_a_modules_name_draws_no_arrow() {
         let files = [
             ("src/lib.rs", "mod a;"),
-            ("src/a.rs", "mod inner;\npub struct A;\nfn of(inner: u8) -> u8 { dbg!(inner) + inner }"),
+            ("src/a.rs", "mod inner;\npub struct A;\nfn of(inner: u8) -> String { format!(\"{}\", inner + inner) }"),
             ("src/a/inner.rs", "use super::A;"),
         ];
         assert_eq!(found(&files), [""; 0]);

@@ -67,10 +67,7 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
         }
     }
     if survey.flaws.is_none() {
-        line(
-            "",
-            "a long log: leaps, a voltage that is cut off, and time stamps that identify refuses are not looked for here",
-        );
+        line("", "a long log: leaps, and a voltage that is cut off, are not looked for here");
     }
     swings(&mut line, survey);
     if let Some((name, why)) = hinders {

@@ -9,7 +9,6 @@ use recordings::log::{Log, ReadOptions};
 use serde::{Deserialize, Serialize};
 use sha2::digest::Update;
 use sha2::{Digest as _, Sha256};
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// Digests, SHA-256 in lower-case hexadecimal.
@@ -55,11 +54,7 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 }
 
 fn in_words(digest: Sha256) -> String {
-    digest.finalize().iter().fold(String::new(), |mut text, byte| {
-        // Cannot fail: a string takes any text.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The file of the program that runs. Linux keeps it for whoever runs it, also where another has taken its place.

@@ -23,17 +23,17 @@ pub enum UnitError {
     /// It holds something else.
     #[error("{}: is no unit.json ({error})", path.display())]
     NoUnit {
-        /// The file.
+        /// The unit.json.
         path: PathBuf,
-        /// Where and why.
+        /// Where in it, and why.
         error: serde_json::Error,
     },
     /// Its format is of another version.
     #[error("{}: is a unit.json of version {version}, and this program reads version {read}", path.display())]
     Version {
-        /// The file.
+        /// The unit.json.
         path: PathBuf,
-        /// Its version.
+        /// The version that it states of its format.
         version: u64,
         /// The version that is read.
         read: u64,

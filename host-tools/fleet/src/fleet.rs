@@ -14,14 +14,14 @@ use std::path::PathBuf;
 pub enum Alike {
     /// Folders of one unit's name.
     Name {
-        /// The name.
+        /// The name that they share.
         unit: String,
-        /// The folders.
+        /// Paths of the folders, as they were named.
         folders: Vec<String>,
     },
     /// Units that were learnt from the same logs.
     Logs {
-        /// The units.
+        /// Names of the units.
         units: Vec<String>,
     },
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// A folder that is to hold a unit's results.
 #[derive(Debug)]
 pub struct Member {
-    /// The folder.
+    /// Where the unit.json is, or is missing.
     pub folder: PathBuf,
     /// What its file says.
     pub unit: Result<Unit, UnitError>,

@@ -29,7 +29,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All.
+    /// Every quantity, in the order in which they are told.
     pub const ALL: [Self; 3] = [Self::ErrorPercent, Self::HalfWidthPercent, Self::StrokeUm];
 
     /// A value of it, in words.
@@ -54,11 +54,11 @@ impl fmt::Display for Quantity {
 /// A unit that is far from the rest in something.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Outlier {
-    /// The unit.
+    /// Name of the unit.
     pub unit: String,
-    /// In what.
+    /// What it is far off in.
     pub quantity: Quantity,
-    /// Its own.
+    /// The unit's value, in the quantity's unit.
     pub value: f64,
     /// The fleet's median.
     pub median: f64,

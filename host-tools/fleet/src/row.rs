@@ -11,7 +11,7 @@ use std::fmt;
 pub const CSV: &str = "unit,folder,status,";
 
 /// How a unit is.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum State {
     /// It has a table.
@@ -25,6 +25,7 @@ pub enum State {
     /// There is no file of it.
     Missing,
     /// There is one that says nothing.
+    #[default]
     Unreadable,
 }
 
@@ -41,8 +42,8 @@ impl fmt::Display for State {
     }
 }
 
-/// The row.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+/// One unit, with a column for each field; empty where nothing is known.
+#[derive(Clone, Default, PartialEq, Debug, Serialize)]
 pub struct Row {
     /// The unit; of a folder that does not say it, the folder's name.
     pub unit: String,
@@ -82,24 +83,8 @@ impl Row {
     /// Of a member; `said` puts into words what is wrong with its file.
     pub fn of(member: &Member, said: &impl Fn(&UnitError) -> String) -> Self {
         let folder_name = member.folder.file_name().unwrap_or(member.folder.as_os_str()).to_string_lossy();
-        let row = Self {
-            unit: folder_name.into_owned(),
-            folder: member.folder.display().to_string(),
-            status: State::Unreadable,
-            model: None,
-            held_out_mae_um: None,
-            held_out_mae_percent: None,
-            held_out_max_um: None,
-            half_width_um: None,
-            half_width_percent: None,
-            stroke_um: None,
-            doubts: None,
-            gravest_doubt: None,
-            grave: false,
-            table: None,
-            seconds: None,
-            said: None,
-        };
+        let row =
+            Self { unit: folder_name.into_owned(), folder: member.folder.display().to_string(), ..Self::default() };
         let unit = match &member.unit {
             Ok(unit) => unit,
             Err(error) => {

@@ -61,7 +61,7 @@ impl fmt::Display for UnitName {
     }
 }
 
-/// The file.
+/// What a unit's folder says of it: the file unit.json.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Unit {
     /// The version of its format; the first field, by which the file is known.
@@ -136,7 +136,7 @@ pub struct Found {
 /// A doubt, in short and in words.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Reservation {
-    /// Its kind.
+    /// The kind of doubt, as identify's JSON names it.
     pub doubt: String,
     /// The table is not to be used before it is mended.
     pub grave: bool,

@@ -16,9 +16,7 @@ use crate::search::SearchOptions;
 use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{
-    Character, Flaw, Implausible, ahead, falls, flaws, gravest, is_noise, leave_out, mended, prepared, range, sound,
-};
+use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, leave_out, mended, prepared, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -174,15 +172,9 @@ impl Job {
     /// # Errors
     /// A log cannot be used, or the model that counts has no admissible candidate.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
-        let Prepared { problem, context, logs, of_logs, delay_at_bound } = self.prepare(progress)?;
-        if let Some(first) = problem.training().next() {
-            if problem.training().all(is_noise) {
-                return Err(JobError::Noise { log: first.name.clone(), span_um: range(&first.displacement) });
-            }
-            if Character::of(problem.training(), problem.deadband).reversals == 0 {
-                return Err(JobError::NoReversal { log: first.name.clone() });
-            }
-        }
+        let prepared = self.prepare(progress)?;
+        prepared.teaches()?;
+        let Prepared { problem, context, logs, of_logs, delay_at_bound } = prepared;
         let identification = Identification { problem: &problem, cost: self.cost, options: &self.search, budget: None };
         let Choice { fits, chosen } = identification.choose(self.model, progress);
         let (model, reason) = chosen.ok_or(JobError::NothingFound)?;

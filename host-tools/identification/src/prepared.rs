@@ -2,7 +2,9 @@
 
 use crate::candidate::TableContext;
 use crate::doubt::Doubt;
+use crate::job_error::JobError;
 use crate::problem::Problem;
+use log_survey::{Character, is_noise, range};
 use recordings::LogUse;
 
 /// What every model of a job is identified on and made into a table with.
@@ -18,4 +20,21 @@ pub struct Prepared {
     pub of_logs: Vec<Doubt>,
     /// A doubt of the delay that was found.
     pub delay_at_bound: Option<Doubt>,
+}
+
+impl Prepared {
+    /// Refuses logs in which there is no hysteresis to learn.
+    ///
+    /// # Errors
+    /// The displacement of every training log is noise, or the voltage reverses in none of them.
+    pub fn teaches(&self) -> Result<(), JobError> {
+        let Some(first) = self.problem.training().next() else { return Ok(()) };
+        if self.problem.training().all(is_noise) {
+            return Err(JobError::Noise { log: first.name.clone(), span_um: range(&first.displacement) });
+        }
+        if Character::of(self.problem.training(), self.problem.deadband).reversals == 0 {
+            return Err(JobError::NoReversal { log: first.name.clone() });
+        }
+        Ok(())
+    }
 }

@@ -1,9 +1,10 @@
 //! Whether a log that was looked at can be learnt from: tried as `identify` does it, so that both say the same of it.
 
 use super::sentence;
-use identification::cost::{Cost, Feedback, Norm};
+use calibration::CalibrationOptions;
+use identification::cost::{Cost, Feedback};
 use identification::{Conditions, Job, JobError, ModelChoice, SearchOptions};
-use log_survey::{Character, Survey, is_noise, range};
+use log_survey::Survey;
 use recordings::log::{Log, ReadOptions, read};
 use recordings::prepare::PrepareOptions;
 use std::path::Path;
@@ -15,7 +16,7 @@ const TOO_LONG: &str =
 /// Whether `identify` takes a log, with nothing but its reading stated.
 #[derive(Debug, PartialEq)]
 pub enum Learnable {
-    /// It does.
+    /// It takes the log as it is.
     Yes,
     /// The log is too long to be held.
     NotTried,
@@ -81,21 +82,11 @@ fn tried(log: Log) -> Result<(), JobError> {
         prepare: PrepareOptions::default(),
         model: ModelChoice::Auto,
         conditions: Conditions::default(),
-        calibration: Default::default(),
-        cost: Cost { feedback: Feedback::Simulation, norm: Norm::default(), feedback_weight: None },
+        calibration: CalibrationOptions::default(),
+        cost: Cost::from(Feedback::Simulation),
         search: SearchOptions::default(),
     };
-    let problem = job.prepare(&mut |_, _| {})?.problem;
-    for session in problem.training() {
-        let log = session.name.clone();
-        if is_noise(session) {
-            return Err(JobError::Noise { log, span_um: range(&session.displacement) });
-        }
-        if Character::of(std::iter::once(session), problem.deadband).reversals == 0 {
-            return Err(JobError::NoReversal { log });
-        }
-    }
-    Ok(())
+    job.prepare(&mut |_, _| {})?.teaches()
 }
 
 #[cfg(test)]

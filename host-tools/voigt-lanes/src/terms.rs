@@ -12,14 +12,14 @@ pub type Lanes<const N: usize> = [f64; N];
 
 /// The knots' voltages, and what no candidate changes of them.
 pub struct Voltages {
-    /// V.
+    /// The voltage of each knot, V.
     pub at: [f64; KNOTS],
     /// ln|V|; 0 at 0 V.
     ln: [f64; KNOTS],
 }
 
 impl Voltages {
-    /// Of knots.
+    /// Takes the logarithms once for all candidates.
     pub fn of(knots: &Knots) -> Self {
         let at = std::array::from_fn(|knot| knots.voltage(knot));
         Self { at, ln: at.map(|voltage| if voltage == 0.0 { 0.0 } else { libm::log(voltage.abs()) }) }

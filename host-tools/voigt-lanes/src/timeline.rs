@@ -29,7 +29,7 @@ pub enum Step {
     Judged {
         /// Ticks before each measurement.
         ticks: usize,
-        /// Measurements.
+        /// How many such measurements follow one another.
         times: usize,
     },
     /// The displacement was measured, and its error does not count.

@@ -42,11 +42,11 @@ pub const fn field(value: u32, mask: u32) -> u32 {
 pub struct Peripheral {
     /// The manual's name.
     pub name: &'static str,
-    /// Its registers.
+    /// The registers that the model has, those of the manual that it lacks left out.
     pub registers: &'static [Register],
 }
 
-/// A register.
+/// A register as a model has it.
 #[cfg(test)]
 pub struct Register {
     /// The manual's name.

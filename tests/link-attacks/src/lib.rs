@@ -52,7 +52,7 @@ pub struct Attacked<'a> {
     pub folder: &'a Path,
     /// A `table.toml` that the devices take, of another table than their image has.
     pub table: &'a Path,
-    /// A log.
+    /// A measured log, for the verbs that play one.
     pub measured: &'a Path,
     /// How many devices are attacked at a time.
     pub at_a_time: usize,

@@ -1,4 +1,4 @@
-//! `piezo identify`: logs → a proven parameter table and a report.
+//! `piezo identify`: logs → a parameter table, judged on what it had not seen, and a report.
 
 use super::print::{out, progress};
 use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choice};

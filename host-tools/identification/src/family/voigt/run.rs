@@ -41,9 +41,9 @@ pub struct Run<'a, const N: usize> {
     pub cost: Cost,
     /// Between the knots.
     pub intervals: &'a Intervals<N>,
-    /// At reversals.
+    /// What the candidates have at each reversal of the session.
     pub extrema: &'a Extrema<N>,
-    /// The session.
+    /// What is done at which tick of the session.
     pub timeline: &'a Timeline,
 }
 
