@@ -12,10 +12,8 @@ use xshell::{Cmd, Shell, cmd};
 /// # Errors
 /// The build fails, or makes no such file.
 pub fn build(cargo_build: Cmd<'_>, file_name: &str) -> Result<PathBuf> {
-    let messages = cargo_build.arg("--message-format=json-render-diagnostics").read()?;
-    messages
-        .lines()
-        .filter_map(|line| serde_json::from_str::<Value>(line).ok())
+    messages(cargo_build)?
+        .iter()
         .filter_map(|message| Some(message.get("filenames")?.as_array()?.clone()))
         .flatten()
         .filter_map(|path| Some(PathBuf::from(path.as_str()?)))
@@ -28,13 +26,17 @@ pub fn build(cargo_build: Cmd<'_>, file_name: &str) -> Result<PathBuf> {
 /// # Errors
 /// The build fails, or has no such target.
 pub fn executable(cargo_build: Cmd<'_>, target: &str) -> Result<PathBuf> {
-    let messages = cargo_build.arg("--message-format=json-render-diagnostics").read()?;
-    messages
-        .lines()
-        .filter_map(|line| serde_json::from_str::<Value>(line).ok())
+    messages(cargo_build)?
+        .iter()
         .filter(|message| message["target"]["name"] == target)
         .find_map(|message| Some(PathBuf::from(message["executable"].as_str()?)))
         .with_context(|| format!("cargo built no program of the target {target}"))
+}
+
+/// What cargo says of what it builds, a message a line.
+fn messages(cargo: Cmd<'_>) -> Result<Vec<Value>> {
+    let text = cargo.arg("--message-format=json-render-diagnostics").read()?;
+    Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
 }
 
 /// Builds the host tool as the tests do, which optimises what is hot of it and is quicker built than a release; returns its path.

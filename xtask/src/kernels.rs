@@ -108,7 +108,7 @@ fn count(sh: &Shell) -> Result<Map<String, Value>> {
     let folder = TempDir::new()?;
     let out = folder.path().join("callgrind.out");
     let option = format!("--callgrind-out-file={}", out.display());
-    let emulated = cmd!(sh, "valgrind --quiet --tool=none {bench} --counted").quiet().read()?;
+    let emulated = cmd!(sh, "valgrind --quiet --tool=none {bench} --kernels").quiet().read()?;
     let Bench { instructions, kernels } = serde_json::from_str(&emulated)?;
     ensure!(
         instructions == EMULATED,

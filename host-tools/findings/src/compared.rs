@@ -16,7 +16,11 @@ pub fn table_name(model: Model) -> String {
 ///
 /// # Errors
 /// A table cannot be written as text.
-pub fn compared(matrix: &Matrix, cost: Cost, search: &SearchOptions) -> Result<Vec<(String, String)>, TableFileError> {
+pub fn compared_tables(
+    matrix: &Matrix,
+    cost: Cost,
+    search: &SearchOptions,
+) -> Result<Vec<(String, String)>, TableFileError> {
     let (voltage_v, displacement_um) = log_survey::noise(matrix.problem.training());
     let of = |model: Model| {
         let compared = format!(

@@ -4,6 +4,7 @@
 //! The words name the program's options, as those of `remedy` do, which hands them on.
 
 mod compared;
+mod compared_lines;
 mod determination;
 mod doubt;
 pub mod figures;
@@ -14,6 +15,7 @@ mod log_use;
 mod proven;
 mod raised;
 mod reason;
+mod recipe;
 mod search;
 mod short;
 mod surveyed;
@@ -21,7 +23,8 @@ mod table_file;
 mod unsaid;
 mod validated;
 
-pub use compared::{compared, table_name, written_to};
+pub use compared::{compared_tables, table_name, written_to};
+pub use compared_lines::{COMPARED, compared_how, compared_lines};
 pub use determination::{DETERMINED, determination};
 pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, implausible, runs_ahead};
 pub use flaw::{flaw, flaw_found, flaw_scored, flaws};
@@ -31,6 +34,7 @@ pub use log_use::{log_use, used};
 pub use proven::proven;
 pub use raised::remarks;
 pub use reason::reason;
+pub use recipe::zeros;
 pub use search::{search, searches};
 pub use surveyed::{remarked, surveyed};
 pub use table_file::{bring_to, table_file};

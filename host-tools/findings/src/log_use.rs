@@ -2,7 +2,7 @@
 
 use recordings::{LogUse, Role};
 
-/// What one was used for, and which it is.
+/// A log's role, as a heading, and its file, seconds and hash.
 pub fn log_use(of: &LogUse) -> (String, String) {
     let role = match of.role {
         Role::Training => "Trained on",
@@ -12,7 +12,7 @@ pub fn log_use(of: &LogUse) -> (String, String) {
     (role.to_owned(), format!("{}, {:.2} … {:.2} s, SHA-256 {}", of.file, of.from_s, of.to_s, of.sha256))
 }
 
-/// Those that were used for this, with their seconds.
+/// The logs of a role, each with the seconds that were used of it, in one line.
 pub fn used(logs: &[LogUse], role: Role) -> String {
     let of_role = logs.iter().filter(|log| log.role == role);
     of_role.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")

@@ -185,9 +185,8 @@ impl Identification<'_> {
 /// (A limit that the fit was found not to need is not searched again.) `None` of the Voigt family, which has none.
 fn structure_of(fit: &Fit, structures: &[AnyFamily]) -> Option<usize> {
     let genes: Vec<Vec<Gene>> = structures.iter().map(|family| family.genes()).collect();
-    let has = |genes: &[Gene], name| genes.iter().any(|gene| gene.name == name);
-    let all = |genes: &&Vec<Gene>| fit.genes.iter().all(|(gene, _)| has(genes, gene.name));
-    let least = genes.iter().filter(all).map(Vec::len).min();
-    let alike = |at: &usize| genes.get(*at).is_some_and(|genes| all(&genes) && Some(genes.len()) == least);
-    Some(fit.structure).filter(alike).or_else(|| (0..genes.len()).find(alike)).or((!genes.is_empty()).then_some(0))
+    let all = |at: &usize| fit.genes.iter().all(|(gene, _)| genes[*at].iter().any(|of| of.name == gene.name));
+    // Its own before others that search as many.
+    let nearest = (0..genes.len()).filter(all).min_by_key(|&at| (genes[at].len(), at != fit.structure));
+    nearest.or((!genes.is_empty()).then_some(0))
 }

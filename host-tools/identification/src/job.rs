@@ -77,7 +77,7 @@ impl Outcome {
 
     /// What the delivered table was learnt from.
     pub fn learnt_from(&self) -> &Problem {
-        self.learnt.whole.as_ref().unwrap_or(&self.problem)
+        self.learnt.learnt_from(&self.problem)
     }
 }
 
@@ -191,7 +191,7 @@ impl Job {
             return Err(why.map_or(JobError::NothingFound, |(model, source)| JobError::Failed { model, source }));
         };
         let learnt = self.learnt(&candidates[chosen], context, logs, progress)?;
-        let learnt_from = learnt.whole.as_ref().unwrap_or(&problem);
+        let learnt_from = learnt.learnt_from(&problem);
         let character = Character::of(learnt_from.training(), learnt_from.deadband);
         let of_model = doubts(&learnt.candidate, &candidates[chosen], &character, self.cost, self.conditions.lag_s);
         let mut doubts = [of_logs, of_model].concat();

@@ -22,6 +22,11 @@ pub struct Learnt {
 }
 
 impl Learnt {
+    /// What its table was learnt from; `judged_on` is what the judged one was.
+    pub fn learnt_from<'p>(&'p self, judged_on: &'p Problem) -> &'p Problem {
+        self.whole.as_ref().unwrap_or(judged_on)
+    }
+
     /// What was found on the whole logs; `judged_by` is what each log was used for when the candidate was judged.
     ///
     /// # Errors

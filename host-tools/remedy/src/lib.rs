@@ -3,7 +3,6 @@
 
 mod bench;
 mod bits;
-mod compared;
 mod device;
 mod identification;
 mod learnable;
@@ -20,7 +19,6 @@ mod waveform;
 
 pub use bench::{complaint, identify, introduced, stopped};
 pub use bits::{Meaning, faults, status};
-pub use compared::{COMPARED, compared, compared_how};
 pub use device::{board, not_estimating, refusal, rehearsed};
 pub use findings::{
     DETERMINED, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason, remarked,
@@ -36,7 +34,7 @@ pub use proof::{narrow, other_range, unproven, zeroed};
 pub use state::{Known, state};
 pub use supply::supply;
 pub use unfinished::{ended, kept_logs, unfinished};
-pub use verdict::{doubts, next, verdict, zeros};
+pub use verdict::{doubts, next, verdict};
 pub use waveform::{played, plays};
 
 use ::bench::BenchError;

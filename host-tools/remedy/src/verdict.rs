@@ -2,7 +2,6 @@
 
 use super::paste::{quoted, typed};
 use identification::{Doubt, Outcome};
-use recordings::prepare::Recipe;
 use std::path::Path;
 
 /// How good it is, in plain words.
@@ -43,22 +42,12 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
         );
     }
     sentences.push(findings::proven(&learnt.candidate.table));
-    sentences.push(format!("{}.", zeros(&learnt.context.recipe)));
+    sentences.push(format!("{}.", findings::zeros(&learnt.context.recipe)));
     sentences.push(format!("On the board {}.", bench::time(&learnt.candidate.table)));
     if let Some(not_found) = bench::wire_not_found(&learnt.candidate.table) {
         sentences.push(format!("On the board {not_found}."));
     }
     sentences
-}
-
-/// Zeros and delay in words.
-pub fn zeros(recipe: &Recipe) -> String {
-    format!(
-        "{:.4} V and {:.4} µm are the model's zero; the sensor's delay is taken as {:.2} ms",
-        recipe.voltage_zero_v,
-        recipe.displacement_zero_um,
-        f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3
-    )
 }
 
 /// What comes after a table was written to a folder: what to mend where a doubt is grave, which stand first.

@@ -1,9 +1,8 @@
 //! What a tick does at the knots: the points of each candidate, all exponentials at once, and of some candidates side by side
 //! the affine maps between which a tick's is interpolated.
 
-use crate::knots::{KNOTS, Knots};
-
 use crate::branchless::exp;
+use crate::knots::{KNOTS, Knots};
 use estimator_core::{Voigt, VoigtPoint, VoigtTerms};
 use pulp::{Arch, NullaryFnOnce};
 
@@ -19,7 +18,7 @@ pub struct Voltages {
 }
 
 impl Voltages {
-    /// Takes the logarithms once for all candidates.
+    /// Of these knots; the logarithms are taken once for all candidates.
     pub fn of(knots: &Knots) -> Self {
         let at = std::array::from_fn(|knot| knots.voltage(knot));
         Self { at, ln: at.map(|voltage| if voltage == 0.0 { 0.0 } else { libm::log(voltage.abs()) }) }
@@ -33,7 +32,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// Of a candidate.
+    /// Computes them for a candidate, all knots at once.
     pub fn of(model: &Voigt<f64>, voltages: &Voltages) -> Self {
         // Wider instructions where the machine has them; each point's are the same.
         Arch::new().dispatch(Pointwise { model, voltages })
@@ -94,9 +93,9 @@ impl<const N: usize> Term<N> {
 
 /// The affine map `y ← a·y + c + m·ext` between a knot and the next, each term a weight's way from the knot's.
 pub struct Interval<const N: usize> {
-    /// See [`VoigtTerms`].
+    /// What of the displacement is left after a tick, no unit.
     pub a: Term<N>,
-    /// See [`VoigtTerms`].
+    /// What the drive adds in a tick, µm.
     pub c: Term<N>,
 }
 

@@ -78,7 +78,7 @@ impl Gpio {
         match offset {
             MODER => self.modes = value,
             ODR => self.output = value & PINS,
-            BSRR => self.output = self.output & !(value / BR0) | value & PINS,
+            BSRR => self.output = self.output & !field(value, PINS << 16) | value & PINS,
             BRR => self.output &= !value,
             _ => return false,
         }

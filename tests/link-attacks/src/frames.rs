@@ -121,11 +121,11 @@ impl Attacked<'_> {
         client.set_zero(1.0).unwrap();
         let health = client.health().unwrap();
         assert_eq!((health.mode, health.missed, client.damaged()), (Mode::Estimate, 0, 0));
-        // Codes that were fed twice give too many samples; where just enough come first, their bits are not the log's.
         drop(client);
-        let pil = self.host(&["pil", "LOG", "--limit", "300"], self.folder, line.address());
-        let pil = { pil }.stdout(std::process::Stdio::piped()).output().unwrap();
+        let mut pil = self.host(&["pil", "LOG", "--limit", "300"], self.folder, line.address());
+        let pil = pil.stdout(std::process::Stdio::piped()).output().unwrap();
         let said = format!("{}{}", String::from_utf8_lossy(&pil.stdout), String::from_utf8_lossy(&pil.stderr));
+        // Codes that were fed twice give too many samples; where just enough come first, their bits are not the log's.
         match pil.status.code() {
             Some(2) => assert!(said.contains("the device gave more samples than the"), "{said}"),
             code => assert!(code == Some(1) && said.contains("of 300 ticks differ, by at most"), "{code:?}: {said}"),

@@ -4,15 +4,14 @@
 //!
 //! Whose device it is does not matter: [`Attacked`] says how one is powered on. What is broken panics.
 
-pub mod frames;
-pub mod second_host;
+mod frames;
+mod second_host;
 pub mod steps;
 
 use std::{
     net::SocketAddr,
     path::Path,
     process::{Command, Stdio},
-    sync::Mutex,
     thread,
     time::{Duration, Instant},
 };
@@ -20,6 +19,10 @@ use std::{
 use device_link::{Client, words};
 use emulator::EmulatedDevice;
 use protocol::{Mode, Record, TableSource};
+use rayon::{
+    ThreadPoolBuilder,
+    iter::{ParallelBridge, ParallelIterator},
+};
 
 /// For how long a device keeps a mode that a host has set and left, and some time more.
 pub const LEASE: Duration = Duration::from_millis(5_500);
@@ -52,7 +55,7 @@ pub struct Attacked<'a> {
     pub folder: &'a Path,
     /// A `table.toml` that the devices take, of another table than their image has.
     pub table: &'a Path,
-    /// A measured log, for the verbs that play one.
+    /// A measured log, for `pil`.
     pub measured: &'a Path,
     /// How many devices are attacked at a time.
     pub at_a_time: usize,
@@ -73,20 +76,14 @@ impl Attacked<'_> {
         command
     }
 
-    /// Attacks with each of these, some at a time.
-    fn each<T: Send>(&self, cases: impl Iterator<Item = T> + Send, attack: impl Fn(T) + Sync) {
-        let cases = Mutex::new(cases);
-        // Of the lock no other thread's panic is asked, which the scope hands on.
-        let next = || cases.lock().map_or(None, |mut cases| cases.next());
-        thread::scope(|scope| {
-            for _ in 0..self.at_a_time {
-                scope.spawn(|| {
-                    while let Some(case) = next() {
-                        attack(case);
-                    }
-                });
-            }
-        });
+    /// What comes of an attack with each of these, some at a time.
+    fn each<T: Send, R: Send>(
+        &self,
+        cases: impl Iterator<Item = T> + Send,
+        attack: impl Fn(T) -> R + Send + Sync,
+    ) -> Vec<R> {
+        let pool = ThreadPoolBuilder::new().num_threads(self.at_a_time).build().unwrap();
+        pool.install(|| cases.par_bridge().map(attack).collect())
     }
 }
 

@@ -11,7 +11,7 @@ impl Attacked<'_> {
     /// answered.
     ///
     /// # Panics
-    /// One of it is not so.
+    /// The first misses a sample, or the second is answered too early, or never.
     pub fn a_second_host_comes(&self) {
         let device = (self.power_on)();
         let (mut first, _) = Client::connect(&device.address().into()).unwrap();

@@ -31,11 +31,13 @@ const OTHER_DAY: &str = "tests/data/picma-p885-session2.csv";
 pub enum Command {
     /// `piezo identify` on the measured log.
     Identify,
-    /// `piezo validate` of its table on the same log.
+    /// `piezo identify --as-judged` of the measured log.
+    AsJudged,
+    /// `piezo validate` of that table on the same log.
     Validate,
     /// The same, zeroed as the held-out half begins.
     SameDay,
-    /// `piezo validate` of its table on another session of the same actuator, zeroed in a rest.
+    /// `piezo validate` of the delivered table on another session of the same actuator, zeroed in a rest.
     OtherDay,
     /// The same, told the first reading and never zeroed.
     OtherDayUnzeroed,
@@ -58,6 +60,7 @@ pub enum Command {
 const ROWS: [&[Command]; 2] = [
     &[
         Command::Identify,
+        Command::AsJudged,
         Command::Validate,
         Command::SameDay,
         Command::OtherDay,
@@ -116,10 +119,12 @@ impl<'sh> Printed<'sh> {
         if let Some(value) = self.values.borrow().get(&command) {
             return Ok(Rc::clone(value));
         }
-        if matches!(command, Command::OtherDay | Command::OtherDayUnzeroed | Command::SignalFaults) {
-            // Its table.
-            self.by(Command::Identify)?;
-        }
+        let table = match command {
+            Command::Validate | Command::SameDay => Some(Command::AsJudged),
+            Command::OtherDay | Command::OtherDayUnzeroed | Command::SignalFaults => Some(Command::Identify),
+            _ => None,
+        };
+        table.map(|table| self.by(table)).transpose()?;
         let value = Rc::new(run(self.sh, &self.piezo, &self.demo(), command)?);
         self.values.borrow_mut().insert(command, Rc::clone(&value));
         Ok(value)
@@ -130,7 +135,8 @@ impl<'sh> Printed<'sh> {
     /// # Errors
     /// It fails.
     pub fn as_judged(&self) -> Result<PathBuf> {
-        half(self.sh, &self.piezo, &self.demo())
+        self.by(Command::AsJudged)?;
+        Ok(half(&self.demo()))
     }
 
     fn demo(&self) -> PathBuf {
@@ -143,8 +149,9 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
     let start = Instant::now();
     let printed = match command {
         Command::Identify => json(cmd!(sh, "{piezo} identify {LOG} --out {demo}")),
-        Command::Validate => validated(sh, piezo, &half(sh, piezo, demo)?, LOG, &[]),
-        Command::SameDay => validated(sh, piezo, &half(sh, piezo, demo)?, LOG, &["--zero-at", "20.1"]),
+        Command::AsJudged => json(cmd!(sh, "{piezo} identify {LOG} --as-judged --out").arg(half(demo))),
+        Command::Validate => validated(sh, piezo, &half(demo), LOG, &[]),
+        Command::SameDay => validated(sh, piezo, &half(demo), LOG, &["--zero-at", "20.1"]),
         Command::OtherDay => validated(sh, piezo, demo, OTHER_DAY, &["--zero-at", "24"]),
         Command::OtherDayUnzeroed => validated(sh, piezo, demo, OTHER_DAY, &[]),
         Command::SignalFaults => signal_faults(sh, piezo, demo),
@@ -159,12 +166,8 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
 }
 
 /// The folder of a table that was learnt from the log's first half alone, beside the demonstration's.
-fn half(sh: &Shell, piezo: &Path, demo: &Path) -> Result<PathBuf> {
-    let folder = demo.with_file_name("half");
-    if !folder.exists() {
-        cmd!(sh, "{piezo} identify {LOG} --as-judged --out {folder}").quiet().ignore_stdout().ignore_stderr().run()?;
-    }
-    Ok(folder)
+fn half(demo: &Path) -> PathBuf {
+    demo.with_file_name("half")
 }
 
 /// What `piezo validate` prints of the identified table and a log.

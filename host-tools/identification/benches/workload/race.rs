@@ -10,6 +10,8 @@ pub struct Kernel<'a> {
     pub name: &'static str,
     /// Threads that it runs on.
     pub threads: usize,
+    /// By what part of itself a cost may differ from the first kernel's.
+    pub bound: f64,
     /// Costs one generation, µm.
     pub costs: Box<dyn Fn() -> Vec<f64> + 'a>,
 }

@@ -1,11 +1,11 @@
 //! How the engine's time grows with the samples, with the population, and with the threads.
 
+use crate::report::{Point, Scaling};
 use crate::thesis::{self, LENGTH_S, POPULATION};
 use identification::Problem;
 use identification::cost::Feedback;
 use identification::family::voigt::Kernel;
 use rayon::ThreadPool;
-use serde_json::{Value, json};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -25,18 +25,18 @@ fn generation_s(problem: &Problem, population: usize, pool: &ThreadPool) -> f64 
 }
 
 /// Sizes with the seconds of a generation of each, and the slope of the one over the other, both as logarithms.
-fn grown(of: &str, points: &[(usize, f64)]) -> Value {
+fn grown(of: &'static str, points: &[(usize, f64)]) -> Scaling {
     let logarithms = points.iter().map(|&(size, seconds)| ((size as f64).ln(), seconds.ln()));
     let count = points.len() as f64;
     let (x, y) = logarithms.clone().fold((0.0, 0.0), |(x, y), (size, seconds)| (x + size / count, y + seconds / count));
     let (xx, xy) = logarithms
         .fold((0.0, 0.0), |(xx, xy), (size, seconds)| (xx + (size - x) * (size - x), xy + (size - x) * (seconds - y)));
-    let points: Vec<Value> = points.iter().map(|(size, seconds)| json!({ "size": size, "seconds": seconds })).collect();
-    json!({ "of": of, "points": points, "slope": xy / xx })
+    let points = points.iter().map(|&(size, seconds)| Point { size, seconds }).collect();
+    Scaling { of, points, slope: xy / xx }
 }
 
 /// The three tables: samples and population on one thread, and pools of threads.
-pub fn measure(pools: &[ThreadPool]) -> Vec<Value> {
+pub fn measure(pools: &[ThreadPool]) -> Vec<Scaling> {
     let one = &pools[0];
     let samples = [0.5, 1.0, 4.0, 16.0].map(|times| {
         let problem = thesis::problem(times * LENGTH_S);

@@ -76,18 +76,19 @@ pub fn run(arguments: &mut Compare) -> Result<bool> {
     for row in &mut matrix.rows {
         row.instructions = instructions.iter().find(|(model, _)| *model == row.model).map(|(_, counts)| *counts);
     }
-    let facts = remedy::compared_how(&job, budget, &matrix);
+    let facts = findings::compared_how(&job, budget, &matrix);
     let mut written = None;
     if let Some(folder) = &folder {
-        let html = report::comparison(&ComparisonReport { matrix: &matrix, notes: &remedy::COMPARED, facts: &facts })?;
-        let tables = findings::compared(&matrix, job.cost, &job.search)?;
+        let html =
+            report::comparison(&ComparisonReport { matrix: &matrix, notes: &findings::COMPARED, facts: &facts })?;
+        let tables = findings::compared_tables(&matrix, job.cost, &job.search)?;
         written = arguments.out.as_deref().map(|out| findings::written_to(out, &tables));
         folder.write_all(tables.into_iter().chain([("compare.html".to_owned(), html)]))?;
     }
     if arguments.fitting.json {
         out(&serde_json::to_string_pretty(&matrix)?);
     } else {
-        remedy::compared(&matrix, &facts).iter().for_each(|line| out(line));
+        findings::compared_lines(&matrix, &facts).iter().for_each(|line| out(line));
         if let Some(written) = written {
             out(&format!("\n{written}"));
         }

@@ -278,7 +278,7 @@ fn facts(arguments: &Identify, cost: Cost, search: &SearchOptions, outcome: &Out
     facts.extend([
         ("Tool".to_owned(), TOOL.to_owned()),
         ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme)),
-        ("Zero".to_owned(), remedy::zeros(recipe)),
+        ("Zero".to_owned(), findings::zeros(recipe)),
         ("Cost".to_owned(), cost.to_string()),
         ("Search".to_owned(), findings::search(outcome.judged().table.model(), search)),
     ]);

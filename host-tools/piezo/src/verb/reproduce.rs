@@ -171,7 +171,7 @@ fn facts(bench: &Bench) -> Vec<(String, String)> {
         ("Actuator", actuator),
         ("Modelled", used(Role::Training)),
         ("Held out", used(Role::HeldOut)),
-        ("Zero and delay", remedy::zeros(recipe)),
+        ("Zero and delay", findings::zeros(recipe)),
         ("Tick", format!("{} µs, forward Euler", recipe.tick_us)),
         ("Search", findings::searches(search)),
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),

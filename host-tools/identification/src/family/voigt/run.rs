@@ -39,9 +39,9 @@ impl<const N: usize> Extrema<N> {
 pub struct Run<'a, const N: usize> {
     /// What is minimised.
     pub cost: Cost,
-    /// Between the knots.
+    /// The candidates' affine maps between the knots.
     pub intervals: &'a Intervals<N>,
-    /// What the candidates have at each reversal of the session.
+    /// Their extremum terms, taken anew at each reversal.
     pub extrema: &'a Extrema<N>,
     /// What is done at which tick of the session.
     pub timeline: &'a Timeline,
@@ -96,6 +96,7 @@ impl<const N: usize> Run<'_, N> {
                         self.tick::<CONSTANT>(&mut displacement, &input, position);
                     }
                 }
+                // The next arm without its inner loop: most logs are measured at every tick.
                 Step::Judged { ticks: 1, times } => {
                     for (position, &measured) in next(&mut positions, times).iter().zip(next(&mut measured, times)) {
                         self.tick::<CONSTANT>(&mut displacement, &input, position);

@@ -22,7 +22,7 @@ pub const COMPARED: [&str; 5] = [
 
 /// What every model saw, and how, with what facts are called.
 pub fn compared_how(job: &Job, budget: usize, matrix: &Matrix) -> Vec<(String, String)> {
-    let used = |role| findings::used(&matrix.logs, role);
+    let used = |role| crate::used(&matrix.logs, role);
     let recipe = &matrix.recipe;
     let facts = [
         ("Every model fitted to", used(Role::Training)),
@@ -36,14 +36,13 @@ pub fn compared_how(job: &Job, budget: usize, matrix: &Matrix) -> Vec<(String, S
         ),
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
     ];
-    let doubts = matrix.doubts.iter().map(|doubt| ("Doubt".to_owned(), findings::doubt(doubt)));
-    let left_out =
-        findings::left_out(job, recipe, &matrix.problem).into_iter().map(|said| ("Left out".to_owned(), said));
+    let doubts = matrix.doubts.iter().map(|doubt| ("Doubt".to_owned(), crate::doubt(doubt)));
+    let left_out = crate::left_out(job, recipe, &matrix.problem).into_iter().map(|said| ("Left out".to_owned(), said));
     facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(left_out).chain(doubts).collect()
 }
 
 /// Every model's errors, how to read them, and how they came about, a line each.
-pub fn compared(matrix: &Matrix, facts: &[(String, String)]) -> Vec<String> {
+pub fn compared_lines(matrix: &Matrix, facts: &[(String, String)]) -> Vec<String> {
     let mut lines = Vec::new();
     let mut out = |line: &str| lines.push(line.to_owned());
     let names = matrix.held_out();
