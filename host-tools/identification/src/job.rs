@@ -16,7 +16,7 @@ use crate::search::SearchOptions;
 use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, leave_out, mended, prepared, sound};
+use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, mended, prepared_without, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -131,10 +131,8 @@ impl Job {
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
         let mut repaired = Vec::new();
         let mut session = |log: &Log| -> Result<Session, PrepareError> {
-            let flaws = flaws(log);
-            let mut session = prepared(&recipe, &mended(log, &flaws))?;
-            let delay_s = f64::from(recipe.delay_ticks) * recipe.tick_s();
-            if leave_out(&mut session, &flaws, delay_s) > 0 {
+            let (session, left_out) = prepared_without(&recipe, log, &flaws(log))?;
+            if left_out > 0 {
                 repaired.push(log.name.clone());
             }
             Ok(session)

@@ -4,6 +4,7 @@
 //! amplifier was switched on jumps there from 0 V, and its first readings lie where the voltage has never been: hysteresis
 //! and creep have to start from 0 V, or the largest signal of the log is lost.
 
+use crate::flaw::{Flaw, leave_out, mended};
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, Recipe};
 use recordings::session::Session;
@@ -20,9 +21,18 @@ const BEYOND: f64 = 0.1;
 /// # Errors
 /// The log cannot be brought to the tick.
 pub fn prepared(recipe: &Recipe, log: &Log) -> Result<Session, PrepareError> {
-    let mut session = recipe.session(log)?;
+    Ok(prepared_without(recipe, log, &[])?.0)
+}
+
+/// As [`prepared`], with these flaws of the log mended and left out, of how it started, too; and how many instants were left out.
+///
+/// # Errors
+/// The log cannot be brought to the tick.
+pub fn prepared_without(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, usize), PrepareError> {
+    let mut session = recipe.session(&mended(log, flaws))?;
+    let left_out = leave_out(&mut session, flaws, f64::from(recipe.delay_ticks) * recipe.tick_s());
     state_rest(&mut session, -recipe.voltage_zero_v);
-    Ok(session)
+    Ok((session, left_out))
 }
 
 /// States that the actuator had rested at 0 V at the amplifier (`off`, V relative to the model's zero), where its first reading
@@ -51,6 +61,9 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use recordings::log::{ReadOptions, read};
+    use recordings::prepare::PrepareOptions;
+    use std::path::Path;
 
     /// Half the voltage, with a lag of some ticks, from `rest`.
     fn session(rest: f64, phase: f64) -> Session {
@@ -76,5 +89,21 @@ mod tests {
         let mut elsewhere = session(0.0, 1.5);
         state_rest(&mut elsewhere, -30.0);
         assert_eq!(elsewhere.rested_v, None);
+    }
+
+    /// The measured log began as the amplifier was switched on.
+    #[test]
+    fn a_spike_that_is_left_out_says_nothing_of_the_start() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/picma-p885-1hz.csv");
+        let log = read(&path, &ReadOptions::default()).unwrap();
+        let recipe = PrepareOptions::default().resolve(std::slice::from_ref(&log));
+        let clean = prepared(&recipe, &log).unwrap();
+        assert!(clean.rested_v.is_some());
+        for (row, by_um) in [(500, 50.0), (2000, 200.0), (2000, 9000.0), (5000, -9000.0)] {
+            let mut spiky = log.clone();
+            spiky.displacement.as_mut().unwrap()[row] += by_um;
+            let (session, left_out) = prepared_without(&recipe, &spiky, &crate::flaws(&spiky)).unwrap();
+            assert_eq!((session.rested_v, left_out > 0), (clean.rested_v, true), "{by_um} µm in row {row}");
+        }
     }
 }
