@@ -19,10 +19,6 @@ const RELAYS: [Kind; 4] = [
 const OTHERS: [Kind; 4] = [Kind::RateDependent, Kind::BoucWen, Kind::JilesAtherton, Kind::BoucWenSharp];
 /// Creep a decade, of the strain.
 const CREEP: Range<f64> = Range { min: 0.004, max: 0.03 };
-/// Lag of the amplifier, of what the actuator was found to be late by; drawn evenly in its logarithm.
-const LAG: Range<f64> = Range { min: 0.5, max: 2.0 };
-/// It is no shorter than this, s.
-const LEAST_LAG_S: f64 = 1e-4;
 /// Part of the device's full voltage that the user's range is.
 const USED: Range<f64> = Range { min: 0.5, max: 1.0 };
 /// A device comes to where a recording starts in this time, and has then rested for that long, s.
@@ -50,16 +46,16 @@ pub struct Device {
 }
 
 impl Device {
-    /// The device of a number, driven over the same voltages as a problem's and as far; the actuator is late by `late_s`.
-    pub fn drawn(number: u32, seed: u32, problem: &Problem, late_s: f64) -> Self {
+    /// The device of a number, driven over the same voltages as a problem's and as far, and late by something in `late` (s), drawn evenly in
+    /// its logarithm.
+    pub fn drawn(number: u32, seed: u32, problem: &Problem, late: Range<f64>) -> Self {
         let mut draw = ChaCha8Rng::seed_from_u64((u64::from(seed) << 32) + u64::from(number));
         let mut between = |range: Range<f64>| draw.random_range(range.min..range.max);
         let (group, other) = (number as usize / 4, number % 4 == 3);
         let kind = if other { OTHERS[group % 4] } else { RELAYS[(number as usize - group) % 4] };
         let plant = Plant {
             creep: between(CREEP),
-            lag_s: libm::exp(between(Range { min: libm::log(LAG.min), max: libm::log(LAG.max) }))
-                * late_s.max(LEAST_LAG_S),
+            lag_s: libm::exp(between(Range { min: libm::log(late.min), max: libm::log(late.max) })),
             ..Plant::drawn(kind, (u64::from(seed) << 16) + u64::from(number))
         };
         let tick_s = problem.extent().tick;

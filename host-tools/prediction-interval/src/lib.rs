@@ -5,8 +5,10 @@
 //! actuator was; what their tables are off by on other recordings says how wide the interval has to be for what is known of a
 //! tick: how far the voltage has gone where the training never went, how fast it goes, how long ago the displacement was told.
 
+mod again;
 mod device;
 mod gains;
+mod late;
 mod lead_in;
 mod memory_at_ends;
 mod prototypes;
@@ -14,13 +16,13 @@ mod spread;
 mod start_memory;
 mod trial;
 
+use again::again;
 use device::Device;
 use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
-use estimator_core::{IntervalParameters, Parameters};
+use estimator_core::{IntervalParameters, Range};
 use gains::{Gains, Tried};
-use identification::{
-    Candidate, CandidateError, Identification, Learnt, Outcome, Problem, SearchOptions, TableContext,
-};
+use identification::{Candidate, CandidateError, Learnt, Outcome, Problem, SearchOptions, TableContext};
+use late::late_s;
 use memory_at_ends::memory_at_ends;
 use rayon::prelude::*;
 use recordings::session::Session;
@@ -31,9 +33,6 @@ use trial::{PARTS, recordings};
 /// Devices that are simulated where nobody says how many.
 pub const DEVICES: u32 = 12;
 
-/// Numbers for which a device's search tries as many candidates: it begins where the actuator's ended, and fewer leave some devices
-/// less well learnt than the actuator is, which widens the interval.
-const OF_TWO: usize = 2;
 /// Half-width for a deviation of 1 of what is off in any case.
 const CERTAIN: f64 = 2.0;
 /// What no log can tell a model to be off less than, of the stroke.
@@ -63,10 +62,11 @@ pub fn calibrate(
     progress: impl Fn() + Sync,
 ) -> Option<Calibration> {
     let driven = problem.training_voltages().span() > 0.0;
+    let late = late::open(problem, candidate, context, search);
     let tried: Vec<Tried> = (0..if driven { devices } else { 0 })
         .into_par_iter()
         .filter_map(|number| {
-            let tried = tried(number, problem, candidate, context, search);
+            let tried = tried(number, problem, candidate, context, search, late);
             progress();
             tried
         })
@@ -104,9 +104,9 @@ fn tried(
     candidate: &Candidate,
     context: &TableContext,
     search: &SearchOptions,
+    late: Range<f64>,
 ) -> Option<Tried> {
-    let device =
-        Device::drawn(number, context.seed, problem, late_s(&candidate.table.parameters, problem.extent().tick));
+    let device = Device::drawn(number, context.seed, problem, late);
     let mut numbers = 0..;
     let mut sessions = |sessions: &mut dyn Iterator<Item = &Session>| -> Vec<Session> {
         sessions.zip(&mut numbers).map(|(session, number)| device.session(number, session)).collect()
@@ -123,17 +123,6 @@ fn tried(
 /// What a model's own logs say that it is off by, as a half-width, µm.
 fn own(candidate: &Candidate) -> f64 {
     CERTAIN * misfit(candidate)
-}
-
-/// The same model learnt from a device's sessions.
-fn again(
-    problem: &Problem,
-    candidate: &Candidate,
-    context: &TableContext,
-    search: &SearchOptions,
-) -> Result<Candidate, CandidateError> {
-    let identification = Identification { problem, cost: candidate.fit.minimised, options: search, budget: None };
-    Candidate::new(problem, identification.again(&candidate.fit, OF_TWO * search.evaluations as usize), context)
 }
 
 /// What an estimate is off by in any case, µm: the median over the logs of the rms without offset, of what was held out, or
@@ -164,18 +153,6 @@ fn unscaled(problem: &Problem, candidate: &Candidate) -> IntervalParameters {
     };
     let parameters = IntervalParameters { memory_um: start_memory(table), ..bare };
     learnt(parameters, problem, table.voltage_range_v.of(), misfit(candidate).hypot(LEAST * stroke))
-}
-
-/// Lag and delay of a model, s; 0 of those that have none.
-fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
-    match parameters {
-        Parameters::GeneralisedPrandtlIshlinskii(of) => {
-            f64::from(of.delay_ticks).max(0.0) * tick_s + f64::from(of.lag_s)
-        }
-        Parameters::BoucWen(of) => of.lag_s.into(),
-        Parameters::Duhem(of) => of.lag_s.into(),
-        _ => 0.0,
-    }
 }
 
 fn scaled(

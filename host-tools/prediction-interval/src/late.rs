@@ -1,0 +1,57 @@
+//! What the logs leave open of how late the actuator is.
+//!
+//! Voltages of a single frequency do not tell a lag from the width of a loop: a model that is later, with narrower loops, fits them
+//! as well, and is off at other frequencies. So the model is learnt again with later and later actuators, until the logs speak
+//! against that.
+
+use crate::again::again;
+use estimator_core::{Parameters, Range};
+use identification::{Candidate, Problem, SearchOptions, TableContext};
+
+/// A cost so many times the least speaks against a lag. A cost is a deviation of a log worth 20 independent periods, so that by noise
+/// alone a tenth more would; but what a model is off by is no noise, and gives way where the lag is wrong.
+const AGAINST: f64 = 1.25;
+/// From one lag that is tried to the next, and from what was found to the nearest end of what is open at least.
+const STEP: f64 = 2.0;
+/// Nothing is tried beyond this, s.
+const LATEST_S: f64 = 0.1;
+/// No amplifier is faster than this, s.
+const LEAST_S: f64 = 1e-4;
+/// How near the lag that is asked for the search ends, of that, unless the logs hold it elsewhere.
+const KEPT: f64 = 0.2;
+
+/// The lags and delays together that the logs do not speak against, s.
+pub fn open(problem: &Problem, candidate: &Candidate, context: &TableContext, search: &SearchOptions) -> Range<f64> {
+    let late = |of: &Candidate| late_s(&of.table.parameters, of.table.sample_period());
+    let found = late(candidate).max(LEAST_S);
+    let around = Range { min: (found / STEP).max(LEAST_S), max: STEP * found };
+    let has_prior = matches!(candidate.table.parameters, Parameters::GeneralisedPrandtlIshlinskii(_));
+    if problem.lag_s.is_some() || !has_prior {
+        return around;
+    }
+    let (mut said, mut from) = (problem.clone(), candidate.clone());
+    // Within a tick a delay and a lag are the same to the logs.
+    let mut latest = around.max.max(STEP * problem.extent().tick);
+    while latest <= LATEST_S {
+        said.lag_s = Some(latest);
+        let Ok(later) = again(&said, &from, context, search) else { break };
+        let kept = (late(&later) - latest).abs() < KEPT * latest;
+        if !kept || later.fit.cost > AGAINST * candidate.fit.cost {
+            break;
+        }
+        from = later;
+        latest *= STEP;
+    }
+    Range { max: latest, ..around }
+}
+
+/// Lag and delay of a model, s; 0 of those that have none.
+pub fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
+    let lag_s = match parameters {
+        Parameters::GeneralisedPrandtlIshlinskii(of) => of.lag_s,
+        Parameters::BoucWen(of) => of.lag_s,
+        Parameters::Duhem(of) => of.lag_s,
+        _ => 0.0,
+    };
+    f64::from(parameters.delay_ticks()) * tick_s + f64::from(lag_s)
+}
