@@ -14,6 +14,8 @@ const NOISY: usize = 3;
 const POOR: f64 = 5.0;
 /// Held-out error beyond this multiple of the training error, each beside the logs' own constants.
 const FAR: f64 = 1.5;
+/// and beyond this fraction of the stroke: of less, noise and drift decide which part of a log is fitted better.
+const FAR_STROKE: f64 = 2e-3;
 /// Simulation error beyond this multiple of the error that a fit with feedback has with it, and
 const DIVERGED: f64 = 10.0;
 /// beyond this fraction of the stroke.
@@ -58,9 +60,7 @@ pub fn doubts(
     match (judged.training_figures(), judged.held_out_figures()) {
         (Some(training), Some(held_out)) => {
             let (training_um, held_out_um) = (training.mae_without_offset_um, held_out.mae_without_offset_um);
-            if held_out_um > FAR * training_um {
-                doubts.push(Doubt::HeldOutFar { training_um, held_out_um });
-            }
+            doubts.extend(far(training_um, held_out_um, training.stroke_um));
             let offsets: Vec<f64> = judged.held_out.iter().map(|log| log.mil.offset_um).collect();
             doubts.extend(drift(&offsets, &held_out));
         }
@@ -116,6 +116,12 @@ fn drift(offsets_um: &[f64], held_out: &Figures) -> Option<Doubt> {
     let largest = offsets_um.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     (mean_um > (DRIFT * held_out.mae_um).max(OFFSET * held_out.stroke_um))
         .then_some(Doubt::Drift { offset_um: largest })
+}
+
+/// An error on held-out data that is larger than the training's, each beside the logs' own constants, for a stroke; µm.
+fn far(training_um: f64, held_out_um: f64, stroke_um: f64) -> Option<Doubt> {
+    let far = held_out_um > (FAR * training_um).max(FAR_STROKE * stroke_um);
+    far.then_some(Doubt::HeldOutFar { training_um, held_out_um })
 }
 
 /// A straight line that does as well as a candidate.

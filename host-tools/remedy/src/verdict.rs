@@ -60,7 +60,7 @@ pub fn next(doubts: &[Doubt], folder: &Path) -> String {
     let board = Some(typed("--board")).filter(|typed| !typed.is_empty()).unwrap_or(" --board board.toml".to_owned());
     format!(
         "Next: look at report.html; try the table on another recording with `piezo validate {folder}/table.toml LOG`; put it on a board \
-         with `piezo install {folder}{board} --port auto`"
+         with `piezo install {folder}{board}`"
     )
 }
 
