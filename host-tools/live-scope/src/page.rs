@@ -1,24 +1,26 @@
-//! The page: one file with its style, its plotting library (uPlot, MIT, `page/uplot/`) and its script.
+//! The page: one file with its style, its plotting library ([`uplot`]) and its script.
+
+use std::sync::LazyLock;
 
 /// The page. It holds nothing of a device, and asks for that at the address it was had from.
-pub const PAGE: &str = concat!(
-    "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"generator\" content=\"piezo\">\n",
-    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n",
-    "<title>piezo monitor</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n",
-    include_str!("../page/uplot/uPlot.min.css"),
-    "\n",
-    include_str!("../page/scope.css"),
-    "</style>\n</head>\n<body>\n",
-    include_str!("../page/scope.html"),
-    "<!--\nThe plots are uPlot's, https://github.com/leeoniya/uPlot\n\n",
-    include_str!("../page/uplot/LICENSE"),
-    "-->\n<script>\n",
-    include_str!("../page/uplot/uPlot.iife.min.js"),
-    "\n</script>\n<script>\n",
-    include_str!("../page/history.js"),
-    include_str!("../page/scope.js"),
-    "</script>\n</body>\n</html>\n"
-);
+pub static PAGE: LazyLock<String> = LazyLock::new(|| {
+    [
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"generator\" content=\"piezo\">\n",
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n",
+        "<title>piezo monitor</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n",
+        uplot::STYLE,
+        "\n",
+        include_str!("../page/scope.css"),
+        "</style>\n</head>\n<body>\n",
+        include_str!("../page/scope.html"),
+        uplot::SCRIPT,
+        "<script>\n",
+        include_str!("../page/history.js"),
+        include_str!("../page/scope.js"),
+        "</script>\n</body>\n</html>\n",
+    ]
+    .concat()
+});
 
 #[cfg(test)]
 mod tests {

@@ -240,7 +240,7 @@ fn serve(mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
 
 fn answer(path: &str, request: &Request, mut stream: TcpStream, shared: &Shared) -> io::Result<()> {
     match (request.method.as_str(), path) {
-        ("GET", "") => http::answer(&mut stream, Status::Ok, "text/html", PAGE),
+        ("GET", "") => http::answer(&mut stream, Status::Ok, "text/html", &PAGE),
         ("GET", "events") => events(stream, shared),
         ("POST", wish) => {
             let (status, said) = match ask(wish, request, shared) {

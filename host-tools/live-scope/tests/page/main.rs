@@ -56,7 +56,7 @@ fn who_opens_the_page_is_shown_the_device_in_figures_and_words() {
     let device = Emulator::new().start().unwrap();
     shown(device.address(), folder.path(), |page| {
         let (status, body) = page.asked(&format!("GET {}", page.path), &format!("Host: {}\r\n", page.host), "");
-        assert!(status == "200" && body == PAGE);
+        assert!(status == "200" && body == *PAGE);
         let mut events = page.events();
         let device = events.wait("device", |_| true);
         assert!(device["board"].as_str().unwrap().starts_with("emulated, firmware"), "{device}");
