@@ -2,6 +2,7 @@
 //! than the model's, what tells them apart is hysteresis that the model has too much or too little of.
 
 use super::axis::Axis;
+use super::csv::Csv;
 use super::svg::{Drawing, Frame};
 use super::thin::{Point, extent};
 use identification::validate::Comparison;
@@ -57,8 +58,8 @@ pub fn branches(logs: &[Comparison], retreat: f64) -> [Vec<Point>; 2] {
     })
 }
 
-/// Draws them; `None` where neither branch has an error.
-pub fn draw(logs: &[Comparison], retreat: f64) -> Option<Drawing> {
+/// Draws them, with their numbers; `None` where neither branch has an error.
+pub fn draw(logs: &[Comparison], retreat: f64) -> Option<(Drawing, Csv)> {
     let [rising, falling] = branches(logs, retreat);
     let all = || rising.iter().chain(&falling);
     all().next()?;
@@ -71,7 +72,8 @@ pub fn draw(logs: &[Comparison], retreat: f64) -> Option<Drawing> {
     drawing.line(&panel, "estimate", &rising);
     drawing.line(&panel, "error", &falling);
     drawing.legend(&panel, &[("estimate", "rising"), ("error", "falling")]);
-    Some(drawing)
+    let curves: [(&str, &[Point]); 2] = [("rising", &rising), ("falling", &falling)];
+    Some((drawing, Csv::of_curves("error-by-branch", ["voltage_v", "mean_error_um"], &curves)))
 }
 
 #[cfg(test)]

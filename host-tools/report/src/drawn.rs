@@ -24,7 +24,7 @@ pub fn over_time(log: &Comparison, name: &str) -> Option<(String, String)> {
 
 /// Errors after each generation (Figures 4.9, 4.10). `None` where there is nothing to draw.
 pub fn convergence(course: &[Convergence], label: &str) -> Option<String> {
-    Some(errors::convergence(course, "generation", POINTS)?.inline(label))
+    Some(errors::convergence(course, "generation", POINTS)?.0.inline(label))
 }
 
 /// Errors (µm) over the sampling time (ms), ours and the thesis's, the smallest of each circled (Figure 4.8).

@@ -1,6 +1,7 @@
 //! The error over the steps of a search (Fig. 4.9), and how it is distributed.
 
 use super::axis::Axis;
+use super::csv::Csv;
 use super::svg::{Drawing, Frame};
 use super::thin::{Point, extent, thin};
 use identification::Convergence;
@@ -10,9 +11,9 @@ const FRAME: Frame = Frame { left: 42.0, top: 22.0, width: 300.0, height: 208.0 
 const SIZE: (f64, f64, f64) = (350.0, 262.0, 11.0);
 const BINS: usize = 40;
 
-/// Training and held-out error after each generation, or what else the search's steps are called; `None` where there is nothing to
-/// draw.
-pub fn convergence(course: &[Convergence], step: &str, limit: usize) -> Option<Drawing> {
+/// Training and held-out error after each generation, or what else the search's steps are called, with their numbers; `None` where there
+/// is nothing to draw.
+pub fn convergence(course: &[Convergence], step: &str, limit: usize) -> Option<(Drawing, Csv)> {
     let line = |of: &dyn Fn(&Convergence) -> Option<f64>| -> Vec<Point> {
         let numbered = course.iter().enumerate();
         numbered.filter_map(|(n, after)| Some((n as f64, of(after).filter(|&error| drawable(error))?))).collect()
@@ -27,14 +28,14 @@ pub fn convergence(course: &[Convergence], step: &str, limit: usize) -> Option<D
     let errors = training.iter().chain(&held_out).map(|point| point.1);
     let steps = Axis::tight([0.0, course.len().saturating_sub(1).max(1) as f64], 3);
     let panel = drawing.panel(FRAME, steps, Axis::logarithmic(errors), (step, "error, µm"));
-    drawing.line(&panel, "training", &thin(training, limit));
-    let mut entries = vec![("training", "training")];
-    if !held_out.is_empty() {
-        drawing.line(&panel, "error", &thin(held_out, limit));
-        entries.push(("error", "held out"));
+    let lines = [("training", "training", thin(training, limit)), ("error", "held out", thin(held_out, limit))];
+    let drawn = || lines.iter().filter(|(.., points)| !points.is_empty());
+    for (class, _, points) in drawn() {
+        drawing.line(&panel, class, points);
     }
-    drawing.legend(&panel, &entries);
-    Some(drawing)
+    drawing.legend(&panel, &drawn().map(|(class, word, _)| (*class, *word)).collect::<Vec<_>>());
+    let curves: Vec<(&str, &[Point])> = drawn().map(|(_, word, points)| (*word, points.as_slice())).collect();
+    Some((drawing, Csv::of_curves("convergence", ["step", "error_um"], &curves)))
 }
 
 /// Whether a logarithmic axis can show it.
@@ -42,8 +43,8 @@ fn drawable(error: f64) -> bool {
     error.is_finite() && error > 1e-12
 }
 
-/// How the errors of the logs are distributed, held out and trained on; each log weighs the same.
-pub fn histogram(training: &[Comparison], held_out: &[Comparison]) -> Drawing {
+/// How the errors of the logs are distributed, held out and trained on, with the numbers; each log weighs the same.
+pub fn histogram(training: &[Comparison], held_out: &[Comparison]) -> (Drawing, Csv) {
     let sets = [errors(held_out), errors(training)];
     let all = sets.iter().flatten().flatten().copied();
     let (min, max) = match extent(all) {
@@ -60,19 +61,26 @@ pub fn histogram(training: &[Comparison], held_out: &[Comparison]) -> Drawing {
     let panel = drawing.panel(FRAME, Axis::linear([min, max], 3), vertical, ("estimate − sensor, µm", "samples, %"));
     let edge = |bin: usize| min + (max - min) * bin as f64 / BINS as f64;
     let [held_out, training] = sets;
+    let numbers = |shares: &[f64]| -> Vec<Point> {
+        let middle = |bin: usize| (edge(bin) + edge(bin + 1)) / 2.0;
+        shares.iter().enumerate().map(|(bin, &share)| (middle(bin), share)).collect()
+    };
+    let curves = [("held out", numbers(&held_out)), ("training", numbers(&training))];
+    let curves = curves.each_ref().map(|(part, points)| (*part, points.as_slice()));
+    let csv = Csv::of_curves("residuals", ["error_um", "samples_percent"], &curves);
     let (bars, outline) = if held_out.is_empty() { (training, Vec::new()) } else { (held_out, training) };
     for (bin, &share) in bars.iter().enumerate().filter(|(_, share)| **share > 0.0) {
         drawing.bar(&panel, "share", (edge(bin), 0.0), (edge(bin + 1), share));
     }
     if outline.is_empty() {
-        return drawing;
+        return (drawing, csv);
     }
     let mut steps: Vec<Point> = vec![(min, 0.0)];
     steps.extend(outline.iter().enumerate().flat_map(|(bin, &y)| [(edge(bin), y), (edge(bin + 1), y)]));
     steps.push((max, 0.0));
     drawing.line(&panel, "training", &steps);
     drawing.legend(&panel, &[("swatch", "held out"), ("training", "training")]);
-    drawing
+    (drawing, csv)
 }
 
 fn errors(logs: &[Comparison]) -> Vec<Vec<f64>> {

@@ -3,9 +3,11 @@
 mod axis;
 mod branches;
 mod comparison;
+mod csv;
 pub mod drawn;
 mod error;
 mod errors;
+mod figures;
 mod loops;
 mod number;
 mod page;
@@ -18,13 +20,16 @@ mod svg;
 mod swings;
 mod thin;
 mod traces;
+mod whole;
+mod zoom;
 
 #[cfg(test)]
 mod tests;
 
 pub use comparison::{ComparisonReport, comparison};
 pub use error::ReportError;
-pub use page::{Mark, Report, render};
+pub use figures::Mark;
+pub use page::{Report, render};
 pub use picture::{Zeroed, picture};
 pub use reproduction::{ReproductionReport, reproduction};
 pub use section::{Grid, Picture, Section, shown, yes};

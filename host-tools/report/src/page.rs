@@ -1,12 +1,11 @@
 //! What the template shows: figures, tables and words, in the order of the report.
 
 use super::error::ReportError;
-use super::number::quantity;
+use super::figures::{Figure, Mark, Shown, loop_figure, place_figures, search_figures, split, trace_figure};
 use super::rows::{self, CandidateRow, ERRORS, GeneRow, ParameterRow};
-use super::svg::Drawing;
-use super::swings::{BySwing, Swing, map, swings};
+use super::swings::{BySwing, Swing, swings};
 use super::thin::retreat;
-use super::{branches, errors, loops, traces};
+use super::zoom;
 use askama::Template;
 use estimator_core::Model;
 use identification::validate::Comparison;
@@ -48,31 +47,6 @@ pub struct Report<'a> {
     pub facts: &'a [(String, String)],
 }
 
-/// A place in a log that is no measurement.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Mark {
-    /// Name of the log.
-    pub log: String,
-    /// Time within the log at which it begins, s.
-    pub from_s: f64,
-    /// When it ends, s.
-    pub to_s: f64,
-    /// What it is, in words.
-    pub what: String,
-}
-
-/// A plot with its caption.
-pub struct Figure {
-    /// Inline SVG.
-    pub svg: String,
-    /// What it shows: a log's name, or a title.
-    pub name: String,
-    /// "held out", "training" or nothing.
-    pub role: &'static str,
-    /// The rest of the caption.
-    pub caption: String,
-}
-
 /// Text in pieces, each with whether it is code.
 type Sentence<'a> = Vec<(bool, &'a str)>;
 
@@ -93,6 +67,9 @@ pub struct Page<'a> {
     by_swing: BySwing,
     traces: Vec<Figure>,
     traces_left_out: Vec<&'a str>,
+    /// Style and script of what draws a whole log; empty where there is none.
+    zoom_style: &'static str,
+    zoom_script: &'static str,
     flaws: &'a [Mark],
     flaws_left_out: usize,
     search: Vec<Figure>,
@@ -102,13 +79,6 @@ pub struct Page<'a> {
     parameters: Vec<ParameterRow>,
     table: Vec<ParameterRow>,
     facts: &'a [(String, String)],
-}
-
-/// A log, and whether it was held out.
-#[derive(Clone, Copy)]
-struct Shown<'a> {
-    log: &'a Comparison,
-    role: &'static str,
 }
 
 /// The report as HTML.
@@ -132,6 +102,7 @@ impl<'a> Page<'a> {
         let (fitted, not_traced) = split(training.iter(), TRAINING_TRACES);
         traced.extend(fitted);
         traces_left_out.extend(not_traced);
+        let logs = traced.len();
         let limit = (POINTS / (2 * looped.len() + 4 * traced.len() + 2)).min(POINTS_OF_A_LINE);
 
         let voltages = chosen.training.iter().chain(&chosen.held_out).flat_map(|log| log.trace.voltage.iter().copied());
@@ -153,11 +124,13 @@ impl<'a> Page<'a> {
             loops_left_out,
             places: place_figures(chosen, &of_held_out, &of_training, retreat),
             by_swing: BySwing::of(&of_held_out, &of_training),
-            traces: traced.into_iter().map(|shown| trace_figure(shown, report.flaws, limit)).collect(),
+            traces: traced.into_iter().map(|shown| trace_figure(shown, report.flaws, limit, logs)).collect(),
             traces_left_out,
+            zoom_style: if logs > 0 { uplot::STYLE } else { "" },
+            zoom_script: if logs > 0 { &zoom::SCRIPT } else { "" },
             flaws: &report.flaws[..report.flaws.len().min(FLAWS)],
             flaws_left_out: report.flaws.len().saturating_sub(FLAWS),
-            search: search_figures(report, limit),
+            search: search_figures(chosen, limit),
             learnt_anew: report.learnt.table.parameters != chosen.table.parameters,
             genes: report.learnt.fit.genes.iter().map(GeneRow::new).collect(),
             parameters: rows::parameters(&report.learnt.table),
@@ -165,101 +138,6 @@ impl<'a> Page<'a> {
             facts: report.facts,
         }
     }
-}
-
-/// The first logs that have something to draw, and the names of the others.
-fn split<'a: 'b, 'b>(logs: impl Iterator<Item = &'b Shown<'a>>, count: usize) -> (Vec<Shown<'a>>, Vec<&'a str>) {
-    let (mut drawn, mut left_out) = (Vec::new(), Vec::new());
-    for &shown in logs {
-        if drawn.len() < count && !shown.log.trace.time_s.is_empty() {
-            drawn.push(shown);
-        } else {
-            left_out.push(shown.log.name.as_str());
-        }
-    }
-    (drawn, left_out)
-}
-
-fn loop_figure(Shown { log, role }: Shown<'_>, limit: usize) -> Figure {
-    let (drawing, drawn) = loops::draw(&log.trace, limit);
-    let mut caption = rows::sentence(log);
-    if drawn.periods < drawn.of {
-        caption += &format!(" {} of {} periods are drawn.", drawn.periods, drawn.of);
-    }
-    let label = format!("Displacement over voltage of {} ({role}): sensor and estimate. {caption}", log.name);
-    Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption }
-}
-
-fn trace_figure(Shown { log, role }: Shown<'_>, flaws: &[Mark], limit: usize) -> Figure {
-    let of_log = flaws.iter().filter(|flaw| flaw.log == log.name).map(|flaw| (flaw.from_s, flaw.to_s));
-    let (drawing, detail, flawed) = traces::draw(&log.trace, of_log.collect(), limit);
-    let mut caption = match detail {
-        Some((from, to)) => format!(
-            "The last {} and their error; below, the error over the whole log, in which they are shaded.",
-            quantity(to - from, "s")
-        ),
-        None => "The whole log and its error.".to_owned(),
-    };
-    if flawed {
-        caption += " What is no measurement is marked behind the error.";
-    }
-    let label = format!("Displacement of {} over time ({role}): sensor, estimate, error. {caption}", log.name);
-    Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption }
-}
-
-/// The errors by branch, and where the logs' swings lie.
-fn place_figures(chosen: &Candidate, held_out: &[Swing], training: &[Swing], retreat: f64) -> Vec<Figure> {
-    let (logs, role) =
-        if chosen.held_out.is_empty() { (&chosen.training, "training") } else { (&chosen.held_out, "held out") };
-    let mut figures = Vec::new();
-    let mut add = |name: &str, role, caption: &str, drawing: Option<Drawing>| {
-        let label = format!("{name}. {caption}");
-        figures.extend(drawing.map(|drawing| Figure {
-            svg: drawing.inline(&label),
-            name: name.to_owned(),
-            role,
-            caption: caption.to_owned(),
-        }));
-    };
-    add(
-        "Error by branch",
-        role,
-        "Mean error over the voltage, beside each log's own constant. What both branches share is a mean curve that is bent \
-         otherwise than the model's; what tells them apart is hysteresis that the model has too much or too little of.",
-        branches::draw(logs, retreat),
-    );
-    add(
-        "What the logs cover",
-        "",
-        "Each swing of the voltage by its frequency and size. Where no circle of the training is near, the error is unknown.",
-        map(held_out, training),
-    );
-    figures
-}
-
-fn search_figures(report: &Report<'_>, limit: usize) -> Vec<Figure> {
-    let chosen = report.chosen;
-    let mut figures = Vec::new();
-    // The genetic algorithm has the Voigt family, other methods the rest.
-    let step = if chosen.fit.model.is_voigt() { "generation" } else { "step of the search" };
-    if let Some(drawing) = errors::convergence(&chosen.fit.convergence, step, limit) {
-        let caption = format!(
-            "Error of the best candidate after each {step} ({}; held out always in simulation). Where the training error \
-             still falls and the held-out error rises, the model learns the recording and no longer the actuator.",
-            chosen.fit.minimised
-        );
-        let name = "Convergence".to_owned();
-        figures.push(Figure { svg: drawing.inline(&format!("{name}. {caption}")), name, role: "", caption });
-    }
-    let caption = if chosen.held_out.is_empty() {
-        "How the errors on the training logs are distributed; each log weighs the same."
-    } else {
-        "How the errors on the held-out and on the training logs are distributed; each log weighs the same."
-    };
-    let drawing = errors::histogram(&chosen.training, &chosen.held_out);
-    let (name, caption) = ("Residuals".to_owned(), caption.to_owned());
-    figures.push(Figure { svg: drawing.inline(&format!("{name}. {caption}")), name, role: "", caption });
-    figures
 }
 
 /// A sentence in pieces: what stands between back-ticks, and every `--option`, is code.

@@ -2,6 +2,7 @@
 //! off meanwhile. What the training covers, and what the error is where, is read off them.
 
 use super::axis::Axis;
+use super::csv::Csv;
 use super::number::{number, tick_label};
 use super::svg::{Drawing, Frame};
 use super::thin::{Point, extent};
@@ -109,8 +110,8 @@ fn frequency(class: i32) -> String {
     format!("{}\u{a0}Hz", tick_label((hertz / digit).round() * digit, digit))
 }
 
-/// Where the swings lie, by frequency and size; `None` without any.
-pub fn map(held_out: &[Swing], training: &[Swing]) -> Option<Drawing> {
+/// Where the swings lie, by frequency and size, with the numbers; `None` without any.
+pub fn map(held_out: &[Swing], training: &[Swing]) -> Option<(Drawing, Csv)> {
     let all = || held_out.iter().chain(training);
     all().next()?;
     let mut drawing = Drawing::new(350.0, 262.0, 11.0);
@@ -118,14 +119,14 @@ pub fn map(held_out: &[Swing], training: &[Swing]) -> Option<Drawing> {
     let (hertz, volts) = (all().map(|swing| swing.hertz), all().map(|swing| swing.volts));
     let titles = ("frequency, Hz", "swing, V");
     let panel = drawing.panel(frame, Axis::logarithmic(hertz), Axis::logarithmic(volts), titles);
-    for (class, swings) in [("learnt", training), ("error", held_out)] {
-        for point in apart(swings) {
-            drawing.circle(&panel, class, point);
-        }
+    let parts = [("learnt", "training", apart(training)), ("error", "held out", apart(held_out))];
+    for (class, _, points) in &parts {
+        points.iter().for_each(|&point| drawing.circle(&panel, class, point));
     }
     let entries = [("learnt", "training"), ("error", "held out")];
     drawing.legend(&panel, if held_out.is_empty() { &entries[..1] } else { &entries });
-    Some(drawing)
+    let curves = parts.each_ref().map(|(_, part, points)| (*part, points.as_slice()));
+    Some((drawing, Csv::of_curves("what-the-logs-cover", ["frequency_hz", "swing_v"], &curves)))
 }
 
 /// Frequency and size of swings, one of those that lie on one another.

@@ -58,6 +58,17 @@ impl<'b> Page<'b> {
         Ok(page)
     }
 
+    /// Has it no script run, and loads it anew.
+    ///
+    /// # Errors
+    /// The browser's.
+    pub fn without_scripts(&mut self) -> Result<()> {
+        self.call("Emulation.setScriptExecutionDisabled", json!({ "value": true }))?;
+        self.browser.take_events(&self.session);
+        self.call("Page.reload", json!({}))?;
+        self.browser.wait(&self.session, |event| event["method"] == "Page.loadEventFired")
+    }
+
     fn call(&mut self, method: &str, parameters: Value) -> Result<Value> {
         self.browser.call(Some(&self.session), method, &parameters)
     }
