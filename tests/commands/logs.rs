@@ -141,6 +141,26 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
     }
 }
 
+/// The log begins with a jump from 0 V: a spike that hid it had cost 0.5 µm of error and 0.8 µm of interval.
+#[test]
+fn a_spike_that_is_left_out_costs_neither_error_nor_interval() {
+    let clean = measured().split(0.75).0;
+    let found = |log: &Log| {
+        let options = ["--model", "generalised-prandtl-ishlinskii", "--devices", "2", "--repair"];
+        let result = identify(std::slice::from_ref(log), &[&options]);
+        ["/candidates/0/held_out/mae_um", "/interval/misfit_um"].map(|pointer| number(&result, pointer))
+    };
+    let [mae_um, half_um] = found(&clean);
+    let rows = clean.voltage.len();
+    for (row, leap_um) in [(rows * 2 / 5, 50.0), (rows / 4, 9_000.0), (rows * 3 / 4, 200.0), (rows * 7 / 8, 9_000.0)] {
+        let spiky = displaced(&clean, |at, y| if at == row { y + leap_um } else { y });
+        let [mae, half] = found(&spiky);
+        let of = format!("{leap_um} µm in row {row} of {rows}");
+        assert!((mae / mae_um - 1.0).abs() < 0.05, "{of}: {mae} instead of {mae_um} µm");
+        assert!((half / half_um - 1.0).abs() < 0.1, "{of}: ± {half} instead of {half_um} µm");
+    }
+}
+
 #[test]
 fn the_noise_is_kept_in_the_table_and_what_is_no_measurement_stands_in_the_report() {
     let folder = tempfile::tempdir().unwrap();
@@ -255,7 +275,7 @@ fn a_voltage_that_rests_where_it_should_teach_or_test_is_refused() {
 fn a_late_sensor_is_found_out() {
     let logs = || ["sin10", "tr10", "sin100"].map(rig);
     let delay = |logs: &[Log]| {
-        let automatic = ["--delay", "auto", "--max-delay", "3", "--model", "voigt"];
+        let automatic = ["--delay", "auto", "--max-delay", "3", "--model", "voigt", "--repair"];
         number(&identify(logs, &[&SHORT, &automatic]), "/recipe/delay_ticks")
     };
     // 20 samples at 10 kHz are 4 ticks at 2 kHz.
@@ -264,5 +284,7 @@ fn a_late_sensor_is_found_out() {
         displaced(&log, |row, _| recorded[row.saturating_sub(20)])
     });
     assert!((3.0..=5.0).contains(&delay(&late)), "{}", delay(&late));
+    let spiky = late.map(|log| displaced(&log, |row, y| if row == 3_000 { 9_000.0 } else { y }));
+    assert!((3.0..=5.0).contains(&delay(&spiky)), "{} with a spike in each", delay(&spiky));
     assert!(delay(&logs()) <= 1.0, "{}", delay(&logs()));
 }

@@ -10,6 +10,7 @@ use crate::fit::{Progress, identify};
 use crate::problem::{Conditions, Problem};
 use crate::search::{SearchOptions, Start};
 use estimator_core::Model;
+use log_survey::{Flaw, measured};
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, PrepareOptions, Recipe};
 
@@ -60,17 +61,25 @@ impl DelaySearch {
         tried * folds * self.search.generations_of(&[Model::Voigt])
     }
 
-    /// Estimates the delay of training logs that were cut.
+    /// Estimates the delay of training logs that were cut, `flaws` of each of which are left out.
     ///
     /// # Errors
     /// A part of a log cannot be brought to the tick.
-    pub fn estimate(&self, training: &[Log], recipe: &Recipe, progress: Progress<'_>) -> Result<Delay, PrepareError> {
+    pub fn estimate(
+        &self,
+        training: &[Log],
+        flaws: &dyn Fn(&Log) -> Vec<Flaw>,
+        recipe: &Recipe,
+        progress: Progress<'_>,
+    ) -> Result<Delay, PrepareError> {
         let mut errors = Vec::new();
         for ticks in (0..=self.largest).step_by(self.step as usize) {
             let recipe = Recipe { delay_ticks: ticks, ..recipe.clone() };
+            let session = |log: &Log| measured(&recipe, log, &flaws(log)).map(|(session, _)| session);
+            let sessions = |logs: &[Log]| logs.iter().map(session).collect::<Result<Vec<_>, _>>();
             let mut error = 0.0;
             for (fitted, judged) in folds(training) {
-                let problem = Problem::new(recipe.sessions(&fitted)?, recipe.sessions(&judged)?, self.conditions);
+                let problem = Problem::new(sessions(&fitted)?, sessions(&judged)?, self.conditions);
                 let fits = identify(&problem, &[Model::Voigt], self.cost, &self.search, progress);
                 let admissible = fits.first().filter(|fit| fit.cost.is_finite()).and_then(|fit| fit.parameters);
                 error += admissible.and_then(|found| problem.held_out(&found, self.cost)).unwrap_or(f64::INFINITY);

@@ -16,7 +16,7 @@ use crate::search::SearchOptions;
 use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, mended, prepared_without, sound};
+use log_survey::{Character, Implausible, ahead, falls, flaws, gravest, repaired, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -118,10 +118,10 @@ impl Job {
     ) -> Result<Prepared, JobError> {
         let Parts { training, held_out, rests } = Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;
         let flaws = |log: &Log| if self.conditions.repair { flaws(log) } else { Vec::new() };
-        let each = |of: fn(&Log, &[Flaw]) -> Log| training.iter().map(|log| of(log, &flaws(log))).collect::<Vec<_>>();
-        let mut recipe = self.prepare.resolve(&each(sound));
+        let rows: Vec<Log> = training.iter().map(|log| sound(log, &flaws(log))).collect();
+        let mut recipe = self.prepare.resolve(&rows);
         let estimated = match (self.prepare.delay, known_delay_ticks) {
-            (AutoOr::Auto, None) => Some(self.delay_search().estimate(&each(mended), &recipe, progress)?),
+            (AutoOr::Auto, None) => Some(self.delay_search().estimate(&training, &flaws, &recipe, progress)?),
             _ => None,
         };
         if let Some(ticks) = known_delay_ticks.or(estimated.map(|delay| delay.ticks)) {
@@ -129,11 +129,11 @@ impl Job {
         }
         let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
-        let mut repaired = Vec::new();
+        let mut left_out = Vec::new();
         let mut session = |log: &Log| -> Result<Session, PrepareError> {
-            let (session, left_out) = prepared_without(&recipe, log, &flaws(log))?;
-            if left_out > 0 {
-                repaired.push(log.name.clone());
+            let (session, without) = repaired(&recipe, log, &flaws(log))?;
+            if without > 0 {
+                left_out.push(log.name.clone());
             }
             Ok(session)
         };
@@ -160,7 +160,7 @@ impl Job {
                 seed: self.search.seed,
             },
             logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
-            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&repaired)].concat(),
+            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&left_out)].concat(),
             delay_at_bound: estimated.filter(|delay| delay.at_bound).map(|_| Doubt::DelayAtBound { delay_ms }),
         })
     }

@@ -14,7 +14,10 @@ use std::mem::discriminant;
 
 pub(crate) use commanded::Commanded;
 pub(crate) use leaps::{Explained, SPIKE_ROWS};
-pub use repair::{leave_out, mended, sound};
+pub use repair::{measured, sound};
+
+#[cfg(test)]
+use repair::{leave_out, mended};
 
 use leaps::{ROWS, at_ends, least_leap, spikes};
 use missing::missing;

@@ -4,7 +4,8 @@
 //! amplifier was switched on jumps there from 0 V, and its first readings lie where the voltage has never been: hysteresis
 //! and creep have to start from 0 V, or the largest signal of the log is lost.
 
-use crate::flaw::{Flaw, leave_out, mended};
+use crate::flaw::{Flaw, measured};
+use crate::stroke::stroke;
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, Recipe};
 use recordings::session::Session;
@@ -21,16 +22,16 @@ const BEYOND: f64 = 0.1;
 /// # Errors
 /// The log cannot be brought to the tick.
 pub fn prepared(recipe: &Recipe, log: &Log) -> Result<Session, PrepareError> {
-    Ok(prepared_without(recipe, log, &[])?.0)
+    repaired(recipe, log, &[]).map(|(session, _)| session)
 }
 
-/// As [`prepared`], with these flaws of the log mended and left out, of how it started, too; and how many instants were left out.
+/// The same of a log without what was measured in these flaws of it, and how many instants that were. How it began is seen in
+/// what is left.
 ///
 /// # Errors
 /// The log cannot be brought to the tick.
-pub fn prepared_without(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, usize), PrepareError> {
-    let mut session = recipe.session(&mended(log, flaws))?;
-    let left_out = leave_out(&mut session, flaws, f64::from(recipe.delay_ticks) * recipe.tick_s());
+pub fn repaired(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, usize), PrepareError> {
+    let (mut session, left_out) = measured(recipe, log, flaws)?;
     state_rest(&mut session, -recipe.voltage_zero_v);
     Ok((session, left_out))
 }
@@ -40,12 +41,12 @@ pub fn prepared_without(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(S
 fn state_rest(session: &mut Session, off: f64) {
     let (Some(&first), Some(&reading)) = (session.voltage.first(), session.displacement.first()) else { return };
     let voltages = extent(session.voltage.iter().copied());
-    let stroke = extent(session.displacement.iter().copied());
-    let margin = BEYOND * (stroke.1 - stroke.0);
+    let measured_at: Vec<f64> = session.instants.iter().map(|&instant| session.voltage[instant as usize]).collect();
+    let margin = BEYOND * stroke(&measured_at, &session.displacement, off);
     let near = SAME * (voltages.1 - voltages.0);
     let belongs = |voltage: f64| {
-        let there = session.instants.iter().zip(&session.displacement).skip(session.instants.len() / START);
-        let there = there.filter(|&(&instant, _)| (session.voltage[instant as usize] - voltage).abs() <= near);
+        let there = measured_at.iter().zip(&session.displacement).skip(measured_at.len() / START);
+        let there = there.filter(|&(at, _)| (at - voltage).abs() <= near);
         let (low, high) = extent(there.map(|(_, &displacement)| displacement));
         low - margin <= reading && reading <= high + margin
     };
@@ -61,9 +62,8 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use recordings::log::{ReadOptions, read};
-    use recordings::prepare::PrepareOptions;
-    use std::path::Path;
+    use crate::flaw::flaws;
+    use recordings::prepare::{AutoOr, PrepareOptions};
 
     /// Half the voltage, with a lag of some ticks, from `rest`.
     fn session(rest: f64, phase: f64) -> Session {
@@ -91,19 +91,32 @@ mod tests {
         assert_eq!(elsewhere.rested_v, None);
     }
 
-    /// The measured log began as the amplifier was switched on.
+    /// What a spike spans is no stroke, and where it stands no displacement belongs.
     #[test]
-    fn a_spike_that_is_left_out_says_nothing_of_the_start() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/picma-p885-1hz.csv");
-        let log = read(&path, &ReadOptions::default()).unwrap();
-        let recipe = PrepareOptions::default().resolve(std::slice::from_ref(&log));
-        let clean = prepared(&recipe, &log).unwrap();
-        assert!(clean.rested_v.is_some());
-        for (row, by_um) in [(500, 50.0), (2000, 200.0), (2000, 9000.0), (5000, -9000.0)] {
-            let mut spiky = log.clone();
-            spiky.displacement.as_mut().unwrap()[row] += by_um;
-            let (session, left_out) = prepared_without(&recipe, &spiky, &crate::flaws(&spiky)).unwrap();
-            assert_eq!((session.rested_v, left_out > 0), (clean.rested_v, true), "{by_um} µm in row {row}");
+    fn a_spike_of_any_size_hides_no_jump_once_it_is_left_out() {
+        let began = session(0.0, 1.5);
+        let log = |displacement: Vec<f64>| Log {
+            name: "log".into(),
+            path: "log.csv".into(),
+            sha256: String::new(),
+            sample_period: began.tick_s,
+            start_s: 0.0,
+            voltage: began.voltage.clone(),
+            displacement: Some(displacement),
+            displacement_estimated: false,
+        };
+        let first = began.voltage[0];
+        let back = (2_000..4_000).find(|&row| (began.voltage[row] - first).abs() < 0.1).unwrap();
+        for leap_um in [50.0, 200.0, 9_000.0, -9_000.0] {
+            for row in [700, 3_000, back] {
+                let mut displacement = began.displacement.clone();
+                displacement[row] += leap_um;
+                let log = log(displacement);
+                let recipe = PrepareOptions { voltage_zero: AutoOr::Given(0.0), ..PrepareOptions::default() };
+                let recipe = recipe.resolve(std::slice::from_ref(&log));
+                let (session, left_out) = repaired(&recipe, &log, &flaws(&log)).unwrap();
+                assert_eq!((session.rested_v, left_out), (Some(0.0), 1), "{leap_um} µm in row {row}");
+            }
         }
     }
 }

@@ -3,10 +3,21 @@
 use super::voltage::without;
 use super::{Flaw, Stretch};
 use recordings::log::Log;
+use recordings::prepare::{PrepareError, Recipe};
 use recordings::session::Session;
 
 /// More than this part of a log is no flaw of it: it is left as it is.
 const MOST: f64 = 0.5;
+
+/// The session of a log that has been cut without what was measured in these flaws of it, and how many instants that were.
+///
+/// # Errors
+/// The log cannot be brought to the tick.
+pub fn measured(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, usize), PrepareError> {
+    let mut session = recipe.session(&mended(log, flaws))?;
+    let left_out = leave_out(&mut session, flaws, f64::from(recipe.delay_ticks) * recipe.tick_s());
+    Ok((session, left_out))
+}
 
 /// Leaves what was measured in the flaws of its log out of a session whose sensor is late by `delay_s`; the voltage stays, as it
 /// was or was [mended].
