@@ -43,6 +43,30 @@ fn a_last_line_cut_in_mid_number_is_found_and_repair_says_how_much_it_left_out()
     assert!(repaired.contains(&format!("\nLeft out: {sentence}\n")), "{repaired}");
 }
 
+/// The unit was asked for first, which is right, and nothing that could be pasted left the spike out.
+#[test]
+fn a_spike_is_the_first_doubt_and_the_next_line_leaves_it_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let clean = read(&root().join(MEASURED), &ReadOptions::default()).unwrap();
+    let mut displacement = clean.displacement.clone().unwrap();
+    displacement[2_000] = 9_000.0;
+    let log = write(folder.path(), &Log { displacement: Some(displacement), ..clean });
+    let out = folder.path().join("out");
+    let looked = said(&["look", text(&log)]);
+    assert!(looked.trim_end().ends_with(" --repair") && !looked.contains("is the unit right"), "{looked}");
+    let identify = [&["identify", text(&log), "--out", text(&out)], &SHORTEST[..]].concat();
+    let spiky = said(&identify);
+    assert!(
+        spiky.contains("When not to trust it:\n- in picma-p885-1hz the displacement leaps away and back"),
+        "{spiky}"
+    );
+    assert!(!spiky.contains("is the unit right") && !spiky.contains("piezo install"), "{spiky}");
+    let pasted = spiky.trim_end().rsplit_once('\n').unwrap().1;
+    assert_eq!(pasted, format!("    piezo {} --repair", identify.join(" ")));
+    let repaired = said(&[&identify[..], &["--repair"]].concat());
+    assert!(repaired.contains("was left out (--repair)") && repaired.contains("piezo install"), "{repaired}");
+}
+
 #[test]
 fn rows_that_are_seconds_apart_are_doubted_before_anything_is_learnt() {
     let folder = tempfile::tempdir().unwrap();

@@ -44,12 +44,6 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
     if survey.displacement_estimated {
         line("", ESTIMATED);
     }
-    if let Some(of) = &survey.implausible {
-        line("doubtful", &implausible(of));
-    }
-    if let Some(of) = &survey.ahead {
-        line("doubtful", &runs_ahead(of));
-    }
     if let Some(frozen) = survey.frozen {
         let words = format!(
             "{} µm in {} rows from row {} on, while the voltage moves by {:.4} V: was the sensor off, or out of its range?",
@@ -65,6 +59,13 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
         if survey.frozen.is_none() || !matches!(of.worst, Flaw::Frozen { .. }) {
             line("flaw", &flaw_found(&of.worst, of.count, of.first_row + 1));
         }
+    }
+    // What is no measurement may be the cause of either.
+    if let Some(of) = &survey.implausible {
+        line("doubtful", &implausible(of));
+    }
+    if let Some(of) = &survey.ahead {
+        line("doubtful", &runs_ahead(of));
     }
     if survey.flaws.is_none() {
         line("", "a long log: leaps, and a voltage that is cut off, are not looked for here");
@@ -240,6 +241,11 @@ mod tests {
             spike.contains("leaps away and back by") && spike.contains("at 1.5000 s, row 1501: --repair"),
             "{spike}"
         );
+        let far = said(|row, y| if row == 1_500 { 90_000.0 } else { y });
+        assert!(far.contains("at 1.5000 s, row 1501") && !far.contains("is the unit right"), "{far}");
+        let wrong_unit = said(|row, y| if row == 1_500 { 9e7 } else { 1e3 * y });
+        let [flaw, unit] = ["leaps away", "is the unit right"].map(|what| wrong_unit.find(what).unwrap());
+        assert!(flaw < unit, "{wrong_unit}");
         let frozen = said(|row, y| if (1_000..1_400).contains(&row) { 3.0 } else { y });
         assert!(frozen.contains("400 rows from row 1001 on") && !frozen.contains("stands still"), "{frozen}");
     }

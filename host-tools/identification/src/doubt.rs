@@ -164,19 +164,22 @@ impl Doubt {
     /// Where it stands among others: the gravest first.
     pub fn rank(&self) -> u8 {
         match self {
-            Self::ImplausibleStroke(_) | Self::EstimatedDisplacement { .. } | Self::RunsAhead { .. } => 0,
+            // What is no measurement may be the cause of every other doubt.
+            Self::EstimatedDisplacement { .. } => 0,
+            Self::Flawed { worst, left_out: false, .. } if worst.repairable() => 0,
+            Self::ImplausibleStroke(_) | Self::RunsAhead { .. } => 1,
             Self::Diverges { .. }
             | Self::PoorFit { .. }
             | Self::NoBetterThanLine { .. }
             | Self::WideInterval { .. }
-            | Self::FewReversals { .. } => 1,
+            | Self::FewReversals { .. } => 2,
             _ => OTHER,
         }
     }
 }
 
 /// The rank of a doubt that is not grave.
-const OTHER: u8 = 2;
+const OTHER: u8 = 3;
 
 /// A converter of the target.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]

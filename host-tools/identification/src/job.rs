@@ -194,7 +194,7 @@ impl Job {
         let of_model = doubts(&learnt.candidate, &candidates[chosen], &character, self.cost, self.conditions.lag_s);
         let mut doubts = [of_logs, of_model].concat();
         doubts.extend(delay_at_bound);
-        doubts.extend(implausible(learnt_from).map(Doubt::ImplausibleStroke));
+        doubts.extend(self.implausible().map(Doubt::ImplausibleStroke));
         doubts.extend(self.calibration.assumed().map(|converters| Doubt::CalibrationAssumed { converters }));
         doubts.extend(Baseline::of(learnt_from).and_then(|line| no_better(&learnt.candidate, &line)));
         doubts.sort_by_key(Doubt::rank);
@@ -251,15 +251,20 @@ impl Job {
         doubts
     }
 
+    /// The stroke of the training logs without their flaws, where it is none of a piezo actuator's.
+    fn implausible(&self) -> Option<Implausible> {
+        let logs: Vec<Log> = self.training.iter().map(|log| self.prepare.cut(log)).collect();
+        let rows: Vec<Log> = logs.iter().map(|log| sound(log, &flaws(log))).collect();
+        let span = |of: fn(&Log) -> &[f64], scale: f64| {
+            scale.abs() * Range::of_values(rows.iter().flat_map(of).copied()).span()
+        };
+        let stroke_um = span(|log| log.displacement.as_deref().unwrap_or_default(), self.prepare.displacement_scale);
+        Implausible::of(stroke_um, span(|log| &log.voltage, self.prepare.voltage_scale))
+    }
+
     fn delay_search(&self) -> DelaySearch {
         DelaySearch::new(&self.prepare, self.conditions, self.cost, &self.search)
     }
-}
-
-/// The stroke of the training, where it is none of a piezo actuator's.
-fn implausible(problem: &Problem) -> Option<Implausible> {
-    let span = |of: fn(&Session) -> &[f64]| Range::of_values(problem.training().flat_map(of).copied()).span();
-    Implausible::of(span(|session| &session.displacement), span(|session| &session.voltage))
 }
 
 /// Callbacks of brief searches of all models and a long one, roughly, for a progress bar.

@@ -14,6 +14,7 @@ use std::mem::discriminant;
 
 pub(crate) use commanded::Commanded;
 pub(crate) use leaps::{Explained, SPIKE_ROWS};
+pub(crate) use repair::sound_rows;
 pub use repair::{measured, sound};
 
 #[cfg(test)]

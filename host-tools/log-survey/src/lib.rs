@@ -64,7 +64,7 @@ pub struct Survey {
     pub displacement: Option<Series>,
     /// The displacement is a device's estimate and no sensor's.
     pub displacement_estimated: bool,
-    /// They do not go together in a piezo actuator.
+    /// Without what is no measurement they do not go together in a piezo actuator.
     pub implausible: Option<Implausible>,
     /// The displacement runs ahead of the voltage; `None` also where there are too many rows to look for it.
     pub ahead: Option<Ahead>,
@@ -118,17 +118,22 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         Some(series) => swings::find(tally.blocks.all(), series, period),
         None => Swings::default(),
     };
+    let flaws = tally.kept.flaws(&clock);
+    let implausible = match &flaws {
+        Some(flaws) => tally.kept.implausible(flaws, &clock),
+        None => displacement.zip(voltage).and_then(|(y, v)| Implausible::of(y.high - y.low, v.high - v.low)),
+    };
     Ok(Survey {
         columns,
         remarks,
         rows: tally.rows,
-        implausible: displacement.zip(voltage).and_then(|(y, v)| Implausible::of(y.high - y.low, v.high - v.low)),
+        implausible,
         displacement,
         displacement_estimated,
         frozen: tally.watch.result(voltage.as_ref()),
         voltage,
         ahead: tally.kept.ahead(&clock).filter(|_| !displacement_estimated),
-        flaws: tally.kept.flaws(&clock),
+        flaws: flaws.map(|flaws| Found::of(&flaws, &clock)),
         clock,
         swings,
         rows_a_block: tally.blocks.rows_a_block(),

@@ -2,7 +2,8 @@
 
 use crate::ahead::{self, Ahead};
 use crate::clock::Clock;
-use crate::flaw::{Flaw, gravest, in_rows};
+use crate::flaw::{Flaw, gravest, in_rows, sound_rows};
+use crate::implausible::Implausible;
 use serde::Serialize;
 
 /// Most rows that are kept, 64 MB.
@@ -28,6 +29,15 @@ impl Default for Rows {
     }
 }
 
+impl Found {
+    /// The gravest of each kind.
+    pub(crate) fn of(flaws: &[Flaw], clock: &Clock) -> Vec<Self> {
+        let row = |flaw: Flaw| (flaw.at().from_s * clock.hz).round() as u64;
+        let of = |(worst, count)| Self { worst, first_row: row(worst), count };
+        gravest(flaws).into_iter().map(of).collect()
+    }
+}
+
 impl Rows {
     pub fn add(&mut self, volts: f64, micrometres: f64) {
         self.0 = self.0.take().filter(|(voltage, _)| voltage.len() < MOST);
@@ -43,15 +53,25 @@ impl Rows {
         ahead::in_rows(voltage, displacement, 1.0 / clock.hz)
     }
 
-    /// The gravest flaw of each kind; `None` where there are too many rows to look for them.
-    pub fn flaws(&self, clock: &Clock) -> Option<Vec<Found>> {
+    /// Every flaw; `None` where there are too many rows to look for them.
+    pub fn flaws(&self, clock: &Clock) -> Option<Vec<Flaw>> {
         let (voltage, displacement) = self.0.as_ref()?;
-        if !clock.hz.is_finite() {
-            return Some(Vec::new());
-        }
-        let found = in_rows(voltage, displacement, 0.0, 1.0 / clock.hz);
-        let row = |flaw: Flaw| (flaw.at().from_s * clock.hz).round() as u64;
-        let of = |(worst, count)| Found { worst, first_row: row(worst), count };
-        Some(gravest(&found).into_iter().map(of).collect())
+        Some(match clock.hz.is_finite() {
+            true => in_rows(voltage, displacement, 0.0, 1.0 / clock.hz),
+            false => Vec::new(),
+        })
+    }
+
+    /// The stroke without these flaws, where it is none of a piezo actuator's.
+    pub fn implausible(&self, flaws: &[Flaw], clock: &Clock) -> Option<Implausible> {
+        let (voltage, displacement) = self.0.as_ref()?;
+        let sound = sound_rows(voltage.len(), 0.0, 1.0 / clock.hz, flaws);
+        let span = |values: &[f64]| {
+            let (low, high) = sound.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &row| {
+                (low.min(values[row]), high.max(values[row]))
+            });
+            high - low
+        };
+        Implausible::of(span(displacement), span(voltage))
     }
 }

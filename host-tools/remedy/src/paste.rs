@@ -28,6 +28,23 @@ fn alone(typed: Vec<String>, refused: &Path) -> Vec<String> {
     (0..typed.len()).filter(|&at| !is_other(at)).map(|at| typed[at].clone()).collect()
 }
 
+/// The command on a line of its own, with this flag besides; of `learn`, which hands on to `identify` what stands behind `--`, there.
+pub fn with_flag(flag: &str) -> String {
+    let typed = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
+    format!("\n    {}", command(&flagged(typed, flag), &[]))
+}
+
+fn flagged(mut typed: Vec<String>, flag: &str) -> Vec<String> {
+    let behind = typed.iter().position(|argument| argument == "--");
+    let learns = typed.first().is_some_and(|verb| verb == "learn");
+    match behind {
+        Some(at) if !learns => typed.insert(at, flag.to_owned()),
+        None if learns => typed.extend(["--".to_owned(), flag.to_owned()]),
+        _ => typed.push(flag.to_owned()),
+    }
+    typed
+}
+
 fn command(typed: &[String], options: &[(&str, &str)]) -> String {
     let mut words = vec!["piezo".to_owned()];
     // What stands behind `--` is no option.
@@ -48,14 +65,16 @@ fn command(typed: &[String], options: &[(&str, &str)]) -> String {
     words.join(" ")
 }
 
-/// The command that identifies a table from logs, read as they were here.
-pub fn learn_from(logs: &[PathBuf]) -> String {
+/// The command that identifies a table from logs, read as they were here; `flawed` where they hold what is no measurement and can be left
+/// out.
+pub fn learn_from(logs: &[PathBuf], flawed: bool) -> String {
     let options: String = ["--columns", "--sensor", "--fs"].into_iter().map(typed).collect();
     let stem = logs.first().and_then(|log| log.file_stem()).unwrap_or_default().to_string_lossy();
     let out = quoted(&format!("out/{stem}"));
     format!(
-        "piezo identify {}{options} --out {out}",
-        logs.iter().map(|path| log(&path.to_string_lossy())).collect::<Vec<_>>().join(" ")
+        "piezo identify {}{options} --out {out}{}",
+        logs.iter().map(|path| log(&path.to_string_lossy())).collect::<Vec<_>>().join(" "),
+        if flawed { " --repair" } else { "" }
     )
 }
 
@@ -107,6 +126,16 @@ mod tests {
         let behind = typed(&["look", "--fs", "9", "--", "-97.csv", "--fs"]);
         let columns = ("--columns", "voltage=2:V");
         assert_eq!(command(&behind, &[columns, ("--fs", "")]), "piezo look --columns voltage=2:V -- -97.csv --fs");
+    }
+
+    #[test]
+    fn a_flag_stands_before_what_is_no_option_and_behind_it_where_identify_is_told_of_it() {
+        let typed = |words: &str| words.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let with = |words: &str| flagged(typed(words), "--repair").join(" ");
+        assert_eq!(with("identify a.csv --out o"), "identify a.csv --out o --repair");
+        assert_eq!(with("identify --out o -- -9.csv"), "identify --out o --repair -- -9.csv");
+        assert_eq!(with("learn --out o"), "learn --out o -- --repair");
+        assert_eq!(with("learn --out o -- --model voigt"), "learn --out o -- --model voigt --repair");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! How good an identification is, and what comes next, in words.
 
-use super::paste::{quoted, typed};
+use super::paste::{quoted, typed, with_flag};
 use identification::{Doubt, Outcome};
 use std::path::Path;
 
@@ -53,7 +53,15 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
 /// What comes after a table was written to a folder: what to mend where a doubt is grave, which stand first.
 pub fn next(doubts: &[Doubt], folder: &Path) -> String {
     let folder = quoted(&folder.display().to_string());
-    if doubts.first().is_some_and(Doubt::grave) {
+    let first = doubts.first().filter(|doubt| doubt.grave());
+    if let Some(Doubt::Flawed { .. }) = first {
+        return format!(
+            "Next: record it again without what is no measurement, or learn without it; until then the table belongs on no board. report.html \
+             shows where it is{}",
+            with_flag("--repair")
+        );
+    }
+    if first.is_some() {
         return "Next: mend what the first doubt names, and identify again; until then the table belongs on no board. report.html shows the errors"
             .to_owned();
     }

@@ -58,16 +58,21 @@ pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> usize {
 /// A log's sound rows, as if nothing had been between them: what zeros are decided from.
 #[must_use]
 pub fn sound(log: &Log, flaws: &[Flaw]) -> Log {
-    let half = 0.5 * log.sample_period;
-    let flawed = |row: usize| {
-        let time = log.start_s + row as f64 * log.sample_period;
-        let at = |flaw: &Flaw| time > flaw.at().from_s - half && time < flaw.at().to_s + half;
-        flaws.iter().any(|flaw| flaw.repairable() && at(flaw))
-    };
-    let rows = |values: &[f64]| -> Vec<f64> {
-        values.iter().enumerate().filter(|(row, _)| !flawed(*row)).map(|(_, value)| *value).collect()
-    };
+    let sound = sound_rows(log.voltage.len(), log.start_s, log.sample_period, flaws);
+    let rows = |values: &[f64]| -> Vec<f64> { sound.iter().map(|&row| values[row]).collect() };
     Log { voltage: rows(&log.voltage), displacement: log.displacement.as_deref().map(rows), ..log.clone() }
+}
+
+/// Which of so many rows, that begin at `start_s`, one a `period`, s, are in no flaw that can be left out.
+pub(crate) fn sound_rows(rows: usize, start_s: f64, period: f64, flaws: &[Flaw]) -> Vec<usize> {
+    let row = |time: f64| (time - start_s) / period;
+    let mut sound = vec![true; rows];
+    for Stretch { from_s, to_s } in flaws.iter().filter(|flaw| flaw.repairable()).map(Flaw::at) {
+        let first = row(from_s).round().max(0.0) as usize;
+        let end = (row(to_s).round().max(-1.0) + 1.0) as usize;
+        sound[first.min(rows)..end.min(rows).max(first.min(rows))].fill(false);
+    }
+    (0..rows).filter(|&row| sound[row]).collect()
 }
 
 /// A log with a voltage on the straight line between the rows beside each spike of it: the recursion needs one, and remembers

@@ -48,10 +48,11 @@ pub fn run(arguments: &Look) -> Result<bool> {
             path.display()
         );
     }
-    let (mut pictures, mut surveys, mut tried) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut pictures, mut surveys, mut tried, mut flawed) = (Vec::new(), Vec::new(), Vec::new(), false);
     for path in &arguments.logs {
         let (reading, refusal) = opened(path, arguments)?;
         let found = survey(reading)?;
+        flawed |= found.flaws.iter().flatten().any(|of| of.worst.repairable());
         let complete = refusal.is_none() && found.voltage.is_some();
         let learnable = complete.then(|| remedy::learnable(path, &arguments.files.options(), &found));
         let measured = found.displacement.is_some() && !found.displacement_estimated;
@@ -84,7 +85,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
     }
     let tried: Option<Vec<_>> = tried.into_iter().collect();
     if !arguments.json && tried.is_some_and(|logs| remedy::all_learnable(&logs)) {
-        out(&format!("\nNext:\n    {}", remedy::learn_from(&arguments.logs)));
+        out(&format!("\nNext:\n    {}", remedy::learn_from(&arguments.logs, flawed)));
     }
     Ok(true)
 }

@@ -7,7 +7,7 @@ use super::recording::Recording;
 use measurement_files::Quantity;
 
 /// Refuses a constant voltage or displacement, a voltage span outside 1 mV to 5 kV and a displacement span outside
-/// 1 nm to 10 mm.
+/// 1 nm to 10 mm. A few values beyond, as a spike's, are no wrong unit.
 pub(super) fn check(recording: &Recording) -> Result<(), PlacedFault> {
     check_span(recording, Quantity::Voltage, &recording.voltage, (1e-3, "less than 1 mV"), (5e3, "more than 5 kV"))?;
     match &recording.displacement {
@@ -34,6 +34,7 @@ fn check_span(
     let span = largest - smallest;
     let unit = recording.channels.get(quantity).map_or(quantity.base(), |channel| channel.unit);
     let suggested = |unit| recording.channels.restated(quantity, unit);
+    let usual = usual_span(values);
     let (limit, other) = if span == 0.0 {
         return Err(Fault::Constant {
             quantity,
@@ -45,20 +46,34 @@ fn check_span(
         .into());
     } else if span < least.0 {
         (least.1, unit.larger())
-    } else if span > most.0 {
+    } else if usual > most.0 {
         (most.1, unit.smaller())
     } else {
         return Ok(());
     };
     Err(Fault::ImplausibleSpan {
         quantity,
-        span: Number(span),
+        span: Number(if span < least.0 { span } else { usual }),
         base: quantity.base(),
         limit,
         unit,
         example: suggested(other.unwrap_or(unit)),
     }
     .into())
+}
+
+/// One value in so many is left out of a span that is too large, at either end.
+const RARE: usize = 100;
+
+/// How far all values but the rarest go.
+fn usual_span(values: &[f64]) -> f64 {
+    let rare = values.len() / RARE;
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    match (sorted.get(rare), sorted.iter().rev().nth(rare)) {
+        (Some(low), Some(high)) => high - low,
+        _ => 0.0,
+    }
 }
 
 #[cfg(test)]
@@ -86,6 +101,21 @@ mod tests {
         assert!(likely(1e-6, 1.0).contains("voltage=2:kV"));
         let restated = options("time=1,voltage=2,displacement=3:nm", None);
         assert!(parsed(&scaled(1.0, 1e4), &restated).is_ok());
+    }
+
+    #[test]
+    fn a_spike_beyond_every_stroke_is_no_wrong_unit() {
+        let rows: String = (0..400)
+            .map(|row| {
+                format!(
+                    "{},{},{}\n",
+                    f64::from(row) * 1e-3,
+                    row % 40,
+                    if row == 200 { 5e5 } else { f64::from(row % 40) }
+                )
+            })
+            .collect();
+        assert!(parsed(&format!("t_s,u_V,y_um\n{rows}"), &options("", None)).is_ok());
     }
 
     #[test]
