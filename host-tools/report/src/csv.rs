@@ -9,7 +9,7 @@ pub struct Csv {
     pub file: String,
     /// The link's address: letters, digits and what neither HTML nor an address takes for anything else.
     pub address: String,
-    /// Of a whole log: so many rows, of so many.
+    /// Of a whole log that can be zoomed into: so many rows, of so many.
     pub rows: Option<(usize, usize)>,
 }
 

@@ -87,8 +87,14 @@ pub fn trace_figure(Shown { log, role }: Shown<'_>, flaws: &[Mark], limit: usize
     Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption, csv }
 }
 
-/// The errors by branch, and where the logs' swings lie.
-pub fn place_figures(chosen: &Candidate, held_out: &[Swing], training: &[Swing], retreat: f64) -> Vec<Figure> {
+/// The errors by branch, and where the logs' swings lie; `learnt_anew` where the table was told what had been held out, too.
+pub fn place_figures(
+    chosen: &Candidate,
+    held_out: &[Swing],
+    training: &[Swing],
+    retreat: f64,
+    learnt_anew: bool,
+) -> Vec<Figure> {
     let (logs, role) =
         if chosen.held_out.is_empty() { (&chosen.training, "training") } else { (&chosen.held_out, "held out") };
     let mut figures = Vec::new();
@@ -109,12 +115,13 @@ pub fn place_figures(chosen: &Candidate, held_out: &[Swing], training: &[Swing],
          otherwise than the model's; what tells them apart is hysteresis that the model has too much or too little of.",
         branches::draw(logs, retreat),
     );
-    add(
-        "What the logs cover",
-        "",
-        "Each swing of the voltage by its frequency and size. Where no circle of the training is near, the error is unknown.",
-        map(held_out, training),
-    );
+    let covered = if learnt_anew {
+        "Each swing of the voltage by its frequency and size. The table has learnt all of them; the errors are those before it had learnt \
+         what was held out. Where no circle is near, the error is unknown."
+    } else {
+        "Each swing of the voltage by its frequency and size. Where no circle of the training is near, the error is unknown."
+    };
+    add("What the logs cover", "", covered, map(held_out, training));
     figures
 }
 

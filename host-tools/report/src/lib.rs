@@ -29,7 +29,7 @@ mod tests;
 pub use comparison::{ComparisonReport, comparison};
 pub use error::ReportError;
 pub use figures::Mark;
-pub use page::{Report, render};
+pub use page::{Report, heading, render};
 pub use picture::{Zeroed, picture};
 pub use reproduction::{ReproductionReport, reproduction};
 pub use section::{Grid, Picture, Section, shown, yes};

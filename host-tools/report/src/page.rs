@@ -11,7 +11,7 @@ use estimator_core::Model;
 use identification::validate::Comparison;
 use identification::{Baseline, Candidate};
 
-/// Points of all lines together: what keeps the file below 1 MB.
+/// Points of all drawn lines together, beside which a page has room for the logs' numbers below 1 MB.
 const POINTS: usize = 50_000;
 /// Most points of a line: more than a screen has columns.
 const POINTS_OF_A_LINE: usize = 1_400;
@@ -45,6 +45,20 @@ pub struct Report<'a> {
     pub flaws: &'a [Mark],
     /// Provenance: log digests, options, seed, version.
     pub facts: &'a [(String, String)],
+}
+
+/// Logs that a heading names.
+const NAMED: usize = 3;
+
+/// A report's heading: a unit's name where there is one, and the logs that were trained on, of many the first.
+pub fn heading(unit: Option<&str>, logs: &[&str]) -> String {
+    let named = logs[..logs.len().min(NAMED)].join(", ");
+    let more = match logs.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        1 => " and 1 more log".to_owned(),
+        more => format!(" and {more} more logs"),
+    };
+    unit.map_or(String::new(), |unit| format!("{unit}: ")) + &named + &more
 }
 
 /// Text in pieces, each with whether it is code.
@@ -109,6 +123,9 @@ impl<'a> Page<'a> {
         let retreat = retreat(voltages, chosen.table.retreat_v().into());
         let of_all = |logs: &[Comparison]| logs.iter().flat_map(|log| swings(log, retreat)).collect::<Vec<Swing>>();
         let (of_held_out, of_training) = (of_all(&chosen.held_out), of_all(&chosen.training));
+        let learnt_anew = report.learnt.table.parameters != chosen.table.parameters;
+        let traces: Vec<_> = traced.into_iter().map(|shown| trace_figure(shown, report.flaws, limit, logs)).collect();
+        let zoomed = traces.iter().any(|figure| figure.csv.as_ref().is_some_and(|csv| csv.rows.is_some()));
 
         Self {
             title: report.title,
@@ -122,16 +139,16 @@ impl<'a> Page<'a> {
             held_out: !held_out.is_empty(),
             loops: looped.into_iter().map(|shown| loop_figure(shown, limit)).collect(),
             loops_left_out,
-            places: place_figures(chosen, &of_held_out, &of_training, retreat),
+            places: place_figures(chosen, &of_held_out, &of_training, retreat, learnt_anew),
             by_swing: BySwing::of(&of_held_out, &of_training),
-            traces: traced.into_iter().map(|shown| trace_figure(shown, report.flaws, limit, logs)).collect(),
+            traces,
             traces_left_out,
-            zoom_style: if logs > 0 { uplot::STYLE } else { "" },
-            zoom_script: if logs > 0 { &zoom::SCRIPT } else { "" },
+            zoom_style: if zoomed { uplot::STYLE } else { "" },
+            zoom_script: if zoomed { &zoom::SCRIPT } else { "" },
             flaws: &report.flaws[..report.flaws.len().min(FLAWS)],
             flaws_left_out: report.flaws.len().saturating_sub(FLAWS),
             search: search_figures(chosen, limit),
-            learnt_anew: report.learnt.table.parameters != chosen.table.parameters,
+            learnt_anew,
             genes: report.learnt.fit.genes.iter().map(GeneRow::new).collect(),
             parameters: rows::parameters(&report.learnt.table),
             table: rows::table(&report.learnt.table),

@@ -37,17 +37,24 @@ pub fn picture(comparison: &Comparison, title: &str, zeroed: Option<&Zeroed>) ->
 
     loops::draw_in(&mut drawing, Frame { left: 58.0, top: 92.0, width: 352.0, height: 290.0 }, trace, LIMIT);
     let lines = Lines::of(trace);
-    let (lines, error) = match zeroed {
+    let (lines, error, band) = match zeroed {
         Some(Zeroed { at_s, estimates, learnt }) => {
-            let of = if *learnt { "the ± of the table that learnt it then" } else { "its ±" };
-            (lines.since_zero(estimates), format!("estimate − sensor since a zero at {at_s:.1} s, and {of}, µm"))
+            let banded = estimates.instants.iter().any(|instant| instant.half_width.is_some());
+            let band = match (banded, *learnt) {
+                (false, _) => "",
+                (true, false) => "Shaded: the ± of the table",
+                (true, true) => "Shaded: the ± of the table once it had learnt this log",
+            };
+            (lines.since_zero(estimates), format!("{ERROR}, since a zero at {at_s:.1} s"), band)
         }
-        None => (lines, ERROR.to_owned()),
+        None => (lines, ERROR.to_owned(), ""),
     };
     let shown = lines.cut(&thin::last_periods(&trace.voltage));
     let frame = |top, height| Frame { left: 486.0, top, width: 400.0, height };
-    let upper = shown.displacement(&mut drawing, frame(92.0, 120.0), LIMIT);
+    let upper = shown.displacement(&mut drawing, frame(92.0, 112.0), LIMIT);
     drawing.legend(&upper, &[("sensor", "sensor"), ("estimate", "estimate")]);
-    shown.error(&mut drawing, frame(250.0, 132.0), LIMIT, &error, None);
+    // A line of its own above the axis's title, which has no room for it.
+    drawing.text((441.0, 232.0), "start", band);
+    shown.error(&mut drawing, frame(260.0, 122.0), LIMIT, &error, None);
     Ok(drawing.standalone(&format!("{title}: {errors}")))
 }

@@ -163,6 +163,11 @@ fn fields(parameters: &Parameters) -> Vec<ParameterRow> {
             let numbers: Vec<String> = values.iter().map(|x| x.as_float().map_or(x.to_string(), number)).collect();
             numbers.join(", ")
         }
+        // A range, in the order of its ends.
+        toml::Value::Table(ends) => {
+            let ends = [ends.get("min"), ends.get("max")].into_iter().flatten().filter_map(toml::Value::as_float);
+            ends.map(number).collect::<Vec<_>>().join(" … ")
+        }
         other => other.to_string(),
     };
     // Plain numbers, lists and tables of numbers: TOML has all of them.

@@ -221,12 +221,14 @@ fn what_is_no_measurement_is_marked_over_time_and_listed() {
 }
 
 #[test]
-fn a_delay_that_is_a_tick_less_than_the_searched_one_says_why() {
+fn parameters_are_said_as_people_say_them() {
     let models = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models");
     let (_, table) = table_files::TableFile::load(&models.join("generalised-prandtl-ishlinskii.toml")).unwrap();
     let rows = rows::parameters(&table);
     let (_, delay) = rows.iter().find(|(name, _)| name == "delay_ticks").expect("the model has a delay");
     assert!(delay.contains("the coordinate delay less one tick"), "{delay}");
+    let (_, span) = rows.iter().find(|(name, _)| name == "span_v").expect("the model has a span");
+    assert!(span.contains(" … ") && span.len() < 20, "{span}");
 }
 
 #[test]
@@ -235,6 +237,13 @@ fn generations_are_drawn_of_the_genetic_algorithm_alone() {
     let (voigt, other) = (of(Model::Voigt), of(Model::Duhem));
     assert!(voigt.contains("after each generation") && voigt.contains(">generation</text>"));
     assert!(!other.contains("generation") && other.contains(">step of the search</text>"));
+}
+
+#[test]
+fn a_heading_names_the_unit_and_the_first_of_many_logs() {
+    assert_eq!(heading(None, &["a.csv", "b.csv"]), "a.csv, b.csv");
+    assert_eq!(heading(Some("SN7"), &["a.csv"; 7]), "SN7: a.csv, a.csv, a.csv and 4 more logs");
+    assert_eq!(heading(None, &["a.csv"; 4]), "a.csv, a.csv, a.csv and 1 more log");
 }
 
 #[test]
@@ -334,10 +343,16 @@ fn the_error_since_a_zero_stands_in_its_band() {
         picture(&beside, "a", Some(&zeroed)).unwrap()
     };
     let (with, without) = (drawn(Some(0.2), false), drawn(None, false));
-    assert!(with.contains("and its ±") && drawn(Some(0.2), true).contains("the ± of the table that learnt it then"));
+    let learnt = drawn(Some(0.2), true);
+    assert!(with.contains("Shaded: the ± of the table<") && learnt.contains("once it had learnt this log"));
     check(&with, &[]);
-    assert!(with.contains("since a zero at 0.9 s") && with.contains(r#"<polygon class="band""#), "{with}");
-    assert!(!without.contains("<polygon"), "{without}");
+    assert!(with.contains("since a zero at 0.9 s") && with.contains(r#"<polygon class="band""#));
+    assert!(!without.contains("<polygon") && !without.contains("Shaded"));
+    for text in learnt.split("<text x=").skip(1).filter(|text| text.contains("\"start\"")) {
+        let (x, words) = (text.split('"').nth(1).unwrap(), text.split(['<', '>']).nth(1).unwrap());
+        let end = x.parse::<f64>().unwrap() + words.chars().count() as f64 * 0.55 * 14.0;
+        assert!(end < 900.0, "'{words}' ends at {end}");
+    }
     let points = |svg: &str| {
         svg.split(r#"class="error" points=""#).nth(1).unwrap().split('"').next().unwrap().matches(',').count()
     };

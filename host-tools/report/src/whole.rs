@@ -36,7 +36,8 @@ pub fn csv(trace: &Trace, name: &str, role: &str, logs: usize) -> Csv {
     let (kept, of) = (rows.len(), trace.time_s.len());
     let thinned = if kept < of { "-thinned" } else { "" };
     let columns = ["time_s", "voltage_v", "sensor_um", "estimate_um"];
-    Csv { rows: Some((kept, of)), ..Csv::new(&format!("{name}-{role}{thinned}"), &columns, written) }
+    // One row is no stretch to zoom into.
+    Csv { rows: (kept > 1).then_some((kept, of)), ..Csv::new(&format!("{name}-{role}{thinned}"), &columns, written) }
 }
 
 /// The rows that are kept, at most `limit` where it is at least [`A_STRETCH`].
@@ -89,5 +90,6 @@ mod tests {
         assert_eq!((short.file.as_str(), short.rows), ("b-training.csv", Some((3, 3))));
         let start = "data:text/csv,time_s,voltage_v,sensor_um,estimate_um%0A0.0005,0.";
         assert!(short.address.starts_with(start) && short.address.matches("%0A").count() == 4, "{}", short.address);
+        assert_eq!(csv(&log("c", 1, |_| 0.5).trace, "c", "held out", 1).rows, None);
     }
 }

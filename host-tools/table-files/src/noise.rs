@@ -12,14 +12,16 @@ pub struct Noise {
     pub displacement_um: f64,
 }
 
+/// So many standard deviations are no measure any more.
+const FAR: f64 = 100.0;
+
 impl Noise {
     /// In words, beside the table's deadband.
     pub fn told(&self, deadband_v: f32) -> String {
         let Self { voltage_v, displacement_um } = *self;
-        let times = match voltage_v > 0.0 {
-            true => format!("{:.1} times the voltage's", f64::from(deadband_v) / voltage_v),
-            false => format!("{deadband_v} V"),
-        };
+        let times = f64::from(deadband_v) / voltage_v;
+        // A deadband that is chosen by the voltage's span is any number of times a small noise.
+        let times = if times < FAR { format!("{times:.1} times the voltage's") } else { format!("{deadband_v} V") };
         format!("logs read with noise of {voltage_v:.2e} V and {displacement_um:.2e} µm (1 σ); the deadband is {times}")
     }
 }
@@ -36,6 +38,8 @@ mod tests {
                 && said.ends_with("the deadband is 8.0 times the voltage's"),
             "{said}"
         );
-        assert!(Noise { voltage_v: 0.0, displacement_um: 0.0 }.told(0.04).ends_with("the deadband is 0.04 V"));
+        for voltage_v in [0.0, 4e-7] {
+            assert!(Noise { voltage_v, displacement_um: 0.0 }.told(0.04).ends_with("the deadband is 0.04 V"));
+        }
     }
 }

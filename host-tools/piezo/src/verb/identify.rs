@@ -208,7 +208,7 @@ fn write(
     let mark = |(log, at, what): (String, Stretch, String)| Mark { log, from_s: at.from_s, to_s: at.to_s, what };
     let flaws: Vec<Mark> = findings::flaws(job).into_iter().map(mark).collect();
     let html = report::render(&Report {
-        title: &unit.into_iter().chain([names.join(", ")]).collect::<Vec<_>>().join(": "),
+        title: &report::heading(unit.as_deref(), &names),
         verdict,
         doubts: &file.doubts,
         chosen: candidate,
