@@ -8,6 +8,8 @@ use recordings::log::{Log, Remark};
 
 /// Rows that are further apart are doubted, s: nothing but creep is recorded so slowly.
 const SELDOM_S: f64 = 0.1;
+/// Logs that last no longer are doubted, s: a cycle of 10 Hz.
+const BRIEF_S: f64 = 0.1;
 /// Fewest rows at an end of the range that look like a rest or saturation.
 const REST: u64 = 8;
 /// Smallest part of a mean half cycle that does: a sine's crest, rounded, is one number for less.
@@ -27,7 +29,7 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
     }
     survey.remarks.iter().for_each(|of| line("", &remark(of)));
     line("rate", &rate(survey));
-    if let Some(words) = seldom(1.0 / survey.clock.hz, survey.clock.duration_s) {
+    if let Some(words) = odd_clock(1.0 / survey.clock.hz, survey.clock.duration_s) {
         line("doubtful", &words);
     }
     for (name, unit, small, series) in
@@ -44,7 +46,10 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
     if survey.displacement_estimated {
         line("", ESTIMATED);
     }
-    if let Some(frozen) = survey.frozen {
+    // Beyond the rows that are kept, only the longest stretch of a sensor that stands still is known.
+    let flaws = || survey.flaws.iter().flatten();
+    let told = flaws().any(|of| matches!(of.worst, Flaw::Frozen { .. }));
+    if let Some(frozen) = survey.frozen.filter(|_| !told) {
         let words = format!(
             "{} µm in {} rows from row {} on, while the voltage moves by {:.4} V: was the sensor off, or out of its range?",
             frozen.displacement_um,
@@ -54,11 +59,8 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
         );
         line("frozen", &words);
     }
-    for of in survey.flaws.iter().flatten() {
-        // A sensor that stands still is said already.
-        if survey.frozen.is_none() || !matches!(of.worst, Flaw::Frozen { .. }) {
-            line("flaw", &flaw_found(&of.worst, of.count, of.first_row + 1));
-        }
+    for of in flaws() {
+        line("flaw", &flaw_found(&of.worst, of.count, of.first_row + 1));
     }
     // What is no measurement may be the cause of either.
     if let Some(of) = &survey.implausible {
@@ -91,12 +93,23 @@ fn remark(of: &Remark) -> String {
 
 /// What is to be said of how a log was read; of a plan, which is none, not how far its rows are apart.
 pub fn remarked(log: &Log, remarks: &[Remark], recorded: bool) -> Vec<String> {
-    let seldom = seldom(log.sample_period, log.duration()).filter(|_| recorded);
-    remarks.iter().map(remark).chain(seldom).collect()
+    let odd_clock = odd_clock(log.sample_period, log.duration()).filter(|_| recorded);
+    remarks.iter().map(remark).chain(odd_clock).collect()
 }
 
 /// What is doubtful of rows that are so many s apart, and so many s in all.
-fn seldom(period_s: f64, duration_s: f64) -> Option<String> {
+fn odd_clock(period_s: f64, duration_s: f64) -> Option<String> {
+    let brief = || {
+        format!(
+            "it lasts {} s from the first row to the last, at {} rows a second, too briefly to show creep: is the unit of the time right, or \
+             are these s headed as ms? --columns time=<COLUMN>:<UNIT> states another, --fs <HZ> a rate",
+            short(duration_s),
+            short(period_s.recip())
+        )
+    };
+    if duration_s > 0.0 && duration_s < BRIEF_S {
+        return Some(brief());
+    }
     (period_s > SELDOM_S).then(|| {
         format!(
             "its rows are {} s apart, {} s from the first to the last, too slow to show more than creep, and takes long to learn from: is \
@@ -188,10 +201,12 @@ mod tests {
     use recordings::log::{ReadOptions, open};
 
     #[test]
-    fn rows_that_are_seconds_apart_are_doubted_with_the_remedy() {
-        assert_eq!(seldom(0.02, 1e5), None);
-        assert_eq!(seldom(f64::NAN, 0.0), None);
-        let said = seldom(5.0, 40_000.0).unwrap();
+    fn rows_too_far_apart_and_logs_too_brief_are_doubted_with_the_remedy() {
+        assert_eq!(odd_clock(0.02, 1e5), None);
+        assert_eq!(odd_clock(f64::NAN, 0.0), None);
+        let brief = odd_clock(5e-6, 0.04).unwrap();
+        assert!(brief.contains("lasts 0.04 s") && brief.contains("200000 rows a second"), "{brief}");
+        let said = odd_clock(5.0, 40_000.0).unwrap();
         assert!(said.contains("5 s apart, 40000 s from") && said.contains("--columns time=<COLUMN>:<UNIT>"), "{said}");
     }
 
@@ -247,6 +262,10 @@ mod tests {
         let [flaw, unit] = ["leaps away", "is the unit right"].map(|what| wrong_unit.find(what).unwrap());
         assert!(flaw < unit, "{wrong_unit}");
         let frozen = said(|row, y| if (1_000..1_400).contains(&row) { 3.0 } else { y });
-        assert!(frozen.contains("400 rows from row 1001 on") && !frozen.contains("stands still"), "{frozen}");
+        let flaw = "  flaw          the displacement stands still from 1.0000 to";
+        assert!(
+            frozen.contains(flaw) && frozen.contains("row 1001: --repair") && !frozen.contains("frozen"),
+            "{frozen}"
+        );
     }
 }

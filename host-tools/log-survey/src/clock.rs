@@ -5,8 +5,7 @@ use serde::Serialize;
 /// When the rows were recorded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Clock {
-    /// Rows a second, from the first time stamp to the last, or as stated; NaN of a single row, and where the stamps do not
-    /// advance.
+    /// Rows a second, by the time stamps without their gaps, or as stated; NaN of a single row, and where the stamps do not advance.
     pub hz: f64,
     /// Who says so.
     pub source: RateSource,
@@ -30,6 +29,9 @@ pub enum RateSource {
     Stated,
 }
 
+/// Largest part of the steps that are gaps.
+const GAPS: f64 = 0.05;
+
 /// The time stamps so far.
 #[derive(Default)]
 pub(crate) struct Tally {
@@ -38,6 +40,8 @@ pub(crate) struct Tally {
     rows: u64,
     steps: Option<(f64, f64)>,
     long: u64,
+    /// What the long steps last together, s.
+    long_s: f64,
 }
 
 impl Tally {
@@ -50,7 +54,10 @@ impl Tally {
         let step = time - self.last;
         let mean = (self.last - first) / (self.rows.saturating_sub(1)).max(1) as f64;
         // The mean so far tells a gap from the second step on.
-        self.long += u64::from(self.rows > 2 && step > 1.5 * mean);
+        if self.rows > 2 && step > 1.5 * mean {
+            self.long += 1;
+            self.long_s += step;
+        }
         let (low, high) = self.steps.unwrap_or((step, step));
         self.steps = Some((low.min(step), high.max(step)));
         (self.last, self.rows) = (time, self.rows + 1);
@@ -61,9 +68,12 @@ impl Tally {
         let intervals = rows.saturating_sub(1) as f64;
         let Some((period, name)) = stated else {
             let duration_s = self.first.map_or(0.0, |first| self.last - first);
-            let hz = if duration_s > 0.0 { intervals / duration_s } else { f64::NAN };
+            // Long steps are gaps where they are few; rounded stamps have them all the time.
+            let (gaps, gaps_s) =
+                if (self.long as f64) < GAPS * intervals { (self.long as f64, self.long_s) } else { (0.0, 0.0) };
+            let (steps, steps_s) = (intervals - gaps, duration_s - gaps_s);
             return Clock {
-                hz: whole(hz),
+                hz: if steps_s > 0.0 { whole(steps / steps_s) } else { f64::NAN },
                 source: RateSource::Column,
                 steps_s: self.steps,
                 long_steps: self.long,

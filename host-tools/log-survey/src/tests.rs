@@ -98,7 +98,10 @@ fn what_is_no_measurement_is_found_as_an_identification_finds_it() {
 #[test]
 fn gaps_and_a_still_voltage_are_told() {
     let survey = surveyed((0..1000).map(|k| (f64::from(k + 50 * (k / 500)) / 1000.0, 5.0, f64::from(k))));
-    assert_eq!(survey.clock.long_steps, 1);
+    assert_eq!((survey.clock.long_steps, survey.clock.hz), (1, 1000.0));
+    // Two of three stamps with three decimals at 3 kHz are the one before.
+    let rounded = surveyed((0..999).map(|k| ((f64::from(k) / 3.0).round() / 1000.0, 5.0, f64::from(k))));
+    assert!(rounded.clock.long_steps > 300 && (rounded.clock.hz - 3000.0).abs() < 10.0, "{:?}", rounded.clock);
     assert_eq!(survey.swings.reversals, 0);
     assert!(survey.swings.cells.is_empty());
 }

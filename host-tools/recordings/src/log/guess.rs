@@ -23,7 +23,7 @@ pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, 
         let in_unit = || free().find(|&at| labels[at].unit_of(quantity).is_some());
         let by_numbers = || match quantity {
             Quantity::Time => free().find(|&at| columns[at].stamps || (seek_clock && is_clock(&columns[at].values))),
-            _ => free().find(|&at| !is_clock(&columns[at].values) && is_free_of(labels, at, quantity)),
+            _ => free().find(|&at| is_signal(&columns[at].values) && is_free_of(labels, at, quantity)),
         };
         let in_order = || free().find(|&at| quantity != Quantity::Time && is_free_of(labels, at, quantity));
         if let Some(index) = named.or_else(in_unit).or_else(by_numbers).or_else(in_order) {
@@ -38,6 +38,11 @@ pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, 
 fn is_free_of(labels: &[Label], at: usize, quantity: Quantity) -> bool {
     let others = QUANTITIES.into_iter().filter(|&other| other != quantity && other != Quantity::Voltage);
     labels[at].quantity().is_none() && others.into_iter().all(|other| labels[at].unit_of(other).is_none())
+}
+
+/// Whether values change, otherwise than a clock's.
+fn is_signal(values: &[f64]) -> bool {
+    values.windows(2).any(|pair| pair[0] != pair[1]) && !is_clock(values)
 }
 
 /// Whether values increase by even steps, as a clock does.
