@@ -173,3 +173,15 @@ fn sentence(text: &str) -> Sentence<'_> {
     pieces.retain(|(_, piece)| !piece.is_empty());
     pieces
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_names_the_unit_and_the_first_of_many_logs() {
+        assert_eq!(heading(None, &["a.csv", "b.csv"]), "a.csv, b.csv");
+        assert_eq!(heading(Some("SN7"), &["a.csv"; 7]), "SN7: a.csv, a.csv, a.csv and 4 more logs");
+        assert_eq!(heading(None, &["a.csv"; 4]), "a.csv, a.csv, a.csv and 1 more log");
+    }
+}

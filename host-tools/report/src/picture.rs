@@ -58,3 +58,49 @@ pub fn picture(comparison: &Comparison, title: &str, zeroed: Option<&Zeroed>) ->
     shown.error(&mut drawing, frame(260.0, 122.0), LIMIT, &error, None);
     Ok(drawing.standalone(&format!("{title}: {errors}")))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check, log};
+    use super::*;
+    use estimator_core::Status;
+    use identification::validate::Instant;
+
+    /// What a zero leaves of the error lies in its band; what came before the zero is not drawn, nor is a band where there is none.
+    #[test]
+    fn the_error_since_a_zero_stands_in_its_band() {
+        let beside = log("a", 2000, |_| 0.1);
+        let instants = |half_width: Option<f64>| {
+            let rows = beside.trace.time_s.iter().zip(&beside.trace.measured);
+            let rows = rows.map(|(&time_s, &displacement)| Instant {
+                time_s,
+                voltage: 0.0,
+                displacement,
+                estimate: displacement + 0.01,
+                half_width,
+                status: Status::empty(),
+                scored: time_s > 0.9,
+            });
+            Estimates { log: "a".to_owned(), instants: rows.collect() }
+        };
+        let drawn = |half_width, learnt| {
+            let zeroed = Zeroed { at_s: 0.9, estimates: instants(half_width), learnt };
+            picture(&beside, "a", Some(&zeroed)).unwrap()
+        };
+        let (with, without) = (drawn(Some(0.2), false), drawn(None, false));
+        let learnt = drawn(Some(0.2), true);
+        assert!(with.contains("Shaded: the ± of the table<") && learnt.contains("once it had learnt this log"));
+        check(&with, &[]);
+        assert!(with.contains("since a zero at 0.9 s") && with.contains(r#"<polygon class="band""#));
+        assert!(!without.contains("<polygon") && !without.contains("Shaded"));
+        for text in learnt.split("<text x=").skip(1).filter(|text| text.contains("\"start\"")) {
+            let (x, words) = (text.split('"').nth(1).unwrap(), text.split(['<', '>']).nth(1).unwrap());
+            let end = x.parse::<f64>().unwrap() + words.chars().count() as f64 * 0.55 * 14.0;
+            assert!(end < 900.0, "'{words}' ends at {end}");
+        }
+        let points = |svg: &str| {
+            svg.split(r#"class="error" points=""#).nth(1).unwrap().split('"').next().unwrap().matches(',').count()
+        };
+        assert_eq!(points(&with), 200);
+    }
+}

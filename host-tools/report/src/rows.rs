@@ -205,3 +205,19 @@ pub fn table(table: &Table) -> Vec<ParameterRow> {
     ];
     rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_are_said_as_people_say_them() {
+        let models = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models");
+        let (_, table) = table_files::TableFile::load(&models.join("generalised-prandtl-ishlinskii.toml")).unwrap();
+        let rows = parameters(&table);
+        let (_, delay) = rows.iter().find(|(name, _)| name == "delay_ticks").expect("the model has a delay");
+        assert!(delay.contains("the coordinate delay less one tick"), "{delay}");
+        let (_, span) = rows.iter().find(|(name, _)| name == "span_v").expect("the model has a span");
+        assert!(span.contains(" … ") && span.len() < 20, "{span}");
+    }
+}

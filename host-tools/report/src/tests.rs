@@ -4,7 +4,7 @@ use super::*;
 use estimator_core::{AdcCalibration, DacCalibration, Model, Range, Scheme, Status};
 use estimator_core::{Admitted, Digest, Parameters, Provenance, Table, VoigtParameters};
 use identification::cost::Feedback;
-use identification::validate::{Cold, Comparison, Estimates, Figures, Instant, ToldFigures, Trace};
+use identification::validate::{Cold, Comparison, Figures, ToldFigures, Trace};
 use identification::{Baseline, Candidate, Conditions, Fit, Problem, SearchOptions, identify};
 use recordings::session::Session;
 
@@ -138,7 +138,7 @@ fn page(chosen: &Candidate, learnt: &Candidate, doubts: &[&str], flaws: &[Mark])
 const END: &str = "</body>\n</html>";
 
 /// Whether every tag that is opened is closed, in order, but for these, and no number is other than finite.
-fn check(markup: &str, but: &[&str]) {
+pub(super) fn check(markup: &str, but: &[&str]) {
     let mut open: Vec<&str> = Vec::new();
     for tag in markup.split('<').skip(1).map(|rest| rest.split_once('>').expect("a tag has an end").0) {
         let name = tag.trim_matches('/').split_whitespace().next().unwrap();
@@ -221,29 +221,11 @@ fn what_is_no_measurement_is_marked_over_time_and_listed() {
 }
 
 #[test]
-fn parameters_are_said_as_people_say_them() {
-    let models = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models");
-    let (_, table) = table_files::TableFile::load(&models.join("generalised-prandtl-ishlinskii.toml")).unwrap();
-    let rows = rows::parameters(&table);
-    let (_, delay) = rows.iter().find(|(name, _)| name == "delay_ticks").expect("the model has a delay");
-    assert!(delay.contains("the coordinate delay less one tick"), "{delay}");
-    let (_, span) = rows.iter().find(|(name, _)| name == "span_v").expect("the model has a span");
-    assert!(span.contains(" … ") && span.len() < 20, "{span}");
-}
-
-#[test]
 fn generations_are_drawn_of_the_genetic_algorithm_alone() {
     let of = |model| html(&candidate(model, vec![log("a", 100, |_| 0.1)], Vec::new()), &[]);
     let (voigt, other) = (of(Model::Voigt), of(Model::Duhem));
     assert!(voigt.contains("after each generation") && voigt.contains(">generation</text>"));
     assert!(!other.contains("generation") && other.contains(">step of the search</text>"));
-}
-
-#[test]
-fn a_heading_names_the_unit_and_the_first_of_many_logs() {
-    assert_eq!(heading(None, &["a.csv", "b.csv"]), "a.csv, b.csv");
-    assert_eq!(heading(Some("SN7"), &["a.csv"; 7]), "SN7: a.csv, a.csv, a.csv and 4 more logs");
-    assert_eq!(heading(None, &["a.csv"; 4]), "a.csv, a.csv, a.csv and 1 more log");
 }
 
 #[test]
@@ -319,42 +301,4 @@ fn a_log_without_samples_is_named() {
     assert!(picture(&empty, "a", None).unwrap_err().to_string().contains("log 'empty'"));
     let page = html(&candidate(Model::Voigt, vec![empty], Vec::new()), &[]);
     assert!(page.contains("Not drawn: empty.") && !page.contains("<script") && !page.contains("uPlot"));
-}
-
-/// What a zero leaves of the error lies in its band; what came before the zero is not drawn, nor is a band where there is none.
-#[test]
-fn the_error_since_a_zero_stands_in_its_band() {
-    let beside = log("a", 2000, |_| 0.1);
-    let instants = |half_width: Option<f64>| {
-        let rows = beside.trace.time_s.iter().zip(&beside.trace.measured);
-        let rows = rows.map(|(&time_s, &displacement)| Instant {
-            time_s,
-            voltage: 0.0,
-            displacement,
-            estimate: displacement + 0.01,
-            half_width,
-            status: Status::empty(),
-            scored: time_s > 0.9,
-        });
-        Estimates { log: "a".to_owned(), instants: rows.collect() }
-    };
-    let drawn = |half_width, learnt| {
-        let zeroed = Zeroed { at_s: 0.9, estimates: instants(half_width), learnt };
-        picture(&beside, "a", Some(&zeroed)).unwrap()
-    };
-    let (with, without) = (drawn(Some(0.2), false), drawn(None, false));
-    let learnt = drawn(Some(0.2), true);
-    assert!(with.contains("Shaded: the ± of the table<") && learnt.contains("once it had learnt this log"));
-    check(&with, &[]);
-    assert!(with.contains("since a zero at 0.9 s") && with.contains(r#"<polygon class="band""#));
-    assert!(!without.contains("<polygon") && !without.contains("Shaded"));
-    for text in learnt.split("<text x=").skip(1).filter(|text| text.contains("\"start\"")) {
-        let (x, words) = (text.split('"').nth(1).unwrap(), text.split(['<', '>']).nth(1).unwrap());
-        let end = x.parse::<f64>().unwrap() + words.chars().count() as f64 * 0.55 * 14.0;
-        assert!(end < 900.0, "'{words}' ends at {end}");
-    }
-    let points = |svg: &str| {
-        svg.split(r#"class="error" points=""#).nth(1).unwrap().split('"').next().unwrap().matches(',').count()
-    };
-    assert_eq!(points(&with), 200);
 }
