@@ -2,7 +2,7 @@
 
 use crate::fit::Fit;
 use crate::problem::Problem;
-use crate::validate::{Comparison, Figures, compare};
+use crate::validate::{Comparison, Figures, Trace, compare};
 use calibration::CalibrationOptions;
 use calibration::drive::FullScales;
 use estimator_core::{
@@ -76,6 +76,15 @@ impl Candidate {
             ..table.provenance
         };
         Ok(Self { table: Table { provenance, ..table }.admit()?, ..candidate })
+    }
+
+    /// The same without its estimates, of which only the errors are kept: of a long log they are much.
+    #[must_use]
+    pub fn without_traces(mut self) -> Self {
+        for comparison in self.training.iter_mut().chain(&mut self.held_out) {
+            comparison.trace = Trace::default();
+        }
+        self
     }
 
     /// The same with this interval beside its estimate, or none.

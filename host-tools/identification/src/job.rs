@@ -51,7 +51,7 @@ pub struct Job {
 /// What came of it.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Every model that was identified, simplest first, as it was judged.
+    /// Every model that was identified, simplest first, as it was judged; of the chosen one alone with its traces.
     pub candidates: Vec<Candidate>,
     /// Models without an admissible candidate, and why.
     pub failed: Vec<(Model, CandidateError)>,
@@ -178,10 +178,11 @@ impl Job {
         let (model, reason) = chosen.ok_or(JobError::NothingFound)?;
         let (mut candidates, mut failed) = (Vec::new(), Vec::new());
         for fit in fits {
-            let model = fit.model;
+            let of = fit.model;
             match Candidate::new(&problem, fit, &context) {
-                Ok(candidate) => candidates.push(candidate),
-                Err(error) => failed.push((model, error)),
+                Ok(candidate) if of == model => candidates.push(candidate),
+                Ok(candidate) => candidates.push(candidate.without_traces()),
+                Err(error) => failed.push((of, error)),
             }
         }
         let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {

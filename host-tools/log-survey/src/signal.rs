@@ -8,13 +8,12 @@ const RARE: usize = 100;
 
 /// Between the first and the last hundredth of the sorted values; 0 of none.
 pub fn range(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let rare = sorted.len() / RARE;
-    match (sorted.get(rare), sorted.iter().rev().nth(rare)) {
-        (Some(low), Some(high)) => high - low,
-        _ => 0.0,
-    }
+    let mut values = values.to_vec();
+    let Some(last) = values.len().checked_sub(1) else { return 0.0 };
+    let rare = values.len() / RARE;
+    let mut in_order = |at: usize| *values.select_nth_unstable_by(at, f64::total_cmp).1;
+    let (low, high) = (in_order(rare), in_order(last - rare));
+    high - low
 }
 
 /// The least and the largest; infinities the other way round of none.

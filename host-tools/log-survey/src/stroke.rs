@@ -2,6 +2,7 @@
 
 use crate::flaw::{Commanded, Explained, SPIKE_ROWS, frozen};
 use crate::signal::range;
+use std::cmp::Ordering;
 
 /// At most one value in so many is left out at either end,
 const RARE: usize = 100;
@@ -20,19 +21,19 @@ pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
     if 2 * rows.len() < displacement.len() {
         rows = (0..displacement.len()).collect();
     }
-    rows.sort_by(|a, b| displacement[*a].total_cmp(&displacement[*b]));
-    let sorted: Vec<f64> = rows.iter().map(|&row| displacement[row]).collect();
-    let Some(end) = sorted.len().checked_sub(1) else { return 0.0 };
-    let usual = range(&sorted);
+    let Some(end) = rows.len().checked_sub(1) else { return 0.0 };
+    let usual = range(&rows.iter().map(|&row| displacement[row]).collect::<Vec<_>>());
+    let rare = rows.len() / RARE;
+    in_order_at_the_ends(&mut rows, rare + 1, |a, b| displacement[a].total_cmp(&displacement[b]).then(a.cmp(&b)));
+    let at_rank = |rank: usize| displacement[rows[rank]];
     let explained = Explained::of(voltage, before_v, usual / range(voltage));
     let commanded = Commanded::of(voltage, displacement, usual);
-    let rare = sorted.len() / RARE;
     // So many values at an end, the most of them that can be, are left out; `at` counts from that end.
     let left_out = |at: &dyn Fn(usize) -> usize| {
         let spikes = |count: &usize| {
-            let next = sorted[at(*count)];
+            let next = at_rank(at(*count));
             // First, since few are: of a long log there are many counts.
-            if (sorted[at(count - 1)] - next).abs() <= APART * usual {
+            if (at_rank(at(count - 1)) - next).abs() <= APART * usual {
                 return false;
             }
             let mut beyond: Vec<usize> = (0..*count).map(|index| rows[at(index)]).collect();
@@ -48,7 +49,23 @@ pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
         (1..=rare).rev().find(spikes).unwrap_or(0)
     };
     let (low, high) = (left_out(&|index| index), left_out(&|index| end - index));
-    sorted[end - high] - sorted[low]
+    at_rank(end - high) - at_rank(low)
+}
+
+/// Puts so many of the first and of the last in order, as sorting all would: of a long log few are looked at.
+fn in_order_at_the_ends(rows: &mut [usize], count: usize, order: impl Fn(usize, usize) -> Ordering) {
+    let by = |a: &usize, b: &usize| order(*a, *b);
+    if 2 * count >= rows.len() {
+        return rows.sort_unstable_by(by);
+    }
+    let (first, _, rest) = rows.select_nth_unstable_by(count, by);
+    first.sort_unstable_by(by);
+    // Of the rest, which has as many at least.
+    let from = rest.len() - count;
+    if from > 0 {
+        rest.select_nth_unstable_by(from - 1, by);
+    }
+    rest[from..].sort_unstable_by(by);
 }
 
 #[cfg(test)]
@@ -189,6 +206,22 @@ mod tests {
         };
         assert!((stands(5_000..5_050) - 8.0).abs() < 0.01);
         assert!(stands(5_000..5_002) < 0.01);
+    }
+
+    #[test]
+    fn as_many_at_either_end_are_in_order_as_are_asked_for() {
+        for rows in [0, 1, 2, 5, 6, 7, 300] {
+            let value = |row: usize| (row * 7919) % 101;
+            let order = |a: usize, b: usize| value(a).cmp(&value(b)).then(a.cmp(&b));
+            let mut sorted: Vec<usize> = (0..rows).collect();
+            sorted.sort_by(|a, b| order(*a, *b));
+            for count in 1..=rows.min(4) {
+                let mut found: Vec<usize> = (0..rows).collect();
+                in_order_at_the_ends(&mut found, count, order);
+                let ends = |of: &[usize]| [of[..count].to_vec(), of[rows - count..].to_vec()];
+                assert_eq!(ends(&found), ends(&sorted), "{count} of {rows}");
+            }
+        }
     }
 
     #[test]

@@ -44,9 +44,9 @@ impl Figures {
         let errors: Vec<f64> = estimated.iter().zip(measured).map(|(e, m)| e - m).collect();
         let count = errors.len().max(1) as f64;
         let mean = |of: &dyn Fn(f64) -> f64| errors.iter().map(|&e| of(e)).sum::<f64>() / count;
-        let mut sorted = errors.clone();
-        sorted.sort_by(f64::total_cmp);
-        let offset_um = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let (mut in_order, middle) = (errors.clone(), errors.len() / 2);
+        let median = (!in_order.is_empty()).then(|| *in_order.select_nth_unstable_by(middle, f64::total_cmp).1);
+        let offset_um = median.unwrap_or(0.0);
         let mae_um = mean(&f64::abs);
         let mae_without_offset_um = mean(&|e| (e - offset_um).abs());
         let mean_um = mean(&|e| e);

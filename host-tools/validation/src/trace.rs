@@ -1,7 +1,7 @@
 //! An estimate beside the sensor, instant by instant.
 
 /// An estimate beside the sensor, at the measured instants after the first.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub struct Trace {
     /// Time within the log, s.
     pub time_s: Vec<f64>,
