@@ -116,8 +116,7 @@ pub fn place_figures(
         branches::draw(logs, retreat),
     );
     let covered = if learnt_anew {
-        "Each swing of the voltage by its frequency and size. The table has learnt all of them; the errors are those before it had learnt \
-         what was held out. Where no circle is near, the error is unknown."
+        "Each swing of the voltage by its frequency and size. The table has learnt all of them. Where no circle is near, the error is unknown."
     } else {
         "Each swing of the voltage by its frequency and size. Where no circle of the training is near, the error is unknown."
     };

@@ -164,10 +164,10 @@ fn fields(parameters: &Parameters) -> Vec<ParameterRow> {
             numbers.join(", ")
         }
         // A range, in the order of its ends.
-        toml::Value::Table(ends) => {
-            let ends = [ends.get("min"), ends.get("max")].into_iter().flatten().filter_map(toml::Value::as_float);
-            ends.map(number).collect::<Vec<_>>().join(" … ")
-        }
+        toml::Value::Table(ends) => match ["min", "max"].map(|end| ends.get(end).and_then(toml::Value::as_float)) {
+            [Some(min), Some(max)] => format!("{} … {}", number(min), number(max)),
+            _ => value.to_string(),
+        },
         other => other.to_string(),
     };
     // Plain numbers, lists and tables of numbers: TOML has all of them.

@@ -27,7 +27,8 @@ pub fn csv(trace: &Trace, name: &str, role: &str, logs: usize) -> Csv {
         places(if span > 0.0 { RESOLUTION * span } else { RESOLUTION })
     };
     let time = places(if period > 0.0 { TIME_RESOLUTION * period } else { RESOLUTION });
-    let (volts, um) = (of_span(&trace.voltage), of_span(&trace.measured));
+    // What spans more is a spike or an estimate that runs away, and takes no digit from the other.
+    let (volts, um) = (of_span(&trace.voltage), of_span(&trace.measured).max(of_span(&trace.estimated)));
     let written = rows.iter().map(|&row| {
         let number = |values: &[f64], places| decimals(values[row], places);
         let [sensor, estimate] = [&trace.measured, &trace.estimated].map(|values| number(values, um));

@@ -30,7 +30,7 @@
     for (const plot of plots) plot.setScale("x", { min: view[0], max: view[1] });
     say(null);
     // What is shown, for tests of the page.
-    window.zoom = { view, whole, rows: columns[0].length };
+    window.zoom = { log: at("zoom-log").value, view, whole, rows: columns[0].length };
   };
   const around = (factor, shift) => {
     const [from, to] = view, width = to - from, middle = (from + to) / 2 + shift * width;

@@ -105,7 +105,7 @@ fn zooms(browser: &mut Browser, report: &Path) -> Result<()> {
     holds(&format!("({}, {share} === 1)", CLICK("wider")))?;
     // Another log of the list.
     holds(
-        "((list) => { list.selectedIndex = 1; list.dispatchEvent(new Event('change')); return list.length > 1 && window.zoom.whole[0] === window.zoom.view[0]; })(document.getElementById('zoom-log'))",
+        "((list) => { const before = window.zoom.log; list.selectedIndex = 1; list.dispatchEvent(new Event('change')); return list.length > 1 && window.zoom.log !== before && window.zoom.view[0] === window.zoom.whole[0] && window.zoom.view[1] === window.zoom.whole[1]; })(document.getElementById('zoom-log'))",
     )?;
     let troubles = page.troubles()?;
     // The link's own address is what was fetched.
