@@ -27,6 +27,7 @@ pub fn open(problem: &Problem, candidate: &Candidate, context: &TableContext, se
     let found = late(candidate).max(LEAST_S);
     let around = Range { min: (found / STEP).max(LEAST_S), max: STEP * found };
     let has_prior = matches!(candidate.table.parameters, Parameters::GeneralisedPrandtlIshlinskii(_));
+    // What was said is known; without a prior, none can be asked for.
     if problem.lag_s.is_some() || !has_prior {
         return around;
     }

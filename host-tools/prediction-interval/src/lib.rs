@@ -50,9 +50,8 @@ pub struct Calibration {
     pub own_um: f64,
 }
 
-/// The interval of an identified model; `None` without a device that could be learnt, or where the
-/// training voltage does not move. `progress` is
-/// called after each of the simulated devices, whose searches try as many candidates as `search` has for two numbers.
+/// The interval of an identified model; `None` without a device that could be learnt, or where the training voltage does not move.
+/// `progress` is called after each of the simulated devices, whose searches try as many candidates as `search` has for two numbers.
 pub fn calibrate(
     problem: &Problem,
     candidate: &Candidate,
@@ -61,9 +60,11 @@ pub fn calibrate(
     devices: u32,
     progress: impl Fn() + Sync,
 ) -> Option<Calibration> {
-    let driven = problem.training_voltages().span() > 0.0;
+    if devices == 0 || problem.training_voltages().span() <= 0.0 {
+        return None;
+    }
     let late = late::open(problem, candidate, context, search);
-    let tried: Vec<Tried> = (0..if driven { devices } else { 0 })
+    let tried: Vec<Tried> = (0..devices)
         .into_par_iter()
         .filter_map(|number| {
             let tried = tried(number, problem, candidate, context, search, late);

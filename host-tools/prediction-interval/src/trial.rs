@@ -27,8 +27,9 @@ const MOST: f64 = 400_000.0;
 const AMPLITUDE: Range<f64> = Range { min: 0.15, max: 1.0 };
 /// Frequency, of the training's; drawn evenly in its logarithm.
 const FREQUENCY: Range<f64> = Range { min: 0.4, max: 2.5 };
-/// And that of one recording, so that what a lag leaves open is met; and the ticks that a period of it has at least.
+/// Frequency of one recording, of the training's, at which what a lag leaves open is seen.
 const FASTER: Range<f64> = Range { min: 2.5, max: 40.0 };
+/// A period of that recording has so many ticks at least, unless the training's own has fewer.
 const LEAST_TICKS: f64 = 20.0;
 /// The device's gain on another day, a standard deviation: that of a ceramic whose strain changes by 0.3 % a kelvin, and which is
 /// 2 K warmer or colder.
@@ -113,8 +114,11 @@ fn voltage(number: usize, problem: &Problem, draw: &mut ChaCha8Rng) -> Vec<f64> 
     let mut even = |range: Range<f64>| draw.random_range(range.min..range.max);
     let frequencies: Vec<f64> = problem.training().map(|session| frequency(&session.voltage, tick_s)).collect();
     let which = even(Range { min: 0.0, max: frequencies.len() as f64 }) as usize;
-    let faster = log_even(&mut even, if number == 3 { FASTER } else { FREQUENCY });
-    let hertz = (faster * frequencies.get(which).copied().unwrap_or(1.0)).min(1.0 / (LEAST_TICKS * tick_s));
+    let trained = frequencies.get(which).copied().unwrap_or(1.0);
+    let hertz = match number {
+        3 => (log_even(&mut even, FASTER) * trained).min(trained.max(1.0 / (LEAST_TICKS * tick_s))),
+        _ => log_even(&mut even, FREQUENCY) * trained,
+    };
     let amplitude = half * even(AMPLITUDE);
     let offset = range.middle() + (half - amplitude) * even(Range { min: -1.0, max: 1.0 });
     let duration_s = LENGTH_S.clamp(PERIODS / hertz).min(MOST * tick_s);
