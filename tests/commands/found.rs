@@ -67,6 +67,24 @@ fn a_spike_is_the_first_doubt_and_the_next_line_leaves_it_out() {
     assert!(repaired.contains("was left out (--repair)") && repaired.contains("piezo install"), "{repaired}");
 }
 
+/// A sensor that ends at half of the stroke: nothing is left out of such a log, and what could be pasted had said so once more.
+#[test]
+fn a_log_of_which_most_is_no_measurement_is_to_be_recorded_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let clean = read(&root().join(MEASURED), &ReadOptions::default()).unwrap();
+    let displacement = clean.displacement.clone().unwrap();
+    let (low, high) = displacement.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &y| (l.min(y), h.max(y)));
+    let ends = displacement.iter().map(|y| y.min(low + 0.3 * (high - low))).collect();
+    let log = write(folder.path(), &Log { displacement: Some(ends), ..clean });
+    let out = folder.path().join("out");
+    let identify = [&["identify", text(&log), "--out", text(&out)], &SHORTEST[..]].concat();
+    assert!(said(&identify).trim_end().ends_with(" --repair"));
+    let repaired = said(&[&identify[..], &["--repair"]].concat());
+    assert!(repaired.contains("more than half of the log is no measurement: nothing was left out"), "{repaired}");
+    assert!(repaired.contains("\nNext: record it again without") && !repaired.contains("--repair"), "{repaired}");
+    assert!(!repaired.contains("piezo install"), "{repaired}");
+}
+
 #[test]
 fn rows_that_are_seconds_apart_are_doubted_before_anything_is_learnt() {
     let folder = tempfile::tempdir().unwrap();

@@ -41,7 +41,7 @@ pub fn doubt(doubt: &Doubt) -> String {
             "in training the error on {log} is {percent:.1} % of the stroke: the model does not describe this log; are its \
              columns, units and zeros right, is the sensor's delay within reason (--delay), and was the amplifier at its limit?"
         ),
-        Doubt::Flawed { log, worst, count, left_out } => flawed(log, worst, *count, *left_out),
+        Doubt::Flawed { log, worst, count, left_out, most } => flawed(log, worst, *count, *left_out, *most),
         Doubt::HeldOutFar { training_um, held_out_um } => format!(
             "on the held-out data the error without offset is {held_out_um:.3} µm, in training {training_um:.3} µm: the model \
              has learnt this recording rather than the actuator, the two were recorded under other conditions, or what was held out goes as far or \
@@ -252,7 +252,7 @@ mod tests {
             Doubt::EstimatedDisplacement { log: "c".into() },
             Doubt::AtBound { gene: "p", value: 2.5 },
             Doubt::PoorFit { log: "d".into(), percent: 40.0 },
-            Doubt::Flawed { log: "e".into(), worst: FLAW, count: 3, left_out: false },
+            Doubt::Flawed { log: "e".into(), worst: FLAW, count: 3, left_out: false, most: false },
             Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
             Doubt::NothingHeldOut,
             Doubt::Diverges { fed_um: 0.01, simulation_um: 3.0 },

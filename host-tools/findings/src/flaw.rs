@@ -62,7 +62,7 @@ pub fn flaws(job: &Job) -> Vec<(String, Stretch, String)> {
 }
 
 /// What in a log is no measurement, what it does, and what helps.
-pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> String {
+pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool, most: bool) -> String {
     let what = flaw(worst, count);
     match (worst, left_out) {
         (Flaw::Missing { .. }, _) => format!(
@@ -76,6 +76,10 @@ pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool) -> S
         (_, true) => {
             format!("in {log} {what}: what was measured there was left out (--repair); record it again without")
         }
+        (_, false) if most => format!(
+            "in {log} {what}, and more than half of the log is no measurement: nothing was left out, and it was learnt and judged as if it were \
+             so; record it again"
+        ),
         (_, false) => format!(
             "in {log} {what}, and it was learnt and judged as if it were so: record it again, or leave it out with --repair"
         ),
@@ -97,13 +101,13 @@ mod tests {
             "{found}"
         );
         assert!(scored.contains("leaps 2 times, the gravest by 300.000 V"), "{scored}");
-        let (as_it_is, repaired) = (flawed("a", &spike, 1, false), flawed("a", &spike, 1, true));
+        let (as_it_is, repaired) = (flawed("a", &spike, 1, false, false), flawed("a", &spike, 1, true, false));
         assert!(
             as_it_is.ends_with("leave it out with --repair") && repaired.contains("straight from the row before"),
             "{repaired}"
         );
         let missing = Flaw::Missing { at, leap_v: 3.0, leap_um: 0.4 };
-        let (found, doubt) = (flaw_found(&missing, 1, 2_501), flawed("a", &missing, 1, false));
+        let (found, doubt) = (flaw_found(&missing, 1, 2_501), flawed("a", &missing, 1, false, false));
         assert!(
             found.contains("samples may be missing here, unless the drive leapt or recordings were joined, row 2501: nothing can repair that"),
             "{found}"

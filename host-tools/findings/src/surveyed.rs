@@ -93,7 +93,8 @@ fn remark(of: &Remark) -> String {
 
 /// What is to be said of how a log was read; of a plan, which is none, not how far its rows are apart.
 pub fn remarked(log: &Log, remarks: &[Remark], recorded: bool) -> Vec<String> {
-    let odd_clock = odd_clock(log.sample_period, log.duration()).filter(|_| recorded);
+    let from_first_to_last_s = log.voltage.len().saturating_sub(1) as f64 * log.sample_period;
+    let odd_clock = odd_clock(log.sample_period, from_first_to_last_s).filter(|_| recorded);
     remarks.iter().map(remark).chain(odd_clock).collect()
 }
 

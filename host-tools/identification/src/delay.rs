@@ -61,25 +61,25 @@ impl DelaySearch {
         tried * folds * self.search.generations_of(&[Model::Voigt])
     }
 
-    /// Estimates the delay of training logs that were cut, `flaws` of each of which are left out.
+    /// Estimates the delay of training logs that were cut; `flaws` of each are left out.
     ///
     /// # Errors
     /// A part of a log cannot be brought to the tick.
     pub fn estimate(
         &self,
         training: &[Log],
-        flaws: &dyn Fn(&Log) -> Vec<Flaw>,
+        flaws: &[Vec<Flaw>],
         recipe: &Recipe,
         progress: Progress<'_>,
     ) -> Result<Delay, PrepareError> {
-        let mut errors = Vec::new();
+        let (mut errors, folds) = (Vec::new(), folds(training, flaws));
         for ticks in (0..=self.largest).step_by(self.step as usize) {
             let recipe = Recipe { delay_ticks: ticks, ..recipe.clone() };
-            let session = |log: &Log| measured(&recipe, log, &flaws(log)).map(|(session, _)| session);
-            let sessions = |logs: &[Log]| logs.iter().map(session).collect::<Result<Vec<_>, _>>();
+            let session = |(log, flaws): &Flawed<'_>| measured(&recipe, log, flaws).map(|(session, _)| session);
+            let sessions = |logs: &[Flawed<'_>]| logs.iter().map(session).collect::<Result<Vec<_>, _>>();
             let mut error = 0.0;
-            for (fitted, judged) in folds(training) {
-                let problem = Problem::new(sessions(&fitted)?, sessions(&judged)?, self.conditions);
+            for (fitted, judged) in &folds {
+                let problem = Problem::new(sessions(fitted)?, sessions(judged)?, self.conditions);
                 let fits = identify(&problem, &[Model::Voigt], self.cost, &self.search, progress);
                 let admissible = fits.first().filter(|fit| fit.cost.is_finite()).and_then(|fit| fit.parameters);
                 error += admissible.and_then(|found| problem.held_out(&found, self.cost)).unwrap_or(f64::INFINITY);
@@ -92,10 +92,15 @@ impl DelaySearch {
     }
 }
 
+/// A log, or a part of one, and the flaws of the whole.
+type Flawed<'f> = (Log, &'f [Flaw]);
+
 /// What is fitted to and what is judged on.
-fn folds(logs: &[Log]) -> Vec<(Vec<Log>, Vec<Log>)> {
-    if let [log] = logs {
+fn folds<'f>(logs: &[Log], flaws: &'f [Vec<Flaw>]) -> Vec<(Vec<Flawed<'f>>, Vec<Flawed<'f>>)> {
+    let logs: Vec<Flawed<'f>> = logs.iter().cloned().zip(flaws.iter().map(Vec::as_slice)).collect();
+    if let [(log, flaws)] = &logs[..] {
         let (first, second) = log.split(0.5);
+        let (first, second) = ((first, *flaws), (second, *flaws));
         return vec![(vec![first.clone()], vec![second.clone()]), (vec![second], vec![first])];
     }
     let without = |index: usize| logs.iter().enumerate().filter(move |(i, _)| *i != index).map(|(_, log)| log.clone());

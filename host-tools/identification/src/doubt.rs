@@ -46,6 +46,8 @@ pub enum Doubt {
         count: usize,
         /// They were left out of what is fitted to and judged by.
         left_out: bool,
+        /// That was asked for, and not done: what is no measurement is most of the log.
+        most: bool,
     },
     /// The error on what was held out is far from the training error.
     HeldOutFar {

@@ -16,7 +16,7 @@ use crate::search::SearchOptions;
 use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{Character, Implausible, ahead, falls, flaws, gravest, repaired, sound};
+use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, repaired, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -118,10 +118,11 @@ impl Job {
     ) -> Result<Prepared, JobError> {
         let Parts { training, held_out, rests } = Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;
         let flaws = |log: &Log| if self.conditions.repair { flaws(log) } else { Vec::new() };
-        let rows: Vec<Log> = training.iter().map(|log| sound(log, &flaws(log))).collect();
+        let of_training: Vec<Vec<Flaw>> = training.iter().map(flaws).collect();
+        let rows: Vec<Log> = training.iter().zip(&of_training).map(|(log, flaws)| sound(log, flaws)).collect();
         let mut recipe = self.prepare.resolve(&rows);
         let estimated = match (self.prepare.delay, known_delay_ticks) {
-            (AutoOr::Auto, None) => Some(self.delay_search().estimate(&training, &flaws, &recipe, progress)?),
+            (AutoOr::Auto, None) => Some(self.delay_search().estimate(&training, &of_training, &recipe, progress)?),
             _ => None,
         };
         if let Some(ticks) = known_delay_ticks.or(estimated.map(|delay| delay.ticks)) {
@@ -129,22 +130,23 @@ impl Job {
         }
         let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
-        let mut left_out = Vec::new();
-        let mut session = |log: &Log| -> Result<Session, PrepareError> {
-            let (session, without) = repaired(&recipe, log, &flaws(log))?;
-            if without > 0 {
-                left_out.push(log.name.clone());
+        let mut beyond_repair = Vec::new();
+        let mut session = |log: &Log, flaws: &[Flaw]| -> Result<Session, PrepareError> {
+            let (session, left_out) = repaired(&recipe, log, flaws)?;
+            if left_out.is_none() {
+                beyond_repair.push(log.name.clone());
             }
             Ok(session)
         };
-        let mut sessions = |logs: &[Log]| logs.iter().map(&mut session).collect::<Result<Vec<_>, _>>();
-        let learnt_from = sessions(&training)?;
+        let learnt_from: Vec<Session> =
+            training.iter().zip(&of_training).map(|(log, flaws)| session(log, flaws)).collect::<Result<_, _>>()?;
         if let Some(falling) = learnt_from.iter().find(|session| falls(session)) {
             return Err(JobError::FallsWithVoltage { log: falling.name.clone() });
         }
-        let mut validation = sessions(&held_out)?;
+        let mut validation: Vec<Session> =
+            held_out.iter().map(|log| session(log, &flaws(log))).collect::<Result<_, _>>()?;
         for (log, rest) in &rests {
-            let mut session = session(log)?;
+            let mut session = session(log, &flaws(log))?;
             let learnt = rest.start_s - session.start_s;
             session.lead_in = session.instants.partition_point(|&instant| f64::from(instant) * session.tick_s < learnt);
             validation.push(session);
@@ -160,7 +162,7 @@ impl Job {
                 seed: self.search.seed,
             },
             logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
-            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&left_out)].concat(),
+            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&beyond_repair)].concat(),
             delay_at_bound: estimated.filter(|delay| delay.at_bound).map(|_| Doubt::DelayAtBound { delay_ms }),
         })
     }
@@ -240,13 +242,14 @@ impl Job {
         self.training.iter().filter_map(of).collect()
     }
 
-    /// A doubt for each kind of flaw of each log; `repaired` are the logs of which what was measured there was left out.
-    fn flawed(&self, repaired: &[String]) -> Vec<Doubt> {
+    /// A doubt for each kind of flaw of each log; of those that are `beyond_repair` nothing was left out.
+    fn flawed(&self, beyond_repair: &[String]) -> Vec<Doubt> {
         let mut doubts = Vec::new();
         for log in self.training.iter().chain(&self.held_out) {
             for (worst, count) in gravest(&flaws(&self.prepare.cut(log))) {
-                let left_out = worst.repairable() && repaired.contains(&log.name);
-                doubts.push(Doubt::Flawed { log: log.name.clone(), worst, count, left_out });
+                let asked = worst.repairable() && self.conditions.repair;
+                let most = asked && beyond_repair.contains(&log.name);
+                doubts.push(Doubt::Flawed { log: log.name.clone(), worst, count, left_out: asked && !most, most });
             }
         }
         doubts

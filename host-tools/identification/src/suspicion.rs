@@ -166,6 +166,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_is_held_out_is_far_off_where_it_is_worse_than_training_and_more_than_noise() {
+        let is_far = |training, held_out| far(training, held_out, 10.0).is_some();
+        assert!(is_far(0.1, 0.151) && !is_far(0.1, 0.149));
+        assert!(is_far(0.001, 0.021) && !is_far(0.001, 0.019), "two thousandths of the stroke");
+    }
+
+    #[test]
     fn a_log_that_is_missed_is_a_poor_fit_and_offsets_of_either_sign_are_a_drift() {
         let of = |stroke: f64, error: f64| Figures::of(&[error, stroke - error], &[0.0, stroke], stroke);
         let [large, small] = [of(10.0, 0.03), of(0.1, 0.03)];

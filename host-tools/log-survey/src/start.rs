@@ -4,7 +4,7 @@
 //! amplifier was switched on jumps there from 0 V, and its first readings lie where the voltage has never been: hysteresis
 //! and creep have to start from 0 V, or the largest signal of the log is lost.
 
-use crate::flaw::{Flaw, measured};
+use crate::flaw::{Flaw, SPIKE_ROWS, measured};
 use crate::stroke::stroke;
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, Recipe};
@@ -25,14 +25,18 @@ pub fn prepared(recipe: &Recipe, log: &Log) -> Result<Session, PrepareError> {
     repaired(recipe, log, &[]).map(|(session, _)| session)
 }
 
-/// The same of a log without what was measured in these flaws of it, and how many instants that were. How it began is seen in
-/// what is left.
+/// The same of a log without what was measured in these flaws of it, and how many instants that were; `None` where they are most of
+/// them, which stay. How it began is seen in what is left, unless that begins later.
 ///
 /// # Errors
 /// The log cannot be brought to the tick.
-pub fn repaired(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, usize), PrepareError> {
+pub fn repaired(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, Option<usize>), PrepareError> {
     let (mut session, left_out) = measured(recipe, log, flaws)?;
-    state_rest(&mut session, -recipe.voltage_zero_v);
+    let step = log.sample_period.max(session.tick_s);
+    let soon = SPIKE_ROWS as f64 * log.sample_period + 2.0 * step;
+    if session.instants.get(1).is_none_or(|&second| f64::from(second) * session.tick_s <= soon) {
+        state_rest(&mut session, -recipe.voltage_zero_v);
+    }
     Ok((session, left_out))
 }
 
@@ -78,6 +82,19 @@ mod tests {
         Session::new("log".into(), voltage, (0..4000).collect(), displacement, 5e-4)
     }
 
+    fn log(session: &Session, displacement: Vec<f64>) -> Log {
+        Log {
+            name: "log".into(),
+            path: "log.csv".into(),
+            sha256: String::new(),
+            sample_period: session.tick_s,
+            start_s: 0.0,
+            voltage: session.voltage.clone(),
+            displacement: Some(displacement),
+            displacement_estimated: false,
+        }
+    }
+
     #[test]
     fn a_jump_from_0_v_is_seen() {
         for (phase, rest, expected) in [(1.5, 0.0, Some(0.0)), (1.5, 46.5, None), (0.0, 0.0, None)] {
@@ -91,31 +108,36 @@ mod tests {
         assert_eq!(elsewhere.rested_v, None);
     }
 
+    /// The first reading of what is left is one of later, and 0 V may lie anywhere from it.
+    #[test]
+    fn where_a_log_begins_in_a_long_flaw_nothing_is_said_of_before() {
+        let began = session(0.0, 1.5);
+        let mut displacement = began.displacement.clone();
+        displacement[..300].fill(-40.0);
+        let log = log(&began, displacement);
+        let recipe = PrepareOptions { voltage_zero: AutoOr::Given(0.0), ..PrepareOptions::default() };
+        let recipe = recipe.resolve(std::slice::from_ref(&log));
+        let found = flaws(&log);
+        assert!(matches!(found[..], [Flaw::Frozen { .. }]), "{found:?}");
+        let (session, left_out) = repaired(&recipe, &log, &found).unwrap();
+        assert_eq!((session.rested_v, left_out.is_some_and(|count| count >= 300)), (None, true));
+    }
+
     /// What a spike spans is no stroke, and where it stands no displacement belongs.
     #[test]
     fn a_spike_of_any_size_hides_no_jump_once_it_is_left_out() {
         let began = session(0.0, 1.5);
-        let log = |displacement: Vec<f64>| Log {
-            name: "log".into(),
-            path: "log.csv".into(),
-            sha256: String::new(),
-            sample_period: began.tick_s,
-            start_s: 0.0,
-            voltage: began.voltage.clone(),
-            displacement: Some(displacement),
-            displacement_estimated: false,
-        };
         let first = began.voltage[0];
         let back = (2_000..4_000).find(|&row| (began.voltage[row] - first).abs() < 0.1).unwrap();
         for leap_um in [50.0, 200.0, 9_000.0, -9_000.0] {
             for row in [700, 3_000, back] {
                 let mut displacement = began.displacement.clone();
                 displacement[row] += leap_um;
-                let log = log(displacement);
+                let log = log(&began, displacement);
                 let recipe = PrepareOptions { voltage_zero: AutoOr::Given(0.0), ..PrepareOptions::default() };
                 let recipe = recipe.resolve(std::slice::from_ref(&log));
                 let (session, left_out) = repaired(&recipe, &log, &flaws(&log)).unwrap();
-                assert_eq!((session.rested_v, left_out), (Some(0.0), 1), "{leap_um} µm in row {row}");
+                assert_eq!((session.rested_v, left_out), (Some(0.0), Some(1)), "{leap_um} µm in row {row}");
             }
         }
     }

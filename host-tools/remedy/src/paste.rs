@@ -37,6 +37,9 @@ pub fn with_flag(flag: &str) -> String {
 fn flagged(mut typed: Vec<String>, flag: &str) -> Vec<String> {
     let behind = typed.iter().position(|argument| argument == "--");
     let learns = typed.first().is_some_and(|verb| verb == "learn");
+    if typed.iter().any(|argument| argument == flag) {
+        return typed;
+    }
     match behind {
         Some(at) if !learns => typed.insert(at, flag.to_owned()),
         None if learns => typed.extend(["--".to_owned(), flag.to_owned()]),
@@ -134,6 +137,7 @@ mod tests {
         let with = |words: &str| flagged(typed(words), "--repair").join(" ");
         assert_eq!(with("identify a.csv --out o"), "identify a.csv --out o --repair");
         assert_eq!(with("identify --out o -- -9.csv"), "identify --out o --repair -- -9.csv");
+        assert_eq!(with("identify --repair a.csv --out o"), "identify --repair a.csv --out o");
         assert_eq!(with("learn --out o"), "learn --out o -- --repair");
         assert_eq!(with("learn --out o -- --model voigt"), "learn --out o -- --model voigt --repair");
     }

@@ -54,6 +54,10 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
 pub fn next(doubts: &[Doubt], folder: &Path) -> String {
     let folder = quoted(&folder.display().to_string());
     let first = doubts.first().filter(|doubt| doubt.grave());
+    if let Some(Doubt::Flawed { most: true, .. }) = first {
+        return "Next: record it again without what is no measurement; until then the table belongs on no board. report.html shows where it is"
+            .to_owned();
+    }
     if let Some(Doubt::Flawed { .. }) = first {
         return format!(
             "Next: record it again without what is no measurement, or learn without it; until then the table belongs on no board. report.html \

@@ -9,11 +9,12 @@ use recordings::session::Session;
 /// More than this part of a log is no flaw of it: it is left as it is.
 const MOST: f64 = 0.5;
 
-/// The session of a log that has been cut without what was measured in these flaws of it, and how many instants that were.
+/// The session of a log that has been cut without what was measured in these flaws of it, and how many instants that were;
+/// `None` where they are most of them, which stay.
 ///
 /// # Errors
 /// The log cannot be brought to the tick.
-pub fn measured(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, usize), PrepareError> {
+pub fn measured(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, Option<usize>), PrepareError> {
     let mut session = recipe.session(&mended(log, flaws))?;
     let left_out = leave_out(&mut session, flaws, f64::from(recipe.delay_ticks) * recipe.tick_s());
     Ok((session, left_out))
@@ -21,8 +22,9 @@ pub fn measured(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, 
 
 /// Leaves what was measured in the flaws of its log out of a session whose sensor is late by `delay_s`; the voltage stays, as it
 /// was or was [mended].
-/// Returns how many instants it were, the first among them where it has another's value: none where it would be most of them.
-pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> usize {
+/// Returns how many instants it were, the first among them where it has another's value; `None` where it would be most of them:
+/// then the session stays as it is.
+pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> Option<usize> {
     let (start_s, tick_s) = (session.start_s, session.tick_s);
     let flawed = |instant: u32| {
         // A session has what was seen at the tick at which it happened; the voltage is read as it happens.
@@ -38,7 +40,7 @@ pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> usize {
     let kept: Vec<bool> = session.instants.iter().map(|&instant| !flawed(instant)).collect();
     let left_out = kept.iter().filter(|kept| !**kept).count();
     if left_out as f64 > MOST * kept.len() as f64 {
-        return 0;
+        return None;
     }
     // A session begins at its first instant: that stays, and has what was soundly measured next.
     let next = kept.iter().position(|kept| *kept).unwrap_or(0);
@@ -52,7 +54,7 @@ pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> usize {
     session.instants.retain(|_| keep.next() == Some(&true));
     let mut keep = kept.iter();
     session.displacement.retain(|_| keep.next() == Some(&true));
-    left_out
+    Some(left_out)
 }
 
 /// A log's sound rows, as if nothing had been between them: what zeros are decided from.

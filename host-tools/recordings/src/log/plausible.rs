@@ -34,7 +34,8 @@ fn check_span(
     let span = largest - smallest;
     let unit = recording.channels.get(quantity).map_or(quantity.base(), |channel| channel.unit);
     let suggested = |unit| recording.channels.restated(quantity, unit);
-    let usual = usual_span(values);
+    // Of a span that is none too large, which few are, nothing rare has to be left out.
+    let usual = if span > most.0 { usual_span(values) } else { span };
     let (limit, other) = if span == 0.0 {
         return Err(Fault::Constant {
             quantity,
