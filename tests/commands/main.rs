@@ -10,6 +10,7 @@ mod compare;
 mod demo;
 mod device;
 mod divider;
+mod documented;
 mod doubted;
 mod doubts;
 mod faces;
