@@ -5,20 +5,26 @@ use log_survey::range;
 use recordings::log::Log;
 use recordings::prepare::PrepareOptions;
 use recordings::{LogUse, Role};
+use std::borrow::Cow;
 
 /// The logs of a job, cut.
-pub(crate) struct Parts {
+pub(crate) struct Parts<'l> {
     /// The training logs, or what of them is fitted to.
     pub training: Vec<Log>,
     /// Held out as a whole.
     pub held_out: Vec<Log>,
     /// Training logs as a whole, and what is held out of each: the estimator runs on into that, as a device does.
-    pub rests: Vec<(Log, Log)>,
+    pub rests: Vec<(Cow<'l, Log>, Log)>,
 }
 
-impl Parts {
+impl<'l> Parts<'l> {
     /// Training logs of which the fraction `hold_out` at their ends is held out, and logs that are held out as a whole.
-    pub fn of(training: &[Log], held_out: &[Log], hold_out: f64, prepare: &PrepareOptions) -> Result<Self, JobError> {
+    pub fn of(
+        training: &'l [Log],
+        held_out: &[Log],
+        hold_out: f64,
+        prepare: &PrepareOptions,
+    ) -> Result<Self, JobError> {
         let (whole, apart) = (training, held_out);
         for (at, training) in whole.iter().enumerate() {
             let content = LogUse::new(training, Role::Training);
@@ -30,11 +36,10 @@ impl Parts {
                 return Err(JobError::SameLog { log, training: training.path.clone(), rewritten });
             }
         }
-        let cut = |logs: &[Log]| logs.iter().map(|log| prepare.cut(log)).collect::<Vec<_>>();
-        let held_out = cut(apart);
+        let held_out: Vec<Log> = apart.iter().map(|log| prepare.cut(log).into_owned()).collect();
         let (mut training, mut rests) = (Vec::new(), Vec::new());
         held_out.iter().try_for_each(|log| moves(log, log))?;
-        for log in cut(whole) {
+        for log in whole.iter().map(|log| prepare.cut(log)) {
             let (first, rest) = log.split(hold_out);
             moves(&first, &log)?;
             training.push(first);

@@ -119,8 +119,9 @@ impl Job {
         let Parts { training, held_out, rests } = Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;
         let flaws = |log: &Log| if self.conditions.repair { flaws(log) } else { Vec::new() };
         let of_training: Vec<Vec<Flaw>> = training.iter().map(flaws).collect();
-        let rows: Vec<Log> = training.iter().zip(&of_training).map(|(log, flaws)| sound(log, flaws)).collect();
-        let mut recipe = self.prepare.resolve(&rows);
+        let sound: Vec<_> = training.iter().zip(&of_training).map(|(log, flaws)| sound(log, flaws)).collect();
+        let mut recipe = self.prepare.resolve(&sound);
+        drop(sound);
         let estimated = match (self.prepare.delay, known_delay_ticks) {
             (AutoOr::Auto, None) => Some(self.delay_search().estimate(&training, &of_training, &recipe, progress)?),
             _ => None,
@@ -257,10 +258,10 @@ impl Job {
 
     /// The stroke of the training logs without their flaws, where it is none of a piezo actuator's.
     fn implausible(&self) -> Option<Implausible> {
-        let logs: Vec<Log> = self.training.iter().map(|log| self.prepare.cut(log)).collect();
-        let rows: Vec<Log> = logs.iter().map(|log| sound(log, &flaws(log))).collect();
+        let logs: Vec<_> = self.training.iter().map(|log| self.prepare.cut(log)).collect();
+        let rows: Vec<_> = logs.iter().map(|log| sound(log, &flaws(log))).collect();
         let span = |of: fn(&Log) -> &[f64], scale: f64| {
-            scale.abs() * Range::of_values(rows.iter().flat_map(of).copied()).span()
+            scale.abs() * Range::of_values(rows.iter().flat_map(|log| of(log)).copied()).span()
         };
         let stroke_um = span(|log| log.displacement.as_deref().unwrap_or_default(), self.prepare.displacement_scale);
         Implausible::of(stroke_um, span(|log| &log.voltage, self.prepare.voltage_scale))

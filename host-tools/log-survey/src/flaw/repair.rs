@@ -5,6 +5,7 @@ use super::{Flaw, Stretch};
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, Recipe};
 use recordings::session::Session;
+use std::borrow::Cow;
 
 /// More than this part of a log is no flaw of it: it is left as it is.
 const MOST: f64 = 0.5;
@@ -59,10 +60,14 @@ pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> Option<
 
 /// A log's sound rows, as if nothing had been between them: what zeros are decided from.
 #[must_use]
-pub fn sound(log: &Log, flaws: &[Flaw]) -> Log {
+pub fn sound<'l>(log: &'l Log, flaws: &[Flaw]) -> Cow<'l, Log> {
+    if !flaws.iter().any(Flaw::repairable) {
+        return Cow::Borrowed(log);
+    }
     let sound = sound_rows(log.voltage.len(), log.start_s, log.sample_period, flaws);
     let rows = |values: &[f64]| -> Vec<f64> { sound.iter().map(|&row| values[row]).collect() };
-    Log { voltage: rows(&log.voltage), displacement: log.displacement.as_deref().map(rows), ..log.clone() }
+    let (voltage, displacement) = (rows(&log.voltage), log.displacement.as_deref().map(rows));
+    Cow::Owned(Log { voltage, displacement, ..log.clone() })
 }
 
 /// Which of so many rows, that begin at `start_s`, one a `period`, s, are in no flaw that can be left out.
@@ -80,11 +85,14 @@ pub(crate) fn sound_rows(rows: usize, start_s: f64, period: f64, flaws: &[Flaw])
 /// A log with a voltage on the straight line between the rows beside each spike of it: the recursion needs one, and remembers
 /// every extreme.
 #[must_use]
-pub fn mended(log: &Log, flaws: &[Flaw]) -> Log {
+pub fn mended<'l>(log: &'l Log, flaws: &[Flaw]) -> Cow<'l, Log> {
     let row = |time: f64| ((time - log.start_s) / log.sample_period).round() as usize;
     let spikes = flaws.iter().filter_map(|flaw| match *flaw {
         Flaw::VoltageSpike { at, .. } => Some((row(at.from_s), row(at.to_s))),
         _ => None,
     });
-    Log { voltage: without(&log.voltage, spikes), ..log.clone() }
+    match without(&log.voltage, spikes) {
+        Cow::Borrowed(_) => Cow::Borrowed(log),
+        Cow::Owned(voltage) => Cow::Owned(Log { voltage, ..log.clone() }),
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::leaps::{SPIKE_ROWS, least_leap, spikes};
 use crate::deadband::noise_of;
+use std::borrow::Cow;
 
 /// Rows behind a leap in which a displacement that goes along does so.
 const SOON: usize = 3;
@@ -60,13 +61,13 @@ fn off_line(values: &[f64], from: usize, to: usize) -> f64 {
 }
 
 /// A voltage whose spikes lie on the straight line between the rows beside them; behind a last one there is no row.
-pub fn without(voltage: &[f64], spikes: impl Iterator<Item = (usize, usize)>) -> Vec<f64> {
-    let mut mended = voltage.to_vec();
+pub fn without(voltage: &[f64], spikes: impl Iterator<Item = (usize, usize)>) -> Cow<'_, [f64]> {
+    let mut mended = Cow::Borrowed(voltage);
     for (first, last) in spikes {
         debug_assert!(first > 0 && last < first + SPIKE_ROWS);
         let (before, after) = (voltage[first - 1], voltage.get(last + 1).copied().unwrap_or(voltage[first - 1]));
         let rows = (last + 2 - first) as f64;
-        for (index, value) in mended[first..=last].iter_mut().enumerate() {
+        for (index, value) in mended.to_mut()[first..=last].iter_mut().enumerate() {
             *value = before + (after - before) * (index + 1) as f64 / rows;
         }
     }

@@ -1,5 +1,6 @@
 //! A log, and parts of it.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -30,13 +31,16 @@ impl Log {
         self.voltage.len() as f64 * self.sample_period
     }
 
-    /// The log without so many seconds at its start and end; possibly nothing.
+    /// The log without so many seconds at its start and end, itself without none; possibly nothing.
     #[must_use]
-    pub fn trimmed(&self, start_s: f64, end_s: f64) -> Self {
+    pub fn trimmed(&self, start_s: f64, end_s: f64) -> Cow<'_, Self> {
         let rows = |seconds: f64| (seconds / self.sample_period).round() as usize;
         let start = rows(start_s).min(self.voltage.len());
         let end = self.voltage.len().saturating_sub(rows(end_s)).max(start);
-        self.rows(start..end)
+        match (start, end) {
+            (0, end) if end == self.voltage.len() => Cow::Borrowed(self),
+            _ => Cow::Owned(self.rows(start..end)),
+        }
     }
 
     /// The first part of the log and the rest; `fraction` (0 … 1) is the rest's.
@@ -89,7 +93,8 @@ mod tests {
 
     #[test]
     fn parts_keep_their_time() {
-        let trimmed = log().trimmed(0.1, 0.2);
+        let log = log();
+        let trimmed = log.trimmed(0.1, 0.2);
         assert_eq!((trimmed.voltage[0], trimmed.voltage.len()), (10.0, 70));
         let (first, rest) = trimmed.split(0.5);
         assert_eq!((first.voltage.len(), rest.voltage[0]), (35, 45.0));

@@ -9,6 +9,7 @@
 use super::recipe::Recipe;
 use super::resample::Decimation;
 use crate::log::Log;
+use std::borrow::{Borrow, Cow};
 
 /// A number, or what the logs say.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -64,12 +65,13 @@ impl Default for PrepareOptions {
 
 impl PrepareOptions {
     /// The log without what `skip_start` and `skip_end` take.
-    pub fn cut(&self, log: &Log) -> Log {
+    pub fn cut<'l>(&self, log: &'l Log) -> Cow<'l, Log> {
         log.trimmed(self.skip_start, self.skip_end)
     }
 
     /// The recipe for these training logs, cut by [`PrepareOptions::cut`]. A delay to be found is 0 in it.
-    pub fn resolve(&self, logs: &[Log]) -> Recipe {
+    pub fn resolve(&self, logs: &[impl Borrow<Log>]) -> Recipe {
+        let logs: Vec<&Log> = logs.iter().map(Borrow::borrow).collect();
         let tick_ms = f64::from(self.tick_us) * 1e-3;
         let mut recipe = Recipe {
             tick_us: self.tick_us,

@@ -4,6 +4,7 @@ use super::resample::{self, Decimation};
 use crate::log::Log;
 use crate::session::Session;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Everything that is done to a log, resolved to numbers.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -141,7 +142,7 @@ impl Recipe {
     }
 
     /// The log without what `skip_start_s` and `skip_end_s` take.
-    pub fn cut(&self, log: &Log) -> Log {
+    pub fn cut<'l>(&self, log: &'l Log) -> Cow<'l, Log> {
         log.trimmed(self.skip_start_s, self.skip_end_s)
     }
 
