@@ -4,8 +4,6 @@ use serde::Deserialize;
 
 use crate::viewport::Viewport;
 
-/// The report shows at least this many plots.
-const LEAST_PLOTS: usize = 4;
 /// Rounding of the browser's layout, CSS px.
 const TOLERANCE: f64 = 1.0;
 
@@ -55,8 +53,8 @@ impl Extent {
 }
 
 impl Layout {
-    /// What is wrong with the page on this screen.
-    pub(crate) fn faults(&self, viewport: Viewport) -> Vec<String> {
+    /// What is wrong with the page on this screen, that shows so many plots.
+    pub(crate) fn faults(&self, viewport: Viewport, plots: usize) -> Vec<String> {
         let mut faults = Vec::new();
         if self.title.trim().is_empty() {
             faults.push("no title".to_owned());
@@ -70,8 +68,8 @@ impl Layout {
         if self.scroll_width > self.width {
             faults.push(format!("scrolls sideways: {} px wide on a screen of {}", self.scroll_width, self.width));
         }
-        if self.plots.len() < LEAST_PLOTS {
-            faults.push(format!("{} plots, fewer than {LEAST_PLOTS}", self.plots.len()));
+        if self.plots.len() != plots {
+            faults.push(format!("{} plots instead of {plots}", self.plots.len()));
         }
         for (number, plot) in (1..).zip(&self.plots) {
             faults.extend(plot.faults(self.width).into_iter().map(|fault| format!("plot {number} {fault}")));

@@ -14,12 +14,17 @@ pub use chromium::{Browser, launch};
 pub use page::Page;
 pub use viewport::Viewport;
 
-/// Opens `url` at `viewport` and returns the page and everything found wrong with it.
+/// Opens `url` at `viewport` and returns the page, that shows so many plots, and everything found wrong with it.
 ///
 /// # Errors
 /// The browser failed, not the page.
-pub fn inspect<'b>(browser: &'b mut Browser, url: &str, viewport: Viewport) -> Result<(Page<'b>, Vec<String>)> {
+pub fn inspect<'b>(
+    browser: &'b mut Browser,
+    url: &str,
+    viewport: Viewport,
+    plots: usize,
+) -> Result<(Page<'b>, Vec<String>)> {
     let mut page = Page::open(browser, url, viewport)?;
-    let faults = page.faults(viewport)?;
+    let faults = page.faults(viewport, plots)?;
     Ok((page, faults))
 }

@@ -101,14 +101,14 @@ impl<'b> Page<'b> {
         Ok(())
     }
 
-    /// Everything that is wrong with the page as it is now.
+    /// Everything that is wrong with the page, that shows so many plots, as it is now.
     ///
     /// # Errors
     /// The browser's, not the page's.
-    pub fn faults(&mut self, viewport: Viewport) -> Result<Vec<String>> {
+    pub fn faults(&mut self, viewport: Viewport, plots: usize) -> Result<Vec<String>> {
         let layout = self.layout()?;
         let mut faults = self.troubles()?;
-        faults.extend(layout.faults(viewport));
+        faults.extend(layout.faults(viewport, plots));
         Ok(faults)
     }
 

@@ -1,4 +1,4 @@
-//! The report of a short identification, in a browser.
+//! The report of a short identification, and the page of a short comparison, in a browser.
 
 use std::{
     env, fs,
@@ -12,6 +12,8 @@ use report_browser_test::{Browser, Page, Viewport, inspect, launch};
 const PHONE: Viewport = Viewport { width: 360, height: 740, scale: 2.0, mobile: true, least_text: 9.0 };
 const DESKTOP: Viewport = Viewport { width: 1280, height: 900, scale: 1.0, mobile: false, least_text: 9.0 };
 const WIDE: Viewport = Viewport { width: 1920, height: 1080, scale: 1.0, mobile: false, least_text: 9.0 };
+/// Pictures of a report, beside the three plots of its whole log.
+const PICTURES: usize = 8;
 /// A drag over a picture's middle, as a mouse makes it.
 const DRAG: &str = "(() => {
     const over = document.querySelector('#zoom-error .u-over'), { left, top, width } = over.getBoundingClientRect();
@@ -29,42 +31,27 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-fn identify(out: &Path) -> Result<PathBuf> {
+/// Has `piezo` make pages of the measured log.
+fn piezo(verb: &str, options: &str, out: &Path) -> Result<()> {
     let piezo =
         env::var_os("PIEZO").context("$PIEZO names no program: run this test with `cargo xtask test browser`")?;
-    let status = Command::new(piezo)
-        .current_dir(root())
-        .args([
-            "identify",
-            "tests/data/picma-p885-1hz.csv",
-            "--generations",
-            "20",
-            "--rounds",
-            "1",
-            "--evaluations",
-            "50",
-            "--devices",
-            "0",
-            "--out",
-        ])
-        .arg(out)
-        .status()?;
-    ensure!(status.success(), "piezo identify failed: {status}");
-    Ok(out.join("report.html"))
+    let mut command = Command::new(piezo);
+    command.current_dir(root()).args([verb, "tests/data/picma-p885-1hz.csv"]).args(options.split(' '));
+    let status = command.arg("--out").arg(out).status()?;
+    ensure!(status.success(), "piezo {verb} failed: {status}");
+    Ok(())
 }
 
-#[test]
-fn report_is_sound_on_a_phone_and_on_a_desktop() -> Result<()> {
-    let out = tempfile::tempdir()?;
-    let report = identify(out.path())?;
+/// What is wrong with a page of so many plots at each width; its screenshots are kept to be looked at, under names that begin so.
+fn faults(browser: &mut Browser, page: &Path, plots: usize, named: &str) -> Result<Vec<String>> {
     let screenshots = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("report-screenshots");
     fs::create_dir_all(&screenshots)?;
-    let mut browser = launch()?;
     let mut faults = Vec::new();
-    for (name, viewport) in [("phone", PHONE), ("desktop", DESKTOP), ("wide", WIDE)] {
-        let (mut page, found) = inspect(&mut browser, &format!("file://{}", report.display()), viewport)?;
+    for (width, viewport) in [("phone", PHONE), ("desktop", DESKTOP), ("wide", WIDE)] {
+        let name = format!("{named}{width}");
+        let (mut page, found) = inspect(browser, &format!("file://{}", page.display()), viewport, plots)?;
         faults.extend(found.into_iter().map(|fault| format!("{name}: {fault}")));
-        let image = screenshots.join(name).with_extension("png");
+        let image = screenshots.join(&name).with_extension("png");
         fs::write(&image, page.screenshot()?)?;
         println!("to look at: {}", image.display());
         let pdf = page.pdf()?;
@@ -72,9 +59,28 @@ fn report_is_sound_on_a_phone_and_on_a_desktop() -> Result<()> {
             faults.push(format!("{name}: prints as {} bytes, which is no report", pdf.len()));
         }
     }
+    Ok(faults)
+}
+
+#[test]
+fn report_is_sound_on_a_phone_and_on_a_desktop() -> Result<()> {
+    let out = tempfile::tempdir()?;
+    piezo("identify", "--generations 20 --rounds 1 --evaluations 50 --devices 0", out.path())?;
+    let report = out.path().join("report.html");
+    let mut browser = launch()?;
+    let faults = faults(&mut browser, &report, PICTURES + 3, "")?;
     ensure!(faults.is_empty(), "{}", faults.join("\n"));
     zooms(&mut browser, &report)?;
     reads_without_scripts(&mut browser, &report)
+}
+
+#[test]
+fn comparison_is_sound_on_a_phone_and_on_a_desktop() -> Result<()> {
+    let out = tempfile::tempdir()?;
+    piezo("compare", "--budget 12", out.path())?;
+    let faults = faults(&mut launch()?, &out.path().join("compare.html"), 0, "compare-")?;
+    ensure!(faults.is_empty(), "{}", faults.join("\n"));
+    Ok(())
 }
 
 /// The whole log is drawn of what is in its link, and what of it is shown follows mouse and buttons.
@@ -118,6 +124,6 @@ fn reads_without_scripts(browser: &mut Browser, report: &Path) -> Result<()> {
     let mut page = Page::open(browser, &format!("file://{}", report.display()), PHONE)?;
     page.without_scripts()?;
     let shown = page.evaluate("JSON.stringify([document.querySelectorAll('figure svg').length, document.getElementById('zoom').checkVisibility(), document.body.innerText.includes('runs no script'), typeof window.zoom.view])")?;
-    ensure!(shown == "[8,false,true,\"undefined\"]", "{shown}");
+    ensure!(shown == format!("[{PICTURES},false,true,\"undefined\"]"), "{shown}");
     Ok(())
 }

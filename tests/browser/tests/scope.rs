@@ -23,6 +23,8 @@ const SCREENS: [(&str, Viewport); 3] = [
     ("scope-desktop", Viewport { width: 1280, height: 900, scale: 1.0, mobile: false, least_text: 9.0 }),
     ("scope-wide", Viewport { width: 1920, height: 1080, scale: 1.0, mobile: false, least_text: 9.0 }),
 ];
+/// Voltage, displacement, error and loop.
+const PLOTS: usize = 4;
 const PATIENCE: Duration = Duration::from_secs(20);
 /// Of the emulated sensor, µm at code 0 and at full scale.
 const SENSOR_UM: (f64, f64) = (-10.0, 60.0);
@@ -144,7 +146,7 @@ fn the_scope_draws_zeroes_and_records_beside_a_sensor() -> Result<()> {
         )?;
         let drawn = page.evaluate("window.scope.drawn")?;
         page.evaluate("document.getElementById('pause').click()")?;
-        faults.extend(page.faults(viewport)?.into_iter().map(|fault| format!("{name}: {fault}")));
+        faults.extend(page.faults(viewport, PLOTS)?.into_iter().map(|fault| format!("{name}: {fault}")));
         let image = screenshots.join(name).with_extension("png");
         fs::write(&image, page.screenshot()?)?;
         println!("to look at: {}, after {drawn} drawings", image.display());
