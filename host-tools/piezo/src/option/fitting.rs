@@ -24,7 +24,7 @@ const BEHIND: usize = 100;
 /// Logs to fit to, and how.
 #[derive(Args, Debug)]
 pub struct Fitting {
-    /// Logs to fit to; each weighs the same whatever its length. `identify` takes a folder of `piezo train`, too.
+    /// Logs to fit to, or a folder of `piezo train`; each log weighs the same whatever its length.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// Logs that are held out: their errors are reported and decide nothing.
