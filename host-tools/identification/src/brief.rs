@@ -40,15 +40,18 @@ impl Identification<'_> {
         let (family, others): (Vec<Model>, Vec<Model>) = models.iter().partition(|model| model.is_voigt());
         let options = SearchOptions { evaluations: of_a_number, ..self.options.clone() };
         let search = |budget| Identification { options: &options, budget, ..*self };
-        let mut fits = search(Some(of_voigt as usize)).run(&family, progress);
-        // None of them starts from another.
         let progress = Mutex::new(progress);
         let tell = |model, cost| progress.lock().unwrap_or_else(PoisonError::into_inner)(model, cost);
         let of = |&model| {
             let search = if self.smooth(model) { *self } else { search(None) };
             search.run(&[model], &mut |model, cost| tell(model, cost))
         };
-        fits.par_extend(others.par_iter().flat_map_iter(of));
+        // None of the others starts from another. The last of them is begun with: NARX takes as long as all the rest.
+        let (others, mut fits) = rayon::join(
+            || others.par_iter().rev().map(of).collect::<Vec<_>>(),
+            || search(Some(of_voigt as usize)).run(&family, &mut |model, cost| tell(model, cost)),
+        );
+        fits.extend(others.into_iter().rev().flatten());
         fits
     }
 

@@ -26,6 +26,7 @@ use log_survey::Character;
 use rayon::prelude::*;
 use recordings::session::Session;
 use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
 
 /// Candidates for each searched number, from where the fit to everything ended.
 const OF_A_NUMBER: usize = 12;
@@ -85,7 +86,7 @@ impl CrossValidation {
     pub(crate) fn of(
         identification: &Identification<'_>,
         eligible: &[(&Fit, f64)],
-        mut progress: impl FnMut(),
+        progress: impl FnMut() + Send,
     ) -> Result<Self, Undecided> {
         let problem = identification.problem;
         let least = eligible.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
@@ -98,13 +99,14 @@ impl CrossValidation {
         if parts.len() < 2 {
             return Err(Undecided::Undivided);
         }
-        let mut errors = vec![Vec::new(); tried.len()];
-        for part in &parts {
-            let without = Identification { problem: part, ..*identification };
-            let of_part: Vec<f64> = tried.par_iter().map(|fit| error(&without, left_out, fit)).collect();
-            errors.iter_mut().zip(of_part).for_each(|(errors, error)| errors.push(error));
-            progress();
-        }
+        let progress = Mutex::new(progress);
+        let without = |part, fit| {
+            let error = error(&Identification { problem: part, ..*identification }, left_out, fit);
+            progress.lock().unwrap_or_else(PoisonError::into_inner)();
+            error
+        };
+        let errors: Vec<Vec<f64>> =
+            tried.par_iter().map(|fit| parts.par_iter().map(|part| without(part, fit)).collect()).collect();
         let mut scores: Vec<Score> = tried
             .iter()
             .zip(errors)
