@@ -100,7 +100,8 @@ fn a_stated_calibration_is_no_longer_doubted() {
 fn every_choice_of_the_search_is_kept_in_the_table() {
     let folder = tempfile::tempdir().unwrap();
     let choices = "--scheme zero-order-hold --selection roulette --decimate average --cost multi-step --norm l2";
-    let choices: Vec<&str> = choices.split(' ').chain(["--feedback-weight", "0.2", "--hold-out", "0.3"]).collect();
+    let more = ["--feedback-weight", "0.2", "--hold-out", "0.3", "--note", "carries <20 g"];
+    let choices: Vec<&str> = choices.split(' ').chain(more).collect();
     let (table, _) = sin10(folder.path(), &choices);
     let (file, admitted) = TableFile::load(&table).unwrap();
     assert_eq!(admitted.scheme, Scheme::ZeroOrderHold);
@@ -117,6 +118,7 @@ fn every_choice_of_the_search_is_kept_in_the_table() {
     }
     let report = fs::read_to_string(table.with_file_name("report.html")).unwrap();
     assert!(report.contains("multi-step with feedback weight 0.2, root mean square error"));
+    assert!(report.contains("carries &#60;20 g"), "the note is missing");
     let parts: Vec<(f64, f64)> = file.logs.iter().map(|log| (log.from_s, log.to_s)).collect();
     let [(from, to), (split, end)] = parts[..] else { panic!("{parts:?}") };
     assert!(from == 0.0 && (split - 0.35).abs() < 1e-9 && to == end && (to - 0.5).abs() < 1e-9, "{parts:?}");

@@ -63,6 +63,9 @@ pub struct Identify {
     /// the same program, as it was written.
     #[arg(long, hide_short_help = true, help_heading = FLEET, requires = "unit")]
     pub if_changed: bool,
+    /// Words of yours for the report: the actuator's serial number, what it carries, who recorded it.
+    #[arg(long, hide_short_help = true, value_name = "TEXT")]
+    pub note: Option<String>,
     /// What becomes of a file in a result's place.
     #[command(flatten)]
     pub overwrite: Overwrite,
@@ -274,7 +277,8 @@ fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determin
 fn facts(arguments: &Identify, cost: Cost, search: &SearchOptions, outcome: &Outcome) -> Vec<(String, String)> {
     let recipe = &outcome.learnt.context.recipe;
     let unit = arguments.unit.iter().map(|unit| ("Unit".to_owned(), unit.to_string()));
-    let mut facts: Vec<_> = unit.collect();
+    let note = arguments.note.iter().map(|note| ("Note".to_owned(), note.clone()));
+    let mut facts: Vec<_> = unit.chain(note).collect();
     facts.extend([
         ("Tool".to_owned(), TOOL.to_owned()),
         ("Tick".to_owned(), format!("{} µs, {}", recipe.tick_us, arguments.fitting.scheme)),
