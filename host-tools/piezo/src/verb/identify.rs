@@ -34,6 +34,9 @@ pub struct Identify {
     /// Deliver the chosen model as it was judged, instead of learning it once more from what was held out of the logs.
     #[arg(long, hide_short_help = true)]
     pub as_judged: bool,
+    /// Words of yours for the report: the actuator's serial number, what it carries, who recorded it.
+    #[arg(long, hide_short_help = true, value_name = "TEXT")]
+    pub note: Option<String>,
     /// What comes next is typed by learn.
     #[arg(skip)]
     pub of_learn: bool,
@@ -63,9 +66,6 @@ pub struct Identify {
     /// the same program, as it was written.
     #[arg(long, hide_short_help = true, help_heading = FLEET, requires = "unit")]
     pub if_changed: bool,
-    /// Words of yours for the report: the actuator's serial number, what it carries, who recorded it.
-    #[arg(long, hide_short_help = true, value_name = "TEXT")]
-    pub note: Option<String>,
     /// What becomes of a file in a result's place.
     #[command(flatten)]
     pub overwrite: Overwrite,
