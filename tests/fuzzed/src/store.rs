@@ -23,6 +23,8 @@ struct Known {
     written: usize,
     /// The one that it gives.
     newest: Option<Vec<u8>>,
+    /// The one that it gave when something was last written or erased: a bit that flips back may bring an older one to light.
+    last: Option<Vec<u8>>,
     /// Pages with more in them than whole writes and erases have left: one more flipped bit may make a record whole again.
     doubtful: [bool; 2],
     /// The record that was written into each page, or begun, since it was last erased whole.
@@ -38,7 +40,8 @@ struct Known {
 pub fn check(bytes: &[u8]) {
     let mut input = Unstructured::new(bytes);
     let chip = Chip::new();
-    let mut known = Known { written: 0, newest: None, doubtful: [false; 2], held: [None, None], decayed: [false; 2] };
+    let mut known =
+        Known { written: 0, newest: None, last: None, doubtful: [false; 2], held: [None, None], decayed: [false; 2] };
     for _ in 0..STEPS {
         if input.is_empty() {
             break;
@@ -94,6 +97,7 @@ impl Known {
                 *doubtful = dark;
             }
         }
+        self.last.clone_from(&found);
         self.newest = found;
     }
 
@@ -108,6 +112,7 @@ impl Known {
         let old = found == self.newest || self.mended(found.as_ref());
         assert!(found.is_none() || dark && old, "after an erase: {found:?}");
         self.doubtful = [dark; 2];
+        self.last.clone_from(&found);
         self.newest = found;
     }
 
@@ -131,7 +136,7 @@ impl Known {
         chip.borrow_mut().memory[at] ^= 1 << (bit % 8);
         let found = load(chip);
         assert!(found.is_none() || self.held.contains(&found), "in no page: {found:?}");
-        let untouched = elsewhere && !self.doubtful[page];
+        let untouched = elsewhere && self.newest == self.last && !self.doubtful[page];
         assert!(!untouched || found == self.newest, "a bit of the other page was flipped: {found:?}");
         self.doubtful[page] = true;
         self.decayed[page] = true;
