@@ -91,6 +91,7 @@ impl Reader {
             }
             command.env("PIEZO_PORT", &board.port);
         }
+        // `MORE` has fewer.
         if let Some(minutes) = line.iter().position(|word| word == "--minutes") {
             line.drain(minutes..minutes + 2);
         }

@@ -46,7 +46,7 @@ impl Identification<'_> {
             let search = if self.smooth(model) { *self } else { search(None) };
             search.run(&[model], &mut |model, cost| tell(model, cost))
         };
-        // None of the others starts from another. The last of them is begun with: NARX takes as long as all the rest.
+        // None of the others starts from another. They are begun from the list's end, where NARX is: it takes as long as all the rest.
         let (others, mut fits) = rayon::join(
             || others.par_iter().rev().map(of).collect::<Vec<_>>(),
             || search(Some(of_voigt as usize)).run(&family, &mut |model, cost| tell(model, cost)),

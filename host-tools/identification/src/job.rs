@@ -119,9 +119,8 @@ impl Job {
         let Parts { training, held_out, rests } = Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;
         let flaws = |log: &Log| if self.conditions.repair { flaws(log) } else { Vec::new() };
         let of_training: Vec<Vec<Flaw>> = training.iter().map(flaws).collect();
-        let sound: Vec<_> = training.iter().zip(&of_training).map(|(log, flaws)| sound(log, flaws)).collect();
-        let mut recipe = self.prepare.resolve(&sound);
-        drop(sound);
+        let rows = training.iter().zip(&of_training).map(|(log, flaws)| sound(log, flaws));
+        let mut recipe = self.prepare.resolve(&rows.collect::<Vec<_>>());
         let estimated = match (self.prepare.delay, known_delay_ticks) {
             (AutoOr::Auto, None) => Some(self.delay_search().estimate(&training, &of_training, &recipe, progress)?),
             _ => None,

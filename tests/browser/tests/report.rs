@@ -12,8 +12,9 @@ use report_browser_test::{Browser, Page, Viewport, inspect, launch};
 const PHONE: Viewport = Viewport { width: 360, height: 740, scale: 2.0, mobile: true, least_text: 9.0 };
 const DESKTOP: Viewport = Viewport { width: 1280, height: 900, scale: 1.0, mobile: false, least_text: 9.0 };
 const WIDE: Viewport = Viewport { width: 1920, height: 1080, scale: 1.0, mobile: false, least_text: 9.0 };
-/// Pictures of a report, beside the three plots of its whole log.
+/// Pictures of a report, and the plots of its whole log.
 const PICTURES: usize = 8;
+const OF_WHOLE_LOG: usize = 3;
 /// A drag over a picture's middle, as a mouse makes it.
 const DRAG: &str = "(() => {
     const over = document.querySelector('#zoom-error .u-over'), { left, top, width } = over.getBoundingClientRect();
@@ -68,7 +69,7 @@ fn report_is_sound_on_a_phone_and_on_a_desktop() -> Result<()> {
     piezo("identify", "--generations 20 --rounds 1 --evaluations 50 --devices 0", out.path())?;
     let report = out.path().join("report.html");
     let mut browser = launch()?;
-    let faults = faults(&mut browser, &report, PICTURES + 3, "")?;
+    let faults = faults(&mut browser, &report, PICTURES + OF_WHOLE_LOG, "")?;
     ensure!(faults.is_empty(), "{}", faults.join("\n"));
     zooms(&mut browser, &report)?;
     reads_without_scripts(&mut browser, &report)
