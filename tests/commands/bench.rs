@@ -47,8 +47,11 @@ impl Drop for Emulated {
 fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let folder = tempfile::tempdir().unwrap();
     let (board, out) = (folder.path().join("board.toml"), folder.path().join("p885"));
-    let emulated = Emulated::start(&board, &["--speed", "8"]);
-    let (board, port) = (text(&board), &*emulated.port);
+    let flash = folder.path().join("flash.bin");
+    let fast = ["--speed", "8", "--flash", text(&flash)];
+    let emulated = Emulated::start(&board, &fast);
+    let (path, port) = (&board, &*emulated.port);
+    let board = text(path);
     let short = ["--minutes", "0.7", "--up-to", "20", "--proof-seconds", "20"];
     let search = ["--", "--model", "prandtl-ishlinskii", "--evaluations", "4", "--devices", "4"];
     // Until it has learnt, it says so and neither zeroes nor follows.
@@ -147,6 +150,17 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let log = recordings::log::read(&proof.join("proven.csv"), &Default::default()).unwrap();
     assert!(log.displacement.is_some() && !log.displacement_estimated);
     assert!((5.0..8.5).contains(&log.duration()), "{} s", log.duration());
+    // With the same table against a spring, a proof sees that it is no longer true.
+    let before = json(piezo().args(["info", "--port", port, "--json"]));
+    drop(emulated);
+    let loaded = Emulated::start(path, &[&fast[..], &["--load", "0.2"]].concat());
+    let info = json(piezo().args(["info", "--port", &loaded.port, "--json"]));
+    assert_eq!(info["identity"]["table_crc"], before["identity"]["table_crc"], "{info}");
+    let against = out.join("loaded");
+    let prove = ["prove", "--out", text(&against), "--seconds", "8", "--up-to", "20", "--board", board];
+    let ends = piezo().args(prove).args(["--port", &loaded.port]).assert().code(1).get_output().clone();
+    let printed = String::from_utf8(ends.stdout).unwrap();
+    assert!(printed.contains("FAIL: ") && printed.contains("is its load the same"), "{printed}");
 }
 
 #[test]

@@ -10,10 +10,11 @@ use std::fs;
 use tempfile::TempDir;
 
 /// How lines begin that are not run, and why.
-const NOT_RUN: [(&str, &str); 13] = [
+const NOT_RUN: [(&str, &str); 14] = [
     ("flash ", "needs a probe and a chip"),
     ("calibrate ", "asks what instruments show: tests/commands/calibrate.rs"),
     ("emulate --wired ", "what instruments show belongs to it: tests/commands/calibrate.rs"),
+    ("emulate --speed 6 --flash ", "goes on with what was learnt: tests/commands/bench.rs"),
     ("follow ", "the demonstration's amplifier is one of 4 V, the emulated one of 100 V: tests/commands/follow.rs"),
     ("linearise ", "the emulated board has no set-point: tests/board/tests/image/linearise.rs"),
     ("waveform line.csv --on-trigger ", "the emulated board has no trigger: tests/board/tests/image/waveform.rs"),

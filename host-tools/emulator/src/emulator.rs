@@ -20,6 +20,13 @@ pub const PAGES: usize = 4096;
 /// The unique number of a device that is given no other.
 pub const UID: Uid = Uid(*b"emulated\0\0\0\0");
 
+/// The unique number of one of several devices.
+pub fn numbered(number: u32) -> Uid {
+    let mut uid = UID;
+    uid.0[8..].copy_from_slice(&number.to_be_bytes());
+    uid
+}
+
 /// Why a device could not be emulated.
 #[derive(Debug, thiserror::Error)]
 pub enum EmulatorError {

@@ -32,7 +32,7 @@ mod serial_line;
 pub mod signal;
 
 pub use bench::{Bench, Meters};
-pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES, UID};
+pub use emulator::{EmulatedDevice, Emulator, EmulatorError, PAGES, UID, numbered};
 pub use faulty_line::{Direction, Fault, FaultyLine};
 pub use file_flash::{FileFlash, FileFlashError};
 pub use firmware::Conversion;

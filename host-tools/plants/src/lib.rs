@@ -12,6 +12,7 @@
 mod bouc_wen;
 mod catalogue;
 mod change;
+mod converter;
 mod creep;
 mod draw;
 mod drive;
@@ -27,6 +28,7 @@ mod tests;
 
 pub use catalogue::{CATALOGUE, Kind};
 pub use change::Change;
+pub use converter::{ADC_INL_CODES, Converter, DAC_INL_CODES};
 pub use drive::Resonance;
 pub use hysteresis::STEP_S;
 pub use instruments::Instruments;

@@ -46,7 +46,8 @@ fn cure(proven: &Proven, up_to_hz: f64) -> String {
     let Proven { figures, shares, verdict, learnt: Range { min, max }, held_out_um, .. } = proven;
     let train = format!("train as the proof goes: --up-to {up_to_hz} at least, over its --range");
     let longer = format!("rain again, longer (--minutes), --up-to {up_to_hz} at least");
-    let another_s = "is it this actuator's table, and is what board.toml says right (`piezo calibrate`)?";
+    let another_s =
+        "is it this actuator's table, is its load the same, and is what board.toml says right (`piezo calibrate`)?";
     if figures.mae_percent > ANOTHER_S {
         return format!("Longer training will not cure an error as large as this: {another_s}");
     }
@@ -62,7 +63,7 @@ fn cure(proven: &Proven, up_to_hz: f64) -> String {
     let times = held_out_um.filter(|um| *um > 0.0).map(|um| (um, figures.mae_um / um));
     match times {
         Some((um, times)) if times > FAR => format!(
-            "The table is {times:.1} times as far off here as it was on what was held out when it was learnt, {um:.3} µm: {another_s} If both are so, \
+            "The table is {times:.1} times as far off here as it was on what was held out when it was learnt, {um:.3} µm: {another_s} If all of it is so, \
              t{longer}."
         ),
         Some((um, times)) if times <= ALIKE && verdict.too_far_off() => format!(

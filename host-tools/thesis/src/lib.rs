@@ -6,7 +6,6 @@ mod added_term;
 mod bench;
 mod black_box;
 mod convergence;
-mod converters;
 mod elsewhere;
 mod error;
 mod errors;

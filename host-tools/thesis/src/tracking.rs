@@ -2,13 +2,13 @@
 //! What Table 3.1 calls reversibility is worth what it makes of the displacement.
 
 use super::bench::Bench;
-use super::converters::{ADC_INL_CODES, Converter, DAC_INL_CODES};
 use super::shapes::{SHAPES, Shape};
 use crate::error::ThesisError;
 use estimator_core::{Admitted, DriveLimits, Model, Range};
 use feedforward::{Trajectory, plan};
 use identification::cost::Feedback;
 use identification::{Problem, Progress, SearchOptions, StraightLine};
+use plants::{ADC_INL_CODES, Converter, DAC_INL_CODES};
 use recordings::rig::Rig;
 use report::{Grid, Section, shown};
 use serde::Serialize;

@@ -3,7 +3,7 @@
 //! Wired otherwise than the board's file says, it is what `piezo calibrate` is for; instruments then show what is.
 
 use super::print::out;
-use crate::option::{choice, positive};
+use crate::option::{choice, finite, not_negative, positive};
 use crate::output;
 use anyhow::{Context, Result};
 use bench::{BoardFacts, EMULATED, Wiring, emulated};
@@ -11,10 +11,9 @@ use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::pages;
 use device_link::table::to_record;
-use emulator::{Emulator, FileFlash, PAGES, Readings, TICK_US};
+use emulator::{Emulator, FileFlash, PAGES, Readings, TICK_US, numbered};
 use parameter_store::RamFlash;
-use plants::{Density, Kind};
-use protocol::Uid;
+use plants::{Change, Density, Kind};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -33,6 +32,13 @@ pub struct Emulate {
     /// Seconds of the device in a second. Beyond some twenty the link cannot carry every sample away.
     #[arg(long, default_value_t = 1.0, value_parser = positive)]
     pub speed: f64,
+    /// A spring that the actuator pushes against, in the actuator's own stiffness: 1 halves the stroke. What a load does to a table: let it be
+    /// learnt without, keep it with --flash, start again with --load, and prove it
+    #[arg(long, value_name = "RATIO", value_parser = not_negative)]
+    pub load: Option<f64>,
+    /// Kelvin a minute by which the actuator warms up. Each lengthens it by about 1 % of its stroke, and takes 0.3 % of its strain
+    #[arg(long, value_name = "K/MIN", value_parser = finite, allow_negative_numbers = true)]
+    pub warming: Option<f64>,
     /// How it is wired. Where there is no such file, one is written.
     #[arg(long, value_name = "FILE", default_value = "board.toml")]
     pub board: PathBuf,
@@ -67,13 +73,20 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         Some(wired) => Wiring::new(&BoardFacts::read(wired)?, TICK_US).with_context(|| wired.display().to_string())?,
         None => wiring.clone(),
     };
-    let bench = emulated(&truth, arguments.device, arguments.seed);
+    let change = Change {
+        kelvin_per_s: arguments.warming.unwrap_or(0.0) / 60.0,
+        ..Change::load(arguments.load.unwrap_or(0.0), 0.0)
+    };
+    let bench = emulated(&truth, arguments.device, arguments.seed).after(change);
     // The sensor's display counts from where its scale does.
     let display_um = truth.sensor.zero_um - bench.sensor_um.map_or(0.0, |(zero, _)| zero);
     let (plant, meters) = bench.metered();
     let erased = pages::with(&to_record(wiring.line()), PAGES)?;
-    let emulator =
-        Emulator::new().plant(plant).uid(uid(arguments.seed)).speed(arguments.speed).port(arguments.tcp_port);
+    let emulator = Emulator::new()
+        .plant(plant)
+        .uid(numbered(arguments.seed as u32))
+        .speed(arguments.speed)
+        .port(arguments.tcp_port);
     let device = match &arguments.flash {
         Some(path) => emulator.flash(FileFlash::open(path, &erased)?).start()?,
         None => emulator.flash(RamFlash::new(erased)).start()?,
@@ -111,11 +124,3 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
 
 /// How often the instruments are looked at.
 const LOOK: Duration = Duration::from_millis(50);
-
-/// Another actuator is beside another board.
-fn uid(seed: u64) -> Uid {
-    let mut uid = emulator::UID;
-    // As many as there will ever be.
-    uid.0[8..].copy_from_slice(&(seed as u32).to_be_bytes());
-    uid
-}

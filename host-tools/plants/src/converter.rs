@@ -1,5 +1,4 @@
-//! The board's converters, between a controller that wants a displacement and an amplifier that is given a voltage: what they make
-//! of a value by their steps and by their integral nonlinearity.
+//! A board's converters: what they make of a value by their steps and by their integral nonlinearity.
 
 use estimator_core::Range;
 use std::f64::consts::TAU;
@@ -15,7 +14,7 @@ pub const ADC_INL_CODES: f64 = 2.0;
 pub const DAC_INL_CODES: f64 = 4.0;
 
 /// A converter with ideal ends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Converter {
     range: Range<f64>,
     steps: f64,
@@ -33,11 +32,22 @@ impl Converter {
         Self { range, steps: CODES * PARTS, inl: DAC_INL_CODES / CODES }
     }
 
-    /// What is made of a value: the nearest step, bent by a whole wave of the nonlinearity over the range.
+    /// The same with so much of its nonlinearity; a negative part bends the other way.
+    #[must_use]
+    pub fn of_nonlinearity(self, part: f64) -> Self {
+        Self { inl: part * self.inl, ..self }
+    }
+
+    /// What is made of a value: the nearest step, bent.
     pub fn through(&self, value: f64) -> f64 {
         let at = (self.range.clamp(value) - self.range.min) / self.range.span();
-        let step = (at * self.steps).round() / self.steps;
-        self.range.min + self.range.span() * (step + self.inl * libm::sin(TAU * step))
+        self.bent(self.range.min + self.range.span() * (at * self.steps).round() / self.steps)
+    }
+
+    /// What a whole wave of the nonlinearity over the range makes of a value, where the steps are somebody else's.
+    pub fn bent(&self, value: f64) -> f64 {
+        let at = (value - self.range.min) / self.range.span();
+        value + self.range.span() * self.inl * libm::sin(TAU * at)
     }
 }
 
