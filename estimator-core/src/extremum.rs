@@ -28,7 +28,7 @@ pub struct Extremum<T> {
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Direction<T> {
-    /// Nothing yet.
+    /// Nothing was seen that says which way it goes.
     Start,
     /// Moved by no more than the deadband so far: lowest and highest pair.
     Unknown {

@@ -61,7 +61,7 @@ enum Phase {
     Approach,
     /// At the first point.
     Waiting,
-    /// Between points.
+    /// On the straight line between two points.
     Line,
     /// After the last line.
     Over,
@@ -140,7 +140,7 @@ impl<'q> Player<'q> {
         self.tick = 1;
     }
 
-    /// Plays nothing.
+    /// Plays nothing from here on.
     pub fn stop(&mut self) {
         self.phase = Phase::Over;
         self.sync = false;

@@ -45,7 +45,7 @@ impl Identified {
 /// A number, or "auto".
 #[derive(FromPyObject)]
 pub enum Delay {
-    /// Given, ms.
+    /// The delay that was given, ms.
     Given(f64),
     /// A word, of which "auto" alone is known.
     Word(String),

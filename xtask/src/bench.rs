@@ -12,7 +12,7 @@ pub struct Arguments {
     /// A share of the thesis's workload, for a few seconds instead of some minutes
     #[arg(long)]
     quick: bool,
-    /// Print JSON
+    /// Print JSON for machines
     #[arg(long)]
     json: bool,
 }

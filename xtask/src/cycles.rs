@@ -20,7 +20,7 @@ use crate::{
 /// How to print it.
 #[derive(Args)]
 pub struct Arguments {
-    /// Print JSON
+    /// Print JSON for machines
     #[arg(long)]
     json: bool,
 }

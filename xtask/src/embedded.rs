@@ -51,7 +51,7 @@ pub enum Board {
 }
 
 impl Board {
-    /// Both.
+    /// Both boards that there are images for.
     pub const ALL: [Self; 2] = [Self::NucleoG474re, Self::Mps2An386];
 
     fn name(self) -> &'static str {

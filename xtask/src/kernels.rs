@@ -23,7 +23,7 @@ use crate::{
 /// What is to be done about the counts.
 #[derive(Args)]
 pub struct Arguments {
-    /// Print JSON
+    /// Print JSON for machines
     #[arg(long)]
     json: bool,
     /// Write the file that the check compares with

@@ -8,6 +8,7 @@ mod artifact;
 mod bench;
 mod beside;
 mod book;
+mod brief;
 mod changelog;
 mod check;
 mod circles;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use xshell::{Shell, cmd};
 
-use crate::{changelog, circles};
+use crate::{brief, changelog, circles};
 
 /// The folder of the host's crates.
 const HOST: &str = "host-tools";
@@ -64,6 +64,7 @@ pub fn check(sh: &Shell) -> Result<()> {
     broken.extend(untested_examples(sh)?);
     broken.extend(changelog::without_format(&sh.read_file(CHANGELOG)?));
     broken.extend(circles::of_repository(sh)?);
+    broken.extend(brief::of_repository(sh)?);
     let tree = cmd!(sh, "cargo tree --package {IDENTIFICATION} --edges normal --prefix none").read()?;
     for foreign in NOT_OF_IDENTIFICATION {
         if tree.lines().any(|line| line.split(' ').next() == Some(foreign)) {

@@ -27,7 +27,7 @@ use crate::{
 /// How to print it.
 #[derive(Args)]
 pub struct Arguments {
-    /// Print JSON
+    /// Print JSON for machines
     #[arg(long)]
     json: bool,
     /// Instead, what the tick of every model takes: JSON for `piezo compare --instructions`

@@ -17,7 +17,7 @@ use crate::{
     tool::{self, ARM_GCC, CHROMIUM, CMAKE, EMBEDDED, LIBCLANG, MAKE, PKG_CONFIG, PYTHON, QEMU, Tool, VALGRIND},
 };
 
-/// One check.
+/// One check of the list.
 pub struct Step {
     /// What it is called on the command line.
     pub name: &'static str,
@@ -37,7 +37,7 @@ pub const STEPS: [Step; 16] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: |sh, _| fmt(sh) },
     Step {
         name: "rules",
-        about: "libraries name no flags or verbs, the identification needs no terminal, no host crate is too long, no modules make a circle, no example is untested, each change says whether a format changed",
+        about: "libraries name no flags or verbs, the identification needs no terminal, no host crate is too long, no modules make a circle, no example is untested, no documentation is of two words, each change says whether a format changed",
         tools: &[],
         beside: false,
         run: |sh, _| rules::check(sh),

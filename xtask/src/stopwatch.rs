@@ -20,7 +20,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts one.
+    /// Starts one at this moment.
     pub fn start() -> Self {
         Self { start: Instant::now(), cpu_s: cpu_of_children_s() }
     }

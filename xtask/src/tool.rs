@@ -61,7 +61,7 @@ pub const ARM_GCC: Tool = Tool {
         variable: None,
     },
 };
-/// A browser.
+/// A browser that runs without a screen.
 pub const CHROMIUM: Tool = Tool {
     name: "chromium",
     find: |_| chromium().map(|path| path.display().to_string()),
@@ -77,19 +77,19 @@ pub const CMAKE: Tool = Tool {
     find: |_| program("cmake"),
     source: Source::Package { debian: "cmake", elsewhere: "install CMake", variable: None },
 };
-/// See [`CMAKE`].
+/// Another of the four that [`CMAKE`] begins.
 pub const MAKE: Tool = Tool {
     name: "make",
     find: |_| program("make"),
     source: Source::Package { debian: "make", elsewhere: "install make", variable: None },
 };
-/// See [`CMAKE`].
+/// Another of the four that [`CMAKE`] begins.
 pub const PKG_CONFIG: Tool = Tool {
     name: "pkg-config",
     find: |_| program("pkg-config"),
     source: Source::Package { debian: "pkg-config", elsewhere: "install pkg-config or pkgconf", variable: None },
 };
-/// See [`CMAKE`].
+/// Another of the four that [`CMAKE`] begins.
 pub const LIBCLANG: Tool = Tool {
     name: "libclang",
     find: |_| libclang(),

@@ -85,7 +85,7 @@ macro_rules! models {
                 match self { $(Self::$model(of) => of.check(),)* }
             }
 
-            /// As [`Published::between_codes`].
+            /// Does what [`Published::between_codes`] says.
             pub(crate) fn between_codes(self, step: f32) -> Self {
                 match self { $(Self::$model(of) => Self::$model(of.between_codes(step)),)* }
             }

@@ -78,7 +78,7 @@ impl Published for MaxwellSlipParameters {
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Element<T> {
     stiffness: T,
-    /// W/k, µm.
+    /// Elongation at which it slips, W/k, µm.
     yield_um: T,
     /// 1/(k_0 + Σ k of the elements behind this one), µm/V.
     compliance_beyond: T,

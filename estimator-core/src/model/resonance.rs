@@ -31,7 +31,7 @@ use crate::range::Range;
 /// What a tick of the resonance adds to displacement and velocity, by their coefficients.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Resonance<T> {
-    /// φ.
+    /// The angle φ by which its state turns in a tick, rad.
     angle: T,
     /// (1 + q)/(1 − q): how far beyond its input's range it can swing.
     gain: T,

@@ -12,7 +12,7 @@ pub struct Loaded<'q> {
 }
 
 impl<'q> Loaded<'q> {
-    /// Nothing yet.
+    /// No points are there yet.
     pub fn new(points: &'q Points) -> Self {
         Self { points, count: 0, played: None }
     }

@@ -20,9 +20,9 @@ pub struct Row {
     pub seconds: f64,
     /// Read by the ADC, V.
     pub voltage: f64,
-    /// µm.
+    /// The board's estimate, µm.
     pub estimated: f64,
-    /// µm.
+    /// What was asked for, µm.
     pub wanted: f64,
     /// What the DAC stood for, V at the amplifier.
     pub driven: f64,

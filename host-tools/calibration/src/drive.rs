@@ -62,9 +62,9 @@ pub fn ordered(span: Span) -> Range {
 /// The largest codes of a table's converters.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FullScales {
-    /// The ADC's.
+    /// The ADC's largest code.
     pub adc: u16,
-    /// The DAC's.
+    /// The DAC's largest code.
     pub dac: u16,
 }
 

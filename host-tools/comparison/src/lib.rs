@@ -57,7 +57,7 @@ pub struct StraightLineErrors {
     pub gain_um_per_v: f64,
     /// Its displacement at 0 V, µm.
     pub offset_um: f64,
-    /// Its errors.
+    /// Its errors on the held-out log.
     #[serde(flatten)]
     pub errors: Errors,
 }
@@ -66,7 +66,7 @@ pub struct StraightLineErrors {
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Judgement {
-    /// Identified.
+    /// Identified, and judged on what was held out.
     Identified(Box<Errors>),
     /// No admissible candidate.
     Failed {
@@ -98,7 +98,7 @@ pub struct Part {
 /// Errors on a log.
 #[derive(Clone, Debug, Serialize)]
 pub struct LogErrors {
-    /// Its name.
+    /// The log's file name.
     pub log: String,
     /// Those of the f64 reference.
     pub errors: Figures,

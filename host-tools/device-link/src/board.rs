@@ -10,7 +10,7 @@ use protocol::Identity;
     "the firmware reads tables of format {found}, this program writes format {VERSION}: build both from the same sources"
 )]
 pub struct OtherFormat {
-    /// The firmware's.
+    /// The version that the firmware has.
     pub found: u16,
 }
 

@@ -132,7 +132,7 @@ pub fn over_cycle(
 /// What has come, sample by sample.
 #[derive(Default)]
 struct Heard {
-    /// Voltage, V.
+    /// Voltages of the cycle, V.
     voltage: Vec<f64>,
     /// The estimate, µm.
     estimated: Vec<f32>,

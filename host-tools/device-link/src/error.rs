@@ -17,7 +17,7 @@ pub enum LinkError {
         /// What the operating system says.
         error: std::io::Error,
     },
-    /// No reply.
+    /// No reply came in time.
     #[error(
         "{port}: no answer. Is it the board's port, is this project's firmware on the board, made from the same sources as \
          this program (protocol version {VERSION}), and is no other program connected to it?"

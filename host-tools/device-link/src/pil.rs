@@ -27,13 +27,13 @@ const LOOK: Duration = Duration::from_millis(20);
 /// What a tick gave.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct TickResult {
-    /// Displacement, µm.
+    /// The device's displacement, µm.
     pub displacement_um: f32,
-    /// Its bits.
+    /// The bits of that f32.
     pub bits: u32,
     /// Half-width of its interval, µm; `None` where there is none.
     pub half_width_um: Option<f32>,
-    /// Status bits.
+    /// The status beside it.
     #[serde(serialize_with = "words::serialize_status")]
     pub status: Status,
 }
@@ -54,7 +54,7 @@ pub struct Difference {
 /// All ticks of a log, host beside device.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Comparison {
-    /// Ticks compared.
+    /// Ticks that were compared.
     pub ticks: usize,
     /// Ticks on which every bit of displacement, interval and status is the same.
     pub identical: usize,
@@ -115,7 +115,7 @@ pub enum FeedError {
          program?"
     )]
     Unasked {
-        /// Codes fed.
+        /// Codes that were fed before.
         fed: usize,
     },
 }

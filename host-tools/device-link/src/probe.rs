@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 
-/// The program.
+/// The program that speaks to the debug probe.
 const PROGRAM: &str = "probe-rs";
 
 /// Why the program did not do it.

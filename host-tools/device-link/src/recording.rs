@@ -33,7 +33,7 @@ pub struct RecordingRequest {
     pub calibration: AdcCalibration,
     /// The sensor, where one is to be recorded.
     pub sensor: Option<Sensor>,
-    /// Tick, µs.
+    /// The device's tick, µs.
     pub tick_us: u32,
     /// Ticks; without it until the user has enough.
     pub ticks: Option<u64>,
@@ -44,7 +44,7 @@ pub struct RecordingRequest {
 /// What was recorded.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
-    /// Rows.
+    /// Rows that were written.
     pub rows: u64,
     /// Ticks from the first to after the last row.
     pub ticks: u64,
@@ -54,7 +54,7 @@ pub struct Recording {
     pub late: u64,
     /// Every status bit.
     pub status: Status,
-    /// Every fault.
+    /// Every fault that a sample had.
     pub faults: Faults,
     /// Ticks from a row to the next.
     pub every: Option<NonZeroU8>,
@@ -69,7 +69,7 @@ pub enum End {
     Complete,
     /// Samples were lost, and gaps were not allowed.
     Gap {
-        /// How many.
+        /// How many samples came before.
         samples: u64,
     },
     /// The device counts from 0 again: somebody restarted it.

@@ -56,11 +56,11 @@ pub struct Window {
 /// Least, last and largest.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Extent {
-    /// Least.
+    /// The least of the window.
     pub min: f32,
-    /// Last.
+    /// The last of the window.
     pub last: f32,
-    /// Largest.
+    /// The largest of the window.
     pub max: f32,
 }
 
@@ -120,7 +120,7 @@ impl Window {
         self.last().map(|sample| sample.code)
     }
 
-    /// Displacement, µm.
+    /// The estimated displacement, µm.
     pub fn displacement(&self) -> Option<Extent> {
         self.extent(|sample| sample.displacement)
     }
@@ -130,7 +130,7 @@ impl Window {
         self.samples.back().and_then(|sample| sample.half_width)
     }
 
-    /// Voltage, V.
+    /// The measured voltage, V.
     pub fn voltage(&self) -> Option<Extent> {
         self.extent(|sample| self.calibration.voltage(AdcCode(sample.code)))
     }
@@ -140,7 +140,7 @@ impl Window {
         self.samples.iter().fold(Status::empty(), |all, sample| all | sample.status)
     }
 
-    /// Every fault.
+    /// Every fault that a sample of the window had.
     pub fn faults(&self) -> Faults {
         self.samples.iter().fold(Faults::empty(), |all, sample| all | sample.faults)
     }

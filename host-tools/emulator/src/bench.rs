@@ -142,7 +142,7 @@ struct Connected {
 struct Sensor {
     /// Part of what it showed that a step leaves.
     keep: f64,
-    /// µm.
+    /// What its display shows, without drift, µm.
     shown: f64,
     drift: f64,
 }

@@ -23,7 +23,7 @@ pub enum UnitError {
     /// It holds something else.
     #[error("{}: is no unit.json ({error})", path.display())]
     NoUnit {
-        /// The unit.json.
+        /// Path of the unit.json.
         path: PathBuf,
         /// Where in it, and why.
         error: serde_json::Error,
@@ -31,7 +31,7 @@ pub enum UnitError {
     /// Its format is of another version.
     #[error("{}: is a unit.json of version {version}, and this program reads version {read}", path.display())]
     Version {
-        /// The unit.json.
+        /// Path of the unit.json.
         path: PathBuf,
         /// The version that it states of its format.
         version: u64,

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Errors of the straight line through a problem's training sessions.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Baseline {
-    /// Gain, µm/V.
+    /// Slope of the line, µm/V.
     pub gain_um_per_v: f64,
     /// Displacement at 0 V, µm.
     pub offset_um: f64,

@@ -42,7 +42,7 @@ pub enum CandidateError {
 pub struct TableContext {
     /// How the logs were prepared.
     pub recipe: Recipe,
-    /// The converters.
+    /// What the board's converters stand for.
     pub calibration: CalibrationOptions,
     /// Over the training logs' digests.
     pub logs: Digest,

@@ -14,10 +14,10 @@ use log_survey::{Flaw, measured};
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, PrepareOptions, Recipe};
 
-/// The estimate.
+/// A sensor's delay as it was estimated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Delay {
-    /// Ticks.
+    /// The delay in whole ticks.
     pub ticks: u32,
     /// It is the largest that was tried.
     pub at_bound: bool,

@@ -80,7 +80,7 @@ pub enum Doubt {
     },
     /// Hardly any hysteresis was exercised.
     FewReversals {
-        /// How many.
+        /// How many reversals there are.
         reversals: usize,
     },
     /// All half cycles last about the same.
@@ -140,7 +140,7 @@ pub enum Doubt {
     },
     /// A converter's span does not cover what the table needs.
     ConverterSpan {
-        /// Which converter.
+        /// Which converter it is.
         converter: Converter,
     },
     /// The stroke is none of a piezo actuator's, by the training logs' voltages.

@@ -86,11 +86,11 @@ const SMOOTH: usize = 20;
 /// What is identified from what, and how.
 #[derive(Clone, Copy, Debug)]
 pub struct Identification<'a> {
-    /// The sessions.
+    /// The sessions that it is fitted to.
     pub problem: &'a Problem,
     /// What is minimised.
     pub cost: Cost,
-    /// The search.
+    /// How it is searched.
     pub options: &'a SearchOptions,
     /// Candidates that may be evaluated for each model, of all its structures together; where there
     /// is none the options say it, of the Voigt family by generations, of the others by evaluations a number.

@@ -36,15 +36,15 @@ pub struct Job {
     pub as_judged: bool,
     /// Preparation of the logs.
     pub prepare: PrepareOptions,
-    /// Which model.
+    /// Which model is identified.
     pub model: ModelChoice,
     /// What else is fixed.
     pub conditions: Conditions,
-    /// The converters.
+    /// What the board's converters stand for.
     pub calibration: CalibrationOptions,
     /// What the model error is.
     pub cost: Cost,
-    /// The search.
+    /// How models are searched.
     pub search: SearchOptions,
 }
 

@@ -74,7 +74,7 @@ pub enum JobError {
     /// The chosen model was judged, and cannot be learnt once more from all of the training logs.
     #[error("the chosen model was judged, and cannot be learnt once more from the whole of each log")]
     Whole {
-        /// Why not.
+        /// Why it could not be identified.
         source: Box<JobError>,
     },
     /// No model has an admissible candidate.

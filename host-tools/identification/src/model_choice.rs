@@ -10,7 +10,7 @@ use estimator_core::Model;
 pub enum ModelChoice {
     /// Whichever does best on parts of the training data that it was not fitted to.
     Auto,
-    /// This one.
+    /// This one, whatever another would do.
     Is(Model),
 }
 

@@ -17,7 +17,7 @@ use recordings::session::Session;
 /// What the user fixes before the search starts.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Conditions {
-    /// Discretisation.
+    /// How the continuous equations become ticks.
     pub scheme: Scheme,
     /// Retreat that counts as a reversal, V; `None` for what the voltage's noise asks for, 0.083 % of its span at least.
     pub deadband: Option<f64>,
@@ -39,7 +39,7 @@ impl Default for Conditions {
 /// Sessions and what is fixed before the search starts.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Discretisation.
+    /// How the continuous equations become ticks.
     pub scheme: Scheme,
     /// Retreat that counts as a reversal, V.
     pub deadband: f64,

@@ -35,7 +35,7 @@ pub struct Found<P> {
 /// How one structure is searched.
 #[derive(Clone, Copy, Debug)]
 pub struct StructureSearch<'a> {
-    /// The sessions.
+    /// The sessions that they are fitted to.
     pub problem: &'a Problem,
     /// What is minimised.
     pub cost: Cost,

@@ -25,7 +25,7 @@ const LANES: usize = 4;
 /// What a coefficient may be.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sign {
-    /// Any number.
+    /// Either sign is allowed.
     Free,
     /// 0 or more.
     NonNegative,
@@ -37,15 +37,15 @@ pub struct Normal {
     columns: usize,
     /// AᵀWA, row by row; only its upper triangle is kept.
     gram: Vec<f64>,
-    /// AᵀWb.
+    /// The weighted moment AᵀWb.
     moment: Vec<f64>,
-    /// bᵀWb.
+    /// The weighted square bᵀWb.
     square: f64,
     ridge: f64,
 }
 
 impl Normal {
-    /// Without rows.
+    /// The equations of no row yet.
     pub fn new(columns: usize) -> Self {
         Self { columns, gram: vec![0.0; columns * columns], moment: vec![0.0; columns], square: 0.0, ridge: 1e-9 }
     }

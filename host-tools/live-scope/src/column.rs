@@ -23,7 +23,7 @@ pub struct Column {
     pub gap: bool,
     /// The amplifier's voltage, V.
     pub voltage_v: Extent,
-    /// Estimated, µm.
+    /// The estimated displacement, µm.
     pub displacement_um: Extent,
     /// Largest half-width of the estimate's interval, µm, where one of the ticks has one.
     pub half_width_um: Option<f32>,

@@ -19,7 +19,7 @@ pub struct Tick {
     pub after_gap: bool,
     /// The amplifier's voltage, V.
     pub voltage_v: f32,
-    /// Estimated, µm.
+    /// The estimated displacement, µm.
     pub displacement_um: f32,
     /// Half-width of the estimate's 95 % interval, µm, where it has one.
     pub half_width_um: Option<f32>,

@@ -46,7 +46,7 @@ impl Clock {
 }
 
 impl TextRows<'_> {
-    /// See [`Table::rows`](crate::Table::rows).
+    /// Reads as [`Table::rows`](crate::Table::rows) says.
     pub fn read(mut self, wanted: &[usize], visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
         let stamps = |at: &usize| self.layout.kinds.get(*at) == Some(&Kind::Stamp);
         let mut clocks: Vec<Option<Clock>> = wanted.iter().map(|at| stamps(at).then(Clock::default)).collect();

@@ -39,31 +39,31 @@ impl fmt::Display for Quantity {
 /// A unit of time, voltage or displacement. Displayed as its ASCII symbol (`um` for µm).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
-    /// s
+    /// Time in seconds, s.
     Second,
-    /// ms
+    /// Time in milliseconds, ms.
     Millisecond,
-    /// µs
+    /// Time in microseconds, µs.
     Microsecond,
-    /// ns
+    /// Time in nanoseconds, ns.
     Nanosecond,
-    /// kV
+    /// Voltage in kilovolts, kV.
     Kilovolt,
-    /// V
+    /// Voltage in volts, V.
     Volt,
-    /// mV
+    /// Voltage in millivolts, mV.
     Millivolt,
-    /// µV
+    /// Voltage in microvolts, µV.
     Microvolt,
-    /// m
+    /// Displacement in metres, m.
     Metre,
-    /// mm
+    /// Displacement in millimetres, mm.
     Millimetre,
-    /// µm
+    /// Displacement in micrometres, µm.
     Micrometre,
-    /// nm
+    /// Displacement in nanometres, nm.
     Nanometre,
-    /// pm
+    /// Displacement in picometres, pm.
     Picometre,
 }
 

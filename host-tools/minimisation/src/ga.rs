@@ -46,9 +46,9 @@ pub struct Settings {
     pub patience: u32,
     /// Flipped bits as a fraction of all bits.
     pub mutation: f64,
-    /// Parents.
+    /// How parents are chosen.
     pub selection: Selection,
-    /// The best.
+    /// What becomes of the best.
     pub elitism: Elitism,
 }
 
@@ -57,7 +57,7 @@ pub struct Settings {
 pub struct Best {
     /// Gene values of the best chromosome so far, in the genes' own units.
     pub genes: Vec<f64>,
-    /// Its cost.
+    /// The cost of these genes.
     pub cost: f64,
 }
 

@@ -3,7 +3,7 @@
 /// How a gene's fraction becomes its value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Scale {
-    /// Eq. (4.5).
+    /// Linear between the ends, Eq. (4.5).
     Linear,
     /// Eq. (4.5) on the logarithm; the interval is positive.
     Logarithmic,
@@ -21,9 +21,9 @@ pub struct Gene {
     pub meaning: &'static str,
     /// Unit; empty for none.
     pub unit: &'static str,
-    /// Lower end.
+    /// Lower end of its range.
     pub min: f64,
-    /// Upper end.
+    /// Upper end of its range.
     pub max: f64,
     /// Linear or logarithmic.
     pub scale: Scale,

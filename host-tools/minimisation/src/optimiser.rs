@@ -3,15 +3,15 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A method.
+/// A method that minimises without gradients.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Optimiser {
     /// The thesis's binary genetic algorithm in rounds of shrinking ranges.
     Genetic,
-    /// Differential evolution.
+    /// Differential evolution, current-to-pbest/1/bin.
     DifferentialEvolution,
-    /// Particle swarm.
+    /// Particle swarm with constriction coefficients.
     ParticleSwarm,
     /// Covariance matrix adaptation.
     CmaEs,
@@ -20,7 +20,7 @@ pub enum Optimiser {
 }
 
 impl Optimiser {
-    /// Every method.
+    /// Every method there is.
     pub const ALL: [Self; 5] =
         [Self::Genetic, Self::DifferentialEvolution, Self::ParticleSwarm, Self::CmaEs, Self::Local];
 }

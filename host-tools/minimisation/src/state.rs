@@ -43,7 +43,7 @@ pub type Quadratics<'a> = &'a (dyn Fn(&[f64]) -> Option<Quadratic> + Sync);
 /// What is minimised.
 #[derive(Clone, Copy)]
 pub struct Objective<'a> {
-    /// Its costs.
+    /// What costs its candidates have.
     pub costs: Costs<'a>,
     /// What it is near a point, for the methods that make use of it.
     pub quadratic: Quadratics<'a>,

@@ -36,7 +36,7 @@ pub struct Tried {
 #[derive(Clone, Copy, Debug)]
 pub struct Gains {
     parts: [f64; PARTS],
-    /// γ.
+    /// The exponent γ of `own_um` in the half-width.
     exponent: f64,
     /// From the least to the largest `own_um` of the devices, as natural logarithms.
     own: Range<f64>,

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LogUse {
-    /// File name.
+    /// The log's file name.
     pub file: String,
     /// SHA-256 of the file.
     pub sha256: String,
-    /// What for.
+    /// What it was used for.
     pub role: Role,
     /// First second used.
     pub from_s: f64,

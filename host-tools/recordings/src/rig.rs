@@ -33,7 +33,7 @@ pub struct Rig {
     pub hysteresis: f64,
     /// Factor on the creep.
     pub creep: f64,
-    /// Asymmetry, 1/µm.
+    /// Asymmetry of the hysteresis, 1/µm.
     pub asymmetry: f64,
     /// Sensor noise, nm rms.
     pub noise_nm: f64,
@@ -46,7 +46,7 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// The reference.
+    /// The reference rig of the tests and figures.
     pub const DEFAULT: Self = Self {
         amplitude: 20.0,
         duration: 2.0,
@@ -82,9 +82,9 @@ pub enum Waveform {
 pub struct Excitation {
     /// Name of the log, as the thesis names its files.
     pub name: &'static str,
-    /// Shape.
+    /// Shape of the voltage.
     pub waveform: Waveform,
-    /// Frequency, Hz.
+    /// Frequency of the voltage, Hz.
     pub hertz: u32,
 }
 

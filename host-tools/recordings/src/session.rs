@@ -25,7 +25,7 @@ pub struct Session {
     pub displacement: Vec<f64>,
     /// Time of the first tick within the log, s.
     pub start_s: f64,
-    /// Tick, s.
+    /// The tick's period, s.
     pub tick_s: f64,
     /// The voltage (V) at which the actuator had long rested before the first tick, where that is not the first tick's.
     pub rested_v: Option<f64>,

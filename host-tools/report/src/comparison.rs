@@ -27,7 +27,7 @@ pub fn comparison(report: &ComparisonReport<'_>) -> Result<String, ReportError> 
     Ok(Page::new(report).render()?)
 }
 
-/// The page.
+/// The page that the template fills.
 #[derive(Template)]
 #[template(path = "compare.html")]
 struct Page<'a> {

@@ -10,7 +10,7 @@ use identification::validate::Comparison;
 
 /// A plot with its caption.
 pub struct Figure {
-    /// Inline SVG.
+    /// The picture as inline SVG.
     pub svg: String,
     /// What it shows: a log's name, or a title.
     pub name: String,
@@ -38,7 +38,7 @@ pub struct Mark {
 /// A log, and whether it was held out.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
-    /// The log.
+    /// The log that is shown.
     pub log: &'a Comparison,
     /// "held out" or "training".
     pub role: &'static str,

@@ -13,9 +13,9 @@ const EXTREME: usize = 4;
 
 /// How many of a log's periods are drawn.
 pub struct Drawn {
-    /// So many.
+    /// Periods that are drawn.
     pub periods: usize,
-    /// Of so many.
+    /// Periods that the log has.
     pub of: usize,
 }
 

@@ -27,7 +27,7 @@ const FLAWS: usize = 60;
 /// What a report says.
 #[derive(Clone, Copy, Debug)]
 pub struct Report<'a> {
-    /// Heading.
+    /// Heading of the page.
     pub title: &'a str,
     /// How good the estimate is, in plain sentences.
     pub verdict: &'a [String],
@@ -64,7 +64,7 @@ pub fn heading(unit: Option<&str>, logs: &[&str]) -> String {
 /// Text in pieces, each with whether it is code.
 type Sentence<'a> = Vec<(bool, &'a str)>;
 
-/// The page.
+/// The page that the template fills.
 #[derive(Template)]
 #[template(path = "report.html")]
 pub struct Page<'a> {

@@ -25,7 +25,7 @@ pub fn reproduction(report: &ReproductionReport<'_>) -> Result<String, ReportErr
     Ok(Page { sections, whose, facts }.render()?)
 }
 
-/// The page.
+/// The page that the template fills.
 #[derive(Template)]
 #[template(path = "reproduce.html")]
 struct Page<'a> {

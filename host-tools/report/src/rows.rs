@@ -8,7 +8,7 @@ use identification::{Baseline, Candidate, StraightLine};
 
 /// An error in µm and in % of the stroke.
 pub struct Cell {
-    /// µm.
+    /// The error as text, µm.
     pub um: String,
     /// Of the stroke, where there is one.
     pub percent: Option<String>,
@@ -16,7 +16,7 @@ pub struct Cell {
 
 /// Errors of a candidate or of the straight line; `None` where nothing was held out.
 pub struct CandidateRow {
-    /// Model.
+    /// Name of the model.
     pub name: String,
     /// Whether it is the chosen one.
     pub chosen: bool,
@@ -97,7 +97,7 @@ pub fn sentence(log: &Comparison) -> String {
 
 /// A searched coordinate.
 pub struct GeneRow {
-    /// Name.
+    /// Name of the gene.
     pub name: &'static str,
     /// What it is.
     pub meaning: &'static str,
@@ -105,9 +105,9 @@ pub struct GeneRow {
     pub value: String,
     /// Its unit; empty for none.
     pub unit: &'static str,
-    /// Lower end.
+    /// Lower end of its range.
     pub min: String,
-    /// Upper end.
+    /// Upper end of its range.
     pub max: String,
     /// Where in its range the best lies, %.
     pub at: String,

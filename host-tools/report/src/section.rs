@@ -8,17 +8,17 @@ use std::fmt::Write;
 pub struct Section {
     /// What it is and which tables and figures of the thesis it stands beside.
     pub title: &'static str,
-    /// Its tables.
+    /// Tables of the section, before its figures.
     pub tables: Vec<Grid>,
     /// How to read them.
     pub notes: Vec<String>,
-    /// Its figures.
+    /// Figures of the section.
     pub figures: Vec<Picture>,
     /// Its numbers, as JSON.
     pub json: String,
 }
 
-/// A table.
+/// A table of text cells.
 #[derive(Clone, Debug, Default)]
 pub struct Grid {
     /// What it shows, and whose figures they are.
@@ -35,10 +35,10 @@ struct Column {
     left: bool,
 }
 
-/// A figure.
+/// A figure with its caption.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// Inline SVG.
+    /// The picture as inline SVG.
     pub svg: String,
     /// What it shows.
     pub name: String,

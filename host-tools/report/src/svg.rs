@@ -23,13 +23,13 @@ pub struct Drawing {
 /// Where a panel's data go, in units of the drawing.
 #[derive(Clone, Copy)]
 pub struct Frame {
-    /// Left edge.
+    /// Left edge in the picture.
     pub left: f64,
-    /// Upper edge.
+    /// Upper edge in the picture.
     pub top: f64,
-    /// Width.
+    /// Width in the picture.
     pub width: f64,
-    /// Height.
+    /// Height in the picture.
     pub height: f64,
 }
 
@@ -141,7 +141,7 @@ impl Drawing {
         }
     }
 
-    /// Words.
+    /// Writes words at a point.
     pub fn text(&mut self, (x, y): Point, anchor: &str, words: &str) {
         if !words.is_empty() {
             self.body += &format!(r#"<text x="{x:.1}" y="{y:.1}" text-anchor="{anchor}">{}</text>"#, escaped(words));

@@ -17,7 +17,7 @@ const HALVINGS: i32 = 4;
 /// Circles nearer to one another than this, in parts of an octave, are one.
 const ALIKE: f64 = 0.125;
 
-/// One swing.
+/// One swing between two reversals.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Swing {
     /// Voltage, peak to peak, V.

@@ -59,7 +59,7 @@ pub enum TableFileError {
     /// The table.toml beside a table.bin cannot be read, which alone says the doubts.
     #[error("{}: whether it has doubts is not known: {source}", named.display())]
     Doubts {
-        /// The table.bin.
+        /// Path of the table.bin.
         named: PathBuf,
         /// Why the other cannot be read.
         source: Box<TableFileError>,
@@ -72,7 +72,7 @@ pub enum TableFileError {
 /// Why a table is refused.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum Refused {
-    /// By itself.
+    /// The table is refused by its own rules.
     #[error(transparent)]
     Table(#[from] TableError),
     /// The recipe breaks a rule.

@@ -13,7 +13,7 @@ use recordings::{LogUse, Role};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The file.
+/// A table.toml as it is read and written.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableFile {
@@ -37,7 +37,7 @@ pub struct TableFile {
     pub recipe: Recipe,
     /// Whose error was minimised; none where it was written by hand.
     pub cost: Option<Feedback>,
-    /// Which error.
+    /// Which error the search minimised.
     pub norm: Option<Norm>,
     /// The measurement's share in what each step started from, of the cost `multi-step`.
     pub feedback_weight: Option<f64>,

@@ -96,12 +96,12 @@ impl Bench {
         }
     }
 
-    /// The sessions.
+    /// The sessions that models are fitted to.
     pub fn problem(&self) -> &Problem {
         &self.prepared.problem
     }
 
-    /// The search.
+    /// How models are searched.
     pub fn search(&self) -> &SearchOptions {
         &self.job.search
     }

@@ -56,12 +56,12 @@ pub enum ThesisError {
     /// The numbers cannot be written as JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// An item.
+    /// An item could not be reproduced.
     #[error("{item}")]
     Item {
-        /// Its name.
+        /// Name of the item.
         item: &'static str,
-        /// Why not.
+        /// Why it could not be reproduced.
         source: Box<Self>,
     },
 }

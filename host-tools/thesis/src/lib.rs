@@ -34,7 +34,7 @@ macro_rules! items {
         #[derive(Clone, Copy, PartialEq, Eq, Debug)]
         pub enum Item {
             $(#[doc = $line] $item,)*
-            /// Everything.
+            /// Every item, one after the other.
             All,
         }
 

@@ -18,7 +18,7 @@ const RISES: f64 = 1e-7;
 /// What the probes found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct Probes {
-    /// Memories probed.
+    /// Memories that were probed.
     pub probed: usize,
     /// From which the displacement falls somewhere.
     pub falling: usize,

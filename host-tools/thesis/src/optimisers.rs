@@ -31,7 +31,7 @@ struct Structure<'a> {
     evaluations: usize,
 }
 
-/// One search.
+/// One search by one method.
 struct Run {
     /// Where the search ended, µm; what is made of the best candidate after it is no method's.
     cost: f64,

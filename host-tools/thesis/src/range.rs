@@ -35,7 +35,7 @@ pub struct Frequencies {
 /// A model's error at a frequency.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Held {
-    /// Hz.
+    /// Frequency of its voltage, Hz.
     pub hertz: f64,
     /// MAE, % of the stroke of the log of this frequency.
     pub mae_percent: f64,

@@ -17,17 +17,17 @@ pub const DEPENDENT: f64 = 1.0;
 /// Loops of a model at two frequencies.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Rate {
-    /// Frequencies, Hz.
+    /// The lower frequency, Hz.
     pub slow_hz: f64,
-    /// As above.
+    /// The higher frequency, Hz.
     pub fast_hz: f64,
-    /// Strokes, µm.
+    /// Stroke at the lower one, µm.
     pub slow_stroke_um: f64,
-    /// As above.
+    /// Stroke at the higher one, µm.
     pub fast_stroke_um: f64,
     /// Largest widths, % of the slow stroke.
     pub slow_width_percent: f64,
-    /// As above.
+    /// Loop's width at the higher one, % of its stroke.
     pub fast_width_percent: f64,
 }
 

@@ -18,9 +18,9 @@ pub const FEWEST: usize = 16;
 /// The part of a log that is scored, in s since the log's first sample; all of it where nothing is said.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Scope {
-    /// Its beginning.
+    /// Where it begins, s from the log's first sample.
     pub from_s: Option<f64>,
-    /// Its end.
+    /// Where it ends, s from the log's first sample.
     pub to_s: Option<f64>,
     /// Where the estimate is zeroed; what is not later is not scored.
     pub zero_at_s: Option<f64>,
@@ -29,11 +29,11 @@ pub struct Scope {
 /// One of a scope's times.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Bound {
-    /// [`Scope::from_s`].
+    /// The bound [`Scope::from_s`].
     From,
-    /// [`Scope::to_s`].
+    /// The bound [`Scope::to_s`].
     To,
-    /// [`Scope::zero_at_s`].
+    /// The bound [`Scope::zero_at_s`].
     ZeroAt,
 }
 
@@ -77,7 +77,7 @@ pub enum ScopeError {
     /// Hardly a reading.
     #[error("only {left} measured instants would be scored; at least {FEWEST} are needed")]
     TooFew {
-        /// How many.
+        /// How many samples are left.
         left: usize,
     },
     /// The voltage makes no full cycle that could be told of.

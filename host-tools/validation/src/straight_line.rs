@@ -20,7 +20,7 @@ const SAME: f64 = 1e-9;
 /// A displacement that is linear in the voltage.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StraightLine {
-    /// k, µm/V.
+    /// The slope k, µm/V.
     pub gain_um_per_v: f64,
     /// A voltage (V) and its displacement (µm).
     at: (f64, f64),

@@ -64,7 +64,7 @@ impl fmt::Display for Told {
 /// Errors by what the estimator was told.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct ToldFigures {
-    /// Told nothing.
+    /// Of an estimator that is told nothing.
     pub nothing: Figures,
     /// Told the sensor's first reading.
     pub first_reading: Figures,

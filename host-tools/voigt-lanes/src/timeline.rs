@@ -53,9 +53,9 @@ struct Mark {
 enum Event {
     /// The displacement was measured, µm; whether its error counts.
     Measured { displacement: f64, counts: bool },
-    /// See [`Step::Reversal`].
+    /// What [`Step::Reversal`] is.
     Reversal(f64),
-    /// See [`Step::Extreme`].
+    /// What [`Step::Extreme`] is.
     Extreme,
 }
 

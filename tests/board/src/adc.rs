@@ -58,7 +58,7 @@ const SENSOR: u32 = 2;
 const SETPOINT: u32 = 15;
 const VREFINT: u32 = 18;
 const FASTEST_HZ: u32 = 60_000_000;
-/// PRESC's dividers.
+/// Dividers by the field PRESC.
 const DIVIDERS: [u32; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
 /// SMPx's sampling times in half ADC clocks.
 const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
@@ -151,7 +151,7 @@ impl Adc {
         Ok(half_clocks * u64::from(CORE_HZ) / (2 * u64::from(hz)))
     }
 
-    /// TIM6's trigger.
+    /// Converts where TIM6 triggers.
     pub fn trigger(&mut self, at: u64, rcc: &Rcc, record: &mut Record) -> Result<()> {
         let chosen = (field(self.injected, JEXTSEL), field(self.injected, JEXTEN));
         if self.cr & (ADEN | JADSTART) != ADEN | JADSTART || chosen != (TIM6_TRGO, RISING) {

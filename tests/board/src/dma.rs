@@ -78,7 +78,7 @@ struct Channel {
     left: u32,
     peripheral: u32,
     memory: u32,
-    /// DMAMUX_CxCR.
+    /// What DMAMUX_CxCR asks for.
     request: u32,
     /// Transfers of a block.
     block: u32,
@@ -282,7 +282,7 @@ impl Dma {
         Ok(true)
     }
 
-    /// DMAMUX's registers.
+    /// Reads a register of the DMAMUX.
     pub fn read_mux(&self, offset: u32) -> Option<u32> {
         self.channels.get(offset as usize / 4).map(|channel| channel.request)
     }

@@ -250,7 +250,7 @@ impl Machine {
         self.skipped += more;
     }
 
-    /// TIM6's TRGO.
+    /// What TIM6's TRGO does.
     pub(crate) fn trigger(&mut self, at: u64) -> Result<()> {
         self.convert(at, TIM6_TRGO);
         self.adc.trigger(at, &self.rcc, &mut self.bench.record)

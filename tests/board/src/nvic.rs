@@ -18,7 +18,7 @@ use crate::{
 pub mod exception {
     /// Flash ECC double error.
     pub const NMI: u8 = 2;
-    /// Any fault.
+    /// Any fault that escalates.
     pub const HARD_FAULT: u8 = 3;
     /// The flash controller's interrupt.
     pub const FLASH: u8 = 16 + 4;
@@ -30,11 +30,11 @@ pub mod exception {
     pub const DMA1_CHANNEL3: u8 = 16 + 13;
     /// ADC1's and ADC2's interrupt.
     pub const ADC1_2: u8 = 16 + 18;
-    /// TIM5's interrupt.
+    /// The interrupt of TIM5.
     pub const TIM5: u8 = 16 + 50;
-    /// TIM6's interrupt.
+    /// The interrupt of TIM6.
     pub const TIM6: u8 = 16 + 54;
-    /// LPUART1's interrupt.
+    /// The interrupt of LPUART1.
     pub const LPUART1: u8 = 16 + 91;
 }
 

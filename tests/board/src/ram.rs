@@ -2,5 +2,5 @@
 
 /// Its first address.
 pub const RAM: u64 = 0x2000_0000;
-/// Its bytes.
+/// Bytes of the RAM.
 pub const RAM_SIZE: u64 = 128 << 10;

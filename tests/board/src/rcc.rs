@@ -64,7 +64,7 @@ pub enum Reset {
     PowerOn,
     /// The NRST pin alone.
     Pin,
-    /// SYSRESETREQ.
+    /// Asked for by SYSRESETREQ.
     Software,
     /// The independent watchdog.
     Watchdog,

@@ -20,7 +20,7 @@ pub struct Record {
     pub services: BTreeMap<u8, Vec<Service>>,
     /// Erases and programs begun, the one that power was cut in included.
     pub flash: Vec<FlashOperation>,
-    /// Hard faults.
+    /// Hard faults that were taken.
     pub faults: Vec<Fault>,
     /// Bytes that came while LPUART1's receiver was full.
     pub overruns: u32,
@@ -33,7 +33,7 @@ pub struct Record {
 /// A code at the pin of DAC1's channel 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Latch {
-    /// When.
+    /// When it was, in clocks.
     pub clock: u64,
     /// The 12-bit code.
     pub code: u16,
@@ -42,7 +42,7 @@ pub struct Latch {
 /// A change of a pin's level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// When.
+    /// When it was, in clocks.
     pub clock: u64,
     /// The level from then on.
     pub high: bool,
@@ -91,9 +91,9 @@ pub struct FlashOperation {
 /// A hard fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// When.
+    /// When it was, in clocks.
     pub clock: u64,
-    /// The instruction.
+    /// Address of the instruction.
     pub pc: u32,
     /// The bits that it sets in CFSR.
     pub status: u32,

@@ -7,7 +7,7 @@ use estimator_core::record::MAX_LENGTH;
 use protocol::waveform::checksum;
 use protocol::{Mode, Playback, Record, Request};
 
-/// A request.
+/// A request of an arbitrary host.
 #[derive(Debug, Arbitrary)]
 pub enum Asked {
     Identify,

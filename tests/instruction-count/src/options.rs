@@ -5,7 +5,7 @@ use std::{
     fs::File,
 };
 
-/// `function=0xADDRESS,out=FILE[,mark=0xADDRESS]`
+/// What is counted: `function=0xADDRESS,out=FILE[,mark=0xADDRESS]`
 pub struct Options {
     /// Address of the function to be measured.
     pub function: u32,

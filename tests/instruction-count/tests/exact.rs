@@ -79,12 +79,12 @@ fn function() -> Vec<u16> {
     [&start[..], &[NOP; NOPS], &bl(call, CALLEE), &[/* pop {r4, pc} */ 0xBD10]].concat()
 }
 
-/// `bl`, forwards.
+/// The instruction `bl` forwards.
 fn bl(from: u32, to: u32) -> [u16; 2] {
     branch(0xF800, from, to)
 }
 
-/// `b.w`, forwards.
+/// The instruction `b.w` forwards.
 fn b(from: u32, to: u32) -> [u16; 2] {
     branch(0xB800, from, to)
 }

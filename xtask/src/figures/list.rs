@@ -26,7 +26,7 @@ pub struct Figure {
     pub file: Option<&'static str>,
     /// By what part of itself a number may differ from what is stated.
     pub slack: f64,
-    /// Makes it.
+    /// Makes it of what commands print.
     pub make: fn(&Printed<'_>) -> Result<Content>,
 }
 
@@ -34,7 +34,7 @@ pub struct Figure {
 /// same bytes each time. Their cycles differ by up to 2 %.
 const OF_CYCLES: f64 = 0.03;
 
-/// Every figure.
+/// Every figure of the documents.
 pub const FIGURES: [Figure; 18] = [
     Figure {
         name: "picture",

@@ -22,7 +22,7 @@ pub(super) enum Power<T> {
 }
 
 impl<T: Real> Power<T> {
-    /// |h|^n.
+    /// The power |h|^n of the equation.
     #[inline]
     fn of(self, h: T) -> T {
         match self {

@@ -72,7 +72,7 @@ pub struct DuhemState<T> {
     /// u, V: the voltage behind the lag.
     pub input: Relaxed<T>,
     held: Held<T, Answers<T>>,
-    /// At u.
+    /// The three functions of the equation at that u.
     answers: Answers<T>,
 }
 

@@ -52,7 +52,7 @@ pub struct GeneralisedPrandtlIshlinskiiParameters {
 }
 
 impl GeneralisedPrandtlIshlinskiiParameters {
-    /// [`Published::check`](crate::Published::check).
+    /// Does what [`Published::check`](crate::Published::check) says.
     pub(super) fn check_numbers(&self) -> Result<(), Rule> {
         let positive = |numbers: &[f32]| numbers.iter().all(|&x| x >= 0.0 && x.is_finite());
         let slopes = |slopes: &List<KNOTS>| slopes.len() >= 2 && positive(slopes);

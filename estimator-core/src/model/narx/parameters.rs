@@ -5,11 +5,11 @@ use crate::range::Range;
 use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
 
-/// Most coefficients.
+/// Most coefficients that a table has.
 pub(super) const COEFFICIENTS: usize = 40;
 /// Largest order of output and input.
 pub(super) const ORDER: usize = 3;
-/// Largest degree.
+/// Largest degree of a monomial.
 const DEGREE: u8 = 3;
 
 /// Orders, scales and coefficients of the polynomial of Table 5.1; its letters have no unit.
@@ -66,7 +66,7 @@ impl NarxParameters {
         1.0 + b1 + b2 + b3 > 0.0 && 1.0 - b1 + b2 - b3 > 0.0 && b3 * b3 < 1.0 && 1.0 - b3 * b3 > (b2 - b1 * b3).abs()
     }
 
-    /// [`Published::check`](crate::Published::check).
+    /// Does what [`Published::check`](crate::Published::check) says.
     pub(super) fn check_numbers(&self) -> Result<(), Rule> {
         let orders = [self.output_order, self.input_order];
         if orders.iter().any(|order| !(1..=ORDER).contains(&usize::from(*order))) {

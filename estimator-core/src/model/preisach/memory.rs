@@ -37,7 +37,7 @@ pub struct PreisachState<T> {
 }
 
 impl<T: Real> PreisachState<T> {
-    /// Negative saturation.
+    /// The memory after a swing to negative saturation.
     pub(super) fn saturated() -> Self {
         Self { reversals: Vec::new(), now: Self::floor() }
     }

@@ -29,9 +29,9 @@ impl<T: Real> VoigtTerms<T> {
 pub struct VoigtPoint<T> {
     /// The voltage, V.
     pub voltage: T,
-    /// [`Voigt::rate`], 1/s.
+    /// What [`Voigt::rate`] is here, 1/s.
     pub rate: T,
-    /// [`Voigt::drive`], µm/s.
+    /// What [`Voigt::drive`] is here, µm/s.
     pub drive: T,
 }
 
@@ -43,9 +43,9 @@ pub struct Voigt<T> {
     sample_period: T,
     /// Retreat that counts as a reversal, V.
     pub(super) deadband: T,
-    /// 1e6/(α·λ·b), 1/s.
+    /// The scale 1e6/(α·λ·b) of the rate, 1/s.
     pub rate_scale: T,
-    /// λ, 1/V.
+    /// The slope λ of the sigmoid, 1/V.
     pub lambda: T,
     /// λ·β, no unit.
     pub lambda_beta: T,

@@ -63,7 +63,7 @@ impl<T: Copy> VoigtParameters<T> {
 const LARGEST_EXPONENT: f32 = 8.0;
 
 impl VoigtParameters {
-    /// [`Published::check`](crate::Published::check).
+    /// Does what [`Published::check`](crate::Published::check) says.
     pub(super) fn check_numbers(&self) -> Result<(), Rule> {
         let positive = |x: f32| x > 0.0 && x.is_finite();
         let exponent = |x: f32| (0.0..=LARGEST_EXPONENT).contains(&x);

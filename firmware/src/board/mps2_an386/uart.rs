@@ -8,7 +8,7 @@ use embassy_sync::pipe::Pipe;
 use embedded_io_async::{Error, ErrorKind, ErrorType, Read, Write};
 
 const UART0: usize = 0x4000_4000;
-/// Offsets.
+/// Offsets of the registers from the base.
 const DATA: usize = 0x0;
 const STATE: usize = 0x4;
 const CTRL: usize = 0x8;
@@ -60,7 +60,7 @@ impl Error for Overrun {
     }
 }
 
-/// Inbound.
+/// The half that takes bytes from the host.
 pub struct Receiver;
 
 impl ErrorType for Receiver {
@@ -76,7 +76,7 @@ impl Read for Receiver {
     }
 }
 
-/// Outbound.
+/// The half that hands bytes to the host.
 pub struct Transmitter;
 
 impl ErrorType for Transmitter {

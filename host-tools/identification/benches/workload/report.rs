@@ -37,7 +37,7 @@ pub struct Workload {
 /// The kernels by one cost.
 #[derive(Serialize)]
 pub struct Race {
-    /// The cost.
+    /// The cost that they compute.
     pub cost: Feedback,
     /// The plain loop first.
     pub kernels: Vec<Row>,
@@ -46,7 +46,7 @@ pub struct Race {
 /// How one kernel did.
 #[derive(Serialize)]
 pub struct Row {
-    /// Its name.
+    /// Name of the kernel.
     pub kernel: &'static str,
     /// Threads that it ran on.
     pub threads: usize,
@@ -61,7 +61,7 @@ pub struct Row {
 /// How the time of a generation grows with something.
 #[derive(Serialize)]
 pub struct Scaling {
-    /// What grows.
+    /// Name of what grows.
     pub of: &'static str,
     /// From the smallest to the largest.
     pub points: Vec<Point>,

@@ -6,7 +6,7 @@ use crate::search::Gene;
 use estimator_core::{List, MaxwellSlipParameters, Parameters, Published, Stop};
 use least_squares::{Normal, Sign};
 
-/// Elements.
+/// Elasto-slide elements of a model.
 const ELEMENTS: usize = 10;
 
 /// What is fixed before the search.

@@ -8,7 +8,7 @@ use estimator_core::{List, Narx, NarxParameters, Parameters, Published, Recursio
 use least_squares::{Normal, Sign, Waiting};
 use recordings::session::Session;
 
-/// One structure.
+/// One of the structures that are tried.
 pub struct Family {
     output_order: u8,
     degree: u8,
@@ -22,9 +22,9 @@ pub struct Family {
 pub struct BlackBoxInputs {
     /// r_y, which is r_u too: 1 to 3.
     pub output_order: u8,
-    /// V_ext.
+    /// Whether V_ext is an input.
     pub with_voltage_extremum: bool,
-    /// y_ext.
+    /// Whether y_ext is an input.
     pub with_displacement_extremum: bool,
 }
 

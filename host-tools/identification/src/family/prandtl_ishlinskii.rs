@@ -9,7 +9,7 @@ use estimator_core::{
 };
 use least_squares::Sign;
 
-/// Play operators.
+/// Play operators of a model.
 const PLAYS: usize = 16;
 /// Dead zones besides the one of width 0, as fractions of the stroke from its lower end.
 const DEAD_ZONES: [(f64, &str); 4] = [(0.15, "slope 1"), (0.4, "slope 2"), (0.6, "slope 3"), (0.85, "slope 4")];

@@ -13,7 +13,7 @@ use least_squares::Sign;
 /// The model on a grid over the table's voltages.
 pub struct Family;
 
-/// Simplest first.
+/// The structures that are tried, the simplest first.
 pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
     let curves = super::reversal_curves::Family::new(problem).map(|family| Box::new(family) as AnyFamily);
     curves.into_iter().chain([Box::new(Family) as AnyFamily]).collect()

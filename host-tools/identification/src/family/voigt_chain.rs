@@ -8,7 +8,7 @@ use crate::search::Gene;
 use estimator_core::{List, Parameters, Published, Range, VoigtChain, VoigtChainParameters};
 use least_squares::Sign;
 
-/// Elements.
+/// Kelvin–Voigt elements of a chain.
 const ELEMENTS: usize = 10;
 
 /// What is fixed before the search.

@@ -25,11 +25,11 @@ pub struct SearchOptions {
     pub ranges: Ranges,
     /// Bits a gene.
     pub bits: u32,
-    /// Chromosomes (even).
+    /// Chromosomes of a generation, an even number.
     pub population: usize,
     /// Generations a round.
     pub generations: u32,
-    /// Rounds.
+    /// Rounds of shrinking ranges.
     pub rounds: u32,
     /// Width of a round's ranges as a fraction of the round's before, around the best so far.
     pub shrink: f64,
@@ -41,7 +41,7 @@ pub struct SearchOptions {
     pub selection: Selection,
     /// What becomes of the best chromosome.
     pub elitism: Elitism,
-    /// First population.
+    /// What the first population is drawn from.
     pub start: Start,
     /// Method for the models beyond the Voigt family, of which only a few numbers are searched.
     pub optimiser: Optimiser,

@@ -46,7 +46,7 @@ pub struct Extent {
     pub voltage: f64,
     /// Y*: largest |displacement|, µm.
     pub displacement: f64,
-    /// Tick, s.
+    /// The tick's period, s.
     pub tick: f64,
 }
 
@@ -162,7 +162,7 @@ const E_F_TABLE_5_2: [Gene; 2] = [
     Gene::linear("f", "exponent of y_ext", "", 0.5, 2.0),
 ];
 
-/// Table 4.5.
+/// The ranges of Table 4.5.
 const TABLE_4_5: [Gene; 5] = [
     Gene::linear("alpha", "α", "µm", 100.0, 2500.0),
     Gene::linear("beta", "β", "V", 200.0, 1000.0),

@@ -26,7 +26,7 @@ pub struct RigArgs {
     /// Factor on the creep.
     #[arg(long, default_value_t = DEFAULT.creep, allow_negative_numbers = true)]
     pub creep: f64,
-    /// Asymmetry, 1/µm.
+    /// Asymmetry of the hysteresis, 1/µm.
     #[arg(long, default_value_t = DEFAULT.asymmetry, allow_negative_numbers = true)]
     pub asymmetry: f64,
     /// Sensor noise, nm rms.

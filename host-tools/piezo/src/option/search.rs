@@ -22,13 +22,13 @@ pub struct SearchArgs {
     /// Bits a gene.
     #[arg(long, hide_short_help = true, default_value_t = DEFAULT.bits, value_parser = clap::value_parser!(u32).range(2..=30))]
     pub bits: u32,
-    /// Chromosomes (even).
+    /// Chromosomes of a generation, an even number.
     #[arg(long, hide_short_help = true, default_value_t = DEFAULT.population, value_parser = even)]
     pub population: usize,
     /// Generations a round.
     #[arg(long, hide_short_help = true, default_value_t = DEFAULT.generations, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub generations: u32,
-    /// Rounds.
+    /// Rounds of shrinking ranges.
     #[arg(long, hide_short_help = true, default_value_t = DEFAULT.rounds, value_parser = clap::value_parser!(u32).range(1..=50))]
     pub rounds: u32,
     /// Width of a round's ranges as a fraction of the round's before, around the best so far.
@@ -46,7 +46,7 @@ pub struct SearchArgs {
     /// What becomes of the best chromosome.
     #[arg(long, hide_short_help = true, value_parser = choice(ELITISMS), default_value = "reinsert")]
     pub elitism: Elitism,
-    /// First population.
+    /// What the first population is drawn from.
     #[arg(long, hide_short_help = true, value_parser = choice(STARTS), default_value = "family")]
     pub start: Start,
     /// Method for the models beyond the Voigt family, of which only a few numbers are searched.
@@ -95,7 +95,7 @@ pub const STARTS: [Choice<Start>; 2] = [
     (Start::Random, "random", "Random only, as the thesis"),
 ];
 
-/// Methods.
+/// Every method of a search, as it is typed.
 pub const OPTIMISERS: [Choice<Optimiser>; 5] = [
     (Optimiser::Genetic, "genetic", "The thesis's binary genetic algorithm in rounds of shrinking ranges"),
     (Optimiser::DifferentialEvolution, "differential-evolution", "Differential evolution"),

@@ -12,7 +12,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use table_files::{TableFile, record, rust_source};
 
-/// One face.
+/// One face of a table.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum Face {
     /// table.toml, for people.
@@ -40,7 +40,7 @@ pub struct Emit {
     /// Print what was written as JSON.
     #[arg(long, conflicts_with = "face")]
     pub json: bool,
-    /// The converters.
+    /// What the board's converters stand for.
     #[command(flatten)]
     pub calibration: CalibrationArgs,
     /// What becomes of a file in a result's place.

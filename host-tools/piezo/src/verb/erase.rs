@@ -15,10 +15,10 @@ pub struct Erase {
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
-    /// Writing.
+    /// When it may be written.
     #[command(flatten)]
     pub write: WriteOptions,
 }

@@ -41,7 +41,7 @@ pub struct Follow {
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
     /// Reading of the trajectory.

@@ -55,7 +55,7 @@ pub struct Identify {
         value_name = "N"
     )]
     pub devices: u32,
-    /// The search.
+    /// How models are searched.
     #[command(flatten)]
     pub search: SearchArgs,
     /// One of a fleet: its name or serial number, for the table, the report and unit.json in the folder. That file says what came of

@@ -20,7 +20,7 @@ pub struct Info {
     /// Afterwards have the device forget its counts, the faults seen, and the last words.
     #[arg(long)]
     pub forget: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
 }

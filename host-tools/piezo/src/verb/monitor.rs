@@ -51,7 +51,7 @@ pub struct Monitor {
     /// What the board's wires stand for: a board.toml. Where it says a sensor_span, page and datagrams have the sensor, too.
     #[arg(long, value_name = "FILE")]
     pub board: Option<PathBuf>,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
 }

@@ -31,7 +31,7 @@ pub struct Pil {
     /// Print the comparison as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
     /// Reading of the logs.

@@ -21,7 +21,7 @@ pub struct Pull {
     /// Print the table as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
     /// What becomes of a file in a result's place.

@@ -21,13 +21,13 @@ pub struct Push {
     /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
     /// What becomes of a table that has doubts.
     #[command(flatten)]
     pub doubts: Doubted,
-    /// Writing.
+    /// When it may be written.
     #[command(flatten)]
     pub write: WriteOptions,
 }

@@ -26,7 +26,7 @@ pub struct Record {
     /// Length, s; without it and --samples until Ctrl-C.
     #[arg(long, value_parser = not_negative, allow_negative_numbers = true, conflicts_with = "samples")]
     pub seconds: Option<f64>,
-    /// Length, ticks.
+    /// Length of the recording, ticks.
     #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out to go on until Ctrl-C"))]
     pub samples: Option<u64>,
     /// Go on when samples are lost. The time column then leaps, and no verb reads such a log.
@@ -38,7 +38,7 @@ pub struct Record {
     /// What the board's wires stand for: a board.toml. Where it says a sensor_span, the sensor is recorded, too.
     #[arg(long, value_name = "FILE")]
     pub board: Option<PathBuf>,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
     /// What becomes of a file in a result's place.

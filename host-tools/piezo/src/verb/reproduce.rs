@@ -58,7 +58,7 @@ pub struct Reproduce {
     /// Preparation of the logs. `auto` takes the rig's known zeros, 0 V and 0 µm.
     #[command(flatten)]
     pub prepare: PrepareArgs,
-    /// The search.
+    /// How models are searched.
     #[command(flatten)]
     pub search: SearchArgs,
     /// What becomes of a file in a result's place.

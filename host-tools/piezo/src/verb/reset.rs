@@ -17,7 +17,7 @@ pub struct Reset {
     /// Print the table that it now runs as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
     /// What becomes of what the device drives.

@@ -19,7 +19,7 @@ pub struct Simulate {
     /// Print what was written as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The rig.
+    /// What the rig is made of.
     #[command(flatten)]
     pub rig: RigArgs,
     /// What becomes of a file in a result's place.

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 /// Arguments of `piezo validate`.
 #[derive(Args, Debug)]
 pub struct Validate {
-    /// The table.
+    /// The table to be judged.
     pub table: PathBuf,
     /// Logs, best such as it has not seen.
     #[arg(required = true)]

@@ -37,7 +37,7 @@ pub struct Waveform {
     /// Print what comes of it as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
     /// Reading of the line.

@@ -38,7 +38,7 @@ pub struct Zero {
     /// Print the displacement before and after, the bias and the cycle as JSON.
     #[arg(long)]
     pub json: bool,
-    /// The device.
+    /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
 }

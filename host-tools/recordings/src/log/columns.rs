@@ -25,7 +25,7 @@ pub struct Columns {
 /// One column of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Which column.
+    /// Which column it is.
     pub at: Position,
     /// Its unit; without one the header's counts, and without a header s, V or µm.
     pub unit: Option<Unit>,
@@ -107,7 +107,7 @@ pub enum ColumnsError {
         /// The unit stated.
         unit: Unit,
     },
-    /// Column 0.
+    /// Column 0 was named.
     #[error("columns are counted from 1")]
     Zero,
     /// A quantity stated twice.

@@ -37,9 +37,9 @@ pub enum Fault {
     /// Too short to say anything about.
     #[error("has {rows} rows of numbers, and {minimum} are the fewest that can be used: record for longer")]
     FewRows {
-        /// Rows found.
+        /// Rows that were found.
         rows: usize,
-        /// Rows needed.
+        /// Rows that are needed.
         minimum: usize,
     },
 
@@ -192,7 +192,7 @@ pub enum Fault {
     /// A field that is no number.
     #[error("the {quantity} is not a number ({value:?}): correct the value, or delete the rows before or after it")]
     NotANumber {
-        /// Which quantity.
+        /// Which quantity it is of.
         quantity: Quantity,
         /// The field's text.
         value: String,
@@ -200,7 +200,7 @@ pub enum Fault {
     /// NaN or infinity.
     #[error("the {quantity} is not finite ({value}): remove the recording's invalid part, or record again")]
     NotFinite {
-        /// Which quantity.
+        /// Which quantity it is of.
         quantity: Quantity,
         /// The value as written.
         value: String,
@@ -208,7 +208,7 @@ pub enum Fault {
     /// An empty field.
     #[error("the {quantity} is missing (empty field): fill it in, or record again")]
     MissingField {
-        /// Which quantity.
+        /// Which quantity it is of.
         quantity: Quantity,
     },
     /// A row of another length than the rows before.
@@ -286,7 +286,7 @@ pub enum Fault {
     /// The same value in every row.
     #[error("the {quantity} is constant ({value} {unit} in all {rows} rows)")]
     Constant {
-        /// Which quantity.
+        /// Which quantity it is of.
         quantity: Quantity,
         /// The value, base unit.
         value: Number,
@@ -300,7 +300,7 @@ pub enum Fault {
     /// A span that no such log has, most often a wrong unit.
     #[error("the {quantity} spans {span} {base}, {limit}; it was taken to be in {unit}")]
     ImplausibleSpan {
-        /// Which quantity.
+        /// Which quantity it is of.
         quantity: Quantity,
         /// Largest minus smallest value, base unit.
         span: Number,

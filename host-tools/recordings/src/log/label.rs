@@ -8,7 +8,7 @@ use super::vocabulary;
 /// A header name taken apart.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Label {
-    /// As written.
+    /// The label as it is written.
     pub text: String,
     /// Lower case, words separated by single spaces, without the unit.
     name: String,

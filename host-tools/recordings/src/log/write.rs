@@ -9,7 +9,7 @@ use result_files::Replacement;
 /// Whose a displacement is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Displacement {
-    /// A sensor's.
+    /// What a sensor measured.
     Measured,
     /// A model's; the column's name says so.
     Estimated,

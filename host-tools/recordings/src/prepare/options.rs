@@ -16,7 +16,7 @@ use std::borrow::{Borrow, Cow};
 pub enum AutoOr {
     /// To be found from the training logs.
     Auto,
-    /// Given.
+    /// The value that was given.
     Given(f64),
 }
 

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// Tick, µs.
+    /// The tick's period, µs.
     pub tick_us: u32,
     /// Factor on the recorded voltage (an amplifier's gain, where the log holds its input).
     pub voltage_scale: f64,
@@ -45,9 +45,9 @@ pub enum PrepareError {
     TooShort {
         /// Name of the log.
         log: String,
-        /// Samples left.
+        /// Samples that are left.
         left: usize,
-        /// Samples needed.
+        /// Samples that are needed.
         need: usize,
     },
     /// Faster than the tick by no whole number, and means were asked for.
@@ -71,7 +71,7 @@ pub enum PrepareError {
         log: String,
         /// Ticks it would have.
         ticks: f64,
-        /// Tick, µs.
+        /// The tick's period, µs.
         tick_us: u32,
         /// Most ticks of a session.
         most: f64,
@@ -136,7 +136,7 @@ impl Recipe {
         rules.into_iter().find(|(_, holds)| !holds).map_or(Ok(()), |(rule, _)| Err(RecipeError(rule)))
     }
 
-    /// Tick, s.
+    /// The tick's period, s.
     pub fn tick_s(&self) -> f64 {
         f64::from(self.tick_us) * 1e-6
     }

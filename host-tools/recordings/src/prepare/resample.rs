@@ -24,7 +24,7 @@ pub struct AtTick {
     pub voltage: Vec<f64>,
     /// Ticks of the displacements.
     pub instants: Vec<u32>,
-    /// The displacements.
+    /// Displacements at those ticks, µm.
     pub displacement: Vec<f64>,
 }
 

@@ -8,7 +8,7 @@ use rand_distr::{Distribution, Uniform};
 
 /// Blocks of a recording.
 pub const BLOCKS: usize = 20;
-/// Resamplings.
+/// Resamplings of the blocks.
 const DRAWS: usize = 2_000;
 /// Outside of the middle 95 % of them 0 must lie.
 const TAIL: f64 = 0.025;

@@ -38,7 +38,7 @@ pub struct Subject {
 pub struct Trial {
     /// As the tables call it.
     pub condition: &'static str,
-    /// The recording.
+    /// What was recorded of it.
     pub log: Log,
     /// Which part of it is scored.
     pub scope: Scope,

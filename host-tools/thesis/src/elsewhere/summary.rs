@@ -9,11 +9,11 @@ use serde::Serialize;
 /// A median and the range about it.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Range {
-    /// The median.
+    /// The median of the seeds.
     pub median: f64,
-    /// The least.
+    /// The least of the seeds.
     pub min: f64,
-    /// The largest.
+    /// The largest of the seeds.
     pub max: f64,
 }
 
@@ -42,13 +42,13 @@ impl Range {
 /// A model under a condition.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// Whose recordings.
+    /// Whose recordings they are.
     pub subject: String,
-    /// Which.
+    /// Which condition it is.
     pub condition: String,
     /// `None`: the straight line.
     pub model: Option<Model>,
-    /// Its name.
+    /// Name of the model.
     pub name: String,
     /// Searches of it, and those with an admissible candidate.
     pub searched: usize,

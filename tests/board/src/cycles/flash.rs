@@ -31,7 +31,7 @@ impl Cache {
     }
 }
 
-/// Both caches.
+/// The instruction cache and the data cache.
 #[derive(Clone)]
 pub struct Caches {
     instructions: Cache,

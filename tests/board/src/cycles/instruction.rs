@@ -24,7 +24,7 @@ use capstone::{
 
 /// An instruction as the pipeline sees it.
 pub struct Instruction {
-    /// Bytes.
+    /// Length in bytes, 2 or 4.
     pub size: u32,
     /// Clocks at least and at most.
     pub clocks: (u64, u64),
@@ -45,7 +45,7 @@ const MOST_CONDITIONAL: usize = 4;
 /// Bytes to [decode](Decoder::decode) an instruction from: an IT of two, those under it and the one behind of four each.
 pub const ENOUGH: usize = 2 + 4 * (MOST_CONDITIONAL + 1);
 
-/// The disassembler.
+/// Decodes an image's instructions.
 pub struct Decoder(Capstone);
 
 impl Decoder {

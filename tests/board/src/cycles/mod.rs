@@ -25,7 +25,7 @@ const EVERY: u64 = 37;
 /// What the runs of a handler cost.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Measured {
-    /// Runs.
+    /// How often it ran.
     pub runs: u64,
     /// Most instructions of one.
     pub most_instructions: u64,

@@ -29,7 +29,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// All three.
+    /// All three, the cheapest first.
     pub const ALL: [Self; 3] = [Self::Optimistic, Self::Typical, Self::Pessimistic];
 
     const fn choose<T: Copy>(self, of: [T; 3]) -> T {

@@ -28,7 +28,7 @@ const COUNTING_HANDLER: [u16; 12] =
 /// Clears ECCD, adds one to r7.
 const NMI_HANDLER: [u16; 8] = [0x4802, 0x2101, 0x07C9, 0x6001, 0x3701, 0x4770, 0x2018, 0x4002];
 const BX_LR: [u16; 1] = [0x4770];
-/// `b .`
+/// The endless loop `b .`
 const STAY: u16 = 0xE7FE;
 
 const AIRCR_IGNORED: (u32, u32) = (0xE000_ED0C, 0);

@@ -63,7 +63,7 @@ pub struct Family {
 pub struct Values {
     pub delay_ticks: f64,
     pub lag_s: f64,
-    /// ρ.
+    /// How slowly weights fall with the half-width r: exp(−r/(ρ·radius)).
     pub law: f64,
     /// Gains of the fastest and of the slowest creep.
     pub creep: [f64; 2],

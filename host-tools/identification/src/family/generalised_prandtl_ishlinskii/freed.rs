@@ -36,7 +36,7 @@ pub struct Freed {
 /// The readings of a session, each play on its own.
 struct Readings {
     columns: Vec<[f64; ALL]>,
-    /// µm.
+    /// What the sensor read, µm.
     targets: Vec<f64>,
 }
 
