@@ -8,6 +8,7 @@ use device_link::table::{in_use, to_record};
 use emulator::{Bench, EmulatedDevice, Emulator};
 use estimator_core::{AdcCode, Table};
 use excitation::{Drive, Request};
+use identifiability::{Experiment, Told};
 use parameter_store::RamFlash;
 use plants::Kind;
 use std::path::Path;
@@ -41,15 +42,15 @@ fn connected_to(plant: impl emulator::Plant) -> EmulatedDevice {
     Emulator::new().flash(flash).plant(plant).speed(8.0).start().unwrap()
 }
 
-fn drive() -> Drive {
-    let request = Request { slew_v_per_s: 500.0, ..wiring().request(None, 20.0, 40.0, 1).unwrap() };
+fn drive(duration_s: f64) -> Drive {
+    let request = Request { slew_v_per_s: 500.0, ..wiring().request(None, 20.0, duration_s, 1).unwrap() };
     Drive::design(&request).unwrap()
 }
 
 /// Trains on a device; interrupts after so many ticks.
 fn trained(device: &EmulatedDevice, folder: &Path, until: usize) -> (Trained, Client) {
     let (mut client, _) = Client::connect(&device.address().into()).unwrap();
-    let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
+    let (wiring, drive, interrupt) = (wiring(), drive(40.0), Interrupt::default());
     let training = Training { wiring: &wiring, drive: &drive, folder, interrupt: &interrupt };
     let trained = train(&mut client, &training, &mut |_, ticks| {
         if ticks == until {
@@ -70,12 +71,23 @@ fn is_home(client: &mut Client, folder: &Path) {
 }
 
 #[test]
+fn two_minutes_tell_creep_and_less_than_one_does_not() {
+    let told = |duration_s| {
+        let found = taught(&wiring(), &drive(duration_s)).unwrap().unwrap().found;
+        let of = |experiment| found.iter().find(|found| found.experiment == experiment).unwrap().told;
+        [of(Experiment::Stroke), of(Experiment::Creep)]
+    };
+    assert_eq!(told(40.0), [Told::Well, Told::Restless]);
+    assert_eq!(told(120.0), [Told::Well, Told::Well]);
+}
+
+#[test]
 fn a_session_leaves_its_logs_and_the_device_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let device = device(FACTS.sensor_span);
     let (trained, mut client) = trained(&device, folder.path(), usize::MAX);
     assert!(trained.complete(), "{trained:?}");
-    let planned: Vec<u64> = drive().segments.iter().map(|segment| segment.volts.len() as u64).collect();
+    let planned: Vec<u64> = drive(40.0).segments.iter().map(|segment| segment.volts.len() as u64).collect();
     let recorded: Vec<u64> = trained.logs.iter().map(|log| log.rows).collect();
     assert!(recorded.iter().zip(&planned).all(|(recorded, planned)| recorded >= planned), "{recorded:?} {planned:?}");
     assert_eq!(recorded.iter().sum::<u64>(), planned.iter().sum::<u64>() + u64::from(trained.starved));
@@ -106,7 +118,7 @@ fn a_session_leaves_its_logs_and_the_device_as_it_was() {
 
 /// What a session is refused by.
 fn again(client: &mut Client, folder: &Path) -> BenchError {
-    let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
+    let (wiring, drive, interrupt) = (wiring(), drive(40.0), Interrupt::default());
     let training = Training { wiring: &wiring, drive: &drive, folder, interrupt: &interrupt };
     train(client, &training, &mut |_, _| {}).unwrap_err()
 }
@@ -132,7 +144,7 @@ fn a_table_of_another_rest_is_neither_lent_nor_installed_unless_rewired() {
     let device = device(FACTS.sensor_span);
     let (mut client, _) = Client::connect(&device.address().into()).unwrap();
     let wiring = Wiring::new(&BoardFacts { drive_rest: Some(50.0), ..FACTS }, 500).unwrap();
-    let (drive, interrupt) = (drive(), Interrupt::default());
+    let (drive, interrupt) = (drive(40.0), Interrupt::default());
     let session = folder.path().join("session");
     let training = Training { wiring: &wiring, drive: &drive, folder: &session, interrupt: &interrupt };
     let refused = train(&mut client, &training, &mut |_, _| {}).unwrap_err();
@@ -219,7 +231,7 @@ fn a_host_that_was_suspended_between_two_segments_is_told_so_and_keeps_the_first
     let folder = tempfile::tempdir().unwrap();
     let device = device(FACTS.sensor_span);
     let (mut client, _) = Client::connect(&device.address().into()).unwrap();
-    let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
+    let (wiring, drive, interrupt) = (wiring(), drive(40.0), Interrupt::default());
     let training = Training { wiring: &wiring, drive: &drive, folder: folder.path(), interrupt: &interrupt };
     let first = drive.segments[0].volts.len();
     let mut slept = false;
@@ -269,7 +281,7 @@ fn a_device_whose_dac_shows_the_displacement_is_not_driven() {
     let device = Emulator::new().start().unwrap();
     let (mut client, _) = Client::connect(&device.address().into()).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let (wiring, drive, interrupt) = (wiring(), drive(), Interrupt::default());
+    let (wiring, drive, interrupt) = (wiring(), drive(40.0), Interrupt::default());
     let training = Training { wiring: &wiring, drive: &drive, folder: folder.path(), interrupt: &interrupt };
     let refused = train(&mut client, &training, &mut |_, _| {}).unwrap_err();
     assert!(matches!(refused, BenchError::NotDriving), "{refused}");

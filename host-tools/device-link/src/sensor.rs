@@ -1,5 +1,6 @@
 //! A displacement sensor on the board's second channel: codes to µm.
 
+use estimator_core::AdcCode;
 use protocol::Sample;
 
 /// `displacement = zero + (full − zero)·code/full_scale`: what the ends of the channel stand for.
@@ -16,8 +17,12 @@ pub struct Sensor {
 impl Sensor {
     /// The displacement that it showed at a sample's tick, µm; `None` where the board has no such channel.
     pub fn um(&self, sample: &Sample) -> Option<f64> {
-        let code = f64::from(sample.sensor?);
-        Some(self.zero_um + (self.full_um - self.zero_um) * code / f64::from(self.full_scale))
+        Some(self.displacement(AdcCode(sample.sensor?)))
+    }
+
+    /// The displacement of a code, µm.
+    pub fn displacement(&self, AdcCode(code): AdcCode) -> f64 {
+        self.zero_um + (self.full_um - self.zero_um) * f64::from(code) / f64::from(self.full_scale)
     }
 
     /// Whether a sample's code stands at an end of the channel, where the displacement may have been any farther: within a 128th

@@ -19,8 +19,10 @@ const LOOPS: u32 = 10;
 const TURNS: u32 = 8;
 /// Steps of the staircase either way.
 const STEPS: u32 = 6;
-/// The topmost is held for so long, s, where that is no more than half of the staircase: creep that only loops show is hardly told.
-const HELD_S: f64 = 11.0;
+/// A step to the end that is farther from rest is held for so long, s, where that is no more than this part of the staircase: creep of
+/// seconds shows behind a large step only.
+const HELD_S: f64 = 10.5;
+const HELD: f64 = 0.75;
 /// How much longer than asked for a drive may be.
 const OVERTIME: f64 = 1.1;
 
@@ -89,7 +91,7 @@ impl Drive {
         let Request { min_v, max_v, rest_v, .. } = self.request;
         let mut said = vec![format!(
             "{:.0} s within {min_v} … {max_v} V from a rest at {rest_v} V: the first branch, major loops, {LOOPS} shrinking loops, \
-             {TURNS} reversal curves, a staircase of {STEPS} steps up and down, and a random part that is held out",
+             {TURNS} reversal curves, a step that is held, a staircase of {STEPS} steps each way, and a random part that is held out",
             self.duration_s()
         )];
         for hertz in FREQUENCIES.map(|part| part * self.request.up_to_hz) {
@@ -129,16 +131,20 @@ impl Drive {
         let whole = request.duration_s;
         let mut swings = Vec::new();
         let mut segments = vec![
-            segment("first-branch", "the first branch from rest, and major loops", major(request, 0.15 * whole)),
-            segment("shrinking", "loops of every amplitude", shrinking(request, 0.15 * whole)),
-            segment("reversals", "first-order reversal curves", reversals(request, 0.15 * whole)),
+            segment("first-branch", "the first branch from rest, and major loops", major(request, 0.14 * whole)),
+            segment("shrinking", "loops of every amplitude", shrinking(request, 0.14 * whole)),
+            segment("reversals", "first-order reversal curves", reversals(request, 0.14 * whole)),
         ];
         let names = ["low-frequency", "middle-frequency", "high-frequency"];
         for (index, name) in names.into_iter().enumerate() {
             let volts = frequency(request, index, 0.07 * whole, &mut swings);
             segments.push(segment(name, "three amplitudes at one frequency", volts));
         }
-        segments.push(segment("staircase", "steps that are held: creep", staircase(request, 0.14 * whole)));
+        segments.push(segment(
+            "staircase",
+            "a step and a staircase that are held: creep",
+            staircase(request, 0.17 * whole),
+        ));
         segments.push(random(request, 0.2 * whole));
         Self { segments, swings, request: *request }
     }
@@ -226,14 +232,17 @@ fn frequency(request: &Request, index: usize, seconds: f64, swings: &mut Vec<Swi
 }
 
 fn staircase(request: &Request, seconds: f64) -> Gone {
+    let (min, max, rest) = (request.min_v, request.max_v, request.rest_v);
+    let (far, near) = if max - rest >= rest - min { (max, min) } else { (min, max) };
     within(request, seconds, |path, left| {
-        let held_s = if 2.0 * HELD_S <= left { HELD_S } else { 0.0 };
-        let step = (left - held_s) / f64::from(2 * STEPS);
-        for at in (1..=STEPS).chain((0..STEPS).rev()) {
+        let held_s = if HELD_S <= HELD * left { HELD_S } else { 0.0 };
+        let step = (left - held_s) / f64::from(2 * STEPS + 1);
+        let mut longer_s = held_s;
+        for at in (0..=STEPS).chain((0..STEPS).rev()) {
             let before = path.seconds();
-            path.swing_to(request.min_v + request.span_v() * f64::from(at) / f64::from(STEPS), 0.0);
-            let top_s = if at == STEPS { held_s } else { 0.0 };
-            path.hold(step + top_s - (path.seconds() - before));
+            path.swing_to(far + (near - far) * f64::from(at) / f64::from(STEPS), 0.0);
+            path.hold(step + longer_s - (path.seconds() - before));
+            longer_s = 0.0;
         }
     })
 }

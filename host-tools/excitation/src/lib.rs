@@ -5,7 +5,7 @@
 //! shrinking loops                     every amplitude class, from the whole range down to a tenth
 //! reversals                           first-order reversal curves: from the top down to ever lower turns, and back
 //! three frequencies                   lowest and middle as sines, highest as a triangle, each at three amplitudes
-//! staircase                           up and down in steps that are held: creep
+//! staircase                           a step that is held, then back and forth in smaller ones: creep
 //! random                              tones of random phases, swelling and fading; held out
 //! ```
 //!

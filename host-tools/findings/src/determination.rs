@@ -35,6 +35,26 @@ pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, Strin
     std::iter::once(("The training".to_owned(), worth)).chain(found).collect()
 }
 
+/// What the lines of [`taught`] are.
+pub const TAUGHT: &str = "It would tell of an emulated actuator, beside a sensor of a noise of 0.02 % of its span, ± a standard error in % of the stroke:";
+
+/// What a drive would tell of an actuator, a line each: what it is of, and its standard error or what the drive lacks.
+pub fn taught(of: &Determination) -> Vec<(String, String)> {
+    let stroke =
+        of.found.iter().find(|found| found.experiment == Experiment::Stroke).map_or(f64::NAN, |found| found.value_um);
+    let said = |found: &Found| {
+        let known = format!("± {:.2} %", 100.0 * found.standard_error_um / stroke);
+        let told = match found.told {
+            Told::Well => known,
+            Told::Partly | Told::Not => format!("{known}; longer (--minutes) narrows it"),
+            Told::Slower => "not told: nothing goes as far that fast (--up-to, and the slew limit)".to_owned(),
+            Told::Restless => "not told: no step is held as long; longer (--minutes) does".to_owned(),
+        };
+        (words(found.experiment).0, told)
+    };
+    of.found.iter().map(said).collect()
+}
+
 fn unknown(why: Unknown) -> &'static str {
     match why {
         Unknown::NothingRead => "there are no two readings, or their voltage rests",
@@ -67,6 +87,30 @@ fn words(experiment: Experiment) -> (String, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_drive_is_told_what_it_lacks() {
+        let found = |experiment, told, standard_error_um| Found {
+            experiment,
+            value_um: 10.0,
+            standard_error_um,
+            before_um: 1.0,
+            told,
+        };
+        let found = vec![found(Experiment::Stroke, Told::Well, 0.01), found(Experiment::Creep, Told::Restless, 0.2)];
+        let of = Determination {
+            readings: 9,
+            effective_readings: 3.0,
+            mae_um: 0.01,
+            numbers: 1,
+            held: 0,
+            condition: 1.0,
+            found,
+        };
+        let [stroke, creep] = <[_; 2]>::try_from(taught(&of)).unwrap();
+        assert_eq!(stroke.1, "± 0.10 %");
+        assert!(creep.1.starts_with("not told: no step is held as long"), "{creep:?}");
+    }
 
     #[test]
     fn what_is_hardly_told_says_why_and_what_to_record() {

@@ -25,7 +25,7 @@ mod validated;
 
 pub use compared::{compared_tables, table_name, written_to};
 pub use compared_lines::{COMPARED, compared_how, compared_lines};
-pub use determination::{DETERMINED, determination};
+pub use determination::{DETERMINED, TAUGHT, determination, taught};
 pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, implausible, runs_ahead};
 pub use flaw::{flaw, flaw_found, flaw_scored, flaws};
 pub use interval::interval;

@@ -21,8 +21,8 @@ pub use bench::{complaint, identify, introduced, stopped};
 pub use bits::{Meaning, faults, status};
 pub use device::{board, not_estimating, refusal, rehearsed};
 pub use findings::{
-    DETERMINED, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason, remarked,
-    remarks, surveyed,
+    DETERMINED, TAUGHT, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason,
+    remarked, remarks, surveyed, taught,
 };
 pub use identification::{ENDS, mismatch};
 pub use learnable::{Learnable, all_learnable, learnable};

@@ -6,10 +6,10 @@ use crate::option::link::PortOption;
 use crate::option::{BoardOption, ExcitationArgs, Overwrite};
 use crate::output;
 use anyhow::{Context, Result, anyhow};
-use bench::{BenchError, FORMER, NO_MODEL, Trained, Training, train, unoccupied};
+use bench::{BenchError, FORMER, NO_MODEL, Trained, Training, taught, train, unoccupied};
 use clap::Args;
 use device_link::interrupt::Interrupt;
-use recordings::prepare::PrepareOptions;
+use emulator::TICK_US;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ pub struct Train {
     /// Length of the whole session, minutes.
     #[arg(long, default_value_t = 2.0, value_parser = crate::option::positive)]
     pub minutes: f64,
-    /// Say what would be driven, and drive nothing.
+    /// Say what would be driven and what that would tell of an emulated actuator, and drive nothing.
     #[arg(long)]
     pub dry_run: bool,
     /// Write the voltages to this file, for any generator: time_s,voltage_V.
@@ -55,7 +55,7 @@ pub fn run(arguments: &Train) -> Result<bool> {
     let device = if arguments.dry_run { None } else { Some(arguments.port.connect()?) };
     let wiring = match &device {
         Some((_, identity)) => arguments.board.wiring_of(identity)?,
-        None => arguments.board.wiring(PrepareOptions::default().tick_us)?,
+        None => arguments.board.wiring(TICK_US)?,
     };
     let drive = arguments.excitation.drive(&wiring, 60.0 * arguments.minutes)?;
     if let Some(file) = &arguments.drive {
@@ -67,8 +67,13 @@ pub fn run(arguments: &Train) -> Result<bool> {
         said.iter().for_each(|line| out(&format!("- {line}")));
     }
     let Some((mut client, _)) = device else {
+        let taught = taught(&wiring, &drive).ok().and_then(Result::ok);
         if arguments.json {
-            out(&serde_json::to_string_pretty(&json!({ "covers": said, "seconds": drive.duration_s() }))?);
+            let would = json!({ "covers": said, "seconds": drive.duration_s(), "teaches": taught });
+            out(&serde_json::to_string_pretty(&would)?);
+        } else if let Some(taught) = taught {
+            out(&format!("- {}", remedy::TAUGHT));
+            remedy::taught(&taught).iter().for_each(|(what, error)| out(&format!("    {what:<46} {error}")));
         }
         return Ok(true);
     };

@@ -26,7 +26,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// From the first sample to the last, s.
+    /// Its rows, each as long as the sample period, s.
     pub fn duration(&self) -> f64 {
         self.voltage.len() as f64 * self.sample_period
     }
