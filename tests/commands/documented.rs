@@ -6,6 +6,7 @@ mod lines;
 use super::bench::Emulated;
 use super::{data, piezo};
 use lines::{called, code, documents, words};
+use std::collections::HashSet;
 use std::fs;
 use tempfile::TempDir;
 
@@ -114,6 +115,7 @@ fn rows(log: &str, from: usize, to: usize) -> String {
 fn every_command_of_the_documents_succeeds() {
     let (mut unused, mut failed) = (NOT_RUN.map(|(start, _)| start).to_vec(), Vec::new());
     let mut before: Option<Reader> = None;
+    let mut identified = HashSet::new();
     for (path, text) in documents() {
         let mut reader = Reader::of(&text);
         // Later chapters take the tables of earlier ones.
@@ -125,6 +127,10 @@ fn every_command_of_the_documents_succeeds() {
             let joined = typed.join(" ");
             if let Some((start, _)) = NOT_RUN.iter().find(|(start, _)| joined.starts_with(start)) {
                 unused.retain(|unused| unused != start);
+                continue;
+            }
+            // What an earlier chapter has identified in the same words is there.
+            if joined.starts_with("identify ") && joined.contains(" --out out/") && !identified.insert(joined) {
                 continue;
             }
             failed.extend(reader.types(typed).map(|why| format!("{}: {line}\n{why}", path.display())));
