@@ -17,8 +17,13 @@ pub struct Emulated {
 impl Emulated {
     /// Wired as the file says, which is written where there is none.
     pub fn start(board: &Path, more: &[&str]) -> Self {
+        Self::device("bouc-wen", board, more)
+    }
+
+    /// The same with another kind of actuator.
+    fn device(kind: &str, board: &Path, more: &[&str]) -> Self {
         let mut process = Command::new(env!("CARGO_BIN_EXE_piezo"))
-            .args(["emulate", "--device", "bouc-wen", "--tcp-port", "0", "--board", text(board)])
+            .args(["emulate", "--device", kind, "--tcp-port", "0", "--board", text(board)])
             .args(more)
             .stdout(Stdio::piped())
             .spawn()
@@ -41,6 +46,29 @@ impl Drop for Emulated {
         self.process.kill().unwrap();
         self.process.wait().unwrap();
     }
+}
+
+#[test]
+fn learn_ends_with_a_proven_table_on_other_devices_too() {
+    let learn = |(kind, seed)| {
+        let folder = tempfile::tempdir().unwrap();
+        let (board, out) = (folder.path().join("board.toml"), folder.path().join("learnt"));
+        let emulated = Emulated::device(kind, &board, &["--speed", "8", "--seed", seed]);
+        let learn = ["learn", "--port", &emulated.port, "--board", text(&board), "--out", text(&out)];
+        let short = ["--minutes", "0.8", "--up-to", "20", "--proof-seconds", "20"];
+        let search = ["--", "--model", "generalised-prandtl-ishlinskii", "--evaluations", "6", "--devices", "4"];
+        let learnt = piezo().args([&learn[..], &short, &search].concat()).assert().success().get_output().clone();
+        let printed = String::from_utf8(learnt.stdout).unwrap();
+        assert!(printed.contains("PASS: the table's ± holds the sensor"), "{kind} {seed}: {printed}");
+        let info = json(piezo().args(["info", "--json", "--port", &emulated.port]));
+        let in_use = format!("checksum {}) is stored, and in use", info["checksum"].as_str().unwrap());
+        assert!(printed.contains(&in_use), "{kind} {seed}: {in_use:?} is missing in\n{printed}");
+    };
+    std::thread::scope(|scope| {
+        for device in [("relays", "2"), ("rate-dependent", "3")] {
+            scope.spawn(move || learn(device));
+        }
+    });
 }
 
 #[test]
