@@ -23,7 +23,7 @@ pub struct Emulate {
     /// What the actuator's hysteresis is made of; none is a model's own.
     #[arg(long, value_name = "KIND", value_parser = choice(KINDS), default_value = "relays")]
     pub device: Kind,
-    /// Which actuator of that kind, and its noise.
+    /// Which actuator of that kind, with the errors of its converters and its sensor.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Port of this machine at which the device listens; 0 is any that is free.
