@@ -74,7 +74,7 @@ pub fn identify_black_box(
     progress: Progress<'_>,
 ) -> Fit {
     let identification = Identification { problem, cost: cost.into(), options, budget: None };
-    identification.projected(Model::Narx, &family::black_boxes(inputs), progress)
+    identification.projected(Model::Narx, &family::black_boxes(inputs, problem), progress)
 }
 
 /// What searches again from where another fit ended.

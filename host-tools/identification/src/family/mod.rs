@@ -32,7 +32,7 @@ pub fn of(model: Model, problem: &Problem) -> Vec<AnyFamily> {
         Model::Duhem => vec![Box::new(duhem::Family::new(problem))],
         Model::BoucWen => vec![Box::new(bouc_wen::Family::new(problem))],
         Model::Preisach => preisach::structures(problem),
-        Model::Narx => narx::structures(),
+        Model::Narx => narx::structures(problem),
         Model::GeneralisedPrandtlIshlinskii => generalised_prandtl_ishlinskii::structures(problem),
     }
 }

@@ -7,14 +7,16 @@ use crate::search::Gene;
 use estimator_core::{List, Narx, NarxParameters, Parameters, Published, Recursion};
 use least_squares::{Normal, Sign, Waiting};
 use recordings::session::Session;
+use std::sync::{Arc, OnceLock};
 
 /// One of the structures that are tried.
 pub struct Family {
-    output_order: u8,
-    degree: u8,
-    with_voltage_extremum: bool,
-    with_displacement_extremum: bool,
+    /// Without coefficients.
+    base: NarxParameters,
     ridge: f64,
+    /// Of all ticks of the problem that the structure was laid out for, without a ridge: the dear part of a candidate, and
+    /// the same for every ridge.
+    normal: Arc<OnceLock<Normal>>,
 }
 
 /// What a black box of Table 5.1 looks at.
@@ -29,27 +31,41 @@ pub struct BlackBoxInputs {
 }
 
 /// Those of Table 5.1, of degrees 1 to 3.
-pub fn structures() -> Vec<AnyFamily> {
+pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
     let extrema = [(false, false), (true, false), (true, true)];
     let orders = (1..=3).flat_map(|order| (1..=3).map(move |degree| (order, degree)));
     let all = orders.flat_map(|orders| extrema.map(|extrema| (orders, extrema)));
     all.flat_map(|((output_order, degree), (with_voltage_extremum, with_displacement_extremum))| {
-        of(BlackBoxInputs { output_order, with_voltage_extremum, with_displacement_extremum }, degree)
+        let inputs = BlackBoxInputs { output_order, with_voltage_extremum, with_displacement_extremum };
+        of(inputs, degree, problem)
     })
     .collect()
 }
 
 /// Those with these inputs, of degrees 1 to 3.
-pub fn structures_with(inputs: BlackBoxInputs) -> Vec<AnyFamily> {
-    (1..=3).flat_map(|degree| of(inputs, degree)).collect()
+pub fn structures_with(inputs: BlackBoxInputs, problem: &Problem) -> Vec<AnyFamily> {
+    (1..=3).flat_map(|degree| of(inputs, degree, problem)).collect()
 }
 
-fn of(inputs: BlackBoxInputs, degree: u8) -> [AnyFamily; RIDGES.len()] {
+fn of(inputs: BlackBoxInputs, degree: u8, problem: &Problem) -> [AnyFamily; RIDGES.len()] {
     let BlackBoxInputs { output_order, with_voltage_extremum, with_displacement_extremum } = inputs;
-    RIDGES.map(|ridge| {
-        let family = Family { output_order, degree, with_voltage_extremum, with_displacement_extremum, ridge };
-        Box::new(family) as AnyFamily
-    })
+    let (voltage, stroke) = (problem.training_voltages(), problem.stroke());
+    let base = NarxParameters {
+        output_order,
+        input_order: output_order,
+        degree,
+        with_voltage_extremum,
+        with_displacement_extremum,
+        voltage_centre_v: (0.5 * (voltage.min + voltage.max)) as f32,
+        voltage_scale_v: (0.5 * voltage.span()) as f32,
+        displacement_centre_um: (0.5 * (stroke.min + stroke.max)) as f32,
+        displacement_scale_um: (0.5 * stroke.span()) as f32,
+        deadband_v: problem.deadband as f32,
+        coefficients: List::of([]),
+        limits_um: problem.tight_limits(),
+    };
+    let normal = Arc::default();
+    RIDGES.map(|ridge| Box::new(Family { base, ridge, normal: Arc::clone(&normal) }) as AnyFamily)
 }
 
 /// The regressors of a slow movement are nearly alike, and what predicts one step best is often unstable, or not proven to
@@ -64,31 +80,10 @@ impl super::Family for Family {
     }
 
     fn project(&self, _values: &[f64], problem: &Problem) -> Option<Parameters> {
-        let (voltage, stroke) = (problem.training_voltages(), problem.stroke());
-        let limits = problem.tight_limits();
-        let base = NarxParameters {
-            output_order: self.output_order,
-            input_order: self.output_order,
-            degree: self.degree,
-            with_voltage_extremum: self.with_voltage_extremum,
-            with_displacement_extremum: self.with_displacement_extremum,
-            voltage_centre_v: (0.5 * (voltage.min + voltage.max)) as f32,
-            voltage_scale_v: (0.5 * voltage.span()) as f32,
-            displacement_centre_um: (0.5 * (stroke.min + stroke.max)) as f32,
-            displacement_scale_um: (0.5 * stroke.span()) as f32,
-            deadband_v: problem.deadband as f32,
-            coefficients: List::collect([])?,
-            limits_um: limits,
-        };
-        let model = Narx::<f64>::build(&base, problem.extent().tick);
-        let count = base.count();
-        let mut normal = Normal::new(count).ridge(self.ridge);
-        for session in problem.training() {
-            add(&model, session, &mut normal);
-        }
-        let found = normal.solve(&vec![Sign::Free; count])?;
+        let normal = self.normal.get_or_init(|| normal(&self.base, problem)).clone().ridge(self.ridge);
+        let found = normal.solve(&vec![Sign::Free; normal.columns()])?;
         let coefficients = List::collect(found.iter().map(|&x| x as f32))?;
-        let parameters = NarxParameters { coefficients, ..base };
+        let parameters = NarxParameters { coefficients, ..self.base };
         parameters.check().is_ok().then_some(Parameters::Narx(parameters))
     }
 
@@ -96,6 +91,16 @@ impl super::Family for Family {
         let Parameters::Narx(of) = found else { return 0 };
         of.coefficients.len()
     }
+}
+
+/// The normal equations of one-step prediction over all training sessions.
+fn normal(base: &NarxParameters, problem: &Problem) -> Normal {
+    let model = Narx::<f64>::build(base, problem.extent().tick);
+    let mut normal = Normal::new(base.count());
+    for session in problem.training() {
+        add(&model, session, &mut normal);
+    }
+    normal
 }
 
 /// One row a tick. Between two measurements of a log slower than the tick the displacement is interpolated.
