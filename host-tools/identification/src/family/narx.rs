@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 
 /// One of the structures that are tried.
 pub struct Family {
-    /// Without coefficients.
+    /// Orders, degree, inputs and scales; its coefficients are none yet.
     base: NarxParameters,
     ridge: f64,
     /// Of all ticks of the problem that the structure was laid out for, without a ridge: the dear part of a candidate, and
