@@ -28,9 +28,12 @@ struct Cli {
     verb: Verb,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 a threshold of `validate`, `feedforward` or `prove` was exceeded or a trajectory not met, \
-                          a bit of `pil` or `install` differs, a unit of `collect` has no table, `record` or `train` ended before its time, a part of `learn` failed, or `follow` was stopped by a \
-                          fault or waited for the host; 2 the arguments, a file or the device are wrong: no file is left half-written.";
+const EXIT_CODES: &str = "Exit codes:
+  0  done
+  1  done, and it came out badly: a threshold was exceeded or a trajectory not met (validate, feedforward, prove),
+     a bit differs (pil, install), a unit has no table (collect), it ended before its time (record, train),
+     a part failed (learn), a fault stopped it or it waited for the host (follow)
+  2  not done: the arguments, a file or the device are wrong; no file is left half-written";
 
 // In the order in which a newcomer meets them: logs, a board with a sensor, a board that estimates, its tables, the thesis.
 #[derive(Subcommand)]
