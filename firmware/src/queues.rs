@@ -17,7 +17,7 @@ pub enum Command {
         /// What the displacement of now is called, µm.
         at_um: f32,
     },
-    /// Shift the bias.
+    /// Shift the bias that is added to the estimate.
     ShiftBias {
         /// What is added to the displacement from now on, µm.
         by_um: f32,
@@ -65,7 +65,7 @@ pub struct TickQueues<'q> {
 
 /// The link's ends of the queues.
 pub struct LinkQueues<'q> {
-    /// To the tick.
+    /// Commands on their way to the tick.
     pub commands: Producer<'q, Command>,
     /// To the tick, in [`Mode::Pil`].
     pub fed: Producer<'q, AdcCode>,

@@ -24,7 +24,7 @@ pub struct SetpointCode {
     pub corrected: AdcCode,
 }
 
-/// What is wanted.
+/// The displacement that a set-point's codes ask for.
 #[derive(Clone, Debug)]
 pub struct Setpoint {
     calibration: SetpointCalibration,

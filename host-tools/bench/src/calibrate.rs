@@ -46,7 +46,7 @@ pub enum Stand {
 pub struct Calibrating<'a> {
     /// The link to the device that samples and drives.
     pub client: &'a mut Client,
-    /// Who it is.
+    /// What the device says of itself: board, firmware, tick.
     pub identity: &'a Identity,
     /// Which of its inputs.
     pub channel: Channel,

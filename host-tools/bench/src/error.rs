@@ -68,13 +68,13 @@ pub enum BenchError {
         volts: f32,
         /// What is allowed, V.
         range_v: Range,
-        /// Who allows it.
+        /// What sets that range, for the message: the table, or the board's file.
         of: &'static str,
     },
     /// It would take too long to get there.
     #[error("at half of {slew_v_per_s} V/s, the fastest that is allowed, a ramp would take {seconds:.0} s")]
     SlowRamp {
-        /// How long, s.
+        /// How long the ramp would take, s.
         seconds: f64,
         /// The smaller slew of the table in use and of the board's file, V/s.
         slew_v_per_s: f32,
@@ -109,7 +109,7 @@ pub enum BenchError {
     /// There is something that must not be written over.
     #[error("{}: is there already, from a session before", path.display())]
     Occupied {
-        /// What is there.
+        /// The file or folder that is there.
         path: PathBuf,
     },
     /// The table in use is the straight line's, which is no model.
@@ -134,7 +134,7 @@ pub enum BenchError {
     Stopped {
         /// Ticks that had been done.
         ticks: usize,
-        /// What was wrong.
+        /// The faults that the device reported.
         faults: Faults,
     },
     /// After its restart the device runs another table than was written.

@@ -110,7 +110,7 @@ pub struct Reached {
     pub status: Status,
     /// On how many ticks of the trajectory it was at a limit.
     pub limited: usize,
-    /// Of so many.
+    /// Ticks of the trajectory, all of them.
     pub ticks: usize,
 }
 
@@ -133,7 +133,7 @@ pub struct Met {
     pub after_s: f64,
     /// Mean of |estimate − wanted| over all of it that counts, µm.
     pub mae_um: f64,
-    /// The largest, µm.
+    /// The largest |estimate − wanted| of what counts, µm.
     pub max_um: f64,
 }
 

@@ -44,7 +44,7 @@ pub struct Proof<'a> {
     pub up_to_hz: f64,
     /// Length of the random voltage with its way there and back, s.
     pub duration_s: f64,
-    /// Draws the voltage.
+    /// Seed of the random voltage.
     pub seed: u64,
     /// The mean absolute error that passes, % of the stroke, where another than [`MOST_PERCENT`](crate::verdict::MOST_PERCENT)
     /// does; it must be said where the table has no interval.
@@ -145,7 +145,7 @@ struct Plan {
     limits: DriveLimits,
     /// The voltages before the zero, from rest to rest.
     lead_in: Vec<f32>,
-    /// Those after it.
+    /// The random voltages after the zero, V.
     random: Vec<f32>,
 }
 

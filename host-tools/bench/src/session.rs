@@ -41,9 +41,9 @@ pub struct Session {
     pub seed: u64,
     /// The board's tick, µs.
     pub tick_us: u32,
-    /// To be learnt from.
+    /// Logs to learn from.
     pub logs: Vec<PathBuf>,
-    /// To prove with.
+    /// Logs to prove a table with.
     pub held_out: Vec<PathBuf>,
     /// A program still writes it.
     pub recorded: bool,

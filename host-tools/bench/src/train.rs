@@ -34,7 +34,7 @@ pub struct Training<'a> {
 /// A log that was written.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Written {
-    /// Where it stands.
+    /// The log's file.
     pub log: PathBuf,
     /// What of the actuator it shows, for people.
     pub what: &'static str,

@@ -26,9 +26,9 @@ pub enum WiringError {
     /// Something is not said.
     #[error("it does not say {field}, {what}")]
     Missing {
-        /// What is missing.
+        /// The field of `board.toml` that is missing.
         field: &'static str,
-        /// What that is.
+        /// What the field says of the bench, for the message.
         what: &'static str,
     },
     /// The numbers do not fit each other.

@@ -53,7 +53,7 @@ pub struct Row {
 /// The straight line through the training logs.
 #[derive(Clone, Debug, Serialize)]
 pub struct StraightLineErrors {
-    /// Its gain, µm/V.
+    /// The line's gain, µm/V.
     pub gain_um_per_v: f64,
     /// Its displacement at 0 V, µm.
     pub offset_um: f64,

@@ -9,7 +9,7 @@ pub enum LinkError {
     /// The port cannot be opened.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// The port broke.
+    /// Reading or writing the port failed, as when a cable is pulled.
     #[error("{port}: the link broke: {error}; is the cable still in, the board powered, the emulator running?")]
     Broken {
         /// Address of the device.
@@ -40,7 +40,7 @@ pub enum LinkError {
         /// Address of the device.
         port: Address,
     },
-    /// The device refuses.
+    /// The device refuses what it was asked for, and says why.
     #[error("{port}: the device refuses: {refusal}")]
     Refused {
         /// Address of the device.

@@ -79,7 +79,7 @@ pub enum PortError {
     /// More than one board is plugged in.
     #[error("{} boards are plugged in, with the ST-Links {}", boards.len(), serials(.boards))]
     Several {
-        /// All of them.
+        /// The boards that are plugged in, all of them.
         boards: Vec<Plugged>,
     },
     /// There is none of that name.
@@ -87,7 +87,7 @@ pub enum PortError {
     Missing {
         /// Name of the port.
         port: String,
-        /// Those there are.
+        /// The ports that there are, for the message.
         there: Vec<String>,
     },
     /// Somebody else has it.
@@ -112,7 +112,7 @@ pub enum PortError {
         port: String,
         /// What the operating system says.
         reason: String,
-        /// Those there are.
+        /// The ports that there are, for the message.
         there: Vec<String>,
     },
     /// No program listens there.

@@ -12,7 +12,7 @@ pub enum RunningTableError {
     /// The link fails.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// It has none.
+    /// The device has no table to run.
     #[error("the device has no table to estimate with")]
     None,
     /// Its table is of another format, or damaged.

@@ -8,7 +8,7 @@ use std::num::NonZeroU8;
 /// How a frame of samples stands to the one before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Continuity {
-    /// At its end.
+    /// The frame begins where the one before ended.
     Contiguous,
     /// So many ticks later.
     Gap(u32),

@@ -44,7 +44,7 @@ impl Source {
 pub struct InputStage {
     /// The resistors before the follower.
     pub divider: Divider,
-    /// What they read.
+    /// The signal that they divide.
     pub source: Source,
     /// Lowest and highest voltage of that, V.
     pub ends_v: (f64, f64),

@@ -32,7 +32,7 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// Of a divider.
+    /// How well the converter's sampling settles behind this divider.
     pub fn of(divider: &Divider) -> Self {
         let (ohms, farads) = FILTER;
         let time_s = CLOCKS / CLOCK_HZ;

@@ -42,7 +42,7 @@ pub enum ExcitationError {
     /// The rest lies outside.
     #[error("the rest at {rest_v} V does not lie within {min_v} … {max_v} V")]
     Rest {
-        /// The rest, V.
+        /// The voltage at rest that was asked for, V.
         rest_v: f64,
         /// The lower end, V.
         min_v: f64,
@@ -54,7 +54,7 @@ pub enum ExcitationError {
     NotPositive {
         /// Which number it is.
         what: &'static str,
-        /// What it is.
+        /// The number that was given.
         value: f64,
     },
     /// The highest frequency has too few ticks in a period.
@@ -62,7 +62,7 @@ pub enum ExcitationError {
     TooFast {
         /// What was asked for, Hz.
         up_to_hz: f64,
-        /// The tick, s.
+        /// The board's tick, s.
         tick_s: f64,
         /// The highest frequency that can be played, Hz.
         most_hz: f64,

@@ -48,7 +48,7 @@ impl Asked {
     }
 }
 
-/// Of some bytes.
+/// SHA-256 of some bytes, in hexadecimal.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     in_words(Sha256::new_with_prefix(bytes))
 }

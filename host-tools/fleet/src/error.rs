@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// What is wrong with a unit's file, or with its name.
 #[derive(Debug, thiserror::Error)]
 pub enum UnitError {
-    /// There is none.
+    /// The folder holds no `unit.json`.
     #[error("{}: has no unit.json", folder.display())]
     Missing {
         /// The folder that was to hold it.
@@ -52,7 +52,7 @@ pub enum UnitError {
          `- = + @`"
     )]
     Name {
-        /// What was given.
+        /// The text that was given as a unit's name.
         name: String,
         /// Characters that it may have.
         longest: usize,

@@ -16,7 +16,7 @@ const NORMAL: f64 = 1.4826;
 /// What is within this factor of the median is like it.
 const ALIKE: f64 = 1.2;
 
-/// What is compared.
+/// What of a unit's table is compared with the fleet's median.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {

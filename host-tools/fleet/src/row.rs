@@ -16,7 +16,7 @@ pub const CSV: &str = "unit,folder,status,";
 pub enum State {
     /// It has a table.
     Identified,
-    /// It has none.
+    /// Its run has ended without a table.
     Failed,
     /// Its run has not ended: it holds the folder.
     Running,
@@ -47,9 +47,9 @@ impl fmt::Display for State {
 pub struct Row {
     /// The unit; of a folder that does not say it, the folder's name.
     pub unit: String,
-    /// Where it is.
+    /// The folder that the unit's files are in.
     pub folder: String,
-    /// How it is.
+    /// Whether it has a table, has failed or still runs.
     pub status: State,
     /// The chosen model.
     pub model: Option<Model>,

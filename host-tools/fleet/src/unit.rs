@@ -70,7 +70,7 @@ pub struct Unit {
     pub unit: UnitName,
     /// Which program wrote it.
     pub tool: String,
-    /// How it ended.
+    /// How the run ended, and what it has found.
     #[serde(flatten)]
     pub ended: Ended,
 }
@@ -83,7 +83,7 @@ pub enum Ended {
     Begun,
     /// There is a table.
     Identified(Box<Identified>),
-    /// There is none.
+    /// The run ended without a table.
     Failed {
         /// The program's exit code.
         exit_code: u8,
@@ -105,14 +105,14 @@ pub struct Identified {
     pub seconds: f64,
     /// What it was made from.
     pub asked: Asked,
-    /// What was found.
+    /// The model, its errors and its doubts.
     #[serde(flatten)]
     pub found: Found,
     /// The files beside this one, by name, with their SHA-256.
     pub files: BTreeMap<String, String>,
 }
 
-/// What was found.
+/// The model, its errors and its doubts.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Found {
     /// The chosen model.

@@ -18,7 +18,7 @@ pub enum Doubt {
     RunsAhead {
         /// Name of the log.
         log: String,
-        /// By how much.
+        /// By how much the displacement is early.
         #[serde(flatten)]
         by: Ahead,
     },
@@ -26,7 +26,7 @@ pub enum Doubt {
     AtBound {
         /// Name of the coordinate.
         gene: &'static str,
-        /// Where it ended.
+        /// The value that the search ended at.
         value: f64,
     },
     /// The model does not describe the logs.

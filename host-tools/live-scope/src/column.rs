@@ -5,7 +5,7 @@
 
 use crate::feed::Tick;
 
-/// Least and largest.
+/// The least and the largest value of a quantity in a column.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Extent {
     /// The smallest value of the column's ticks.

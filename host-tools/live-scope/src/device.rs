@@ -12,7 +12,7 @@ use protocol::Identity;
 pub struct Device {
     /// The link to it.
     pub client: Client,
-    /// Who it is.
+    /// What the device says of itself: board, firmware, tick.
     pub identity: Identity,
     /// The table that it runs.
     pub table: Admitted,

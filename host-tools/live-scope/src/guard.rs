@@ -11,7 +11,7 @@ use std::net::IpAddr;
 /// Characters of the secret part of the address.
 const SECRET: usize = 32;
 
-/// What is ours.
+/// Tells the page's own requests from those of other pages and hosts, by host, origin and a secret in the address.
 #[derive(Clone, Debug)]
 pub struct Guard {
     secret: String,

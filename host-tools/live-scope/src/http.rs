@@ -37,13 +37,13 @@ pub struct Request {
 pub enum Status {
     /// It is no request.
     Bad,
-    /// Somebody else asks.
+    /// 403: the request is not the page's own.
     Forbidden,
-    /// There is nothing.
+    /// 404: there is nothing at this path.
     NotFound,
     /// It cannot be done now.
     Conflict,
-    /// Too many ask.
+    /// 503: as many connections are open as are served.
     Busy,
     /// What was asked for was done, or follows.
     Ok,

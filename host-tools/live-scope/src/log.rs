@@ -14,7 +14,7 @@ const MOST: u32 = 100_000;
 /// A recording under way. Dropped, it leaves nothing; killed, what it has by then (`recording-1.csv.partial`).
 pub struct Log {
     path: PathBuf,
-    /// Of its name.
+    /// The number in the file's name.
     number: u32,
     recorder: Recorder<BufWriter<Disk>>,
     tick_us: u32,

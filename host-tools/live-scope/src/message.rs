@@ -3,7 +3,7 @@
 use crate::column::{Column, Extent};
 use serde::Serialize;
 
-/// Who is shown.
+/// The board, its table and the names of what is drawn; sent once.
 #[derive(Serialize)]
 pub struct Facts {
     /// Of the board, in a line.
@@ -57,7 +57,7 @@ impl Columns {
     }
 }
 
-/// How it is.
+/// The device's status in words, and what the page may ask for now.
 #[derive(Default, Serialize)]
 pub struct State {
     /// Why there is nothing to be seen, where there is not.
@@ -93,9 +93,9 @@ pub struct State {
 /// What is so, and what to do about it.
 #[derive(Serialize)]
 pub struct Words {
-    /// What is so.
+    /// What the status bit or fault means.
     pub what: &'static str,
-    /// What to do.
+    /// What the user can do about it.
     pub remedy: &'static str,
     /// Whether it is a fault of the device, or of the estimate.
     pub fault: bool,

@@ -61,7 +61,7 @@ pub enum Wish {
 
 /// A wish, and who waits for what becomes of it.
 pub struct Asked {
-    /// What is wished.
+    /// What the page asks the device for.
     pub wish: Wish,
     /// When it was wished.
     at: Instant,

@@ -57,7 +57,7 @@ impl Subscribers {
         inner.send_state(name, json);
     }
 
-    /// Lets all go.
+    /// Ends the connections of all pages.
     pub fn close(&self) {
         self.inner().pages.clear();
     }

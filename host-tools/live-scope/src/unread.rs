@@ -56,7 +56,7 @@ impl Drop for Place<'_> {
 
 /// Reads a connection until a time, however its bytes come.
 pub struct Until<'s> {
-    /// What is read.
+    /// The connection that is read.
     pub stream: &'s TcpStream,
     /// When it must have come.
     pub end: Instant,

@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Clock {
     /// Rows a second, by the time stamps without their gaps, or as stated; NaN of a single row, and where the stamps do not advance.
     pub hz: f64,
-    /// Who says so.
+    /// Whether time stamps, the file or the user say the rate.
     pub source: RateSource,
     /// Smallest and largest step from a time stamp to the next, s, where a column holds them.
     pub steps_s: Option<(f64, f64)>,

@@ -34,7 +34,7 @@ pub enum Flaw {
         /// The rows that it takes.
         #[serde(flatten)]
         at: Stretch,
-        /// How far, µm.
+        /// How far the displacement leaps, µm.
         leap_um: f64,
         /// It leaps back; else it is where the log begins or ends.
         back: bool,
@@ -61,12 +61,12 @@ pub enum Flaw {
         /// The rows that it takes.
         #[serde(flatten)]
         at: Stretch,
-        /// How far, V.
+        /// How far the voltage leaps, V.
         leap_v: f64,
     },
     /// Both leap together from one row to the next as nowhere near, and go on as before: samples may be missing between.
     Missing {
-        /// The two rows.
+        /// The two rows between which they leap.
         #[serde(flatten)]
         at: Stretch,
         /// How far the voltage leaps, V.
@@ -91,7 +91,7 @@ const MOVES: f64 = 0.05;
 const COARSE: f64 = 0.02;
 
 impl Flaw {
-    /// Where it is.
+    /// The rows that the flaw takes.
     pub fn at(&self) -> Stretch {
         match *self {
             Self::Spike { at, .. }

@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct Implausible {
     /// The displacement's span, µm.
     pub stroke_um: f64,
-    /// The voltage's, V.
+    /// The voltage's span, V.
     pub span_v: f64,
 }
 

@@ -55,7 +55,7 @@ pub fn descend(search: &mut Search<'_>, quadratic: Quadratics<'_>) -> bool {
 
 /// A damped step.
 struct Step {
-    /// Where it leads.
+    /// The point that the step leads to.
     to: Vec<f64>,
     /// What the model says that it gains.
     gain: f64,

@@ -61,7 +61,7 @@ pub struct Plant {
     pub lag_s: f64,
     /// Fastest change of the amplifier's voltage, V/s.
     pub slew_v_per_s: Option<f64>,
-    /// Of the mechanics.
+    /// Resonance of the mechanics, where there is one.
     pub resonance: Option<Resonance>,
     /// Voltage reading and sensor.
     pub instruments: Instruments,

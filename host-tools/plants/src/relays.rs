@@ -52,7 +52,7 @@ pub struct Relays {
     following: usize,
     resting: f64,
     rises: bool,
-    /// The voltage before.
+    /// The voltage of the step before, in units of the full voltage.
     u: f64,
     /// Of each half-width, the integral of the density from 0 to the knots.
     integrals: Vec<[f64; KNOTS]>,

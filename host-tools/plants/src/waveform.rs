@@ -32,9 +32,9 @@ pub enum Waveform {
     AmplitudeModulated {
         /// Amplitude where it has swollen most, V.
         amplitude: f64,
-        /// Of the carrier.
+        /// Frequency of the carrier, Hz.
         hertz: f64,
-        /// Of the swelling.
+        /// Frequency at which the amplitude swells, Hz.
         swell_hz: f64,
     },
     /// Steps from 0 up to the amplitude, down to its negative and back, each held.
@@ -77,7 +77,7 @@ pub enum Waveform {
     },
     /// A jump from 0 V to a voltage, which then stands.
     Step {
-        /// To which voltage.
+        /// The voltage that it jumps to, V.
         amplitude: f64,
         /// Time of the jump, s.
         at_s: f64,

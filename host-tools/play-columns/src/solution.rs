@@ -6,11 +6,11 @@ use crate::columns::{COLUMNS, Stages};
 use crate::course::Course;
 use recordings::session::Session;
 
-/// What was found.
+/// The weights that fit the sessions best, for one shape of the plays.
 pub struct Solution {
     /// Coefficients of the functions of the reversible part, at least 0, µm.
     pub reversible: Vec<f64>,
-    /// Of the envelope.
+    /// Coefficients of the functions of the envelope, at least 0, µm.
     pub envelope: Vec<f64>,
     /// Mean of the sessions' constants, µm.
     pub offset: f64,

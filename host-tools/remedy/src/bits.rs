@@ -7,9 +7,9 @@ use protocol::Faults;
 /// What a bit means.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Meaning {
-    /// What is so.
+    /// What the bit says of the device or the estimate.
     pub what: &'static str,
-    /// What to do.
+    /// What the user can do about it.
     pub remedy: &'static str,
 }
 

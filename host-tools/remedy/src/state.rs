@@ -11,9 +11,9 @@ use protocol::{Faults, Health, Identity, Mode, VERSION};
 /// All that is known of a device.
 #[derive(Debug)]
 pub struct Known {
-    /// Who it is.
+    /// What the device says of itself: board, firmware, tick.
     pub identity: Identity,
-    /// How it is.
+    /// Its counters, faults, mode and cycles.
     pub health: Health,
     /// The table in use and its checksum.
     pub table: Option<(Result<Admitted, TableError>, String)>,

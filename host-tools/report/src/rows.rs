@@ -99,7 +99,7 @@ pub fn sentence(log: &Comparison) -> String {
 pub struct GeneRow {
     /// Name of the gene.
     pub name: &'static str,
-    /// What it is.
+    /// What the gene stands for in the model.
     pub meaning: &'static str,
     /// Where the best lies.
     pub value: String,

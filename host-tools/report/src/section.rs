@@ -40,7 +40,7 @@ struct Column {
 pub struct Picture {
     /// The picture as inline SVG.
     pub svg: String,
-    /// What it shows.
+    /// What the picture shows, for its caption.
     pub name: String,
     /// "held out", "training" or nothing.
     pub role: &'static str,

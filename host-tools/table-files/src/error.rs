@@ -21,7 +21,7 @@ pub enum TableFileError {
     NoTable {
         /// The file that was to be read.
         path: PathBuf,
-        /// Where and why.
+        /// The place in the file, and why it cannot be read.
         error: Box<toml::de::Error>,
     },
     /// The table in a file is of an earlier version, which had not yet every number that is needed.
@@ -29,7 +29,7 @@ pub enum TableFileError {
     Earlier {
         /// The file that was to be read.
         path: PathBuf,
-        /// What it lacks.
+        /// The number that the table lacks.
         field: &'static str,
         /// The logs that it was made from and judged on; empty where the file names none that can be read.
         logs: Vec<LogUse>,
@@ -53,7 +53,7 @@ pub enum TableFileError {
     NotFinite {
         /// The file that was to be read.
         path: PathBuf,
-        /// Where, as `logs.0.from_s`.
+        /// The number's place in the file, as `logs.0.from_s`.
         field: String,
     },
     /// The table.toml beside a table.bin cannot be read, which alone says the doubts.
@@ -91,7 +91,7 @@ pub struct OtherFace {
     pub named: PathBuf,
     /// The checksum of its table's record, in words.
     pub own: String,
-    /// The other face.
+    /// The other face of the table, beside it.
     pub beside: PathBuf,
     /// The checksum of its table's record, in words; `None` where that is refused.
     pub its: Option<String>,

@@ -57,7 +57,7 @@ struct BesideLine<'a, R> {
 }
 
 impl Attempt {
-    /// What was found.
+    /// The candidate that was found; `None` where none is admissible.
     pub fn candidate(&self) -> Option<&Candidate> {
         self.result.as_ref().ok()
     }

@@ -57,11 +57,11 @@ pub enum ScopeError {
     Outside {
         /// The bound that lies outside.
         bound: Bound,
-        /// The time, s.
+        /// The time that was asked for, s.
         at_s: f64,
         /// First instant that is used, s.
         begins_s: f64,
-        /// Last one, s.
+        /// Last instant that is used, s.
         ends_s: f64,
     },
     /// The part ends before it begins, or before the zero.
@@ -71,10 +71,10 @@ pub enum ScopeError {
         bound: Bound,
         /// When that is, s.
         at_s: f64,
-        /// Its end, s.
+        /// The end that was asked for, s.
         to_s: f64,
     },
-    /// Hardly a reading.
+    /// Too few readings would be scored.
     #[error("only {left} measured instants would be scored; at least {FEWEST} are needed")]
     TooFew {
         /// How many samples are left.
@@ -88,7 +88,7 @@ pub enum ScopeError {
 /// A scope on a session: indices of the measured instants after the first.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Part {
-    /// What is scored.
+    /// The instants that are scored.
     pub scored: Range<usize>,
     /// Where the error is averaged that the estimate is zeroed by, from its end on.
     pub zero: Option<Range<usize>>,

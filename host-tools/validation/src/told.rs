@@ -134,7 +134,7 @@ impl ToldFigures {
 pub(crate) struct Correction {
     /// Instants from which on something is taken off, and how much, µm; in the order of time.
     steps: Vec<(usize, f64)>,
-    /// What is scored.
+    /// The instants that are scored.
     pub scored: Range<usize>,
 }
 

@@ -18,7 +18,7 @@ const INTERVALS: u32 = KNOTS as u32 - 1;
 pub struct Knots {
     /// Voltage of the first, V.
     first: f64,
-    /// Between two, V.
+    /// Distance from one knot to the next, V.
     step: f64,
 }
 

@@ -105,7 +105,7 @@ impl Contents {
 pub enum Tear {
     /// Nothing has changed yet.
     Before,
-    /// It is complete.
+    /// The operation is complete.
     After,
     /// Something in between, by this seed: a program's double word is torn, an erase's are old, erased or torn.
     Midst(u64),

@@ -29,7 +29,7 @@ pub struct Cpu {
     pub chip: Chip,
     pub pc: u32,
     pub asleep: bool,
-    /// The newest last.
+    /// The exceptions that are being handled, the newest last.
     pub handlers: Vec<Handler>,
 }
 

@@ -53,7 +53,7 @@ pub struct Bench {
 
 /// What the core is to do.
 pub enum Look {
-    /// The next instruction.
+    /// Execute the next instruction.
     Go,
     /// Nothing: the run ends.
     Stop,

@@ -80,9 +80,9 @@ pub enum FlashKind {
 /// An erase or program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FlashOperation {
-    /// When it began.
+    /// When the operation began, clocks.
     pub clock: u64,
-    /// Which it is.
+    /// Whether it erases or programs.
     pub kind: FlashKind,
     /// The first byte changed.
     pub address: u32,

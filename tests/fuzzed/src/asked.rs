@@ -59,7 +59,7 @@ pub enum Asked {
     },
 }
 
-/// So many numbers.
+/// At most 64 numbers, each a step after the one before.
 fn steps(from: f32, step: f32, count: u8) -> impl Iterator<Item = f32> {
     (0..count % 65).map(move |k| from + step * f32::from(k))
 }

@@ -51,7 +51,7 @@ enum Step {
     },
 }
 
-/// The host's end.
+/// The host's end of the link, with what it knows of the device.
 struct Host<'a> {
     tables: &'a [Admitted],
     chip: &'a RefCell<Chip>,

@@ -11,9 +11,9 @@ const CLOSE: &str = "<!-- /figures -->";
 
 /// A text with figures in it.
 pub struct Document {
-    /// Where it is.
+    /// The document's file.
     pub path: PathBuf,
-    /// All of it.
+    /// The document's whole text.
     pub text: String,
 }
 

@@ -80,7 +80,7 @@ impl Published for PreisachParameters {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Preisach<T> {
     lower: f32,
-    /// Cells per V.
+    /// Cells of the grid in a volt.
     scale: f32,
     offset: T,
     everett: Everett<T>,

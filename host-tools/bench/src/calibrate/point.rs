@@ -9,9 +9,9 @@ const APART: f64 = 0.1;
 /// An instrument's reading and the codes that belong to it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Point {
-    /// V, or µm.
+    /// What the instrument shows: V of a voltage, µm of a sensor.
     pub reading: f64,
-    /// The channel meanwhile.
+    /// The mean code of the channel while the instrument showed that.
     pub channel: Averaged,
     /// The DAC's code meanwhile, where the board drove the amplifier there.
     pub dac: Option<f64>,

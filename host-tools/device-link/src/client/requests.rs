@@ -32,7 +32,7 @@ impl Client {
         }
     }
 
-    /// How is it?
+    /// Asks for counters, faults, mode and cycles: what the device says of how it is.
     pub fn health(&mut self) -> Result<Health, LinkError> {
         match self.request(Request::Health)? {
             Reply::Health(mut health) => {
@@ -51,7 +51,7 @@ impl Client {
         }
     }
 
-    /// Stores a record.
+    /// Has a table's record stored; the device uses it from its next start on.
     pub fn push(&mut self, record: Record, consent: WriteConsent) -> Result<(), LinkError> {
         let WriteConsent { while_estimating, rewired } = consent;
         self.done(Request::Push { record, while_estimating, rewired })

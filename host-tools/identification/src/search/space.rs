@@ -53,7 +53,7 @@ pub struct Extent {
 /// Genes of a model in a search space.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Space {
-    /// Of which model.
+    /// The model whose parameters are searched.
     pub model: Model,
     /// What is varied.
     pub genes: Vec<Gene>,

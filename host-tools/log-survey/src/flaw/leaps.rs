@@ -26,7 +26,7 @@ pub fn least_leap(values: &[f64], range: f64) -> f64 {
 pub(crate) struct Explained {
     /// In the first rows.
     pub start_um: f64,
-    /// In the last.
+    /// In the last rows.
     pub end_um: f64,
 }
 

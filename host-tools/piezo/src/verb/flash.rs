@@ -60,7 +60,7 @@ fn address(text: &str) -> Result<u32, String> {
 /// What goes into the parameter pages.
 struct Content<'f> {
     bytes: Vec<u8>,
-    /// Of the table.
+    /// The doubts about the table, in words.
     doubts: Vec<String>,
     /// What they leave to be answered.
     doubted: Doubts<'f>,

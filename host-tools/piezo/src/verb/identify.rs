@@ -112,7 +112,7 @@ fn of_no_unit(path: &Path) -> Result<()> {
     }
 }
 
-/// What is read.
+/// The files that the command reads.
 fn inputs(arguments: &Identify) -> Vec<&Path> {
     arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on).map(PathBuf::as_path).collect()
 }

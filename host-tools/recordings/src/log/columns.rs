@@ -36,7 +36,7 @@ pub struct Column {
 /// How a column is named.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Position {
-    /// Counted from 1.
+    /// The column's number, counted from 1.
     Number(usize),
     /// A header name, with or without its unit, in any case.
     Name(String),

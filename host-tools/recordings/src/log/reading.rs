@@ -37,7 +37,7 @@ pub struct Row {
 /// A column that was chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chosen {
-    /// What it holds.
+    /// The quantity that the column holds.
     pub quantity: Quantity,
     /// Its number, counted from 1.
     pub number: usize,

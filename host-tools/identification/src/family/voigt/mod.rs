@@ -13,11 +13,11 @@ use estimator_core::{Parameters, VoigtParameters};
 
 /// A model of the family.
 pub struct Family<'a> {
-    /// What is searched.
+    /// The coordinates that are searched, and their ranges.
     pub space: &'a Space,
     /// Candidates to start from, in gene values.
     pub seeds: &'a [Vec<f64>],
-    /// What costs them.
+    /// What computes the candidates' costs.
     pub kernel: &'a Kernel<'a>,
 }
 
