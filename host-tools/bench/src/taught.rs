@@ -24,6 +24,7 @@ pub fn taught(wiring: &Wiring, drive: &Drive) -> Result<Result<Determination, Un
     // Each segment begins where the one before ended, at rest, and the actuator remembers.
     let mut plant = emulated(wiring, Kind::Relays(Density::Gaussian), 1).connected();
     let played: Vec<Log> = drive.segments.iter().map(|segment| log(wiring, segment, &mut plant)).collect();
+    let slew = wiring.drive().limits.slew_v_per_s;
     let learnt = drive.segments.iter().zip(played).filter(|(segment, _)| !segment.held_out);
     let job = Job {
         training: learnt.map(|(_, log)| log).collect(),
@@ -33,7 +34,7 @@ pub fn taught(wiring: &Wiring, drive: &Drive) -> Result<Result<Determination, Un
         prepare: PrepareOptions { tick_us: TICK_US, ..PrepareOptions::default() },
         model: ModelChoice::Is(Model::GeneralisedPrandtlIshlinskii),
         conditions: Conditions::default(),
-        calibration: CalibrationOptions::default(),
+        calibration: CalibrationOptions { amplifier_slew: Some(slew.into()), ..CalibrationOptions::default() },
         cost: Cost::from(Feedback::Simulation),
         search: SearchOptions { evaluations: EVALUATIONS, ..SearchOptions::DEFAULT },
     };

@@ -47,7 +47,7 @@ pub fn taught(of: &Determination) -> Vec<(String, String)> {
         let told = match found.told {
             Told::Well => known,
             Told::Partly | Told::Not => format!("{known}; longer (--minutes) narrows it"),
-            Told::Slower => "not told: nothing goes as far that fast (--up-to, and the slew limit)".to_owned(),
+            Told::Slower => "not told: nothing goes as far that fast; faster (--up-to) does".to_owned(),
             Told::Restless => "not told: no step is held as long; longer (--minutes) does".to_owned(),
         };
         (words(found.experiment).0, told)

@@ -44,6 +44,11 @@ impl Experiment {
         }
     }
 
+    /// How fast a loop's voltage is at most, V/s, over a range of this span; 0 of what is not read off a loop.
+    pub(crate) fn steepest(self, span: f64) -> f64 {
+        self.swing(span).map_or(0.0, |(swing_v, period_s)| PI * swing_v / period_s)
+    }
+
     /// From when to when after a move its voltage rests, s; `None` of one that does not.
     pub(crate) fn rest_s(self) -> Option<(f64, f64)> {
         (self == Self::Creep).then_some((FROM_S, TO_S))

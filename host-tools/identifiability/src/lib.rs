@@ -121,11 +121,13 @@ pub enum Unknown {
     Unstable,
 }
 
-/// What the training sessions determine of a table that was identified from them.
+/// What the training sessions determine of a table that was identified from them. An experiment that is too fast for the amplifier, as far
+/// as the table says how fast it is, is none: its answer could be neither recorded nor needed.
 ///
 /// # Errors
 /// Why that is not known.
 pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determination, Unknown> {
+    let fastest = fastest(table);
     let table = with_widest_limits(table).ok_or(Unknown::Held)?;
     let judged: Vec<Judged> = sessions.iter().map(|session| Judged::of(&table, session)).collect();
     let readings: usize = judged.iter().map(|judged| judged.errors.len()).sum();
@@ -144,7 +146,8 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
         return Err(if held > 0 { Unknown::Held } else { Unknown::NoNumber });
     }
     let every = readings.div_ceil(READINGS);
-    let experiments = Experiment::all();
+    let mut experiments = Experiment::all().to_vec();
+    experiments.retain(|experiment| experiment.steepest(voltages.span()) <= fastest);
     let before: Vec<f64> = experiments.iter().map(|experiment| experiment.run(&table, voltages)).collect();
     let weights: Vec<Vec<f64>> = judged.iter().map(|judged| judged.weights(every, QUIET * mae_um)).collect();
     // Of each number the change of the readings, each by its weight, and of the experiments' results, for as much as itself.
@@ -205,6 +208,12 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
         condition: (eigenvalues.max() / eigenvalues.min()).abs().sqrt().min(WORST_CONDITION),
         found: found.collect(),
     })
+}
+
+/// How fast the amplifier can be at most, V/s, by the slew limit of the drive or what is stated of the amplifier; infinite where nothing is.
+fn fastest(table: &Table) -> f64 {
+    let stated = [table.drive.map(|drive| drive.limits.slew_v_per_s), table.amplifier_slew_v_per_s];
+    stated.into_iter().flatten().map(f64::from).fold(f64::INFINITY, f64::min)
 }
 
 /// The table without interval and drive, which have no part in it, and with the widest limits that it is admitted with, since limits must

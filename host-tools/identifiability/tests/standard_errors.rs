@@ -97,6 +97,24 @@ fn what_was_recorded_is_known_and_what_was_not_is_not() {
     assert!(hardly.found.iter().any(|found| found.experiment == HALF && found.told == Told::Not), "{hardly:#?}");
 }
 
+#[test]
+fn nothing_is_asked_for_that_the_amplifier_is_too_slow_for() {
+    let major = [session(&sines(1.0, 1.0, 6), 0.02)];
+    let asked = |slew: Option<f32>| {
+        let table = Table { amplifier_slew_v_per_s: slew, ..*table() }.admit().unwrap();
+        let found = determination(&table, &[&major[0]]).unwrap().found;
+        [FAST, FULL, HALF].map(|experiment| found.iter().any(|found| found.experiment == experiment))
+    };
+    // A sine of 10 Hz over 3.6 V is 113 V/s steep.
+    assert_eq!(asked(Some(120.0)), asked(None));
+    assert_eq!(asked(Some(100.0)), [false, true, true]);
+    let stroke = determination(&Table { amplifier_slew_v_per_s: Some(1.0), ..*table() }.admit().unwrap(), &[&major[0]]);
+    assert_eq!(
+        stroke.unwrap().found.iter().map(|found| found.experiment).collect::<Vec<_>>(),
+        [Experiment::Stroke, Experiment::Creep]
+    );
+}
+
 /// How far apart the branches of the last sine of a session's displacement are at its middle voltage, µm.
 fn width_in_log(session: &Session, period: usize) -> f64 {
     let last = &session.displacement[session.displacement.len() - period..];
