@@ -13,7 +13,9 @@
 //! Σ_t a_t·exp(−t/T_t), one for each element of creep. Their sizes are solved for, under a prior that is narrow and has wide
 //! tails (Cauchy's): most such sessions begin at rest and have none, and where one has, they are large.
 
+use crate::basis::FUNCTIONS;
 use crate::course::Course;
+use crate::priors::{Bend, Prior, bends};
 use crate::{CREEP_TIMES, WORTH};
 use least_squares::{Normal, Sign, Waiting};
 use nalgebra::{DMatrix, DVector};
@@ -33,19 +35,6 @@ const LONG: f64 = 5.0;
 const LEAST: f64 = 1e-4;
 /// A ridge that is nothing but for columns that are alike.
 const RIDGE: f64 = 1e-9;
-
-/// What a coefficient is drawn towards.
-#[derive(Clone, Copy)]
-pub struct Prior {
-    /// Index of its column among the sessions' common ones.
-    pub column: usize,
-    /// The value that it is drawn towards.
-    pub towards: f64,
-    /// How far it may be from there, a standard deviation.
-    pub within: f64,
-    /// What the draw weighs beside a session.
-    pub weight: f64,
-}
 
 /// Coefficients under the blocks' own noises.
 pub struct Balanced {
@@ -75,6 +64,8 @@ impl Balanced {
 /// The starts and the rests of some sessions.
 pub struct Blocks {
     common: usize,
+    /// So many functions of [`FUNCTIONS`] coefficients each are the first of the common columns.
+    functions: usize,
     /// Of the sessions' strokes, µm.
     stroke: f64,
     /// Time constants, in ticks, of the decays that each session begins with.
@@ -104,10 +95,12 @@ impl Rows<'_> {
 }
 
 impl Blocks {
-    /// For sessions that have so many columns in common, beside those that each has for itself, and a stroke (µm).
-    pub fn new(common: usize, sessions: &[(&Session, &Course)], stroke: f64) -> Self {
+    /// For sessions that have the columns of so many functions and so many others in common, beside those that each has for itself, and a
+    /// stroke (µm).
+    pub fn new(functions: usize, others: usize, sessions: &[(&Session, &Course)], stroke: f64) -> Self {
+        let common = functions * FUNCTIONS + others;
         let decays = sessions.iter().map(|(session, course)| if course.at_rest { Vec::new() } else { decays(session) });
-        Self { common, stroke, decays: decays.collect(), blocks: Vec::new() }
+        Self { common, functions, stroke, decays: decays.collect(), blocks: Vec::new() }
     }
 
     /// Where the readings of a session go, by its number.
@@ -139,8 +132,9 @@ impl Blocks {
             // At first the weights are no noises yet.
             let within = |column| if turn > 1 { scale.hypot(balanced.coefficients[column]) } else { scale };
             let decays = (self.common + sessions..columns).map(|column| draw(column, within(column)));
-            for prior in decays.chain(priors.iter().copied()).filter(|_| turn > 0) {
-                add(&mut normal, prior);
+            if turn > 0 {
+                decays.chain(priors.iter().copied()).for_each(|prior| prior.add(&mut normal));
+                self.bends().for_each(|bend| bend.add(&mut normal));
             }
             balanced.coefficients = normal.solve(&signs)?;
             errors = self.errors(&balanced.coefficients);
@@ -153,7 +147,9 @@ impl Blocks {
         let logarithms = self.blocks.iter().zip(&errors).map(|(block, error)| block.share * libm::log(*error));
         let decays = balanced.coefficients.iter().skip(self.common + sessions);
         let unlikely = decays.map(|decay| libm::log1p((decay / scale) * (decay / scale)));
-        balanced.total = logarithms.sum::<f64>() / shares + 2.0 / WORTH * unlikely.sum::<f64>() / sessions as f64;
+        let bent = self.bends().map(|bend| bend.of(&balanced.coefficients)).map(|bend| bend * bend);
+        let unlikely = 2.0 * unlikely.sum::<f64>() + bent.sum::<f64>();
+        balanced.total = logarithms.sum::<f64>() / shares + unlikely / WORTH / sessions as f64;
         balanced.total.is_finite().then_some(balanced)
     }
 
@@ -170,8 +166,9 @@ impl Blocks {
         let scale = DECAY * self.stroke;
         let mut solved = self.weighed(&found.weights);
         for column in decays.clone() {
-            add(&mut solved, draw(column, scale.hypot(coefficients[column])));
+            draw(column, scale.hypot(coefficients[column])).add(&mut solved);
         }
+        self.bends().for_each(|bend| bend.add(&mut solved));
         let making_up = (0..first).filter(|&i| coefficients[i] > 0.0).chain(self.common..coefficients.len());
         let changes: Vec<usize> = (first..self.common).collect();
         let combinations = solved.compensated(&changes, &making_up.collect::<Vec<_>>())?;
@@ -181,7 +178,18 @@ impl Blocks {
             let of_unlikely = 2.0 * decay / (scale * scale + decay * decay);
             slope += 2.0 / WORTH / self.decays.len() as f64 * of_unlikely * combinations.row(column).transpose();
         }
+        for bend in self.bends() {
+            let more = 2.0 / WORTH / self.decays.len() as f64 * bend.of(&coefficients);
+            for (column, part) in bend.parts() {
+                slope += more * part * combinations.row(column).transpose();
+            }
+        }
         Some((slope, curvature))
+    }
+
+    /// What the functions' slopes bend by.
+    fn bends(&self) -> impl Iterator<Item = Bend> {
+        bends(self.functions, self.stroke)
     }
 
     /// The rows of all blocks, those of each weighing so much together.
@@ -228,12 +236,6 @@ impl Blocks {
 /// What draws a decay towards 0.
 fn draw(column: usize, within: f64) -> Prior {
     Prior { column, towards: 0.0, within, weight: 2.0 / WORTH }
-}
-
-fn add(normal: &mut Normal, prior: Prior) {
-    let mut row = vec![0.0; normal.columns()];
-    row[prior.column] = 1.0 / prior.within;
-    normal.add(&row, prior.towards / prior.within, prior.weight);
 }
 
 /// Time constants, in ticks, of the decays that a session may begin with.

@@ -5,12 +5,14 @@ mod basis;
 mod blocks;
 mod columns;
 mod course;
+mod priors;
 mod solution;
 
 pub use basis::{Basis, FUNCTIONS, KNOTS};
-pub use blocks::{Balanced, Blocks, Prior, Rows};
+pub use blocks::{Balanced, Blocks, Rows};
 pub use columns::{COLUMNS, Stages};
 pub use course::Course;
+pub use priors::Prior;
 pub use solution::{Solution, solve};
 
 /// Time constants of creep, s, a decade apart.

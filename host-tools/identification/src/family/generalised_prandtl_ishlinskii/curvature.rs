@@ -13,7 +13,7 @@ use super::candidate::{Family, Values};
 use crate::problem::Problem;
 use crate::search::Quadratic;
 use nalgebra::{DMatrix, DVector};
-use play_columns::{Blocks, COLUMNS, Course};
+use play_columns::{Blocks, COLUMNS, Course, FUNCTIONS};
 use rayon::prelude::*;
 use recordings::session::Session;
 
@@ -77,7 +77,7 @@ fn read(family: &Family, values: &Values, sessions: &[(&Session, &Course)]) -> V
 
 /// The least squares of the readings' columns and, behind those, of changes: one list a session for each.
 fn blocks(family: &Family, sessions: &[(&Session, &Course)], read: &[Readings], changes: &[Vec<Vec<f64>>]) -> Blocks {
-    let mut blocks = Blocks::new(COLUMNS + changes.len(), sessions, family.stroke);
+    let mut blocks = Blocks::new(COLUMNS / FUNCTIONS, changes.len(), sessions, family.stroke);
     let mut row = Vec::new();
     for (number, ((session, course), read)) in sessions.iter().zip(read).enumerate() {
         let mut rows = blocks.of(number);
