@@ -66,12 +66,18 @@ pub fn read() -> Description {
 
 /// The crate's folder, where cargo has put it.
 fn folder() -> PathBuf {
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let printed = |program: &str, arguments: &[&str]| {
+        let program = env::var_os(program.to_uppercase()).unwrap_or_else(|| program.into());
+        let output = Command::new(program).args(arguments).output().expect("it has built this test");
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("the compiler and cargo write UTF-8")
+    };
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
-    let arguments = ["metadata", "--format-version=1", "--offline", "--manifest-path", manifest];
-    let output = Command::new(cargo).args(arguments).output().expect("cargo runs: it runs this test");
-    assert!(output.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
-    let metadata: Value = serde_json::from_slice(&output.stdout).expect("cargo writes JSON");
+    // Of other hosts' packages none need be here.
+    let host = printed("rustc", &["--print=host-tuple"]);
+    let arguments = ["metadata", "--format-version=1", "--offline", "--filter-platform", host.trim()];
+    let packages = printed("cargo", &[&arguments[..], &["--manifest-path", manifest]].concat());
+    let metadata: Value = serde_json::from_str(&packages).expect("cargo writes JSON");
     let packages = metadata["packages"].as_array().expect("cargo lists the packages");
     let found = packages.iter().find(|package| package["name"] == CRATE).expect("a dependency of this package");
     let manifest = Path::new(found["manifest_path"].as_str().expect("each package has its manifest"));
