@@ -229,7 +229,8 @@ fn board(sh: &Shell) -> Result<()> {
     cmd!(sh, "cargo clippy {BOARD...} --lib --test=image --profile=test -- -D warnings").run()?;
     // The cycles are counted, and held to what the core states, where the documents' figures are made of them.
     let tests = cmd!(sh, "cargo test {BOARD...} --lib --test=image -- --nocapture --skip cycles::no_");
-    Ok(tests.env("FIRMWARE_IMAGE", image).env("FIRMWARE_IMAGE_10KHZ", fast).run()?)
+    let tests = tests.env("FIRMWARE_IMAGE", image).env("FIRMWARE_IMAGE_10KHZ", fast);
+    Ok(tests.env("PIEZO", built_piezo(sh)?).run()?)
 }
 
 /// With a lock and crates of its own, which nothing else here is built with. Clippy compiles it, by the lints of its manifest: to check it

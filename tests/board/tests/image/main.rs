@@ -8,6 +8,7 @@ mod failures;
 mod faults;
 mod flood;
 mod follow;
+mod learn;
 mod leases;
 mod line;
 mod linearise;
