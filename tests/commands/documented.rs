@@ -57,7 +57,7 @@ impl Reader {
             ["picma-p885-1hz.csv", "picma-p885-session2.csv"].map(|name| fs::read_to_string(data(name)).unwrap());
         for (names, text) in [
             ("tests/data/picma-p885-1hz.csv recording.csv your-log.csv logs/SN042.csv", first.clone()),
-            ("tests/data/picma-p885-session2.csv day2.csv", second),
+            ("tests/data/picma-p885-session2.csv day2.csv later.csv voltage.csv", second),
             ("day1/a.csv day1.csv", rows(&first, 0, 4_000)),
             ("day1/b.csv day3.csv", rows(&first, 4_000, 8_000)),
             ("other.csv", rows(&first, 2_000, 6_000)),

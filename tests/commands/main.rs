@@ -13,6 +13,7 @@ mod divider;
 mod documented;
 mod doubted;
 mod doubts;
+mod estimate;
 mod faces;
 mod feedforward;
 mod fleet;

@@ -15,6 +15,13 @@ const REST: u64 = 8;
 /// Smallest part of a mean half cycle that does: a sine's crest, rounded, is one number for less.
 const PART_OF_A_HALF_CYCLE: u64 = 20;
 
+/// Voltages that go no further may be a monitor's or an amplifier's input, V.
+const MONITOR_V: f64 = 12.0;
+
+/// What is to be said of such.
+const AS_RECORDED: &str = "is it a monitor's, or the amplifier's input, and not the actuator's voltage? Then identify needs the factor \
+                           between them: --voltage-scale <N>, 20 of a monitor 1:20";
+
 /// What a displacement that no sensor has measured is, and what helps.
 const ESTIMATED: &str = "the displacement is a device's estimate, no sensor's: nothing is to be learnt from it, and no error read off it; \
                          piezo record records a sensor that board.toml says the span of (--board)";
@@ -42,6 +49,9 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
             }
             None => line(name, refusal.unwrap_or("no column holds it")),
         }
+    }
+    if survey.voltage.as_ref().is_some_and(|volts| volts.low.abs().max(volts.high.abs()) <= MONITOR_V) {
+        line("", AS_RECORDED);
     }
     if survey.displacement_estimated {
         line("", ESTIMATED);

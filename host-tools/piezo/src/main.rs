@@ -14,9 +14,9 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 use verb::{
-    calibrate, collect, compare, divider, emit, emulate, erase, feedforward, flash, follow, identify, info, install,
-    learn, linearise, look, manual, monitor, pil, prove, pull, push, record, reproduce, reset, simulate, train,
-    validate, waveform, zero,
+    calibrate, collect, compare, divider, emit, emulate, erase, estimate, feedforward, flash, follow, identify, info,
+    install, learn, linearise, look, manual, monitor, pil, prove, pull, push, record, reproduce, reset, simulate,
+    train, validate, waveform, zero,
 };
 
 /// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, judge it on
@@ -59,6 +59,9 @@ enum Verb {
     /// Table + logs → errors, f64 reference and f32 core side by side.
     #[command(after_help = "Example: piezo validate out/demo/table.toml other.csv --max-percent 2")]
     Validate(validate::Validate),
+    /// Table + voltage alone → the displacement, with its ±, sample by sample.
+    #[command(after_help = "Example: piezo estimate out/demo/table.toml voltage.csv --out estimates.csv")]
+    Estimate(estimate::Estimate),
     /// Models × logs → what each model's estimate is off on data that none has seen, and what it costs.
     #[command(
         after_help = "Example: piezo compare tests/data/picma-p885-1hz.csv --models generalised-prandtl-ishlinskii,enhanced,voigt --out out/compare"
@@ -181,6 +184,7 @@ impl Cli {
             Verb::Identify(mut arguments) => identify::run(&mut arguments),
             Verb::Collect(arguments) => collect::run(&arguments),
             Verb::Validate(arguments) => validate::run(&arguments),
+            Verb::Estimate(arguments) => estimate::run(&arguments),
             Verb::Compare(mut arguments) => compare::run(&mut arguments),
             Verb::Feedforward(arguments) => feedforward::run(&arguments),
             Verb::Emulate(arguments) => emulate::run(&arguments),

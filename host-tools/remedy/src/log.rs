@@ -43,16 +43,20 @@ fn fault(fault: &Fault, path: &Path) -> String {
             "{fault}: state the sample rate that the recorder was set to, in Hz, or add time=N:s to --columns{}",
             with(&[RATE])
         ),
-        Fault::NoColumn { example, with_sensor, rate_needed, .. } => {
+        Fault::NoColumn { quantity, example, with_sensor, rate_needed, .. } => {
+            let alone = match *quantity == Quantity::Displacement && !planned {
+                true => "\nof a voltage without a sensor nothing can be learnt; by a table that was learnt, `piezo estimate` makes the displacement of it",
+                false => "",
+            };
             let in_volts = with_sensor.as_ref().map(|example| {
                 line(example, *rate_needed)
             });
             let line = line(example, *rate_needed);
             let open = if example.contains('<') { ", with its number and its unit in the brackets' place" } else { "" };
             if let Some(in_volts) = in_volts {
-                return format!("{fault}: name it; if it is a sensor's output in volts, with its scale for <N>{in_volts}\nor, if these are meant{open}{line}");
+                return format!("{fault}: name it; if it is a sensor's output in volts, with its scale for <N>{in_volts}\nor, if these are meant{open}{line}{alone}");
             }
-            format!("{fault}: name it; if these are meant{open}{line}")
+            format!("{fault}: name it; if these are meant{open}{line}{alone}")
         }
         Fault::Ambiguous { example, .. } => {
             let scale =

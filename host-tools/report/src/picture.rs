@@ -75,7 +75,7 @@ mod tests {
             let rows = rows.map(|(&time_s, &displacement)| Instant {
                 time_s,
                 voltage: 0.0,
-                displacement,
+                displacement: Some(displacement),
                 estimate: displacement + 0.01,
                 half_width,
                 status: Status::empty(),

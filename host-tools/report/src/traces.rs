@@ -37,7 +37,7 @@ impl Lines {
         // A trace may begin later in the log.
         let rows = zeroed.instants.iter().skip(zeroed.instants.len().saturating_sub(self.error.len()));
         let scored = |value: Option<f64>, scored: bool| value.filter(|_| scored).unwrap_or(f64::NAN);
-        let error = |row: &Instant| (row.time_s, scored(Some(row.estimate - row.displacement), row.scored));
+        let error = |row: &Instant| (row.time_s, scored(row.error(), row.scored));
         let half_width = |row: &Instant| (row.time_s, scored(row.half_width, row.scored));
         Self { error: rows.clone().map(error).collect(), half_width: rows.map(half_width).collect(), ..self }
     }

@@ -3,6 +3,7 @@
 
 use crate::coverage::Coverage;
 use crate::figures::Figures;
+use crate::raised::{Raised, raised};
 use crate::run::Run;
 use crate::scope::{Part, Scope, ScopeError, time_s};
 use crate::told::{Correction, Told, ToldFigures};
@@ -20,17 +21,6 @@ pub struct Cold {
     pub settled: Option<Figures>,
     /// When that is, s from the first sample.
     pub settled_after_s: Option<f64>,
-}
-
-/// A status bit, and how often it was raised from a log's beginning on.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Raised {
-    /// What was raised: one bit of the status.
-    pub bit: Status,
-    /// At how many of the measured instants, %.
-    pub percent: f64,
-    /// When first, s since the log's first sample.
-    pub first_s: f64,
 }
 
 /// One log against a table.
@@ -117,16 +107,6 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
             estimated: reference.estimated,
         },
     }
-}
-
-/// The bits of a run's statuses, the first instant of each at a time, s.
-fn raised(statuses: &[Status], time_s: impl Fn(usize) -> f64) -> Vec<Raised> {
-    let of = |bit: Status| {
-        let first = statuses.iter().position(|status| status.contains(bit))?;
-        let count = statuses.iter().filter(|status| status.contains(bit)).count();
-        Some(Raised { bit, percent: 100.0 * count as f64 / statuses.len() as f64, first_s: time_s(first) })
-    };
-    Status::all().iter().filter_map(of).collect()
 }
 
 /// How the interval does of a device that is told its mean error over one cycle; `nothing` is the run of one that is told nothing.

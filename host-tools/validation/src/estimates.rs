@@ -1,22 +1,24 @@
-//! The f32 core's estimate beside the sensor, a row a measured instant, in the units of the log's file.
+//! The f32 core's estimates of a log, beside its sensor or without one: a row a recorded instant, in the units of the log's file.
 
+use crate::raised::{Raised, raised};
 use crate::run::Run;
 use crate::scope::{Scope, ScopeError, time_s};
 use crate::told::{Correction, Told};
 use estimator_core::{Admitted, Status};
-use recordings::prepare::Recipe;
+use recordings::log::Log;
+use recordings::prepare::{PrepareError, Recipe};
 use recordings::session::Session;
 use std::fmt::Write;
 
-/// An estimate beside the sensor.
+/// An estimate, beside the sensor where there is one.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Instant {
     /// When it happened, s since the log's first sample (the sensor's delay is taken off).
     pub time_s: f64,
     /// Voltage as recorded, V.
     pub voltage: f64,
-    /// Sensor as recorded, µm.
-    pub displacement: f64,
+    /// Sensor as recorded, µm; `None` of a log that was read without.
+    pub displacement: Option<f64>,
     /// Estimate, µm with the sensor's zero.
     pub estimate: f64,
     /// Half-width of its interval, µm; `None` where there is none.
@@ -27,7 +29,14 @@ pub struct Instant {
     pub scored: bool,
 }
 
-/// A log's estimates, at the measured instants after the first; of the first there is none.
+impl Instant {
+    /// Estimate − sensor, µm.
+    pub fn error(&self) -> Option<f64> {
+        self.displacement.map(|measured| self.estimate - measured)
+    }
+}
+
+/// A log's estimates, at the recorded instants after the first; of the first there is none.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Estimates {
     /// Name of the log.
@@ -54,23 +63,63 @@ pub fn estimates(
     let correction = Correction::of(told, session, &part, &run)?;
     // When it was told follows from a run that was not.
     let run = Run::of::<f32>(table, session, start, correction.told());
-    let displacement = |um: f64| (um + recipe.displacement_zero_um) / recipe.displacement_scale;
-    let instants = session.instants.iter().zip(&session.displacement).skip(1).enumerate();
-    let instants = instants.map(|(k, (&instant, &measured))| Instant {
-        time_s: time_s(session, instant),
-        voltage: (session.voltage[instant as usize] + recipe.voltage_zero_v) / recipe.voltage_scale,
-        displacement: displacement(measured),
-        estimate: displacement(run.estimated[k] - correction.at(k)),
-        half_width: run.half_width[k].map(|half| half / recipe.displacement_scale.abs()),
-        status: run.status[k],
-        scored: correction.scored.contains(&k),
-    });
-    Ok(Estimates { log: session.name.clone(), instants: instants.collect() })
+    let mut estimates = Estimates::of(session, recipe, &run);
+    for (k, instant) in estimates.instants.iter_mut().enumerate() {
+        instant.displacement = Some(in_file(recipe, session.displacement[k + 1]));
+        instant.estimate = in_file(recipe, run.estimated[k] - correction.at(k));
+        instant.scored = correction.scored.contains(&k);
+    }
+    Ok(estimates)
+}
+
+/// Runs a table's f32 core over a log's voltage, whether or not a sensor is beside it, as a device does that is switched on at its
+/// beginning. `start_um` is where the actuator then was, in µm of the training's sensor; else it is taken to have rested there.
+///
+/// # Errors
+/// The log cannot be brought to the tick.
+pub fn unmeasured(
+    table: &Admitted,
+    log: &Log,
+    recipe: &Recipe,
+    start_um: Option<f64>,
+) -> Result<Estimates, PrepareError> {
+    // What a sensor would have shown is not looked at, nor when.
+    let recipe = Recipe { delay_ticks: 0, ..recipe.clone() };
+    let nothing = vec![0.0; log.voltage.len()];
+    let session = recipe.session(&recipe.cut(&Log { displacement: Some(nothing), ..log.clone() }))?;
+    let start = start_um.map(|um| um * recipe.displacement_scale - recipe.displacement_zero_um);
+    Ok(Estimates::of(&session, &recipe, &Run::of::<f32>(table, &session, start, None)))
+}
+
+/// A displacement in the units and from the zero of the log's file, µm, of one relative to the model's zero.
+fn in_file(recipe: &Recipe, um: f64) -> f64 {
+    (um + recipe.displacement_zero_um) / recipe.displacement_scale
 }
 
 impl Estimates {
-    /// Heading of [`csv`](Self::csv).
+    /// Heading of [`csv`](Self::csv) of a log with a sensor.
     pub const HEADING: &str = "time_s,voltage_V,displacement_um,estimate_um,half_width_um,status,scored,log\n";
+    /// Heading of [`csv`](Self::csv) of a log without.
+    pub const UNMEASURED_HEADING: &str = "time_s,voltage_V,estimate_um,half_width_um,status,log\n";
+
+    fn of(session: &Session, recipe: &Recipe, run: &Run) -> Self {
+        let instants = session.instants.iter().skip(1).enumerate().map(|(k, &instant)| Instant {
+            time_s: time_s(session, instant),
+            voltage: (session.voltage[instant as usize] + recipe.voltage_zero_v) / recipe.voltage_scale,
+            displacement: None,
+            estimate: in_file(recipe, run.estimated[k]),
+            half_width: run.half_width[k].map(|half| half / recipe.displacement_scale.abs()),
+            status: run.status[k],
+            scored: false,
+        });
+        Self { log: session.name.clone(), instants: instants.collect() }
+    }
+
+    /// How often each status bit was raised.
+    pub fn raised(&self) -> Vec<Raised> {
+        let statuses: Vec<Status> = self.instants.iter().map(|instant| instant.status).collect();
+        raised(&statuses, |k| self.instants[k].time_s)
+    }
 
     /// A row an instant: numbers with six decimals (none where there is no interval), the names of the status bits joined by `|`, 1 where the row counts
     /// in the errors, and the log's name.
@@ -84,14 +133,14 @@ impl Estimates {
         for row in &self.instants {
             let &Instant { time_s, voltage, displacement, estimate, half_width, status, scored } = row;
             let half_width = half_width.map_or(String::new(), |half| format!("{half:.6}"));
-            let names: Vec<&str> = status.iter_names().map(|(name, _)| name).collect();
+            let status = status.iter_names().map(|(name, _)| name).collect::<Vec<_>>().join("|");
+            let (measured, counts) = match displacement {
+                Some(um) => (format!("{um:.6},"), format!("{},", u8::from(scored))),
+                None => (String::new(), String::new()),
+            };
             // Writing to a string cannot fail.
-            let _ = writeln!(
-                text,
-                "{time_s:.6},{voltage:.6},{displacement:.6},{estimate:.6},{half_width},{},{},{log}",
-                names.join("|"),
-                u8::from(scored)
-            );
+            let _ =
+                writeln!(text, "{time_s:.6},{voltage:.6},{measured}{estimate:.6},{half_width},{status},{counts}{log}");
         }
         text
     }
@@ -106,15 +155,20 @@ mod tests {
         let instant = Instant {
             time_s: 0.005,
             voltage: 1.0,
-            displacement: -120.0,
+            displacement: Some(-120.0),
             estimate: -119.5,
             half_width: Some(0.25),
             status: Status::NOT_SETTLED | Status::CLAMPED,
             scored: true,
         };
-        let estimates = Estimates { log: "a, \"b\"".to_owned(), instants: vec![instant] };
+        let of = |instant| Estimates { log: "a, \"b\"".to_owned(), instants: vec![instant] };
+        let estimates = of(instant);
         let expected = "0.005000,1.000000,-120.000000,-119.500000,0.250000,CLAMPED|NOT_SETTLED,1,\"a, \"\"b\"\"\"\n";
         assert_eq!(estimates.csv(), expected);
         assert_eq!(Estimates::HEADING.split(',').count(), 8);
+        let estimates = of(Instant { displacement: None, ..instant });
+        let expected = "0.005000,1.000000,-119.500000,0.250000,CLAMPED|NOT_SETTLED,\"a, \"\"b\"\"\"\n";
+        assert_eq!(estimates.csv(), expected);
+        assert_eq!(Estimates::UNMEASURED_HEADING.split(',').count(), 6);
     }
 }

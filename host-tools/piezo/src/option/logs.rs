@@ -1,5 +1,6 @@
 //! What the user says about log files that they do not say themselves.
 
+use super::number::finite;
 use anyhow::{Result, bail};
 use clap::Args;
 use recordings::log::{Columns, Fault, Log, LogError, ReadOptions, Sensitivity, read_remarked, twins};
@@ -17,7 +18,7 @@ pub struct LogOptions {
     #[arg(long, value_name = "SCALE", allow_hyphen_values = true)]
     pub sensor: Option<Sensitivity>,
     /// Sample rate, Hz, where the file does not say when its rows were recorded.
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = finite, allow_negative_numbers = true)]
     pub fs: Option<f64>,
 }
 
@@ -46,6 +47,11 @@ impl LogOptions {
     /// Reads what is wanted: time and displacement, without a voltage.
     pub fn read_trajectory(&self, path: &Path) -> Result<Log> {
         self.read_by(path, &ReadOptions { voltage_required: false, ..self.options() })
+    }
+
+    /// Reads what is to be estimated: time and voltage, whatever else there is.
+    pub fn read_voltage(&self, path: &Path) -> Result<Log> {
+        self.read_by(path, &ReadOptions { displacement_required: false, ..self.options() })
     }
 
     /// Reads every log; refuses none and the same file twice.

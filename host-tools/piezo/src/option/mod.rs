@@ -39,7 +39,7 @@ pub use logs::LogOptions;
 pub use model::{asked, model_choice, models};
 pub use number::{count, finite, limit, not_negative, positive, span};
 pub use overwrite::Overwrite;
-pub use prepare::{DECIMATIONS, PrepareArgs};
+pub use prepare::{PrepareAgain, PrepareArgs};
 pub use rig::RigArgs;
 pub use scope::{ScopeArgs, TOLD};
 pub use search::{OPTIMISERS, STARTS, SearchArgs};

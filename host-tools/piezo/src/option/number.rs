@@ -7,7 +7,9 @@ use std::str::FromStr;
 
 /// A finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
+    let comma = text.contains(',') && text.replace(',', ".").parse::<f64>().is_ok();
+    let wrong = || if comma { "a decimal point is a point" } else { "expected a finite number, without a unit" };
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| wrong().to_owned())
 }
 
 /// A finite number that is 0 or positive.
@@ -59,6 +61,9 @@ pub fn delay(text: &str) -> Result<AutoOr, String> {
 
 /// A factor that leaves something.
 pub fn factor(text: &str) -> Result<f64, String> {
+    if text.contains(':') {
+        return Err("expected one number: of a monitor 1:20 it is 20".to_owned());
+    }
     finite(text).and_then(|x| if x == 0.0 { Err("a scale of 0 leaves nothing".to_owned()) } else { Ok(x) })
 }
 

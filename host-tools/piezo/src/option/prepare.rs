@@ -3,7 +3,7 @@
 use super::choice::{Choice, choice};
 use super::number::{auto_or, delay, factor, not_negative};
 use clap::Args;
-use recordings::prepare::{AutoOr, Decimation, PrepareOptions};
+use recordings::prepare::{AutoOr, Decimation, PrepareOptions, Recipe};
 
 /// How logs are prepared.
 #[derive(Args, Clone, Debug)]
@@ -12,7 +12,7 @@ pub struct PrepareArgs {
     /// Tick, µs; 500, the thesis's 2 kHz, where none is typed and the logs are no training session's, which has its board's.
     #[arg(long, hide_short_help = true, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     pub tick_us: Option<u32>,
-    /// Factor on the recorded voltage, e.g. the amplifier's gain where its input was recorded.
+    /// Factor on the recorded voltage, to that at the actuator: 20 of a monitor 1:20, the amplifier's gain of its input.
     #[arg(long, help_heading = None::<&str>, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
     pub voltage_scale: f64,
     /// Factor on the recorded displacement.
@@ -41,8 +41,39 @@ pub struct PrepareArgs {
     pub decimate: Decimation,
 }
 
+/// What is done to logs otherwise than a table's recipe says.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Preparation of the logs (instead of the table's)")]
+pub struct PrepareAgain {
+    /// Factor on the recorded voltage, instead of the table's: 20 of a monitor 1:20, 1 of the amplifier's output.
+    #[arg(long, help_heading = None::<&str>, value_parser = factor, allow_negative_numbers = true)]
+    pub voltage_scale: Option<f64>,
+    /// Cut off the start of each log, s.
+    #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
+    pub skip_start: Option<f64>,
+    /// Cut off the end of each log, s.
+    #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
+    pub skip_end: Option<f64>,
+    /// What becomes of a log faster than the tick.
+    #[arg(long, value_parser = choice(DECIMATIONS))]
+    pub decimate: Option<Decimation>,
+}
+
+impl PrepareAgain {
+    /// The recipe with what was typed in its place.
+    pub fn instead_of(&self, recipe: Recipe) -> Recipe {
+        Recipe {
+            voltage_scale: self.voltage_scale.unwrap_or(recipe.voltage_scale),
+            skip_start_s: self.skip_start.unwrap_or(recipe.skip_start_s),
+            skip_end_s: self.skip_end.unwrap_or(recipe.skip_end_s),
+            decimation: self.decimate.unwrap_or(recipe.decimation),
+            ..recipe
+        }
+    }
+}
+
 /// How a log faster than the tick is reduced.
-pub const DECIMATIONS: [Choice<Decimation>; 2] = [
+const DECIMATIONS: [Choice<Decimation>; 2] = [
     (Decimation::Every, "every", "The sample at each tick, interpolated linearly where the rates are no multiples"),
     (Decimation::Average, "average", "The mean of each n samples; the rates must be multiples"),
 ];

@@ -6,11 +6,10 @@ use crate::output::{self, FACES, Held, PAGE, PICTURE};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use estimator_core::Table;
-use findings::figures::{heading, row};
 use fleet::{Asked, Found, Run, UNIT, Unit, UnitError, UnitName};
 use identification::cost::Cost;
 use identification::validate::{Comparison, Scope, Told, ZERO_WINDOW_S, estimates};
-use identification::{Candidate, Doubt, Job, ModelChoice, Outcome, SearchOptions, StraightLine};
+use identification::{Doubt, Job, ModelChoice, Outcome, SearchOptions};
 use log_survey::Stretch;
 use recordings::Role;
 use recordings::prepare::Recipe;
@@ -246,21 +245,7 @@ fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<Zeroed> {
 }
 
 fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determined: &[(String, String)]) {
-    let figures = |candidate: &Candidate| candidate.held_out_figures().or(candidate.training_figures());
-    let held_out = outcome.judged().held_out_figures().is_some();
-    out(&heading(if held_out { "held out, in simulation" } else { "training, in simulation" }));
-    for (index, candidate) in outcome.candidates.iter().enumerate() {
-        let mark = if index == outcome.chosen { "→ " } else { "  " };
-        if let Some(figures) = figures(candidate) {
-            out(&row(&format!("{mark}{}", candidate.table.model()), &figures));
-        }
-    }
-    if let Some(line) = &outcome.straight_line {
-        out(&row(&format!("  {}", StraightLine::NAME), &line.held_out.unwrap_or(line.training)));
-    }
-    for (model, _) in &outcome.failed {
-        out(&format!("  {model}: no admissible candidate was found"));
-    }
+    findings::figures::of_outcome(outcome).iter().for_each(|line| out(line));
     out("");
     verdict.iter().for_each(|sentence| out(sentence));
     out(remedy::DETERMINED);

@@ -8,6 +8,7 @@ pub mod divider;
 pub mod emit;
 pub mod emulate;
 pub mod erase;
+pub mod estimate;
 pub mod feedforward;
 pub mod flash;
 pub mod follow;

@@ -3,19 +3,17 @@
 
 use super::device::look_at;
 use super::print::out;
-use crate::option::{DECIMATIONS, LogOptions, Overwrite, ScopeArgs, TOLD, choice, not_negative};
+use crate::option::{LogOptions, Overwrite, PrepareAgain, ScopeArgs, TOLD, choice, not_negative};
 use crate::output;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use findings::figures::{heading, row};
-use findings::{EXPLAINED, flaw_scored, held, suspicion};
+use findings::figures::heading;
+use findings::validated_log::{TrainedOn, flaws_of, of_log, rows, trained_on};
+use findings::{EXPLAINED, suspicion};
 use identification::validate::{
     Comparison, Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates,
 };
-use log_survey::{Flaw, flaws, gravest};
 use recordings::log::Log;
-use recordings::prepare::{Decimation, Recipe};
-use recordings::{LogUse, Role};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -43,15 +41,6 @@ pub struct Validate {
     /// Judge by the error without a constant offset, as it is after re-zeroing.
     #[arg(long)]
     pub rezero: bool,
-    /// Cut off the start of each log, s, instead of what the table's recipe says.
-    #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
-    pub skip_start: Option<f64>,
-    /// Cut off the end of each log, s, instead of what the table's recipe says.
-    #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
-    pub skip_end: Option<f64>,
-    /// What becomes of a log faster than the tick, instead of what the table's recipe says.
-    #[arg(long, value_parser = choice(DECIMATIONS))]
-    pub decimate: Option<Decimation>,
     /// Print the figures as JSON.
     #[arg(long)]
     pub json: bool,
@@ -61,6 +50,9 @@ pub struct Validate {
     /// Reading of the logs.
     #[command(flatten)]
     pub files: LogOptions,
+    /// What is done to the logs otherwise than the table says.
+    #[command(flatten)]
+    pub prepare: PrepareAgain,
     /// What becomes of a file in a result's place.
     #[command(flatten)]
     pub overwrite: Overwrite,
@@ -75,12 +67,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         arguments.overwrite.of(path, Estimates::HEADING)?;
     }
     let (file, table) = look_at(&arguments.table)?;
-    let recipe = Recipe {
-        skip_start_s: arguments.skip_start.unwrap_or(file.recipe.skip_start_s),
-        skip_end_s: arguments.skip_end.unwrap_or(file.recipe.skip_end_s),
-        decimation: arguments.decimate.unwrap_or(file.recipe.decimation),
-        ..file.recipe
-    };
+    let recipe = arguments.prepare.instead_of(file.recipe);
     let scope: Scope = (&arguments.scope).into();
     let logs = arguments.files.read_all(&arguments.logs)?;
     let (mut comparisons, mut written) = (Vec::new(), String::from(Estimates::HEADING));
@@ -132,10 +119,10 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     out("");
     out(&heading("log"));
     for ((comparison, log), trained_on) in comparisons.iter().zip(&logs).zip(&trained_on) {
-        print(comparison, log, trained_on.as_ref(), &scope);
+        of_log(comparison, log, trained_on.as_ref(), &scope).iter().for_each(|line| out(line));
     }
     if comparisons.len() > 1 {
-        rows("all", &mil, &told, None);
+        rows("all", &mil, &told, None).iter().for_each(|line| out(line));
     }
     if let Some(path) = &arguments.out {
         out(&format!("\nWritten: {} (f32, {})", path.display(), arguments.told));
@@ -149,92 +136,6 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         out(&format!("FAILED: {judged:.4} µm, {percent:.2} % of the stroke; allowed:{um}{of_stroke}"));
     }
     Ok(passed)
-}
-
-/// The lines of a log, or of all, under its name.
-fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figures>) {
-    out(name);
-    let lines = [
-        ("  f64 (MIL)", Some(mil)),
-        ("  f32 (SIL)", Some(&told.first_reading)),
-        ("  f32, cold", Some(&told.nothing)),
-        ("  f32, settled", settled),
-        ("  f32, one cycle", told.one_cycle.as_ref()),
-        ("  f32, no offset", Some(&told.offset)),
-    ];
-    for (line, figures) in lines {
-        if let Some(figures) = figures {
-            out(&row(line, figures));
-        }
-    }
-}
-
-/// A log's lines and what is to be said of it.
-fn print(comparison: &Comparison, log: &Log, trained_on: Option<&TrainedOn<'_>>, scope: &Scope) {
-    let cold = &comparison.cold;
-    rows(&comparison.name, &comparison.mil, &comparison.told, cold.settled.as_ref());
-    if *scope != Scope::ALL {
-        let (from, to) = comparison.scored_s;
-        let zeroed = comparison.zeroed_um.map_or(String::new(), |um| format!("; SIL was {um:+.4} µm off at the zero"));
-        out(&format!("    scored: {from:.3} … {to:.3} s; the estimator runs from the log's beginning{zeroed}"));
-    }
-    out(&match cold.settled_after_s {
-        Some(after) => format!("    cold: started as a device is, told nothing; settled: the same after {after:.2} s"),
-        None => "    cold: started as a device is, told nothing; it never counts as settled, since the voltage does not turn \
-                 at either end of half the table's range"
-            .to_owned(),
-    });
-    if comparison.told.one_cycle.is_none() {
-        out("    one cycle: the voltage makes no full one in what is scored, or next to nothing is left after it");
-    }
-    let since = if comparison.zeroed_um.is_some() { "since the zero" } else { "since the first reading" };
-    let intervals = [(since, &comparison.interval), ("told one cycle", &comparison.interval_one_cycle)];
-    for (since, interval) in intervals {
-        if let Some(interval) = interval {
-            out(&format!("    {}", held(since, interval)));
-        }
-    }
-    out(&format!("    f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));
-    if let Some(&TrainedOn { used, at_s: (from, to) }) = trained_on {
-        if used.sha256 != log.sha256 {
-            out(&format!("    it holds the samples of {}, written by another program", used.file));
-        }
-        let scored = comparison.scored_s;
-        let (share, says) = match (from < scored.1 && scored.0 < to, from <= scored.0 && scored.1 <= to) {
-            (false, _) => ("", "nothing of that is scored here"),
-            (true, false) => ("a part of what is scored: ", "these errors prove nothing there"),
-            (true, true) => ("all that is scored: ", "these errors prove nothing"),
-        };
-        out(&format!("    the table was trained on {share}{from:.2} … {to:.2} s of this log; {says}"));
-    }
-    for (worst, count) in flaws_of(log, comparison.scored_s) {
-        out(&format!("    {}", flaw_scored(&worst, count)));
-    }
-    if log.displacement_estimated {
-        out("    its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator");
-    }
-    let remarks = remedy::remarks(&comparison.raised);
-    if !remarks.is_empty() {
-        out(&format!("    {remarks}"));
-    }
-}
-
-/// The gravest of each kind of a log's flaws in what was scored, and how many there are of it. Of an estimate none is looked for.
-fn flaws_of(log: &Log, (from_s, to_s): (f64, f64)) -> Vec<(Flaw, usize)> {
-    let mut found = if log.displacement_estimated { Vec::new() } else { flaws(log) };
-    found.retain(|flaw| flaw.at().to_s >= from_s && flaw.at().from_s <= to_s);
-    gravest(&found)
-}
-
-/// The seconds of a log that a table was trained on, and what it was then.
-struct TrainedOn<'u> {
-    used: &'u LogUse,
-    at_s: (f64, f64),
-}
-
-fn trained_on<'u>(uses: &'u [LogUse], log: &Log) -> Option<TrainedOn<'u>> {
-    let mut training = uses.iter().filter(|used| used.role == Role::Training);
-    training.find_map(|used| Some(TrainedOn { used, at_s: used.within(log)? }))
 }
 
 type Judged<'j> = (((&'j Comparison, &'j Log), &'j Option<TrainedOn<'j>>), &'j Option<Suspicion>);

@@ -21,7 +21,9 @@ pub enum SensitivityError {
     )]
     Placeholder(String),
     /// It is not NUMBER UNIT/UNIT with a length and a voltage.
-    #[error("{0:?} is no sensor's scale: write how far a volt is, as NUMBERum/V (also nm/mV, or V/um)")]
+    #[error(
+        "{0:?} is no sensor's scale: write how far a volt is, as NUMBERum/V (also nm/mV, or V/um), with a decimal point"
+    )]
     Form(String),
 }
 

@@ -6,7 +6,7 @@ use super::subject::{Subject, Trial};
 use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::validate::{
-    Comparison, Coverage, Estimates, Scope, Told, ToldFigures, compare_within, errors_within, estimates,
+    Comparison, Coverage, Estimates, Instant, Scope, Told, ToldFigures, compare_within, errors_within, estimates,
 };
 use identification::{Candidate, Identification, Prepared, StraightLine, prepared};
 use prediction_interval::DEVICES;
@@ -104,7 +104,7 @@ pub fn learn(subject: &Subject, models: &[Model]) -> Result<Vec<Judged>, ThesisE
 /// Estimate − sensor where it counts, µm.
 fn scored(estimates: &Estimates) -> Vec<f64> {
     let counts = estimates.instants.iter().filter(|instant| instant.scored);
-    counts.map(|instant| instant.estimate - instant.displacement).collect()
+    counts.filter_map(Instant::error).collect()
 }
 
 /// The straight line, which knows the voltage of the tick before as every model does.

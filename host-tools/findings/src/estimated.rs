@@ -1,0 +1,48 @@
+//! What was estimated from a log's voltage alone, in words.
+
+use crate::raised::remarks;
+use estimator_core::Status;
+use identification::validate::{Estimates, Raised};
+use serde_json::{Value, json};
+
+/// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be believed.
+pub fn estimated(estimates: &Estimates, started: bool) -> Vec<String> {
+    let all = &estimates.instants;
+    let range = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), row| {
+        (low.min(row.estimate), high.max(row.estimate))
+    });
+    let mut lines = vec![format!(
+        "{}: {} estimates from the voltage alone, {:.3} … {:.3} µm by the training sensor's zero",
+        estimates.log,
+        all.len(),
+        range.0,
+        range.1
+    )];
+    let widths: Vec<f64> = all.iter().filter_map(|row| row.half_width).collect();
+    let mean = || widths.iter().sum::<f64>() / widths.len() as f64;
+    lines.push(match (started, widths.is_empty()) {
+        (false, _) => "    the actuator is taken to have rested at the first voltage; there is a ± since a known displacement alone: where it is \
+                       known, --start-at <UM>, in the training sensor's µm"
+            .to_owned(),
+        (true, true) => "    the table states no ±".to_owned(),
+        (true, false) => format!("    ± {:.3} µm on average since the first sample, 95 % of the time", mean()),
+    });
+    let raised = estimates.raised();
+    if let Some(unsettled) = raised.iter().find(|raised| raised.bit == Status::NOT_SETTLED) {
+        lines.push(format!(
+            "    {:.2} % of the time it still depends on where it was assumed to start (NOT_SETTLED)",
+            unsettled.percent
+        ));
+    }
+    lines.extend(Some(remarks(&raised)).filter(|said| !said.is_empty()).map(|said| format!("    {said}")));
+    lines
+}
+
+/// The same as JSON: the log's name, the number of estimates, and how often each status bit was raised.
+pub fn estimated_json(estimates: &Estimates) -> Value {
+    let raised = estimates.raised().into_iter().map(|Raised { bit, percent, first_s }| {
+        let name: String = bit.iter_names().map(|(name, _)| name).collect();
+        json!({ "status": name, "percent": percent, "first_s": first_s })
+    });
+    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "raised": raised.collect::<Vec<_>>() })
+}

@@ -1,0 +1,70 @@
+//! `piezo estimate`: the displacement from a recorded voltage alone, as the device's f32 core would have it.
+
+use super::device::look_at;
+use super::print::out;
+use crate::option::{LogOptions, Overwrite, PrepareAgain, finite};
+use crate::output;
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use identification::validate::{Estimates, unmeasured};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Arguments of `piezo estimate`.
+#[derive(Args, Debug)]
+pub struct Estimate {
+    /// The table to estimate by.
+    pub table: PathBuf,
+    /// Logs of the voltage. A sensor's column is not looked at.
+    #[arg(required = true)]
+    pub logs: Vec<PathBuf>,
+    /// Write the estimates to this file: time_s, voltage_V, estimate_um, half_width_um, status, log; a row a recorded instant after
+    /// the first, the voltage as recorded, the estimate with the training sensor's zero.
+    #[arg(long, value_name = "FILE", default_value = "estimates.csv")]
+    pub out: PathBuf,
+    /// Where the actuator is at each log's first sample, µm of the training sensor; else it is taken to have rested there for long.
+    #[arg(long, value_name = "µm", value_parser = finite, allow_negative_numbers = true)]
+    pub start_at: Option<f64>,
+    /// Print what was estimated as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Reading of the logs.
+    #[command(flatten)]
+    pub files: LogOptions,
+    /// What is done to the logs otherwise than the table says.
+    #[command(flatten)]
+    pub prepare: PrepareAgain,
+    /// What becomes of a file in the result's place.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Estimate) -> Result<bool> {
+    let path = &arguments.out;
+    ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
+    let logs = arguments.logs.iter().map(PathBuf::as_path);
+    output::not_over(path, &logs.chain([arguments.table.as_path()]).collect::<Vec<_>>())?;
+    arguments.overwrite.of(path, Estimates::UNMEASURED_HEADING)?;
+    let (file, table) = look_at(&arguments.table)?;
+    let recipe = arguments.prepare.instead_of(file.recipe);
+    let (mut all, mut written) = (Vec::new(), String::from(Estimates::UNMEASURED_HEADING));
+    for path in &arguments.logs {
+        let log = arguments.files.read_voltage(path)?;
+        let estimates = unmeasured(&table, &log, &recipe.of(&log), arguments.start_at);
+        let estimates = estimates.with_context(|| path.display().to_string())?;
+        written.push_str(&estimates.csv());
+        all.push(estimates);
+    }
+    output::write(path, written)?;
+    if arguments.json {
+        let logs: Vec<Value> = all.iter().map(findings::estimated_json).collect();
+        out(&serde_json::to_string_pretty(&json!({ "logs": logs, "out": path }))?);
+        return Ok(true);
+    }
+    for estimates in &all {
+        findings::estimated(estimates, arguments.start_at.is_some()).iter().for_each(|line| out(line));
+    }
+    out(&format!("\nWritten: {}", path.display()));
+    Ok(true)
+}

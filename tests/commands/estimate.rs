@@ -1,0 +1,92 @@
+//! `piezo estimate`: of a voltage alone, the very estimates that `validate` judges beside the sensor.
+
+use super::{json, number, piezo, refused, root, text};
+use std::fs;
+use std::path::Path;
+
+/// Learnt from the first half of the first session.
+const TABLE: &str = "tests/data/table/models/generalised-prandtl-ishlinskii.toml";
+const OTHER_DAY: &str = "tests/data/picma-p885-session2.csv";
+
+/// Rows of the file: its cells by the heading's names.
+fn column(path: &Path, name: &str) -> Vec<String> {
+    let written = fs::read_to_string(path).unwrap();
+    let mut lines = written.lines();
+    let at = lines.next().unwrap().split(',').position(|heading| heading == name).unwrap();
+    lines.map(|line| line.split(',').nth(at).unwrap().to_owned()).collect()
+}
+
+/// Time and voltage of the log, the voltage by a monitor 1:20, in mV.
+fn write_monitor(path: &Path) -> f64 {
+    let log = fs::read_to_string(root().join(OTHER_DAY)).unwrap();
+    let rows = log.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
+    let mut first = None;
+    let rows: String = rows
+        .map(|row| {
+            let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+            first.get_or_insert(cells[2]);
+            format!("{},{}\n", cells[0], cells[1] * 1000.0 / 20.0)
+        })
+        .collect();
+    fs::write(path, format!("time_s,monitor_mV\n{rows}")).unwrap();
+    first.unwrap()
+}
+
+#[test]
+fn a_voltage_alone_gives_what_is_validated_beside_a_sensor() {
+    let folder = tempfile::tempdir().unwrap();
+    let [monitor, judged, estimated] =
+        ["monitor.csv", "judged.csv", "estimated.csv"].map(|name| folder.path().join(name));
+    let first_um = write_monitor(&monitor);
+    for (told, start) in [("nothing", None), ("first-reading", Some(format!("--start-at={first_um}")))] {
+        let validate = ["validate", TABLE, OTHER_DAY, "--told", told, "--force", "--out", text(&judged)];
+        piezo().args(validate).assert().success();
+        let estimate =
+            ["estimate", TABLE, text(&monitor), "--voltage-scale", "20", "--force", "--out", text(&estimated)];
+        let report = json(piezo().args(estimate).args(&start).arg("--json"));
+        let same = |name: &str, most: f64| {
+            let (a, b) = (column(&judged, name), column(&estimated, name));
+            assert_eq!(a.len(), b.len());
+            assert_eq!(number(&report, "/logs/0/estimates"), b.len() as f64);
+            for (a, b) in a.iter().zip(&b) {
+                let off = a == b || (a.parse::<f64>().unwrap() - b.parse::<f64>().unwrap()).abs() <= most;
+                assert!(off, "{told} {name}: {a} {b}");
+            }
+        };
+        // Volts times 50 and by 20 are rounded otherwise than as they were.
+        same("estimate_um", 2e-5);
+        same("half_width_um", 2e-5);
+        same("time_s", 0.0);
+        let widths = column(&estimated, "half_width_um");
+        assert!(widths.iter().all(|width| width.is_empty() == start.is_none()), "a \u{b1} since what is known");
+    }
+    assert_eq!(
+        fs::read_to_string(&estimated).unwrap().lines().next(),
+        Some("time_s,voltage_V,estimate_um,half_width_um,status,log")
+    );
+}
+
+#[test]
+fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (monitor, out) = (folder.path().join("monitor.csv"), folder.path().join("estimates.csv"));
+    write_monitor(&monitor);
+    let said = |more: &[&str]| {
+        let estimate = ["estimate", TABLE, text(&monitor), "--voltage-scale", "20", "--out", text(&out)];
+        String::from_utf8(piezo().args(estimate).args(more).assert().success().get_output().stdout.clone()).unwrap()
+    };
+    let cold = said(&[]);
+    for part in
+        ["6999 estimates from the voltage alone", "rested at the first voltage", "--start-at <UM>", "(NOT_SETTLED)"]
+    {
+        assert!(cold.contains(part), "{part:?} is missing in\n{cold}");
+    }
+    // The same command again finds its own file.
+    assert!(said(&["--start-at", "0"]).contains("since the first sample, 95 % of the time"));
+    refused(&["estimate", TABLE, text(&monitor), "--out", text(&monitor)], &["monitor.csv"]);
+    // A validation says which verb takes a log without a sensor.
+    refused(&["validate", TABLE, text(&monitor)], &["holds the displacement", "`piezo estimate`"]);
+    let scale = ["estimate", TABLE, text(&monitor), "--voltage-scale"];
+    refused(&[&scale[..], &["1:20"]].concat(), &["of a monitor 1:20 it is 20"]);
+    refused(&[&scale[..], &["2,5"]].concat(), &["a decimal point is a point"]);
+}
