@@ -263,11 +263,13 @@ def read_log(
     fs: float | None = None,
     displacement_required: bool = True,
     voltage_required: bool = True,
+    holes: bool = False,
 ) -> Log:
     """Reads a log of any of the formats that `piezo look` reads.
 
     columns says which column holds what ("time=1,voltage=2:mV,displacement=5:um"), sensor how far a volt of the sensor is
     ("2.5um/V"), and fs the sample rate in Hz, where the file does not.
+    With holes, a voltage or displacement that is no number is left out by identify(..., repair=True) instead of refused.
     """
 
 def validate(

@@ -15,9 +15,13 @@ pub struct Log(pub recordings::log::Log);
 ///
 /// `columns` says which column holds what ("time=1,voltage=2:mV,displacement=5:um"), `sensor` how far a volt of the sensor is
 /// ("2.5um/V"), and `fs` the sample rate in Hz, where the file does not. Without `displacement_required` or `voltage_required` a
-/// log without it is read, too.
+/// log without it is read, too. With `holes`, a voltage or displacement that is no number is left out by `identify(..., repair=True)`
+/// instead of refused.
 #[pyfunction]
-#[pyo3(signature = (path, *, columns=None, sensor=None, fs=None, displacement_required=true, voltage_required=true))]
+#[pyo3(signature = (
+    path, *, columns=None, sensor=None, fs=None, displacement_required=true, voltage_required=true, holes=false
+))]
+#[expect(clippy::too_many_arguments, reason = "each is a keyword in Python")]
 pub fn read_log(
     py: Python<'_>,
     path: PathBuf,
@@ -26,11 +30,13 @@ pub fn read_log(
     fs: Option<f64>,
     displacement_required: bool,
     voltage_required: bool,
+    holes: bool,
 ) -> PyResult<Log> {
     let options = ReadOptions {
         columns: columns.map(str::parse::<Columns>).transpose().map_err(refused)?,
         sensor: sensor.map(str::parse::<Sensitivity>).transpose().map_err(refused)?,
         sample_rate: fs,
+        holes,
         displacement_required,
         voltage_required,
     };

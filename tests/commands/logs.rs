@@ -164,6 +164,52 @@ fn a_spike_that_is_left_out_costs_neither_error_nor_interval() {
 }
 
 #[test]
+fn values_that_are_no_numbers_are_left_out_by_the_line_that_their_refusal_prints() {
+    let folder = tempfile::tempdir().unwrap();
+    let clean = Rig { duration: 0.5, voltage_noise: 0.02, ..Rig::default() }.log(EXCITATIONS[1]);
+    let path = write(folder.path(), &clean);
+    let mut lines: Vec<String> = fs::read_to_string(&path).unwrap().lines().map(str::to_owned).collect();
+    let learn = |out: &str| {
+        let mut command = piezo();
+        command
+            .arg("identify")
+            .arg(&path)
+            .args(["--model", "voigt", "--out", text(&folder.path().join(out))])
+            .args(SHORTEST);
+        command
+    };
+    learn("clean").assert().success();
+    // An oscilloscope's overload, and a field that is empty.
+    for (line, column, value) in [(200, 2, "\u{221e}"), (201, 2, "\u{221e}"), (400, 1, "")] {
+        let mut cells: Vec<&str> = lines[line].split(',').collect();
+        cells[column] = value;
+        lines[line] = cells.join(",");
+    }
+    fs::write(&path, lines.join("\n")).unwrap();
+    let output = learn("holes").assert().code(2).get_output().stderr.clone();
+    let refusal = String::from_utf8(output).unwrap();
+    assert!(
+        refusal.contains(":201: the displacement is not a number (\"\u{221e}\"): correct it, or leave"),
+        "{refusal}"
+    );
+    let pasted = refusal.trim_end().lines().last().unwrap().trim();
+    assert!(pasted.ends_with(" --repair"), "{refusal}");
+    let words = pasted.split(' ').skip(1).map(|word| word.trim_matches('\''));
+    let learnt = piezo().args(words).assert().success().get_output().stdout.clone();
+    let learnt = String::from_utf8(learnt).unwrap();
+    assert!(
+        learnt.contains("has no number for the voltage or the displacement, 2 times, the longest time from 0."),
+        "{learnt}"
+    );
+    let mae = |out: &str| {
+        let table = fs::read_to_string(folder.path().join(out).join("table.toml")).unwrap();
+        let figure = table.lines().find(|line| line.starts_with("validation_mae_um")).unwrap();
+        figure.split(' ').nth(2).unwrap().parse::<f64>().unwrap()
+    };
+    assert!((mae("holes") / mae("clean") - 1.0).abs() < 0.05, "{} {}", mae("holes"), mae("clean"));
+}
+
+#[test]
 fn the_noise_is_kept_in_the_table_and_what_is_no_measurement_stands_in_the_report() {
     let folder = tempfile::tempdir().unwrap();
     let noisy = Rig { duration: 0.5, voltage_noise: 0.05, ..Rig::default() }.log(EXCITATIONS[1]);

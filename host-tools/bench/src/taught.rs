@@ -63,5 +63,6 @@ fn log(wiring: &Wiring, segment: &Segment, plant: &mut impl Plant) -> Log {
         voltage,
         displacement: Some(displacement),
         displacement_estimated: false,
+        holes: Vec::new(),
     }
 }

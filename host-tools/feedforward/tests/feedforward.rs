@@ -22,6 +22,7 @@ fn a_trajectory_between_samples_and_ticks() {
         voltage: Vec::new(),
         displacement: Some(vec![0.0, 2.0, 2.0, 0.0]),
         displacement_estimated: false,
+        holes: Vec::new(),
     };
     assert_eq!(Trajectory::of(&log, 5e-4).0, [0.0, 1.0, 2.0, 2.0, 2.0, 1.0, 0.0]);
     assert_eq!(Trajectory::of(&log, 2e-3).0, [0.0, 2.0]);

@@ -27,6 +27,12 @@ pub fn flaw(worst: &Flaw, count: usize) -> String {
             "the voltage leaps{times} by {leap_v:.3} V at {from_s:.4} s for a few rows at most, or in the last row, and the displacement is not \
              seen to go along (an interference, a number misread, or a pulse too short to show)"
         ),
+        Flaw::Hole { .. } => {
+            let which = if count == 1 { String::new() } else { format!("{count} times, the longest time ") };
+            format!(
+                "the file has no number for the voltage or the displacement, {which}from {from_s:.4} to {to_s:.4} s"
+            )
+        }
         Flaw::Missing { leap_v, leap_um, .. } => format!(
             "voltage and displacement leap together{times} from {from_s:.4} to {to_s:.4} s, by {leap_v:.3} V and {leap_um:.3} µm, and go on as \
              before: samples may be missing here, unless the drive leapt or recordings were joined"
@@ -72,6 +78,9 @@ pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool, most
         (Flaw::VoltageSpike { .. }, true) => format!(
             "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight from the row before to the row \
              behind (--repair); record it again without"
+        ),
+        (Flaw::Hole { .. }, _) => format!(
+            "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight on (--repair)"
         ),
         (_, true) => {
             format!("in {log} {what}: what was measured there was left out (--repair); record it again without")

@@ -79,7 +79,8 @@ fn add_all(digest: &mut impl Update, job: &Job) {
 
 /// A log's bytes stand for what lies beside them in no format, so what was read counts, too.
 fn add(digest: &mut impl Update, log: &Log) {
-    let Log { sha256, start_s, sample_period, voltage, displacement, displacement_estimated, name: _, path: _ } = log;
+    // Holes follow from the bytes and the options.
+    let Log { sha256, start_s, sample_period, voltage, displacement, displacement_estimated, .. } = log;
     digest.update(sha256.as_bytes());
     digest.update(&start_s.to_le_bytes());
     digest.update(&sample_period.to_le_bytes());

@@ -66,6 +66,7 @@ fn log(plant: &Plant, Command(command): &Command) -> Log {
         voltage: row(command),
         displacement: Some(row(&plant.respond(command)).iter().zip(noise).map(|(y, noise)| y + noise).collect()),
         displacement_estimated: false,
+        holes: Vec::new(),
     }
 }
 

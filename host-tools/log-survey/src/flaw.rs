@@ -11,6 +11,7 @@ use crate::signal::{ends, range};
 use recordings::log::Log;
 use serde::Serialize;
 use std::mem::discriminant;
+use std::ops::Range;
 
 pub(crate) use commanded::Commanded;
 pub(crate) use leaps::{Explained, SPIKE_ROWS};
@@ -64,6 +65,12 @@ pub enum Flaw {
         /// How far the voltage leaps, V.
         leap_v: f64,
     },
+    /// The file has no number there for the voltage or the displacement ([`Log::holes`]).
+    Hole {
+        /// The rows that it takes.
+        #[serde(flatten)]
+        at: Stretch,
+    },
     /// Both leap together from one row to the next as nowhere near, and go on as before: samples may be missing between.
     Missing {
         /// The two rows between which they leap.
@@ -98,6 +105,7 @@ impl Flaw {
             | Self::Frozen { at, .. }
             | Self::Clipped { at, .. }
             | Self::VoltageSpike { at, .. }
+            | Self::Hole { at }
             | Self::Missing { at, .. } => at,
         }
     }
@@ -112,14 +120,17 @@ impl Flaw {
         match *self {
             Self::Spike { leap_um, .. } | Self::Missing { leap_um, .. } => leap_um,
             Self::VoltageSpike { leap_v, .. } => leap_v,
-            Self::Frozen { at, .. } | Self::Clipped { at, .. } => at.to_s - at.from_s,
+            Self::Frozen { at, .. } | Self::Clipped { at, .. } | Self::Hole { at } => at.to_s - at.from_s,
         }
     }
 }
 
 /// The flaws of a log, by kind, each in the order of time.
 pub fn flaws(log: &Log) -> Vec<Flaw> {
-    log.displacement.as_deref().map_or(Vec::new(), |of| in_rows(&log.voltage, of, log.start_s, log.sample_period))
+    let time = |row: usize| log.start_s + row as f64 * log.sample_period;
+    let hole = |rows: &Range<usize>| Flaw::Hole { at: Stretch { from_s: time(rows.start), to_s: time(rows.end - 1) } };
+    let within = |of: &Vec<f64>| in_rows(&log.voltage, of, log.start_s, log.sample_period);
+    log.holes.iter().map(hole).chain(log.displacement.iter().flat_map(within)).collect()
 }
 
 /// The flaws of rows that begin at `start_s`, one a `period`, s.

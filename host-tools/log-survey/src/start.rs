@@ -92,6 +92,7 @@ mod tests {
             voltage: session.voltage.clone(),
             displacement: Some(displacement),
             displacement_estimated: false,
+            holes: Vec::new(),
         }
     }
 

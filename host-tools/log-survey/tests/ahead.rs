@@ -55,6 +55,7 @@ fn narrow() -> Log {
         displacement: Some(displacement.collect()),
         voltage,
         displacement_estimated: false,
+        holes: Vec::new(),
     }
 }
 
@@ -123,6 +124,7 @@ fn the_noise_of_a_sensor_without_hysteresis_is_not_ahead() {
             voltage,
             displacement: Some(displacement),
             displacement_estimated: false,
+            holes: Vec::new(),
         };
         assert_eq!([ahead(&log), ahead(&exchanged(log))], [None, None], "{seed}");
     }

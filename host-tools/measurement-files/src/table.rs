@@ -46,9 +46,21 @@ impl Table<'_> {
     /// # Errors
     /// The first row that is none, with its place.
     pub fn rows(self, wanted: &[usize], visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
+        self.read(wanted, false, visit)
+    }
+
+    /// The same, with NaN for a value that is no finite number, in a row that has another which is one.
+    ///
+    /// # Errors
+    /// The first row that is none.
+    pub fn rows_with_holes(self, wanted: &[usize], visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
+        self.read(wanted, true, visit)
+    }
+
+    fn read(self, wanted: &[usize], holes: bool, visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
         match self.body {
-            Body::Text(rows) => rows.read(wanted, visit),
-            Body::Series => series(&self.columns, self.first_row, wanted, visit),
+            Body::Text(rows) => rows.read(wanted, holes, visit),
+            Body::Series => series(&self.columns, self.first_row, wanted, holes, visit),
         }
     }
 }
@@ -67,18 +79,21 @@ fn series(
     columns: &[Column],
     first: Place,
     wanted: &[usize],
+    holes: bool,
     visit: &mut dyn FnMut(&[f64]),
 ) -> Result<(), PlacedFault> {
     let chosen: Vec<&[f64]> = wanted.iter().map(|&at| columns.get(at).map_or(&[][..], |c| &c.values)).collect();
     let length = chosen.iter().map(|values| values.len()).min().unwrap_or(0);
     let mut row = vec![0.0; chosen.len()];
     for index in 0..length {
-        for (column, (value, values)) in row.iter_mut().zip(&chosen).enumerate() {
-            *value = values[index];
-            if !value.is_finite() {
+        row.iter_mut().zip(&chosen).for_each(|(value, values)| *value = values[index]);
+        let some = holes && row.iter().any(|value| value.is_finite());
+        for (column, value) in row.iter_mut().enumerate().filter(|(_, value)| !value.is_finite()) {
+            if !some {
                 let value = value.to_string();
                 return Err(Fault::NotFinite { column, value }.at(place(first, index)));
             }
+            *value = f64::NAN;
         }
         visit(&row);
     }

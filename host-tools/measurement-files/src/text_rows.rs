@@ -46,8 +46,8 @@ impl Clock {
 }
 
 impl TextRows<'_> {
-    /// Reads as [`Table::rows`](crate::Table::rows) says.
-    pub fn read(mut self, wanted: &[usize], visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
+    /// Reads as [`Table::rows`](crate::Table::rows) says, or with `holes` as the other does.
+    pub fn read(mut self, wanted: &[usize], holes: bool, visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
         let stamps = |at: &usize| self.layout.kinds.get(*at) == Some(&Kind::Stamp);
         let mut clocks: Vec<Option<Clock>> = wanted.iter().map(|at| stamps(at).then(Clock::default)).collect();
         let mut row = vec![0.0; wanted.len()];
@@ -55,7 +55,7 @@ impl TextRows<'_> {
         while self.next_into(&mut line)? {
             let mut fields = Vec::with_capacity(self.layout.kinds.len());
             self.layout.dialect.split(&line, &mut fields);
-            match self.fill(&line, &fields, wanted, &mut clocks, &mut row) {
+            match self.fill(&line, &fields, wanted, holes, &mut clocks, &mut row) {
                 Ok(()) => visit(&row),
                 Err(fault) => return self.end(&line, fault),
             }
@@ -80,6 +80,7 @@ impl TextRows<'_> {
         line: &str,
         fields: &[Cow<'_, str>],
         wanted: &[usize],
+        holes: bool,
         clocks: &mut [Option<Clock>],
         row: &mut [f64],
     ) -> Result<(), Fault> {
@@ -92,8 +93,14 @@ impl TextRows<'_> {
             let expected = if fields.len() < least { least.max(self.layout.kinds.len()) } else { most };
             return Err(Fault::UnevenRow { found: fields.len(), expected });
         }
+        let number = |at: &usize| fields.get(*at).and_then(|field| self.layout.dialect.number(field));
+        let some = holes && wanted.iter().any(|at| number(at).is_some_and(f64::is_finite));
         for (column, ((&at, clock), value)) in wanted.iter().zip(clocks).zip(row).enumerate() {
             let field = fields.get(at).map_or("", |field| field);
+            if some && clock.is_none() {
+                *value = number(&at).filter(|value| value.is_finite()).unwrap_or(f64::NAN);
+                continue;
+            }
             *value = match clock {
                 Some(clock) => clock.seconds(field),
                 None => self.layout.dialect.number(field),

@@ -32,7 +32,6 @@ impl Overwrite {
 
     /// The log that grows beside this one, not over what is read, and over what was measured once only where that was meant.
     pub fn growing(self, path: &Path, inputs: &[&Path]) -> Result<Replacement> {
-        ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
         not_over(path, inputs)?;
         // What a killed run left is named first: nobody knows of it.
         let file = Replacement::growing(path)?;
@@ -46,8 +45,9 @@ impl Overwrite {
     }
 }
 
-/// Refuses to write over what is read.
+/// Refuses a folder in a file's place, and to write over what is read.
 pub fn not_over(path: &Path, inputs: &[&Path]) -> Result<()> {
+    ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
     let same =
         |input: &&&Path| path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input));
     match inputs.iter().find(same) {

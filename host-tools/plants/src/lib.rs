@@ -111,6 +111,7 @@ impl Plant {
             voltage: voltage.into_iter().map(|volts| self.instruments.quantised(volts, self.full_v)).collect(),
             displacement: Some(displacement),
             displacement_estimated: false,
+            holes: Vec::new(),
         }
     }
 

@@ -121,6 +121,7 @@ mod tests {
             voltage: (0..2000).map(|k| 50.0 - 50.0 * phase(k).cos() + 0.01 * noise()).collect(),
             displacement: Some((0..2000).map(|k| 7.0 - 7.0 * (phase(k) - 0.1).cos() + 0.01 * noise()).collect()),
             displacement_estimated: false,
+            holes: Vec::new(),
         }
     }
 

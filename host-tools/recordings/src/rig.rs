@@ -197,6 +197,7 @@ impl Rig {
             voltage,
             displacement: Some(displacement),
             displacement_estimated: false,
+            holes: Vec::new(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! A file of any content as a log: read, or refused by an error that names the file.
 
-use recordings::log::{MINIMUM_ROWS, ReadOptions, read_bytes};
+use recordings::log::{Log, LogError, MINIMUM_ROWS, ReadOptions, read_bytes};
 use std::path::Path;
 
 /// What a file may be called; the readers go by its content.
@@ -27,20 +27,32 @@ pub fn check(bytes: &[u8]) -> bool {
         ..ReadOptions::default()
     };
     let path = Path::new("logs").join(format!("measured.{}", EXTENSIONS[of(0, 8) % EXTENSIONS.len()]));
-    match read_bytes(&path, content, &options) {
+    let with_holes = ReadOptions { holes: true, ..options.clone() };
+    let read = [&options, &with_holes].map(|options| read_bytes(&path, content, options));
+    // What has no hole is read alike.
+    assert!(read[0].is_err() || read[0].as_ref().ok() == read[1].as_ref().ok());
+    read.map(|read| sound(read, &path, options.voltage_required))[0]
+}
+
+/// Whether a log was read, which is then one.
+fn sound(read: Result<Log, LogError>, path: &Path, voltage_required: bool) -> bool {
+    match read {
         Ok(log) => {
+            assert!(log.holes.iter().all(
+                |hole| hole.start < hole.end && hole.end <= log.displacement.as_ref().unwrap_or(&log.voltage).len()
+            ));
             let rows = log.voltage.len();
             assert!(log.sample_period.is_finite() && log.sample_period > 0.0, "{} s", log.sample_period);
             assert!(log.voltage.iter().all(|volts| volts.is_finite()));
             let displacement = log.displacement.unwrap_or_default();
             assert!(displacement.iter().all(|um| um.is_finite()));
-            if options.voltage_required {
+            if voltage_required {
                 assert!(rows >= MINIMUM_ROWS && (displacement.is_empty() || displacement.len() == rows));
             }
             true
         }
         Err(error) => {
-            said(&error.to_string(), &path);
+            said(&error.to_string(), path);
             false
         }
     }

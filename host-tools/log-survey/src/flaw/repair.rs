@@ -35,6 +35,8 @@ pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> Option<
         flaws.iter().any(|flaw| match *flaw {
             Flaw::Missing { .. } => false,
             Flaw::VoltageSpike { at, .. } => near(at, happened),
+            // Which of the two was none is not known.
+            Flaw::Hole { at } => near(at, happened) || near(at, happened + delay_s),
             Flaw::Spike { at, .. } | Flaw::Frozen { at, .. } | Flaw::Clipped { at, .. } => near(at, happened + delay_s),
         })
     };

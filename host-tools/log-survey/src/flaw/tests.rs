@@ -256,7 +256,7 @@ fn what_was_seen_at_a_spike_of_the_voltage_is_left_out_and_the_voltage_is_run_th
 }
 
 /// Rows that a recorder lost, with time stamps that go on as if it had not.
-fn without_rows(log: &Log, lost: std::ops::Range<usize>) -> Log {
+fn without_rows(log: &Log, lost: Range<usize>) -> Log {
     let rest = |values: &[f64]| [&values[..lost.start], &values[lost.end..]].concat();
     Log { voltage: rest(&log.voltage), displacement: log.displacement.as_deref().map(rest), ..log.clone() }
 }

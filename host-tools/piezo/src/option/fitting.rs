@@ -34,8 +34,8 @@ pub struct Fitting {
     /// learns the chosen model once more from all of them.
     #[arg(long, display_order = BEHIND, value_name = "FRACTION", allow_negative_numbers = true)]
     pub hold_out: Option<f64>,
-    /// Leave out what is no measurement: where the displacement leaps away and back or stands still while the voltage moves, and
-    /// where the voltage is cut off or leaps alone. The voltage is run through all the same, straight past its own leaps.
+    /// Leave out what is no measurement: a value that is no number, where the displacement leaps away and back or stands still while
+    /// the voltage moves, and where the voltage is cut off or leaps alone. The voltage is run through all the same, straight past its own leaps.
     #[arg(long)]
     pub repair: bool,
     /// Print the result as JSON.
@@ -85,7 +85,7 @@ impl Fitting {
         ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
         ensure!(self.deadband.is_none_or(|v| v >= 0.0 && v.is_finite()), "--deadband must be 0 or positive");
         // Together: what is said of all need not hold for each.
-        let mut training = self.files.read_all(&[&self.logs[..], &self.validate_on].concat())?;
+        let mut training = self.files.read_all(&[&self.logs[..], &self.validate_on].concat(), self.repair)?;
         let held_out = training.split_off(self.logs.len());
         Ok(Job {
             training,

@@ -33,10 +33,6 @@ impl LogOptions {
         }
     }
 
-    pub fn read(&self, path: &Path) -> Result<Log> {
-        self.read_by(path, &self.options())
-    }
-
     fn read_by(&self, path: &Path, options: &ReadOptions) -> Result<Log> {
         let (log, remarks) = read_remarked(path, options)?;
         let said = remedy::remarked(&log, &remarks, options.voltage_required);
@@ -54,13 +50,14 @@ impl LogOptions {
         self.read_by(path, &ReadOptions { displacement_required: false, ..self.options() })
     }
 
-    /// Reads every log; refuses none and the same file twice.
-    pub fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<Log>> {
+    /// Reads every log, where asked with holes for what is no number; refuses none and the same file twice.
+    pub fn read_all(&self, paths: &[PathBuf], holes: bool) -> Result<Vec<Log>> {
+        let options = ReadOptions { holes, ..self.options() };
         let (mut logs, mut of_length, mut applied) = (Vec::new(), None, false);
         for path in paths {
-            match self.read(path) {
+            match self.read_by(path, &options) {
                 Err(error) if is_of_length(&error) => {
-                    logs.push(self.read_by(path, &ReadOptions { sensor: None, ..self.options() })?);
+                    logs.push(self.read_by(path, &ReadOptions { sensor: None, ..options.clone() })?);
                     of_length.get_or_insert(error);
                 }
                 read => {

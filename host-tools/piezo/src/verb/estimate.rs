@@ -4,7 +4,7 @@ use super::device::look_at;
 use super::print::out;
 use crate::option::{LogOptions, Overwrite, PrepareAgain, finite};
 use crate::output;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
 use identification::validate::{Estimates, unmeasured};
 use serde_json::{Value, json};
@@ -42,7 +42,6 @@ pub struct Estimate {
 /// Runs the verb.
 pub fn run(arguments: &Estimate) -> Result<bool> {
     let path = &arguments.out;
-    ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
     let logs = arguments.logs.iter().map(PathBuf::as_path);
     output::not_over(path, &logs.chain([arguments.table.as_path()]).collect::<Vec<_>>())?;
     arguments.overwrite.of(path, Estimates::UNMEASURED_HEADING)?;

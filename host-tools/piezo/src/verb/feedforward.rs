@@ -8,7 +8,7 @@ use crate::output::{self, Replacement};
 use ::calibration::drive::{identified_on, planned, trained_on};
 use ::calibration::span::Span;
 use ::feedforward::{Plan, Trajectory, approach, near, plan, reach};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use bench::{beyond_training, caveats};
 use clap::Args;
 use estimator_core::{Admitted, DriveLimits};
@@ -56,8 +56,6 @@ pub struct Feedforward {
 pub fn run(arguments: &Feedforward) -> Result<bool> {
     let (_, table) = look_at(&arguments.table)?;
     let trajectory = arguments.log.read_trajectory(&arguments.trajectory)?;
-    let name = arguments.out.display();
-    ensure!(!arguments.out.is_dir(), "{name}: is a folder, --out names a file");
     output::not_over(&arguments.out, &[&arguments.table, &arguments.trajectory])?;
     arguments.overwrite.of(&arguments.out, "time_s,voltage_V,estimated_displacement_um\n")?;
     let limits = stated(arguments, &table)?;
@@ -69,7 +67,7 @@ pub fn run(arguments: &Feedforward) -> Result<bool> {
     let plan = plan(&table, &limits, &Trajectory(whole)).with_context(|| no_plan(&table, &limits))?;
     csv_beside(&arguments.out, tick_s, &plan.voltage, &plan.displacement, Displacement::Estimated)
         .and_then(Replacement::commit)
-        .with_context(|| format!("{name}: cannot be written"))?;
+        .with_context(|| format!("{}: cannot be written", arguments.out.display()))?;
     tell(arguments, &table, &limits, &plan, begins)
 }
 

@@ -33,7 +33,6 @@ pub struct Look {
 /// Runs the verb.
 pub fn run(arguments: &Look) -> Result<bool> {
     if let Some(path) = &arguments.out {
-        ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
         output::not_over(path, &arguments.logs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         arguments.overwrite.of(path, PICTURE)?;
         let page = path.extension().is_some_and(|extension| extension == "html");

@@ -49,7 +49,7 @@ pub fn run(arguments: &Pil) -> Result<bool> {
     };
     ensure!(!logs.is_empty(), "name a log to feed, too: piezo pil table.toml log.csv --port …");
     let stated = table.map(|path| device::look_at(path)).transpose()?;
-    let logs = arguments.logs.read_all(logs)?;
+    let logs = arguments.logs.read_all(logs, false)?;
 
     let (mut client, identity) = arguments.port.connect()?;
     let running = table::running(&mut client)?;

@@ -116,7 +116,10 @@ fn job(arguments: &Reproduce) -> Result<(Job, Option<Rig>)> {
     ensure!((0.0..1.0).contains(&hold_out), "--hold-out must lie between 0 and 1, not {hold_out}");
     let (training, held_out) = match &rig {
         Some(rig) => Bench::logs_of(rig),
-        None => (arguments.files.read_all(&arguments.logs)?, arguments.files.read_all(&arguments.validate_on)?),
+        None => (
+            arguments.files.read_all(&arguments.logs, false)?,
+            arguments.files.read_all(&arguments.validate_on, false)?,
+        ),
     };
     let prepare = (&arguments.prepare).into();
     let job = Job {

@@ -5,7 +5,7 @@ use super::device::look_at;
 use super::print::out;
 use crate::option::{LogOptions, Overwrite, PrepareAgain, ScopeArgs, TOLD, choice, not_negative};
 use crate::output;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
 use findings::figures::heading;
 use findings::validated_log::{TrainedOn, flaws_of, of_log, rows, trained_on};
@@ -61,7 +61,6 @@ pub struct Validate {
 /// Runs the verb; `false` when a threshold is exceeded.
 pub fn run(arguments: &Validate) -> Result<bool> {
     if let Some(path) = &arguments.out {
-        ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
         let logs = arguments.logs.iter().map(PathBuf::as_path);
         output::not_over(path, &logs.chain([arguments.table.as_path()]).collect::<Vec<_>>())?;
         arguments.overwrite.of(path, Estimates::HEADING)?;
@@ -69,7 +68,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     let (file, table) = look_at(&arguments.table)?;
     let recipe = arguments.prepare.instead_of(file.recipe);
     let scope: Scope = (&arguments.scope).into();
-    let logs = arguments.files.read_all(&arguments.logs)?;
+    let logs = arguments.files.read_all(&arguments.logs, false)?;
     let (mut comparisons, mut written) = (Vec::new(), String::from(Estimates::HEADING));
     for log in &logs {
         let named = || log.path.display().to_string();

@@ -118,6 +118,7 @@ mod tests {
             time: Some(time.to_vec()),
             voltage: vec![0.0; time.len()],
             displacement: None,
+            holes: Vec::new(),
         };
         sample_period(&recording, rate).map_err(|PlacedFault(place, fault)| (place, fault))
     }

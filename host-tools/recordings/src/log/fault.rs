@@ -211,6 +211,18 @@ pub enum Fault {
         /// Which quantity it is of.
         quantity: Quantity,
     },
+    /// More values that are none than holes of a recording.
+    #[error(
+        "the {quantity} is no number in {missing} of {rows} rows, first here: that is no hole of a recording; record again"
+    )]
+    Holes {
+        /// Which quantity it is of.
+        quantity: Quantity,
+        /// The rows without one.
+        missing: usize,
+        /// All rows of the log.
+        rows: usize,
+    },
     /// A row of another length than the rows before.
     #[error(
         "this row has {found} fields and the first has {expected}: complete the row, or separate all fields in one way"

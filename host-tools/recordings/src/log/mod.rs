@@ -85,6 +85,7 @@ fn of_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Log, Ve
         voltage: recording.voltage,
         displacement: recording.displacement,
         displacement_estimated: recording.channels.displacement_estimated,
+        holes: recording.holes,
     };
     Ok((log, recording.channels.remarks()))
 }

@@ -12,6 +12,8 @@ pub struct ReadOptions {
     pub sensor: Option<Sensitivity>,
     /// Sample rate, Hz. Needed where the file states no time; checked where it does.
     pub sample_rate: Option<f64>,
+    /// Take a voltage or a displacement that is no finite number for a hole ([`Log::holes`](super::Log::holes)), instead of refusing the log.
+    pub holes: bool,
     /// Refuse a log without displacement.
     pub displacement_required: bool,
     /// Refuse one without voltage. A wanted trajectory has none.
@@ -21,6 +23,13 @@ pub struct ReadOptions {
 impl Default for ReadOptions {
     /// Nothing stated, voltage and displacement required.
     fn default() -> Self {
-        Self { columns: None, sensor: None, sample_rate: None, displacement_required: true, voltage_required: true }
+        Self {
+            columns: None,
+            sensor: None,
+            sample_rate: None,
+            holes: false,
+            displacement_required: true,
+            voltage_required: true,
+        }
     }
 }

@@ -21,6 +21,7 @@ pub struct Reading<'a> {
     table: Table<'a>,
     channels: Channels,
     stated_rate: Option<f64>,
+    holes: bool,
 }
 
 /// One row of a log.
@@ -54,7 +55,8 @@ impl<'a> Reading<'a> {
         }
         let table = measurement_files::open(bytes).map_err(|fault| placed(fault, &[]))?;
         let channels = choose(&table, options).map_err(|fault| fault.at(table.header))?;
-        Ok(Self { path: path.to_owned(), table, channels, stated_rate: options.sample_rate })
+        let &ReadOptions { sample_rate: stated_rate, holes, .. } = options;
+        Ok(Self { path: path.to_owned(), table, channels, stated_rate, holes })
     }
 
     /// Every column of the file.
@@ -125,17 +127,26 @@ impl<'a> Reading<'a> {
         let mut overflow = None;
         let mut rows = 0;
         let first_row = self.table.first_row;
-        let read = self.table.rows(&wanted, &mut |values| {
+        let holes = self.holes;
+        let mut each = |values: &[f64]| {
             let base = |slot: Option<usize>| slot.map(|slot| chosen[slot].1.to_base(values[slot]));
             let [time, voltage, displacement] = slots.map(base);
             let finite = |value: Option<f64>| value.is_none_or(f64::is_finite);
-            if overflow.is_none() && !(finite(time) && finite(voltage) && finite(displacement)) {
+            // A time is no hole.
+            let hole = |value: Option<f64>| holes && value.is_some_and(f64::is_nan);
+            let (voltage_ok, displacement_ok) =
+                (finite(voltage) || hole(voltage), finite(displacement) || hole(displacement));
+            if overflow.is_none() && !(finite(time) && voltage_ok && displacement_ok) {
                 let slot = (0..values.len()).find(|&slot| !chosen[slot].1.to_base(values[slot]).is_finite());
                 overflow = slot.map(|slot| (rows, chosen[slot].0, values[slot]));
             }
             rows += 1;
             visit(Row { time, voltage, displacement });
-        });
+        };
+        let read = match holes {
+            true => self.table.rows_with_holes(&wanted, &mut each),
+            false => self.table.rows(&wanted, &mut each),
+        };
         if let Some((row, quantity, value)) = overflow {
             let fault = Fault::NotFinite { quantity, value: super::Number(value).to_string() };
             return Err(fault.at(place(first_row, row)));
@@ -153,6 +164,7 @@ impl<'a> Reading<'a> {
             time: channels.time.map(|_| Vec::new()),
             voltage: Vec::new(),
             displacement: channels.displacement.map(|_| Vec::new()),
+            holes: Vec::new(),
         };
         self.visit(&mut |row| {
             recording.voltage.extend(row.voltage);
@@ -163,6 +175,7 @@ impl<'a> Reading<'a> {
                 }
             }
         })?;
+        recording.bridge()?;
         Ok(recording)
     }
 }

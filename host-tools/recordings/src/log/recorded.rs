@@ -23,6 +23,9 @@ pub struct Log {
     pub displacement: Option<Vec<f64>>,
     /// The displacement is an estimate and no sensor's, by the name of its column.
     pub displacement_estimated: bool,
+    /// Rows in which the file has no number for the voltage or the displacement: it lies on the straight line between its neighbours
+    /// ([`ReadOptions::holes`](super::ReadOptions::holes)).
+    pub holes: Vec<Range<usize>>,
 }
 
 impl Log {
@@ -59,10 +62,17 @@ impl Log {
             start_s: self.start_s + rows.start as f64 * self.sample_period,
             sample_period: self.sample_period,
             voltage: self.voltage[rows.clone()].to_vec(),
-            displacement: self.displacement.as_ref().map(|displacement| displacement[rows].to_vec()),
+            displacement: self.displacement.as_ref().map(|displacement| displacement[rows.clone()].to_vec()),
             displacement_estimated: self.displacement_estimated,
+            holes: self.holes.iter().filter_map(|hole| within(hole, &rows)).collect(),
         }
     }
+}
+
+/// What of some rows is within others, counted from the first of these.
+fn within(hole: &Range<usize>, rows: &Range<usize>) -> Option<Range<usize>> {
+    let (start, end) = (hole.start.max(rows.start), hole.end.min(rows.end));
+    (start < end).then(|| start - rows.start..end - rows.start)
 }
 
 /// A log that holds the same bytes as one before it, and that one.
@@ -88,6 +98,7 @@ mod tests {
             voltage: rows.clone(),
             displacement: Some(rows),
             displacement_estimated: false,
+            holes: Vec::new(),
         }
     }
 

@@ -171,6 +171,7 @@ mod tests {
             voltage: (0..200).map(|k| offset_v + 2.0 * phase(k).sin()).collect(),
             displacement: Some((0..200).map(|k| offset_um + 10.0 * (phase(k) - 0.2).sin()).collect()),
             displacement_estimated: false,
+            holes: Vec::new(),
         }
     }
 

@@ -212,6 +212,7 @@ mod tests {
             voltage: (0..rows).map(f64::from).collect(),
             displacement: Some((0..rows).map(|k| 2.0 * f64::from(k)).collect()),
             displacement_estimated: false,
+            holes: Vec::new(),
         }
     }
 

@@ -174,3 +174,36 @@ fn errors_targets_and_supplies_are_not_taken_by_their_units() {
     let log = parsed(&format!("t (s),U (V),target (um),CH2 (um)\n{both}"), &options("", None)).unwrap();
     assert!((log.displacement.unwrap()[3] - 4.0 * 0.7_f64.sin()).abs() < 1e-12);
 }
+
+#[test]
+fn a_value_that_is_no_number_is_a_hole_where_that_is_asked_for() {
+    let line = |t: f64, v: f64, y: f64| match (t * 1000.0).round() as u32 {
+        // Rows 3 and 4 miss one value each, row 10 the sensor's, the last one the voltage.
+        3 => format!("{t},,{y}"),
+        4 => format!("{t},{v},\u{221e}"),
+        10 => format!("{t},{v},NaN"),
+        19 => format!("{t},overload,{y}"),
+        _ => format!("{t},{v},{y}"),
+    };
+    let text = "t_s,u_V,y_um\n".to_owned() + &rows(0.001, line);
+    let (place, fault) = refused(&text, &options("", None));
+    assert!(place == Place::Line(5) && matches!(fault, Fault::MissingField { .. }), "{fault}");
+    let with_holes = ReadOptions { holes: true, ..options("", None) };
+    let log = parsed(&text, &with_holes).unwrap();
+    assert_eq!(log.holes, [3..5, 10..11, 19..20]);
+    let displacement = log.displacement.clone().unwrap();
+    let between = |values: &[f64], row: usize| (values[row - 1] + values[row + 1]) / 2.0;
+    assert_eq!(log.voltage[3], between(&log.voltage, 3));
+    assert_eq!(displacement[10], between(&displacement, 10));
+    assert_eq!(log.voltage[19], log.voltage[18], "nothing follows");
+    assert_eq!(log.split(0.5).1.holes, [0..1, 9..10], "counted from the part's first row");
+    // A time is no hole, nor is most of a recording.
+    let (_, fault) = refused(&text.replace("0.006,", ","), &with_holes);
+    assert!(matches!(fault, Fault::NotFinite { quantity: Quantity::Time, .. }), "{fault}");
+    let (_, fault) = refused(&text.replace(".01,", ".01,NaN"), &with_holes);
+    assert!(matches!(fault, Fault::NotANumber { .. } | Fault::Holes { .. }), "{fault}");
+    let many = "t_s,u_V,y_um\n".to_owned()
+        + &rows(0.001, |t, v, y| if t < 0.0055 { format!("{t},{v},-") } else { line(t, v, y) });
+    let (_, fault) = refused(&many, &with_holes);
+    assert!(matches!(fault, Fault::Holes { missing: 7, rows: 20, .. }), "{fault}");
+}
