@@ -177,7 +177,8 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     piezo().args(&fails).assert().code(1);
     let log = recordings::log::read(&proof.join("proven.csv"), &Default::default()).unwrap();
     assert!(log.displacement.is_some() && !log.displacement_estimated);
-    assert!((5.0..8.5).contains(&log.duration()), "{} s", log.duration());
+    // 8.4 s, and what the device has waited for a busy host, at a held voltage.
+    assert!((5.0..30.0).contains(&log.duration()), "{} s", log.duration());
     // With the same table against a spring, a proof sees that it is no longer true.
     let before = json(piezo().args(["info", "--port", port, "--json"]));
     drop(emulated);
