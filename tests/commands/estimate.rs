@@ -8,7 +8,7 @@ use std::path::Path;
 const TABLE: &str = "tests/data/table/models/generalised-prandtl-ishlinskii.toml";
 const OTHER_DAY: &str = "tests/data/picma-p885-session2.csv";
 
-/// Rows of the file: its cells by the heading's names.
+/// The cells of the file under a heading, row by row.
 fn column(path: &Path, name: &str) -> Vec<String> {
     let written = fs::read_to_string(path).unwrap();
     let mut lines = written.lines();
@@ -16,7 +16,7 @@ fn column(path: &Path, name: &str) -> Vec<String> {
     lines.map(|line| line.split(',').nth(at).unwrap().to_owned()).collect()
 }
 
-/// Time and voltage of the log, the voltage by a monitor 1:20, in mV.
+/// Writes time and voltage of the log, the voltage by a monitor 1:20, in mV; the sensor's first reading, µm.
 fn write_monitor(path: &Path) -> f64 {
     let log = fs::read_to_string(root().join(OTHER_DAY)).unwrap();
     let rows = log.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
@@ -49,8 +49,8 @@ fn a_voltage_alone_gives_what_is_validated_beside_a_sensor() {
             assert_eq!(a.len(), b.len());
             assert_eq!(number(&report, "/logs/0/estimates"), b.len() as f64);
             for (a, b) in a.iter().zip(&b) {
-                let off = a == b || (a.parse::<f64>().unwrap() - b.parse::<f64>().unwrap()).abs() <= most;
-                assert!(off, "{told} {name}: {a} {b}");
+                let near = a == b || (a.parse::<f64>().unwrap() - b.parse::<f64>().unwrap()).abs() <= most;
+                assert!(near, "{told} {name}: {a} {b}");
             }
         };
         // Volts times 50 and by 20 are rounded otherwise than as they were.
@@ -87,6 +87,6 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     // A validation says which verb takes a log without a sensor.
     refused(&["validate", TABLE, text(&monitor)], &["holds the displacement", "`piezo estimate`"]);
     let scale = ["estimate", TABLE, text(&monitor), "--voltage-scale"];
-    refused(&[&scale[..], &["1:20"]].concat(), &["of a monitor 1:20 it is 20"]);
+    refused(&[&scale[..], &["1:20"]].concat(), &["for 1:20 it is 20"]);
     refused(&[&scale[..], &["2,5"]].concat(), &["a decimal point is a point"]);
 }

@@ -1,7 +1,7 @@
 //! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
 use crate::flaw::flawed;
-use crate::remarks;
+use crate::raised::remarks;
 use crate::short::short;
 use calibration::{Assumed, CalibrationOptions};
 use estimator_core::{DuhemCondition, Status};

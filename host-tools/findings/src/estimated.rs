@@ -21,8 +21,8 @@ pub fn estimated(estimates: &Estimates, started: bool) -> Vec<String> {
     let widths: Vec<f64> = all.iter().filter_map(|row| row.half_width).collect();
     let mean = || widths.iter().sum::<f64>() / widths.len() as f64;
     lines.push(match (started, widths.is_empty()) {
-        (false, _) => "    the actuator is taken to have rested at the first voltage; there is a ± since a known displacement alone: where it is \
-                       known, --start-at <UM>, in the training sensor's µm"
+        (false, _) => "    the actuator is taken to have rested at the first voltage, and no ± is stated, since no displacement is known: \
+                       --start-at <UM> says where it was at the first sample, in the training sensor's µm"
             .to_owned(),
         (true, true) => "    the table states no ±".to_owned(),
         (true, false) => format!("    ± {:.3} µm on average since the first sample, 95 % of the time", mean()),

@@ -79,7 +79,7 @@ pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool, most
             "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight from the row before to the row \
              behind (--repair); record it again without"
         ),
-        (Flaw::Hole { .. }, _) => format!(
+        (Flaw::Hole { .. }, true) => format!(
             "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight on (--repair)"
         ),
         (_, true) => {

@@ -41,23 +41,12 @@ pub struct Column {
 }
 
 impl Table<'_> {
-    /// Hands each row's values of the columns `wanted` (indices into [`Table::columns`]) to `visit`, to the file's end.
+    /// Hands each row's values of the columns `wanted` (indices into [`Table::columns`]) to `visit`, to the file's end. With `holes`, a
+    /// value that is no finite number is NaN where another of its row is one.
     ///
     /// # Errors
     /// The first row that is none, with its place.
-    pub fn rows(self, wanted: &[usize], visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
-        self.read(wanted, false, visit)
-    }
-
-    /// The same, with NaN for a value that is no finite number, in a row that has another which is one.
-    ///
-    /// # Errors
-    /// The first row that is none.
-    pub fn rows_with_holes(self, wanted: &[usize], visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
-        self.read(wanted, true, visit)
-    }
-
-    fn read(self, wanted: &[usize], holes: bool, visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
+    pub fn rows(self, wanted: &[usize], holes: bool, visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
         match self.body {
             Body::Text(rows) => rows.read(wanted, holes, visit),
             Body::Series => series(&self.columns, self.first_row, wanted, holes, visit),

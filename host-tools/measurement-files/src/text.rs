@@ -107,7 +107,7 @@ mod tests {
     /// How many rows a text has, or where and why it is refused.
     fn rows(text: &str) -> Result<usize, (Place, Fault)> {
         let mut rows = 0;
-        let read = open(Box::new(text.as_bytes())).and_then(|table| table.rows(&[1, 2], &mut |_| rows += 1));
+        let read = open(Box::new(text.as_bytes())).and_then(|table| table.rows(&[1, 2], false, &mut |_| rows += 1));
         read.map(|()| rows).map_err(|PlacedFault(place, fault)| (place, fault))
     }
 

@@ -46,7 +46,7 @@ impl Clock {
 }
 
 impl TextRows<'_> {
-    /// Reads as [`Table::rows`](crate::Table::rows) says, or with `holes` as the other does.
+    /// Reads as [`Table::rows`](crate::Table::rows) says.
     pub fn read(mut self, wanted: &[usize], holes: bool, visit: &mut dyn FnMut(&[f64])) -> Result<(), PlacedFault> {
         let stamps = |at: &usize| self.layout.kinds.get(*at) == Some(&Kind::Stamp);
         let mut clocks: Vec<Option<Clock>> = wanted.iter().map(|at| stamps(at).then(Clock::default)).collect();

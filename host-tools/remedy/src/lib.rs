@@ -22,7 +22,7 @@ pub use bits::{Meaning, faults, status};
 pub use device::{board, not_estimating, refusal, rehearsed};
 pub use findings::{
     DETERMINED, TAUGHT, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason,
-    remarked, remarks, surveyed, taught,
+    remarked, surveyed, taught,
 };
 pub use identification::{ENDS, mismatch};
 pub use learnable::{Learnable, all_learnable, learnable};

@@ -79,14 +79,14 @@ pub fn estimates(
 /// The log cannot be brought to the tick.
 pub fn unmeasured(
     table: &Admitted,
-    log: &Log,
+    log: Log,
     recipe: &Recipe,
     start_um: Option<f64>,
 ) -> Result<Estimates, PrepareError> {
     // What a sensor would have shown is not looked at, nor when.
     let recipe = Recipe { delay_ticks: 0, ..recipe.clone() };
     let nothing = vec![0.0; log.voltage.len()];
-    let session = recipe.session(&recipe.cut(&Log { displacement: Some(nothing), ..log.clone() }))?;
+    let session = recipe.session(&recipe.cut(&Log { displacement: Some(nothing), ..log }))?;
     let start = start_um.map(|um| um * recipe.displacement_scale - recipe.displacement_zero_um);
     Ok(Estimates::of(&session, &recipe, &Run::of::<f32>(table, &session, start, None)))
 }

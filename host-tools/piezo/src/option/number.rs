@@ -62,7 +62,7 @@ pub fn delay(text: &str) -> Result<AutoOr, String> {
 /// A factor that leaves something.
 pub fn factor(text: &str) -> Result<f64, String> {
     if text.contains(':') {
-        return Err("expected one number: of a monitor 1:20 it is 20".to_owned());
+        return Err("expected one number: for 1:20 it is 20".to_owned());
     }
     finite(text).and_then(|x| if x == 0.0 { Err("a scale of 0 leaves nothing".to_owned()) } else { Ok(x) })
 }

@@ -50,8 +50,9 @@ pub fn run(arguments: &Estimate) -> Result<bool> {
     let (mut all, mut written) = (Vec::new(), String::from(Estimates::UNMEASURED_HEADING));
     for path in &arguments.logs {
         let log = arguments.files.read_voltage(path)?;
-        let estimates = unmeasured(&table, &log, &recipe.of(&log), arguments.start_at);
-        let estimates = estimates.with_context(|| path.display().to_string())?;
+        let recipe = recipe.of(&log);
+        let estimates =
+            unmeasured(&table, log, &recipe, arguments.start_at).with_context(|| path.display().to_string())?;
         written.push_str(&estimates.csv());
         all.push(estimates);
     }

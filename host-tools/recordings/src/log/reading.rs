@@ -123,30 +123,23 @@ impl<'a> Reading<'a> {
         let quantities: Vec<Quantity> = chosen.iter().map(|(quantity, _)| *quantity).collect();
         let slot = |quantity| quantities.iter().position(|&other| other == quantity);
         let slots = QUANTITIES.map(slot);
-        // A finite number of a large unit may be none of a small one.
+        // A finite number of a large unit may be none of a small one; what is none in the file is a hole, but for a time.
+        let refused = |(quantity, channel): &(Quantity, Channel), value: f64| {
+            channel.to_base(value).is_infinite() || value.is_nan() && *quantity == Quantity::Time
+        };
         let mut overflow = None;
         let mut rows = 0;
         let first_row = self.table.first_row;
-        let holes = self.holes;
-        let mut each = |values: &[f64]| {
+        let read = self.table.rows(&wanted, self.holes, &mut |values| {
             let base = |slot: Option<usize>| slot.map(|slot| chosen[slot].1.to_base(values[slot]));
             let [time, voltage, displacement] = slots.map(base);
-            let finite = |value: Option<f64>| value.is_none_or(f64::is_finite);
-            // A time is no hole.
-            let hole = |value: Option<f64>| holes && value.is_some_and(f64::is_nan);
-            let (voltage_ok, displacement_ok) =
-                (finite(voltage) || hole(voltage), finite(displacement) || hole(displacement));
-            if overflow.is_none() && !(finite(time) && voltage_ok && displacement_ok) {
-                let slot = (0..values.len()).find(|&slot| !chosen[slot].1.to_base(values[slot]).is_finite());
+            if overflow.is_none() {
+                let slot = (0..values.len()).find(|&slot| refused(&chosen[slot], values[slot]));
                 overflow = slot.map(|slot| (rows, chosen[slot].0, values[slot]));
             }
             rows += 1;
             visit(Row { time, voltage, displacement });
-        };
-        let read = match holes {
-            true => self.table.rows_with_holes(&wanted, &mut each),
-            false => self.table.rows(&wanted, &mut each),
-        };
+        });
         if let Some((row, quantity, value)) = overflow {
             let fault = Fault::NotFinite { quantity, value: super::Number(value).to_string() };
             return Err(fault.at(place(first_row, row)));
