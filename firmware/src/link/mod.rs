@@ -128,10 +128,15 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
         }
     }
 
+    /// Sends the samples that wait, and none that comes meanwhile: where the line is slower than they come, the queue would never be
+    /// empty, and no request, button or lease be looked at again.
     async fn carry(&mut self) {
-        while self.device.telemetry.streaming.load(Relaxed)
+        let mut waiting = self.device.queues.samples.len();
+        while waiting > 0
+            && self.device.telemetry.streaming.load(Relaxed)
             && let Some(samples) = self.batch()
         {
+            waiting = waiting.saturating_sub(samples.samples.len());
             self.send(&ToHost::Samples(samples)).await;
         }
     }
