@@ -194,6 +194,11 @@ impl<T: Real> Inverse<T> {
         self.towards(self.rest)
     }
 
+    /// Whether the last voltage is the rest voltage.
+    pub fn rests(&self) -> bool {
+        self.voltage == self.rest
+    }
+
     fn towards(&mut self, voltage: T) -> Commanded<T> {
         let near = Range { min: self.voltage - self.stride, max: self.voltage + self.stride };
         self.go(near.clamp(voltage))

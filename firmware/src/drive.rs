@@ -1,10 +1,10 @@
 //! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse; or wanted voltages, for a
 //! measurement. A displacement comes from the host, from a controller ([`crate::setpoint`]), or from memory
-//! ([`crate::waveform`]). One and the same inverse goes along with both, so that its voltage is always the one that is put out.
+//! ([`crate::waveform`]). The inverse also follows what is wanted in volts, so that its voltage is always the one that is put out.
 //!
-//! Where the table says that the DAC is wired so, it never shows a displacement. When nothing is wanted, or something is
-//! wrong, or nobody speaks any more, the voltage goes back to its rest at the drive's slew rate; it never jumps, but for a
-//! reset that nobody asked the firmware for.
+//! With a table that has a drive the DAC never shows a displacement. When nothing is wanted, or something is wrong, or nobody speaks
+//! any more, the voltage goes back to its rest at the drive's slew rate. It never jumps, except in a reset that nobody asked the
+//! firmware for.
 //!
 //! ```text
 //! Waiting ── go ─► Ready ── first reference ─► Following ── timeout ─► Stopped
@@ -49,9 +49,6 @@ pub struct Drive {
     /// What the model gives for the voltage that was commanded last, µm.
     displacement: f32,
     pace: Pace,
-    /// The rest's code, and the one that was commanded last.
-    rest: DacCode,
-    last: DacCode,
 }
 
 impl Drive {
@@ -61,22 +58,10 @@ impl Drive {
         // Cannot fail: the table was admitted with it.
         let inverse = table.inverse(&calibration.limits).ok()?;
         let answer = Answer::new(table.adc, &calibration.limits);
-        let (full_scale, rest) = (table.dac.full_scale, Self::rest(table)?);
+        let full_scale = table.dac.full_scale;
         let (finer, finer_full_scale) = (calibration.finer(dac_parts), table.dac.finer(dac_parts).full_scale);
-        let (state, last, displacement, pace) = (State::Waiting, rest, 0.0, Pace::of(table)?);
-        Some(Self {
-            inverse,
-            calibration,
-            full_scale,
-            finer,
-            finer_full_scale,
-            state,
-            answer,
-            displacement,
-            pace,
-            rest,
-            last,
-        })
+        let (state, displacement, pace) = (State::Waiting, 0.0, Pace::of(table)?);
+        Some(Self { inverse, calibration, full_scale, finer, finer_full_scale, state, answer, displacement, pace })
     }
 
     /// The code of the rest voltage.
@@ -139,7 +124,7 @@ impl Drive {
 
     /// Whether the rest voltage was commanded last.
     pub fn rests(&self) -> bool {
-        self.last == self.rest
+        self.inverse.rests()
     }
 
     /// Whether a reference is followed that no [`REFERENCE_TIMEOUT_TICKS`] end.
@@ -189,8 +174,8 @@ impl Drive {
         self.answer.commanded(commanded.voltage);
         self.displacement = commanded.displacement;
         let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
-        self.last = self.calibration.code(commanded.voltage, self.full_scale);
-        (Codes { code: self.last, parts: self.finer.code(commanded.voltage, self.finer_full_scale) }, status)
+        let code = self.calibration.code(commanded.voltage, self.full_scale);
+        (Codes { code, parts: self.finer.code(commanded.voltage, self.finer_full_scale) }, status)
     }
 
     /// Whether the amplifier is not where it was commanded to.

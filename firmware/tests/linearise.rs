@@ -122,6 +122,29 @@ fn a_fault_that_begins_as_it_would_set_out_keeps_it_waiting() {
     assert!(device.run(HOLD + CALM_TICKS + 1_000).0.0 > REST.0 + 500, "once all is sound it sets out");
 }
 
+/// The rest voltage less the model's zero and plus it again is another `f32`, whose code may be the next one.
+#[test]
+fn it_sets_out_from_a_rest_voltage_half_way_between_two_codes() {
+    let table = Table { voltage_zero_v: -0.1, ..*linearising(true) }.admit().expect("a zero within the range");
+    let drive = table.drive.unwrap();
+    let elsewhere = |rest_v: f32| (rest_v - table.voltage_zero_v) + table.voltage_zero_v;
+    let near = |code: u32| {
+        let half = (code as f32 + 0.5) / drive.gain_codes_per_v;
+        (half.to_bits() - 8..half.to_bits() + 8).map(f32::from_bits)
+    };
+    let mut halves = (300..1_000).flat_map(near).map(|rest_v| {
+        let limits = DriveLimits { rest_v, ..drive.limits };
+        DriveCalibration { limits, ..drive }
+    });
+    let code = |drive: &DriveCalibration, volts: f32| drive.code(volts, 4095);
+    let rest_of =
+        |drive: &DriveCalibration| (code(drive, drive.limits.rest_v), code(drive, elsewhere(drive.limits.rest_v)));
+    let drive = halves.find(|drive| rest_of(drive).0 != rest_of(drive).1).expect("one of so many");
+    let table = Table { drive: Some(drive), ..*table }.admit().expect("it has an inverse");
+    let mut device = Controlled::of(&table, &FACTS, Faults::empty());
+    assert!(device.run(CALM_TICKS + 1_000).0.0 > REST.0 + 500, "it waits at {:?}", device.bench.dac);
+}
+
 #[test]
 fn it_sets_out_from_rest_however_long_the_way_there_takes() {
     let table = linearising(true);
