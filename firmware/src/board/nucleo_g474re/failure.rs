@@ -14,6 +14,8 @@ use super::{clocks, output};
 
 /// Whether the parameter store is being read.
 pub static READING_STORE: AtomicBool = AtomicBool::new(false);
+/// Whether a failure has the output go to its safe value.
+static RESTING: AtomicBool = AtomicBool::new(false);
 /// Whether a panic has come.
 static PANICS: AtomicBool = AtomicBool::new(false);
 /// Flash words that could not be corrected.
@@ -27,6 +29,7 @@ pub fn flash_errors() -> u32 {
 /// The DAC to its safe value: where it drives the amplifier, no faster than the drive may, and at once elsewhere. The tick
 /// must not come any more. Before the DAC runs this does nothing.
 fn output_safe() {
+    RESTING.store(true, Relaxed);
     let Some(shown) = output::hold() else { return };
     if TELEMETRY.drives() {
         output::put_at_once(shown);
@@ -69,9 +72,15 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
 /// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
 /// which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names bank 2, where the
 /// store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic would then come back at every start.
+///
+/// Where the output is already on its way to its safe value, a crystal that stops leaves it to arrive there: the steps that are left are
+/// as long as before, by [`clocks::core_hz`].
 #[exception]
 unsafe fn NonMaskableInt() {
     if clocks::crystal_stopped() {
+        if RESTING.load(Relaxed) {
+            return;
+        }
         panic!("the crystal has stopped");
     }
     let state = pac::FLASH.eccr().read();

@@ -24,6 +24,8 @@ const NMIPENDSET: u32 = 1 << 31;
 /// NVIC_ISER0 and NVIC_ICER0, a bit an interrupt to be enabled or not.
 const NVIC_ISER0: u32 = 0xE000_E100;
 const NVIC_ICER0: u32 = 0xE000_E180;
+/// NVIC_ISPR0, a bit an interrupt to be taken.
+const NVIC_ISPR0: u32 = 0xE000_E200;
 const TICK: u32 = 1 << (exception::ADC1_2 - 16);
 /// TIM7_CR1, whose bit 0 lets it count, and its count.
 const TIM7_CR1: u32 = 0x4000_1400;
@@ -287,6 +289,26 @@ fn a_monitor_that_comes_off_while_driving_is_a_fault_after_ten_milliseconds() ->
         let health = bench.health()?;
         assert!(health.faults.contains(Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT), "{driving_mode:?}: {health:?}");
         assert_eq!(valid_since(&bench.board, clock + 25 * PERIOD), 0, "{driving_mode:?}: VALID is silent");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_crystal_that_stops_amid_the_way_of_a_panic() -> Result<()> {
+    for driving_mode in DRIVING {
+        let (mut bench, start) = driven(driving_mode)?;
+        // An interrupt that has no handler.
+        bench.board.poke(NVIC_ISER0, 1)?;
+        bench.board.poke(NVIC_ISPR0, 1)?;
+        bench.run(0.02)?;
+        ensure!(bench.board.output() > Some(REST + 500), "{driving_mode:?}: it has arrived");
+        bench.board.break_crystal();
+        assert_eq!(bench.board.run(1.0)?, Stop::Reset(Reset::Software), "{driving_mode:?}");
+        went_to_rest(&format!("{driving_mode:?}, panic and crystal"), &bench, start);
+        bench.reboot(Reset::Software)?;
+        bench.run(0.2)?;
+        let words = bench.health()?.last_words.unwrap_or_default();
+        assert!(words.contains("interrupt 0 has no handler"), "{words}");
     }
     Ok(())
 }
