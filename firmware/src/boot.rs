@@ -1,8 +1,8 @@
 //! Which table the estimator runs: the newest stored one, else the compiled one, else none; and why. A device that has failed
 //! again and again leaves the store alone, and so does one whose flash cannot hold it.
 //!
-//! The image that is released has the demonstration's table: an actuator's that the board is not beside, unless it is emulated. It
-//! runs for trials, as a table that nobody should take for their actuator's ([`Faults::DEMONSTRATION`]).
+//! The released image's table is the demonstration's: that of another actuator than the board's, unless the board is emulated. It is
+//! for trials, and its use is a fault ([`Faults::DEMONSTRATION`]).
 
 use crate::compiled::is_demonstration;
 use crate::facts::Facts;

@@ -1,9 +1,9 @@
 //! What the amplifier cannot do is not estimated from: a voltage that leaps farther than its slew rate allows is a glitch, or a wire
 //! that is off, and would go through the model's memory of reversals.
 //!
-//! A code that is too far from the last that was believed is held: the estimator is given that last one instead. It is believed
-//! again where it is back near that one; or where it leaps once more, to where the voltage can have gone meanwhile. Nothing else
-//! ends it: a voltage that leaps once and stays is no amplifier's. An estimate that was given one voltage for a while and then the
+//! A code that is too far from the last that was believed is held: the estimator is given that last one instead. A code is believed
+//! again if it is within one leap of the last believed one, or if it leaps a second time and lands within what the amplifier can have
+//! slewed since. Nothing else ends it: a voltage that leaps once and stays is no amplifier's. An estimate that was given one voltage for a while and then the
 //! present one takes as long to catch up, and the status says so as long. Held for [`TOO_LONG`] ticks in a row, or for more than a fifth
 //! of the time as those of a floating input are, codes are a fault.
 //!

@@ -17,8 +17,7 @@ impl Stride {
         Self(((codes * 65_536.0) as u32).max(1))
     }
 
-    /// The code on the way from one to another that is no further from the first than this, and than `more` beyond, which is for
-    /// what rounding makes of both.
+    /// `to`, limited to one stride from `from`, plus `more` for what rounding makes of both.
     #[inline]
     pub fn limit(self, DacCode(from): DacCode, DacCode(to): DacCode, more: u16) -> DacCode {
         // Of a jump it is the whole range.

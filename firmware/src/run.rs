@@ -1,4 +1,4 @@
-//! Puts the parts together and never ends.
+//! Puts the parts together, and runs until the host asks for a restart.
 
 use crate::boot::{self, Chosen};
 use crate::compiled::TABLE;

@@ -2,8 +2,8 @@
 //!
 //! A controller that is switched on after the board, or a wire that is plugged in later, must not move the amplifier on its
 //! way there. So nothing is wanted until the voltage has been at rest and everything sound for [`CALM_TICKS`] without a
-//! break. From then on each code is a displacement, but one near an end of the ADC's range, which is none: the last one is
-//! held, until the watch ([`crate::watch`]) calls it a fault.
+//! break. From then on every code is followed, except one near an end of the ADC's range: then the last displacement
+//! is held, until the watch ([`crate::watch`]) calls it a fault.
 
 use crate::rate::TICK_HZ;
 use crate::watch::{Ends, SATURATED};

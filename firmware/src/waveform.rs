@@ -10,7 +10,7 @@
 //! What is wanted goes to a line's first point by an unhurried way ([`Transition`]), from wherever the voltage stands and from the last point,
 //! and waits there for its trigger. So a line takes as long as every other, apart from its wait for the trigger. Where the way back fits
 //! into the ticks between two points, it is straight like those between the points. The drive keeps its limits whatever is wanted. A tick
-//! that does not come puts the rest of the line off by as much.
+//! that does not come delays the rest of the line by one tick.
 
 use crate::telemetry::{Telemetry, add};
 use core::num::NonZeroU16;
