@@ -42,6 +42,51 @@ pub struct Numbered {
 /// References that may wait for their ticks: 128 ms of them, and 256 at least.
 const WAITING: usize = if ticks_in(128) < 256 { 256 } else { ticks_in(128) as usize };
 
+/// Most elements of an ended mode that are discarded in a tick: a full queue of references at once would take longer than a tick of
+/// 10 kHz has.
+const DISCARDED: usize = 32;
+
+/// The tick's end of a queue whose elements are for the mode in which they came.
+pub struct Inbox<'q, T> {
+    queue: Consumer<'q, T>,
+    /// How many are still of the modes before.
+    stale: usize,
+}
+
+impl<'q, T> Inbox<'q, T> {
+    fn new(queue: Consumer<'q, T>) -> Self {
+        Self { queue, stale: 0 }
+    }
+
+    /// What waits now is for the mode that ends: it will be [discarded](Self::discard).
+    pub fn change_mode(&mut self) {
+        self.stale = self.queue.len();
+    }
+
+    /// A tick's part of what is to be discarded.
+    #[inline]
+    pub fn discard(&mut self) {
+        if self.stale > 0 {
+            self.discard_some();
+        }
+    }
+
+    /// (A function of its own: most ticks do without it.)
+    #[cold]
+    #[inline(never)]
+    fn discard_some(&mut self) {
+        for _ in 0..self.stale.min(DISCARDED) {
+            _ = self.queue.dequeue();
+            self.stale -= 1;
+        }
+    }
+
+    /// The next element for this mode, as soon as none for another waits before it.
+    pub fn take(&mut self) -> Option<T> {
+        if self.stale > 0 { None } else { self.queue.dequeue() }
+    }
+}
+
 /// The queues themselves. Each holds one element less than its length.
 #[derive(Debug)]
 pub struct Queues {
@@ -56,9 +101,9 @@ pub struct TickQueues<'q> {
     /// From the link; one a tick is taken.
     pub commands: Consumer<'q, Command>,
     /// From the link, in [`Mode::Pil`]; one a tick is taken.
-    pub fed: Consumer<'q, AdcCode>,
+    pub fed: Inbox<'q, AdcCode>,
     /// From the link, µm in [`Mode::Follow`], V in [`Mode::Excite`]; one a tick is taken.
-    pub references: Consumer<'q, f32>,
+    pub references: Inbox<'q, f32>,
     /// To the link, while it streams.
     pub samples: Producer<'q, Numbered>,
 }
@@ -88,7 +133,7 @@ impl Queues {
         let (refer, references) = self.references.split();
         let (to_link, samples) = self.samples.split();
         (
-            TickQueues { commands, fed, references, samples: to_link },
+            TickQueues { commands, fed: Inbox::new(fed), references: Inbox::new(references), samples: to_link },
             LinkQueues { commands: to_tick, fed: feed, references: refer, samples },
         )
     }

@@ -1,6 +1,6 @@
 //! What the tick leaves for others to read, and the little that they leave for it: the supply, and whether samples are streamed.
-//! Of each value either the tick is the only writer, but for [`Telemetry::forget`], or the main loop is; and nothing interrupts the
-//! tick, so plain loads and stores are enough.
+//! Each value has one writer, the tick or the main loop ([`Telemetry::forget`] excepted), and nothing interrupts the tick: plain
+//! loads and stores are enough.
 
 mod bias;
 mod rest;
@@ -60,6 +60,10 @@ pub struct Telemetry {
     pub epoch: AtomicU32,
     /// Whether the estimator may be told a displacement.
     pub may_be_told: AtomicBool,
+    /// How often it has been told one, taken or not.
+    tellings: AtomicU32,
+    /// Whether the last one was taken.
+    taken: AtomicBool,
     /// Whether the last voltage is not to be believed: what was estimated of it is no displacement to be told by.
     pub(crate) doubtful: AtomicBool,
     /// Whether a reference is followed that is to be held until the mode ends. For a voltage the link ends it 5 s after the
@@ -116,6 +120,8 @@ impl Telemetry {
             streaming: AtomicBool::new(false),
             epoch: AtomicU32::new(0),
             may_be_told: AtomicBool::new(false),
+            tellings: AtomicU32::new(0),
+            taken: AtomicBool::new(false),
             doubtful: AtomicBool::new(false),
             holding: AtomicBool::new(false),
             stopped: AtomicBool::new(false),
@@ -147,11 +153,10 @@ impl Telemetry {
         beaten != 0 && self.ticks.load(Relaxed).wrapping_sub(beaten) >= STALLED
     }
 
-    /// How long a tick took, entry to exit, and how long it might have, cycles. The board's interrupt handler says so when
-    /// it is done, and learns whether it was in time.
+    /// How many cycles a tick took, entry to exit, and whether it was done in time for its output. The board's interrupt handler
+    /// says so when it is done.
     #[inline]
-    pub fn took(&self, cycles: u32, allowed: u32) -> bool {
-        let in_time = cycles <= allowed;
+    pub fn took(&self, cycles: u32, in_time: bool) {
         if !in_time {
             self.overdue.store(true, Relaxed);
         }
@@ -159,7 +164,6 @@ impl Telemetry {
         if cycles > self.cycles_max.load(Relaxed) {
             self.cycles_max.store(cycles, Relaxed);
         }
-        in_time
     }
 
     /// The code that was read last at the set-point, corrected for the supply; `None` where the board has no such channel.
@@ -197,6 +201,17 @@ impl Telemetry {
     /// Whether no zero may be told now. Of fed codes whoever feeds them knows.
     pub(crate) fn doubts(&self) -> bool {
         self.doubtful.load(Relaxed) && self.mode() != Mode::Pil
+    }
+
+    /// The tick was told a displacement, and has taken it or not.
+    pub(crate) fn answer(&self, taken: bool) {
+        self.taken.store(taken, Relaxed);
+        add(&self.tellings, 1);
+    }
+
+    /// How often the tick has been told a displacement, and whether it has taken the last one.
+    pub fn told(&self) -> (u32, bool) {
+        (self.tellings.load(Relaxed), self.taken.load(Relaxed))
     }
 
     /// Whether a waveform is played.

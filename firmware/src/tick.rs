@@ -28,6 +28,9 @@ use protocol::{Faults, Mode, Sample};
 /// With these the estimate is not of the voltage that there is.
 const DOUBTFUL: Status = Status::ADC_SATURATED.union(Status::VOLTAGE_OUT_OF_RANGE).union(Status::SLEW_EXCEEDED);
 
+/// Faults that others find, and that last as those of the watch do.
+const OTHERS: Faults = Faults::SUPPLY.union(Faults::SLEW_EXCEEDED).union(Faults::STALLED);
+
 /// Everything the interrupt owns.
 pub struct Tick<'q> {
     startup: Startup,
@@ -92,6 +95,9 @@ impl<'q> Tick<'q> {
         if let Some(command) = self.queues.commands.dequeue() {
             self.obey(command);
         }
+        self.queues.fed.discard();
+        self.queues.references.discard();
+        let monitor = conversion.monitor;
         let mut read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
         self.telemetry.set_setpoint(read.corrected.setpoint);
         let mut faults = self.startup.faults;
@@ -100,14 +106,14 @@ impl<'q> Tick<'q> {
             read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
             faults |= leap.faults();
         }
-        let read = match self.mode {
-            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise | Mode::Waveform => Some(read),
-            Mode::Pil => self.queues.fed.dequeue().map(Conversion::from).map(Read::from),
-            Mode::Pause => None,
-        };
         faults.set(Faults::MISSED_DEADLINE, missed.is_some());
         faults.set(Faults::SUPPLY, self.telemetry.supply.bad());
         faults.set(Faults::STALLED, self.telemetry.stalled());
+        let read = match self.mode {
+            Mode::Estimate | Mode::Follow | Mode::Excite | Mode::Linearise | Mode::Waveform => Some(read),
+            Mode::Pil => self.queues.fed.take().map(Conversion::from).map(Read::from),
+            Mode::Pause => None,
+        };
         let (given, faults) = match read {
             Some(read) => self.estimate(read, missed, faults),
             None => {
@@ -115,9 +121,19 @@ impl<'q> Tick<'q> {
                 (self.give(codes).0, faults | Faults::SAFE_OUTPUT)
             }
         };
+        let faults = if self.mode.measures() { faults } else { faults | self.idle(monitor, missed, faults) };
         self.telemetry.set_faults(faults);
         self.valid = faults.is_empty();
         given
+    }
+
+    /// The faults that last of what the converter reads while nothing is estimated of it. (A function of its own, for modes that have the
+    /// time.)
+    #[cold]
+    #[inline(never)]
+    fn idle(&mut self, monitor: AdcCode, missed: Option<u32>, faults: Faults) -> Faults {
+        let (status, missed, astray) = (Status::empty(), missed.is_some(), false);
+        self.watch.update(Seen { monitor, setpoint: None, status, missed, astray, others: faults & OTHERS }).lasting()
     }
 
     /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick, a zero that is lost
@@ -198,20 +214,16 @@ impl<'q> Tick<'q> {
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
         let drive = self.startup.drive.as_ref().filter(|_| self.mode.drives());
         let astray = drive.is_some_and(|drive| drive.astray(corrected.monitor));
-        let others = faults & (Faults::SUPPLY | Faults::SLEW_EXCEEDED | Faults::STALLED);
         let missed = missed.is_some();
         // Codes as they were read show the converter's ends, and whether it stands still.
-        match self.watch.update(Seen { monitor, setpoint, status, missed, astray, others }) {
-            FaultState::Healthy => (faults, !faults.intersects(Faults::UNSAFE)),
-            FaultState::Recovered(lasted) => {
-                // What it has made of the bad codes is forgotten; this tick's sample still has it.
-                if suffers(lasted) {
-                    self.restart();
-                }
-                (faults | lasted, false)
-            }
-            FaultState::Faulty(lasting) => (faults | lasting, false),
+        let state = self.watch.update(Seen { monitor, setpoint, status, missed, astray, others: faults & OTHERS });
+        if let FaultState::Recovered(lasted) = state
+            && suffers(lasted)
+        {
+            // What it has made of the bad codes is forgotten; this tick's sample still has it.
+            self.restart();
         }
+        (faults | state.lasting(), state == FaultState::Healthy && !faults.intersects(Faults::UNSAFE))
     }
 
     fn stream(&mut self, sample: Sample) {

@@ -126,10 +126,15 @@ impl Watch {
         }
     }
 
-    /// For another mode, into which a [sound](Self::sound) estimate goes on: forgets what was seen of a drive and its set-point.
-    pub fn go_on(&mut self) {
+    /// Another mode begins. It ends no fault but that of the set-point, which only one mode follows: what was seen of the
+    /// converter is none of the mode's, and an amplifier that went astray is believed a second after it was last driven.
+    pub fn change_mode(&mut self) {
         (self.setpoint.last, self.setpoint.same, self.setpoint.saturated) = (None, 0, 0);
-        (self.astray, self.found, self.hold) = (0, Faults::empty(), 0);
+        self.astray = 0;
+        self.found.remove(Faults::SETPOINT);
+        if self.found.is_empty() {
+            self.hold = 0;
+        }
     }
 
     /// Whether nothing lasts that an estimate [`suffers`] from.
@@ -138,7 +143,7 @@ impl Watch {
     }
 
     /// Takes what is seen of one tick, and says which faults last after it.
-    #[inline]
+    #[inline(always)]
     pub fn update(&mut self, seen: Seen) -> FaultState {
         let Seen { monitor, setpoint, status, missed, astray, others } = seen;
         let beyond = status.contains(Status::VOLTAGE_OUT_OF_RANGE);
@@ -181,6 +186,16 @@ pub enum FaultState {
     Recovered(Faults),
     /// These faults last: the output is not to be believed.
     Faulty(Faults),
+}
+
+impl FaultState {
+    /// The faults that last at this tick.
+    pub fn lasting(self) -> Faults {
+        match self {
+            Self::Healthy => Faults::empty(),
+            Self::Recovered(faults) | Self::Faulty(faults) => faults,
+        }
+    }
 }
 
 #[cfg(test)]

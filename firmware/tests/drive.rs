@@ -62,6 +62,23 @@ fn it_gives_the_codes_of_the_core_s_inverse_and_holds_the_last_reference() {
 }
 
 #[test]
+fn references_of_the_mode_before_are_discarded_a_few_a_tick_and_never_followed() {
+    let mut bench = Bench::new();
+    bench.set(Mode::Follow);
+    bench.step();
+    let stale = std::iter::repeat_with(|| bench.link.queues.references.enqueue(3.0)).take_while(Result::is_ok).count();
+    bench.set(Mode::Follow);
+    bench.go(true);
+    for waiting in (0..=stale).rev().step_by(32).skip(1) {
+        assert_eq!(bench.step().0, REST, "{waiting} of {stale} wait");
+        assert_eq!(bench.link.queues.references.len(), waiting, "as many go as a tick has time for");
+    }
+    bench.link.queues.references.enqueue(1.0).unwrap();
+    bench.step();
+    assert!(bench.link.telemetry.holding.load(Relaxed), "the first of this one is followed");
+}
+
+#[test]
 fn what_was_held_for_long_may_be_gone_on_from() {
     let mut bench = Bench::new();
     bench.set(Mode::Follow);

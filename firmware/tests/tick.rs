@@ -69,10 +69,10 @@ fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
     assert_eq!(link.telemetry.faults_seen(), Faults::MISSED_DEADLINE);
     link.telemetry.forget();
     assert_eq!((link.telemetry.missed.load(Relaxed), link.telemetry.faults_seen()), (0, Faults::empty()));
-    link.telemetry.took(50, 60);
+    link.telemetry.took(50, true);
     tick.sample(moving(1).into(), now.wrapping_add(PERIOD));
     assert_eq!(link.telemetry.missed.load(Relaxed), 0);
-    link.telemetry.took(61, 60);
+    link.telemetry.took(50, false);
     tick.sample(moving(2).into(), now.wrapping_add(2 * PERIOD));
     assert_eq!(link.telemetry.missed.load(Relaxed), 1, "a tick that was not done in time");
 }
@@ -174,7 +174,7 @@ fn fed_codes_are_estimated_one_a_tick_and_leave_the_output_alone() {
         if k % 3 != 0 {
             link.queues.fed.enqueue(triangle(7 * k)).unwrap();
         }
-        let unread = Conversion { monitor: AdcCode(0), sensor: Some(AdcCode(9)), setpoint: None };
+        let unread = Conversion { monitor: triangle(k), sensor: Some(AdcCode(9)), setpoint: None };
         assert_eq!(tick.sample(unread, (101 + k) * PERIOD), SAFE);
         match link.queues.samples.dequeue() {
             None => assert_eq!(k % 3, 0),
@@ -230,6 +230,42 @@ fn a_monitor_that_stands_still_is_found_across_modes() {
     assert!(!stands(&mut link, 0..STUCK - 10));
     link.queues.commands.enqueue(Command::SetMode(Mode::Estimate)).unwrap();
     assert!(stands(&mut link, STUCK - 10..STUCK + 10));
+}
+
+#[test]
+fn no_mode_that_is_set_ends_a_fault_of_what_the_converter_reads() {
+    let beyond = driving().adc.code(driving().voltage_range_v.max + 0.02);
+    type Codes<'c> = &'c dyn Fn(u32) -> AdcCode;
+    let cases: [(Faults, Codes<'_>); 3] = [
+        (Faults::ADC_SATURATED, &|k| AdcCode(65_520 - (k % 2) as u16)),
+        (Faults::OUT_OF_CALIBRATION, &|k| AdcCode(beyond.0 + (k % 2) as u16)),
+        (Faults::ADC_STUCK, &|_| AdcCode(30_000)),
+    ];
+    for (fault, code) in cases {
+        let (mut tick, mut link) = tick(Some(&driving()), Faults::empty());
+        let mut k = 0;
+        let mut run = |link: &mut LinkEnd, ticks: u32, code: Codes<'_>| {
+            for _ in 0..ticks {
+                k += 1;
+                tick.sample(code(k).into(), k.wrapping_mul(PERIOD));
+                assert!(!tick.valid(), "{fault:?}: tick {k} in {:?}", link.telemetry.mode());
+            }
+            link.telemetry.faults().contains(fault)
+        };
+        assert!(run(&mut link, STUCK + OUT_OF_RANGE, code));
+        for mode in [Mode::Estimate, Mode::Follow, Mode::Pause, Mode::Estimate, Mode::Pil, Mode::Excite, Mode::Estimate]
+        {
+            link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
+            assert!(run(&mut link, 1, code), "{fault:?} in {mode:?}, at once");
+            assert!(run(&mut link, HOLD / 2, code), "{fault:?} in {mode:?}");
+        }
+        // Nor does it outlast its cause by more in one mode than in another.
+        link.queues.commands.enqueue(Command::SetMode(Mode::Pause)).unwrap();
+        assert!(run(&mut link, HOLD / 2, &moving));
+        link.queues.commands.enqueue(Command::SetMode(Mode::Estimate)).unwrap();
+        assert!(run(&mut link, HOLD / 2 - 1, &moving));
+        assert!(!run(&mut link, SATURATED, &moving), "{fault:?}");
+    }
 }
 
 #[test]

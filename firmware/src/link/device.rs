@@ -73,8 +73,8 @@ impl<F: NorFlash> Device<'_, F> {
             Request::Load { first, points } => return self.load(first, &points),
             Request::Play(how) => self.play(how).await,
             Request::SetMode(mode) => self.set_mode(mode).await,
-            Request::SetZero { at_um } => self.tell(at_um, Command::SetZero { at_um }),
-            Request::ShiftBias { by_um } => self.tell(by_um, Command::ShiftBias { by_um }),
+            Request::SetZero { at_um } => self.tell(at_um, Command::SetZero { at_um }).await,
+            Request::ShiftBias { by_um } => self.shift(by_um).await,
             Request::Stream(on) => {
                 self.stream(on);
                 Ok(())
@@ -130,8 +130,15 @@ impl<F: NorFlash> Device<'_, F> {
         if self.estimating() && !while_estimating { Err(Refusal::Estimating) } else { Ok(()) }
     }
 
-    /// Hands on a command that tells the bias by a displacement, µm.
-    fn tell(&mut self, displacement: f32, command: Command) -> Result<(), Refusal> {
+    /// Shifts the bias (µm), not farther than the displacement's span, however often.
+    async fn shift(&mut self, by_um: f32) -> Result<(), Refusal> {
+        let bias_um = self.telemetry.bias.um();
+        let farther = (bias_um + by_um).abs() > bias_um.abs();
+        self.tell(if farther { bias_um + by_um } else { by_um }, Command::ShiftBias { by_um }).await
+    }
+
+    /// Hands on a command that tells the bias by a displacement, µm, and learns whether the tick has taken it.
+    async fn tell(&mut self, displacement: f32, command: Command) -> Result<(), Refusal> {
         let table = self.table.as_ref().filter(|_| self.telemetry.mode() != Mode::Pause);
         let span_um = table.ok_or(Refusal::NotEstimating)?.displacement_limits_um.span();
         if !(Range { min: -span_um, max: span_um }).contains(displacement) {
@@ -144,21 +151,33 @@ impl<F: NorFlash> Device<'_, F> {
         if matches!(command, Command::SetZero { .. }) && self.telemetry.doubts() {
             return Err(Refusal::NotBelieved);
         }
+        let (before, _) = self.telemetry.told();
         self.queues.commands.enqueue(command).map_err(|_| Refusal::Busy)?;
-        // Before the reply, so that no reset comes between. That of fed codes is over with them.
-        if self.telemetry.mode().measures() {
-            (self.facts.keep_told)();
+        for _ in 0..OBEYED.as_ticks() / POLL.as_ticks() {
+            match self.telemetry.told() {
+                (now, _) if now == before => Timer::after(POLL).await,
+                // Since it was looked at above, the voltage has gone wrong or the estimate has begun anew.
+                (_, false) if self.telemetry.doubts() => return Err(Refusal::NotBelieved),
+                (_, false) => return Err(Refusal::TooSoon),
+                (_, true) => {
+                    // Before the reply, so that no reset comes between. That of fed codes is over with them.
+                    if self.telemetry.mode().measures() {
+                        (self.facts.keep_told)();
+                    }
+                    return Ok(());
+                }
+            }
         }
-        Ok(())
+        Err(Refusal::Busy)
     }
 
     /// Calls the displacement of now 0, for somebody beside the actuator: that of fed codes is none of it, and is told by who feeds
     /// them alone.
-    pub fn zero(&mut self) -> Result<(), Refusal> {
+    pub async fn zero(&mut self) -> Result<(), Refusal> {
         if !self.telemetry.mode().measures() {
             return Err(Refusal::NotEstimating);
         }
-        self.tell(0.0, Command::SetZero { at_um: 0.0 })
+        self.tell(0.0, Command::SetZero { at_um: 0.0 }).await
     }
 
     fn estimating(&self) -> bool {

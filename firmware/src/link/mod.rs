@@ -76,7 +76,7 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
                 Either::Second(()) => {}
             }
             self.carry().await;
-            self.attend();
+            self.attend().await;
             self.expire().await;
             // A sender that never pauses must not keep the watchdog's keeper waiting.
             yield_now().await;
@@ -113,9 +113,9 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
     }
 
     /// Obeys the button and has the lamp say how the device is.
-    fn attend(&mut self) {
+    async fn attend(&mut self) {
         let now_ms = Instant::now().as_millis();
-        if self.panel.pressed(now_ms) && self.device.zero().is_ok() {
+        if self.panel.pressed(now_ms) && self.device.zero().await.is_ok() {
             self.panel.obeyed(now_ms);
         }
         self.panel.show(now_ms, self.device.telemetry.faults());

@@ -3,7 +3,6 @@
 use super::{Tick, tick_restart};
 use crate::decimation::Streamed;
 use crate::queues::Command;
-use crate::watch::Watch;
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::Estimator;
 use protocol::{Faults, Mode};
@@ -18,37 +17,37 @@ impl Tick<'_> {
             leap.restart();
         }
         self.telemetry.bias.set(None);
+        self.telemetry.may_be_told.store(false, Relaxed);
         if core::mem::take(&mut self.told) {
             self.startup.faults.insert(Faults::ZERO_LOST);
         }
     }
 
-    /// Tells the estimator its bias, which it may not take.
+    /// Tells the estimator its bias, and the link whether it was taken.
     fn tell(&mut self, tell: impl FnOnce(&mut Estimator<f32>) -> bool) {
-        if let Some(estimator) = &mut self.startup.estimator
-            && tell(estimator)
-        {
-            self.telemetry.bias.set(Some(estimator.bias()));
+        let estimator = self.startup.estimator.as_mut();
+        let taken = estimator.and_then(|estimator| tell(estimator).then(|| estimator.bias()));
+        if taken.is_some() {
+            self.telemetry.bias.set(taken);
             // Of fed codes it is over with them.
             if self.mode.measures() {
                 self.told = true;
                 self.startup.faults.remove(Faults::ZERO_LOST);
             }
         }
+        self.telemetry.answer(taken.is_some());
     }
 
-    /// Begins a mode, wherever the output stands. An estimate from the ADC, with which nothing was wrong, goes on.
+    /// Begins a mode, wherever the output stands. An estimate from the ADC goes on, and so do the faults of what it reads.
     pub(super) fn enter(&mut self, mode: Mode) {
-        let goes_on = self.mode.measures() && mode.measures() && self.watch.sound();
+        let goes_on = self.mode.measures() && mode.measures();
         self.mode = mode;
         self.number = 0;
         self.decimation = Streamed::default();
-        while self.queues.fed.dequeue().is_some() {}
-        while self.queues.references.dequeue().is_some() {}
-        if goes_on {
-            self.watch.go_on();
-        } else {
-            self.watch = Watch::new(self.adc_full_scale);
+        self.queues.fed.change_mode();
+        self.queues.references.change_mode();
+        self.watch.change_mode();
+        if !goes_on {
             self.restart();
         }
         if let Some(setpoint) = &mut self.startup.setpoint {
@@ -82,7 +81,7 @@ impl Tick<'_> {
                 }
             }
             // The voltage may have gone wrong since the device has looked.
-            Command::SetZero { .. } if self.telemetry.doubts() => {}
+            Command::SetZero { .. } if self.telemetry.doubts() => self.telemetry.answer(false),
             Command::SetZero { at_um } => self.tell(|estimator| estimator.set_zero(at_um)),
             Command::ShiftBias { by_um } => self.tell(|estimator| estimator.shift(by_um)),
         }

@@ -49,7 +49,7 @@ impl Tick<'_> {
                     }
                     // The first one is for a tick that is streamed, so that the host knows which it was.
                     _ if drive.takes_references() && (!drive.ready() || Streamed::has(self.number)) => {
-                        self.queues.references.dequeue()
+                        self.queues.references.take()
                     }
                     _ => None,
                 };

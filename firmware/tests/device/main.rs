@@ -12,6 +12,7 @@ mod waveform;
 use bench::{Bench, TICKS, push};
 use common::{compiled, driving, other, record, tick};
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
+use embassy_futures::block_on;
 use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{AdcCode, Admitted, IntervalParameters, Table};
 use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
@@ -106,7 +107,45 @@ fn no_zero_is_taken_of_a_voltage_that_is_not_to_be_believed() {
             std::thread::sleep(TICKS);
             assert_eq!(bench.ask(Request::SetZero { at_um: 2.0 }), Reply::Refused(Refusal::NotBelieved), "{why}");
         }
-        assert_eq!(bench.device.zero(), Err(Refusal::NotBelieved), "{why}: nor by the button");
+        assert_eq!(block_on(bench.device.zero()), Err(Refusal::NotBelieved), "{why}: nor by the button");
+    }
+}
+
+/// A host that takes "done" for done would measure from a zero that is none.
+#[test]
+fn a_zero_that_the_tick_does_not_take_is_refused_and_not_kept() {
+    static KEPT: AtomicBool = AtomicBool::new(false);
+    let mut bench = Bench::new(Some(compiled()));
+    bench.device.facts.keep_told = || KEPT.store(true, Relaxed);
+    std::thread::sleep(TICKS);
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pil)), Reply::Done);
+    // Nothing has been fed: there is no displacement to be called anything.
+    for told in [Request::SetZero { at_um: 1.0 }, Request::ShiftBias { by_um: 1.0 }] {
+        assert_eq!(bench.ask(told), Reply::Refused(Refusal::TooSoon));
+    }
+    // The tick finds it so, and not the device, which has looked before.
+    assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
+    assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done);
+    for _ in 0..100 {
+        bench.device.telemetry.may_be_told.store(true, Relaxed);
+        let (before, _) = bench.device.telemetry.told();
+        let reply = bench.ask(Request::SetZero { at_um: 1.0 });
+        let (now, taken) = bench.device.telemetry.told();
+        assert_eq!((reply == Reply::Done, now), (taken, before.wrapping_add(1)), "{reply:?}");
+    }
+    assert!(KEPT.load(Relaxed));
+}
+
+#[test]
+fn shifts_add_up_to_no_more_than_one_may_be() {
+    let span_um = compiled().displacement_limits_um.span();
+    let mut bench = Bench::new(Some(compiled()));
+    std::thread::sleep(TICKS);
+    for reply in [Reply::Done, Reply::Refused(Refusal::BeyondSpan { span_um })] {
+        assert_eq!(bench.ask(Request::ShiftBias { by_um: 0.6 * span_um }), reply);
+    }
+    for _ in 0..2 {
+        assert_eq!(bench.ask(Request::ShiftBias { by_um: -0.6 * span_um }), Reply::Done, "on the way back");
     }
 }
 
@@ -117,7 +156,7 @@ fn the_button_zeroes_no_fed_codes_and_who_feeds_them_may() {
     let codes = [30_000, 30_010, 65_520].into_iter().collect();
     assert_eq!(bench.ask(Request::Feed(codes)), Reply::Fed(3));
     std::thread::sleep(TICKS);
-    assert_eq!(bench.device.zero(), Err(Refusal::NotEstimating));
+    assert_eq!(block_on(bench.device.zero()), Err(Refusal::NotEstimating));
     assert_eq!(bench.ask(Request::SetZero { at_um: 1.0 }), Reply::Done, "the host's own estimate is told it, too");
 }
 

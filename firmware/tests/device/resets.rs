@@ -153,5 +153,5 @@ fn a_zero_that_a_reset_has_lost_is_said_without_valid_until_it_is_told_anew() {
     for told in [Request::SetZero { at_um: 0.0 }, Request::ShiftBias { by_um: 1.0 }] {
         assert_eq!(kept(&mut bench, told), (Reply::Done, true));
     }
-    assert_eq!((bench.device.zero(), KEPT.load(Relaxed)), (Ok(()), true), "by the button, too");
+    assert_eq!((block_on(bench.device.zero()), KEPT.load(Relaxed)), (Ok(()), true), "by the button, too");
 }

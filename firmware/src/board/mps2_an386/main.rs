@@ -121,7 +121,8 @@ fn Timer0() {
     };
     let code = if TELEMETRY.drives() { looped_back() } else { triangle() };
     DAC.store(tick.sample(code.into(), started).0, Relaxed);
-    TELEMETRY.took(registers::cycles().wrapping_sub(started), CORE_HZ / TICK_HZ);
+    let cycles = registers::cycles().wrapping_sub(started);
+    TELEMETRY.took(cycles, cycles <= CORE_HZ / TICK_HZ);
 }
 
 #[interrupt]

@@ -61,6 +61,17 @@ pub struct Output {
     _dac: DacChannel<'static, Async>,
 }
 
+/// What has become of a tick's output.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Put {
+    /// It goes out from the next trigger on.
+    InTime,
+    /// DMA is about to fetch the next codes: they are left as they are, those of the tick before the last.
+    TooLate,
+    /// DMA has stopped, or is out of step with the ticks.
+    Stopped,
+}
+
 /// TIM7, which does not run yet.
 pub struct Ahead(Timer<'static, TIM7>);
 
@@ -116,9 +127,9 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
 }
 
 impl Output {
-    /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code; says whether DMA goes on, in time with TIM6.
+    /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code.
     #[inline]
-    pub fn put(&mut self, given: DacCode) -> bool {
+    pub fn put(&mut self, given: DacCode) -> Put {
         // One that stands still may stand in phase. (That it has turned since the last tick says less: one that is late may be done a
         // turn before the next.)
         let runs = pac::TIM7.cr1().read().cen();
@@ -129,12 +140,17 @@ impl Output {
         let in_phase = began % CODES <= 2;
         // The half that is being put out; the other is filled, unless it is about to be fetched.
         let now = (began / CODES % 2) as usize;
-        if over < CODES - 2 {
+        let in_time = over < CODES - 2;
+        if in_time {
             let given = TELEMETRY.stride_given().limit(self.filled[now], given, ROUNDING);
             fill(&mut self.shaper, given, 1 - now);
             self.filled[1 - now] = given;
         }
-        runs && in_phase && !pac::DAC1.sr().read().dmaudr(0)
+        match runs && in_phase && !pac::DAC1.sr().read().dmaudr(0) {
+            false => Put::Stopped,
+            true if in_time => Put::InTime,
+            true => Put::TooLate,
+        }
     }
 }
 
