@@ -25,11 +25,13 @@ mod local;
 mod newton;
 mod optimiser;
 mod particle_swarm;
+mod scaled;
 mod state;
 
 pub use gene::{Gene, Scale};
 pub use optimiser::Optimiser;
 use rayon::prelude::*;
+pub use scaled::scaled;
 use state::Search;
 pub use state::{Budget, Minimum, Objective, Quadratic};
 

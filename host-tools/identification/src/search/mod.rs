@@ -3,5 +3,5 @@
 mod options;
 pub mod space;
 
-pub use minimisation::{Budget, Gene, Minimum, Objective, Optimiser, Quadratic, Scale, each, ga, minimise};
+pub use minimisation::{Budget, Gene, Minimum, Objective, Optimiser, Quadratic, Scale, each, ga, minimise, scaled};
 pub use options::{SearchOptions, Start};

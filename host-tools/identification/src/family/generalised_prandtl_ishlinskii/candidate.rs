@@ -15,10 +15,13 @@ const NARROWEST: f64 = 0.02;
 /// Least slope of the reversible part, of the stroke over the span: without any the inverse has no unique answer.
 const FLOOR: f64 = 1e-3;
 
-/// Median of the log-normal prior of delay and lag together, s, and its deviation, a factor of three: at a single frequency they do what
+/// Mode of the log-normal prior of delay and lag together, s, and its deviation towards longer ones, a factor of three: at a single frequency they do what
 /// hysteresis does, and amplifiers that are loaded with an actuator have corners of 100 Hz to 1 kHz.
 const LATE: f64 = 5e-4;
 const LATE_WITHIN: f64 = 1.1;
+/// The deviation of shorter ones, a factor of ten: a monitor's voltage has the amplifier's corner behind it, and what is left may be the
+/// tenth of a millisecond of a sensor.
+const SOONER_WITHIN: f64 = 2.3;
 /// Where somebody says what they are together, the prior is normal, with this part of it for a standard deviation, and half a
 /// tick at least.
 const SAID: f64 = 0.05;
@@ -59,7 +62,7 @@ pub struct Family {
 }
 
 /// A candidate's values by name.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Values {
     pub delay_ticks: f64,
     pub lag_s: f64,
@@ -80,9 +83,11 @@ impl Values {
         let [fast, slow] = self.creep.map(libm::log);
         let square = |x: f64| x * x;
         let late_s = self.delay_ticks * tick + self.lag_s;
-        let late = said_s.map_or(square(libm::log(late_s / LATE) / LATE_WITHIN), |said| {
-            square((late_s - said) / (SAID * said).max(0.5 * tick))
-        }) / WORTH;
+        let longer = libm::log(late_s / LATE);
+        let late = match said_s {
+            Some(said) => square((late_s - said) / (SAID * said).max(0.5 * tick)),
+            None => square(longer / if longer > 0.0 { LATE_WITHIN } else { SOONER_WITHIN }),
+        } / WORTH;
         let law = 0.06 * square(libm::log(self.law) + 0.8);
         let creep = 0.03 * square(fast - slow) + 0.025 * (square(fast + 4.0) + square(slow + 4.0));
         late + law + creep + 0.02 * square(self.rest_memory)

@@ -12,14 +12,16 @@ mod freed;
 use super::AnyFamily;
 use crate::cost::{Cost, Feedback};
 use crate::problem::Problem;
-use crate::search::{Gene, Quadratic};
+use crate::search::{Gene, Quadratic, scaled};
 use candidate::{Extra, Family, PLAYS, SLEW, Values};
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
-use freed::{Freed, freed};
+use freed::freed;
 use log_survey::Character;
 use play_columns::{CREEP_TIMES, Course, FUNCTIONS, Solution, solve};
 use std::sync::Arc;
 
+/// The shortest of delay and lag together that is tried beside freed weights, ticks.
+const SHORTEST: f64 = 0.1;
 /// A slew limit that makes the errors smaller by no more than this part of them is idle.
 const IDLE: f64 = 0.01;
 
@@ -119,8 +121,18 @@ impl super::Family for Family {
         let values = self.without_idle_limit(self.values(values)?, problem)?;
         let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
         let law = self.solve(&values, problem)?;
-        match freed(self, &values, &law, &self.sessions(problem), several) {
-            Some(Freed { weights, solution }) => self.parameters(&values, weights, &solution),
+        let sessions = self.sessions(problem);
+        // What the law misses of small loops' width looks like a lag where only small amplitudes were fast: beside weights of their own
+        // delay and lag are found once more.
+        let late_ticks = values.delay_ticks + values.lag_s / self.tick;
+        let later = scaled(SHORTEST / late_ticks, |scale| {
+            let values = Values { delay_ticks: scale * values.delay_ticks, lag_s: scale * values.lag_s, ..values };
+            let freed = freed(self, &values, &law, &sessions, several)?;
+            let cost = freed.solution.total + values.unlikely(self.tick, problem.lag_s);
+            Some(((values, freed), cost))
+        });
+        match later {
+            Some((_, (values, freed))) => self.parameters(&values, freed.weights, &freed.solution),
             None => self.parameters(&values, self.law(&values), &law),
         }
     }

@@ -258,3 +258,27 @@ fn the_slope_is_that_of_the_cost() {
         assert!((slope[i] - expected).abs() < 0.02 * scale, "number {i}: {}, not {expected}; of {scale}", slope[i]);
     }
 }
+
+/// Sines of three amplitudes, the smallest the fastest, of a device without any lag: what the law misses of the small loop's width looks
+/// like one.
+#[test]
+fn a_lag_that_makes_up_for_the_law_is_halved_where_the_weights_are_freed() {
+    let plant = Plant { lag_s: 0.0, ..Plant::drawn(Kind::Relays(Density::TwoHumped), 2) };
+    let sine = |part: f64, hertz| Waveform::Sine { amplitude: part * plant.full_v, hertz, offset: 0.0 };
+    let sessions = [sine(1.0, 1.0), sine(0.6, 2.0), sine(0.25, 8.0)].map(|waveform| {
+        let log = plant.log("log", &waveform, 4.0, 1);
+        let instants = (0..log.voltage.len() as u32).collect();
+        Session::new(log.name, log.voltage, instants, log.displacement.unwrap(), log.sample_period)
+    });
+    let problem = Problem::new(sessions.to_vec(), vec![], Conditions::default());
+    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
+    let family = Family::new(Extra::Nothing, courses, &problem);
+    let [Minimum { at, .. }, _] = searched(&family, &problem);
+    let values: Vec<f64> = family.searched().iter().zip(&at).map(|(gene, &x)| gene.value(x)).collect();
+    let late_s = |found: Option<Parameters>| match found {
+        Some(Parameters::GeneralisedPrandtlIshlinskii(of)) => 5e-4 * (of.delay_ticks + 1.0) + of.lag_s,
+        found => panic!("{found:?}"),
+    };
+    let [by_law, freed] = [family.project(&values, &problem), family.finish(&values, &problem)].map(late_s);
+    assert!(freed < 0.6 * by_law && by_law > 5e-4, "{by_law} s by the law, {freed} s");
+}
