@@ -13,6 +13,16 @@ pub fn reason(reason: &Reason) -> String {
         Reason::Least(Undecided::Undivided) => least("the logs are too short to leave a part out"),
         Reason::Least(Undecided::WithoutParts) => least("without a part of the logs no model was found"),
         Reason::CrossValidated(of) => cross_validated(of),
+        Reason::OnceMore { validated, first } => {
+            let why = match validated {
+                Some(of) => cross_validated(of),
+                None => "on the whole logs it is off by far less in training; --model takes another.".to_owned(),
+            };
+            format!(
+                "{why} By the part that was not held out it was {first}, which was much further off on what was: the choice was made \
+                 once more between the two, on the whole logs, so that what was held out has had a say in it."
+            )
+        }
     }
 }
 

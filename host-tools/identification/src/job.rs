@@ -13,6 +13,7 @@ use crate::model_choice::{Choice, ModelChoice, Reason, with_contained};
 use crate::prepared::Prepared;
 use crate::problem::{Conditions, Problem};
 use crate::search::SearchOptions;
+use crate::second_choice::second_choice;
 use crate::suspicion::{doubts, no_better};
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
@@ -177,7 +178,7 @@ impl Job {
         let Prepared { problem, context, logs, of_logs, delay_at_bound } = prepared;
         let identification = Identification { problem: &problem, cost: self.cost, options: &self.search, budget: None };
         let Choice { fits, chosen } = identification.choose(self.model, progress);
-        let (model, reason) = chosen.ok_or(JobError::NothingFound)?;
+        let (model, mut reason) = chosen.ok_or(JobError::NothingFound)?;
         let (mut candidates, mut failed) = (Vec::new(), Vec::new());
         for fit in fits {
             let of = fit.model;
@@ -187,11 +188,20 @@ impl Job {
                 Err(error) => failed.push((of, error)),
             }
         }
-        let Some(chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {
+        let Some(mut chosen) = candidates.iter().position(|candidate| candidate.table.model() == model) else {
             let why = failed.into_iter().find(|(failed, _)| *failed == model);
             return Err(why.map_or(JobError::NothingFound, |(model, source)| JobError::Failed { model, source }));
         };
-        let learnt = self.learnt(&candidates[chosen], context, logs, progress)?;
+        let mut learnt = self.learnt(&candidates[chosen], context.clone(), logs.clone(), progress)?;
+        if reason != Reason::AskedFor && self.held_out.is_empty() {
+            let learn = |candidate: &Candidate| self.learnt(candidate, context.clone(), logs, progress).ok();
+            let first = (chosen, &learnt);
+            if let Some(second) = second_choice(&identification, &context, &candidates, first, learn) {
+                candidates[chosen] = candidates[chosen].clone().without_traces();
+                candidates[second.chosen] = second.judged;
+                (chosen, learnt, reason) = (second.chosen, second.learnt, second.reason);
+            }
+        }
         let learnt_from = learnt.learnt_from(&problem);
         let character = Character::of(learnt_from.training(), learnt_from.deadband);
         let of_model = doubts(&learnt.candidate, &candidates[chosen], &character, self.cost, self.conditions.lag_s);

@@ -57,6 +57,7 @@ mod prepared;
 mod problem;
 mod rounds;
 pub mod search;
+mod second_choice;
 pub mod simulation;
 mod structures;
 mod suspicion;

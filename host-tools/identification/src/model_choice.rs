@@ -31,6 +31,14 @@ pub enum Reason {
     AskedFor,
     /// Cross-validation's rule chose it, by parts of the training data that it was not fitted to.
     CrossValidated(CrossValidation),
+    /// Cross-validation's rule chose it by parts of the whole training logs, after another model had been chosen without what was held out,
+    /// where this one did much better.
+    OnceMore {
+        /// Between the two, each learnt from the whole logs; `None` where one is off by far less in them.
+        validated: Option<CrossValidation>,
+        /// The model that had been chosen.
+        first: Model,
+    },
     /// Its error in training, once each log's start has settled, is the least, and cross-validation decides nothing.
     Least(Undecided),
 }
@@ -38,7 +46,11 @@ pub enum Reason {
 impl Reason {
     /// What cross-validation has found, where it chose.
     pub fn cross_validation(&self) -> Option<&CrossValidation> {
-        if let Self::CrossValidated(of) = self { Some(of) } else { None }
+        match self {
+            Self::CrossValidated(of) => Some(of),
+            Self::OnceMore { validated, .. } => validated.as_ref(),
+            Self::AskedFor | Self::Least(_) => None,
+        }
     }
 }
 
