@@ -4,8 +4,8 @@ use crate::mode::Mode;
 use serde::{Deserialize, Serialize};
 
 bitflags::bitflags! {
-    /// What is wrong on the device now. No mode that is set ends a fault, but for [`Faults::SETPOINT`]. While [`Faults::SAFE_OUTPUT`] is among them, the DAC stands at its safe value, or is on its
-    /// way there.
+    /// What is wrong on the device now. While [`Faults::SAFE_OUTPUT`] is among them, the DAC stands at its safe value, or is on its
+    /// way there. Of what lasts until a second after its cause, a mode that is set ends [`Faults::SETPOINT`] alone.
     #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
     pub struct Faults: u16 {
         /// The ADC has stood at an end of its range: a broken divider, a wrong offset, or an open input.
@@ -33,8 +33,8 @@ bitflags::bitflags! {
         /// The crystal did not start: the chip's own oscillator, up to 2 % off, clocks the device, which estimates nothing.
         const CLOCK = 1 << 10;
         /// The monitor's voltage has leapt as the amplifier cannot, and stayed there, or went on leaping: a wire is off, the input
-        /// floats, or the table states a slower amplifier than there is. It lasts until a second after the
-        /// voltage leaps back, or until the device is reset.
+        /// floats, or the table states a slower amplifier than there is. It lasts until a second after the voltage leaps back, or until
+        /// the device is reset.
         const SLEW_EXCEEDED = 1 << 11;
         /// Nothing is stored, and the image's table is the demonstration's: another actuator's. It is estimated by for trials; the
         /// output is not put on its pin.

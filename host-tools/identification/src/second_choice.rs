@@ -73,26 +73,17 @@ mod tests {
     use crate::cost::Feedback;
     use crate::fixtures::session;
     use crate::problem::Problem;
-    use crate::search::SearchOptions;
-    use crate::{Conditions, Job, ModelChoice};
+    use crate::{Conditions, SearchOptions};
+    use calibration::CalibrationOptions;
+    use estimator_core::Digest;
+    use recordings::prepare::PrepareOptions;
     use recordings::rig::{EXCITATIONS, Rig};
 
-    /// A job on three logs of a rig, and its context.
+    /// What tables of a rig's logs hold besides what is identified.
     fn context() -> TableContext {
         let rig = Rig { duration: 0.6, ..Rig::default() };
-        let job = Job {
-            training: vec![rig.log(EXCITATIONS[0])],
-            held_out: Vec::new(),
-            hold_out: 0.0,
-            as_judged: false,
-            prepare: recordings::prepare::PrepareOptions::default(),
-            model: ModelChoice::Auto,
-            conditions: Conditions::default(),
-            calibration: calibration::CalibrationOptions::default(),
-            cost: Feedback::Simulation.into(),
-            search: SearchOptions::default(),
-        };
-        job.prepare(&mut |_, _| ()).unwrap().context
+        let recipe = PrepareOptions::default().resolve(&[rig.log(EXCITATIONS[0])]);
+        TableContext { recipe, calibration: CalibrationOptions::default(), logs: Digest::default(), seed: 0 }
     }
 
     /// Of Voigt's model, which knows no loop of another amplitude, and one that does, each may be the first choice.

@@ -68,13 +68,12 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
 
 /// The crystal has stopped, or the flash cannot correct a word. The first ends the run as any failure does, at the speed of the
 /// chip's own oscillator: no tick comes any more, the output goes to its safe value, and the next start looks for the crystal.
+/// Where another failure has the output on its way there already, it is left to arrive: the steps that are left are as long as before, by
+/// [`clocks::core_hz`].
 ///
 /// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
 /// which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names bank 2, where the
 /// store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic would then come back at every start.
-///
-/// Where the output is already on its way to its safe value, a crystal that stops leaves it to arrive there: the steps that are left are
-/// as long as before, by [`clocks::core_hz`].
 #[exception]
 unsafe fn NonMaskableInt() {
     if clocks::crystal_stopped() {
