@@ -7,6 +7,7 @@ mod bouc_wen;
 mod duhem;
 mod generalised_prandtl_ishlinskii;
 mod held;
+mod look_ahead;
 mod maxwell_slip;
 mod narx;
 mod play;

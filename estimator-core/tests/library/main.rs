@@ -10,6 +10,7 @@ mod held;
 mod interval;
 mod inverse;
 mod laws;
+mod look_ahead;
 mod maxwell_slip;
 mod models;
 mod narx;

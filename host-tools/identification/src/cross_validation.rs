@@ -275,7 +275,7 @@ mod tests {
             let fits: Vec<Fit> = fits.iter().filter(|fit| models.contains(&fit.model)).cloned().collect();
             CrossValidation::of(&search, &eligible(&problem, search.cost, &fits), || ())
         };
-        let said = of([Model::BoucWen, Model::Duhem]).unwrap();
+        let said = of([Model::PrandtlIshlinskii, Model::Duhem]).unwrap();
         assert_eq!((said.left_out, said.scores.len()), (LeftOut::Logs, 2));
         for score in &said.scores {
             assert_eq!((score.parts_um.len(), score.error_um), (3, geometric_mean(&score.parts_um)));

@@ -156,11 +156,11 @@ fn ordered() -> Vec<Model> {
     table.into_iter().chain(Model::ALL.into_iter().filter(|model| !table.contains(model))).collect()
 }
 
-/// A table whose model has an input lag that its literature does not have, without it.
+/// A table whose model has an input lag, or a look-ahead, that its literature does not have, without it.
 fn without_lag(table: &Table) -> Option<Table> {
     let parameters = match table.parameters {
-        Parameters::Duhem(of) if of.lag_s > 0.0 => Parameters::Duhem(DuhemParameters { lag_s: 0.0, ..of }),
-        Parameters::BoucWen(of) if of.lag_s > 0.0 => Parameters::BoucWen(BoucWenParameters { lag_s: 0.0, ..of }),
+        Parameters::Duhem(of) if of.lag_s != 0.0 => Parameters::Duhem(DuhemParameters { lag_s: 0.0, ..of }),
+        Parameters::BoucWen(of) if of.lag_s != 0.0 => Parameters::BoucWen(BoucWenParameters { lag_s: 0.0, ..of }),
         _ => return None,
     };
     Some(Table { parameters, ..*table })

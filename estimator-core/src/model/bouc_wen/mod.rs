@@ -2,7 +2,7 @@
 //! within the table's deadband (`held.rs`).
 //!
 //! ```text
-//! du/dt = (V − u)/lag                                     amplifier; no lag: u = V
+//! du/dt = (V − u)/lag                                     amplifier; no lag, or below 0 (`look_ahead.rs`): u = V
 //! dh/du = A − |h|^n·(β·sgn(h·du) + γ + δ·sgn(du))         V; h' = A·u' − β·|u'|·h·|h|^(n−1) − γ·u'·|h|^n for δ = 0
 //! y = offset + d1·u + d2·u² + c·h                         µm; a displacement that lags the voltage has c < 0
 //! ```
@@ -20,6 +20,7 @@
 mod branch;
 
 use super::held::{Held, half_width};
+use super::look_ahead::{LAG_RULE, LONGEST_TICK_S, LookAhead};
 use super::relaxation::{Lag, Relaxed};
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
@@ -34,7 +35,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoucWenParameters {
-    /// Time constant of the input lag, s; 0 is none.
+    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick after its
+    /// voltage: at most a tick of it counts.
     pub lag_s: f32,
     /// A, slope dh/du at h = 0, V/V; above 0.
     pub a: f32,
@@ -69,8 +71,8 @@ impl Published for BoucWenParameters {
         if !all.iter().all(|number| number.is_finite()) {
             return Err("every parameter must be finite");
         }
-        if lag_s < 0.0 {
-            return Err("lag_s must be at least 0");
+        if lag_s < -LONGEST_TICK_S {
+            return Err(LAG_RULE);
         }
         if a <= 0.0 {
             return Err("a must be above 0");
@@ -96,6 +98,7 @@ impl Published for BoucWenParameters {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoucWen<T> {
     lag: Lag<T>,
+    look_ahead: LookAhead<T>,
     /// Of the play that decides when the memory moves, V.
     half_width: T,
     power: Power<T>,
@@ -115,6 +118,8 @@ pub struct BoucWenState<T> {
     held: Held<T, T>,
     /// h at u, V, within [`BoucWen::limits`]; what is kept of it stands where [`Held`] last moved.
     pub hysteresis: T,
+    /// u and h a tick ago, V.
+    before: (T, T),
 }
 
 impl<T: Real> BoucWen<T> {
@@ -130,6 +135,7 @@ impl<T: Real> BoucWen<T> {
         falling.measure(n, rising.limit);
         Self {
             lag: Lag::build(T::of(p.lag_s), sample_period),
+            look_ahead: LookAhead::build(T::of(p.lag_s), sample_period),
             half_width: half_width(deadband),
             power: match p.n {
                 1.0 => Power::One,
@@ -164,8 +170,13 @@ impl<T: Real> BoucWen<T> {
     }
 
     /// The displacement (µm) at an input and a hysteresis (V).
-    fn sum(&self, u: T, hysteresis: T) -> T {
+    fn sum(&self, (u, hysteresis): (T, T)) -> T {
         self.offset + u * (self.d1 + self.d2 * u) + self.c * hysteresis
+    }
+
+    /// The displacement (µm) as it is seen, of input and hysteresis (V) now and a tick ago.
+    fn seen(&self, now: (T, T), before: (T, T)) -> T {
+        self.look_ahead.of(self.sum(now), || self.sum(before))
     }
 
     /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
@@ -197,45 +208,58 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
         let middle = (limits.min + limits.max) * T::of(0.5);
         let hysteresis = match displacement {
             Some(displacement) if self.c != T::zero() => {
-                limits.clamp((displacement - self.sum(voltage, T::zero())) / self.c)
+                limits.clamp((displacement - self.sum((voltage, T::zero()))) / self.c)
             }
             _ => middle,
         };
-        BoucWenState { input: Relaxed::at(voltage), held: Held::new(voltage, hysteresis), hysteresis }
+        BoucWenState {
+            input: Relaxed::at(voltage),
+            held: Held::new(voltage, hysteresis),
+            hysteresis,
+            before: (voltage, hysteresis),
+        }
     }
 
     #[inline]
     fn step(&self, state: &mut Self::State, voltage: T) -> T {
         self.advance(state, voltage);
-        self.sum(state.input.value, state.hysteresis)
+        self.seen((state.input.value, state.hysteresis), state.before)
     }
 
     /// Without what would be kept.
     #[inline]
     fn peek(&self, state: &Self::State, voltage: T) -> T {
         let u = self.lag.step(&mut { state.input }, voltage);
-        self.sum(u, state.held.shown(u, |h, from, to| self.follow(h, to - from)))
+        let hysteresis = state.held.shown(u, |h, from, to| self.follow(h, to - from));
+        self.seen((u, hysteresis), (state.input.value, state.hysteresis))
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
+    fn of_held_voltage(&self) -> Self {
+        Self { look_ahead: LookAhead::none(), ..*self }
+    }
+
     fn monotone_part(&self) -> Option<Self> {
-        Some(*self)
+        Some(self.of_held_voltage())
     }
 }
 
-/// Columns: `u`, `u²`, `h`, 1; weights: `d1_um_per_v`, `d2_um_per_v2`, `c_um_per_v`, `offset_um`.
+/// Columns: `u`, `u²`, `h`, 1, as they are seen; weights: `d1_um_per_v`, `d2_um_per_v2`, `c_um_per_v`, `offset_um`.
 impl<T: Real> Linear<T> for BoucWen<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
+        state.before = (state.input.value, state.hysteresis);
         let u = self.lag.step(&mut state.input, voltage);
         state.hysteresis = state.held.step(u, self.half_width, |h, from, to| self.follow(h, to - from));
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
-        let u = state.input.value;
-        [u, u * u, state.hysteresis, T::one()].into_iter().for_each(&mut each);
+        let of = |(u, hysteresis): (T, T)| [u, u * u, hysteresis, T::one()];
+        let before = of(state.before);
+        let now = of((state.input.value, state.hysteresis));
+        now.into_iter().zip(before).for_each(|(now, before)| each(self.look_ahead.of(now, || before)));
     }
 }

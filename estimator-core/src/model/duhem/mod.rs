@@ -2,7 +2,7 @@
 //! Rate-independent but for the lag. Its memory is held within the table's deadband (`held.rs`).
 //!
 //! ```text
-//! du/dt = (V − u)/lag,  v = u − centre                           V; no lag: u = V
+//! du/dt = (V − u)/lag,  v = u − centre                           V; no lag, or below 0 (`look_ahead.rs`): u = V
 //! dw/dt = α·|dv/dt|·(f(v) − w) + dv/dt·g(v)                      Eq. (3.12); it prints dy/dt before g for dV/dt
 //! f(v) = f1·v + f3·v³,  g(v) = g0 + g2·v²                        |v| ≤ saturation
 //! f'(v) = g(v) = f1 + 3·f3·saturation²                        beyond it, so that f' and g have one finite limit
@@ -24,6 +24,7 @@ pub use conditions::{DuhemCondition, unmet_condition};
 pub use parameters::DuhemParameters;
 
 use super::held::{Held, half_width};
+use super::look_ahead::LookAhead;
 use super::relaxation::{Lag, Relaxed};
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
@@ -52,6 +53,7 @@ impl Published for DuhemParameters {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Duhem<T> {
     lag: Lag<T>,
+    look_ahead: LookAhead<T>,
     /// Of the play that decides when the memory moves, V.
     half_width: T,
     alpha: T,
@@ -74,6 +76,8 @@ pub struct DuhemState<T> {
     held: Held<T, Answers<T>>,
     /// The three functions of the equation at that u.
     answers: Answers<T>,
+    /// u and the three functions a tick ago.
+    before: (T, Answers<T>),
 }
 
 /// z0 and z2.
@@ -114,6 +118,7 @@ impl<T: Real> Duhem<T> {
         let three = T::of(3.0);
         Self {
             lag: Lag::build(T::of(p.lag_s), sample_period),
+            look_ahead: LookAhead::build(T::of(p.lag_s), sample_period),
             half_width: half_width(deadband),
             alpha: T::of(p.alpha_per_v),
             inverse_alpha: T::one() / T::of(p.alpha_per_v),
@@ -182,8 +187,13 @@ impl<T: Real> Duhem<T> {
     }
 
     /// The displacement (µm) at an input (V).
-    fn sum(&self, u: T, Answers { z0, z2 }: &Answers<T>) -> T {
-        self.offset + self.f(u - self.centre) + (self.d0 * *z0 + self.d2 * *z2)
+    fn sum(&self, (u, Answers { z0, z2 }): (T, Answers<T>)) -> T {
+        self.offset + self.f(u - self.centre) + (self.d0 * z0 + self.d2 * z2)
+    }
+
+    /// The displacement (µm) as it is seen, of inputs (V) now and a tick ago.
+    fn seen(&self, now: (T, Answers<T>), before: (T, Answers<T>)) -> T {
+        self.look_ahead.of(self.sum(now), || self.sum(before))
     }
 
     /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
@@ -211,47 +221,61 @@ impl<T: Real> Recursion<T> for Duhem<T> {
             && excess != T::zero()
         {
             let bound = Range { min: -self.inverse_alpha, max: self.inverse_alpha };
-            answers.z0 = bound.clamp((displacement - self.sum(voltage, &answers)) / excess);
+            answers.z0 = bound.clamp((displacement - self.sum((voltage, answers))) / excess);
             answers.z2 = v * v * answers.z0;
         }
-        DuhemState { input: Relaxed::at(voltage), held: Held::new(voltage, answers), answers }
+        DuhemState {
+            input: Relaxed::at(voltage),
+            held: Held::new(voltage, answers),
+            answers,
+            before: (voltage, answers),
+        }
     }
 
     #[inline]
     fn step(&self, state: &mut Self::State, voltage: T) -> T {
         self.advance(state, voltage);
-        self.sum(state.input.value, &state.answers)
+        self.seen((state.input.value, state.answers), state.before)
     }
 
     /// Without what would be kept.
     #[inline]
     fn peek(&self, state: &Self::State, voltage: T) -> T {
         let u = self.lag.step(&mut { state.input }, voltage);
-        self.sum(u, &state.held.shown(u, |answers, from, to| self.follow(answers, from, to)))
+        let answers = state.held.shown(u, |answers, from, to| self.follow(answers, from, to));
+        self.seen((u, answers), (state.input.value, state.answers))
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
+    fn of_held_voltage(&self) -> Self {
+        Self { look_ahead: LookAhead::none(), ..*self }
+    }
+
     fn monotone_part(&self) -> Option<Self> {
-        Some(*self)
+        Some(self.of_held_voltage())
     }
 }
 
-/// Columns and weights: `v − z0` (`f1_um_per_v`), `v³ − 3·z2` (`f3_um_per_v3`; v³ straight on beyond saturation), `z0`
+/// Columns, as they are seen, and weights: `v − z0` (`f1_um_per_v`), `v³ − 3·z2` (`f3_um_per_v3`; v³ straight on beyond saturation), `z0`
 /// (`g0_um_per_v`), `z2` (`g2_um_per_v3`), 1 (`offset_um`).
 impl<T: Real> Linear<T> for Duhem<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
+        state.before = (state.input.value, state.answers);
         let u = self.lag.step(&mut state.input, voltage);
         state.answers = state.held.step(u, self.half_width, |answers, from, to| self.follow(answers, from, to));
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
-        let v = state.input.value - self.centre;
-        let Answers { z0, z2 } = state.answers;
-        let cubic = self.cubic(v) - T::of(3.0) * z2;
-        [v - z0, cubic, z0, z2, T::one()].into_iter().for_each(&mut each);
+        let of = |(u, Answers { z0, z2 }): (T, Answers<T>)| {
+            let v = u - self.centre;
+            [v - z0, self.cubic(v) - T::of(3.0) * z2, z0, z2, T::one()]
+        };
+        let before = of(state.before);
+        let now = of((state.input.value, state.answers));
+        now.into_iter().zip(before).for_each(|(now, before)| each(self.look_ahead.of(now, || before)));
     }
 }

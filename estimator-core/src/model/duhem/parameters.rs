@@ -1,5 +1,6 @@
 //! Published parameters of the Duhem model, and the rules that they obey.
 
+use super::super::look_ahead::{LAG_RULE, LONGEST_TICK_S};
 use super::conditions::{DuhemCondition, unmet_condition};
 use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
@@ -8,7 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DuhemParameters {
-    /// Time constant of the input lag, s; 0 is none.
+    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick after its
+    /// voltage: at most a tick of it counts.
     pub lag_s: f32,
     /// α of Eq. (3.12), 1/V, above 0: the memory of a reversal falls to 1/e over 1/α volts.
     pub alpha_per_v: f32,
@@ -53,8 +55,8 @@ impl DuhemParameters {
         if !weights.iter().chain(&others).all(|number| number.is_finite()) {
             return Err("every parameter must be finite");
         }
-        if self.lag_s < 0.0 {
-            return Err("lag_s must be at least 0");
+        if self.lag_s < -LONGEST_TICK_S {
+            return Err(LAG_RULE);
         }
         if self.alpha_per_v <= 0.0 || self.saturation_v <= 0.0 {
             return Err("alpha_per_v and saturation_v must be above 0");

@@ -1,6 +1,6 @@
 //! Bouc–Wen models: lag, β, γ and δ are searched, with A = 1 and n = 1; the rest is projected.
 
-use super::model_family::DELAYED;
+use super::model_family::{DELAYED, lateness};
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
@@ -25,7 +25,7 @@ impl super::Family for Family {
 
     fn genes(&self) -> Vec<Gene> {
         vec![
-            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            lateness(),
             Gene::logarithmic("beta", "β times the voltage span", "", 0.1, 100.0),
             Gene::linear("gamma", "γ, of β", "", -0.95, 1.0),
             Gene::linear("delta", "δ, of what β and γ allow", "", -0.95, 0.95),
@@ -33,15 +33,15 @@ impl super::Family for Family {
     }
 
     fn burden(&self, values: &[f64]) -> f64 {
-        1.0 + DELAYED * values.first().map_or(0.0, |lag| lag.abs())
+        1.0 + DELAYED * values.first().copied().unwrap_or(0.0)
     }
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
-        let &[lag, beta, gamma, delta] = values else { return None };
+        let &[late, beta, gamma, delta] = values else { return None };
         let beta = beta / self.voltage;
         let gamma = gamma * beta;
         let base = BoucWenParameters {
-            lag_s: (lag * self.tick) as f32,
+            lag_s: ((late - 1.0) * self.tick) as f32,
             a: 1.0,
             beta: beta as f32,
             gamma: gamma as f32,

@@ -1,6 +1,6 @@
 //! Duhem models: lag and α are searched, the voltage at which f saturates follows from the training's; the rest is projected.
 
-use super::model_family::DELAYED;
+use super::model_family::{DELAYED, lateness};
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
@@ -31,20 +31,17 @@ impl super::Family for Family {
     type Found = Parameters;
 
     fn genes(&self) -> Vec<Gene> {
-        vec![
-            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
-            Gene::logarithmic("alpha", "α times the voltage span", "", 0.1, 100.0),
-        ]
+        vec![lateness(), Gene::logarithmic("alpha", "α times the voltage span", "", 0.1, 100.0)]
     }
 
     fn burden(&self, values: &[f64]) -> f64 {
-        1.0 + DELAYED * values.first().map_or(0.0, |lag| lag.abs())
+        1.0 + DELAYED * values.first().copied().unwrap_or(0.0)
     }
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
-        let &[lag, alpha] = values else { return None };
+        let &[late, alpha] = values else { return None };
         let base = DuhemParameters {
-            lag_s: (lag * self.tick) as f32,
+            lag_s: ((late - 1.0) * self.tick) as f32,
             alpha_per_v: (alpha / self.span) as f32,
             saturation_v: (SATURATION * self.span) as f32,
             voltage_centre_v: self.centre as f32,

@@ -10,6 +10,11 @@ use rayon::prelude::*;
 /// What a tick of delay or lag must gain, as a fraction of the cost: at a single frequency they do what hysteresis does.
 pub const DELAYED: f64 = 3e-3;
 
+/// How long after its voltage the displacement comes. Up to a tick the recursion's look-ahead makes it, beyond that its lag.
+pub fn lateness() -> Gene {
+    Gene::logarithmic("late", "time from the voltage to its displacement", "ticks", 0.05, 101.0)
+}
+
 /// How a model's candidates are made.
 pub trait Family: Sync {
     /// The parameters that are found.
