@@ -49,7 +49,7 @@ layout! {
         IPR @ 0x400 {}
     }
     "SCB" {
-        ICSR @ 0xD04 { NMIPENDSET = 31 }
+        ICSR @ 0xD04 { NMIPENDSET = 31, RETTOBASE = 11 }
         AIRCR @ 0xD0C { SYSRESETREQ = 2, PRIGROUP = 8..=10, VECTKEY = 16..=31 }
         CFSR @ 0xD28 { IBUSERR = 8, PRECISERR = 9, BFARVALID = 15, UNDEFINSTR = 16 }
         BFAR @ 0xD38 {}
@@ -186,8 +186,11 @@ impl Nvic {
     /// The register's value, if it is none of plain memory.
     pub fn read(&self, offset: u32) -> Result<Option<u32>> {
         match offset {
-            // Of its fields, only which exception is being handled.
-            ICSR => Ok(Some(self.active.last().map_or(0, |&exception| exception.into()))),
+            // Of its fields, only which exception is being handled, and whether it has interrupted no other.
+            ICSR => {
+                let alone = if self.active.len() == 1 { RETTOBASE } else { 0 };
+                Ok(Some(self.active.last().map_or(0, |&exception| exception.into()) | alone))
+            }
             AIRCR => Ok(Some(KEY_READ)),
             CFSR => Ok(Some(self.fault_status)),
             BFAR => Ok(Some(self.fault_address)),
@@ -253,9 +256,11 @@ mod tests {
         assert_eq!(nvic.next(), Some(uart));
         nvic.enter(uart);
         assert_eq!(nvic.next(), None);
+        assert_eq!(nvic.read(ICSR).unwrap(), Some(u32::from(uart) | RETTOBASE));
         nvic.update(line(uart) | line(adc), false);
         assert_eq!(nvic.next(), Some(adc));
         nvic.enter(adc);
+        assert_eq!(nvic.read(ICSR).unwrap(), Some(u32::from(adc)), "it has interrupted another");
         nvic.write(ICSR, 4, NMIPENDSET).unwrap();
         assert_eq!(nvic.next(), Some(NMI));
         nvic.enter(NMI);

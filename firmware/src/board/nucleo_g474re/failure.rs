@@ -74,6 +74,7 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
 /// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
 /// which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names bank 2, where the
 /// store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic would then come back at every start.
+/// The store is read in thread mode only: a word that an interrupt's handler has met is code, and the run ends.
 #[exception]
 unsafe fn NonMaskableInt() {
     if clocks::crystal_stopped() {
@@ -83,11 +84,19 @@ unsafe fn NonMaskableInt() {
         panic!("the crystal has stopped");
     }
     let state = pac::FLASH.eccr().read();
-    if !(state.eccd() && (state.bk_ecc() || READING_STORE.load(Relaxed))) {
+    let of_store = state.bk_ecc() || READING_STORE.load(Relaxed) && interrupts_thread();
+    if !(state.eccd() && of_store) {
         panic!("non-maskable interrupt, flash ECC state {:#010x}", state.0);
     }
     pac::FLASH.eccr().modify(|w| w.set_eccd(true));
     FLASH_ERRORS.store(FLASH_ERRORS.load(Relaxed).saturating_add(1), Relaxed);
+}
+
+/// Whether the exception that is being handled has interrupted no other.
+fn interrupts_thread() -> bool {
+    const RETTOBASE: u32 = 1 << 11;
+    // SAFETY: a register that is only read, and has no side effect.
+    unsafe { (*SCB::PTR).icsr.read() & RETTOBASE != 0 }
 }
 
 #[exception]
