@@ -1,16 +1,16 @@
-//! What the amplifier cannot do is not estimated from: a voltage that leaps farther than its slew rate allows is a glitch, or a wire
-//! that is off, and would go through the model's memory of reversals.
+//! Keeps voltages that the amplifier cannot have made from the estimator. A jump faster than the amplifier's slew rate is a glitch or
+//! a loose wire; the estimator's memory of reversals would keep it.
 //!
-//! A code that is too far from the last that was believed is held: the estimator is given that last one instead. A code is believed
-//! again if it is within one leap of the last believed one, or if it leaps a second time and lands within what the amplifier can have
-//! slewed since. Nothing else ends it: a voltage that leaps once and stays is no amplifier's. An estimate that was given one voltage for a while and then the
-//! present one takes as long to catch up, and the status says so as long. Held for [`TOO_LONG`] ticks in a row, or for more than a fifth
-//! of the time as those of a floating input are, codes are a fault.
+//! **A jump.** A code farther from the last believed one than one tick's slew is held: the estimator is given the last believed code
+//! instead. A later code is believed again if it is within one tick's slew of the last believed one, or if it jumps a second time and
+//! lands within what the amplifier can have slewed since. Nothing else ends the hold: a voltage that jumps once and stays is no
+//! amplifier's. After a hold the estimate needs as many ticks to catch up as the hold took, and the status says so for as long.
 //!
-//! The fault lasts for as long as the wire may be off, whatever mode is set meanwhile: nothing but another leap shows that it is
-//! back. What comes meanwhile is taken for the open input's. Codes that leap away from it, and for [`TOO_LONG`] ticks in a row neither leap nor come back, are the
-//! wire's again. (The leap alone would not do: a plug bounces, a conversion amid a leap lies between the two, and a glitch on
-//! an open wire leaps there and back.)
+//! **The fault.** Codes held for [`TOO_LONG`] ticks in a row, or for more than a fifth of the time, as those of a floating input are,
+//! raise [`Faults::SLEW_EXCEEDED`]. From then on the codes are taken for those of an open input. The fault ends when they jump away
+//! from there and then, for [`TOO_LONG`] ticks, neither jump nor come back. A change of the mode does not end it. The jump alone
+//! would not do: a plug bounces, a conversion in the middle of a jump lies between the two levels, and a glitch on an open wire jumps
+//! there and back.
 
 use crate::rate::ticks_in;
 use crate::watch::score;
@@ -21,21 +21,21 @@ use protocol::Faults;
 /// Held ticks in a row that are a fault: 10 ms.
 pub const TOO_LONG: u32 = ticks_in(10);
 
-/// The codes so far.
+/// The monitor's codes so far.
 #[derive(Clone, Debug)]
 pub struct Leap {
     limit: LeastLeap,
-    /// The last that was believed, or taken for the open input's; `None` before the first.
+    /// The last code that was believed, or that was taken for the open input's; `None` before the first.
     believed: Option<AdcCode>,
-    /// The last that came.
+    /// The last code that was read.
     came: AdcCode,
-    /// Ticks since the one that was believed.
+    /// Ticks since the last believed code.
     ticks: u32,
-    /// Ticks that the estimate takes to catch up.
+    /// Ticks until the estimate has caught up.
     behind: u32,
-    /// The wire may be off.
+    /// The wire may be off: the fault is there.
     off: bool,
-    /// Of codes that are held; of a wire that may be off, ticks since it leapt to where it stays.
+    /// Held codes, as [`score`] counts them; while the wire may be off, ticks since the code jumped to where it stays.
     score: u32,
     status: Status,
 }
@@ -48,7 +48,7 @@ impl Leap {
         Some(Self { limit, believed, came, ticks: 0, behind: 0, off: false, score: 0, status })
     }
 
-    /// The estimate begins anew, and with the next code, whatever it is. A wire that may be off is none the less so.
+    /// The estimate starts anew, from the next code, whatever it is. A wire that may be off stays so.
     pub fn restart(&mut self) {
         self.behind = 0;
         if !self.off {
@@ -56,8 +56,7 @@ impl Leap {
         }
     }
 
-    /// [`Status::SLEW_EXCEEDED`], where the last code leapt, or codes that leapt were held no fewer ticks than have passed since; or
-    /// where the wire may be off.
+    /// [`Status::SLEW_EXCEEDED`] while a code is held, while the estimate catches up after that, and while the wire may be off.
     #[inline]
     pub fn status(&self) -> Status {
         self.status
@@ -69,8 +68,8 @@ impl Leap {
         if self.off { Faults::SLEW_EXCEEDED } else { Faults::empty() }
     }
 
-    /// One tick: the code to estimate from, of the one that came, before which so many ticks did not come. (Never inlined: a tick
-    /// that has no use for it is not to pay for it.)
+    /// One tick: takes the code that was read and how many ticks did not come before it; returns the code to estimate from. (Never
+    /// inlined: a tick without a slew rate is not to pay for it.)
     #[inline(never)]
     pub fn tick(&mut self, code: AdcCode, missed: u32) -> AdcCode {
         let step = missed.saturating_add(1);

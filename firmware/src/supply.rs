@@ -1,20 +1,20 @@
-//! The analogue supply, which is the converters' reference: how far off it is. What becomes of the codes is in
-//! [`crate::correction`].
+//! How far the analogue supply, which is the converters' reference, is off its nominal voltage. [`crate::correction`] corrects the
+//! codes by it.
 
 use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU16, Ordering::Relaxed};
 
 /// What converters, dividers and calibrations are made for, mV.
 pub const MADE_FOR_MV: f32 = 3300.0;
-/// Furthest off that is corrected, as a part of [`MADE_FOR_MV`]; a code times that fits 32 bits. A board calls less than that a
-/// fault.
+/// The largest deviation that is corrected, as a fraction of [`MADE_FOR_MV`], so that a code times the deviation fits 32 bits. A board
+/// raises a fault at a smaller one.
 const FURTHEST: f32 = 0.1;
-/// Bits of what a measurement is kept in beyond those that a code is scaled with.
+/// Bits of the smoothed deviation beyond the 16 that a code is scaled by.
 const FINER: u32 = 8;
-/// A measurement counts for a part of so many, the ones before for the rest: those of 20 ms each settle in some 70 ms.
+/// Smoothing: mean ← mean + (measured − mean)/4. With a measurement every 20 ms it settles in 70 ms.
 const SMOOTHED: i32 = 4;
-/// Measurements in a row that do not come, which are a fault: 60 ms.
+/// So many measurements in a row that do not come are a fault: 60 ms.
 pub const OVERDUE: u8 = 3;
-/// What a measurement is kept in: [`MADE_FOR_MV`] is so many.
+/// A relative deviation of 1, as it is kept.
 const WHOLE: i32 = 65_536 << FINER;
 
 /// What is known of the supply. The main loop writes it, the tick reads.
@@ -25,13 +25,13 @@ pub struct Supply {
     bad: AtomicBool,
     /// Measurements in a row that did not come.
     overdue: AtomicU8,
-    /// Whether the last measurement was within tolerance; none was yet at the start.
+    /// Whether the last measurement was within tolerance; `false` before the first.
     was_good: AtomicBool,
-    /// Whether one ever was.
+    /// Whether a measurement ever was within tolerance.
     known: AtomicBool,
-    /// Mean of those that were, less 1, in parts of [`MADE_FOR_MV`] of 2 to the power of 16 + [`FINER`].
+    /// (V − 3.3 V)/3.3 V, smoothed over the measurements within tolerance, in parts of [`WHOLE`].
     off: AtomicI32,
-    /// [`MADE_FOR_MV`] as a part of that mean, less 1, likewise.
+    /// (3.3 V − V)/V of the same V, in parts of [`WHOLE`].
     short: AtomicI32,
 }
 
@@ -54,10 +54,11 @@ impl Supply {
         Some(self.mv.load(Relaxed)).filter(|mv| *mv > 0)
     }
 
-    /// Takes what it was found to be (mV), and whether that is within tolerance. Nothing is known to be wrong with one
-    /// that was never measured. Of one that was, measurements that do not come any more are a fault: codes are corrected by what it
-    /// was, and nobody knows what it is. A measurement that is out of tolerance alone, after a good one, may be a disturbance: the next
-    /// one decides. The first of all is believed. Codes are corrected by good ones only.
+    /// Takes a measurement (mV), or that none has come; `good` tells whether one is within tolerance.
+    ///
+    /// A supply that was never measured is no fault. Once it was, [`OVERDUE`] measurements in a row that do not come are one: codes
+    /// are corrected by a voltage that may have changed. A single measurement out of tolerance after a good one may be a disturbance,
+    /// and the next one decides; the very first is believed. Codes are corrected by measurements within tolerance only.
     pub fn take(&self, mv: Option<f32>, good: fn(f32) -> bool) {
         let Some(mv) = mv else {
             if self.mv().is_some() {

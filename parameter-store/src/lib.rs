@@ -15,13 +15,17 @@
 //! last record is found or the new one; nothing but checksums is ever believed. (sequential-storage, which judges a page by
 //! its first and last word, loses a table by some erases that are cut; the tests here find them.)
 //!
-//! Then the page of the record before is marked: a newer one was whole. That tells a write that was cut from decay where one page
-//! alone is whole. A cut leaves the whole one without a mark, and it is the last that was stored. With a mark, the newest was whole
-//! and is not any more: the one before, which may say something else altogether, is not given in its stead
-//! ([`StoreError::NewestLost`]). Power that fails between the new record's last word and the mark leaves none; whoever stored it
-//! was not told that it is, and storing it again sets the mark. Nor is there one where firmware stored the newest that set none: the one
-//! before is then given if the newest decays. An erase that is cut may take the mark and leave the rest, so the beginning of a whole
-//! record is zeros before its page is erased: what such an erase leaves is none.
+//! **The mark.** Once the new record is whole, the page of the previous one is marked "superseded". At boot the mark tells a write
+//! that was cut from decay, where only one page is whole:
+//!
+//! - no mark: the other page is what a power cut left of a write, and the whole record is the newest that was stored;
+//! - a mark: a newer record was stored and has decayed. The whole one may belong to another actuator, and is refused
+//!   ([`StoreError::NewestLost`]).
+//!
+//! A power cut between the new record's last word and the mark leaves no mark. The caller was then not told that the record is
+//! stored, and storing it again sets the mark. Firmware that is older than the mark sets none either: if the record that it stored
+//! decays, the previous one is given. An erase that is cut could take the mark and leave the record, so a record's first word is overwritten
+//! with zeros before its page is erased.
 //!
 //! The store does not know what a record means: what it gives back must still be parsed.
 #![cfg_attr(not(test), no_std)]
@@ -236,12 +240,12 @@ impl<F: NorFlash> ParameterStore<F> {
         }
     }
 
-    /// Whether a newer record than the newest whole one was whole.
+    /// Whether a newer record than the newest whole one was stored, and has decayed.
     async fn lost(&mut self, newest: Newest) -> Result<bool, StoreError> {
         Ok(!newest.beside && self.marked(newest.page).await?)
     }
 
-    /// Whether a page has the mark. Most bits count, so that neither one that flips sets it nor one takes it away.
+    /// Whether a page has the mark: by the majority of the word's bits, so that one bit that flips neither sets it nor clears it.
     async fn marked(&mut self, page: usize) -> Result<bool, StoreError> {
         let mut word = [0; WORD];
         let word = &mut word[..F::WRITE_SIZE];
