@@ -30,8 +30,12 @@ fn main() {
 
 /// The commit, marked when the sources differ from it; "unknown" away from a repository.
 fn commit() -> String {
-    // Whatever is in the image decides whether it is the commit's.
-    for path in ["estimator-core/src", "firmware/src", "parameter-store/src", "protocol/src"] {
+    // Whatever the image is made of decides whether it is the commit's.
+    for package in ["estimator-core", "firmware", "parameter-store", "protocol"] {
+        println!("cargo:rerun-if-changed=../{package}/src");
+        println!("cargo:rerun-if-changed=../{package}/Cargo.toml");
+    }
+    for path in ["Cargo.lock", "Cargo.toml", ".cargo/config.toml", "firmware/build.rs"] {
         println!("cargo:rerun-if-changed=../{path}");
     }
     // Git knows where they are; a file that is not there would have cargo build the package anew each time.
