@@ -9,6 +9,7 @@
 //! What the DAC is given is scaled whole and the other way round: its pin has the voltage that its code would give.
 
 use crate::ramp::Stride;
+use crate::shaping::DacParts;
 use crate::supply::Supply;
 use crate::{Conversion, Facts};
 use core::sync::atomic::{AtomicI32, AtomicU16, Ordering::Relaxed};
@@ -105,13 +106,20 @@ impl Correction {
 }
 
 /// What the DAC is given for its codes. The tick is the only writer, but for the boot, before the first one.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Given {
-    /// In the board's parts of a code, as all that is given.
+    /// The most that it is given, in parts of a code.
     full_scale: AtomicU16,
+    /// Parts of a code.
     parts: AtomicU16,
     /// How far the supply is taken to be short, in 65,536ths of itself.
     short: AtomicI32,
+}
+
+impl Default for Given {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Given {
@@ -127,29 +135,29 @@ impl Given {
         self.short.store(supply.short(), Relaxed);
     }
 
-    /// One tick: goes towards what the supply is, and says what the DAC is given for parts of a code, and whether that is too
-    /// little: the supply is too low for it.
+    /// One tick: goes towards what the supply is, and says what the DAC is given for what it would be at the supply it is made for, and
+    /// whether that is too little: the supply is too low for it.
     #[inline]
-    pub(crate) fn tick(&self, supply: &Supply, DacCode(parts): DacCode) -> (DacCode, bool) {
+    pub(crate) fn tick(&self, supply: &Supply, DacParts(parts): DacParts) -> (DacParts, bool) {
         let (short, full_scale) = (towards(self.short.load(Relaxed), supply.short()), self.full_scale.load(Relaxed));
         self.short.store(short, Relaxed);
         let given = scaled(parts, 0, short);
-        (DacCode(within(given, full_scale)), given > full_scale.into())
+        (DacParts(within(given, full_scale)), given > full_scale.into())
     }
 
     /// What the DAC is given for a code at the last tick: what its pin then has is what the code stands for.
-    pub fn of(&self, DacCode(code): DacCode) -> DacCode {
+    pub fn of(&self, DacCode(code): DacCode) -> DacParts {
         let parts = code.saturating_mul(self.parts.load(Relaxed));
-        DacCode(within(scaled(parts, 0, self.short.load(Relaxed)), self.full_scale.load(Relaxed)))
+        DacParts(within(scaled(parts, 0, self.short.load(Relaxed)), self.full_scale.load(Relaxed)))
     }
 
-    /// How fast that may change where codes may change so fast.
+    /// How fast that may change, in parts of a code, where codes may change so fast.
     #[inline]
-    pub(crate) fn stride(&self, Stride(codes): Stride) -> Stride {
-        let parts = codes.saturating_mul(self.parts.load(Relaxed).into());
+    pub(crate) fn stride(&self, codes: Stride) -> Stride {
+        let parts = codes.get().saturating_mul(self.parts.load(Relaxed).into());
         // Positive: no supply is off by as much as itself.
         let supply = (65_536 + self.short.load(Relaxed)) as u32;
         let given = (u64::from(parts) * u64::from(supply)) >> 16;
-        Stride(u32::try_from(given).unwrap_or(u32::MAX).max(1))
+        Stride::new(u32::try_from(given).unwrap_or(u32::MAX))
     }
 }

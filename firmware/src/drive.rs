@@ -14,10 +14,10 @@
 //!
 //! A restart leads from every state to `Waiting`.
 
-use crate::answer::Answer;
+use crate::amplifier_check::AmplifierCheck;
 use crate::ramp::Stride;
 use crate::rate::TICK_HZ;
-use crate::shaping::Codes;
+use crate::shaping::{Codes, DacParts};
 use estimator_core::{AdcCode, Admitted, Commanded, DacCode, DriveCalibration, Inverse, Pace, Status};
 
 /// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be held: 1 s.
@@ -45,7 +45,7 @@ pub struct Drive {
     finer: DriveCalibration,
     finer_full_scale: u16,
     state: State,
-    answer: Answer,
+    amplifier: AmplifierCheck,
     /// What the model gives for the voltage that was commanded last, µm.
     displacement: f32,
     pace: Pace,
@@ -57,11 +57,11 @@ impl Drive {
         let calibration = table.drive?;
         // Cannot fail: the table was admitted with it.
         let inverse = table.inverse(&calibration.limits).ok()?;
-        let answer = Answer::new(table.adc, &calibration.limits);
+        let amplifier = AmplifierCheck::new(table.adc, &calibration.limits);
         let full_scale = table.dac.full_scale;
         let (finer, finer_full_scale) = (calibration.finer(dac_parts), table.dac.finer(dac_parts).full_scale);
         let (state, displacement, pace) = (State::Waiting, 0.0, Pace::of(table)?);
-        Some(Self { inverse, calibration, full_scale, finer, finer_full_scale, state, answer, displacement, pace })
+        Some(Self { inverse, calibration, full_scale, finer, finer_full_scale, state, amplifier, displacement, pace })
     }
 
     /// The code of the rest voltage.
@@ -171,16 +171,16 @@ impl Drive {
     }
 
     fn command(&mut self, commanded: Commanded<f32>) -> (Codes, Status) {
-        self.answer.commanded(commanded.voltage);
+        self.amplifier.commanded(commanded.voltage);
         self.displacement = commanded.displacement;
         let status = if commanded.reached { Status::empty() } else { Status::OUT_OF_REACH };
         let code = self.calibration.code(commanded.voltage, self.full_scale);
-        (Codes { code, parts: self.finer.code(commanded.voltage, self.finer_full_scale) }, status)
+        (Codes { code, parts: DacParts(self.finer.code(commanded.voltage, self.finer_full_scale).0) }, status)
     }
 
     /// Whether the amplifier is not where it was commanded to.
     pub fn astray(&self, code: AdcCode) -> bool {
-        self.answer.astray(code)
+        self.amplifier.astray(code)
     }
 
     /// One tick towards the rest voltage.

@@ -21,7 +21,7 @@ pub struct Facts {
     pub has_trigger: bool,
     /// What the board asks of a table.
     pub interface: Board,
-    /// Into how many parts the board's DAC divides a code ([`crate::shaping`]): it is given so many to a code.
+    /// Parts into which the board's DAC divides a code ([`crate::shaping`]); 1 where it takes whole ones.
     pub dac_parts: u16,
     /// Counts of the board's cycle counter from tick to tick.
     pub cycles_per_tick: u32,

@@ -13,7 +13,7 @@
 //! single-producer single-consumer queues and atomics: it takes no lock and waits for nobody.
 #![cfg_attr(not(test), no_std)]
 
-pub mod answer;
+pub mod amplifier_check;
 pub mod boot;
 pub mod compiled;
 pub mod conversion;
@@ -24,12 +24,12 @@ pub mod facts;
 pub mod last_words;
 pub mod leap;
 pub mod link;
+pub mod marked_reads;
 pub mod panel;
 pub mod peripherals;
 pub mod queues;
 pub mod ramp;
 pub mod rate;
-pub mod reading;
 pub mod restarts;
 pub mod run;
 pub mod setpoint;

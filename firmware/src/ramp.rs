@@ -1,35 +1,54 @@
-//! How far the DAC's code may go in a tick, and the way to its safe one for whoever has to go it without the tick: after a panic or
-//! a hard fault.
+//! How far what the DAC is given may go in a tick, and the way to its safe code for whoever has to go it without the tick: after a
+//! panic or a hard fault.
 
-use estimator_core::DacCode;
+use crate::shaping::DacParts;
+use core::num::NonZeroU32;
 
-/// Most that the DAC's code may change in a tick on its way to the safe one, in 65,536ths of a code.
+/// Most that a DAC may change in a tick, in 65,536ths: of a code, or of a part of a code, as its owner says.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Stride(pub u32);
+pub struct Stride(NonZeroU32);
 
 impl Stride {
-    /// The code may jump: it drives nothing.
-    pub const JUMP: Self = Self(u32::MAX);
+    /// From any code to any other.
+    pub const JUMP: Self = Self(NonZeroU32::MAX);
 
-    /// Of so many codes a tick; at least the smallest there is.
-    pub fn of(codes: f32) -> Self {
+    /// Of so many 65,536ths a tick; at least one.
+    pub const fn new(most: u32) -> Self {
+        match NonZeroU32::new(most) {
+            Some(most) => Self(most),
+            None => Self(NonZeroU32::MIN),
+        }
+    }
+
+    /// Most that may change in a tick, in 65,536ths; at least 1.
+    pub const fn get(self) -> u32 {
+        self.0.get()
+    }
+
+    /// Of so many a tick; at least the smallest there is.
+    pub fn of(most: f32) -> Self {
         // Saturates at the ends, and NaN is 0.
-        Self(((codes * 65_536.0) as u32).max(1))
+        Self::new((most * 65_536.0) as u32)
+    }
+
+    /// Ticks that a way from the one to the other takes.
+    pub const fn ticks(self, from: u16, to: u16) -> u32 {
+        (from.abs_diff(to) as u32 * 65_536).div_ceil(self.get())
     }
 
     /// `to`, limited to one stride from `from`, plus `more` for what rounding makes of both.
     #[inline]
-    pub fn limit(self, DacCode(from): DacCode, DacCode(to): DacCode, more: u16) -> DacCode {
+    pub fn limit(self, DacParts(from): DacParts, DacParts(to): DacParts, more: u16) -> DacParts {
         // Of a jump it is the whole range.
-        let most = ((self.0 >> 16) as u16).saturating_add(more);
-        DacCode(to.clamp(from.saturating_sub(most), from.saturating_add(most)))
+        let most = ((self.get() >> 16) as u16).saturating_add(more);
+        DacParts(to.clamp(from.saturating_sub(most), from.saturating_add(most)))
     }
 }
 
-/// The codes of the way, one a tick, the safe one last.
+/// What the DAC is given on the way, one a tick, the last for its safe code.
 #[derive(Clone, Debug)]
 pub struct Ramp {
-    /// 65,536ths of a code, as below.
+    /// 65,536ths of a part, as below.
     at: u32,
     safe: u32,
     stride: Stride,
@@ -37,29 +56,24 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// From a code to the safe one.
-    pub fn new(from: DacCode, safe: DacCode, stride: Stride) -> Self {
-        let fine = |DacCode(code)| u32::from(code) << 16;
+    /// From what it is given to what it is given for its safe code.
+    pub fn new(from: DacParts, safe: DacParts, stride: Stride) -> Self {
+        let fine = |DacParts(parts)| u32::from(parts) << 16;
         Self { at: fine(from), safe: fine(safe), stride, done: false }
-    }
-
-    /// Ticks that the way takes.
-    pub fn ticks(&self) -> u32 {
-        self.at.abs_diff(self.safe).div_ceil(self.stride.0)
     }
 }
 
 impl Iterator for Ramp {
-    type Item = DacCode;
+    type Item = DacParts;
 
-    fn next(&mut self) -> Option<DacCode> {
+    fn next(&mut self) -> Option<DacParts> {
         if self.done {
             return None;
         }
-        let Stride(stride) = self.stride;
+        let stride = self.stride.get();
         self.at = self.safe.clamp(self.at.saturating_sub(stride), self.at.saturating_add(stride));
         self.done = self.at == self.safe;
-        Some(DacCode((self.at >> 16) as u16))
+        Some(DacParts((self.at >> 16) as u16))
     }
 }
 
@@ -73,28 +87,28 @@ mod tests {
         for (from, to, limited) in
             [(100, 120, 120), (100, 121, 121), (100, 122, 121), (100, 0, 79), (5, 0, 0), (5, 9_999, 26)]
         {
-            assert_eq!(stride.limit(DacCode(from), DacCode(to), 1), DacCode(limited), "{from} to {to}");
+            assert_eq!(stride.limit(DacParts(from), DacParts(to), 1), DacParts(limited), "{from} to {to}");
         }
-        assert_eq!(Stride::JUMP.limit(DacCode(0), DacCode(65_520), 1), DacCode(65_520));
+        assert_eq!(Stride::JUMP.limit(DacParts(0), DacParts(65_520), 1), DacParts(65_520));
     }
 
     #[test]
     fn no_step_is_longer_than_the_stride_and_the_last_code_is_the_safe_one() {
         for (from, safe, codes) in [(4095, 512, 20.48), (0, 4095, 0.3), (512, 512, 1.0), (7, 4000, 1e9), (7, 0, 0.0)] {
-            let (from, safe, stride) = (DacCode(from), DacCode(safe), Stride::of(codes));
-            let ramp = Ramp::new(from, safe, stride);
-            let ticks = ramp.ticks();
-            let way: Vec<u16> = ramp.map(|code| code.0).collect();
-            let before = std::iter::once(&from.0).chain(&way);
+            let stride = Stride::of(codes);
+            let ticks = stride.ticks(from, safe);
+            let way: Vec<u16> =
+                Ramp::new(DacParts(from), DacParts(safe), stride).map(|DacParts(parts)| parts).collect();
+            let before = std::iter::once(&from).chain(&way);
             let longest = before.zip(&way).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
             assert!(f32::from(longest) <= codes.ceil().max(1.0), "{from:?}, {codes}: {longest}");
-            assert_eq!((way.last(), way.len()), (Some(&safe.0), ticks.max(1) as usize), "{from:?}, {codes}");
+            assert_eq!((way.last(), way.len()), (Some(&safe), ticks.max(1) as usize), "{from:?}, {codes}");
         }
     }
 
     #[test]
     fn what_drives_nothing_jumps() {
-        assert!(Ramp::new(DacCode(4095), DacCode(7), Stride::JUMP).eq([DacCode(7)]));
-        assert!(Ramp::new(DacCode(0), DacCode(u16::MAX), Stride::of(f32::INFINITY)).eq([DacCode(u16::MAX)]));
+        assert!(Ramp::new(DacParts(4095), DacParts(7), Stride::JUMP).eq([DacParts(7)]));
+        assert!(Ramp::new(DacParts(0), DacParts(u16::MAX), Stride::of(f32::INFINITY)).eq([DacParts(u16::MAX)]));
     }
 }

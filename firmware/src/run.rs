@@ -1,8 +1,8 @@
 //! Puts the parts together, and runs until the host asks for a restart.
 
-use crate::boot::{self, Chosen};
+use crate::boot;
 use crate::compiled::TABLE;
-use crate::link::{Device, Link, Loaded, Taken};
+use crate::link::{Device, Link};
 use crate::panel::{Front, Panel};
 use crate::peripherals::Peripherals;
 use crate::queues::Queues;
@@ -54,28 +54,15 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
 ) -> Result<(), StoreError> {
     let Peripherals { facts, last_words, mut feed_watchdog, .. } = board;
     let mut store = ParameterStore::new(board.flash, board.pages)?;
-    let Chosen { table, source, doubts } = boot::choose(&mut store, TABLE, &facts).await;
-    log_start(&source);
+    let chosen = boot::choose(&mut store, TABLE, &facts).await;
+    log_start(&chosen.source);
     let (tick_queues, link_queues) = resources.queues.split();
-    let startup = Startup::new(table.as_ref(), &facts, doubts);
+    let startup = Startup::new(chosen.table.as_ref(), &facts, chosen.doubts);
     if startup.connected {
         (facts.keep_safe)(startup.safe);
     }
     let tick = Tick::new(startup, &facts, tick_queues, points, telemetry);
-    let device = Device {
-        facts,
-        table,
-        source,
-        fallback: doubts.contains(Faults::TABLE_FALLBACK),
-        last_words,
-        store,
-        telemetry,
-        queues: link_queues,
-        frames_refused: 0,
-        line_errors: 0,
-        referred: Taken::default(),
-        waveform: Loaded::new(points),
-    };
+    let device = Device::new(facts, chosen, last_words, store, link_queues, points, telemetry);
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
     telemetry.begin(&facts);
     (board.start)(tick);
@@ -126,7 +113,7 @@ fn log_start(source: &TableSource) {
 
 #[cfg(feature = "on-target")]
 fn log_faults(faults: Faults) {
-    defmt::warn!("faults {=u16:#013b}", faults.bits());
+    defmt::warn!("faults {=u16:#017b}", faults.bits());
 }
 
 /// The host's tests have no log.

@@ -8,17 +8,21 @@
 
 use estimator_core::DacCode;
 
-/// Parts of a code that can be asked for.
+/// Parts into which the board's DAC divides a code, where codes are shaped.
 pub const PARTS: u16 = 1 << PART_BITS;
 const PART_BITS: u32 = 4;
 
-/// What a DAC is to have: as the table says it, and in the parts of a code that the board's takes.
+/// What a DAC is given: a code and its fraction, in parts of a code ([`Facts::dac_parts`](crate::Facts::dac_parts) to each).
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct DacParts(pub u16);
+
+/// What a DAC is to have: as the table says it, and as it is given.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Codes {
     /// The nearest code.
     pub code: DacCode,
     /// The nearest part of a code.
-    pub parts: DacCode,
+    pub parts: DacParts,
 }
 
 /// What the codes so far are short of what was wanted.
@@ -34,10 +38,10 @@ impl Shaper {
         Self { carried: 0 }
     }
 
-    /// The next codes, two a word, the first one below; `wanted` is in [`PARTS`] of a code. No code is beyond the two neighbours
+    /// The next codes, two a word, the first one below; `wanted` in [`PARTS`] of a code. No code is beyond the two neighbours
     /// of what is wanted, and none beyond the range: its end has no parts.
     #[inline]
-    pub fn fill(&mut self, DacCode(wanted): DacCode, words: &mut [u32]) {
+    pub fn fill(&mut self, DacParts(wanted): DacParts, words: &mut [u32]) {
         let step = u32::from(wanted) << (16 - PART_BITS);
         let mut carried = self.carried;
         for word in words {
@@ -59,7 +63,7 @@ mod tests {
 
     fn codes(shaper: &mut Shaper, wanted: u16) -> Vec<u32> {
         let mut words = [0; CODES / 2];
-        shaper.fill(DacCode(wanted), &mut words);
+        shaper.fill(DacParts(wanted), &mut words);
         words.iter().flat_map(|word| [word & 0xFFFF, word >> 16]).collect()
     }
 

@@ -6,17 +6,17 @@ use crate::facts::Facts;
 use crate::leap::Leap;
 use crate::ramp::Stride;
 use crate::setpoint::Setpoint;
-use crate::shaping::Codes;
+use crate::shaping::{Codes, DacParts};
 use estimator_core::{Admitted, DacCalibration, DacCode, Estimator};
 use protocol::Faults;
 
 /// What the tick computes with, and where its output rests.
 pub struct Startup {
-    /// The estimator; without it the DAC stays at its safe code.
+    /// The estimator; without one the DAC stays at its safe code.
     pub estimator: Option<Estimator<f32>>,
-    /// What the DAC is given for a displacement, where it shows that: in the board's parts of a code.
+    /// What the DAC is given for a displacement, where it shows that: in parts of a code.
     pub shows: DacCalibration,
-    /// How many of these a code has.
+    /// Parts of a code.
     pub dac_parts: u16,
     /// What makes up for a supply that is off, of what is read.
     pub correction: Correction,
@@ -26,36 +26,36 @@ pub struct Startup {
     pub drive: Option<Drive>,
     /// What a controller wants of it, where the table says which displacements its codes stand for.
     pub setpoint: Option<Setpoint>,
-    /// It is followed from the first tick on, as soon as everything is sound.
+    /// The set-point is followed from the first tick on, as soon as everything is sound.
     pub linearises: bool,
     /// The DAC's safe code.
     pub safe: DacCode,
-    /// Somebody knows what that is: else the output's pin is left alone.
+    /// `safe` is known to suit the wiring. Where it is not, the DAC stays off its pin.
     pub connected: bool,
-    /// How fast the DAC's code may go there.
+    /// How fast the DAC may go to its safe code.
     pub stride: Stride,
-    /// Faults known since boot, which last until the next reset; and whether a zero is lost, by that or since.
+    /// Faults known since boot, which last until the next reset; and [`Faults::ZERO_LOST`], which may come later.
     pub faults: Faults,
 }
 
 impl Startup {
-    /// The start with a table, or without one. `doubts` say why it may be another actuator's ([`crate::boot::Chosen`]): then, and
-    /// after failures in a row, nothing is driven, whatever the table says, and the output stays at the safe code of the starts
-    /// before. Where there were none it is not put on its pin. With ticks that come no one knows how often nothing is estimated or
-    /// driven either.
+    /// The start with a table, or without one. `doubts` say why the table may be another actuator's ([`crate::boot::Chosen`]).
+    ///
+    /// With doubts, or after several failures in a row, nothing is driven: the output holds the safe code of an earlier start, and
+    /// stays off its pin if none is known. Without the crystal the ticks' rate is unknown, and nothing is estimated or driven.
     pub fn new(table: Option<&Admitted>, facts: &Facts, doubts: Faults) -> Self {
         let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
         let correction = Correction::new(facts.interface.adc_full_scale, table);
         let leap = table.and_then(|table| Leap::new(table));
         let degraded = facts.restarts.too_many();
         let trusted = table.filter(|_| !degraded && doubts.is_empty());
-        // The safe output says "at the model's zero", which is where an unpowered actuator is, or is the drive's rest. Which code that
-        // is says the table that the output is wired for, and no other: else the starts before know it, or nobody does.
+        // The safe output is the drive's rest; or it shows the model's zero, where an unpowered actuator is. Its code is the table's that
+        // the output is wired for: where this table may be another's, an earlier start's, or nobody's.
         let safe = trusted.map(|table| Drive::rest(table).unwrap_or_else(|| table.dac.code(0.0f32)));
         let safe = safe.or(facts.restarts.safe);
         let connected = safe.is_some();
         let safe = safe.unwrap_or(DacCode(facts.interface.dac_full_scale / 2));
-        // The drive of another table would rest at its own code, not at the safe one, and move there.
+        // Another actuator's table would have the drive rest at another code, and move there.
         let driving = trusted.filter(|_| facts.clock_good);
         let stride = driving.and_then(Drive::stride).unwrap_or(Stride::JUMP);
         let mut faults = doubts;
@@ -93,12 +93,12 @@ impl Startup {
 
     /// What the DAC has at its safe code.
     pub fn at_safe(&self) -> Codes {
-        Codes { code: self.safe, parts: DacCode(self.safe.0.saturating_mul(self.dac_parts)) }
+        Codes { code: self.safe, parts: DacParts(self.safe.0.saturating_mul(self.dac_parts)) }
     }
 
     /// What the DAC has that shows a displacement (µm), whose code is this.
     #[inline]
     pub fn showing(&self, displacement: f32, code: DacCode) -> Codes {
-        Codes { code, parts: self.shows.code(displacement) }
+        Codes { code, parts: DacParts(self.shows.code(displacement).0) }
     }
 }

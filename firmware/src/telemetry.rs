@@ -16,7 +16,7 @@ use estimator_core::{AdcCode, Status};
 use protocol::{Faults, Mode};
 
 /// Counters and latches of the tick.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Telemetry {
     /// Ticks since start.
     pub ticks: AtomicU32,
@@ -53,6 +53,8 @@ pub struct Telemetry {
     /// Its safe one, and how fast it may go there.
     safe: AtomicU16,
     stride: AtomicU32,
+    /// Whether the DAC drives the amplifier, and whether it is put on its pin.
+    drives: AtomicBool,
     connected: AtomicBool,
     /// Whether samples are wanted; written by the link.
     pub streaming: AtomicBool,
@@ -94,6 +96,12 @@ pub fn add(counter: &AtomicU32, more: u32) {
     counter.store(counter.load(Relaxed).wrapping_add(more), Relaxed);
 }
 
+impl Default for Telemetry {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Telemetry {
     /// Nothing counted yet.
     pub const fn new() -> Self {
@@ -115,7 +123,8 @@ impl Telemetry {
             overdue: AtomicBool::new(false),
             dac: AtomicU16::new(0),
             safe: AtomicU16::new(0),
-            stride: AtomicU32::new(Stride::JUMP.0),
+            stride: AtomicU32::new(Stride::JUMP.get()),
+            drives: AtomicBool::new(false),
             connected: AtomicBool::new(false),
             streaming: AtomicBool::new(false),
             epoch: AtomicU32::new(0),
@@ -204,7 +213,7 @@ impl Telemetry {
     }
 
     /// The tick was told a displacement, and has taken it or not.
-    pub(crate) fn answer(&self, taken: bool) {
+    pub(crate) fn was_told(&self, taken: bool) {
         self.taken.store(taken, Relaxed);
         add(&self.tellings, 1);
     }

@@ -1,8 +1,8 @@
 //! The tick: what happens between a conversion and the next trigger, the same on every board and in every test.
 //!
-//! Contract. The timer's trigger starts the conversion and has the DAC put out what it was given, both in hardware. The end of the
-//! conversion raises the highest-priority interrupt, which calls [`Tick::sample`] and gives the DAC what it returns, to be
-//! put out from the *next* trigger on: whatever the tick's duration, the output has no jitter, as long as it is done in time.
+//! Contract. A timer's trigger starts the conversion. The end of the conversion raises the highest-priority interrupt, which calls
+//! [`Tick::sample`]. What that returns the board puts out from the *next* trigger on, by hardware alone: whatever the tick's duration,
+//! the output has no jitter, as long as the tick is done in time.
 //! One tick is 500 µs, 85,000 cycles at 170 MHz, where the image is not built for another rate ([`crate::rate`]). A tick that comes
 //! late or not at all, or is not done in time for its output, is counted, and the sample says so; the numbers of the samples skip
 //! ticks that did not come. No lock, no log, no allocation, no `f64`. Where the DAC drives the amplifier ([`crate::drive`]), the
@@ -17,12 +17,13 @@ use crate::decimation::Streamed;
 use crate::facts::Facts;
 use crate::queues::{Numbered, TickQueues};
 use crate::setpoint::SetpointCode;
+use crate::shaping::DacParts;
 use crate::startup::Startup;
 use crate::telemetry::{Telemetry, add};
 use crate::watch::{FaultState, Seen, Watch, suffers};
 use crate::waveform::{Player, Points};
 use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::{AdcCode, DacCode, Estimate, Estimator, Status};
+use estimator_core::{AdcCode, Estimate, Estimator, Status};
 use protocol::{Faults, Mode, Sample};
 
 /// With these the estimate is not of the voltage that there is.
@@ -61,7 +62,7 @@ impl<'q> Tick<'q> {
         points: &'q Points,
         telemetry: &'q Telemetry,
     ) -> Self {
-        telemetry.set_safe(startup.safe, startup.stride, startup.connected);
+        telemetry.begin_at_rest(&startup);
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
         let (decimation, valid, player) = (Streamed::default(), false, Player::new(points, telemetry));
@@ -86,9 +87,9 @@ impl<'q> Tick<'q> {
         tick
     }
 
-    /// One tick: the codes just converted in, what the DAC is to be given from its next trigger on out, in the
-    /// board's parts of a code. `now` is the cycle counter.
-    pub fn sample(&mut self, conversion: Conversion, now: u32) -> DacCode {
+    /// One tick: the codes just converted in, what the DAC is to be given from its next trigger on out.
+    /// `now` is the cycle counter.
+    pub fn sample(&mut self, conversion: Conversion, now: u32) -> DacParts {
         add(&self.telemetry.ticks, 1);
         self.telemetry.bias.age();
         let missed = self.missed(now);
@@ -142,7 +143,7 @@ impl<'q> Tick<'q> {
         self.valid
     }
 
-    fn estimate(&mut self, read: Read, missed: Option<u32>, faults: Faults) -> (DacCode, Faults) {
+    fn estimate(&mut self, read: Read, missed: Option<u32>, faults: Faults) -> (DacParts, Faults) {
         let Read { conversion: Conversion { monitor, .. }, corrected } = read;
         let code = corrected.monitor;
         let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {

@@ -4,11 +4,12 @@ mod common;
 
 use common::{LinkEnd, PERIOD, SAFE, compiled, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::{AdcCode, Admitted, DacCode, Estimator, Status, Table};
+use estimator_core::{AdcCode, Admitted, Estimator, Status, Table};
 use firmware::Tick;
 use firmware::leap::TOO_LONG;
 use firmware::queues::Command;
 use firmware::rate::TICK_HZ;
+use firmware::shaping::DacParts;
 use firmware::watch::HOLD;
 use protocol::{Faults, Mode, Sample};
 
@@ -38,7 +39,7 @@ impl Bench {
         Self { tick, link, k: 0 }
     }
 
-    fn step(&mut self, code: u16) -> (DacCode, Sample) {
+    fn step(&mut self, code: u16) -> (DacParts, Sample) {
         self.k += 1;
         let dac = self.tick.sample(AdcCode(code).into(), self.k * PERIOD);
         (dac, self.link.queues.samples.dequeue().expect("a sample a tick").sample)
@@ -73,7 +74,7 @@ fn the_stream_has_the_codes_that_were_estimated_from_and_feeding_them_gives_its_
         let (dac, sample) = bench.step(glitches(k));
         let expected = reference.tick(AdcCode(sample.code));
         assert_eq!(sample.displacement.to_bits(), expected.displacement.to_bits(), "tick {k}");
-        assert_eq!((dac, sample.faults), (expected.dac, Faults::empty()), "tick {k}");
+        assert_eq!((dac.0, sample.faults), (expected.dac.0, Faults::empty()), "tick {k}");
         let leapt = glitches(k) != triangle(k).0;
         let behind = matches!(k, 701 | 1_101 | 919..938);
         let at_the_end = if glitches(k) == 65_520 { Status::ADC_SATURATED } else { Status::empty() };
@@ -128,7 +129,7 @@ fn off() -> Bench {
 #[test]
 fn a_wire_that_comes_off_is_a_fault_for_as_long_as_it_is_off_and_leaves_no_zero() {
     let mut bench = off();
-    let faulty = |(dac, sample): (DacCode, Sample), valid: bool, k: u32| {
+    let faulty = |(dac, sample): (DacParts, Sample), valid: bool, k: u32| {
         assert_eq!((dac, sample.faults), (SAFE, Faults::SLEW_EXCEEDED | Faults::SAFE_OUTPUT), "tick {k}");
         assert!(!valid, "tick {k}");
     };
@@ -146,7 +147,11 @@ fn a_wire_that_comes_off_is_a_fault_for_as_long_as_it_is_off_and_leaves_no_zero(
         let code = triangle(OFF + TOO_LONG + HOLD + k);
         let (dac, sample) = bench.step(code.0);
         let expected = anew.tick(code);
-        assert_eq!((dac, sample.displacement.to_bits()), (expected.dac, expected.displacement.to_bits()), "tick {k}");
+        assert_eq!(
+            (dac.0, sample.displacement.to_bits()),
+            (expected.dac.0, expected.displacement.to_bits()),
+            "tick {k}"
+        );
         assert_eq!((sample.half_width, sample.status), (None, expected.status), "tick {k}");
         assert_eq!((sample.faults, bench.tick.valid()), (Faults::ZERO_LOST, false), "tick {k}: it had been told");
     }

@@ -6,7 +6,7 @@ use common::{FACTS, LinkEnd, PERIOD, compiled, driving, started, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Admitted, DacCode};
 use firmware::queues::Command;
-use firmware::shaping::PARTS;
+use firmware::shaping::{DacParts, PARTS};
 use firmware::startup::Startup;
 use firmware::{Facts, Tick};
 use protocol::{Faults, Mode, Sample};
@@ -32,12 +32,12 @@ fn sample(link: &mut LinkEnd) -> Sample {
 fn a_displacement_is_shown_to_a_part_and_the_sample_has_the_code() {
     let table = compiled();
     let (mut tick, mut link) = fine(&table, 3300.0);
-    assert_eq!(link.telemetry.safe_given(), DacCode(table.dac.code(0.0f32).0 * PARTS));
+    assert_eq!(link.telemetry.safe_given(), DacParts(table.dac.code(0.0f32).0 * PARTS));
     let mut between = 0;
     for k in 0..4_000 {
         let given = tick.sample(triangle(k).into(), k * PERIOD);
         let sample = sample(&mut link);
-        assert_eq!(given, table.dac.finer(PARTS).code(sample.displacement));
+        assert_eq!(DacCode(given.0), table.dac.finer(PARTS).code(sample.displacement));
         assert_eq!(DacCode(sample.dac), table.dac.code(sample.displacement));
         assert!(given.0.abs_diff(sample.dac * PARTS) <= PARTS / 2, "{given:?}, {}", sample.dac);
         between += u32::from(given.0 % PARTS != 0);
@@ -66,9 +66,9 @@ fn a_drive_goes_by_parts_and_never_faster_than_it_may() {
     let (drive, limits) = (table.drive.expect("it drives").finer(PARTS), table.drive.expect("it drives").limits);
     let mut core = table.inverse::<f32>(&limits).expect("it has one");
     let (mut tick, mut link) = fine(&table, 3300.0);
-    let rest = drive.code(limits.rest_v, FULL);
-    let amplifier = |given: DacCode, k: u32| {
-        let AdcCode(code) = table.adc.code(drive.voltage::<f32>(given));
+    let rest = DacParts(drive.code(limits.rest_v, FULL).0);
+    let amplifier = |DacParts(given): DacParts, k: u32| {
+        let AdcCode(code) = table.adc.code(drive.voltage::<f32>(DacCode(given)));
         AdcCode(code + (k % 2) as u16)
     };
     link.queues.commands.enqueue(Command::SetMode(Mode::Follow)).expect("there is room");
@@ -79,13 +79,13 @@ fn a_drive_goes_by_parts_and_never_faster_than_it_may() {
     for k in 1..3_000 {
         let wanted = if k < 1_000 { 30.0 } else { 18.0 + 12.0 * (k as f32 * 0.02).sin() };
         link.queues.references.enqueue(wanted).expect("there is room");
-        let (before, expected) = (given, drive.code(core.tick(wanted).voltage, FULL));
+        let (before, expected) = (given, DacParts(drive.code(core.tick(wanted).voltage, FULL).0));
         given = tick.sample(amplifier(before, k).into(), k * PERIOD);
         assert_eq!(given, expected, "tick {k}");
         assert!(given.0.abs_diff(before.0) <= STRIDE, "{before:?} → {given:?}");
     }
     // Without the tick.
-    let way: Vec<DacCode> = link.telemetry.ramp(given).collect();
+    let way: Vec<DacParts> = link.telemetry.ramp(given).collect();
     let steps = std::iter::once(&given).chain(&way).zip(&way).map(|(a, b)| a.0.abs_diff(b.0));
     assert!(steps.max() <= Some(STRIDE), "{way:?}");
     assert_eq!(way.last(), Some(&link.telemetry.safe_given()));

@@ -5,9 +5,10 @@ mod common;
 use common::driven::{REST, STRIDE};
 use common::{FACTS, LinkEnd, PERIOD, SETPOINT, compiled, driving, linearising, started};
 use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::{AdcCode, Admitted, DacCalibration, DacCode, DriveCalibration, Status, Table};
+use estimator_core::{AdcCode, Admitted, DacCalibration, DriveCalibration, Status, Table};
 use firmware::queues::Command;
 use firmware::setpoint::CALM_TICKS;
+use firmware::shaping::DacParts;
 use firmware::startup::Startup;
 use firmware::supply::MADE_FOR_MV;
 use firmware::{Conversion, Facts, Tick};
@@ -31,7 +32,7 @@ struct Bench {
     k: u32,
     /// The supply, and what the DAC has been given.
     mv: f32,
-    given: DacCode,
+    given: DacParts,
     /// What the controller and the sensor have, in codes of the supply that all is made for.
     wants: f32,
     senses: f32,
@@ -160,8 +161,8 @@ fn the_way_to_rest_without_the_tick_is_of_what_the_dac_is_given() {
         let mut bench = Bench::new(linearising(true), mv);
         bench.run(CALM_TICKS + 2_000);
         let from = bench.given;
-        let way: Vec<DacCode> = bench.link.telemetry.ramp(from).collect();
-        let volts = |DacCode(code): DacCode| f32::from(code) * mv / MADE_FOR_MV;
+        let way: Vec<DacParts> = bench.link.telemetry.ramp(from).collect();
+        let volts = |DacParts(code): DacParts| f32::from(code) * mv / MADE_FOR_MV;
         assert!((volts(way[way.len() - 1]) - f32::from(REST.0)).abs() <= 0.6, "{way:?} at {mv} mV");
         let before = std::iter::once(&from).chain(&way);
         assert!(
@@ -185,7 +186,7 @@ fn a_supply_too_low_for_a_code_is_said_and_nothing_wraps() {
         let sample = bench.run(100);
         let code = sample.dac;
         assert!((3_900..4_095).contains(&code), "{code}");
-        assert_eq!((sample.status.contains(Status::DAC_SATURATED), bench.given == DacCode(4_095)), (low, low), "{mv}");
+        assert_eq!((sample.status.contains(Status::DAC_SATURATED), bench.given == DacParts(4_095)), (low, low), "{mv}");
         // A drive that is told to go to the end of its range.
         let mut bench = Bench::new(driven.admit().expect("an offset"), mv);
         let sample = bench.excite(3.6);

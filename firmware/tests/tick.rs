@@ -18,7 +18,7 @@ fn it_is_the_core_s_estimator_and_its_samples_are_numbered() {
     link.telemetry.streaming.store(true, Relaxed);
     for k in 0..5_000 {
         let expected = reference.tick(triangle(k));
-        assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), expected.dac);
+        assert_eq!(tick.sample(triangle(k).into(), k * PERIOD).0, expected.dac.0);
         let found = link.queues.samples.dequeue().expect("a sample a tick");
         assert_eq!((found.tick, found.sample.code), (k, triangle(k).0));
         assert_eq!(found.sample.displacement.to_bits(), expected.displacement.to_bits());
@@ -111,7 +111,7 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
             assert_eq!(step(moving(k)), SAFE, "{fault:?} has ended {k} ticks ago");
         }
         assert_eq!(step(moving(HOLD)), SAFE, "{fault:?}: the last tick of what is forgotten");
-        assert_eq!(step(moving(1)), reference.tick(moving(1)).dac, "the estimate has started anew");
+        assert_eq!(step(moving(1)).0, reference.tick(moving(1)).dac.0, "the estimate has started anew");
         assert_eq!(link.telemetry.faults(), Faults::empty());
         assert!(link.telemetry.faults_seen().contains(fault), "and is remembered");
     }

@@ -55,7 +55,7 @@ fn linearised(table: &Admitted) -> Vec<DacCode> {
         let volts = table.drive.unwrap().voltage::<f32>(dac);
         let monitor = AdcCode(table.adc.code(volts).0 + (n % 2) as u16);
         let setpoint = Some(read(n.saturating_sub(calm)));
-        dac = tick.sample(Conversion { monitor, sensor: None, setpoint }, n as u32 * common::PERIOD);
+        dac = DacCode(tick.sample(Conversion { monitor, sensor: None, setpoint }, n as u32 * common::PERIOD).0);
         dac
     });
     all.skip(calm).collect()

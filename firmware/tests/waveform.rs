@@ -210,7 +210,7 @@ fn every_way_out_is_a_ramp() {
             for _ in 0..SATURATED + 200 {
                 let before = scanner.bench.dac;
                 let late = (scanner.bench.k + 1) * 3 * PERIOD;
-                let dac = scanner.bench.tick.sample(scanner.bench.amplifier().into(), late);
+                let dac = DacCode(scanner.bench.tick.sample(scanner.bench.amplifier().into(), late).0);
                 (scanner.bench.dac, scanner.bench.k) = (dac, scanner.bench.k + 1);
                 assert!(dac.0.abs_diff(before.0) <= STRIDE);
             }

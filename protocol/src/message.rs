@@ -37,7 +37,7 @@ pub enum Request {
     Identify,
     /// How are you? → [`Reply::Health`]
     Health,
-    /// Forget counts but for that of a waveform's lines, faults seen, and last words. → [`Reply::Done`]
+    /// Set the counters to 0, a waveform's count of lines excepted, and forget the faults seen and the last words. → [`Reply::Done`]
     Forget,
     /// The table in use. → [`Reply::Table`]
     Pull,

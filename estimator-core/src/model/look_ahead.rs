@@ -27,7 +27,7 @@ impl<T: Real> LookAhead<T> {
         Self(if ticks > T::zero() { ticks.min(T::one()) } else { T::zero() })
     }
 
-    /// None.
+    /// No look-ahead: what is seen is the equation's own.
     pub fn none() -> Self {
         Self(T::zero())
     }

@@ -1,18 +1,19 @@
-//! What the device answers to a request.
+//! What the device does that a request asks for, and its reply.
 
 use super::loaded::Loaded;
-use crate::boot;
+use crate::boot::{self, Chosen};
 use crate::compiled::TABLE;
 use crate::facts::Facts;
 use crate::queues::{Command, LinkQueues};
 use crate::rate::TICK_HZ;
 use crate::telemetry::Telemetry;
+use crate::waveform::Points;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
-use estimator_core::{AdcCode, Admitted, Range};
+use estimator_core::{AdcCode, DriveCalibration, Range};
 use parameter_store::ParameterStore;
-use protocol::{Codes, Faults, Mode, References, Refusal, Reply, Request, TableSource, Text, text};
+use protocol::{Codes, Faults, Mode, References, Refusal, Reply, Request, Text, text};
 
 /// How long a change of mode may take; it happens at the next tick.
 const OBEYED: Duration = Duration::from_millis(20);
@@ -24,14 +25,10 @@ const PAUSED: Duration = Duration::from_secs(1);
 pub struct Device<'q, F: NorFlash> {
     /// What the board says of itself.
     pub facts: Facts,
-    /// The table in use.
-    pub table: Option<Admitted>,
-    /// Where it comes from.
-    pub source: TableSource,
-    /// Something is stored that could not be used: nobody knows what the output is wired for.
-    pub fallback: bool,
+    /// The table in use, where it comes from, and what speaks against it.
+    pub chosen: Chosen,
     /// The last run's message.
-    pub last_words: Option<Text<160>>,
+    pub(super) last_words: Option<Text<160>>,
     /// The parameter store.
     pub store: ParameterStore<F>,
     /// What the tick leaves to read.
@@ -39,18 +36,29 @@ pub struct Device<'q, F: NorFlash> {
     /// What the tick is handed and hands back.
     pub queues: LinkQueues<'q>,
     /// Frames refused so far.
-    pub frames_refused: u32,
+    pub(super) frames_refused: u32,
     /// Errors of the serial line that its driver has reported so far, of either direction.
-    pub line_errors: u32,
+    pub(super) line_errors: u32,
+    /// What the board's counters were when they were last forgotten.
+    pub(super) forgotten: Forgotten,
     /// The references of the mode so far.
-    pub referred: Taken,
+    pub(super) referred: Taken,
     /// The waveform in memory.
-    pub waveform: Loaded<'q>,
+    pub(super) waveform: Loaded<'q>,
+}
+
+/// Counts that the board goes on with, as they were.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Forgotten {
+    /// Errors of the line.
+    pub(super) line_errors: u32,
+    /// Flash words that could not be corrected.
+    pub(super) flash_errors: u32,
 }
 
 /// References that have been taken.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Taken {
+pub(super) struct Taken {
     /// Of the mode that began so ([`Telemetry::epoch`]).
     epoch: u32,
     /// The number of the next one.
@@ -59,9 +67,36 @@ pub struct Taken {
     starved: u32,
 }
 
+impl<'q, F: NorFlash> Device<'q, F> {
+    /// A device that has just started with this table.
+    pub fn new(
+        facts: Facts,
+        chosen: Chosen,
+        last_words: Option<Text<160>>,
+        store: ParameterStore<F>,
+        queues: LinkQueues<'q>,
+        points: &'q Points,
+        telemetry: &'q Telemetry,
+    ) -> Self {
+        Self {
+            facts,
+            chosen,
+            last_words,
+            store,
+            telemetry,
+            queues,
+            frames_refused: 0,
+            line_errors: 0,
+            forgotten: Forgotten::default(),
+            referred: Taken::default(),
+            waveform: Loaded::new(points),
+        }
+    }
+}
+
 impl<F: NorFlash> Device<'_, F> {
     /// Does what is asked. A reset is left to the caller, after the reply.
-    pub async fn answer(&mut self, request: Request) -> Reply {
+    pub async fn handle(&mut self, request: Request) -> Reply {
         let done = match request {
             Request::Identify => return Reply::Identity(self.identity()),
             Request::Health => return Reply::Health(self.health()),
@@ -119,7 +154,9 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Whether the next table may be one by which the DAC drives the amplifier, or no longer does.
     fn may_rewire(&self, drives: bool, rewired: bool) -> Result<(), Refusal> {
-        let same = !self.fallback && self.table.is_none_or(|table| table.drive.is_some() == drives);
+        // Where something is stored that could not be used, nobody knows what the output is wired for.
+        let known = !self.chosen.doubts.contains(Faults::TABLE_FALLBACK);
+        let same = known && self.chosen.table.as_ref().is_none_or(|table| table.drive.is_some() == drives);
         if same || rewired { Ok(()) } else { Err(Refusal::Rewired) }
     }
 
@@ -139,7 +176,7 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Hands on a command that tells the bias by a displacement, µm, and learns whether the tick has taken it.
     async fn tell(&mut self, displacement: f32, command: Command) -> Result<(), Refusal> {
-        let table = self.table.as_ref().filter(|_| self.telemetry.mode() != Mode::Pause);
+        let table = self.chosen.table.as_ref().filter(|_| self.telemetry.mode() != Mode::Pause);
         let span_um = table.ok_or(Refusal::NotEstimating)?.displacement_limits_um.span();
         if !(Range { min: -span_um, max: span_um }).contains(displacement) {
             return Err(Refusal::BeyondSpan { span_um });
@@ -181,7 +218,11 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn estimating(&self) -> bool {
-        self.telemetry.mode().measures() && self.table.is_some()
+        self.telemetry.mode().measures() && self.chosen.table.is_some()
+    }
+
+    fn drive(&self) -> Option<&DriveCalibration> {
+        self.chosen.table.as_ref()?.drive.as_ref()
     }
 
     /// Streaming starts with samples of now and ends with the change of mode.
@@ -201,7 +242,7 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Changes what the tick does, which takes a tick.
     pub async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
-        match (mode, self.table.and_then(|table| table.drive)) {
+        match (mode, self.drive()) {
             (Mode::Waveform, _) => return Err(Refusal::NotByMode),
             (Mode::Linearise, Some(_)) if !self.facts.has_setpoint => return Err(Refusal::NoSetpointInput),
             (Mode::Linearise, Some(drive)) if drive.setpoint.is_none() => return Err(Refusal::NoSetpoint),
@@ -214,7 +255,7 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Has the tick begin a mode by a command.
     pub(super) async fn begin(&mut self, mode: Mode, command: Command) -> Result<(), Refusal> {
-        if mode.drives() && self.table.is_none_or(|table| table.drive.is_none()) {
+        if mode.drives() && self.drive().is_none() {
             return Err(Refusal::NoDrive);
         }
         if self.telemetry.faults().intersects(Faults::against(mode)) {

@@ -5,11 +5,10 @@
 
 mod device;
 mod loaded;
-mod state;
+mod report;
 mod waveform;
 
-pub use device::{Device, Taken};
-pub use loaded::Loaded;
+pub use device::Device;
 
 use crate::panel::{Front, Panel};
 use crate::rate::STREAM_EVERY;
@@ -98,7 +97,7 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
                 Some(Ok(ToDevice { sequence, request })) => {
                     self.heard = Instant::now();
                     let reset = request == Request::Reset;
-                    let reply = self.device.answer(request).await;
+                    let reply = self.device.handle(request).await;
                     self.send(&ToHost::Reply { to: sequence, reply }).await;
                     if reset {
                         self.device.rest().await;

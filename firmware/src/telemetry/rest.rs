@@ -2,6 +2,8 @@
 
 use super::Telemetry;
 use crate::ramp::{Ramp, Stride};
+use crate::shaping::DacParts;
+use crate::startup::Startup;
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::DacCode;
 
@@ -16,17 +18,17 @@ impl Telemetry {
         self.connected.load(Relaxed)
     }
 
-    /// What the DAC is to be given for it, at the supply of now, in the board's parts of a code.
-    pub fn safe_given(&self) -> DacCode {
+    /// What the DAC is to be given for it, at the supply of now.
+    pub fn safe_given(&self) -> DacParts {
         self.given.of(self.safe())
     }
 
-    /// The way from what the DAC has been given to what it is given for its safe code, in the board's parts of a code.
-    pub fn ramp(&self, from: DacCode) -> Ramp {
+    /// The way from what the DAC has been given to what it is given for its safe code.
+    pub fn ramp(&self, from: DacParts) -> Ramp {
         Ramp::new(from, self.safe_given(), self.stride_given())
     }
 
-    /// Most that what the DAC is given may change in a tick, at the supply of now, in the board's parts of a code.
+    /// Most that what the DAC is given may change in a tick, at the supply of now, in parts of a code.
     #[inline]
     pub fn stride_given(&self) -> Stride {
         match self.stride() {
@@ -35,25 +37,28 @@ impl Telemetry {
         }
     }
 
-    /// Whether the DAC drives something, so that its code may not jump.
+    /// Whether the DAC drives the amplifier, so that its code may not jump.
     pub fn drives(&self) -> bool {
-        self.stride() != Stride::JUMP
+        self.drives.load(Relaxed)
     }
 
     /// Ticks from the DAC's last code to the safe one.
     pub fn ticks_to_safe(&self) -> u32 {
-        Ramp::new(DacCode(self.dac.load(Relaxed)), self.safe(), self.stride()).ticks()
+        self.stride().ticks(self.dac.load(Relaxed), self.safe.load(Relaxed))
     }
 
+    /// Most codes by which the safe code may be approached in a tick.
     fn stride(&self) -> Stride {
-        Stride(self.stride.load(Relaxed))
+        Stride::new(self.stride.load(Relaxed))
     }
 
-    pub(crate) fn set_safe(&self, safe: DacCode, stride: Stride, connected: bool) {
-        self.connected.store(connected, Relaxed);
-        self.dac.store(safe.0, Relaxed);
-        self.safe.store(safe.0, Relaxed);
-        self.stride.store(stride.0, Relaxed);
+    /// Before the first tick: what the output rests at, and the way there.
+    pub(crate) fn begin_at_rest(&self, startup: &Startup) {
+        self.connected.store(startup.connected, Relaxed);
+        self.drives.store(startup.drive.is_some(), Relaxed);
+        self.dac.store(startup.safe.0, Relaxed);
+        self.safe.store(startup.safe.0, Relaxed);
+        self.stride.store(startup.stride.get(), Relaxed);
     }
 
     #[inline]

@@ -35,7 +35,7 @@ impl Tick<'_> {
                 self.startup.faults.remove(Faults::ZERO_LOST);
             }
         }
-        self.telemetry.answer(taken.is_some());
+        self.telemetry.was_told(taken.is_some());
     }
 
     /// Begins a mode, wherever the output stands. An estimate from the ADC goes on, and so do the faults of what it reads.
@@ -81,7 +81,7 @@ impl Tick<'_> {
                 }
             }
             // The voltage may have gone wrong since the device has looked.
-            Command::SetZero { .. } if self.telemetry.doubts() => self.telemetry.answer(false),
+            Command::SetZero { .. } if self.telemetry.doubts() => self.telemetry.was_told(false),
             Command::SetZero { at_um } => self.tell(|estimator| estimator.set_zero(at_um)),
             Command::ShiftBias { by_um } => self.tell(|estimator| estimator.shift(by_um)),
         }

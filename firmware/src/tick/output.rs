@@ -5,10 +5,10 @@ use super::Tick;
 use crate::decimation::Streamed;
 use crate::drive::Drive;
 use crate::setpoint::SetpointCode;
-use crate::shaping::Codes;
+use crate::shaping::{Codes, DacParts};
 use crate::telemetry::add;
 use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::{DacCode, Status};
+use estimator_core::Status;
 use protocol::Mode;
 
 /// What the DAC is to have.
@@ -22,7 +22,7 @@ pub(crate) struct Output {
 
 impl Tick<'_> {
     /// What the DAC is given, and whether that is too little.
-    pub(crate) fn give(&self, Codes { code, parts }: Codes) -> (DacCode, bool) {
+    pub(crate) fn give(&self, Codes { code, parts }: Codes) -> (DacParts, bool) {
         self.telemetry.set_dac(code);
         self.telemetry.given.tick(&self.telemetry.supply, parts)
     }

@@ -39,7 +39,8 @@ impl Bench {
     /// A tick that reads this, and its sample, if it gives one.
     pub fn read(&mut self, conversion: Conversion) -> (DacCode, Option<Sample>) {
         self.k += 1;
-        let dac = self.tick.sample(conversion, self.k * PERIOD);
+        // A part is a code here.
+        let dac = DacCode(self.tick.sample(conversion, self.k * PERIOD).0);
         self.dac = dac;
         let sample = std::iter::from_fn(|| self.link.queues.samples.dequeue()).last().map(|numbered| numbered.sample);
         if let Some(sample) = sample {

@@ -12,6 +12,7 @@ use estimator_core::{
 use firmware::drive::Drive;
 use firmware::queues::{LinkQueues, Queues};
 use firmware::restarts::Restarts;
+use firmware::shaping::DacParts;
 use firmware::startup::Startup;
 use firmware::waveform::Points;
 use firmware::{Facts, Telemetry, Tick};
@@ -40,9 +41,10 @@ pub const FACTS: Facts = Facts {
     no_store: None,
     supply_good: |mv| mv > 3135.0,
     flash_errors: || 3,
-    line_errors: || 0,
+    line_errors: || 2,
 };
-pub const SAFE: DacCode = DacCode(252);
+/// What the DAC is given for the safe code of the compiled table; a part is a code here.
+pub const SAFE: DacParts = DacParts(252);
 
 pub fn compiled() -> Admitted {
     firmware::compiled::TABLE.admit().expect("the compiled table is admissible")
@@ -98,7 +100,7 @@ pub struct LinkEnd {
 /// A tick with further faults since boot; `None` has no table.
 pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, LinkEnd) {
     let start = Startup::new(table, &FACTS, Faults::empty());
-    let safe = table.and_then(Drive::rest).unwrap_or(SAFE);
+    let safe = table.and_then(Drive::rest).unwrap_or(DacCode(SAFE.0));
     started(Startup { safe, faults: start.faults | faults, ..start })
 }
 

@@ -4,7 +4,8 @@ use crate::common::{FACTS, LinkEnd, PERIOD, linearising, record, started, tick, 
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_futures::block_on;
 use estimator_core::{AdcCode, Admitted, DacCode};
-use firmware::link::{Device, Loaded, Taken};
+use firmware::boot::Chosen;
+use firmware::link::Device;
 use firmware::startup::Startup;
 use firmware::{Conversion, Tick};
 use parameter_store::{ParameterStore, RamFlash};
@@ -72,7 +73,7 @@ impl Bench {
                 if stopped.load(Relaxed) {
                     return;
                 }
-                dac = tick.sample(conversion(k, dac), k.wrapping_mul(PERIOD));
+                dac = DacCode(tick.sample(conversion(k, dac), k.wrapping_mul(PERIOD)).0);
                 std::thread::sleep(std::time::Duration::from_micros(50));
             }
         });
@@ -85,20 +86,10 @@ impl Bench {
     }
 
     fn device(table: Option<Admitted>, rest: LinkEnd) -> Device<'static, Flash> {
-        Device {
-            facts: FACTS,
-            table,
-            source: TableSource::Compiled { reason: text("no table is stored") },
-            fallback: false,
-            last_words: Some(text("panicked")),
-            store: flash(vec![0xFF; 4096]),
-            telemetry: rest.telemetry,
-            queues: rest.queues,
-            frames_refused: 4,
-            line_errors: 5,
-            referred: Taken::default(),
-            waveform: Loaded::new(rest.points),
-        }
+        let source = TableSource::Compiled { reason: text("no table is stored") };
+        let chosen = Chosen { table, source, doubts: Faults::empty() };
+        let LinkEnd { queues, telemetry, points } = rest;
+        Device::new(FACTS, chosen, Some(text("panicked")), flash(vec![0xFF; 4096]), queues, points, telemetry)
     }
 
     /// Until these faults are there, or these alone where there are none.
@@ -114,7 +105,7 @@ impl Bench {
     }
 
     pub fn ask(&mut self, request: Request) -> Reply {
-        block_on(self.device.answer(request))
+        block_on(self.device.handle(request))
     }
 
     pub fn stored(&mut self) -> Option<Vec<u8>> {

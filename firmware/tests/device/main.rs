@@ -30,11 +30,12 @@ fn it_says_who_and_how_it_is() {
     assert_ne!(identity.table_crc, checksum(&other()));
     let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
     assert_eq!((health.reset, health.supply_mv, health.flash_errors), (ResetCause::WATCHDOG, Some(3301), 3));
-    assert_eq!((health.frames_refused, health.line_errors), (4, 5));
+    assert_eq!((health.frames_refused, health.line_errors), (0, 2));
     assert_eq!(health.last_words.unwrap(), "panicked");
     assert_eq!(bench.ask(Request::Forget), Reply::Done);
     let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };
-    assert_eq!((health.frames_refused, health.line_errors, health.last_words), (0, 0, None));
+    assert_eq!((health.frames_refused, health.line_errors, health.flash_errors), (0, 0, 0));
+    assert_eq!(health.last_words, None);
     assert_eq!(bench.ask(Request::SetMode(Mode::Estimate)), Reply::Done, "which takes a tick");
     assert_eq!(bench.ask(Request::Reset), Reply::Resetting { in_ms: 0 }, "it drives nothing");
     let Reply::Health(health) = bench.ask(Request::Health) else { panic!() };

@@ -37,7 +37,7 @@ fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_t
         link.queues.references.enqueue(20.0).unwrap();
         link.queues.fed.enqueue(triangle(700)).unwrap();
         for k in (0..3_000).map(|tick| 3_000 * k as u32 + tick) {
-            assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), kept, "{mode:?}, tick {k}");
+            assert_eq!(tick.sample(triangle(k).into(), k * PERIOD).0, kept.0, "{mode:?}, tick {k}");
         }
     }
     assert_eq!((link.telemetry.safe(), link.telemetry.drives()), (kept, false));
@@ -61,7 +61,7 @@ fn without_its_crystal_a_device_estimates_and_drives_nothing_and_says_so() {
         for mode in [Mode::Estimate, Mode::Follow, Mode::Excite, Mode::Linearise, Mode::Pil] {
             link.queues.commands.enqueue(Command::SetMode(mode)).unwrap();
             for k in 0..3_000 {
-                assert_eq!(tick.sample(triangle(k).into(), k * PERIOD), safe, "{mode:?}, tick {k}");
+                assert_eq!(tick.sample(triangle(k).into(), k * PERIOD).0, safe.0, "{mode:?}, tick {k}");
                 assert!(!tick.valid(), "{mode:?}, tick {k}");
             }
         }
@@ -78,7 +78,7 @@ fn without_its_crystal_a_device_estimates_and_drives_nothing_and_says_so() {
 #[test]
 fn a_reset_ends_even_where_the_output_never_comes_to_its_safe_code() {
     // The drive's rest is another code.
-    let startup = Startup { safe: SAFE, ..Startup::new(Some(&driving()), &FACTS, Faults::empty()) };
+    let startup = Startup { safe: DacCode(SAFE.0), ..Startup::new(Some(&driving()), &FACTS, Faults::empty()) };
     let mut bench = Bench::of(Some(driving()), started(startup));
     std::thread::sleep(TICKS);
     assert!(bench.device.telemetry.ticks_to_safe() > 0);
@@ -110,7 +110,7 @@ fn the_output_is_put_on_its_pin_only_where_somebody_knows_what_is_wired_to_it() 
                 let known = doubts.is_empty() && table.is_some();
                 for k in 0..3_000 {
                     let given = tick.sample(triangle(k).into(), k * PERIOD);
-                    assert!(known || given == safe && !tick.valid(), "{doubts:?}, tick {k}");
+                    assert!(known || given.0 == safe.0 && !tick.valid(), "{doubts:?}, tick {k}");
                 }
             }
         }

@@ -80,7 +80,7 @@ fn the_dac_is_not_rewired_by_a_table_alone() {
 #[test]
 fn nothing_is_written_unasked_where_nobody_knows_what_the_dac_is_wired_for() {
     let mut bench = Bench::new(Some(compiled()));
-    bench.device.fallback = true;
+    bench.device.chosen.doubts = Faults::TABLE_FALLBACK;
     for drives_or_not in [driving(), compiled()] {
         let push = |rewired| Request::Push { record: record(&drives_or_not), while_estimating: true, rewired };
         assert_eq!(bench.ask(push(false)), Reply::Refused(Refusal::Rewired));

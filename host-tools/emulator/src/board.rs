@@ -8,6 +8,7 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
+use estimator_core::DacCode;
 use estimator_core::table::Board as Interface;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::restarts::Restarts;
@@ -126,7 +127,8 @@ async fn ticks(
         while due >= 1.0 && left >= 1.0 {
             let conversion = plant.sample(put_out);
             put_out = computed;
-            computed = tick.sample(conversion, cycles);
+            // A part is a code here.
+            computed = DacCode(tick.sample(conversion, cycles).0);
             cycles = cycles.wrapping_add(CYCLES_HZ / TICK_HZ);
             due -= 1.0;
             left -= 1.0;

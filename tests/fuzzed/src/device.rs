@@ -179,12 +179,13 @@ impl Device<'_, '_> {
         if tick.sync().is_some() {
             tick.trigger(self.ticks.is_multiple_of(7));
         }
-        let dac = tick.sample(Conversion { monitor, sensor: None, setpoint }, self.cycles);
+        // A part is a code here.
+        let dac = DacCode(tick.sample(Conversion { monitor, sensor: None, setpoint }, self.cycles).0);
         assert!(dac.0 <= FACTS.interface.dac_full_scale);
         if let Some(stride) = Drive::stride(self.table) {
             let step = dac.0.abs_diff(self.dac.0);
             // Both codes are rounded.
-            assert!(u32::from(step) <= stride.0.div_ceil(1 << 16), "the output jumps by {step} codes");
+            assert!(u32::from(step) <= stride.get().div_ceil(1 << 16), "the output jumps by {step} codes");
         }
         self.dac = dac;
     }

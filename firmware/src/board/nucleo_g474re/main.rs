@@ -45,9 +45,9 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{bind_interrupts, flash, interrupt};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use estimator_core::table::{ALLOWED_PERCENT, Board};
+use firmware::marked_reads::MarkedReads;
 use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
-use firmware::reading::Watched;
 use firmware::shaping::PARTS;
 use firmware::{Conversion, Facts, Peripherals, Resources, Tick, last_words, restarts};
 use protocol::Uid;
@@ -181,7 +181,7 @@ async fn main(_spawner: Spawner) {
         last_words: unsafe { last_words::take() },
         receiver,
         transmitter,
-        flash: Watched::new(Flash::new(p.FLASH, Irqs), &failure::READING_STORE),
+        flash: MarkedReads::new(Flash::new(p.FLASH, Irqs), &failure::READING_STORE),
         pages,
         front,
         feed_watchdog: || watchdog.pet(),
@@ -243,11 +243,13 @@ fn ADC1_2() {
     marker.set_low();
 }
 
-/// Has a debugger that halts the core halt the watchdog with it, which else resets the board in the midst of a look, and TIM6 and TIM7,
-/// without which DMA would go on putting the last two ticks' codes out in turns: the output stays at its last code.
+/// Has a debugger that halts the core halt the watchdog with it, which else resets the board in the midst of a look; TIM6 and TIM7,
+/// without which DMA would go on putting the last two ticks' codes out in turns: the output stays at its last code; and TIM5, by which a
+/// host that is waited for would have been silent for too long.
 fn freeze_in_debug() {
     pac::DBGMCU.apb1lfzr().modify(|w| {
         w.set_iwdg(true);
+        w.set_tim5(true);
         w.set_tim6(true);
         w.set_tim7(true);
     });

@@ -1,14 +1,12 @@
-//! The DAC's output, sixteen times as fine as its codes: TIM7 puts a code out every 10 µs whatever the tick's rate, DMA brings them,
-//! and their mean is what the ticks want ([`firmware::shaping`]). A low-pass behind the pin shows the mean.
+//! The DAC's output, sixteen times as fine as its codes. TIM7 puts a code out every 10 µs, whatever the tick's rate; DMA brings the
+//! codes from a ring; their mean is what the tick wants ([`firmware::shaping`]). A low-pass behind the pin shows the mean.
 //!
-//! Two halves of a ring are a tick's codes each. While one is put out, the tick fills the other. DMA fetches a code when the one
-//! before is put out, and waits with it in the holding register: two triggers lie between a code's place in the ring and the
-//! pin. So TIM7 runs two triggers ahead of TIM6, and a tick's codes begin less than a microsecond before the next trigger of TIM6.
-//! The first is fetched when the last of the tick's own is put out, 10 µs before that. A tick that is not done another 10 µs earlier
-//! leaves the ring as it is.
+//! **The ring** has two halves, one tick's codes each: the tick fills the half that is not being played. A code reaches the pin two
+//! TIM7 triggers after DMA has fetched it, so TIM7 starts two triggers ahead of TIM6, and a tick's codes begin less than a microsecond
+//! before the next TIM6 trigger. A tick must be done 20 µs before that trigger: one that is later leaves the ring as it is.
 //!
-//! Where a tick does not come the last two ticks' codes take turns: a step back, as long as the last one forward. What drives
-//! goes on from there at its slew rate, however far the tick's own command has come meanwhile.
+//! **A missed tick** repeats the last two ticks' codes: the output goes back by one tick's change, and forth again. A drive then goes
+//! on from what the pin shows, at its slew rate, wherever the tick's command is meanwhile.
 
 use core::ptr::addr_of_mut;
 use core::sync::atomic::{Ordering::SeqCst, compiler_fence};
@@ -21,9 +19,8 @@ use embassy_stm32::peripherals::{DAC1, DMA1_CH2, TIM7};
 use embassy_stm32::timer::low_level::Timer;
 use embassy_stm32::triggers::TIM7_TRGO;
 use embassy_stm32::{Peri, bind_interrupts, dma};
-use estimator_core::DacCode;
 use firmware::rate::TICK_HZ;
-use firmware::shaping::{PARTS, Shaper};
+use firmware::shaping::{DacParts, PARTS, Shaper};
 
 use super::clocks::{self, CORE_HZ};
 use super::shared::TELEMETRY;
@@ -35,13 +32,13 @@ bind_interrupts!(struct Irqs {
 
 /// Codes a second.
 const CODES_HZ: u32 = 100_000;
-/// Codes of a tick; 50 at 2 kHz.
+/// Codes a tick; 50 at 2 kHz.
 const CODES: u32 = CODES_HZ / TICK_HZ;
-/// Words of them, two a word.
+/// Words of half the ring, two codes each.
 const HALF: usize = CODES as usize / 2;
-/// Most cycles by which a tick's codes begin before TIM6's trigger.
+/// A tick's codes begin at most so many cycles before TIM6's trigger.
 const LEAD: u32 = CORE_HZ / 1_000_000;
-/// How long before the next trigger a tick must be done, cycles: a code before the first of its own is fetched.
+/// A tick must be done so many cycles before the next trigger: before the first of its codes is fetched, and a code's time more.
 pub const AHEAD: u32 = 2 * (CORE_HZ / CODES_HZ) + LEAD;
 /// Parts of a code that rounding and the supply's correction may add to a stride.
 const ROUNDING: u16 = 4;
@@ -54,7 +51,7 @@ static mut RING: [u32; 2 * HALF] = [0; 2 * HALF];
 pub struct Output {
     shaper: Shaper,
     /// What the halves of the ring are filled with.
-    filled: [DacCode; 2],
+    filled: [DacParts; 2],
     /// Counts of TIM6 from trigger to trigger.
     turn: u32,
     /// Dropped, it would stop.
@@ -127,9 +124,9 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
 }
 
 impl Output {
-    /// Puts a tick's output out from the next trigger on, in [`PARTS`] of a code.
+    /// Puts a tick's output out from the next trigger on.
     #[inline]
-    pub fn put(&mut self, given: DacCode) -> Put {
+    pub fn put(&mut self, given: DacParts) -> Put {
         // One that stands still may stand in phase. (That it has turned since the last tick says less: one that is late may be done a
         // turn before the next.)
         let runs = pac::TIM7.cr1().read().cen();
@@ -156,7 +153,7 @@ impl Output {
 
 /// Fills a half of the ring, the first or the second.
 #[inline]
-fn fill(shaper: &mut Shaper, given: DacCode, which: usize) {
+fn fill(shaper: &mut Shaper, given: DacParts, which: usize) {
     // SAFETY: a half of the ring, which DMA does not read now, and the core nowhere else.
     let half = unsafe { &mut *addr_of_mut!(RING).cast::<[u32; HALF]>().add(which) };
     shaper.fill(given, half);
@@ -170,14 +167,14 @@ fn left() -> u16 {
 }
 
 /// The code that is nearest to what the DAC is given.
-fn nearest(DacCode(parts): DacCode) -> u16 {
+fn nearest(DacParts(parts): DacParts) -> u16 {
     // The largest has no parts.
     (parts + PARTS / 2) / PARTS
 }
 
 /// Without the tick, which must not come any more: leaves the pin as it is, and says what that is; `None` where the DAC does not
 /// run.
-pub fn hold() -> Option<DacCode> {
+pub fn hold() -> Option<DacParts> {
     // Before the DAC runs the registers have no clock, and read as 0.
     if !pac::DAC1.cr().read().en(0) {
         return None;
@@ -185,11 +182,11 @@ pub fn hold() -> Option<DacCode> {
     pac::DMA1.ch(CHANNEL).cr().modify(|w| w.set_en(false));
     pac::DAC1.cr().modify(|w| w.set_dmaen(0, false));
     let shown = pac::DAC1.dor(0).read().dor();
-    Some(DacCode(shown * PARTS))
+    Some(DacParts(shown * PARTS))
 }
 
 /// After [`hold`]: puts this out at once.
-pub fn put_at_once(given: DacCode) {
+pub fn put_at_once(given: DacParts) {
     let code = nearest(given);
     pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
     pac::DAC1.cr().modify(|w| w.set_ten(0, false));

@@ -6,23 +6,23 @@ use core::sync::atomic::{AtomicBool, Ordering::SeqCst, fence};
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
 /// A flash whose reads are known.
-pub struct Watched<F> {
+pub struct MarkedReads<F> {
     flash: F,
     reading: &'static AtomicBool,
 }
 
-impl<F> Watched<F> {
+impl<F> MarkedReads<F> {
     /// The flash; `reading` is set while it is read.
     pub fn new(flash: F, reading: &'static AtomicBool) -> Self {
         Self { flash, reading }
     }
 }
 
-impl<F: ErrorType> ErrorType for Watched<F> {
+impl<F: ErrorType> ErrorType for MarkedReads<F> {
     type Error = F::Error;
 }
 
-impl<F: ReadNorFlash> ReadNorFlash for Watched<F> {
+impl<F: ReadNorFlash> ReadNorFlash for MarkedReads<F> {
     const READ_SIZE: usize = F::READ_SIZE;
 
     async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
@@ -39,7 +39,7 @@ impl<F: ReadNorFlash> ReadNorFlash for Watched<F> {
     }
 }
 
-impl<F: NorFlash> NorFlash for Watched<F> {
+impl<F: NorFlash> NorFlash for MarkedReads<F> {
     const WRITE_SIZE: usize = F::WRITE_SIZE;
     const ERASE_SIZE: usize = F::ERASE_SIZE;
 

@@ -1,6 +1,6 @@
 //! Who the device is, how it is, and the table in use, as it says them over the link.
 
-use super::device::Device;
+use super::device::{Device, Forgotten};
 use core::sync::atomic::Ordering::Relaxed;
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::AdcCode;
@@ -20,8 +20,8 @@ impl<F: NorFlash> Device<'_, F> {
             tick_us,
             adc_full_scale,
             dac_full_scale,
-            source: self.source.clone(),
-            model: self.table.map_or_else(Text::new, |table| text(table.model())),
+            source: self.chosen.source.clone(),
+            model: self.chosen.table.as_ref().map_or_else(Text::new, |table| text(table.model())),
             table_crc: self.record().and_then(|record| checksum(&record)).unwrap_or(0),
         }
     }
@@ -46,8 +46,8 @@ impl<F: NorFlash> Device<'_, F> {
             out_of_reach: telemetry.out_of_reach.load(Relaxed),
             samples_dropped: telemetry.dropped.load(Relaxed),
             frames_refused: self.frames_refused,
-            line_errors: (self.facts.line_errors)().wrapping_add(self.line_errors),
-            flash_errors: (self.facts.flash_errors)(),
+            line_errors: self.line_errors().wrapping_sub(self.forgotten.line_errors),
+            flash_errors: (self.facts.flash_errors)().wrapping_sub(self.forgotten.flash_errors),
             bias_um: telemetry.bias.um(),
             bias_age_ticks: telemetry.bias.age_ticks(),
             supply_mv: telemetry.supply.mv(),
@@ -62,12 +62,17 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.forget();
         self.last_words = None;
         self.frames_refused = 0;
-        self.line_errors = 0;
+        self.forgotten = Forgotten { line_errors: self.line_errors(), flash_errors: (self.facts.flash_errors)() };
+    }
+
+    /// Errors of the line since start: those that the board counts, and those that its driver reports.
+    fn line_errors(&self) -> u32 {
+        (self.facts.line_errors)().wrapping_add(self.line_errors)
     }
 
     pub(super) fn record(&self) -> Option<Record> {
         let mut buffer = [0; MAX_LENGTH];
-        let length = self.table?.encode(&mut buffer)?;
+        let length = self.chosen.table.as_ref()?.encode(&mut buffer)?;
         Record::from_slice(buffer.get(..length)?).ok()
     }
 }

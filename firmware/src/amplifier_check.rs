@@ -15,7 +15,7 @@ pub const REACH_TICKS: u32 = ticks_in(20);
 
 /// What was commanded lately.
 #[derive(Clone, Debug)]
-pub struct Answer {
+pub struct AmplifierCheck {
     adc: AdcCalibration,
     tolerance_v: f32,
     /// Commanded since `ticks`, and in the half of the reach before that, V.
@@ -24,7 +24,7 @@ pub struct Answer {
     ticks: u32,
 }
 
-impl Answer {
+impl AmplifierCheck {
     /// Of an amplifier at rest.
     pub fn new(adc: AdcCalibration, limits: &DriveLimits) -> Self {
         let rest = Range { min: limits.rest_v, max: limits.rest_v };
@@ -64,13 +64,13 @@ mod tests {
 
     /// Of ten swings of 10 Hz over most of the range, the part of the ticks at which this amplifier is astray.
     fn astray(mut amplifier: impl FnMut(f32) -> f32) -> f32 {
-        let mut answer = Answer::new(ADC, &LIMITS);
+        let mut check = AmplifierCheck::new(ADC, &LIMITS);
         let ticks = TICK_HZ;
         let mut count = 0;
         for k in 0..ticks {
             let commanded = 60.0 - 40.0 * (k as f32 / TICK_HZ as f32 * 10.0 * core::f32::consts::TAU).cos();
-            count += u32::from(answer.astray(ADC.code(amplifier(commanded))));
-            answer.commanded(commanded);
+            count += u32::from(check.astray(ADC.code(amplifier(commanded))));
+            check.commanded(commanded);
         }
         count as f32 / ticks as f32
     }
