@@ -90,3 +90,17 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     refused(&[&scale[..], &["1:20"]].concat(), &["for 1:20 it is 20"]);
     refused(&[&scale[..], &["2,5"]].concat(), &["a decimal point is a point"]);
 }
+
+#[test]
+fn a_voltage_that_may_not_be_the_actuator_s_is_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let [monitor, estimated] = ["monitor.csv", "estimated.csv"].map(|name| folder.path().join(name));
+    write_monitor(&monitor);
+    for (scale, asked) in [("1", true), ("20", false), ("400", true)] {
+        let estimate =
+            ["estimate", TABLE, text(&monitor), "--voltage-scale", scale, "--force", "--out", text(&estimated)];
+        let printed = piezo().args(estimate).assert().success().get_output().stdout.clone();
+        let printed = String::from_utf8(printed).unwrap();
+        assert_eq!(printed.contains("is it a monitor's"), asked, "{scale}: {printed}");
+    }
+}

@@ -152,3 +152,27 @@ fn what_was_recorded_is_kept_and_named_where_something_took_its_place_meanwhile(
         std::fs::remove_file(&left).unwrap();
     }
 }
+
+#[test]
+fn a_recording_that_is_interrupted_before_its_time_is_kept_and_is_no_success() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let (log, port) = (folder.path().join("log.csv"), format!("tcp:{}", device.address()));
+    let left = folder.path().join("log.csv.partial");
+    for (length, code) in [(&["--seconds", "10000"][..], 1), (&[], 0)] {
+        let mut host = Command::new(env!("CARGO_BIN_EXE_piezo"))
+            .args(["record", "--force", "--out", text(&log), "--port", &port])
+            .args(length)
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let start = Instant::now();
+        while left.metadata().map_or(0, |left| left.len()) < 50_000 {
+            assert!(start.elapsed() < Duration::from_secs(20) && host.try_wait().unwrap().is_none());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert!(Command::new("kill").args(["-INT", &host.id().to_string()]).status().unwrap().success());
+        assert_eq!(host.wait().unwrap().code(), Some(code), "{length:?}");
+        assert!(log.metadata().unwrap().len() >= 50_000 && !left.exists(), "{length:?}");
+    }
+}

@@ -1,12 +1,18 @@
 //! What was estimated from a log's voltage alone, in words.
 
 use crate::raised::remarks;
-use estimator_core::Status;
+use estimator_core::{Range, Status};
 use identification::validate::{Estimates, Raised};
 use serde_json::{Value, json};
 
-/// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be believed.
-pub fn estimated(estimates: &Estimates, started: bool) -> Vec<String> {
+/// A voltage that goes over less than this part of the table's range may be another than the actuator's.
+const SMALL: f64 = 0.12;
+/// So may one that is beyond that range for so much of the time, %.
+const MOSTLY: f64 = 50.0;
+
+/// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be believed by a table
+/// of voltages in `table_v`, as they would be recorded.
+pub fn estimated(estimates: &Estimates, started: bool, table_v: Range<f64>) -> Vec<String> {
     let all = &estimates.instants;
     let range = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), row| {
         (low.min(row.estimate), high.max(row.estimate))
@@ -28,6 +34,16 @@ pub fn estimated(estimates: &Estimates, started: bool) -> Vec<String> {
         (true, false) => format!("    ± {:.3} µm on average since the first sample, 95 % of the time", mean()),
     });
     let raised = estimates.raised();
+    let volts = Range::of_values(all.iter().map(|row| row.voltage));
+    let beyond = raised.iter().find(|raised| raised.bit == Status::VOLTAGE_OUT_OF_RANGE);
+    if volts.span() < SMALL * table_v.span() || beyond.is_some_and(|beyond| beyond.percent > MOSTLY) {
+        lines.push(format!(
+            "    the voltage goes from {:.3} to {:.3} V, and the table is of {:.3} to {:.3} V: is it a monitor's, or the amplifier's input, \
+             or is the table another actuator's? Then all of this is wrong; --voltage-scale <N> is what the log's volts are times to be the \
+             actuator's, 20 of a monitor 1:20",
+            volts.min, volts.max, table_v.min, table_v.max
+        ));
+    }
     if let Some(unsettled) = raised.iter().find(|raised| raised.bit == Status::NOT_SETTLED) {
         lines.push(format!(
             "    {:.2} % of the time it still depends on where it was assumed to start (NOT_SETTLED)",

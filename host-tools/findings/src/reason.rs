@@ -19,8 +19,8 @@ pub fn reason(reason: &Reason) -> String {
                 None => "on the whole logs it is off by far less in training; --model takes another.".to_owned(),
             };
             format!(
-                "{why} By the part that was not held out it was {first}, which was much further off on what was: the choice was made \
-                 once more between the two, on the whole logs, so that what was held out has had a say in it."
+                "{why} By the part that was not held out it was {first}, which was far off on what was: the choice was made once more, \
+                 on the whole logs, among the models that were nearest there, so that what was held out has had a say in it."
             )
         }
     }

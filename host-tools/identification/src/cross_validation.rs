@@ -29,10 +29,10 @@ use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
 /// Candidates for each searched number, from where the fit to everything ended.
-const OF_A_NUMBER: usize = 12;
+pub(crate) const OF_A_NUMBER: usize = 12;
 /// A model that is off in the training, once settled and in simulation, by so many times the least is not tried: without a part it will not
 /// be the best.
-const HOPELESS: f64 = 3.0;
+const HOPELESS: f64 = 6.0;
 /// A model does as well as the best with errors of no more than so many times the best's.
 const AS_WELL: f64 = 1.1;
 /// What is chosen where it does as well as the best and no simpler one does.
@@ -281,7 +281,7 @@ mod tests {
             assert_eq!((score.parts_um.len(), score.error_um), (3, geometric_mean(&score.parts_um)));
         }
         assert!(said.scores[0].error_um <= said.scores[1].error_um);
-        let alone = of([Model::BoucWen, Model::MaxwellSlip]);
+        let alone = of([Model::GeneralisedPrandtlIshlinskii, Model::MaxwellSlip]);
         assert_eq!(alone, Err(Undecided::ByFar), "one that has a chance is no choice");
     }
 

@@ -31,10 +31,10 @@ pub enum Reason {
     AskedFor,
     /// Cross-validation's rule chose it, by parts of the training data that it was not fitted to.
     CrossValidated(CrossValidation),
-    /// Cross-validation's rule chose it by parts of the whole training logs, after another model had been chosen without what was held out,
-    /// where this one did much better.
+    /// Cross-validation's rule chose it by parts of the whole training logs, after another model had been chosen without what was held out
+    /// and was far off there.
     OnceMore {
-        /// Between the two, each learnt from the whole logs; `None` where one is off by far less in them.
+        /// Among the models that were nearest there, each learnt from the whole logs; `None` where one is off by far less in them.
         validated: Option<CrossValidation>,
         /// The model that had been chosen.
         first: Model,

@@ -54,8 +54,8 @@ pub struct Problem {
     extent: Extent,
 }
 
-/// Displacement limits that are tried, as fractions of the way from the training stroke to the largest allowed.
-const LIMIT_STEPS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
+/// Displacement limits that are tried besides the widest that are allowed, as multiples of the training stroke.
+const LIMITS: [f64; 7] = [1.05, 1.1, 1.25, 1.5, 1.75, 2.0, 2.5];
 
 impl Problem {
     /// A problem. What is held out is shown beside the training error and never decides anything.
@@ -135,8 +135,8 @@ impl Problem {
     /// There are none within the widest that the conditions allow.
     pub fn limits(&self, trial: &impl Trial) -> Result<Range<f64>, Inadmissible<f64>> {
         let model = trial.model(&self.discretisation());
-        let bound = |step| model.bound(self.voltage_range, self.limits_at(step));
-        LIMIT_STEPS.into_iter().find_map(|step| bound(step).ok()).map_or_else(|| bound(1.0), Ok)
+        let bound = |limits| model.bound(self.voltage_range, limits);
+        self.tried_limits().find_map(|limits| bound(limits).ok()).map_or_else(|| bound(self.stretched(self.limit)), Ok)
     }
 
     /// Tick, scheme and deadband.
@@ -171,8 +171,8 @@ impl Problem {
 
     /// The tightest displacement limits that are tried, rounded inwards, µm.
     pub fn tight_limits(&self) -> Range {
-        let [tightest, ..] = LIMIT_STEPS;
-        let Range { min, max } = self.limits_at(tightest);
+        let [tightest, ..] = LIMITS;
+        let Range { min, max } = self.stretched(tightest.min(self.limit));
         Range { min: (min as f32).next_up(), max: (max as f32).next_down() }
     }
 
@@ -181,8 +181,15 @@ impl Problem {
         self.extent
     }
 
-    fn limits_at(&self, step: f64) -> Range<f64> {
-        expanded(self.stroke, 1.0 + step * (self.limit - 1.0))
+    /// Displacement limits that are tried, the tightest first, µm.
+    fn tried_limits(&self) -> impl DoubleEndedIterator<Item = Range<f64>> {
+        let tighter = LIMITS.into_iter().filter(|limit| *limit < self.limit);
+        tighter.chain([self.limit]).map(|limit| self.stretched(limit))
+    }
+
+    /// So many times the training stroke, about its middle, µm.
+    fn stretched(&self, limit: f64) -> Range<f64> {
+        expanded(self.stroke, limit)
     }
 
     /// Whether a model is proven to stay within any of the limits at voltages of a range (V).
@@ -193,7 +200,7 @@ impl Problem {
     /// Whether any of the limits (µm) is one that a model is proven to stay within.
     pub(crate) fn admits_by(&self, proven: impl Fn(Range<f64>) -> bool) -> bool {
         // The widest limits first: nearly every set that has any has those.
-        LIMIT_STEPS.into_iter().rev().any(|step| proven(self.limits_at(step)))
+        self.tried_limits().rev().any(proven)
     }
 }
 

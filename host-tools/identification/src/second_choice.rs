@@ -1,19 +1,24 @@
-//! The choice once more, where what was held out contradicts it.
+//! The choice once more, where what was held out speaks against the first.
 //!
 //! Cross-validation sees the part that is fitted to. Where that holds less than the rest, as where a log's amplitudes or
 //! frequencies follow one another, the model that does best there may be far off elsewhere. The delivered table is learnt from the whole
-//! logs, and so it may be chosen by them: the model that was chosen and the one that did best on what was held out are learnt from
-//! them, and cross-validation in them decides between the two.
+//! logs, and so it may be chosen by them: where the first choice is far off on what was held out, by another model's error there or by
+//! its own in training, it and the models that were nearest there are learnt from the whole logs, and cross-validation in them decides.
 
 use crate::candidate::{Candidate, TableContext};
-use crate::cross_validation::{CrossValidation, Undecided, eligible};
+use crate::cross_validation::{CrossValidation, OF_A_NUMBER, Undecided, eligible};
 use crate::fit::{Fit, Identification};
 use crate::learnt::Learnt;
 use crate::model_choice::Reason;
+use crate::suspicion::far;
 use estimator_core::Model;
 
-/// A model contradicts the choice where it was off on what was held out, without offset, by less than this part of what the chosen one was.
+/// A model contradicts the first choice where it was off on what was held out, without offset, by less than this part of what that was.
 const CONTRADICTS: f64 = 0.67;
+/// Models that were off there by no more than so many times what the first choice was are chosen among, and
+const WITHIN: f64 = 2.0;
+/// at most so many of them, the nearest.
+const RIVALS: usize = 3;
 
 /// What is delivered instead of what was chosen first.
 pub struct Second {
@@ -37,34 +42,43 @@ pub fn second_choice(
     learn: impl FnOnce(&Candidate) -> Option<Learnt>,
 ) -> Option<Second> {
     let whole = Identification { problem: first.whole.as_ref()?, ..*identification };
-    let rival = rival(identification, candidates, chosen)?;
-    let learnt = learn(&candidates[rival])?;
-    let fits = [&first.candidate.fit, &learnt.candidate.fit].map(Clone::clone);
+    let rivals = rivals(identification, candidates, chosen)?;
+    let again = |fit: &Fit| whole.again(fit, OF_A_NUMBER * fit.genes.len().max(1));
+    let of_rivals = rivals.iter().map(|&rival| again(&candidates[rival].fit));
+    let fits: Vec<Fit> = std::iter::once(first.candidate.fit.clone()).chain(of_rivals).collect();
     let tried = eligible(whole.problem, whole.cost, &fits);
     let (model, validated) = match CrossValidation::of(&whole, &tried, || ()) {
         Ok(validated) => (validated.score().model, Some(validated)),
         Err(Undecided::ByFar) => (tried.iter().min_by(|(_, a), (_, b)| a.total_cmp(b))?.0.model, None),
         Err(Undecided::Undivided | Undecided::WithoutParts) => return None,
     };
-    if model != candidates[rival].fit.model {
-        return None;
-    }
-    let judged = Candidate::new(identification.problem, candidates[rival].fit.clone(), context).ok()?;
+    let second = rivals.into_iter().find(|&rival| candidates[rival].fit.model == model)?;
+    let learnt = learn(&candidates[second])?;
+    let judged = Candidate::new(identification.problem, candidates[second].fit.clone(), context).ok()?;
     let reason = Reason::OnceMore { validated, first: candidates[chosen].fit.model };
-    Some(Second { chosen: rival, judged, learnt, reason })
+    Some(Second { chosen: second, judged, learnt, reason })
 }
 
-/// The model that contradicts the choice on what was held out the most, of those that may be chosen.
-fn rival(identification: &Identification<'_>, candidates: &[Candidate], chosen: usize) -> Option<usize> {
+/// The models among which the choice is made once more besides the first, of those that may be chosen; `None` where nothing speaks
+/// against that.
+fn rivals(identification: &Identification<'_>, candidates: &[Candidate], chosen: usize) -> Option<Vec<usize>> {
     let off = |candidate: &Candidate| candidate.held_out_figures().map(|figures| figures.mae_without_offset_um);
+    let (first, first_off) = (&candidates[chosen], off(&candidates[chosen])?);
     let fits: Vec<Fit> = candidates.iter().map(|candidate| candidate.fit.clone()).collect();
     let eligible = eligible(identification.problem, identification.cost, &fits);
     let may_be_chosen: Vec<Model> = eligible.into_iter().map(|(fit, _)| fit.model).collect();
-    let others = candidates.iter().enumerate().filter(|(_, candidate)| may_be_chosen.contains(&candidate.fit.model));
-    let (rival, least) = others
+    let mut others: Vec<(usize, f64)> = candidates
+        .iter()
+        .enumerate()
+        .filter(|&(index, candidate)| index != chosen && may_be_chosen.contains(&candidate.fit.model))
         .filter_map(|(index, candidate)| Some((index, off(candidate)?)))
-        .min_by(|(_, a), (_, b)| a.total_cmp(b))?;
-    (least < CONTRADICTS * off(&candidates[chosen])?).then_some(rival)
+        .collect();
+    others.sort_by(|(_, a), (_, b)| a.total_cmp(b));
+    let contradicted = others.first().is_some_and(|(_, least)| *least < CONTRADICTS * first_off);
+    let training = first.training_figures().map_or(0.0, |figures| figures.mae_without_offset_um);
+    let untaught = far(training, first_off, identification.problem.stroke().span()).is_some();
+    let near = others.into_iter().take_while(|(_, off)| *off <= WITHIN * first_off).take(RIVALS);
+    (contradicted || untaught).then(|| near.map(|(index, _)| index).collect())
 }
 
 #[cfg(test)]

@@ -119,7 +119,7 @@ fn drift(offsets_um: &[f64], held_out: &Figures) -> Option<Doubt> {
 }
 
 /// An error on held-out data that is larger than the training's, each beside the logs' own constants, for a stroke; µm.
-fn far(training_um: f64, held_out_um: f64, stroke_um: f64) -> Option<Doubt> {
+pub(crate) fn far(training_um: f64, held_out_um: f64, stroke_um: f64) -> Option<Doubt> {
     let far = held_out_um > (FAR * training_um).max(FAR_STROKE * stroke_um);
     far.then_some(Doubt::HeldOutFar { training_um, held_out_um })
 }

@@ -105,7 +105,7 @@ impl Estimates {
     fn of(session: &Session, recipe: &Recipe, run: &Run) -> Self {
         let instants = session.instants.iter().skip(1).enumerate().map(|(k, &instant)| Instant {
             time_s: time_s(session, instant),
-            voltage: (session.voltage[instant as usize] + recipe.voltage_zero_v) / recipe.voltage_scale,
+            voltage: recipe.as_recorded(session.voltage[instant as usize]),
             displacement: None,
             estimate: in_file(recipe, run.estimated[k]),
             half_width: run.half_width[k].map(|half| half / recipe.displacement_scale.abs()),

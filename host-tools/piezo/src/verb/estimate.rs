@@ -6,6 +6,7 @@ use crate::option::{LogOptions, Overwrite, PrepareAgain, finite};
 use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
+use estimator_core::Range;
 use identification::validate::{Estimates, unmeasured};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -54,16 +55,17 @@ pub fn run(arguments: &Estimate) -> Result<bool> {
         let estimates =
             unmeasured(&table, log, &recipe, arguments.start_at).with_context(|| path.display().to_string())?;
         written.push_str(&estimates.csv());
-        all.push(estimates);
+        let Range { min, max } = table.voltage_range_v.of();
+        all.push((estimates, Range::of_values([min, max].map(|voltage| recipe.as_recorded(voltage)))));
     }
     output::write(path, written)?;
     if arguments.json {
-        let logs: Vec<Value> = all.iter().map(findings::estimated_json).collect();
+        let logs: Vec<Value> = all.iter().map(|(estimates, _)| findings::estimated_json(estimates)).collect();
         out(&serde_json::to_string_pretty(&json!({ "logs": logs, "out": path }))?);
         return Ok(true);
     }
-    for estimates in &all {
-        findings::estimated(estimates, arguments.start_at.is_some()).iter().for_each(|line| out(line));
+    for (estimates, table_v) in &all {
+        findings::estimated(estimates, arguments.start_at.is_some(), *table_v).iter().for_each(|line| out(line));
     }
     out(&format!("\nWritten: {}", path.display()));
     Ok(true)

@@ -87,7 +87,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
     }
     let rests = table.drive.is_some() && words::rests(health.mode, recording.faults);
     tell(arguments, &recording, &end, (tick_us, request.sensor.is_some(), rests))?;
-    let complete = conclude(arguments, &recording, end)?;
+    let complete = conclude(arguments, &recording, end, ticks)?;
     if complete {
         stopped?;
     }
@@ -147,14 +147,15 @@ fn tell(
     Ok(())
 }
 
-/// Success, or what ended the recording before its time.
-fn conclude(arguments: &Record, recording: &Recording, end: End) -> Result<bool> {
+/// Success, or what ended the recording before its time, that of so many ticks.
+fn conclude(arguments: &Record, recording: &Recording, end: End, ticks: Option<u64>) -> Result<bool> {
     let before = match recording.rows {
         0 => "nothing was recorded before".to_owned(),
         rows => format!("{} holds the {rows} samples before", arguments.out.display()),
     };
     let why = match end {
-        End::Complete if recording.rows > 0 => return Ok(true),
+        End::Complete if recording.rows > 0 && ticks.is_none_or(|ticks| recording.ticks >= ticks) => return Ok(true),
+        End::Complete if recording.rows > 0 => format!("interrupted: {before}"),
         End::Complete => bail!("ended before the first sample: {} is not written", arguments.out.display()),
         End::Gap { samples } => format!(
             "{samples} samples were lost: {before}. Is the cable sound, and this machine not too busy? --allow-gaps goes on, but \

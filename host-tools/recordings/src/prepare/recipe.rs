@@ -151,6 +151,11 @@ impl Recipe {
         logs.iter().map(|log| self.session(log)).collect()
     }
 
+    /// A voltage relative to the model's zero (V) as a log has it.
+    pub fn as_recorded(&self, voltage: f64) -> f64 {
+        (voltage + self.voltage_zero_v) / self.voltage_scale
+    }
+
     /// Prepares a log that has been [cut](Self::cut), or a part of one.
     pub fn session(&self, log: &Log) -> Result<Session, PrepareError> {
         let displacement =
