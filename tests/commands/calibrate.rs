@@ -158,6 +158,10 @@ fn what_says_nothing_is_refused_and_changes_nothing() {
     of(&["--drive-to", "90:10", "--low", "11", "--high", "91"], &["--drive-to 90:10", "stands first"]);
     of(&["--drive-to", "-20:90", "--low", "0", "--high", "90"], &["-20 V", "--drive-to 0:100 at most"]);
     of(&["--low", "5"], &["--high"]);
+    let new = folder.path().join("new.toml");
+    let driven = ["calibrate", "--board", text(&new), "--drive-to", "10:90", "--port", &*emulated.port];
+    refused(&driven, &["does not say how far", "drive_range", "without --drive-to"]);
+    assert!(!new.exists());
     of(&["--sensor", "2.5um/V"], &["--sensor is of --channel sensor"]);
     // Nobody types.
     of(&[], &["standard input ended", "--low and --high"]);

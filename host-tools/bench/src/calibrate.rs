@@ -14,7 +14,7 @@ mod measured;
 mod point;
 
 pub use channel::{Averaged, Channel};
-pub use measured::measured;
+pub use measured::{measured, writable};
 pub use point::{Point, line};
 
 use crate::calibration_error::CalibrationError;

@@ -69,6 +69,11 @@ pub enum CalibrationError {
     /// The codes stand for nothing.
     #[error("the codes cannot be believed, for the device reports {}", names(*.0))]
     Faulty(Faults),
+    /// The file says of a drive neither how far nor how fast it may go, and what is measured would be its span.
+    #[error(
+        "board.toml does not say how far and how fast the DAC may drive, and what is measured here would stand beside that"
+    )]
+    NoDrive,
     /// The device states a tick that cannot be.
     #[error("the device states a tick of 0 µs")]
     NoTick,

@@ -3,7 +3,7 @@
 pub mod drive;
 pub mod span;
 
-use crate::drive::{DriveOptions, FullScales};
+use crate::drive::{DriveOptions, FullScales, trained_on};
 use crate::span::Span;
 use estimator_core::{AdcCalibration, AdcCode, DacCalibration, DacCode, Range, Table};
 use serde::Serialize;
@@ -102,13 +102,15 @@ impl CalibrationOptions {
 /// What does not fit between a table and its converters.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum ConverterMismatch {
-    /// The ADC does not see all voltages of the table.
-    #[error("the ADC sees {:.3} … {:.3} V, the table is for {} … {} V", sees.min, sees.max, table.min, table.max)]
+    /// The ADC does not see all voltages of the table's training.
+    #[error(
+        "the ADC sees {:.3} … {:.3} V, the table's training went from {:.3} to {:.3} V", sees.min, sees.max, trained.min, trained.max
+    )]
     Adc {
-        /// What the ADC sees, V.
+        /// What the ADC sees, V at the amplifier.
         sees: Range<f64>,
-        /// What the table is for, V.
-        table: Range,
+        /// What the training went over, V at the amplifier.
+        trained: Range,
     },
     /// The DAC has no code for displacement 0.
     #[error("displacement 0, where the output goes on a fault, is not within the DAC's range")]
@@ -127,10 +129,10 @@ pub enum ConverterMismatch {
 pub fn converter_mismatches(table: &Table) -> Vec<ConverterMismatch> {
     let mut mismatches = Vec::new();
     let between = |one: f64, other: f64| Range { min: one.min(other), max: one.max(other) };
-    let volts = |code| table.adc.voltage::<f64>(AdcCode(code)) - f64::from(table.voltage_zero_v);
-    let (sees, range) = (between(volts(0), volts(table.adc.full_scale)), table.voltage_range_v);
-    if sees.min > f64::from(range.min) || sees.max < f64::from(range.max) {
-        mismatches.push(ConverterMismatch::Adc { sees, table: range });
+    let volts = |code| table.adc.voltage::<f64>(AdcCode(code));
+    let (sees, trained) = (between(volts(0), volts(table.adc.full_scale)), trained_on(table));
+    if sees.min > f64::from(trained.min) || sees.max < f64::from(trained.max) {
+        mismatches.push(ConverterMismatch::Adc { sees, trained });
     }
     if table.drive.is_some() {
         return mismatches;

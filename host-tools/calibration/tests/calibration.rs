@@ -1,6 +1,6 @@
 //! Converters by what is stated of them, and by what is assumed.
 
-use ::calibration::drive::{identified_on, planned};
+use ::calibration::drive::{identified_on, planned, trained_on};
 use ::calibration::span::Span;
 use ::calibration::{Assumed, CalibrationOptions, converter_mismatches};
 use estimator_core::{AdcCode, Admitted, DacCode, Range, Table};
@@ -48,6 +48,11 @@ fn converters_that_do_not_fit_are_told() {
     };
     assert_eq!(fits((-1.0, 4.0), (-8.0, 52.0)), 0);
     assert_eq!(fits((4.0, -1.0), (52.0, -8.0)), 0, "inverting ones fit as well");
+    // The margin beyond what was recorded need not be seen.
+    let trained = trained_on(&table(""));
+    let (zero, full) = (f64::from(trained.min) - 1e-3, f64::from(trained.max) + 1e-3);
+    assert_eq!(fits((zero, full), (-8.0, 52.0)), 0);
+    assert_eq!(fits((zero + 0.01, full), (-8.0, 52.0)), 1);
     assert_eq!(fits((0.0, 2.0), (-8.0, 52.0)), 1);
     assert_eq!(fits((-1.0, 4.0), (-1.0, 40.0)), 1);
     assert_eq!(fits((-1.0, 4.0), (10.0, 52.0)), 2, "no safe value, and not all of the limits");

@@ -207,6 +207,10 @@ fn calibration(error: &CalibrationError) -> String {
             let remedies: Vec<&str> = faults(*bits).map(|of| of.remedy).collect();
             return format!("{error}: {}", remedies.join("; "));
         }
+        CalibrationError::NoDrive => {
+            "write drive_range = [LOWEST, HIGHEST], the V that the actuator may have, and drive_slew = V/s into the file first; \
+             or calibrate by hand, without --drive-to"
+        }
         CalibrationError::NoTick => "is it a firmware of this version? `piezo info` says which it is",
         CalibrationError::SameReading(..) => "does the instrument measure what the channel does?",
         CalibrationError::Interrupted => return error.to_string(),

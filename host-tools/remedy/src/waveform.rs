@@ -26,7 +26,9 @@ fn waveform(error: &WaveformError) -> String {
         WaveformError::OutOfReach { .. } => {
             format!("{error}: play it more slowly (--every TICKS), or ask for less; --dry-run looks at it again")
         }
-        WaveformError::Beyond { .. } => format!("{error}: is it in µm, and relative to the model's zero?"),
+        WaveformError::Beyond { .. } => {
+            format!("{error}: begin within that; is it in µm, and relative to the model's zero?")
+        }
         WaveformError::LongWay(_) => {
             format!("{error}: is the slew rate of `piezo info{}` what the amplifier stands?", typed("--port"))
         }

@@ -8,6 +8,15 @@ use crate::board_file::BoardFacts;
 use crate::calibration_error::CalibrationError;
 use protocol::Identity;
 
+/// Refuses to drive for readings of the monitor whose span could not be written: a file that says nothing else of a drive.
+///
+/// # Errors
+/// The file has no `drive_range`, or no `drive_slew`.
+pub fn writable(channel: Channel, driven: bool, before: &BoardFacts) -> Result<(), CalibrationError> {
+    let drives = before.drive_range.is_some() && before.drive_slew.is_some();
+    if driven && channel == Channel::Monitor && !drives { Err(CalibrationError::NoDrive) } else { Ok(()) }
+}
+
 /// What board.toml is to say by two points: the span of the channel, and that of the DAC where the board drove to them. A reading
 /// stands for `scale` times as much, in V, or of the sensor in µm.
 ///

@@ -6,7 +6,7 @@ use crate::option::link::{Interrupting, PortOption};
 use crate::option::{BoardOption, choice, finite, span};
 use ::calibration::span::Span;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use bench::calibrate::{Calibrated, Calibrating, Channel, Point, Stand, measured};
+use bench::calibrate::{Calibrated, Calibrating, Channel, Point, Stand, measured, writable};
 use bench::{BenchError, BoardFacts, CalibrationError, Driven, Edited, Measured};
 use clap::Args;
 use device_link::interrupt::Interrupt;
@@ -69,6 +69,7 @@ pub fn run(arguments: &Calibrate) -> Result<bool> {
     // A file that cannot be used, or written, is said before anything moves.
     let path = &board.board;
     let before = Edited::of(path, &Measured::default())?.before;
+    writable(channel, drive_to.is_some(), &before).map_err(BenchError::from)?;
     if !arguments.dry_run {
         Replacement::of(path).map(drop).map_err(|source| FileError::Write { path: path.clone(), source })?;
     }

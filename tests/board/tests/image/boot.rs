@@ -10,9 +10,9 @@ const PATIENCE: u64 = 1_600_000;
 /// A register of GPIOA.
 const AFRL: u32 = 0x4800_0020;
 
-/// A register of DBGMCU: what stands still where a debugger halts the core. Bits of TIM6, TIM7 and IWDG.
+/// A register of DBGMCU: what stands still where a debugger halts the core. Bits of TIM5, TIM6, TIM7 and IWDG.
 const APB1FZR1: u32 = 0xE004_2008;
-const FROZEN: u32 = 1 << 4 | 1 << 5 | 1 << 12;
+const FROZEN: u32 = 1 << 3 | 1 << 4 | 1 << 5 | 1 << 12;
 
 /// VREFINT's code at a supply, mV, added up sixteen times, where the factory read 1650 at 3.0 V.
 fn reference(supply_mv: u32) -> u16 {
