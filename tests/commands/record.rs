@@ -161,8 +161,9 @@ fn a_recording_that_is_interrupted_before_its_time_is_kept_and_is_no_success() {
     let left = folder.path().join("log.csv.partial");
     for (length, code) in [(&["--seconds", "10000"][..], 1), (&[], 0)] {
         let mut host = Command::new(env!("CARGO_BIN_EXE_piezo"))
-            .args(["record", "--force", "--out", text(&log), "--port", &port])
+            .args(["record", "--force", "--json", "--out", text(&log), "--port", &port])
             .args(length)
+            .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
@@ -172,7 +173,9 @@ fn a_recording_that_is_interrupted_before_its_time_is_kept_and_is_no_success() {
             std::thread::sleep(Duration::from_millis(5));
         }
         assert!(Command::new("kill").args(["-INT", &host.id().to_string()]).status().unwrap().success());
-        assert_eq!(host.wait().unwrap().code(), Some(code), "{length:?}");
+        let ended = host.wait_with_output().unwrap();
+        let said: serde_json::Value = serde_json::from_slice(&ended.stdout).unwrap();
+        assert_eq!((ended.status.code(), &said["complete"]), (Some(code), &(code == 0).into()), "{length:?}");
         assert!(log.metadata().unwrap().len() >= 50_000 && !left.exists(), "{length:?}");
     }
 }

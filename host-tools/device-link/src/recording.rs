@@ -62,6 +62,13 @@ pub struct Recording {
     before: Option<Sample>,
 }
 
+impl Recording {
+    /// Whether it has so many ticks; where nobody says how many, any will do.
+    pub fn lasted(&self, ticks: Option<u64>) -> bool {
+        ticks.is_none_or(|ticks| self.ticks >= ticks)
+    }
+}
+
 /// Why a recording ended.
 #[derive(Debug)]
 pub enum End {

@@ -5,7 +5,7 @@ use estimator_core::{Range, Status};
 use identification::validate::{Estimates, Raised};
 use serde_json::{Value, json};
 
-/// A voltage that goes over less than this part of the table's range may be another than the actuator's.
+/// A voltage that goes over less than this part of the table's range may be that of a monitor, of 1:10 and more.
 const SMALL: f64 = 0.12;
 /// So may one that is beyond that range for so much of the time, %.
 const MOSTLY: f64 = 50.0;

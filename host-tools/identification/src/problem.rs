@@ -30,9 +30,9 @@ pub struct Conditions {
 }
 
 impl Default for Conditions {
-    /// The thesis's scheme, limits of twice the stroke, logs as they are.
+    /// The thesis's scheme, limits of three times the stroke, logs as they are.
     fn default() -> Self {
-        Self { scheme: Scheme::ForwardEuler, deadband: None, limit: 2.0, lag_s: None, repair: false }
+        Self { scheme: Scheme::ForwardEuler, deadband: None, limit: 3.0, lag_s: None, repair: false }
     }
 }
 
@@ -58,7 +58,7 @@ pub struct Problem {
 const LIMITS: [f64; 7] = [1.05, 1.1, 1.25, 1.5, 1.75, 2.0, 2.5];
 
 impl Problem {
-    /// A problem. What is held out is shown beside the training error and never decides anything.
+    /// A problem. What is held out is shown beside the training error and decides nothing here.
     pub fn new(training: Vec<Session>, validation: Vec<Session>, conditions: Conditions) -> Self {
         let voltage = Range::of_values(training.iter().flat_map(|session| session.voltage.iter().copied()));
         let stroke = Range::of_values(training.iter().flat_map(|session| session.displacement.iter().copied()));

@@ -27,7 +27,7 @@ pub fn printed(model: Model) -> Option<[&'static str; 3]> {
 #[derive(Serialize)]
 struct Row {
     model: Model,
-    /// Its identified input lag is set to 0.
+    /// Its identified input lag or look-ahead is set to 0.
     without_lag: bool,
     thesis: Option<[&'static str; 3]>,
     rate_dependent: bool,

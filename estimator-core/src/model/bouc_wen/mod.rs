@@ -1,4 +1,4 @@
-//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for the lag. Its memory is held
+//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for lag and look-ahead. Its memory is held
 //! within the table's deadband (`held.rs`).
 //!
 //! ```text

@@ -1,5 +1,5 @@
 //! Duhem model in the form of Coleman and Hodgdon, Eq. (3.12), with polynomial f and g, behind a first-order input lag.
-//! Rate-independent but for the lag. Its memory is held within the table's deadband (`held.rs`).
+//! Rate-independent but for lag and look-ahead. Its memory is held within the table's deadband (`held.rs`).
 //!
 //! ```text
 //! du/dt = (V − u)/lag,  v = u − centre                           V; no lag, or below 0 (`look_ahead.rs`): u = V

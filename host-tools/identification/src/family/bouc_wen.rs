@@ -1,4 +1,4 @@
-//! Bouc–Wen models: lag, β, γ and δ are searched, with A = 1 and n = 1; the rest is projected.
+//! Bouc–Wen models: lateness, β, γ and δ are searched, with A = 1 and n = 1; the rest is projected.
 
 use super::model_family::{DELAYED, lateness};
 use super::projection::Projection;

@@ -1,4 +1,4 @@
-//! Duhem models: lag and α are searched, the voltage at which f saturates follows from the training's; the rest is projected.
+//! Duhem models: lateness and α are searched, the voltage at which f saturates follows from the training's; the rest is projected.
 
 use super::model_family::{DELAYED, lateness};
 use super::projection::Projection;

@@ -10,7 +10,8 @@ use rayon::prelude::*;
 /// What a tick of delay or lag must gain, as a fraction of the cost: at a single frequency they do what hysteresis does.
 pub const DELAYED: f64 = 3e-3;
 
-/// How long after its voltage the displacement comes. Up to a tick the recursion's look-ahead makes it, beyond that its lag.
+/// How long after its voltage the displacement comes, ticks: `lag_s = (late − 1)·t_s`, for the recursion gives it a tick after. Below a tick
+/// that is a look-ahead, beyond it a lag.
 pub fn lateness() -> Gene {
     Gene::logarithmic("late", "time from the voltage to its displacement", "ticks", 0.05, 101.0)
 }

@@ -57,7 +57,7 @@ pub struct Fitting {
     #[arg(long, display_order = BEHIND, value_name = "MS", value_parser = positive, allow_negative_numbers = true)]
     pub lag: Option<f64>,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.
-    #[arg(long, hide_short_help = true, default_value_t = 3.0, value_parser = limit, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, default_value_t = Conditions::default().limit, value_parser = limit, allow_negative_numbers = true)]
     pub limit: f64,
     /// Reading of the logs.
     #[command(flatten)]

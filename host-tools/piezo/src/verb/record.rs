@@ -86,7 +86,7 @@ pub fn run(arguments: &Record) -> Result<bool> {
         arguments.overwrite.grown(&arguments.out, file)?;
     }
     let rests = table.drive.is_some() && words::rests(health.mode, recording.faults);
-    tell(arguments, &recording, &end, (tick_us, request.sensor.is_some(), rests))?;
+    tell(arguments, &recording, &end, (tick_us, request.sensor.is_some(), rests, ticks))?;
     let complete = conclude(arguments, &recording, end, ticks)?;
     if complete {
         stopped?;
@@ -102,7 +102,7 @@ fn tell(
     arguments: &Record,
     recording: &Recording,
     end: &End,
-    (tick_us, sensor, rests): (u32, bool, bool),
+    (tick_us, sensor, rests, ticks): (u32, bool, bool, Option<u64>),
 ) -> Result<()> {
     if arguments.json {
         let summary = json!({
@@ -114,7 +114,7 @@ fn tell(
             "late": recording.late,
             "status": recording.status.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
             "faults": recording.faults.iter_names().map(|(name, _)| name).collect::<Vec<_>>(),
-            "complete": matches!(end, End::Complete),
+            "complete": matches!(end, End::Complete) && recording.lasted(ticks),
         });
         out(&serde_json::to_string_pretty(&summary)?);
         return Ok(());
@@ -154,7 +154,7 @@ fn conclude(arguments: &Record, recording: &Recording, end: End, ticks: Option<u
         rows => format!("{} holds the {rows} samples before", arguments.out.display()),
     };
     let why = match end {
-        End::Complete if recording.rows > 0 && ticks.is_none_or(|ticks| recording.ticks >= ticks) => return Ok(true),
+        End::Complete if recording.rows > 0 && recording.lasted(ticks) => return Ok(true),
         End::Complete if recording.rows > 0 => format!("interrupted: {before}"),
         End::Complete => bail!("ended before the first sample: {} is not written", arguments.out.display()),
         End::Gap { samples } => format!(
