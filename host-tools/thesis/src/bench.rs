@@ -228,7 +228,7 @@ pub mod tests {
             as_judged: false,
             prepare: Bench::zeroed(&PrepareOptions::default()),
             model: ModelChoice::Auto,
-            conditions: Conditions { limit: 2.0, ..Conditions::default() },
+            conditions: Conditions::default(),
             calibration: CalibrationOptions::default(),
             cost: Feedback::Simulation.into(),
             search,
