@@ -33,7 +33,8 @@ pub trait Recursion<T: Real>: Sized {
 
     /// Displacements (µm) out of which no sequence of voltages of this range (V) leads: what the model's structure
     /// can reach, whatever `limits` are; or, where its memory is the displacement itself, `limits` if they are
-    /// proven to hold for every start within them. What a resonance swings beyond `limits`, or a look-ahead extrapolates, is left to the clamp.
+    /// proven to hold for every start within them. What a resonance swings beyond `limits`, or a look-ahead extrapolates, is
+    /// left to the clamp.
     ///
     /// # Errors
     /// The recursion is unstable or has no bound, or the bound is not within `limits`.

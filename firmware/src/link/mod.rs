@@ -6,6 +6,7 @@
 mod device;
 mod loaded;
 mod report;
+mod told;
 mod waveform;
 
 pub use device::Device;

@@ -59,8 +59,8 @@ pub fn second_choice(
     Some(Second { chosen: second, judged, learnt, reason })
 }
 
-/// The models among which the choice is made once more besides the first, of those that may be chosen; `None` where nothing speaks
-/// against that.
+/// The models among which the choice is made once more besides the first, of those that may be chosen; `None` where nothing
+/// speaks against the first.
 fn rivals(identification: &Identification<'_>, candidates: &[Candidate], chosen: usize) -> Option<Vec<usize>> {
     let off = |candidate: &Candidate| candidate.held_out_figures().map(|figures| figures.mae_without_offset_um);
     let (first, first_off) = (&candidates[chosen], off(&candidates[chosen])?);

@@ -1,5 +1,5 @@
-//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for lag and look-ahead. Its memory is held
-//! within the table's deadband (`held.rs`).
+//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for lag and look-ahead. Its
+//! memory is held within the table's deadband (`held.rs`).
 //!
 //! ```text
 //! du/dt = (V − u)/lag                                     amplifier; no lag, or below 0 (`look_ahead.rs`): u = V
