@@ -64,7 +64,7 @@ fn cross_validated(of: &CrossValidation) -> String {
         ),
         (_, Some(best), _) => format!(
             "of the models that do as well as the best on what they were not fitted to it is {}: {:.3} µm where {left_out} were \
-             left out in turn; the best is {} with {:.3} µm, a difference within its standard error and a tenth",
+             left out in turn; the best is {} with {:.3} µm, a difference within its standard error",
             if 2 * score.parameters <= best.parameters {
                 "the simplest"
             } else {

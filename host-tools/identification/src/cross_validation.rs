@@ -5,22 +5,16 @@
 //! s   = √(Σ (d_i − d̄)² / (n (n − 1)))                        standard error of the mean difference
 //! ```
 //!
-//! The best has the least geometric mean of the parts' errors: in an arithmetic one the part that is hardest for all, a frequency far above the
-//! others, say, would be all that counts. A model does as well as the best where d̄ ≤ s and its errors are no more than a tenth
-//! larger: of few parts s alone lets almost anything pass. The simplest that does as well is chosen, where it has at most half the numbers of
-//! the best (Hastie, Tibshirani and Friedman, *The Elements of Statistical Learning*, 7.10, with the standard error of the difference). A few
-//! numbers fewer are no reason: on one of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there.
-//! Without such a model it is the generalised Prandtl–Ishlinskii model, where that does as well: one law over its half-widths says
-//! something of amplitudes that were not recorded. Of 18 trainings of nine simulated devices that no model is made of, three were given
-//! another model with s alone, each further off than this one on recordings unlike the training, 1.5 to 2 times.
+//! What follows from these errors is [`crate::score`]'s.
 
 use crate::cost::Cost;
 use crate::fit::{Fit, Identification};
 use crate::left_out::{LeftOut, parts};
 use crate::problem::{Problem, errors_once_settled};
+use crate::score::{Score, choose, difference};
 use crate::simulation::{errors_from, mean_size};
 use crate::trial::Trial;
-use crate::validate::statistics::{geometric_mean, logarithm, mean, standard_error};
+use crate::validate::statistics::{geometric_mean, mean};
 use estimator_core::Model;
 use log_survey::Character;
 use rayon::prelude::*;
@@ -33,25 +27,8 @@ pub(crate) const OF_A_NUMBER: usize = 12;
 /// A model that is off in the training, once settled and in simulation, by so many times the least is not tried: without a part it will not
 /// be the best.
 const HOPELESS: f64 = 6.0;
-/// A model does as well as the best with errors of no more than so many times the best's.
-const AS_WELL: f64 = 1.1;
-/// What is chosen where it does as well as the best and no simpler one does.
-const IN_DOUBT: Model = Model::GeneralisedPrandtlIshlinskii;
 /// Models whose many weights no law ties to each other: a single amplitude teaches them its loop, and nothing beyond.
 const FREE: [Model; 2] = [Model::Preisach, Model::Narx];
-
-/// How a model did on what it was not fitted to.
-#[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Score {
-    /// The model that was tried.
-    pub model: Model,
-    /// Numbers that were identified.
-    pub parameters: usize,
-    /// The geometric mean of its errors on the parts, µm.
-    pub error_um: f64,
-    /// Its error on each part, µm.
-    pub parts_um: Vec<f64>,
-}
 
 /// What cross-validation says.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -147,27 +124,6 @@ fn several_amplitudes(problem: &Problem) -> bool {
     !Character::of(problem.training(), problem.deadband).single_amplitude()
 }
 
-/// Index of the chosen one: of those that do as well as the best, which is the first, the one with the fewest numbers where that has at
-/// most half the best's, or the one that is chosen in doubt; else the best. `None` of none.
-fn choose(scores: &[Score]) -> Option<usize> {
-    let best = scores.first()?;
-    let as_well = |score: &Score| {
-        let (mean, standard_error) = difference(score, best);
-        mean <= standard_error.min(AS_WELL.ln())
-    };
-    let of = || scores.iter().enumerate().filter(|(_, score)| as_well(score));
-    let simplest = of().filter(|(_, score)| 2 * score.parameters <= best.parameters);
-    let simplest = simplest.min_by_key(|(index, score)| (score.parameters, *index));
-    Some(simplest.or_else(|| of().find(|(_, score)| score.model == IN_DOUBT)).map_or(0, |(index, _)| index))
-}
-
-/// The mean difference of the logarithms of two models' errors over the parts, and its standard error.
-fn difference(score: &Score, best: &Score) -> (f64, f64) {
-    let differences: Vec<f64> =
-        score.parts_um.iter().zip(&best.parts_um).map(|(a, b)| logarithm(*a) - logarithm(*b)).collect();
-    (mean(&differences), standard_error(&differences))
-}
-
 /// Of a model that is fitted without a part on that part, µm.
 fn error(without: &Identification<'_>, what: LeftOut, fit: &Fit) -> f64 {
     let found = without.again(fit, OF_A_NUMBER * fit.genes.len().max(1));
@@ -195,10 +151,6 @@ mod tests {
     use crate::fixtures::{duhem, session};
     use crate::{Conditions, SearchOptions};
     use recordings::rig::EXCITATIONS;
-
-    fn score(model: Model, parameters: usize, parts_um: &[f64]) -> Score {
-        Score { model, parameters, error_um: geometric_mean(parts_um), parts_um: parts_um.to_vec() }
-    }
 
     fn search<'p>(problem: &'p Problem, options: &'p SearchOptions) -> Identification<'p> {
         Identification { problem, cost: Feedback::Simulation.into(), options, budget: None }
@@ -231,36 +183,6 @@ mod tests {
         let mut small = one.clone();
         small.voltage.iter_mut().for_each(|voltage| *voltage *= 0.3);
         assert_eq!(models(vec![one, small]), [Model::Narx, Model::BoucWen]);
-    }
-
-    #[test]
-    fn the_simplest_that_does_as_well_as_the_best_is_chosen() {
-        let best = score(Model::Narx, 35, &[1.0, 3.0, 2.0, 4.0]);
-        let alike = score(Model::BoucWen, 8, &[1.2, 2.8, 2.2, 3.6]);
-        let nearly_as_large = score(Model::PrandtlIshlinskii, 18, &[1.2, 2.8, 2.2, 3.6]);
-        let worse = score(Model::Voigt, 5, &[1.5, 3.4, 2.5, 4.6]);
-        assert_eq!(choose(&[best.clone(), alike, worse.clone()]), Some(1));
-        assert_eq!(choose(&[best.clone(), nearly_as_large]), Some(0));
-        // Parts that are hard for both models do not make them alike, nor does one that is hard for the best alone.
-        assert_eq!(choose(&[best, worse]), Some(0));
-        let hard = score(Model::GeneralisedPrandtlIshlinskii, 40, &[0.419, 0.103, 0.08, 0.209, 0.974]);
-        let far = score(Model::DisplacementExtremum, 7, &[0.576, 0.539, 0.381, 0.479, 0.519]);
-        assert_eq!(choose(&[hard, far]), Some(0));
-        // Within its standard error, but half as much again.
-        let best = score(Model::GeneralisedPrandtlIshlinskii, 40, &[0.05, 0.04, 0.06]);
-        let scattered = score(Model::BoucWen, 8, &[0.04, 0.05, 0.2]);
-        assert_eq!(choose(&[best, scattered]), Some(0));
-        assert_eq!(choose(&[]), None);
-    }
-
-    #[test]
-    fn in_doubt_it_is_the_model_that_says_something_of_other_amplitudes() {
-        let best = score(Model::BoucWen, 8, &[1.0, 3.0, 2.0, 4.0]);
-        let middle = score(Model::MaxwellSlip, 16, &[1.1, 2.9, 2.1, 3.9]);
-        let general = score(Model::GeneralisedPrandtlIshlinskii, 40, &[1.2, 2.8, 2.2, 3.7]);
-        assert_eq!(choose(&[best.clone(), middle.clone(), general]), Some(2));
-        let far = score(Model::GeneralisedPrandtlIshlinskii, 40, &[1.2, 3.6, 2.4, 4.7]);
-        assert_eq!(choose(&[best, middle, far]), Some(0));
     }
 
     #[test]

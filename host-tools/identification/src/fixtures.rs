@@ -2,6 +2,7 @@
 
 use crate::prepared;
 use estimator_core::{DuhemParameters, Parameters};
+use recordings::log::Log;
 use recordings::prepare::PrepareOptions;
 use recordings::rig::{Excitation, Rig};
 use recordings::session::Session;
@@ -25,4 +26,10 @@ pub(crate) fn duhem() -> Parameters {
 pub(crate) fn session(excitation: Excitation) -> Session {
     let log = Rig { duration: 0.5, ..Rig::default() }.log(excitation);
     prepared(&PrepareOptions::default().resolve(std::slice::from_ref(&log)), &log).unwrap()
+}
+
+/// A log of simulated instruments, every sample of which has a reading.
+pub(crate) fn recorded(log: Log) -> Session {
+    let instants = (0..log.voltage.len() as u32).collect();
+    Session::new(log.name, log.voltage, instants, log.displacement.unwrap(), log.sample_period)
 }

@@ -1,6 +1,5 @@
 //! The whole identification: logs in; every candidate model with its table, the one that was chosen, and the doubts out.
 
-use crate::baseline::Baseline;
 use crate::candidate::{Candidate, CandidateError, TableContext};
 use crate::cost::Cost;
 use crate::delay::DelaySearch;
@@ -15,6 +14,7 @@ use crate::problem::{Conditions, Problem};
 use crate::search::SearchOptions;
 use crate::second_choice::second_choice;
 use crate::suspicion::{doubts, no_better};
+use crate::validate::Baseline;
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
 use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, repaired, sound};
@@ -209,9 +209,9 @@ impl Job {
         doubts.extend(delay_at_bound);
         doubts.extend(self.implausible().map(Doubt::ImplausibleStroke));
         doubts.extend(self.calibration.assumed().map(|converters| Doubt::CalibrationAssumed { converters }));
-        doubts.extend(Baseline::of(learnt_from).and_then(|line| no_better(&learnt.candidate, &line)));
+        doubts.extend(learnt_from.baseline().and_then(|line| no_better(&learnt.candidate, &line)));
         doubts.sort_by_key(Doubt::rank);
-        let straight_line = Baseline::of(&problem);
+        let straight_line = problem.baseline();
         Ok(Outcome { candidates, failed, chosen, reason, doubts, straight_line, problem, learnt })
     }
 

@@ -36,7 +36,6 @@
 //!
 //! `examples/identify.rs` does the same with a file of yours, and writes the table; `examples/own_model.rs` adds a model.
 
-mod baseline;
 mod brief;
 mod candidate;
 pub mod cost;
@@ -56,6 +55,7 @@ mod model_choice;
 mod prepared;
 mod problem;
 mod rounds;
+mod score;
 pub mod search;
 mod second_choice;
 pub mod simulation;
@@ -63,10 +63,9 @@ mod structures;
 mod suspicion;
 mod trial;
 
-pub use baseline::Baseline;
 pub use brief::Brief;
 pub use candidate::{Candidate, CandidateError, TableContext};
-pub use cross_validation::{CrossValidation, Score, Undecided};
+pub use cross_validation::{CrossValidation, Undecided};
 pub use doubt::{Converter, Doubt, FEW_REVERSALS};
 pub use family::BlackBoxInputs;
 pub use fit::{Convergence, Fit, Identification, Progress, identify, identify_black_box};
@@ -78,9 +77,10 @@ pub use log_survey::{Character, prepared};
 pub use model_choice::{Choice, ModelChoice, Reason, with_contained};
 pub use prepared::Prepared;
 pub use problem::{Conditions, Problem};
+pub use score::Score;
 pub use search::{SearchOptions, Start};
 pub use structures::{Found, StructureSearch};
 pub use suspicion::doubts;
 pub use trial::Trial;
 pub use validation as validate;
-pub use validation::{Point, StraightLine};
+pub use validation::{Baseline, Point, StraightLine};

@@ -6,7 +6,7 @@ use crate::cost::Cost;
 use crate::search::space::Extent;
 use crate::simulation::{errors_from, mean_error, mean_size};
 use crate::trial::Trial;
-use crate::validate::statistics;
+use crate::validate::{Baseline, statistics};
 use calibration::CalibrationOptions;
 use calibration::drive::RANGE_MARGIN;
 use estimator_core::extremum::between_codes;
@@ -152,6 +152,11 @@ impl Problem {
     /// The sessions that were held out.
     pub fn validation(&self) -> impl Iterator<Item = &Session> {
         self.validation.iter()
+    }
+
+    /// The straight line through the training; `None` where its voltage does not move.
+    pub fn baseline(&self) -> Option<Baseline> {
+        Baseline::of(self.training(), self.validation())
     }
 
     /// Voltages of the training sessions and a margin, V.

@@ -1,10 +1,9 @@
 //! When to doubt a result: the thresholds, and what is compared with them.
 
-use crate::baseline::Baseline;
 use crate::candidate::Candidate;
 use crate::cost::{Cost, Norm};
 use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
-use crate::validate::{Figures, Trace};
+use crate::validate::{Baseline, Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
 use log_survey::Character;
 

@@ -7,8 +7,7 @@ use estimator_core::Model;
 use identification::cost::Feedback;
 use identification::validate::Figures;
 use identification::{
-    Baseline, Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, StraightLine,
-    identify,
+    Candidate, CandidateError, Job, JobError, Prepared, Problem, Progress, SearchOptions, StraightLine, identify,
 };
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
@@ -168,7 +167,7 @@ impl Bench {
 
     /// Errors of the straight line through the modelling logs over all that is held out.
     pub fn straight_line(&self) -> Option<Figures> {
-        Baseline::of(self.problem())?.held_out
+        self.problem().baseline()?.held_out
     }
 
     /// Ends a table of models with the straight line's MAE, in this column.

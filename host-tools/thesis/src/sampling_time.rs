@@ -5,7 +5,7 @@ use super::bench::Bench;
 use crate::error::ThesisError;
 use estimator_core::Model;
 use identification::cost::Feedback;
-use identification::{Baseline, Candidate, CandidateError, Prepared, Problem, Progress, SearchOptions, identify};
+use identification::{Candidate, CandidateError, Prepared, Problem, Progress, SearchOptions, identify};
 use recordings::session::Session;
 use report::drawn;
 use report::{Picture, Section, shown};
@@ -120,7 +120,7 @@ struct At {
 
 /// Errors at a tick, and how many modelling logs are constant at it.
 fn at(bench: &mut Bench, tick_us: u32, progress: Progress<'_>) -> Result<At, ThesisError> {
-    let of_line = |problem: &Problem| Some(Baseline::of(problem)?.held_out?.mae_um);
+    let of_line = |problem: &Problem| Some(problem.baseline()?.held_out?.mae_um);
     let mae = |candidate: &Candidate| {
         candidate.held_out_figures().map(|figures| figures.mae_um).ok_or(ThesisError::NoFigures("held out"))
     };

@@ -2,6 +2,7 @@
 //! [`Estimator`](estimator_core::Estimator) that the firmware has, and its errors by what the estimator was told and by
 //! which part of the log is scored.
 
+mod baseline;
 mod compare;
 mod coverage;
 mod estimates;
@@ -15,6 +16,7 @@ mod suspicion;
 mod told;
 mod trace;
 
+pub use baseline::Baseline;
 pub use compare::{Cold, Comparison, compare, compare_within};
 pub use coverage::Coverage;
 pub use estimates::{Estimates, Instant, estimates, unmeasured};

@@ -1,7 +1,6 @@
 //! The library from outside, by what is public of it.
 
 mod adversary;
-mod baseline;
 mod cost;
 mod doubt;
 mod fit;

@@ -132,6 +132,7 @@ mod tests {
     use super::super::candidate::Extra;
     use super::*;
     use crate::family::Family as _;
+    use crate::fixtures::recorded;
     use crate::{Conditions, Problem};
     use estimator_core::{Discretisation, Model, Parameters, Process, Scheme};
     use plants::{Density, Kind, Plant, Waveform};
@@ -148,9 +149,7 @@ mod tests {
     }
 
     fn session(waveform: &Waveform, duration_s: f64, seed: u64) -> Session {
-        let log = plant().log("log", waveform, duration_s, seed);
-        let instants = (0..log.voltage.len() as u32).collect();
-        Session::new(log.name, log.voltage, instants, log.displacement.unwrap(), log.sample_period)
+        recorded(plant().log("log", waveform, duration_s, seed))
     }
 
     /// Mean error without offset of a model on a session, µm; it gives the displacement of the next tick.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::family::Family as _;
+use crate::fixtures::recorded;
 use crate::search::{Budget, Minimum, Objective, Optimiser, each, minimise};
 use crate::{Conditions, Identification, SearchOptions};
 use estimator_core::{Discretisation, Process, Scheme};
@@ -185,15 +186,18 @@ fn at(family: &Family, problem: &Problem, at: &[f64]) -> f64 {
     family.candidate(&values, problem, Cost::from(Feedback::Simulation)).unwrap().1
 }
 
+/// The family without slew limit and resonance.
+fn family(problem: &Problem) -> Family {
+    let courses = Course::of_all(problem.training(), problem.deadband).into();
+    Family::new(Extra::Nothing, courses, problem)
+}
+
 /// Sessions of a device that no model is made of, one from rest and one that begins amid a swing.
 fn devices() -> Problem {
     let plant = Plant::drawn(Kind::Relays(Density::Gaussian), 3);
     let sine = |amplitude: f64, hertz| Waveform::Sine { amplitude: amplitude * plant.full_v, hertz, offset: 0.0 };
-    let mut sessions = [(sine(1.0, 5.0), 1), (sine(0.5, 20.0), 2)].map(|(waveform, seed)| {
-        let log = plant.log("log", &waveform, 2.0, seed);
-        let instants = (0..log.voltage.len() as u32).collect();
-        Session::new(log.name, log.voltage, instants, log.displacement.unwrap(), log.sample_period)
-    });
+    let mut sessions = [(sine(1.0, 5.0), 1), (sine(0.5, 20.0), 2)]
+        .map(|(waveform, seed)| recorded(plant.log("log", &waveform, 2.0, seed)));
     let cut = 950;
     let second = &mut sessions[1];
     second.voltage.drain(..cut);
@@ -216,8 +220,7 @@ fn searched(family: &Family, problem: &Problem) -> [Minimum; 2] {
 #[test]
 fn slopes_take_a_fraction_of_the_candidates_that_costs_alone_take() {
     let problem = devices();
-    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
-    let family = Family::new(Extra::Nothing, courses, &problem);
+    let family = family(&problem);
     let [by_slopes, by_costs] = searched(&family, &problem);
     assert!(by_slopes.cost < 1.002 * by_costs.cost, "{by_slopes:?} {by_costs:?}");
 }
@@ -227,8 +230,7 @@ fn slopes_take_a_fraction_of_the_candidates_that_costs_alone_take() {
 fn a_lag_that_is_stated_is_kept_to() {
     let mut problem = devices();
     problem.lag_s = Some(5e-3);
-    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
-    let family = Family::new(Extra::Nothing, courses, &problem);
+    let family = family(&problem);
     let point = [0.1, 0.55, 0.45, 0.65, 0.65, 0.2];
     let Quadratic { curvature, .. } = family.quadratic(&point, &problem).unwrap();
     let (least, largest) = (curvature.symmetric_eigenvalues().min(), curvature.amax());
@@ -241,8 +243,7 @@ fn a_lag_that_is_stated_is_kept_to() {
 #[test]
 fn the_slope_is_that_of_the_cost() {
     let problem = devices();
-    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
-    let family = Family::new(Extra::Nothing, courses.clone(), &problem);
+    let family = family(&problem);
     let [Minimum { at: least, .. }, _] = searched(&family, &problem);
     let near: Vec<f64> = least.iter().map(|x| if *x < 0.5 { x + 0.02 } else { x - 0.02 }).collect();
     let Quadratic { slope, curvature } = family.quadratic(&near, &problem).unwrap();
@@ -265,14 +266,10 @@ fn the_slope_is_that_of_the_cost() {
 fn a_lag_that_makes_up_for_the_law_is_halved_where_the_weights_are_freed() {
     let plant = Plant { lag_s: 0.0, ..Plant::drawn(Kind::Relays(Density::TwoHumped), 2) };
     let sine = |part: f64, hertz| Waveform::Sine { amplitude: part * plant.full_v, hertz, offset: 0.0 };
-    let sessions = [sine(1.0, 1.0), sine(0.6, 2.0), sine(0.25, 8.0)].map(|waveform| {
-        let log = plant.log("log", &waveform, 4.0, 1);
-        let instants = (0..log.voltage.len() as u32).collect();
-        Session::new(log.name, log.voltage, instants, log.displacement.unwrap(), log.sample_period)
-    });
+    let sessions =
+        [sine(1.0, 1.0), sine(0.6, 2.0), sine(0.25, 8.0)].map(|waveform| recorded(plant.log("log", &waveform, 4.0, 1)));
     let problem = Problem::new(sessions.to_vec(), vec![], Conditions::default());
-    let courses: Arc<[Course]> = Course::of_all(problem.training(), problem.deadband).into();
-    let family = Family::new(Extra::Nothing, courses, &problem);
+    let family = family(&problem);
     let [Minimum { at, .. }, _] = searched(&family, &problem);
     let values: Vec<f64> = family.searched().iter().zip(&at).map(|(gene, &x)| gene.value(x)).collect();
     let late_s = |found: Option<Parameters>| match found {

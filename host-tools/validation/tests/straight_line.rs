@@ -1,7 +1,7 @@
 //! The straight line: found, and judged as models are.
 
-use identification::StraightLine;
 use recordings::session::Session;
+use validation::StraightLine;
 
 /// `y(n) = 0.2·V(n − 1) − 0.5` µm with an error, measured every `every` ticks.
 fn session(ticks: u32, every: usize, error: impl Fn(u32) -> f64) -> Session {
