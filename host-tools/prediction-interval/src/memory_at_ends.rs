@@ -1,4 +1,4 @@
-//! What a start at an end of the voltage range leaves open, as far as the logs begin there.
+//! What a start at an end of the voltage range leaves open, as far as the logs begin at rest there.
 //!
 //! An end is come to from one side only, so that nothing of the start is open there, unless the actuator was driven beyond it,
 //! or has lost its polarisation since, or never had it. Then the first swing is off, in the logs as on the board.
@@ -10,22 +10,34 @@ use log_survey::settled;
 use recordings::session::Session;
 use validation::ZERO_WINDOW_S;
 
-/// A start says something of the ends where it leaves less than this open without them: in the outer seventh of the range.
-const OUTER: f64 = 0.5;
+/// A start says something of the ends where it leaves less than this open without them: all but the middle third of the range.
+const OUTER: f64 = 0.9;
+/// e where no log begins at rest there: what nobody has seen is neither nothing nor all that a start in the middle leaves open.
+const UNSEEN: f64 = 0.5;
+/// A voltage stands where it moves by no more than this part of a session's span.
+const STILL: f64 = 0.02;
 /// Times what the logs' first swings were off by: logs are few, and another recording may turn where these passed.
 const FEW: f64 = 1.5;
 
-/// e, 0 … 1, as the worst of the training logs that begin near an end of the table's range says it: the least with which
-/// b·`memory_um` is [`FEW`] times what that log's first swing was off by beyond `misfit_um`. 0 where none begins there.
+/// e, 0 … 1, as the worst of the training logs that begin at rest near an end of the table's range says it: the least with which
+/// b·`memory_um` is [`FEW`] times what that log's first swing was off by beyond `misfit_um`; [`UNSEEN`] where none begins there.
 pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfit_um: f64) -> f64 {
     let range: Range<f64> = table.voltage_range_v.of();
     let needed = problem.training().filter_map(|session| {
-        let part = range.clamp(*session.voltage.first()?) - range.min;
+        // A log that begins in motion is one of an actuator that the drive before it has left as it would be.
+        let part = range.clamp(rest(session, table.sample_period())?) - range.min;
         let open = 4.0 * part * (range.span() - part) / (range.span() * range.span());
         let beyond = (off_in_first_swing(table, session)?.powi(2) - misfit_um.powi(2)).max(0.0).sqrt();
         (open < OUTER).then_some((FEW * beyond / memory_um - open) / (1.0 - open))
     });
-    needed.filter(|needed| needed.is_finite()).fold(0.0, f64::max).min(1.0)
+    needed.filter(|needed| needed.is_finite()).reduce(f64::max).map_or(UNSEEN, |needed| needed.clamp(0.0, 1.0))
+}
+
+/// The voltage at which a session of such ticks begins, V, where it stands there for the first 50 ms.
+fn rest(session: &Session, tick_s: f64) -> Option<f64> {
+    let of = |ticks: &[f64]| Range::of_values(ticks.iter().copied());
+    let begins = of(session.voltage.get(..(ZERO_WINDOW_S / tick_s).ceil() as usize)?);
+    (begins.span() <= STILL * of(&session.voltage).span()).then(|| begins.middle())
 }
 
 /// What the estimate of a session is off by in its first swing, µm, relative to its first 50 ms: the mean while each eighth of the
@@ -120,7 +132,7 @@ mod tests {
             (learnt(&Log { part: 0.05, ..LOG }, 0.0) - beside).abs() < 0.02,
             "what is open without it is taken off"
         );
-        assert_eq!(learnt(&Log { part: 0.4, ..LOG }, 0.0), 0.0, "a start in the middle says nothing of the ends");
+        assert_eq!(learnt(&Log { part: 0.4, ..LOG }, 0.0), UNSEEN, "a start in the middle says nothing of the ends");
     }
 
     #[test]
