@@ -10,7 +10,8 @@
 //! swing would wipe out, and slow creep, may still be the start's.
 //!
 //! Beyond the table's range, and at an end of the converter's, the model is fed another voltage than the actuator has. What it
-//! remembers is then as wrong as after a start, and the status says so until swings have wiped that out, too.
+//! remembers is then as wrong as after a start, and the status says so until swings have wiped that out, too. There is no interval
+//! meanwhile, and a wider one until then.
 
 use crate::calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, Line};
 use crate::interval::{Interval, IntervalState, Width};
@@ -52,7 +53,7 @@ pub struct Estimate<T> {
     /// Displacement at the next tick, µm: the model's, relative to its zero, plus [`Estimator::bias`].
     pub displacement: T,
     /// Half the width of its 95 % interval ([`interval`](crate::interval)), µm; `None` where the table has none, or the
-    /// displacement was not told since the start.
+    /// displacement was not told since the start, or the voltage is beyond what the model was fed.
     pub half_width: Option<T>,
     /// The same as the DAC takes it.
     pub dac: DacCode,
@@ -196,16 +197,14 @@ impl<T: Real> Estimator<T> {
         let mut status = Status::empty();
         status.set(Status::ADC_SATURATED, saturated);
         status.set(Status::VOLTAGE_OUT_OF_RANGE, voltage != wanted);
-        if !status.is_empty() {
-            self.mislead(wanted, saturated);
-        }
+        let misled = !status.is_empty() && self.mislead(wanted, saturated);
         let known = self.displacement;
         let free = self.engine.step(voltage, known);
         self.displacement = Some(free);
         let half_width = if self.interval.is_some() {
             let Width { half, untrained } = self.width(voltage, free, known.is_some());
             status.set(Status::UNTRAINED, untrained);
-            half
+            if misled { None } else { half }
         } else {
             None
         };
@@ -225,16 +224,21 @@ impl<T: Real> Estimator<T> {
         }
     }
 
-    /// The model is fed another voltage than the actuator has: what it remembers is settled no more. Less than a deadband is
+    /// Whether the model is fed another voltage than the actuator has; what it remembers is then settled no more. Less than a deadband is
     /// noise, to the memory as well.
     #[cold]
     #[inline(never)]
-    fn mislead(&mut self, wanted: T, saturated: bool) {
+    fn mislead(&mut self, wanted: T, saturated: bool) -> bool {
         let Range { min, max } = self.voltage_range;
         let as_good = Range { min: min - self.deadband, max: max + self.deadband };
-        if saturated || !as_good.contains(wanted) {
+        let misled = saturated || !as_good.contains(wanted);
+        if misled {
             self.settling = Some(Settling::new(self.voltage_range, self.deadband));
+            if let Some(state) = &mut self.interval_state {
+                state.mislead(self.voltage_range.clamp(wanted));
+            }
         }
+        misled
     }
 
     /// The interval of a tick. At the first one a displacement is `known` where the estimator was told it. A function of its

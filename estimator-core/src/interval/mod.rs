@@ -8,9 +8,9 @@
 //!
 //! | | |
 //! |---|---|
-//! | S, S₀ | span of the voltage since the start, now and when the displacement was told, V |
+//! | S, S₀ | span of the voltage since the start, or since it was last beyond the range, now and when the displacement was told, V |
 //! | m(S) | what the memory of a start in the middle of the range may still be off by after that span: a swing wipes it out |
-//! | b | how much of that a start at V_b leaves open: e at an end of the range V_min … V_max, which is come to from one side only unless it was driven beyond it |
+//! | b | how much of that a start at V_b leaves open: e at an end of the range V_min … V_max, which is come to from one side only unless it was driven beyond it; 1 where it was, since that counts as a start |
 //! | r | fastest change of the estimate in a tick, forgotten in 5 ms, µm: what lag and ringing make of a small delay |
 //! | p, p₀ | six plays of the voltage, now and when the displacement was told |
 //! | c_k | prototypes (centres of a k-means) of where those of the training stood: n is how far plays stand from all that was learnt, and d the way from p₀ to p of which every part that the training has been at costs nothing |
@@ -81,7 +81,10 @@ pub struct IntervalState<T> {
 /// When the displacement was told, and since.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Told<T> {
+    /// m(S₀).
     memory: T,
+    /// b·m(S₀) of starts that count no more, since the voltage was beyond the range after them, µm.
+    kept: T,
     place: Place<T>,
     off: T,
     displacement: T,
@@ -122,6 +125,20 @@ pub struct Width<T> {
     pub half: Option<T>,
     /// The plays stand where the training has not been.
     pub untrained: bool,
+}
+
+impl<T: Real> IntervalState<T> {
+    /// The actuator was driven beyond a voltage (V) while the model was not: what it remembers is as open as after a start in the middle of
+    /// the range, until swings have wiped that out.
+    pub fn mislead(&mut self, voltage: T) {
+        if let Some(told) = &mut self.told {
+            // What was told was off by this, and stays so when nothing of the start is left.
+            told.kept = told.kept + self.open * told.memory;
+            told.memory = T::zero();
+        }
+        self.swept = Range::point(voltage);
+        self.open = T::one();
+    }
 }
 
 impl<T: Real> Interval<T> {
@@ -203,14 +220,14 @@ impl<T: Real> Interval<T> {
     pub fn tell_at_rest(&self, state: &mut IntervalState<T>) {
         let memory = self.remembered(state.swept.span());
         let IntervalState { place, off, displacement, .. } = *state;
-        state.told = Some(Told { memory, place, off, displacement, decades: T::zero() });
+        state.told = Some(Told { memory, kept: T::zero(), place, off, displacement, decades: T::zero() });
     }
 
     /// What the half-width of the last tick is made of; `None` where no displacement was told.
     #[inline]
     pub fn parts(&self, state: &IntervalState<T>) -> Option<Parts<T>> {
         state.told.as_ref().map(|told| Parts {
-            memory: state.open * (self.remembered(state.swept.span()) - told.memory).abs(),
+            memory: told.kept + state.open * (self.remembered(state.swept.span()) - told.memory).abs(),
             misfit: self.misfit,
             rate: self.rate * state.fastest,
             moved: least(square_distance(&state.place, &told.place).sqrt(), state.off + told.off),

@@ -41,6 +41,55 @@ fn there_is_none_before_a_displacement_is_told_or_too_soon() {
     assert!(estimator.tick_volts(0.0).half_width.is_some());
 }
 
+/// A voltage that the model does not see leaves it as little known as a start does, beside what was open before.
+#[test]
+fn there_is_none_beyond_the_range_and_a_wider_one_until_swings_have_wiped_that_out() {
+    let table = admitted();
+    let mut estimator = Estimator::<f64>::new(&table);
+    let Range { min, max } = table.voltage_range_v.of::<f64>();
+    let zero = f64::from(table.voltage_zero_v);
+    let ramp = |from: f64, to: f64| (1..=400).map(move |k| zero + from + (to - from) * f64::from(k) / 400.0);
+    let over = |estimator: &mut Estimator<f64>, path: &mut dyn Iterator<Item = f64>| {
+        path.map(|volts| estimator.tick_volts(volts).half_width).last().unwrap()
+    };
+    over(&mut estimator, &mut ramp(min, max).chain(ramp(max, min)));
+    assert!(estimator.tell());
+    let known = over(&mut estimator, &mut ramp(min, max)).unwrap();
+    let beyond = over(&mut estimator, &mut ramp(max, max + 5.0));
+    assert_eq!(beyond, None);
+    let back = over(&mut estimator, &mut ramp(max + 5.0, max)).unwrap();
+    let memory = f64::from(table.interval.unwrap().memory_um[0]);
+    assert!(back > memory && memory > 0.0, "{back} of {memory}");
+    let swept = over(&mut estimator, &mut ramp(max, min).chain(ramp(min, max))).unwrap();
+    assert!((swept - known).abs() < 0.02 * memory, "{swept}, not {known}");
+}
+
+/// What was told in the middle of a start's memory is off by it for good.
+#[test]
+fn what_was_open_when_it_was_told_stays_so_after_a_voltage_beyond_the_range() {
+    let of = interval(IntervalParameters {
+        misfit_um: 0.0,
+        rate_ticks: 0.0,
+        spread_um: [0.0; TRIANGLE],
+        drift_um: 0.0,
+        ..parameters()
+    });
+    let mut state = of.begin(RANGE.middle(), 0.0);
+    of.tell_at_rest(&mut state);
+    let memory = f64::from(parameters().memory_um[0]);
+    let after = |state: &mut IntervalState<f64>, voltage: f64| of.step(state, voltage, 0.0).half.unwrap();
+    for voltage in [RANGE.min, RANGE.max] {
+        after(&mut state, voltage);
+    }
+    for _ in 0..3 {
+        state.mislead(RANGE.max);
+        let half = after(&mut state, RANGE.max);
+        assert!((half - 2.0 * memory).abs() < 1e-9 * memory, "{half}, not twice {memory}");
+    }
+    let half = [RANGE.min, RANGE.max].map(|voltage| after(&mut state, voltage))[1];
+    assert!((half - memory).abs() < 1e-9 * memory, "{half}, not {memory}");
+}
+
 #[test]
 fn a_table_without_an_interval_gives_none() {
     let mut estimator = Estimator::<f32>::new(&table_of(Model::GeneralisedPrandtlIshlinskii).admit().unwrap());
@@ -176,14 +225,14 @@ fn age_counts_decades_since_it_was_told() {
     assert!((drift - 2.0).abs() < 0.02, "{drift}");
 }
 
-/// The target's precision, over a day of ticks with a wild voltage: never anything but a positive number.
+/// The target's precision, over minutes of ticks with a wild voltage: never anything but a positive number, and none beyond the range.
 #[test]
 fn it_is_a_positive_number_whatever_happens() {
     let mut single = Estimator::<f32>::new(&admitted());
     let mut double = Estimator::<f64>::new(&admitted());
     single.start_at(0.0);
     double.start_at(0.0);
-    let mut noise = 1u32;
+    let (mut noise, mut none) = (1u32, 0);
     for tick in 0..200_000 {
         noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let volts = match tick % 5_000 {
@@ -192,11 +241,17 @@ fn it_is_a_positive_number_whatever_happens() {
             _ => (noise >> 16) as f32 / 1000.0 - 30.0,
         };
         let (here, there) = (single.tick_volts(volts), double.tick_volts(volts.into()));
-        let (half, reference) = (here.half_width.unwrap(), there.half_width.unwrap());
+        assert_eq!(here.status.contains(Status::UNTRAINED), there.status.contains(Status::UNTRAINED));
+        let (Some(half), Some(reference)) = (here.half_width, there.half_width) else {
+            assert_eq!(here.half_width.is_some(), there.half_width.is_some(), "tick {tick}");
+            assert!(here.status.contains(Status::VOLTAGE_OUT_OF_RANGE), "tick {tick}: {:?}", here.status);
+            none += 1;
+            continue;
+        };
         assert!(half.is_finite() && half >= 0.1, "tick {tick}: {half}");
         assert!((f64::from(half) - reference).abs() < 2e-3 * reference, "tick {tick}: {half}, {reference}");
-        assert_eq!(here.status.contains(Status::UNTRAINED), there.status.contains(Status::UNTRAINED));
     }
+    assert!((1..100_000).contains(&none), "{none} without");
 }
 
 #[test]
