@@ -232,6 +232,16 @@ fn a_sensor_that_was_zeroed_anew_is_told_from_an_estimate_that_is_wrong() {
     }
 }
 
+/// An actuator that goes some per cent farther than it did, as a warmer or an unloaded one.
+#[test]
+fn a_pm_that_holds_the_sensor_too_rarely_is_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |gain: f64| said_of(&folder, COLUMNS, |[t, v, y]| [t, v, gain * y], &["--told", "one-cycle"]);
+    let asked = said(1.06);
+    assert!(asked.contains("day2: the ± holds the sensor 7") && asked.contains("learn from this log, too"), "{asked}");
+    assert!(!said(1.0).contains("the ± holds the sensor"), "as it was measured");
+}
+
 #[test]
 fn the_measured_days_raise_no_suspicion_of_another_actuator() {
     for table in fs::read_dir(super::data("table/models")).unwrap() {

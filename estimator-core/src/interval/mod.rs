@@ -81,7 +81,7 @@ pub struct IntervalState<T> {
 /// When the displacement was told, and since.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Told<T> {
-    /// m(S₀).
+    /// m(S₀), of the span that the voltage had gone over until then, µm.
     memory: T,
     /// b·m(S₀) of starts that count no more, since the voltage was beyond the range after them, µm.
     kept: T,

@@ -30,6 +30,10 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
             "a constant {offset_um:+.3} µm is most of the error of {mae_um:.3} µm, and without it {without_um:.3} µm are left: was the sensor \
              zeroed anew, or has it drifted? `--told one-cycle` or `--zero-at <S>`, for <S> a time at which it is known, takes it off"
         ),
+        Suspicion::Narrow { held_percent } => format!(
+            "the ± holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: is something else here than in the \
+             training, the load, the temperature, the sensor's mount? If not, learn from this log, too: `piezo identify` takes several"
+        ),
     }
 }
 

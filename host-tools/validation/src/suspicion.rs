@@ -26,6 +26,11 @@ pub enum Suspicion {
         /// The same without the offset, µm.
         without_um: f64,
     },
+    /// The interval holds the sensor less often than most recordings are held.
+    Narrow {
+        /// How often it does, %, at best.
+        held_percent: f64,
+    },
 }
 
 /// What speaks for another actuator, unit or column.
@@ -60,6 +65,8 @@ pub enum Evidence {
 
 /// An interval that says 95 % and holds less than this, %, does not hold on this log.
 const HELD: f64 = 50.0;
+/// One that holds less than this, %, is too narrow for it: `piezo prove` fails there, too.
+const NARROW: f64 = 80.0;
 /// A larger error without its offset, % of the log's stroke,
 const ERROR: f64 = 10.0;
 /// and than so many times that of the training.
@@ -84,14 +91,22 @@ impl Suspicion {
         }
         // Told nothing, it may be off by where it started; otherwise zeroed, the offset is taken off.
         let read = told == Told::FirstReading && scope.zero_at_s.is_none();
-        let figures = comparison.told.get(told).filter(|_| read)?;
-        let (offset_um, mae_um, without_um) = (figures.offset_um, figures.mae_um, figures.mae_without_offset_um);
-        (without_um < WITHOUT * mae_um && figures.mae_percent > MATTERS).then_some(Self::Constant {
-            offset_um,
-            mae_um,
-            without_um,
-        })
+        if let Some(figures) = comparison.told.get(told).filter(|_| read) {
+            let (offset_um, mae_um, without_um) = (figures.offset_um, figures.mae_um, figures.mae_without_offset_um);
+            if without_um < WITHOUT * mae_um && figures.mae_percent > MATTERS {
+                return Some(Self::Constant { offset_um, mae_um, without_um });
+            }
+        }
+        held(comparison).filter(|&percent| percent < NARROW).map(|held_percent| Self::Narrow { held_percent })
     }
+}
+
+/// How often the interval holds the sensor, %, wherever the displacement was told. A sensor that was zeroed anew spoils the one since the
+/// first reading, a transient in the first cycle the other.
+fn held(comparison: &Comparison) -> Option<f64> {
+    comparison.interval_one_cycle.map(|since_cycle| {
+        comparison.interval.map_or(0.0, |since| since.covered_percent).max(since_cycle.covered_percent)
+    })
 }
 
 fn evidence(comparison: &Comparison, table: &Table) -> Vec<Evidence> {
@@ -119,10 +134,8 @@ fn evidence(comparison: &Comparison, table: &Table) -> Vec<Evidence> {
     if large && span(&trace.measured, &scored) > least_um {
         found.push(Evidence::Error { percent: figures.mae_without_offset_percent, training_um });
     }
-    // A sensor that was zeroed anew spoils the one since the first reading, a transient in the first cycle the other.
-    let held = comparison.interval_one_cycle.map(|since_cycle| {
-        comparison.interval.map_or(0.0, |since| since.covered_percent).max(since_cycle.covered_percent)
-    });
-    found.extend(held.filter(|&percent| percent < HELD).map(|held_percent| Evidence::Interval { held_percent }));
+    found.extend(
+        held(comparison).filter(|&percent| percent < HELD).map(|held_percent| Evidence::Interval { held_percent }),
+    );
     found
 }
