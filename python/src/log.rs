@@ -3,7 +3,7 @@
 use crate::error::refused;
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use recordings::log::{Columns, ReadOptions, Sensitivity, read};
+use recordings::log::{Columns, Need, ReadOptions, Sensitivity, read};
 use recordings::session;
 use std::path::PathBuf;
 
@@ -37,7 +37,7 @@ pub fn read_log(
         sensor: sensor.map(str::parse::<Sensitivity>).transpose().map_err(refused)?,
         sample_rate: fs,
         holes,
-        displacement_required,
+        displacement: if displacement_required { Need::Required } else { Need::Optional },
         voltage_required,
     };
     py.detach(|| read(&path, &options)).map(Log).map_err(refused)

@@ -102,5 +102,17 @@ fn a_voltage_that_may_not_be_the_actuator_s_is_asked_about() {
         let printed = piezo().args(estimate).assert().success().get_output().stdout.clone();
         let printed = String::from_utf8(printed).unwrap();
         assert_eq!(printed.contains("is it a monitor's"), asked, "{scale}: {printed}");
+        let of = &json(piezo().args(estimate).arg("--json"))["logs"][0]["asked"];
+        assert_eq!(of.as_str().is_some_and(|said| said.contains("is it a monitor's")), asked, "{scale}: {of}");
     }
+}
+
+#[test]
+fn what_stands_in_the_sensor_s_column_spoils_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let [log, estimated] = ["dead.csv", "estimated.csv"].map(|name| folder.path().join(name));
+    let rows: String = (0..500).map(|k| format!("{:.4},{},nan\n", f64::from(k) * 5e-4, k % 100)).collect();
+    fs::write(&log, format!("time_s,voltage_V,displacement_um\n{rows}")).unwrap();
+    piezo().args(["estimate", TABLE, text(&log), "--out", text(&estimated)]).assert().success();
+    assert_eq!(column(&estimated, "estimate_um").len(), 499);
 }

@@ -34,16 +34,7 @@ pub fn estimated(estimates: &Estimates, started: bool, table_v: Range<f64>) -> V
         (true, false) => format!("    ± {:.3} µm on average since the first sample, 95 % of the time", mean()),
     });
     let raised = estimates.raised();
-    let volts = Range::of_values(all.iter().map(|row| row.voltage));
-    let beyond = raised.iter().find(|raised| raised.bit == Status::VOLTAGE_OUT_OF_RANGE);
-    if volts.span() < SMALL * table_v.span() || beyond.is_some_and(|beyond| beyond.percent > MOSTLY) {
-        lines.push(format!(
-            "    the voltage goes from {:.3} to {:.3} V, and the table is of {:.3} to {:.3} V: is it a monitor's, or the amplifier's input, \
-             or is the table another actuator's? Then all of this is wrong; --voltage-scale <N> is what the log's volts are times to be the \
-             actuator's, 20 of a monitor 1:20",
-            volts.min, volts.max, table_v.min, table_v.max
-        ));
-    }
+    lines.extend(scale_asked(estimates, table_v).map(|asked| format!("    {asked}")));
     if let Some(unsettled) = raised.iter().find(|raised| raised.bit == Status::NOT_SETTLED) {
         lines.push(format!(
             "    {:.2} % of the time it still depends on where it was assumed to start (NOT_SETTLED)",
@@ -54,11 +45,26 @@ pub fn estimated(estimates: &Estimates, started: bool, table_v: Range<f64>) -> V
     lines
 }
 
-/// The same as JSON: the log's name, the number of estimates, and how often each status bit was raised.
-pub fn estimated_json(estimates: &Estimates) -> Value {
+/// What is asked where the voltages look like another's than the table's.
+fn scale_asked(estimates: &Estimates, table_v: Range<f64>) -> Option<String> {
+    let volts = Range::of_values(estimates.instants.iter().map(|row| row.voltage));
+    let beyond = estimates.raised().into_iter().find(|raised| raised.bit == Status::VOLTAGE_OUT_OF_RANGE);
+    let asked = volts.span() < SMALL * table_v.span() || beyond.is_some_and(|beyond| beyond.percent > MOSTLY);
+    asked.then(|| {
+        format!(
+            "the voltage goes from {:.3} to {:.3} V, and the table is of {:.3} to {:.3} V: is it a monitor's, or the amplifier's input, \
+             or is the table another actuator's? Then all of this is wrong; --voltage-scale <N> is what the log's volts are times to be the \
+             actuator's, 20 of a monitor 1:20",
+            volts.min, volts.max, table_v.min, table_v.max
+        )
+    })
+}
+
+/// The same as JSON: the log's name, the number of estimates, how often each status bit was raised, and what is asked of the voltages.
+pub fn estimated_json(estimates: &Estimates, table_v: Range<f64>) -> Value {
     let raised = estimates.raised().into_iter().map(|Raised { bit, percent, first_s }| {
         let name: String = bit.iter_names().map(|(name, _)| name).collect();
         json!({ "status": name, "percent": percent, "first_s": first_s })
     });
-    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "raised": raised.collect::<Vec<_>>() })
+    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "raised": raised.collect::<Vec<_>>(), "asked": scale_asked(estimates, table_v) })
 }

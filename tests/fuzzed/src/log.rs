@@ -1,6 +1,6 @@
 //! A file of any content as a log: read, or refused by an error that names the file.
 
-use recordings::log::{Log, LogError, MINIMUM_ROWS, ReadOptions, read_bytes};
+use recordings::log::{Log, LogError, MINIMUM_ROWS, Need, ReadOptions, read_bytes};
 use std::path::Path;
 
 /// What a file may be called; the readers go by its content.
@@ -22,7 +22,7 @@ pub fn check(bytes: &[u8]) -> bool {
     let options = ReadOptions {
         columns: (!columns.is_empty()).then(|| columns.parse().expect("it is of the form that is asked for")),
         sample_rate: (choice & 0x20 != 0).then_some(2_000.0),
-        displacement_required: choice & 0x40 == 0,
+        displacement: if choice & 0x40 == 0 { Need::Required } else { Need::Optional },
         voltage_required: choice & 0x80 == 0,
         ..ReadOptions::default()
     };

@@ -3,7 +3,7 @@
 use super::number::finite;
 use anyhow::{Result, bail};
 use clap::Args;
-use recordings::log::{Columns, Fault, Log, LogError, ReadOptions, Sensitivity, read_remarked, twins};
+use recordings::log::{Columns, Fault, Log, LogError, Need, ReadOptions, Sensitivity, read_remarked, twins};
 use std::path::{Path, PathBuf};
 
 /// What the user says about log files.
@@ -47,7 +47,7 @@ impl LogOptions {
 
     /// Reads what is to be estimated: time and voltage, whatever else there is.
     pub fn read_voltage(&self, path: &Path) -> Result<Log> {
-        self.read_by(path, &ReadOptions { displacement_required: false, ..self.options() })
+        self.read_by(path, &ReadOptions { displacement: Need::Ignored, ..self.options() })
     }
 
     /// Reads every log, where asked with holes for what is no number; refuses none and the same file twice.

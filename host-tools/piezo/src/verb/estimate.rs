@@ -60,7 +60,8 @@ pub fn run(arguments: &Estimate) -> Result<bool> {
     }
     output::write(path, written)?;
     if arguments.json {
-        let logs: Vec<Value> = all.iter().map(|(estimates, _)| findings::estimated_json(estimates)).collect();
+        let logs: Vec<Value> =
+            all.iter().map(|(estimates, table_v)| findings::estimated_json(estimates, *table_v)).collect();
         out(&serde_json::to_string_pretty(&json!({ "logs": logs, "out": path }))?);
         return Ok(true);
     }

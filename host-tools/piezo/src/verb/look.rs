@@ -6,7 +6,7 @@ use crate::output::{self, PICTURE};
 use anyhow::{Result, ensure};
 use clap::Args;
 use log_survey::survey;
-use recordings::log::{Fault, LogError, Quantity, ReadOptions, Reading, open};
+use recordings::log::{Fault, LogError, Need, Quantity, ReadOptions, Reading, open};
 use remedy::sentence;
 use std::path::{Path, PathBuf};
 
@@ -94,7 +94,7 @@ fn opened(path: &Path, arguments: &Look) -> Result<(Reading<'static>, Option<Str
     let options = arguments.files.options();
     match open(path, &options) {
         Err(error @ LogError { fault: Fault::NoColumn { quantity: Quantity::Displacement, .. }, .. }) => {
-            let without = open(path, &ReadOptions { displacement_required: false, ..options })?;
+            let without = open(path, &ReadOptions { displacement: Need::Optional, ..options })?;
             Ok((without, Some(sentence(&error))))
         }
         opened => Ok((opened?, None)),

@@ -7,7 +7,7 @@ use super::columns::{Columns, Position};
 use super::fault::Fault;
 use super::guess;
 use super::label::{Label, find};
-use super::read_options::ReadOptions;
+use super::read_options::{Need, ReadOptions};
 use super::sensitivity::Sensitivity;
 
 /// The columns of a table that hold the log: as stated, and where nothing is stated as the table says itself.
@@ -24,6 +24,10 @@ pub(super) fn choose(table: &Table<'_>, options: &ReadOptions) -> Result<Channel
         channels = chooser.unnamed()?;
     }
     chooser.check_complete(&channels)?;
+    // It was chosen nevertheless, so that no other quantity is taken from its column.
+    if options.displacement == Need::Ignored {
+        channels.displacement = None;
+    }
     channels.displacement_estimated =
         table.named && channels.displacement.is_some_and(|displacement| labels[displacement.index].says_estimated());
     Ok(channels)
@@ -183,7 +187,7 @@ impl Chooser<'_> {
         match (found, self.options.sensor) {
             ([], _) => Ok(None),
             ([index], Some(sensor)) => self.sensor_channel(*index, sensor).map(Some),
-            ([_], None) if !self.options.displacement_required => Ok(None),
+            ([_], None) if self.options.displacement != Need::Required => Ok(None),
             ([index], None) => Err(self.no_sensitivity(*index)),
             _ => Err(Fault::Ambiguous {
                 quantity: Quantity::Displacement,

@@ -6,6 +6,7 @@ use super::channels::{Channels, QUANTITIES};
 use super::choose::Chooser;
 use super::fault::Fault;
 use super::guess;
+use super::read_options::Need;
 
 impl Chooser<'_> {
     /// Refuses a choice of columns without voltage, without a displacement that is required, and without a time.
@@ -14,8 +15,10 @@ impl Chooser<'_> {
         if let Some(fault) = self.text_column(channels) {
             return Err(fault);
         }
-        let required =
-            [(Quantity::Voltage, options.voltage_required), (Quantity::Displacement, options.displacement_required)];
+        let required = [
+            (Quantity::Voltage, options.voltage_required),
+            (Quantity::Displacement, options.displacement == Need::Required),
+        ];
         let missing = |&(quantity, required): &(Quantity, bool)| required && channels.get(quantity).is_none();
         if let Some((quantity, _)) = required.into_iter().find(missing) {
             let guess = self.guess();
@@ -44,7 +47,7 @@ impl Chooser<'_> {
             let wanted = match quantity {
                 Quantity::Time => self.rate_needed(false),
                 Quantity::Voltage => self.options.voltage_required,
-                Quantity::Displacement => self.options.displacement_required,
+                Quantity::Displacement => self.options.displacement == Need::Required,
             };
             wanted && channels.get(*quantity).is_none()
         };

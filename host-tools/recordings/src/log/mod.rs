@@ -40,7 +40,7 @@ use error::PlacedFault;
 pub use fault::Fault;
 pub use measurement_files::{Place, Quantity, Unit, UnknownUnit};
 pub use number::Number;
-pub use read_options::ReadOptions;
+pub use read_options::{Need, ReadOptions};
 pub use reading::{Chosen, Reading, Row};
 pub use recorded::{Log, twins};
 pub use recording::MINIMUM_ROWS;

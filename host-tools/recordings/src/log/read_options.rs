@@ -3,6 +3,17 @@
 use super::columns::Columns;
 use super::sensitivity::Sensitivity;
 
+/// What becomes of a log without a quantity, and of the quantity of a log that has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    /// A log without it is refused.
+    Required,
+    /// It is read where the log has it.
+    Optional,
+    /// Its column is not looked at, whatever it holds.
+    Ignored,
+}
+
 /// What the user says about a log that its file does not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
@@ -14,8 +25,8 @@ pub struct ReadOptions {
     pub sample_rate: Option<f64>,
     /// Take a voltage or a displacement that is no finite number for a hole ([`Log::holes`](super::Log::holes)), instead of refusing the log.
     pub holes: bool,
-    /// Refuse a log without displacement.
-    pub displacement_required: bool,
+    /// Whether a log has to have a displacement.
+    pub displacement: Need,
     /// Refuse one without voltage. A wanted trajectory has none.
     pub voltage_required: bool,
 }
@@ -28,7 +39,7 @@ impl Default for ReadOptions {
             sensor: None,
             sample_rate: None,
             holes: false,
-            displacement_required: true,
+            displacement: Need::Required,
             voltage_required: true,
         }
     }

@@ -19,7 +19,7 @@ pub struct Log {
     pub sample_period: f64,
     /// Voltage of each sample, V; empty only where [`ReadOptions::voltage_required`](super::ReadOptions::voltage_required) is off.
     pub voltage: Vec<f64>,
-    /// Displacement of each sample, µm; `None` only where [`ReadOptions::displacement_required`](super::ReadOptions::displacement_required) is off.
+    /// Displacement of each sample, µm; `None` only where [`ReadOptions::displacement`](super::ReadOptions::displacement) does not require it.
     pub displacement: Option<Vec<f64>>,
     /// The displacement is an estimate and no sensor's, by the name of its column.
     pub displacement_estimated: bool,

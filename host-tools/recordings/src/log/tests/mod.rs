@@ -120,8 +120,16 @@ fn refuses_what_is_no_file() {
 #[test]
 fn a_log_without_displacement_where_the_caller_allows_it() {
     let text = format!("t_s,u_V\n{}", rows(0.001, |t, v, _| format!("{t},{v}")));
-    let lenient = ReadOptions { displacement_required: false, ..ReadOptions::default() };
-    assert_eq!(parsed(&text, &lenient).unwrap().displacement, None);
+    let needing = |displacement| ReadOptions { displacement, ..ReadOptions::default() };
+    assert_eq!(parsed(&text, &needing(Need::Optional)).unwrap().displacement, None);
+    // Nor does a sensor that was off spoil the voltage beside it.
+    let off = format!("t_s,u_V,y_um\n{}", rows(0.001, |t, v, _| format!("{t},{v},nan")));
+    let read = parsed(&off, &needing(Need::Ignored)).unwrap();
+    assert_eq!(
+        (read.displacement, read.voltage.len()),
+        (None, parsed(&text, &needing(Need::Ignored)).unwrap().voltage.len())
+    );
+    assert!(matches!(refused(&off, &needing(Need::Optional)).1, Fault::NotFinite { .. }));
     let (place, fault) = refused(&text, &ReadOptions::default());
     assert_eq!(place, Place::Line(1));
     assert!(matches!(fault, Fault::NoColumn { quantity: Quantity::Displacement, .. }));
@@ -160,8 +168,9 @@ fn any_options() -> impl Strategy<Value = ReadOptions> {
         "voltage=voltage",
     ]);
     let rate = prop::option::of(prop_oneof![Just(2000.0), any::<f64>()]);
-    (columns, rate, any::<bool>()).prop_map(|(columns, rate, displacement_required)| ReadOptions {
-        displacement_required,
+    let needs = prop::sample::select(vec![Need::Required, Need::Optional, Need::Ignored]);
+    (columns, rate, needs).prop_map(|(columns, rate, displacement)| ReadOptions {
+        displacement,
         voltage_required: true,
         ..options(columns, rate)
     })
