@@ -242,6 +242,34 @@ fn a_pm_that_holds_the_sensor_too_rarely_is_asked_about() {
     assert!(!said(1.0).contains("the ± holds the sensor"), "as it was measured");
 }
 
+/// A sensor that gave no number and leapt, in 12 of 7,000 readings.
+#[test]
+fn what_is_no_measurement_is_left_out_of_the_errors_where_that_is_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let broken = |[t, v, y]: [f64; 3]| match t {
+        _ if (20.0..20.029).contains(&t) => [t, v, f64::NAN],
+        _ if (25.0..25.009).contains(&t) => [t, v, y + 500.0],
+        _ => [t, v, y],
+    };
+    let of = |options: &[&str]| said_of(&folder, COLUMNS, broken, options);
+    assert_eq!(of(&["--told", "one-cycle"]), "", "a number that is none is refused");
+    let path = folder.path().join("day2.csv");
+    refused(&["validate", TABLE, text(&path)], &["is not finite", "day2.csv --repair"]);
+    let errors = |options: &[&str]| {
+        let judged =
+            json(piezo().args(["validate", TABLE, text(&path), "--told", "one-cycle", "--json"]).args(options));
+        (number(&judged, "/judged/mae_um"), judged["logs"][0]["left_out"].as_u64())
+    };
+    let (repaired, left_out) = errors(&["--repair"]);
+    assert!((8..20).contains(&left_out.unwrap()), "{left_out:?}");
+    let said = of(&["--told", "one-cycle", "--repair"]);
+    assert!(said.contains("measured instants are not scored (--repair)") && said.contains("leave it out"), "{said}");
+    said_of(&folder, COLUMNS, |row| row, &[]);
+    let (clean, none) = errors(&[]);
+    assert!((repaired - clean).abs() < 0.02 * clean, "{repaired} µm, of what is sound {clean} µm");
+    assert_eq!(none, None);
+}
+
 #[test]
 fn the_measured_days_raise_no_suspicion_of_another_actuator() {
     for table in fs::read_dir(super::data("table/models")).unwrap() {

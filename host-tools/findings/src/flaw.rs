@@ -40,10 +40,11 @@ pub fn flaw(worst: &Flaw, count: usize) -> String {
     }
 }
 
-/// The same beside errors that were scored over it.
-pub fn flaw_scored(worst: &Flaw, count: usize) -> String {
+/// The same beside errors that were scored over it, or without it where it was `repaired`.
+pub fn flaw_scored(worst: &Flaw, count: usize, repaired: bool) -> String {
     let so = match worst {
         Flaw::Missing { .. } => "the errors above take it for one course",
+        _ if repaired => "the errors above leave it out",
         _ => "the errors above take it for a measurement",
     };
     format!("{}: {so}", flaw(worst, count))
@@ -103,7 +104,7 @@ mod tests {
     fn each_flaw_is_said_with_its_time_and_what_repair_does_to_it() {
         let at = Stretch { from_s: 1.25, to_s: 1.2505 };
         let spike = Flaw::VoltageSpike { at, leap_v: 300.0 };
-        let (found, scored) = (flaw_found(&spike, 1, 2_501), flaw_scored(&spike, 2));
+        let (found, scored) = (flaw_found(&spike, 1, 2_501), flaw_scored(&spike, 2, false));
         assert!(
             found.contains("leaps by 300.000 V at 1.2500 s")
                 && found.ends_with("row 2501: --repair of identify leaves it out"),
@@ -126,6 +127,6 @@ mod tests {
                 && doubt.contains("--repair cannot mend it"),
             "{doubt}"
         );
-        assert!(flaw_scored(&missing, 1).ends_with("for one course"));
+        assert!(flaw_scored(&missing, 1, true).ends_with("for one course"));
     }
 }

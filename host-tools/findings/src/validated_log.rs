@@ -24,6 +24,22 @@ pub fn trained_on<'u>(uses: &'u [LogUse], log: &Log) -> Option<TrainedOn<'u>> {
     training.find_map(|used| Some(TrainedOn { used, at_s: used.within(log)? }))
 }
 
+/// What became of a log's flaws that were to be left out.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Repair {
+    /// So many measured instants are not scored.
+    LeftOut(usize),
+    /// They are more than half of the log, and are scored all the same.
+    Hopeless,
+}
+
+impl Repair {
+    /// Of what a repair says of the instants that it has left out.
+    pub fn of(left_out: Option<usize>) -> Self {
+        left_out.map_or(Self::Hopeless, Self::LeftOut)
+    }
+}
+
 /// The figures of a log, or of all, under its name.
 pub fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figures>) -> Vec<String> {
     let lines = [
@@ -39,7 +55,13 @@ pub fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figu
 }
 
 /// The lines of a log.
-pub fn of_log(comparison: &Comparison, log: &Log, trained_on: Option<&TrainedOn<'_>>, scope: &Scope) -> Vec<String> {
+pub fn of_log(
+    comparison: &Comparison,
+    log: &Log,
+    trained_on: Option<&TrainedOn<'_>>,
+    scope: &Scope,
+    repair: Option<Repair>,
+) -> Vec<String> {
     let cold = &comparison.cold;
     let mut said = Vec::new();
     if *scope != Scope::ALL {
@@ -77,7 +99,13 @@ pub fn of_log(comparison: &Comparison, log: &Log, trained_on: Option<&TrainedOn<
         };
         said.push(format!("the table was trained on {share}{from:.2} … {to:.2} s of this log; {says}"));
     }
-    said.extend(flaws_of(log, comparison.scored_s).iter().map(|(worst, count)| flaw_scored(worst, *count)));
+    let repaired = matches!(repair, Some(Repair::LeftOut(_)));
+    let of_flaw = |(worst, count): &(Flaw, usize)| flaw_scored(worst, *count, repaired);
+    said.extend(flaws_of(log, comparison.scored_s).iter().map(of_flaw));
+    said.extend(repair.map(|of| match of {
+        Repair::LeftOut(count) => format!("{count} measured instants are not scored (--repair)"),
+        Repair::Hopeless => "more than half of it is no measurement: nothing was left out".to_owned(),
+    }));
     if log.displacement_estimated {
         said.push(
             "its displacement is a device's estimate, no sensor's: these errors say nothing of the actuator".to_owned(),

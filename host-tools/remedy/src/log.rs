@@ -29,7 +29,7 @@ fn fault(fault: &Fault, path: &Path) -> String {
     let columns = |example: &str| with(&[("--columns", example)]);
     // Nobody has recorded what is wanted.
     let planned = ["waveform", "follow", "feedforward"].into_iter().any(verb);
-    let learns = ["identify", "compare"].into_iter().any(verb);
+    let repairs = ["identify", "compare", "validate"].into_iter().any(verb);
     match fault {
         Fault::SampleRate(rate) => {
             format!("{rate} Hz is not a sample rate: state what the recorder was set to, in Hz, by --fs <HZ>")
@@ -89,11 +89,11 @@ fn fault(fault: &Fault, path: &Path) -> String {
             format!("--columns asks for column {wanted} and the columns are {columns}: choose among these")
         }
         Fault::NotANumber { quantity, .. } | Fault::NotFinite { quantity, .. } | Fault::MissingField { quantity }
-            if learns && *quantity != Quantity::Time =>
+            if repairs && *quantity != Quantity::Time =>
         {
             let what = fault.to_string();
             let what = what.split_once(": ").map_or(&*what, |(what, _)| what);
-            format!("{what}: correct it, or leave what is no number out of the learning{}", paste::with_flag("--repair"))
+            format!("{what}: correct it, or leave what is no number out of the errors{}", paste::with_flag("--repair"))
         }
         Fault::IrregularTime { example, value, percent, period } if planned => format!(
             "irregular time (t = {value} s is {percent} % of a sample period of {period} s off its place): resample it to points equally far \

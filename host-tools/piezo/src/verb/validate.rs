@@ -8,11 +8,12 @@ use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
 use findings::figures::heading;
-use findings::validated_log::{TrainedOn, flaws_of, of_log, rows, trained_on};
+use findings::validated_log::{Repair, TrainedOn, flaws_of, of_log, rows, trained_on};
 use findings::{EXPLAINED, suspicion};
 use identification::validate::{
     Comparison, Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates,
 };
+use log_survey::{flaws, measured};
 use recordings::log::Log;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -41,6 +42,10 @@ pub struct Validate {
     /// Judge by the error without a constant offset, as it is after re-zeroing.
     #[arg(long)]
     pub rezero: bool,
+    /// Score nothing that is no measurement, by the rule of `identify --repair`: a value that is no number, or where the sensor leaps away and
+    /// back or stands still. The voltage is run through all the same, straight past its own leaps.
+    #[arg(long)]
+    pub repair: bool,
     /// Print the figures as JSON.
     #[arg(long)]
     pub json: bool,
@@ -68,12 +73,16 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     let (file, table) = look_at(&arguments.table)?;
     let recipe = arguments.prepare.instead_of(file.recipe);
     let scope: Scope = (&arguments.scope).into();
-    let logs = arguments.files.read_all(&arguments.logs, false)?;
-    let (mut comparisons, mut written) = (Vec::new(), String::from(Estimates::HEADING));
+    let logs = arguments.files.read_all(&arguments.logs, arguments.repair)?;
+    let (mut comparisons, mut repairs) = (Vec::new(), Vec::new());
+    let mut written = String::from(Estimates::HEADING);
     for log in &logs {
         let named = || log.path.display().to_string();
         let recipe = recipe.of(log);
-        let session = recipe.session(&recipe.cut(log))?;
+        let cut = recipe.cut(log);
+        let found = if arguments.repair { flaws(&cut) } else { Vec::new() };
+        let (session, left_out) = measured(&recipe, &cut, &found)?;
+        repairs.push(arguments.repair.then(|| Repair::of(left_out)));
         let comparison = compare_within(&table, &session, &scope).with_context(named)?;
         // Judged and written is what was told: of one cycle there must be one.
         let estimates = estimates(&table, &session, &recipe, &scope, arguments.told).with_context(named)?;
@@ -100,7 +109,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         output::write(path, written)?;
     }
     if arguments.json {
-        let logs = comparisons.iter().zip(&logs).zip(&trained_on).zip(&suspicions);
+        let logs = comparisons.iter().zip(&logs).zip(&trained_on).zip(&suspicions).zip(&repairs);
         let logs: Vec<Value> = logs.map(to_json).collect();
         let all = json!({ "mil": mil, "sil": told.first_reading, "told": told });
         let judged =
@@ -117,8 +126,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     }
     out("");
     out(&heading("log"));
-    for ((comparison, log), trained_on) in comparisons.iter().zip(&logs).zip(&trained_on) {
-        of_log(comparison, log, trained_on.as_ref(), &scope).iter().for_each(|line| out(line));
+    for (((comparison, log), trained_on), repair) in comparisons.iter().zip(&logs).zip(&trained_on).zip(&repairs) {
+        of_log(comparison, log, trained_on.as_ref(), &scope, *repair).iter().for_each(|line| out(line));
     }
     if comparisons.len() > 1 {
         rows("all", &mil, &told, None).iter().for_each(|line| out(line));
@@ -137,9 +146,9 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     Ok(passed)
 }
 
-type Judged<'j> = (((&'j Comparison, &'j Log), &'j Option<TrainedOn<'j>>), &'j Option<Suspicion>);
+type Judged<'j> = ((((&'j Comparison, &'j Log), &'j Option<TrainedOn<'j>>), &'j Option<Suspicion>), &'j Option<Repair>);
 
-fn to_json((((comparison, log), trained_on), suspicion): Judged<'_>) -> Value {
+fn to_json(((((comparison, log), trained_on), suspicion), repair): Judged<'_>) -> Value {
     let status: Vec<&str> = comparison.status.iter_names().map(|(name, _)| name).collect();
     json!({
         "log": comparison.name,
@@ -156,6 +165,7 @@ fn to_json((((comparison, log), trained_on), suspicion): Judged<'_>) -> Value {
         "trained_on_s": trained_on.as_ref().map(|of| of.at_s),
         "suspicion": suspicion,
         "displacement_estimated": log.displacement_estimated,
+        "left_out": repair.map(|of| match of { Repair::LeftOut(count) => count, Repair::Hopeless => 0 }),
         "flaws": flaws_of(log, comparison.scored_s).iter().map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
     })
 }
