@@ -325,4 +325,26 @@ fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
     let printed = String::from_utf8(failed).unwrap();
     assert!(printed.contains("FAIL") && !printed.contains("Train again, longer"), "{printed}");
     assert!(printed.contains("is it this actuator's table"), "{printed}");
+    // Who has seen enough stops it: nothing is proven, and the voltage is at rest.
+    let proof = folder.path().join("stopped");
+    let prove = ["prove", "--json", "--out", text(&proof), "--seconds", "600", "--max-percent", "2"];
+    let mut host = Command::new(env!("CARGO_BIN_EXE_piezo"))
+        .args([&prove[..], &link].concat())
+        .current_dir(super::root())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (log, start) = (proof.join("proven.csv"), Instant::now());
+    while log.metadata().map_or(0, |log| log.len()) < 20_000 {
+        assert!(start.elapsed() < Duration::from_secs(60) && host.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &host.id().to_string()]).status().unwrap().success());
+    let ended = host.wait_with_output().unwrap();
+    let (printed, said) = [ended.stdout, ended.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).into();
+    assert!(ended.status.code() == Some(1) && printed.contains("\"complete\": false"), "{printed}{said}");
+    assert!(said.contains("nothing is proven, and the voltage has gone back to rest; "), "{said}");
+    let info = json(piezo().args(["info", "--json", "--port", port]));
+    assert_eq!(info["health"]["mode"], "Estimate", "{info}");
 }

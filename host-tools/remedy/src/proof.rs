@@ -3,7 +3,9 @@
 use super::paste::typed;
 use ::calibration::drive::trained_on;
 use bench::{OtherRange, Proven, Shares};
+use device_link::play::PlayError;
 use estimator_core::{Range, Table};
+use std::path::Path;
 
 /// What a table that was learnt on another range than the board's is good for.
 pub fn other_range(of: &OtherRange) -> String {
@@ -13,6 +15,12 @@ pub fn other_range(of: &OtherRange) -> String {
             format!("{of}: it holds there, too. Is drive_range in board.toml right, and is it this actuator's table?")
         }
     }
+}
+
+/// What a proof leaves that was interrupted, with the voltage at rest, and a log where it had come to that.
+pub fn proof_interrupted(why: &PlayError, log: Option<&Path>) -> String {
+    let log = log.map_or(String::new(), |log| format!("; {} holds what was recorded since the zero", log.display()));
+    format!("{why}: nothing is proven, and the voltage has gone back to rest{log}")
 }
 
 /// What a proof leaves behind.

@@ -7,9 +7,10 @@ use crate::option::{BoardOption, not_negative, positive, span};
 use crate::output;
 use ::calibration::span::Span;
 use anyhow::Result;
-use bench::{Proof, Proven, foresee, prove};
+use bench::{BenchError, Proof, Proven, foresee, prove};
 use clap::Args;
 use device_link::interrupt::Interrupt;
+use device_link::play::PlayError;
 use excitation::hertz;
 use findings::figures::{heading, row};
 use serde_json::json;
@@ -57,7 +58,7 @@ pub struct Prove {
     pub interrupting: Interrupting,
 }
 
-/// Runs the verb; `false` on FAIL.
+/// Runs the verb; `false` on FAIL, and where it is interrupted.
 pub fn run(arguments: &Prove) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let _held = output::to_folder(&arguments.out)?;
@@ -82,7 +83,17 @@ pub fn run(arguments: &Prove) -> Result<bool> {
     let proven = prove(&mut client, &proof, &mut |ticks| bar.set_position(ticks as u64));
     bar.finish_and_clear();
     note_damage(&client);
-    let proven = proven?;
+    let proven = match proven {
+        Err(BenchError::Play(why @ PlayError::Interrupted { .. })) => {
+            let kept = log.exists().then_some(&log);
+            if arguments.json {
+                out(&serde_json::to_string_pretty(&json!({ "passed": false, "complete": false, "log": kept }))?);
+            }
+            eprintln!("piezo: {}", remedy::proof_interrupted(&why, kept.map(PathBuf::as_path)));
+            return Ok(false);
+        }
+        proven => proven?,
+    };
     tell(arguments, &proven)?;
     // What the proof says stands, and is said before what the user must know last.
     proven.home?;
@@ -92,7 +103,8 @@ pub fn run(arguments: &Prove) -> Result<bool> {
 fn tell(arguments: &Prove, proven: &Proven) -> Result<()> {
     let Proven { figures, shares, verdict, log, .. } = proven;
     if arguments.json {
-        let summary = json!({ "passed": verdict.passed, "figures": figures, "shares": shares, "log": log });
+        let summary =
+            json!({ "passed": verdict.passed, "complete": true, "figures": figures, "shares": shares, "log": log });
         out(&serde_json::to_string_pretty(&summary)?);
         return Ok(());
     }
