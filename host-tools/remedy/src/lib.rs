@@ -36,7 +36,7 @@ pub use stages::{input_stage, input_stage_json, output_stage, output_stage_json}
 pub use state::{Known, state};
 pub use supply::supply;
 pub use unfinished::{ended, kept_logs, unfinished};
-pub use verdict::{doubts, next, verdict};
+pub use verdict::{doubts, next, on_the_board, verdict};
 pub use waveform::{played, plays};
 
 use ::bench::BenchError;

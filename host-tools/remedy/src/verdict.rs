@@ -43,11 +43,14 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
     }
     sentences.push(findings::proven(&learnt.candidate.table));
     sentences.push(format!("{}.", findings::zeros(&learnt.context.recipe)));
-    sentences.push(format!("On the board {}.", bench::time(&learnt.candidate.table)));
-    if let Some(not_found) = bench::wire_not_found(&learnt.candidate.table) {
-        sentences.push(format!("On the board {not_found}."));
-    }
     sentences
+}
+
+/// What the table is on a board, for whoever has one.
+pub fn on_the_board(outcome: &Outcome) -> Vec<String> {
+    let table = &outcome.learnt.candidate.table;
+    let said = [Some(bench::time(table)), bench::wire_not_found(table)];
+    said.into_iter().flatten().map(|said| format!("On the board {said}.")).collect()
 }
 
 /// What comes after a table was written to a folder: what to mend where a doubt is grave, which stand first.

@@ -162,14 +162,16 @@ fn identify(arguments: &mut Identify, folder: &Held, mut run: Option<&mut Run>) 
         [remedy::verdict(&outcome), remedy::left_out(&job, &outcome.learnt.context.recipe, outcome.learnt_from())]
             .concat();
     verdict.push(remedy::interval(interval.as_ref(), arguments.devices));
-    let files = write(folder, arguments, &job, &outcome, &verdict, &determined)?;
+    let on_the_board = remedy::on_the_board(&outcome);
+    let all = [&verdict[..], &on_the_board].concat();
+    let files = write(folder, arguments, &job, &outcome, &all, &determined)?;
     if let (Some(run), Some(asked)) = (run, asked) {
         run.found(asked, Found::of(&outcome)?, files);
     }
     if arguments.fitting.json {
-        out(&serde_json::to_string_pretty(&remedy::outcome_json(&outcome, &verdict, determination.as_ref().ok())?)?);
+        out(&serde_json::to_string_pretty(&remedy::outcome_json(&outcome, &all, determination.as_ref().ok())?)?);
     } else {
-        summary(arguments, &outcome, &verdict, &determined);
+        summary(arguments, &outcome, [&verdict, &on_the_board], &determined);
     }
     // Learn installs no table that belongs on no board.
     Ok(!(arguments.of_learn && unfit(&outcome)))
@@ -244,13 +246,19 @@ fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<Zeroed> {
     Some(Zeroed { at_s: at, estimates, learnt: outcome.learnt.whole.is_some() })
 }
 
-fn summary(arguments: &Identify, outcome: &Outcome, verdict: &[String], determined: &[(String, String)]) {
+fn summary(
+    arguments: &Identify,
+    outcome: &Outcome,
+    [verdict, on_the_board]: [&[String]; 2],
+    determined: &[(String, String)],
+) {
     findings::figures::of_outcome(outcome).iter().for_each(|line| out(line));
     out("");
     verdict.iter().for_each(|sentence| out(sentence));
     out(remedy::DETERMINED);
     determined.iter().for_each(|(what, found)| out(&format!("  {what:<46} {found}")));
-    out(&format!("\n{}", remedy::doubts(&outcome.doubts)));
+    out(&format!("\n{}\n", remedy::doubts(&outcome.doubts)));
+    on_the_board.iter().for_each(|sentence| out(sentence));
     let (folder, unit) = (arguments.out.display(), arguments.unit.as_ref().map_or("", |_| ", unit.json"));
     out(&format!("\nWritten to {folder}: table.toml, table.rs, table.bin, report.html, estimate.svg{unit}"));
     if !arguments.of_learn || unfit(outcome) {
