@@ -40,8 +40,10 @@ const SATURATED: GeneralisedPrandtlIshlinskiiParameters = GeneralisedPrandtlIshl
 const RINGING: GeneralisedPrandtlIshlinskiiParameters =
     GeneralisedPrandtlIshlinskiiParameters { resonance_hz: 300.0, damping: 0.05, ..PLAIN };
 
-fn any() -> impl Strategy<Value = GeneralisedPrandtlIshlinskiiParameters> {
-    prop::sample::select(vec![PLAIN, MOVING, AHEAD, SATURATED, RINGING])
+fn parameters() -> impl Strategy<Value = GeneralisedPrandtlIshlinskiiParameters> {
+    let kinds = prop::sample::select(vec![PLAIN, MOVING, AHEAD, SATURATED, RINGING]);
+    let memories = prop::sample::select(vec![-1.0f32, -0.6, 0.0, 0.3, 1.0]);
+    (kinds, memories).prop_map(|(kind, rest_memory)| GeneralisedPrandtlIshlinskiiParameters { rest_memory, ..kind })
 }
 
 fn voltages() -> impl Strategy<Value = Vec<f64>> {
@@ -57,15 +59,20 @@ fn run<T: Real>(parameters: &GeneralisedPrandtlIshlinskiiParameters, voltages: &
 
 proptest! {
     #[test]
-    fn stays_within_reach(parameters in any(), voltages in voltages(), known in prop::option::of(-30.0f64..30.0)) {
+    fn stays_within_reach(
+        parameters in parameters(),
+        voltages in voltages(),
+        known in prop::option::of(-30.0f64..30.0),
+        inner in any::<bool>(),
+    ) {
         let model = GeneralisedPrandtlIshlinskii::<f64>::build(&parameters, TICK);
-        let range = if parameters == PLAIN { Range { min: 20.0, max: 80.0 } } else { Range { min: -5.0, max: 105.0 } };
+        let range = if inner { Range { min: 20.0, max: 80.0 } } else { Range { min: -5.0, max: 105.0 } };
         let reach = model.reach(range).unwrap();
         laws::stays_within(reach, 1e-9, &model, voltages.into_iter().map(|v| range.clamp(v)), known)?;
     }
 
     #[test]
-    fn rises_with_the_voltage(parameters in any(), voltages in voltages(), low in -5.0f64..105.0, more in 0.0f64..50.0) {
+    fn rises_with_the_voltage(parameters in parameters(), voltages in voltages(), low in -5.0f64..105.0, more in 0.0f64..50.0) {
         let model = GeneralisedPrandtlIshlinskii::<f64>::build(&parameters, TICK);
         let mut state = model.begin(voltages[0], None);
         voltages.iter().for_each(|&v| { model.step(&mut state, v); });
@@ -74,7 +81,7 @@ proptest! {
     }
 
     #[test]
-    fn single_precision_follows(parameters in any(), voltages in voltages()) {
+    fn single_precision_follows(parameters in parameters(), voltages in voltages()) {
         let single: Vec<f32> = voltages.iter().map(|&v| v as f32).collect();
         let exact: Vec<f64> = single.iter().map(|&v| v.into()).collect();
         // micromath's exp makes other coefficients of the f32.
@@ -109,6 +116,24 @@ fn at_an_end_of_the_span_it_may_have_come_there_or_never_left() {
             let found = run(&still, &[end], Some(known))[0];
             assert!((found - known).abs() < 1e-6, "{found} not {known} at {end} V");
         }
+    }
+}
+
+/// Nothing but a rise from the lowest voltage, at which it had rested, is behind an actuator of memory −1.
+#[test]
+fn a_negative_memory_is_that_of_a_rise_from_the_lowest_voltage() {
+    let still = |rest_memory: f32| GeneralisedPrandtlIshlinskiiParameters {
+        creep_gains: List::of([0.0; 5]),
+        rest_memory,
+        ..PLAIN
+    };
+    for voltage in [0.0, 7.0, 30.0, 80.0, 100.0] {
+        let rested = |memory: f32| run::<f64>(&still(memory), &[voltage], None)[0];
+        let risen = run::<f64>(&still(0.0), &[0.0, voltage], None)[1];
+        assert!((rested(-1.0) - risen).abs() < 1e-9, "{voltage} V: {} µm, not {risen} µm", rested(-1.0));
+        let half = 0.5 * (rested(0.0) + risen);
+        let tolerance = 0.2 * (rested(0.0) - risen).abs();
+        assert!((rested(-0.5) - half).abs() <= tolerance + 1e-9, "{voltage} V: {} µm", rested(-0.5));
     }
 }
 

@@ -21,6 +21,7 @@ mod differential_evolution;
 pub mod ga;
 mod gene;
 mod genetic;
+mod halved;
 mod local;
 mod newton;
 mod optimiser;
@@ -29,6 +30,7 @@ mod scaled;
 mod state;
 
 pub use gene::{Gene, Scale};
+pub use halved::halved;
 pub use optimiser::Optimiser;
 use rayon::prelude::*;
 pub use scaled::scaled;

@@ -167,8 +167,11 @@ impl Stages<'_> {
 
     /// The play of an actuator that has rested at a voltage.
     fn rested(&self, voltage: f64, half_width: f64) -> f64 {
-        let middle = play(self.span.middle(), voltage, half_width);
-        voltage + self.rest_memory * (middle - voltage)
+        let (from, part) = match self.rest_memory < 0.0 {
+            true => (self.span.min, -self.rest_memory),
+            false => (self.span.middle(), self.rest_memory),
+        };
+        voltage + part * (play(from, voltage, half_width) - voltage)
     }
 }
 

@@ -213,8 +213,10 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
             let elements = self.elements.iter().take(self.plays);
             elements.fold(T::zero(), |sum, &(r, weight)| sum + weight * self.envelope.at(input + memory * r))
         };
+        // At the lowest there is no memory of it.
+        let of_middle = if self.rest_memory > T::zero() { self.rest_memory } else { T::zero() };
         let driven =
-            Range { min: hysteretic(reach.min, self.rest_memory), max: hysteretic(reach.max, -self.rest_memory) };
+            Range { min: hysteretic(reach.min, of_middle), max: hysteretic(reach.max, -self.rest_memory.abs()) };
         let crept = T::one() + self.creep_gain;
         Range {
             min: self.offset + self.reversible.at(reach.min) + crept * driven.min,

@@ -29,8 +29,11 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
 
     /// The plays of an actuator that has rested at a voltage.
     pub(super) fn rested(&self, voltage: T) -> [T; PLAYS] {
-        let middle = self.span.middle();
-        self.elements.map(|(half_width, _)| voltage + self.rest_memory * (play(middle, voltage, half_width) - voltage))
+        let (from, part) = match self.rest_memory < T::zero() {
+            true => (self.span.min, -self.rest_memory),
+            false => (self.span.middle(), self.rest_memory),
+        };
+        self.elements.map(|(half_width, _)| voltage + part * (play(from, voltage, half_width) - voltage))
     }
 
     /// At rest at a voltage with these plays. Creep takes decades to forget what the

@@ -3,5 +3,7 @@
 mod options;
 pub mod space;
 
-pub use minimisation::{Budget, Gene, Minimum, Objective, Optimiser, Quadratic, Scale, each, ga, minimise, scaled};
+pub use minimisation::{
+    Budget, Gene, Minimum, Objective, Optimiser, Quadratic, Scale, each, ga, halved, minimise, scaled,
+};
 pub use options::{SearchOptions, Start};

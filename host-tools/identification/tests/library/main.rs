@@ -7,5 +7,6 @@ mod fit;
 mod genetic_algorithm;
 mod learnt;
 mod preisach;
+mod rest;
 mod search;
 mod space;

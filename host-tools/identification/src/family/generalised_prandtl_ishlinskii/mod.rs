@@ -12,7 +12,7 @@ mod freed;
 use super::AnyFamily;
 use crate::cost::{Cost, Feedback};
 use crate::problem::Problem;
-use crate::search::{Gene, Quadratic, scaled};
+use crate::search::{Gene, Quadratic, halved, scaled};
 use candidate::{Extra, Family, PLAYS, SLEW, Values};
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
 use freed::freed;
@@ -22,6 +22,8 @@ use std::sync::Arc;
 
 /// The shortest of delay and lag together that is tried beside freed weights, ticks.
 const SHORTEST: f64 = 0.1;
+/// So often the memory at rest is looked for between what was tried of it.
+const TURNS: usize = 4;
 /// A slew limit that makes the errors smaller by no more than this part of them is idle.
 const IDLE: f64 = 0.01;
 
@@ -125,16 +127,23 @@ impl super::Family for Family {
         // What the law misses of small loops' width looks like a lag where only small amplitudes were fast: beside weights of their own
         // delay and lag are found once more.
         let late_ticks = values.delay_ticks + values.lag_s / self.tick;
-        let later = scaled(SHORTEST / late_ticks, |scale| {
-            let values = Values { delay_ticks: scale * values.delay_ticks, lag_s: scale * values.lag_s, ..values };
+        let tried = |values: Values| {
             let freed = freed(self, &values, &law, &sessions, several)?;
             let cost = freed.solution.total + values.unlikely(self.tick, problem.lag_s);
             Some(((values, freed), cost))
+        };
+        let later = scaled(SHORTEST / late_ticks, |scale| {
+            tried(Values { delay_ticks: scale * values.delay_ticks, lag_s: scale * values.lag_s, ..values })
         });
-        match later {
-            Some((_, (values, freed))) => self.parameters(&values, freed.weights, &freed.solution),
-            None => self.parameters(&values, self.law(&values), &law),
-        }
+        let Some((_, (values, freed))) = later else { return self.parameters(&values, self.law(&values), &law) };
+        // So is the memory at rest: how wide plays weigh shows in the first rise alone, and by the law it makes up for that.
+        let rests = sessions.iter().any(|(_, course)| course.at_rest && course.settled > 0);
+        let mut points = [-1.0, 0.0, values.rest_memory];
+        points.sort_by(f64::total_cmp);
+        let of = |rest_memory: f64| tried(Values { rest_memory, ..values });
+        let again = rests.then(|| halved(&points, TURNS, of)).flatten();
+        let (values, freed) = again.unwrap_or((values, freed));
+        self.parameters(&values, freed.weights, &freed.solution)
     }
 
     fn has(&self, gene: &Gene, found: &Parameters) -> bool {
