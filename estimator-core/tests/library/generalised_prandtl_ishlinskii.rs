@@ -42,7 +42,7 @@ const RINGING: GeneralisedPrandtlIshlinskiiParameters =
 
 fn parameters() -> impl Strategy<Value = GeneralisedPrandtlIshlinskiiParameters> {
     let kinds = prop::sample::select(vec![PLAIN, MOVING, AHEAD, SATURATED, RINGING]);
-    let memories = prop::sample::select(vec![-1.0f32, -0.6, 0.0, 0.3, 1.0]);
+    let memories = prop::sample::select(vec![-2.0f32, -1.4, -1.0, -0.6, 0.0, 0.3, 1.0]);
     (kinds, memories).prop_map(|(kind, rest_memory)| GeneralisedPrandtlIshlinskiiParameters { rest_memory, ..kind })
 }
 
@@ -131,6 +131,9 @@ fn a_negative_memory_is_that_of_a_rise_from_the_lowest_voltage() {
         let rested = |memory: f32| run::<f64>(&still(memory), &[voltage], None)[0];
         let risen = run::<f64>(&still(0.0), &[0.0, voltage], None)[1];
         assert!((rested(-1.0) - risen).abs() < 1e-9, "{voltage} V: {} µm, not {risen} µm", rested(-1.0));
+        // Down from the middle, and up again.
+        let fallen = *run::<f64>(&still(1.0), &[50.0, 100.0, 0.0, voltage], None).last().unwrap();
+        assert!((rested(-2.0) - fallen).abs() < 1e-9, "{voltage} V: {} µm, not {fallen} µm", rested(-2.0));
         let half = 0.5 * (rested(0.0) + risen);
         let tolerance = 0.2 * (rested(0.0) - risen).abs();
         assert!((rested(-0.5) - half).abs() <= tolerance + 1e-9, "{voltage} V: {} µm", rested(-0.5));

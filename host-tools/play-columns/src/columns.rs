@@ -167,11 +167,16 @@ impl Stages<'_> {
 
     /// The play of an actuator that has rested at a voltage.
     fn rested(&self, voltage: f64, half_width: f64) -> f64 {
-        let (from, part) = match self.rest_memory < 0.0 {
-            true => (self.span.min, -self.rest_memory),
-            false => (self.span.middle(), self.rest_memory),
-        };
-        voltage + part * (play(from, voltage, half_width) - voltage)
+        let (memory, low) = (self.rest_memory, self.span.min);
+        let between = |one: f64, other: f64, part: f64| one + part * (other - one);
+        if memory >= 0.0 {
+            return between(voltage, play(self.span.middle(), voltage, half_width), memory);
+        }
+        let risen = play(low, voltage, half_width);
+        match memory < -1.0 {
+            true => between(risen, play(low + half_width, voltage, half_width), -1.0 - memory),
+            false => between(voltage, risen, -memory),
+        }
     }
 }
 

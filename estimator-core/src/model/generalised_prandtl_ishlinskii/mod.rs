@@ -213,10 +213,11 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
             let elements = self.elements.iter().take(self.plays);
             elements.fold(T::zero(), |sum, &(r, weight)| sum + weight * self.envelope.at(input + memory * r))
         };
-        // At the lowest there is no memory of it.
-        let of_middle = if self.rest_memory > T::zero() { self.rest_memory } else { T::zero() };
-        let driven =
-            Range { min: hysteretic(reach.min, of_middle), max: hysteretic(reach.max, -self.rest_memory.abs()) };
+        // At the lowest voltage a memory of a rise from there draws none up, and more than all of one draws none further down.
+        let (zero, one) = (T::zero(), T::one());
+        let up = Range { min: zero, max: one }.clamp(self.rest_memory);
+        let down = Range { min: zero, max: one }.clamp(self.rest_memory.abs());
+        let driven = Range { min: hysteretic(reach.min, up), max: hysteretic(reach.max, -down) };
         let crept = T::one() + self.creep_gain;
         Range {
             min: self.offset + self.reversible.at(reach.min) + crept * driven.min,

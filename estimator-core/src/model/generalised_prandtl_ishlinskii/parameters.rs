@@ -44,8 +44,8 @@ pub struct GeneralisedPrandtlIshlinskiiParameters {
     pub creep_times_s: List<CREEPS>,
     /// What each adds in the end to the hysteretic part that drives it, as a part of it, at least 0.
     pub creep_gains: List<CREEPS>,
-    /// Memory of an actuator at rest, −1 … 1: 0 as if it had never left that voltage, 1 as if it had come there from the middle
-    /// of the span, −1 as if from its lowest voltage.
+    /// Memory of an actuator at rest, −2 … 1: 0 as if it had never left that voltage, 1 as if it had come there from the middle
+    /// of the span, −1 as if from its lowest voltage, −2 as if it had fallen to that before.
     pub rest_memory: f32,
     /// Displacement at the lower end of the span without memory and creep, µm.
     pub offset_um: f32,
@@ -89,7 +89,7 @@ impl GeneralisedPrandtlIshlinskiiParameters {
                 "creep_gains must be as many as creep_times_s, and not negative",
                 self.creep_gains.len() == self.creep_times_s.len() && positive(&self.creep_gains),
             ),
-            ("rest_memory must lie between -1 and 1", (-1.0..=1.0).contains(&self.rest_memory)),
+            ("rest_memory must lie between -2 and 1", (-2.0..=1.0).contains(&self.rest_memory)),
             ("offset_um must be a number", self.offset_um.is_finite()),
         ])
     }

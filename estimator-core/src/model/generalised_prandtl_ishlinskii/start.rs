@@ -29,11 +29,18 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
 
     /// The plays of an actuator that has rested at a voltage.
     pub(super) fn rested(&self, voltage: T) -> [T; PLAYS] {
-        let (from, part) = match self.rest_memory < T::zero() {
-            true => (self.span.min, -self.rest_memory),
-            false => (self.span.middle(), self.rest_memory),
-        };
-        self.elements.map(|(half_width, _)| voltage + part * (play(from, voltage, half_width) - voltage))
+        let (memory, low, one) = (self.rest_memory, self.span.min, T::one());
+        let between = |first: T, second: T, part: T| first + part * (second - first);
+        self.elements.map(|(half_width, _)| {
+            if memory >= T::zero() {
+                return between(voltage, play(self.span.middle(), voltage, half_width), memory);
+            }
+            let risen = play(low, voltage, half_width);
+            match memory < -one {
+                true => between(risen, play(low + half_width, voltage, half_width), -one - memory),
+                false => between(voltage, risen, -memory),
+            }
+        })
     }
 
     /// At rest at a voltage with these plays. Creep takes decades to forget what the

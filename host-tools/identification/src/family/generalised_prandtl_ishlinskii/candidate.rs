@@ -122,7 +122,7 @@ impl Family {
             Gene::logarithmic("rho", "half-width at which the plays weigh 1/e, of half the span", "", 0.05, 5.0),
             Gene::logarithmic("creep_fast", "gain of the creep in 0.01 s", "", 1e-4, 0.3),
             Gene::logarithmic("creep_slow", "gain of the creep in 100 s", "", 1e-4, 0.3),
-            Gene::linear("memory", "memory at rest", "", -1.0, 1.0),
+            Gene::linear("memory", "memory at rest", "", 0.0, 1.0),
         ];
         if self.extra != Extra::Nothing {
             genes.push(Gene::logarithmic(SLEW, "slew limit", "V/s", self.slews.min, self.slews.max));

@@ -138,7 +138,7 @@ impl super::Family for Family {
         let Some((_, (values, freed))) = later else { return self.parameters(&values, self.law(&values), &law) };
         // So is the memory at rest: how wide plays weigh shows in the first rise alone, and by the law it makes up for that.
         let rests = sessions.iter().any(|(_, course)| course.at_rest && course.settled > 0);
-        let mut points = [-1.0, 0.0, values.rest_memory];
+        let mut points = [-2.0, -1.0, 0.0, values.rest_memory];
         points.sort_by(f64::total_cmp);
         let of = |rest_memory: f64| tried(Values { rest_memory, ..values });
         let again = rests.then(|| halved(&points, TURNS, of)).flatten();
