@@ -66,6 +66,31 @@ fn a_voltage_alone_gives_what_is_validated_beside_a_sensor() {
     );
 }
 
+/// From the zero on, the rows are those of a validation that is zeroed there by a sensor that reads the same.
+#[test]
+fn a_zero_of_a_voltage_alone_is_that_of_a_validation() {
+    let folder = tempfile::tempdir().unwrap();
+    let [judged, estimated] = ["judged.csv", "estimated.csv"].map(|name| folder.path().join(name));
+    let told = ["--told", "nothing", "--zero-at", "24", "--out", text(&judged)];
+    piezo().args(["validate", TABLE, OTHER_DAY]).args(told).assert().success();
+    let from_24_s = |name: &str, path: &Path| column(path, name)[4800..].to_vec();
+    let [sensor, judged] = ["displacement_um", "estimate_um"].map(|name| from_24_s(name, &judged));
+    let um = |cell: &String| cell.parse::<f64>().unwrap();
+    // What the sensor says over the 50 ms before.
+    let log = fs::read_to_string(root().join(OTHER_DAY)).unwrap();
+    let rows: Vec<&str> = log.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit())).collect();
+    let window = &rows[4791..4801];
+    let mean = window.iter().map(|row| row.split(',').nth(2).unwrap().parse::<f64>().unwrap()).sum::<f64>() / 10.0;
+    let zero = format!("24:{mean}");
+    let estimate = ["estimate", TABLE, OTHER_DAY, "--zero-at", &zero, "--out", text(&estimated)];
+    piezo().args(estimate).assert().success();
+    let alone = from_24_s("estimate_um", &estimated);
+    let off = alone.iter().zip(&judged).map(|(a, b)| (um(a) - um(b)).abs()).fold(0.0, f64::max);
+    assert!(alone.len() == sensor.len() && off < 2e-3, "{off} µm");
+    let widths = column(&estimated, "half_width_um");
+    assert!(widths[..4790].iter().all(String::is_empty) && widths[4810..].iter().all(|width| !width.is_empty()));
+}
+
 #[test]
 fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     let folder = tempfile::tempdir().unwrap();
@@ -82,8 +107,16 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
         assert!(cold.contains(part), "{part:?} is missing in\n{cold}");
     }
     // The same command again finds its own file.
-    assert!(said(&["--start-at", "0"]).contains("since the first sample, 95 % of the time"));
+    assert!(said(&["--start-at", "-92"]).contains("since the first sample, 95 % of the time"));
+    assert!(said(&["--zero-at", "24:-92"]).contains("-92 µm at 24 s, and from then on ± 0."));
+    assert!(said(&["--zero-at", "0.005:-92"]).contains("is too soon after the start for a zero"));
     refused(&["estimate", TABLE, text(&monitor), "--out", text(&monitor)], &["monitor.csv"]);
+    let estimate = ["estimate", TABLE, text(&monitor), "--voltage-scale", "20", "--force"];
+    let of = |more: &[&str], parts: &[&str]| refused(&[&estimate[..], more].concat(), parts);
+    of(&["--start-at", "0"], &["a start at 0 µm is none of this table's", " to -6"]);
+    of(&["--zero-at", "99:-92"], &["the zero, 99 s, must lie after 0.000 s", "34.995 s"]);
+    of(&["--zero-at", "24"], &["as 24:-91.5"]);
+    of(&["--zero-at", "24:-92", "--start-at", "-92"], &["cannot be used with"]);
     // A validation says which verb takes a log without a sensor.
     refused(&["validate", TABLE, text(&monitor)], &["holds the displacement", "`piezo estimate`"]);
     let scale = ["estimate", TABLE, text(&monitor), "--voltage-scale"];

@@ -2,7 +2,7 @@
 
 use crate::raised::remarks;
 use estimator_core::{Range, Status};
-use identification::validate::{Estimates, Raised};
+use identification::validate::{Estimates, Known, Raised};
 use serde_json::{Value, json};
 
 /// A voltage that goes over less than this part of the table's range may be that of a monitor, of 1:10 and more.
@@ -12,7 +12,7 @@ const MOSTLY: f64 = 50.0;
 
 /// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be believed by a table
 /// of voltages in `table_v`, as they would be recorded.
-pub fn estimated(estimates: &Estimates, started: bool, table_v: Range<f64>) -> Vec<String> {
+pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> Vec<String> {
     let all = &estimates.instants;
     let range = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), row| {
         (low.min(row.estimate), high.max(row.estimate))
@@ -26,12 +26,21 @@ pub fn estimated(estimates: &Estimates, started: bool, table_v: Range<f64>) -> V
     )];
     let widths: Vec<f64> = all.iter().filter_map(|row| row.half_width).collect();
     let mean = || widths.iter().sum::<f64>() / widths.len() as f64;
-    lines.push(match (started, widths.is_empty()) {
-        (false, _) => "    the actuator is taken to have rested at the first voltage, and no ± is stated, since no displacement is known: \
-                       --start-at <UM> says where it was at the first sample, in the training sensor's µm"
-            .to_owned(),
-        (true, true) => "    the table states no ±".to_owned(),
-        (true, false) => format!("    ± {:.3} µm on average since the first sample, 95 % of the time", mean()),
+    lines.push(match (known, widths.is_empty()) {
+        (Known::Nothing, _) => {
+            "    the actuator is taken to have rested at the first voltage, and no ± is stated, since no displacement is known: \
+             --zero-at <S>:<UM> says where it was at a time, best after a full swing, --start-at <UM> where at the first sample, in the \
+             training sensor's µm"
+                .to_owned()
+        }
+        (Known::Zero { at_s, .. }, true) => {
+            format!("    no ± is stated: the table has none, or {at_s} s is too soon after the start for a zero")
+        }
+        (Known::Start(_), true) => "    the table states no ±".to_owned(),
+        (Known::Zero { at_s, um }, false) => {
+            format!("    {um} µm at {at_s} s, and from then on ± {:.3} µm on average, 95 % of the time", mean())
+        }
+        (Known::Start(_), false) => format!("    ± {:.3} µm on average since the first sample, 95 % of the time", mean()),
     });
     let raised = estimates.raised();
     lines.extend(scale_asked(estimates, table_v).map(|asked| format!("    {asked}")));

@@ -4,7 +4,7 @@ use crate::raised::{Raised, raised};
 use crate::run::Run;
 use crate::scope::{Scope, ScopeError, time_s};
 use crate::told::{Correction, Told};
-use estimator_core::{Admitted, Status};
+use estimator_core::{Admitted, Range, Status};
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, Recipe};
 use recordings::session::Session;
@@ -72,23 +72,77 @@ pub fn estimates(
     Ok(estimates)
 }
 
+/// What is known of the displacement of a log that has no sensor, in µm of the training's.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Known {
+    /// Nothing: the actuator is taken to have rested at the first voltage.
+    Nothing,
+    /// Where it was at the first sample.
+    Start(f64),
+    /// Where it was at a time, as `zero` tells a device.
+    Zero {
+        /// That time, s since the log's first sample.
+        at_s: f64,
+        /// Where it then was.
+        um: f64,
+    },
+}
+
+/// Why there are no estimates of a voltage alone.
+#[derive(Debug, thiserror::Error)]
+pub enum UnmeasuredError {
+    /// The log cannot be brought to the tick.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// No actuator of the table is where it is said to have started.
+    #[error(
+        "a start at {start_um} µm is none of this table's, whose displacements go from {min_um:.3} to {max_um:.3} µm by the training sensor's zero"
+    )]
+    Start {
+        /// What was said.
+        start_um: f64,
+        /// The table's least.
+        min_um: f64,
+        /// The table's largest.
+        max_um: f64,
+    },
+    /// The log has nothing at the zero's time.
+    #[error(transparent)]
+    Zero(#[from] ScopeError),
+}
+
 /// Runs a table's f32 core over a log's voltage, whether or not a sensor is beside it, as a device does that is switched on at its
-/// beginning. `start_um` is where the actuator then was, in µm of the training's sensor; else it is taken to have rested there.
+/// beginning.
 ///
 /// # Errors
-/// The log cannot be brought to the tick.
-pub fn unmeasured(
-    table: &Admitted,
-    log: Log,
-    recipe: &Recipe,
-    start_um: Option<f64>,
-) -> Result<Estimates, PrepareError> {
+/// The log cannot be brought to the tick, or what is known lies outside the table or the log.
+pub fn unmeasured(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> Result<Estimates, UnmeasuredError> {
     // What a sensor would have shown is not looked at, nor when.
     let recipe = Recipe { delay_ticks: 0, ..recipe.clone() };
     let nothing = vec![0.0; log.voltage.len()];
     let session = recipe.session(&recipe.cut(&Log { displacement: Some(nothing), ..log }))?;
-    let start = start_um.map(|um| um * recipe.displacement_scale - recipe.displacement_zero_um);
-    Ok(Estimates::of(&session, &recipe, &Run::of::<f32>(table, &session, start, None)))
+    let of_model = |um: f64| um * recipe.displacement_scale - recipe.displacement_zero_um;
+    let run = |start: Option<f64>, told: Option<usize>| Run::of::<f32>(table, &session, start, told);
+    match known {
+        Known::Nothing => Ok(Estimates::of(&session, &recipe, &run(None, None))),
+        Known::Start(start_um) => {
+            let start = of_model(start_um);
+            let limits: Range<f64> = table.displacement_limits_um.of();
+            if !limits.contains(start) {
+                let ends = Range::of_values([limits.min, limits.max].map(|um| in_file(&recipe, um)));
+                return Err(UnmeasuredError::Start { start_um, min_um: ends.min, max_um: ends.max });
+            }
+            Ok(Estimates::of(&session, &recipe, &run(Some(start), None)))
+        }
+        Known::Zero { at_s, um } => {
+            let part = Scope { zero_at_s: Some(at_s), ..Scope::ALL }.part(&session)?;
+            let window = part.zero.clone().unwrap_or_default();
+            let mut run = run(None, window.end.checked_sub(1));
+            let off = part.zeroed(&run.estimated) - of_model(um);
+            run.estimated.iter_mut().skip(window.end).for_each(|estimate| *estimate -= off);
+            Ok(Estimates::of(&session, &recipe, &run))
+        }
+    }
 }
 
 /// A displacement in the units and from the zero of the log's file, µm, of one relative to the model's zero.

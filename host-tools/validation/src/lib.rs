@@ -19,7 +19,7 @@ mod trace;
 pub use baseline::Baseline;
 pub use compare::{Cold, Comparison, compare, compare_within};
 pub use coverage::Coverage;
-pub use estimates::{Estimates, Instant, estimates, unmeasured};
+pub use estimates::{Estimates, Instant, Known, UnmeasuredError, estimates, unmeasured};
 pub use figures::Figures;
 pub use raised::Raised;
 pub use run::Run;

@@ -43,6 +43,12 @@ pub fn span(text: &str) -> Result<Span, String> {
     if span.zero == span.full { Err("the two ends must differ".to_owned()) } else { Ok(span) }
 }
 
+/// A time and where the actuator is then: `24:-91.5`.
+pub fn zero(text: &str) -> Result<(f64, f64), String> {
+    let (at_s, um) = text.split_once(':').ok_or("expected a time and a displacement, as 24:-91.5")?;
+    Ok((not_negative(at_s)?, finite(um)?))
+}
+
 /// A finite number, or `auto`.
 pub fn auto_or(text: &str) -> Result<AutoOr, String> {
     match text {

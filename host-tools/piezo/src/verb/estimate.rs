@@ -2,12 +2,12 @@
 
 use super::device::look_at;
 use super::print::out;
-use crate::option::{LogOptions, Overwrite, PrepareAgain, finite};
+use crate::option::{LogOptions, Overwrite, PrepareAgain, finite, zero};
 use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
 use estimator_core::Range;
-use identification::validate::{Estimates, unmeasured};
+use identification::validate::{Estimates, Known, unmeasured};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -26,6 +26,10 @@ pub struct Estimate {
     /// Where the actuator is at each log's first sample, µm of the training sensor; else it is taken to have rested there for long.
     #[arg(long, value_name = "µm", value_parser = finite, allow_negative_numbers = true)]
     pub start_at: Option<f64>,
+    /// Where the actuator is at a time, s since each log's first sample, in µm of the training sensor, as `piezo zero` tells a device at a
+    /// known position: from then on the estimate is by that, with its ±. Best after a full swing, which wipes out how it started.
+    #[arg(long, value_name = "S:µm", value_parser = zero, allow_hyphen_values = true, conflicts_with = "start_at")]
+    pub zero_at: Option<(f64, f64)>,
     /// Print what was estimated as JSON.
     #[arg(long)]
     pub json: bool,
@@ -48,12 +52,16 @@ pub fn run(arguments: &Estimate) -> Result<bool> {
     arguments.overwrite.of(path, Estimates::UNMEASURED_HEADING)?;
     let (file, table) = look_at(&arguments.table)?;
     let recipe = arguments.prepare.instead_of(file.recipe);
+    let known = match (arguments.start_at, arguments.zero_at) {
+        (Some(start), _) => Known::Start(start),
+        (None, Some((at_s, um))) => Known::Zero { at_s, um },
+        (None, None) => Known::Nothing,
+    };
     let (mut all, mut written) = (Vec::new(), String::from(Estimates::UNMEASURED_HEADING));
     for path in &arguments.logs {
         let log = arguments.files.read_voltage(path)?;
         let recipe = recipe.of(&log);
-        let estimates =
-            unmeasured(&table, log, &recipe, arguments.start_at).with_context(|| path.display().to_string())?;
+        let estimates = unmeasured(&table, log, &recipe, known).with_context(|| path.display().to_string())?;
         written.push_str(&estimates.csv());
         let Range { min, max } = table.voltage_range_v.of();
         all.push((estimates, Range::of_values([min, max].map(|voltage| recipe.as_recorded(voltage)))));
@@ -66,7 +74,7 @@ pub fn run(arguments: &Estimate) -> Result<bool> {
         return Ok(true);
     }
     for (estimates, table_v) in &all {
-        findings::estimated(estimates, arguments.start_at.is_some(), *table_v).iter().for_each(|line| out(line));
+        findings::estimated(estimates, &known, *table_v).iter().for_each(|line| out(line));
     }
     out(&format!("\nWritten: {}", path.display()));
     Ok(true)
