@@ -15,15 +15,19 @@ use crate::problem::Problem;
 use crate::search::{Gene, Quadratic, halved, scaled};
 use candidate::{Extra, Family, PLAYS, SLEW, Values};
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
-use freed::freed;
+use freed::{Freed, freed};
 use log_survey::Character;
 use play_columns::{CREEP_TIMES, Course, FUNCTIONS, Solution, solve};
 use std::sync::Arc;
 
 /// The shortest of delay and lag together that is tried beside freed weights, ticks.
 const SHORTEST: f64 = 0.1;
-/// So often the memory at rest is looked for between what was tried of it.
+/// So often the memory at rest is looked for between what was tried of it, and so far from where it was found before.
 const TURNS: usize = 4;
+const NEAR: f64 = 0.25;
+/// Rounds of lateness and memory at most, and what another must gain in the logarithm of the mean square error.
+const ROUNDS: usize = 3;
+const GAIN: f64 = 0.02;
 /// A slew limit that makes the errors smaller by no more than this part of them is idle.
 const IDLE: f64 = 0.01;
 
@@ -118,32 +122,31 @@ impl super::Family for Family {
         Some(self.candidate(values, problem, Cost::from(Feedback::Simulation))?.0)
     }
 
-    /// Without what did not act, and with weights freed from the law, where the logs give any.
+    /// Without what did not act, and with weights freed from the law, where the logs give any. What the law misses looks like a lag and
+    /// a memory at rest: both are found once more beside weights of their own.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let values = self.without_idle_limit(self.values(values)?, problem)?;
         let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
         let law = self.solve(&values, problem)?;
         let sessions = self.sessions(problem);
-        // What the law misses of small loops' width looks like a lag where only small amplitudes were fast: beside weights of their own
-        // delay and lag are found once more.
-        let late_ticks = values.delay_ticks + values.lag_s / self.tick;
+        let rests = sessions.iter().any(|(_, course)| course.at_rest && course.settled > 0);
         let tried = |values: Values| {
             let freed = freed(self, &values, &law, &sessions, several)?;
             let cost = freed.solution.total + values.unlikely(self.tick, problem.lag_s);
-            Some(((values, freed), cost))
+            Some((Tried { values, freed, cost }, cost))
         };
-        let later = scaled(SHORTEST / late_ticks, |scale| {
-            tried(Values { delay_ticks: scale * values.delay_ticks, lag_s: scale * values.lag_s, ..values })
-        });
-        let Some((_, (values, freed))) = later else { return self.parameters(&values, self.law(&values), &law) };
-        // So is the memory at rest: how wide plays weigh shows in the first rise alone, and by the law it makes up for that.
-        let rests = sessions.iter().any(|(_, course)| course.at_rest && course.settled > 0);
-        let mut points = [-2.0, -1.0, 0.0, values.rest_memory];
-        points.sort_by(f64::total_cmp);
-        let of = |rest_memory: f64| tried(Values { rest_memory, ..values });
-        let again = rests.then(|| halved(&points, TURNS, of)).flatten();
-        let (values, freed) = again.unwrap_or((values, freed));
-        self.parameters(&values, freed.weights, &freed.solution)
+        let Some((mut best, _)) = tried(values) else { return self.parameters(&values, self.law(&values), &law) };
+        // Either is found at what the other was, until that gains no more.
+        for turn in 0..ROUNDS {
+            let before = best.cost;
+            best = later(&best.values, self.tick, tried).unwrap_or(best);
+            let rested = rests.then(|| remembering(&best.values, turn, tried)).flatten();
+            best = rested.unwrap_or(best);
+            if !rests || before - best.cost < GAIN {
+                break;
+            }
+        }
+        self.parameters(&best.values, best.freed.weights, &best.freed.solution)
     }
 
     fn has(&self, gene: &Gene, found: &Parameters) -> bool {
@@ -162,6 +165,33 @@ impl super::Family for Family {
     fn solved(&self, _found: &Parameters) -> usize {
         2 * FUNCTIONS + PLAYS + ["offset"].len()
     }
+}
+
+/// What was found beside freed weights.
+struct Tried {
+    values: Values,
+    freed: Freed,
+    cost: f64,
+}
+
+/// Delay and lag together: what the law misses of small loops' width looks like one where only small amplitudes were fast.
+fn later(values: &Values, tick_s: f64, tried: impl Fn(Values) -> Option<(Tried, f64)>) -> Option<Tried> {
+    let least = SHORTEST / (values.delay_ticks + values.lag_s / tick_s);
+    let of =
+        |scale: f64| tried(Values { delay_ticks: scale * values.delay_ticks, lag_s: scale * values.lag_s, ..*values });
+    scaled(least, of).map(|(_, best)| best)
+}
+
+/// The memory at rest: how wide plays weigh shows in the first rise alone, and by the law it makes up for that. At first anywhere, then
+/// near what it was.
+fn remembering(values: &Values, turn: usize, tried: impl Fn(Values) -> Option<(Tried, f64)>) -> Option<Tried> {
+    let found = values.rest_memory;
+    let (mut points, turns) = match turn {
+        0 => (vec![-2.0, -1.0, 0.0, found], TURNS),
+        _ => ([-NEAR, 0.0, NEAR].map(|by| (found + by).clamp(-2.0, 1.0)).to_vec(), TURNS / 2),
+    };
+    points.sort_by(f64::total_cmp);
+    halved(&points, turns, |rest_memory| tried(Values { rest_memory, ..*values }))
 }
 
 #[cfg(test)]
