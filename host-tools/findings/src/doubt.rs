@@ -181,9 +181,15 @@ pub fn runs_ahead(Ahead { percent, loops }: &Ahead) -> String {
 
 /// What is doubtful of a stroke.
 pub fn implausible(of: &Implausible) -> String {
+    let monitor = match of.um_per_v() > Implausible::MOST_UM_PER_V {
+        true => {
+            "is the voltage a monitor's, or the amplifier's input (--voltage-scale <N>, 20 of a monitor 1:20)? Else "
+        }
+        false => "",
+    };
     format!(
         "the displacement goes over {} µm and the voltage over {} V, {} µm/V, which is no piezo actuator's ({} … {} µm/V, {} mm at \
-         most): is the unit right, and the sensor's scale? --columns and --sensor state another",
+         most): {monitor}is the unit right, and the sensor's scale? --columns and --sensor state another",
         short(of.stroke_um),
         short(of.span_v),
         short(of.um_per_v()),
@@ -238,6 +244,8 @@ mod tests {
     fn a_stroke_is_doubted_by_the_limits_that_are_asked() {
         let said = implausible(&Implausible { stroke_um: 1e4, span_v: 40.0 });
         assert!(said.contains("250 µm/V, which is no piezo actuator's (0.0002 … 200 µm/V, 2 mm at most)"), "{said}");
+        let small = implausible(&Implausible { stroke_um: 0.015, span_v: 100.0 });
+        assert!(said.contains("--voltage-scale <N>") && !small.contains("--voltage-scale"), "{said} {small}");
     }
 
     #[test]

@@ -77,7 +77,7 @@ fn cross_validated(of: &CrossValidation) -> String {
         // There are at least two scores where there is a choice.
         _ => format!("{:.3} µm where {left_out} were left out in turn", score.error_um),
     };
-    let unseen = if of.amplitudes { "" } else { ", all of one amplitude, which says nothing of others" };
+    let unseen = if of.amplitudes { "" } else { "; the stretches all have one amplitude, and say nothing of others" };
     format!("{best}{unseen}. --model takes another.")
 }
 

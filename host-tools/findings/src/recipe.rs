@@ -9,7 +9,7 @@ pub fn zeros(recipe: &Recipe) -> String {
         scale => format!("The voltage is the recorded one times {scale}"),
     };
     format!(
-        "{volts}; {:.4} V and {:.4} µm are the model's zero; the sensor's delay is taken as {:.2} ms",
+        "{volts}; the model counts volts from {:.4} V, and µm from {:.4} µm of the sensor, whose delay is taken as {:.2} ms",
         recipe.voltage_zero_v,
         recipe.displacement_zero_um,
         f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3

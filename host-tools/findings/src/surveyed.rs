@@ -19,7 +19,7 @@ const PART_OF_A_HALF_CYCLE: u64 = 20;
 const MONITOR_V: f64 = 12.0;
 
 /// What is to be said of such.
-const AS_RECORDED: &str = "is it a monitor's, or the amplifier's input, and not the actuator's voltage? Then identify needs the factor \
+const AS_RECORDED: &str = "is this voltage a monitor's, or the amplifier's input, and not the actuator's? Then identify needs the factor \
                            between them: --voltage-scale <N>, 20 of a monitor 1:20";
 
 /// What a displacement that no sensor has measured is, and what helps.
@@ -46,12 +46,12 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
             Some(series) => {
                 ranges(&mut line, name, (unit, small), series);
                 rests(&mut line, unit, series, survey);
+                if name == "voltage" && series.low.abs().max(series.high.abs()) <= MONITOR_V {
+                    line("", AS_RECORDED);
+                }
             }
             None => line(name, refusal.unwrap_or("no column holds it")),
         }
-    }
-    if survey.voltage.as_ref().is_some_and(|volts| volts.low.abs().max(volts.high.abs()) <= MONITOR_V) {
-        line("", AS_RECORDED);
     }
     if survey.displacement_estimated {
         line("", ESTIMATED);

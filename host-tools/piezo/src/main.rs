@@ -31,7 +31,7 @@ struct Cli {
 const EXIT_CODES: &str = "Exit codes:
   0  done
   1  done, and it came out badly: a threshold was exceeded or a trajectory not met (validate, feedforward, prove),
-     a bit differs (pil, install), a unit has no table (collect), it ended before its time (record, train, prove),
+     a bit differs (pil, install), a unit has no table (collect), it ended before its time (record, train, prove, follow),
      a part failed (learn), a fault stopped it or it waited for the host (follow)
   2  not done: the arguments, a file or the device are wrong; no file is left half-written";
 

@@ -65,17 +65,17 @@ pub fn learnable(path: &Path, options: &ReadOptions, found: &Survey) -> Learnabl
         Ok(log) => log,
         Err(error) => return Learnable::No(sentence(&error)),
     };
-    match tried(log) {
+    match tried(vec![log]) {
         Ok(()) => Learnable::Yes,
         Err(error @ (JobError::NoReversal { .. } | JobError::Noise { .. })) => Learnable::NotAlone(sentence(&error)),
         Err(error) => Learnable::NotAsItIs(sentence(&error)),
     }
 }
 
-/// What `identify` does with a log before it searches.
-fn tried(log: Log) -> Result<(), JobError> {
+/// What `identify` does with logs before it searches.
+pub(crate) fn tried(training: Vec<Log>) -> Result<(), JobError> {
     let job = Job {
-        training: vec![log],
+        training,
         held_out: Vec::new(),
         hold_out: findings::hold_out(None, false),
         as_judged: false,

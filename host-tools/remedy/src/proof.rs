@@ -19,8 +19,20 @@ pub fn other_range(of: &OtherRange) -> String {
 
 /// What a proof leaves that was interrupted, with the voltage at rest, and a log where it had come to that.
 pub fn proof_interrupted(why: &PlayError, log: Option<&Path>) -> String {
-    let log = log.map_or(String::new(), |log| format!("; {} holds what was recorded since the zero", log.display()));
+    let log = log.map_or(String::new(), |log| {
+        format!(
+            "; {} holds what was recorded since the zero: the next proof needs another --out.\n{}",
+            log.display(),
+            zeroed()
+        )
+    });
     format!("{why}: nothing is proven, and the voltage has gone back to rest{log}")
+}
+
+/// What is said of a drive along a line that was interrupted, with the voltage on its way to rest, and a log where there is one.
+pub fn follow_interrupted(why: &PlayError, log: Option<&Path>) -> String {
+    let log = log.map_or(String::new(), |log| format!("; {} holds what was recorded", log.display()));
+    format!("{why}: the voltage goes back to rest, and the device estimates{log}")
 }
 
 /// What a proof leaves behind.

@@ -1,9 +1,11 @@
 //! What is said of a session on the bench that has ended before its time, or has not ended.
 
 use super::bench::{complaint, identify, stopped};
+use super::learnable::tried;
 use super::paste::typed;
 use super::sentence;
 use bench::{Ended, Unfinished};
+use recordings::log::{ReadOptions, read};
 use std::path::Path;
 
 /// Why a session ended before its time, with its remedy.
@@ -22,6 +24,13 @@ pub fn kept_logs(folder: &Path) -> Option<String> {
     let all = session.logs.len() + session.held_out.len();
     let there = session.unfinished.map_or(all, |unfinished| unfinished.there);
     let logs = if there == 1 { "1 log is".to_owned() } else { format!("{there} logs are") };
+    let read_all =
+        || session.logs.iter().map(|log| read(log, &ReadOptions::default()).ok()).collect::<Option<Vec<_>>>();
+    if read_all().is_some_and(|logs| tried(logs).is_err()) {
+        return Some(format!(
+            "{logs} kept, too short to learn from: piezo train with another --out plays a session anew"
+        ));
+    }
     Some(format!("{logs} kept, to learn from as far as they go:\n\n    {}{}", identify(folder), typed("--board")))
 }
 

@@ -36,8 +36,8 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
     }
     if learnt.whole.is_some() {
         sentences.push(
-            "The table is this model learnt once more, from the whole of each training log. The error above is the model's before that; of the \
-             table, no recording is left that could tell it: `piezo validate` does with another."
+            "The table is this model learnt once more, from the whole of each training log. The error above is the model's before that: how far off \
+             the table is, `piezo validate` says with a recording that it was not learnt from."
                 .to_owned(),
         );
     }

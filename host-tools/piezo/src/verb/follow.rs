@@ -10,7 +10,7 @@ use bench::followed::{Following, Foreseen, Met, Reached, late};
 use bench::{beyond_training, caveats, require_model};
 use clap::Args;
 use device_link::interrupt::Interrupt;
-use device_link::play::{Play, Played, play};
+use device_link::play::{Play, PlayError, Played, play};
 use device_link::{table, words};
 use estimator_core::Status;
 use protocol::Mode;
@@ -106,6 +106,14 @@ pub fn run(arguments: &Follow) -> Result<bool> {
         }
     }
     let followed = match (followed, &arguments.out) {
+        (Err(why @ PlayError::Interrupted { .. }), written) if rested.is_ok() => {
+            let written = written.as_deref().filter(|_| !following.rows.is_empty());
+            if arguments.json {
+                out(&serde_json::to_string_pretty(&json!({ "passed": false, "complete": false, "out": written }))?);
+            }
+            eprintln!("piezo: {}", remedy::follow_interrupted(&why, written));
+            return Ok(false);
+        }
         (Err(error), Some(path)) if !following.rows.is_empty() => {
             let before = format!("{} holds the {} samples before", path.display(), following.rows.len());
             return Err(anyhow::Error::from(error).context(before));
