@@ -177,5 +177,5 @@ models! {
     Narx, "narx", "NARX (Table 5.1)", NarxParameters, (51_000, 51_000);
     /// Fifteen play operators behind one envelope in a chain with delay, lag, creep and resonance.
     GeneralisedPrandtlIshlinskii, "generalised-prandtl-ishlinskii", "generalised Prandtl–Ishlinskii",
-        GeneralisedPrandtlIshlinskiiParameters, (19_000, 50_900);
+        GeneralisedPrandtlIshlinskiiParameters, (19_800, 50_900);
 }
