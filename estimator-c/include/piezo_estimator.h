@@ -93,7 +93,7 @@ typedef struct PiezoEstimator {
 typedef struct PiezoEstimate {
   // Displacement at the next tick, µm.
   float displacement_um;
-  // Half the width of its 95 % interval, µm; NaN where the table has none, or the displacement was never told.
+  // Half the width of its 95 % interval, µm; NaN where the table has none, the displacement was never told, or the voltage is beyond the table's range.
   float half_width_um;
   // The displacement as a DAC with the table's calibration takes it, right-aligned.
   uint16_t dac_code;

@@ -49,7 +49,7 @@ memory!(PiezoEstimator of Estimator<f32>);
 pub struct PiezoEstimate {
     /// Displacement at the next tick, µm.
     pub displacement_um: f32,
-    /// Half the width of its 95 % interval, µm; NaN where the table has none, or the displacement was never told.
+    /// Half the width of its 95 % interval, µm; NaN where the table has none, the displacement was never told, or the voltage is beyond the table's range.
     pub half_width_um: f32,
     /// The displacement as a DAC with the table's calibration takes it, right-aligned.
     pub dac_code: u16,

@@ -204,7 +204,12 @@ impl<T: Real> Estimator<T> {
         let half_width = if self.interval.is_some() {
             let Width { half, untrained } = self.width(voltage, free, known.is_some());
             status.set(Status::UNTRAINED, untrained);
-            if misled { None } else { half }
+            if misled {
+                self.widen(voltage);
+                None
+            } else {
+                half
+            }
         } else {
             None
         };
@@ -234,11 +239,17 @@ impl<T: Real> Estimator<T> {
         let misled = saturated || !as_good.contains(wanted);
         if misled {
             self.settling = Some(Settling::new(self.voltage_range, self.deadband));
-            if let Some(state) = &mut self.interval_state {
-                state.mislead(self.voltage_range.clamp(wanted));
-            }
         }
         misled
+    }
+
+    /// The interval counts a voltage that the model was misled by as a start.
+    #[cold]
+    #[inline(never)]
+    fn widen(&mut self, voltage: T) {
+        if let Some(state) = &mut self.interval_state {
+            state.mislead(voltage);
+        }
     }
 
     /// The interval of a tick. At the first one a displacement is `known` where the estimator was told it. A function of its

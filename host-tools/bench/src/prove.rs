@@ -252,7 +252,7 @@ fn drive(
                 let voltage_v = volts(sample);
                 instants.push(Instant { estimate_um: estimate, sensor_um: um, voltage_v, half_width_um: half, status });
                 let mut row = vec![voltage_v, um, estimate];
-                // A table that has an interval has it from the zero on.
+                // A table that has an interval has it from the zero on, but where the voltage is beyond its range.
                 row.extend(table.interval.map(|_| half.unwrap_or(f64::NAN)));
                 // The first row is at 0 s.
                 let began = *began.get_or_insert(of.tick);

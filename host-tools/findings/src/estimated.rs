@@ -34,9 +34,11 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> V
                 .to_owned()
         }
         (Known::Zero { at_s, .. }, true) => {
-            format!("    no ± is stated: the table has none, or {at_s} s is too soon after the start for a zero")
+            format!(
+                "    no ± is stated: the table has none, {at_s} s is too soon after the start for a zero, or the voltage is beyond the table's range"
+            )
         }
-        (Known::Start(_), true) => "    the table states no ±".to_owned(),
+        (Known::Start(_), true) => "    no ± is stated: the table has none, or the voltage is beyond its range".to_owned(),
         (Known::Zero { at_s, um }, false) => {
             format!("    {um} µm at {at_s} s, and from then on ± {:.3} µm on average, 95 % of the time", mean())
         }

@@ -18,8 +18,8 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
         "The ± beside the estimate is what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time. \
          It is at least ±{misfit_um:.3} µm, where the voltage goes as it did in the training: ±{own_um:.3} µm by these logs' own errors, \
          more by those of {devices} simulated devices that were learnt from the same voltages. It is more where the voltage goes otherwise \
-         or fast. Told before the voltage has made a full swing, it grows with that to ±{:.3} µm, or ±{:.3} µm where the voltage stood at an end \
-         of its range at the start, since nobody knows what was before; told after one, it does not.",
+         or fast. If the displacement was told before a full swing, the ± widens with that to ±{:.3} µm, or ±{:.3} µm where the voltage stood at an \
+         end of its range at the start, since nobody knows what was before; told after one, it does not, unless the voltage leaves that range.",
         misfit_um.hypot(memory_um),
         misfit_um.hypot(parameters.memory_at_ends * memory_um)
     )

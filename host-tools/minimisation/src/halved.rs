@@ -9,12 +9,13 @@ pub fn halved<T>(points: &[f64], turns: usize, at: impl Fn(f64) -> Option<(T, f6
     for turn in 0..=turns {
         for point in std::mem::take(&mut next) {
             let Some((found, cost)) = at(point) else { continue };
-            if best.as_ref().is_none_or(|(_, least)| cost < *least) {
+            if best.as_ref().is_none_or(|(_, least)| cost.total_cmp(least).is_lt()) {
                 best = Some((found, cost));
             }
             tried.push((point, cost));
         }
         tried.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        tried.dedup_by(|(a, _), (b, _)| a == b);
         let least = tried.iter().enumerate().min_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b));
         if let Some((index, &(point, _))) = least.filter(|_| turn < turns) {
             let beside = [index.checked_sub(1), Some(index + 1)].into_iter().flatten();

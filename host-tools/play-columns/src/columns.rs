@@ -30,7 +30,7 @@ pub struct Stages<'a> {
     pub plays: &'a [(f64, f64)],
     /// Time constant (s) and gain of each creep element.
     pub creep: &'a [(f64, f64)],
-    /// Memory at rest, 0 … 1.
+    /// Memory at rest, −2 … 1, as the model's parameter has it.
     pub rest_memory: f64,
     /// Frequency (Hz) and damping of what the sum goes through.
     pub resonance: Option<(f64, f64)>,

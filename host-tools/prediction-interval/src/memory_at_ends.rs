@@ -12,6 +12,8 @@ use validation::ZERO_WINDOW_S;
 
 /// A start says something of the ends where it leaves less than this open without them: all but the middle third of the range.
 const OUTER: f64 = 0.9;
+/// A start that leaves less than this open is one at an end, and says how little an end leaves open; others, how much at least.
+const AT_END: f64 = 0.25;
 /// e where no log begins at rest there: what nobody has seen is neither nothing nor all that a start in the middle leaves open.
 const UNSEEN: f64 = 0.5;
 /// A voltage stands where it moves by no more than this part of a session's span.
@@ -23,14 +25,18 @@ const FEW: f64 = 1.5;
 /// b·`memory_um` is [`FEW`] times what that log's first swing was off by beyond `misfit_um`; [`UNSEEN`] where none begins there.
 pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfit_um: f64) -> f64 {
     let range: Range<f64> = table.voltage_range_v.of();
-    let needed = problem.training().filter_map(|session| {
+    // How much a log's start leaves open without e, and the e that it needs.
+    let of = |session: &Session| {
         // A log that begins in motion is one of an actuator that the drive before it has left as it would be.
         let part = range.clamp(rest(session, table.sample_period())?) - range.min;
         let open = 4.0 * part * (range.span() - part) / (range.span() * range.span());
         let beyond = (off_in_first_swing(table, session)?.powi(2) - misfit_um.powi(2)).max(0.0).sqrt();
-        (open < OUTER).then_some((FEW * beyond / memory_um - open) / (1.0 - open))
-    });
-    needed.filter(|needed| needed.is_finite()).reduce(f64::max).map_or(UNSEEN, |needed| needed.clamp(0.0, 1.0))
+        let needed = (FEW * beyond / memory_um - open) / (1.0 - open);
+        (open < OUTER && needed.is_finite()).then_some((open, needed))
+    };
+    let starts: Vec<(f64, f64)> = problem.training().filter_map(of).collect();
+    let at_an_end = starts.iter().filter(|(open, _)| *open < AT_END).map(|(_, needed)| *needed).reduce(f64::max);
+    starts.iter().map(|(_, needed)| *needed).fold(at_an_end.unwrap_or(UNSEEN), f64::max).clamp(0.0, 1.0)
 }
 
 /// The voltage at which a session of such ticks begins, V, where it stands there for the first 50 ms.
@@ -133,6 +139,8 @@ mod tests {
             "what is open without it is taken off"
         );
         assert_eq!(learnt(&Log { part: 0.4, ..LOG }, 0.0), UNSEEN, "a start in the middle says nothing of the ends");
+        let sound = learnt(&Log { part: 0.3, first_um: 0.1 * M, ..LOG }, 0.0);
+        assert_eq!(sound, UNSEEN, "a good start between says not that an end is good");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use comparison::ComparisonError;
 use estimator_core::TableError;
 use fleet::UnitError;
 use identification::cost::UnusedWeight;
-use identification::validate::{Bound, ScopeError};
+use identification::validate::{Bound, ScopeError, UnmeasuredError};
 use identification::{CandidateError, JobError};
 use recordings::{LogUse, Role};
 use result_files::FileError;
@@ -24,6 +24,15 @@ pub const ENDS: &str = "Ctrl-C: it ends when this part has, and a second Ctrl-C 
 
 /// The error with its remedy, if it is one of these.
 pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
+    if let Some(of) = error.downcast_ref::<UnmeasuredError>() {
+        return match of {
+            UnmeasuredError::Prepare(inner) => super::log::told(inner),
+            UnmeasuredError::Zero(inner) => Some(scope(inner)),
+            UnmeasuredError::Start { .. } => Some(format!(
+                "{of}: state it by that zero, or with --zero-at <S>:<UM> where it is known at a later time"
+            )),
+        };
+    }
     error
         .downcast_ref()
         .map(job)

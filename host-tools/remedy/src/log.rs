@@ -93,7 +93,8 @@ fn fault(fault: &Fault, path: &Path) -> String {
         {
             let what = fault.to_string();
             let what = what.split_once(": ").map_or(&*what, |(what, _)| what);
-            format!("{what}: correct it, or leave what is no number out of the errors{}", paste::with_flag("--repair"))
+            let of = if verb("validate") { "errors" } else { "learning" };
+            format!("{what}: correct it, or leave what is no number out of the {of}{}", paste::with_flag("--repair"))
         }
         Fault::IrregularTime { example, value, percent, period } if planned => format!(
             "irregular time (t = {value} s is {percent} % of a sample period of {period} s off its place): resample it to points equally far \

@@ -26,9 +26,10 @@ pub fn kept_logs(folder: &Path) -> Option<String> {
     let logs = if there == 1 { "1 log is".to_owned() } else { format!("{there} logs are") };
     let read_all =
         || session.logs.iter().map(|log| read(log, &ReadOptions::default()).ok()).collect::<Option<Vec<_>>>();
-    if read_all().is_some_and(|logs| tried(logs).is_err()) {
+    if let Some(Err(why)) = read_all().map(tried) {
         return Some(format!(
-            "{logs} kept, too short to learn from: piezo train with another --out plays a session anew"
+            "{logs} kept, from which nothing can be learnt ({}): piezo train with another --out plays a session anew",
+            sentence(&why)
         ));
     }
     Some(format!("{logs} kept, to learn from as far as they go:\n\n    {}{}", identify(folder), typed("--board")))

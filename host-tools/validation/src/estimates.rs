@@ -136,10 +136,11 @@ pub fn unmeasured(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> 
         }
         Known::Zero { at_s, um } => {
             let part = Scope { zero_at_s: Some(at_s), ..Scope::ALL }.part(&session)?;
-            let window = part.zero.clone().unwrap_or_default();
-            let mut run = run(None, window.end.checked_sub(1));
-            let off = part.zeroed(&run.estimated) - of_model(um);
-            run.estimated.iter_mut().skip(window.end).for_each(|estimate| *estimate -= off);
+            // The last instant up to there, as a device is told: there is one, since the scope has found the time within the log.
+            let at = part.zero.map_or(0, |window| window.end.saturating_sub(1));
+            let mut run = run(None, Some(at));
+            let off = run.estimated.get(at).map_or(0.0, |estimate| estimate - of_model(um));
+            run.estimated.iter_mut().skip(at).for_each(|estimate| *estimate -= off);
             Ok(Estimates::of(&session, &recipe, &run))
         }
     }

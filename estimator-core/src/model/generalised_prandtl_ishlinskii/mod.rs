@@ -213,7 +213,7 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
             let elements = self.elements.iter().take(self.plays);
             elements.fold(T::zero(), |sum, &(r, weight)| sum + weight * self.envelope.at(input + memory * r))
         };
-        // At the lowest voltage a memory of a rise from there draws none up, and more than all of one draws none further down.
+        // At the lowest voltage a memory below 0 draws no play further down than the voltage, at the highest none above what −1 does.
         let (zero, one) = (T::zero(), T::one());
         let up = Range { min: zero, max: one }.clamp(self.rest_memory);
         let down = Range { min: zero, max: one }.clamp(self.rest_memory.abs());

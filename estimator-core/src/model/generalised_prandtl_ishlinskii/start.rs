@@ -1,7 +1,7 @@
 //! The memory that a run of the generalised Prandtl-Ishlinskii operator begins with: of an actuator at rest, with a displacement
 //! that is known or not.
 //!
-//! Long rest draws each play towards the middle of what it may be ([`rested`](GeneralisedPrandtlIshlinskii::rested)). A known
+//! An actuator at rest remembers the way that it came there, or has forgotten it ([`rested`](GeneralisedPrandtlIshlinskii::rested)). A known
 //! displacement says how far towards an end of that all plays stand, as after a rise or after a fall.
 
 use super::parameters::{CREEPS, PLAYS};

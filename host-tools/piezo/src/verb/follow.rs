@@ -106,7 +106,11 @@ pub fn run(arguments: &Follow) -> Result<bool> {
         }
     }
     let followed = match (followed, &arguments.out) {
-        (Err(why @ PlayError::Interrupted { .. }), written) if rested.is_ok() => {
+        (Err(why), _) if rested.is_err() => {
+            let unrested = rested.err().map_or(String::new(), |error| remedy::sentence(&error));
+            bail!("{}; and the device was not brought to rest: {unrested}", remedy::sentence(&why))
+        }
+        (Err(why @ PlayError::Interrupted { .. }), written) => {
             let written = written.as_deref().filter(|_| !following.rows.is_empty());
             if arguments.json {
                 out(&serde_json::to_string_pretty(&json!({ "passed": false, "complete": false, "out": written }))?);
@@ -138,6 +142,7 @@ fn tell(
     if arguments.json {
         let summary = json!({
             "passed": good,
+            "complete": true,
             "out": written,
             "ticks": followed.ticks,
             "samples": following.samples.len(),

@@ -165,7 +165,8 @@ fn to_json(((((comparison, log), trained_on), suspicion), repair): Judged<'_>) -
         "trained_on_s": trained_on.as_ref().map(|of| of.at_s),
         "suspicion": suspicion,
         "displacement_estimated": log.displacement_estimated,
-        "left_out": repair.map(|of| match of { Repair::LeftOut(count) => count, Repair::Hopeless => 0 }),
+        "left_out": match repair { Some(Repair::LeftOut(count)) => Some(*count), _ => None },
+        "beyond_repair": *repair == Some(Repair::Hopeless),
         "flaws": flaws_of(log, comparison.scored_s).iter().map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
     })
 }

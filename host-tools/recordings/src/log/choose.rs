@@ -101,13 +101,14 @@ impl Chooser<'_> {
             if channels.get(quantity).is_some() || left_out {
                 continue;
             }
-            let claimed = self.by_name(quantity, &channels)?;
-            let found = match claimed {
-                Some(channel) => Some(channel),
-                None if quantity == Quantity::Voltage && !self.options.voltage_required => None,
-                None => self.by_unit(quantity, &channels)?,
+            let found = match self.by_name(quantity, &channels) {
+                Ok(None) if quantity == Quantity::Voltage && !self.options.voltage_required => Ok(None),
+                Ok(None) => self.by_unit(quantity, &channels),
+                claimed => claimed,
             };
-            if let Some(channel) = found {
+            // What is wrong with a column that is not looked at does not matter.
+            let ignored = quantity == Quantity::Displacement && self.options.displacement == Need::Ignored;
+            if let Some(channel) = if ignored { found.ok().flatten() } else { found? } {
                 channels = channels.with(quantity, channel);
             }
         }

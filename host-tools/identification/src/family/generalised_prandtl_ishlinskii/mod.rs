@@ -187,7 +187,7 @@ fn later(values: &Values, tick_s: f64, tried: impl Fn(Values) -> Option<(Tried, 
 fn remembering(values: &Values, turn: usize, tried: impl Fn(Values) -> Option<(Tried, f64)>) -> Option<Tried> {
     let found = values.rest_memory;
     let (mut points, turns) = match turn {
-        0 => (vec![-2.0, -1.0, 0.0, found], TURNS),
+        0 => (vec![-2.0, -1.0, 0.0, found, 1.0], TURNS),
         _ => ([-NEAR, 0.0, NEAR].map(|by| (found + by).clamp(-2.0, 1.0)).to_vec(), TURNS / 2),
     };
     points.sort_by(f64::total_cmp);

@@ -130,6 +130,11 @@ fn a_log_without_displacement_where_the_caller_allows_it() {
         (None, parsed(&text, &needing(Need::Ignored)).unwrap().voltage.len())
     );
     assert!(matches!(refused(&off, &needing(Need::Optional)).1, Fault::NotFinite { .. }));
+    for sensors in ["displacement_V", "displacement", "a_um,b_um"] {
+        let more = if sensors.contains(',') { ",2" } else { "" };
+        let odd = format!("t_s,u_V,{sensors}\n{}", rows(0.001, |t, v, _| format!("{t},{v},1{more}")));
+        assert_eq!(parsed(&odd, &needing(Need::Ignored)).unwrap().displacement, None, "{sensors}");
+    }
     let (place, fault) = refused(&text, &ReadOptions::default());
     assert_eq!(place, Place::Line(1));
     assert!(matches!(fault, Fault::NoColumn { quantity: Quantity::Displacement, .. }));
