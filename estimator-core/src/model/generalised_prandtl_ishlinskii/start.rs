@@ -31,16 +31,13 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
     pub(super) fn rested(&self, voltage: T) -> [T; PLAYS] {
         let (memory, low, one) = (self.rest_memory, self.span.min, T::one());
         let between = |first: T, second: T, part: T| first + part * (second - first);
-        self.elements.map(|(half_width, _)| {
-            if memory >= T::zero() {
-                return between(voltage, play(self.span.middle(), voltage, half_width), memory);
-            }
-            let risen = play(low, voltage, half_width);
-            match memory < -one {
-                true => between(risen, play(low + half_width, voltage, half_width), -one - memory),
-                false => between(voltage, risen, -memory),
-            }
-        })
+        if memory < -one {
+            let risen = |half_width: T| play(low, voltage, half_width);
+            let fallen = |half_width: T| play(low + half_width, voltage, half_width);
+            return self.elements.map(|(r, _)| between(risen(r), fallen(r), -one - memory));
+        }
+        let from = if memory < T::zero() { low } else { self.span.middle() };
+        self.elements.map(|(half_width, _)| between(voltage, play(from, voltage, half_width), memory.abs()))
     }
 
     /// At rest at a voltage with these plays. Creep takes decades to forget what the
