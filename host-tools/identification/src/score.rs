@@ -22,6 +22,7 @@ use serde::Serialize;
 const AS_WELL: f64 = 1.1;
 /// What is chosen where it does as well as the best and no simpler one does.
 const IN_DOUBT: Model = Model::GeneralisedPrandtlIshlinskii;
+
 /// How a model did on what it was not fitted to.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Score {

@@ -111,8 +111,8 @@ pub enum UnmeasuredError {
     Zero(#[from] ScopeError),
 }
 
-/// Runs a table's f32 core over a log's voltage, whether or not a sensor is beside it, as a device does that is switched on at its
-/// beginning.
+/// Runs a table's f32 core over a log's voltage, whether or not a sensor is beside it, as a device does that is switched on where the
+/// log begins.
 ///
 /// # Errors
 /// The log cannot be brought to the tick, or what is known lies outside the table or the log.

@@ -5,7 +5,7 @@ use super::print::{out, progress};
 use crate::option::link::PortOption;
 use crate::option::{LogOptions, Overwrite, not_negative};
 use ::feedforward::Trajectory;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use bench::followed::{Following, Foreseen, Met, Reached, late};
 use bench::{beyond_training, caveats, require_model};
 use clap::Args;
@@ -106,11 +106,8 @@ pub fn run(arguments: &Follow) -> Result<bool> {
         }
     }
     let followed = match (followed, &arguments.out) {
-        (Err(why), _) if rested.is_err() => {
-            let unrested = rested.err().map_or(String::new(), |error| remedy::sentence(&error));
-            bail!("{}; and the device was not brought to rest: {unrested}", remedy::sentence(&why))
-        }
         (Err(why @ PlayError::Interrupted { .. }), written) => {
+            rested.with_context(|| format!("{why}, and the device was not brought to rest"))?;
             let written = written.as_deref().filter(|_| !following.rows.is_empty());
             if arguments.json {
                 out(&serde_json::to_string_pretty(&json!({ "passed": false, "complete": false, "out": written }))?);

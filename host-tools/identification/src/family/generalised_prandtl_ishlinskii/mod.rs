@@ -140,8 +140,7 @@ impl super::Family for Family {
         for turn in 0..ROUNDS {
             let before = best.cost;
             best = later(&best.values, self.tick, tried).unwrap_or(best);
-            let rested = rests.then(|| remembering(&best.values, turn, tried)).flatten();
-            best = rested.unwrap_or(best);
+            best = rests.then(|| remembering(&best.values, turn, tried)).flatten().unwrap_or(best);
             if !rests || before - best.cost < GAIN {
                 break;
             }
