@@ -64,9 +64,9 @@ fn references_are_taken_where_the_dac_drives_and_are_numbers() {
         bench.ask(Request::Refer { first: 255, references: Default::default(), go: true, hold: true }),
         Reply::Referred { next: 255, starved: 0 }
     );
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     while next(&mut bench, 255) == 255 {
-        assert!(start.elapsed() < std::time::Duration::from_secs(10), "ticks make room");
+        assert!(start.elapsed() < Duration::from_secs(10), "ticks make room");
     }
 }
 
