@@ -269,7 +269,8 @@ def read_log(
 
     columns says which column holds what ("time=1,voltage=2:mV,displacement=5:um"), sensor how far a volt of the sensor is
     ("2.5um/V"), and fs the sample rate in Hz, where the file does not.
-    With holes, a voltage or displacement that is no number is left out by identify(..., repair=True) instead of refused.
+    With holes, a voltage or displacement that is no number, and samples that the time stamps leave out, are left out by
+    identify(..., repair=True) instead of refused.
     """
 
 def validate(

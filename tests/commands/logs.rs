@@ -164,7 +164,7 @@ fn a_spike_that_is_left_out_costs_neither_error_nor_interval() {
 }
 
 #[test]
-fn values_that_are_no_numbers_are_left_out_by_the_line_that_their_refusal_prints() {
+fn what_has_no_number_or_was_lost_is_left_out_by_the_line_that_its_refusal_prints() {
     let folder = tempfile::tempdir().unwrap();
     let clean = Rig { duration: 0.5, voltage_noise: 0.02, ..Rig::default() }.log(EXCITATIONS[1]);
     let path = write(folder.path(), &clean);
@@ -185,28 +185,38 @@ fn values_that_are_no_numbers_are_left_out_by_the_line_that_their_refusal_prints
         cells[column] = value;
         lines[line] = cells.join(",");
     }
-    fs::write(&path, lines.join("\n")).unwrap();
-    let output = learn("holes").assert().code(2).get_output().stderr.clone();
-    let refusal = String::from_utf8(output).unwrap();
-    assert!(
-        refusal.contains(":201: the displacement is not a number (\"\u{221e}\"): correct it, or leave"),
-        "{refusal}"
-    );
-    let pasted = refusal.trim_end().lines().last().unwrap().trim();
-    assert!(pasted.ends_with(" --repair"), "{refusal}");
-    let words = pasted.split(' ').skip(1).map(|word| word.trim_matches('\''));
-    let learnt = piezo().args(words).assert().success().get_output().stdout.clone();
-    let learnt = String::from_utf8(learnt).unwrap();
-    assert!(
-        learnt.contains("has no number for the voltage or the displacement, 2 times, the longest time from 0."),
-        "{learnt}"
-    );
+    // The way on that the refusal prints, and that `look` prints before; what was learnt on it.
+    let repaired = |lines: &[String], out: &str, refused: &str| {
+        fs::write(&path, lines.join("\n")).unwrap();
+        let looked = piezo().arg("look").arg(&path).assert().success().get_output().stdout.clone();
+        let looked = String::from_utf8(looked).unwrap();
+        assert!(looked.contains(refused) && looked.trim_end().ends_with(" --repair"), "{looked}");
+        let output = learn(out).assert().code(2).get_output().stderr.clone();
+        let refusal = String::from_utf8(output).unwrap();
+        assert!(refusal.contains(refused), "{refusal}");
+        let pasted = refusal.trim_end().lines().last().unwrap().trim();
+        assert!(pasted.ends_with(" --repair"), "{refusal}");
+        let words = pasted.split(' ').skip(1).map(|word| word.trim_matches('\''));
+        let learnt = piezo().args(words).assert().success().get_output().stdout.clone();
+        String::from_utf8(learnt).unwrap()
+    };
+    let infinite = ":201: the displacement is not a number (\"\u{221e}\"): correct it, or leave";
+    let learnt = repaired(&lines, "holes", infinite);
+    let told = "has no number for the voltage or the displacement, or no row, 2 times, the longest time from 0.";
+    assert!(learnt.contains(told), "{learnt}");
+    lines.drain(600..603);
+    let learnt = repaired(&lines, "lost", infinite);
+    assert!(learnt.contains(&told.replace("2 times", "3 times")), "{learnt}");
+    lines.retain(|line| !line.contains('\u{221e}') && !line.contains(",,"));
+    repaired(&lines, "gaps", ":201: 2 samples are missing after t = 0.0198 s (gaps in all: 3): record again, ");
     let mae = |out: &str| {
         let table = fs::read_to_string(folder.path().join(out).join("table.toml")).unwrap();
         let figure = table.lines().find(|line| line.starts_with("validation_mae_um")).unwrap();
         figure.split(' ').nth(2).unwrap().parse::<f64>().unwrap()
     };
-    assert!((mae("holes") / mae("clean") - 1.0).abs() < 0.05, "{} {}", mae("holes"), mae("clean"));
+    for out in ["holes", "lost", "gaps"] {
+        assert!((mae(out) / mae("clean") - 1.0).abs() < 0.05, "{out}: {} {}", mae(out), mae("clean"));
+    }
 }
 
 #[test]

@@ -30,7 +30,7 @@ pub fn flaw(worst: &Flaw, count: usize) -> String {
         Flaw::Hole { .. } => {
             let which = if count == 1 { String::new() } else { format!("{count} times, the longest time ") };
             format!(
-                "the file has no number for the voltage or the displacement, {which}from {from_s:.4} to {to_s:.4} s"
+                "the file has no number for the voltage or the displacement, or no row, {which}from {from_s:.4} to {to_s:.4} s"
             )
         }
         Flaw::Missing { leap_v, leap_um, .. } => format!(

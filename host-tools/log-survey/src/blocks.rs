@@ -27,8 +27,9 @@ impl Block {
         let wider =
             |(low, high): (f64, f64), (other_low, other_high): (f64, f64)| (low.min(other_low), high.max(other_high));
         let voltage = wider(self.voltage, next.voltage);
-        let low_here = self.voltage.0 <= next.voltage.0;
-        let high_here = self.voltage.1 >= next.voltage.1;
+        // No number is neither here nor there.
+        let low_here = self.voltage.0 <= next.voltage.0 || next.voltage.0.is_nan();
+        let high_here = self.voltage.1 >= next.voltage.1 || next.voltage.1.is_nan();
         let rising = match (low_here, high_here) {
             (true, true) => self.rising,
             (false, false) => next.rising,

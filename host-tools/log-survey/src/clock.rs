@@ -29,6 +29,8 @@ pub enum RateSource {
     Stated,
 }
 
+/// A leap of both series is placed within so many rows.
+const NEAR: u64 = 2;
 /// Largest part of the steps that are gaps.
 const GAPS: f64 = 0.05;
 
@@ -42,7 +44,12 @@ pub(crate) struct Tally {
     long: u64,
     /// What the long steps last together, s.
     long_s: f64,
+    /// The rows behind the first long steps.
+    behind: Vec<u64>,
 }
+
+/// So many long steps are known by their rows.
+const KNOWN: usize = 1000;
 
 impl Tally {
     pub fn add(&mut self, time: Option<f64>) {
@@ -57,10 +64,18 @@ impl Tally {
         if self.rows > 2 && step > 1.5 * mean {
             self.long += 1;
             self.long_s += step;
+            if self.behind.len() < KNOWN {
+                self.behind.push(self.rows);
+            }
         }
         let (low, high) = self.steps.unwrap_or((step, step));
         self.steps = Some((low.min(step), high.max(step)));
         (self.last, self.rows) = (time, self.rows + 1);
+    }
+
+    /// Whether a time stamp near this row, counted from 0, comes late: what is missing there is no secret.
+    pub fn late_near(&self, row: u64) -> bool {
+        self.behind.iter().any(|behind| behind.abs_diff(row) <= NEAR)
     }
 
     /// `stated` is a period that no column states, s, and what the file calls it.

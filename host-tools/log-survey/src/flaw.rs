@@ -127,10 +127,14 @@ impl Flaw {
 
 /// The flaws of a log, by kind, each in the order of time.
 pub fn flaws(log: &Log) -> Vec<Flaw> {
-    let time = |row: usize| log.start_s + row as f64 * log.sample_period;
-    let hole = |rows: &Range<usize>| Flaw::Hole { at: Stretch { from_s: time(rows.start), to_s: time(rows.end - 1) } };
     let within = |of: &Vec<f64>| in_rows(&log.voltage, of, log.start_s, log.sample_period);
-    log.holes.iter().map(hole).chain(log.displacement.iter().flat_map(within)).collect()
+    holes(&log.holes, log.start_s, log.sample_period).chain(log.displacement.iter().flat_map(within)).collect()
+}
+
+/// The holes among rows that begin at `start_s`, one a `period`, s.
+pub(crate) fn holes(of: &[Range<usize>], start_s: f64, period: f64) -> impl Iterator<Item = Flaw> {
+    let time = move |row: usize| start_s + row as f64 * period;
+    of.iter().map(move |rows| Flaw::Hole { at: Stretch { from_s: time(rows.start), to_s: time(rows.end - 1) } })
 }
 
 /// The flaws of rows that begin at `start_s`, one a `period`, s.

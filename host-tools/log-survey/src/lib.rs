@@ -102,7 +102,8 @@ impl From<Chosen> for ColumnRead {
     }
 }
 
-/// Reads a log once, to its end.
+/// Reads a log once, to its end. A row that has no number for the voltage or the displacement, where it is opened with holes
+/// ([`ReadOptions::holes`](recordings::log::ReadOptions::holes)), is a flaw, and counts for nothing else.
 ///
 /// # Errors
 /// The first row that is none; a stated rate that the file contradicts.
@@ -113,6 +114,7 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
     let stated = reading.stated_period()?.map(|seconds| (seconds, reading.sample_time().map(|time| time.name.clone())));
     let mut tally = Tally::default();
     reading.rows(&mut |row| tally.row(row))?;
+    tally.kept.bridge();
     let clock = tally.clock.result(tally.rows, stated);
     let period = 1.0 / clock.hz;
     let (voltage, displacement) = (tally.voltage.result(), tally.displacement.result());
@@ -120,7 +122,12 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         Some(series) => swings::find(tally.blocks.all(), series, period),
         None => Swings::default(),
     };
-    let flaws = tally.kept.flaws(&clock);
+    let mut flaws = tally.kept.flaws(&clock);
+    let told = |flaw: &Flaw| {
+        let row = (flaw.at().to_s * clock.hz).round() as u64;
+        matches!(flaw, Flaw::Missing { .. }) && tally.clock.late_near(row)
+    };
+    flaws.iter_mut().for_each(|flaws| flaws.retain(|flaw| !told(flaw)));
     let implausible = match &flaws {
         Some(flaws) => tally.kept.implausible(flaws, &clock),
         None => displacement.zip(voltage).and_then(|(y, v)| Implausible::of(y.high - y.low, v.high - v.low)),
@@ -161,7 +168,9 @@ impl Tally {
         self.voltage.add(row.voltage);
         self.displacement.add(row.displacement);
         if let (Some(voltage), Some(displacement)) = (row.voltage, row.displacement) {
-            self.watch.add(self.rows, voltage, displacement);
+            if !voltage.is_nan() && !displacement.is_nan() {
+                self.watch.add(self.rows, voltage, displacement);
+            }
             self.kept.add(voltage, displacement);
         }
         self.blocks.add(row.voltage.unwrap_or(f64::NAN), row.displacement.unwrap_or(f64::NAN));

@@ -2,9 +2,11 @@
 
 use crate::ahead::{self, Ahead};
 use crate::clock::Clock;
-use crate::flaw::{Flaw, gravest, in_rows, sound_rows};
+use crate::flaw::{Flaw, gravest, holes, in_rows, sound_rows};
 use crate::implausible::Implausible;
+use recordings::log::bridge;
 use serde::Serialize;
+use std::ops::Range;
 
 /// Most rows that are kept, 64 MB.
 const MOST: usize = 1 << 22;
@@ -20,12 +22,17 @@ pub struct Found {
     pub count: usize,
 }
 
-/// Voltage and displacement of the rows so far; none where there are too many.
-pub(crate) struct Rows(Option<(Vec<f64>, Vec<f64>)>);
+/// Voltage and displacement of the rows so far.
+pub(crate) struct Rows {
+    /// None where there are too many.
+    series: Option<(Vec<f64>, Vec<f64>)>,
+    /// The rows in which either was none.
+    holes: Vec<Range<usize>>,
+}
 
 impl Default for Rows {
     fn default() -> Self {
-        Self(Some(Default::default()))
+        Self { series: Some(Default::default()), holes: Vec::new() }
     }
 }
 
@@ -40,31 +47,39 @@ impl Found {
 
 impl Rows {
     pub fn add(&mut self, volts: f64, micrometres: f64) {
-        self.0 = self.0.take().filter(|(voltage, _)| voltage.len() < MOST);
-        if let Some((voltage, displacement)) = &mut self.0 {
+        self.series = self.series.take().filter(|(voltage, _)| voltage.len() < MOST);
+        if let Some((voltage, displacement)) = &mut self.series {
             voltage.push(volts);
             displacement.push(micrometres);
         }
     }
 
+    /// Puts what is none on straight lines, once all rows are known.
+    pub fn bridge(&mut self) {
+        let series = self.series.iter_mut().flat_map(|(voltage, displacement)| [voltage, displacement]);
+        self.holes = bridge(series.map(Vec::as_mut_slice));
+    }
+
     /// What of them runs the wrong way round.
     pub fn ahead(&self, clock: &Clock) -> Option<Ahead> {
-        let (voltage, displacement) = self.0.as_ref().filter(|_| clock.hz.is_finite())?;
+        let (voltage, displacement) = self.series.as_ref().filter(|_| clock.hz.is_finite())?;
         ahead::in_rows(voltage, displacement, 1.0 / clock.hz)
     }
 
     /// Every flaw; `None` where there are too many rows to look for them.
     pub fn flaws(&self, clock: &Clock) -> Option<Vec<Flaw>> {
-        let (voltage, displacement) = self.0.as_ref()?;
+        let (voltage, displacement) = self.series.as_ref()?;
         Some(match clock.hz.is_finite() {
-            true => in_rows(voltage, displacement, 0.0, 1.0 / clock.hz),
+            true => holes(&self.holes, 0.0, 1.0 / clock.hz)
+                .chain(in_rows(voltage, displacement, 0.0, 1.0 / clock.hz))
+                .collect(),
             false => Vec::new(),
         })
     }
 
     /// The stroke without these flaws, where it is none of a piezo actuator's.
     pub fn implausible(&self, flaws: &[Flaw], clock: &Clock) -> Option<Implausible> {
-        let (voltage, displacement) = self.0.as_ref()?;
+        let (voltage, displacement) = self.series.as_ref()?;
         let sound = sound_rows(voltage.len(), 0.0, 1.0 / clock.hz, flaws);
         let span = |values: &[f64]| {
             let (low, high) = sound.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &row| {

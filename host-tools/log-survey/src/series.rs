@@ -51,8 +51,9 @@ impl Extreme {
 }
 
 impl SeriesTally {
+    /// The next value; none (NaN) where a row has none.
     pub fn add(&mut self, value: Option<f64>) {
-        let Some(value) = value else { return };
+        let Some(value) = value.filter(|value| !value.is_nan()) else { return };
         self.low.add(-value);
         self.high.add(value);
         let step = self.last.map(|last| (value - last).abs()).filter(|step| *step > 0.0);

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::blocks::{Block, BlocksView};
 use crate::reversals::reversals;
 use crate::series::Series;
+use recordings::log::bridge;
 
 /// Smallest half cycle, as a part of the voltage's range.
 const PART: f64 = 0.02;
@@ -69,7 +70,8 @@ fn turns(blocks: BlocksView<'_>, threshold: f64) -> Vec<(f64, f64)> {
         let (low, high) = block.voltage;
         if block.rising { [low, high] } else { [high, low] }
     };
-    let voltages: Vec<f64> = blocks.blocks.iter().flat_map(in_order).collect();
+    let mut voltages: Vec<f64> = blocks.blocks.iter().flat_map(in_order).collect();
+    bridge([&mut voltages[..]]);
     // The second of a block's two stands in its middle, unless it is the same row.
     let second = if blocks.rows_a_block > 1 { 0.5 } else { 0.0 };
     let place = |index: usize| (index / 2) as f64 + (index % 2) as f64 * second;

@@ -15,7 +15,7 @@ fn surveyed(rows: impl Iterator<Item = (f64, f64, f64)>) -> Survey {
         writeln!(text, "{time},{voltage},{displacement}").unwrap();
     }
     std::fs::write(&path, text).unwrap();
-    survey(open(&path, &ReadOptions::default()).unwrap()).unwrap()
+    survey(open(&path, &ReadOptions { holes: true, ..ReadOptions::default() }).unwrap()).unwrap()
 }
 
 /// A sine of `volts` at `hz` for `seconds`, at 1 kHz.
@@ -104,6 +104,38 @@ fn gaps_and_a_still_voltage_are_told() {
     assert!(rounded.clock.long_steps > 300 && (rounded.clock.hz - 3000.0).abs() < 10.0, "{:?}", rounded.clock);
     assert_eq!(survey.swings.reversals, 0);
     assert!(survey.swings.cells.is_empty());
+}
+
+#[test]
+fn rows_without_a_number_are_a_flaw_and_count_for_nothing_else() {
+    let voltage: Vec<f64> = sine(10.0, 2.0, 5.0).collect();
+    let of =
+        |none: fn(usize) -> bool| {
+            let rows = voltage.iter().enumerate();
+            surveyed(rows.map(|(k, &v)| {
+                (k as f64 / 1000.0, if none(k) { f64::NAN } else { v }, if k == 9 { f64::NAN } else { v })
+            }))
+        };
+    let (whole, holed) = (of(|_| false), of(|k| k < 3 || (1_200..1_205).contains(&k)));
+    let holes = |survey: &Survey| {
+        let of =
+            survey.flaws.iter().flatten().map(|of| (matches!(of.worst, Flaw::Hole { .. }), of.first_row, of.count));
+        of.collect::<Vec<_>>()
+    };
+    assert_eq!((holes(&whole), holes(&holed)), (vec![(true, 9, 1)], vec![(true, 1_200, 3)]));
+    let range = |survey: &Survey| survey.voltage.map(|series| (series.low, series.high, series.resolution));
+    assert_eq!((range(&holed), &holed.swings, holed.frozen), (range(&whole), &whole.swings, None));
+    assert!(holed.voltage.is_some_and(|series| series.noise < 1e-6));
+    assert!(of(|_| true).voltage.is_none());
+}
+
+#[test]
+fn samples_that_are_missing_are_no_secret_where_the_time_leaps() {
+    let rows = || sine(10.0, 2.0, 5.0).enumerate().filter(|(k, _)| !(1_240..1_262).contains(k));
+    let of = |rows: Vec<(f64, f64, f64)>| surveyed(rows.into_iter()).flaws.unwrap_or_default();
+    let hidden = of(rows().zip(0..).map(|((_, v), row)| (f64::from(row) / 1000.0, v, 0.1 * v)).collect());
+    assert!(matches!(hidden[..], [Found { worst: Flaw::Missing { .. }, .. }]), "{hidden:?}");
+    assert_eq!(of(rows().map(|(k, v)| (k as f64 / 1000.0, v, 0.1 * v)).collect()), []);
 }
 
 #[test]

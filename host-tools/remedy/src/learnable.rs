@@ -18,6 +18,8 @@ const TOO_LONG: &str =
 pub enum Learnable {
     /// It takes the log as it is.
     Yes,
+    /// It takes the log when it leaves out what has no number, or was not recorded.
+    Repaired(String),
     /// The log is too long to be held.
     NotTried,
     /// No option of `identify` helps.
@@ -33,7 +35,7 @@ impl Learnable {
     pub fn refusal(&self) -> Option<&str> {
         match self {
             Self::Yes | Self::NotTried => None,
-            Self::No(why) | Self::NotAsItIs(why) | Self::NotAlone(why) => Some(why),
+            Self::No(why) | Self::NotAsItIs(why) | Self::NotAlone(why) | Self::Repaired(why) => Some(why),
         }
     }
 
@@ -41,6 +43,7 @@ impl Learnable {
     pub fn line(&self) -> Option<(&'static str, &str)> {
         match self {
             Self::Yes => None,
+            Self::Repaired(why) => Some(("not as it is", why)),
             Self::NotTried => Some(("not tried", TOO_LONG)),
             Self::No(why) => Some(("not learnable", why)),
             Self::NotAsItIs(why) => Some(("not as it is", why)),
@@ -61,12 +64,15 @@ pub fn learnable(path: &Path, options: &ReadOptions, found: &Survey) -> Learnabl
     if found.flaws.is_none() {
         return Learnable::NotTried;
     }
-    let log = match read(path, options) {
-        Ok(log) => log,
-        Err(error) => return Learnable::No(sentence(&error)),
+    let (log, repaired) = match read(path, options) {
+        Ok(log) => (log, None),
+        Err(error) => match read(path, &ReadOptions { holes: true, ..options.clone() }) {
+            Ok(log) => (log, Some(sentence(&error))),
+            Err(error) => return Learnable::No(sentence(&error)),
+        },
     };
     match tried(vec![log]) {
-        Ok(()) => Learnable::Yes,
+        Ok(()) => repaired.map_or(Learnable::Yes, Learnable::Repaired),
         Err(error @ (JobError::NoReversal { .. } | JobError::Noise { .. })) => Learnable::NotAlone(sentence(&error)),
         Err(error) => Learnable::NotAsItIs(sentence(&error)),
     }

@@ -29,7 +29,12 @@ fn fault(fault: &Fault, path: &Path) -> String {
     let columns = |example: &str| with(&[("--columns", example)]);
     // Nobody has recorded what is wanted.
     let planned = ["waveform", "follow", "feedforward"].into_iter().any(verb);
-    let repairs = ["identify", "compare", "validate"].into_iter().any(verb);
+    let repairs = ["identify", "compare", "validate", "look"].into_iter().any(verb);
+    let repaired = || match verb("look") {
+        true => " (identify --repair)".to_owned(),
+        false => paste::with_flag("--repair"),
+    };
+    let of = if verb("validate") { "errors" } else { "learning" };
     match fault {
         Fault::SampleRate(rate) => {
             format!("{rate} Hz is not a sample rate: state what the recorder was set to, in Hz, by --fs <HZ>")
@@ -93,16 +98,20 @@ fn fault(fault: &Fault, path: &Path) -> String {
         {
             let what = fault.to_string();
             let what = what.split_once(": ").map_or(&*what, |(what, _)| what);
-            let of = if verb("validate") { "errors" } else { "learning" };
-            format!("{what}: correct it, or leave what is no number out of the {of}{}", paste::with_flag("--repair"))
+            format!("{what}: correct it, or leave what is no number out of the {of}{}", repaired())
         }
         Fault::IrregularTime { example, value, percent, period } if planned => format!(
             "irregular time (t = {value} s is {percent} % of a sample period of {period} s off its place): resample it to points equally far \
              apart; if they are in truth, leave the time column out and state their rate{}",
             line(example, true)
         ),
-        Fault::Gap { missing, after, gaps } if planned => format!(
+        Fault::Gap { missing, after, gaps, .. } if planned => format!(
             "{missing} points are missing after t = {after} s (gaps in all: {gaps}): resample it to points equally far apart"
+        ),
+        Fault::Gap { missing, after, gaps, few: true } if repairs => format!(
+            "{missing} samples are missing after t = {after} s (gaps in all: {gaps}): record again, keep the part before or after, or take \
+             the voltage to go straight on over them and leave them out of the {of}{}",
+            repaired()
         ),
         Fault::IrregularTime { example, .. } => format!("{fault}{}", line(example, true)),
         Fault::ImplausiblePeriod { example, .. } => {

@@ -42,6 +42,7 @@ fn over_time(drawing: &mut Drawing, frame: Frame, survey: &Survey, title: &str, 
             let (time, (low, high)) = (index as f64 * seconds, of(block));
             [(time, low), (time, high)]
         })
+        .filter(|(_, value)| value.is_finite())
         .collect();
     let (x, y) = (Axis::tight(points.iter().map(|p| p.0), 6), Axis::linear(points.iter().map(|p| p.1), 4));
     let panel = drawing.panel(frame, x, y, ("time, s", title));

@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use clap::Args;
 use log_survey::survey;
 use recordings::log::{Fault, LogError, Need, Quantity, ReadOptions, Reading, open};
-use remedy::sentence;
+use remedy::{Learnable, sentence};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `piezo look`.
@@ -54,6 +54,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
         flawed |= found.flaws.iter().flatten().any(|of| of.worst.repairable());
         let complete = refusal.is_none() && found.voltage.is_some();
         let learnable = complete.then(|| remedy::learnable(path, &arguments.files.options(), &found));
+        flawed |= learnable.as_ref().is_some_and(|of| matches!(of, Learnable::Repaired(_)));
         let measured = found.displacement.is_some() && !found.displacement_estimated;
         let hinders = learnable.as_ref().and_then(|of| of.line());
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
@@ -91,7 +92,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
 
 /// The log, with a displacement if it has one that can be read; else with the sentence that says why not.
 fn opened(path: &Path, arguments: &Look) -> Result<(Reading<'static>, Option<String>)> {
-    let options = arguments.files.options();
+    let options = ReadOptions { holes: true, ..arguments.files.options() };
     match open(path, &options) {
         Err(error @ LogError { fault: Fault::NoColumn { quantity: Quantity::Displacement, .. }, .. }) => {
             let without = open(path, &ReadOptions { displacement: Need::Optional, ..options })?;

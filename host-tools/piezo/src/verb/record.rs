@@ -29,7 +29,7 @@ pub struct Record {
     /// Length of the recording, ticks.
     #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out to go on until Ctrl-C"))]
     pub samples: Option<u64>,
-    /// Go on when samples are lost. The time column then leaps, and no verb reads such a log.
+    /// Go on when samples are lost. The time column then leaps; of such a log identify leaves out what is missing with --repair.
     #[arg(long)]
     pub allow_gaps: bool,
     /// Print what was recorded as JSON.
@@ -133,7 +133,10 @@ fn tell(
         if sensor { "sensor's" } else { "device's estimate, no sensor's" }
     ));
     if recording.lost > 0 {
-        out(&format!("{} samples are missing: time leaps there, and no verb reads this log", recording.lost));
+        out(&format!(
+            "{} samples are missing: time leaps there; with --repair, identify, compare and validate leave them out",
+            recording.lost
+        ));
     }
     if recording.late > 0 {
         out(&format!("on {} ticks the device was late", recording.late));
@@ -158,8 +161,8 @@ fn conclude(arguments: &Record, recording: &Recording, end: End, ticks: Option<u
         End::Complete if recording.rows > 0 => format!("interrupted: {before}"),
         End::Complete => bail!("ended before the first sample: {} is not written", arguments.out.display()),
         End::Gap { samples } => format!(
-            "{samples} samples were lost: {before}. Is the cable sound, and this machine not too busy? --allow-gaps goes on, but \
-             no verb reads a log with gaps"
+            "{samples} samples were lost: {before}. Is the cable sound, and this machine not too busy? --allow-gaps goes \
+             on; of such a log, identify, compare and validate leave out what is missing (--repair)"
         ),
         End::Restarted => format!("the device was restarted, or its mode set: {before}"),
         End::NoSensor => bail!("the device reads no sensor: leave --board out to record its estimate alone"),

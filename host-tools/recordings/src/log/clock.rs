@@ -64,6 +64,14 @@ pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> 
     Ok(period)
 }
 
+/// Before which rows of a recording how many samples are missing, by its time column; none where they are too many to be holes.
+pub(super) fn gaps(recording: &Recording) -> Vec<(usize, usize)> {
+    let Some(time) = &recording.time else { return Vec::new() };
+    let resolution = resolution(time);
+    let period = steps::rough_period(time, &resolution);
+    if PERIODS.contains(&period) { steps::few_gaps(time, &resolution, period) } else { Vec::new() }
+}
+
 /// The fault with the columns that do without the time, where its remedy asks for them.
 fn without_time_column(fault: Fault, recording: &Recording) -> Fault {
     match fault {
@@ -106,6 +114,7 @@ fn neighbour(unit: Unit) -> Unit {
 
 #[cfg(test)]
 mod tests {
+    use super::super::holes::put_stamps_back;
     use super::super::recording::Recording;
     use super::*;
     use measurement_files::Place;
@@ -119,6 +128,7 @@ mod tests {
             voltage: vec![0.0; time.len()],
             displacement: None,
             holes: Vec::new(),
+            put_back: Vec::new(),
         };
         sample_period(&recording, rate).map_err(|PlacedFault(place, fault)| (place, fault))
     }
@@ -214,11 +224,23 @@ mod tests {
             let time = printed(&time, |t| format!("{t:.decimals$}"));
             let (place, fault) = period(&time, None).unwrap_err();
             assert_eq!(place, Place::Line(152), "{decimals} {rate}");
-            let Fault::Gap { missing, after, gaps } = fault else {
+            let Fault::Gap { missing, after, gaps, few } = fault else {
                 panic!("{fault}");
             };
-            assert_eq!((missing, gaps), (3, 2));
+            assert_eq!((missing, gaps, few), (3, 2, true));
             assert!((after.0 - 149.0 / rate).abs() < 1e-3 / rate + 1e-6);
+        }
+    }
+
+    #[test]
+    fn stamps_that_are_missing_are_put_back_with_as_many_decimals() {
+        for (decimals, rate) in [(9, 2000.0), (4, 2000.0), (3, 1000.0), (2, 100.0), (6, 3000.0)] {
+            let whole = printed(&clock(400, 1.0 / rate), |t| format!("{t:.decimals$}"));
+            let time = [&whole[..150], &whole[153..300], &whole[301..]].concat();
+            let filled = put_stamps_back(&time, &[(150, 3), (297, 1)]);
+            let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1.001 * 10_f64.powi(-(decimals as i32));
+            assert!(filled.len() == 400 && filled.iter().zip(&whole).all(near), "{rate}");
+            assert!((period(&filled, None).unwrap() * rate - 1.0).abs() < 1e-9, "{rate}");
         }
     }
 

@@ -256,6 +256,8 @@ pub enum Fault {
         after: Number,
         /// Gaps in the whole log.
         gaps: usize,
+        /// Whether what is missing in all of them is little enough to be holes ([`ReadOptions::holes`](super::ReadOptions::holes)).
+        few: bool,
     },
     /// A time stamp off the clock.
     #[error(

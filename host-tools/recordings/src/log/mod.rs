@@ -11,6 +11,7 @@ mod complete;
 mod error;
 mod fault;
 mod guess;
+mod holes;
 mod label;
 mod number;
 mod plausible;
@@ -38,6 +39,7 @@ pub use columns::{Column, Columns, ColumnsError, Position};
 pub use error::LogError;
 use error::PlacedFault;
 pub use fault::Fault;
+pub use holes::bridge;
 pub use measurement_files::{Place, Quantity, Unit, UnknownUnit};
 pub use number::Number;
 pub use read_options::{Need, ReadOptions};
@@ -123,12 +125,15 @@ fn load(path: &Path) -> Result<Vec<u8>, Fault> {
 
 /// The recording in `bytes`, checked, and its sample period in s.
 fn parse(bytes: &[u8], options: &ReadOptions) -> Result<(Recording, f64), PlacedFault> {
-    let recording = Reading::new(bytes, Path::new(""), options)?.recording()?;
+    let mut recording = Reading::new(bytes, Path::new(""), options)?.recording()?;
     let rows = recording.rows();
     // What is wanted may be said in a few corners.
     let minimum = if options.voltage_required { MINIMUM_ROWS } else { 2 };
     if rows < minimum {
         return Err(Fault::FewRows { rows, minimum }.into());
+    }
+    if options.holes {
+        recording.bridge(&clock::gaps(&recording))?;
     }
     let sample_period = clock::sample_period(&recording, options.sample_rate)?;
     if options.voltage_required {

@@ -23,7 +23,8 @@ pub struct ReadOptions {
     pub sensor: Option<Sensitivity>,
     /// Sample rate, Hz. Needed where the file states no time; checked where it does.
     pub sample_rate: Option<f64>,
-    /// Take a voltage or a displacement that is no finite number for a hole ([`Log::holes`](super::Log::holes)), instead of refusing the log.
+    /// Take a voltage or a displacement that is no finite number, and samples that the time stamps leave out, for holes
+    /// ([`Log::holes`](super::Log::holes)), instead of refusing the log.
     pub holes: bool,
     /// Whether a log has to have a displacement.
     pub displacement: Need,

@@ -158,6 +158,7 @@ impl<'a> Reading<'a> {
             voltage: Vec::new(),
             displacement: channels.displacement.map(|_| Vec::new()),
             holes: Vec::new(),
+            put_back: Vec::new(),
         };
         self.visit(&mut |row| {
             recording.voltage.extend(row.voltage);
@@ -168,7 +169,6 @@ impl<'a> Reading<'a> {
                 }
             }
         })?;
-        recording.bridge()?;
         Ok(recording)
     }
 }

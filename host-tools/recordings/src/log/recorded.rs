@@ -23,8 +23,8 @@ pub struct Log {
     pub displacement: Option<Vec<f64>>,
     /// The displacement is an estimate and no sensor's, by the name of its column.
     pub displacement_estimated: bool,
-    /// Rows in which the file has no number for the voltage or the displacement: it lies on the straight line between its neighbours
-    /// ([`ReadOptions::holes`](super::ReadOptions::holes)).
+    /// Rows in which the file has no number for the voltage or the displacement, or that its time stamps leave out: these lie on the
+    /// straight line between their neighbours ([`ReadOptions::holes`](super::ReadOptions::holes)).
     pub holes: Vec<Range<usize>>,
 }
 

@@ -5,6 +5,7 @@ use measurement_files::{Place, Quantity, SampleTime};
 use super::channels::Channels;
 use super::error::PlacedFault;
 use super::fault::Fault;
+use super::holes::{FEW, bridge, put_back, put_stamps_back};
 use std::ops::Range;
 
 /// Fewest rows that make a log.
@@ -22,65 +23,55 @@ pub(super) struct Recording {
     pub displacement: Option<Vec<f64>>,
     /// The rows in which a value was none, and lies on the straight line between its neighbours.
     pub holes: Vec<Range<usize>>,
+    /// Those of them that the file does not have.
+    pub put_back: Vec<Range<usize>>,
 }
-
-/// The part of a log's rows that may be holes.
-const FEW: f64 = 0.1;
 
 impl Recording {
     pub fn rows(&self) -> usize {
         self.displacement.as_ref().map_or(self.voltage.len(), Vec::len)
     }
 
-    /// Puts values on the straight line between their neighbours where there were none (NaN), and notes the rows.
+    /// Puts values on straight lines where there were none, and samples where `gaps` says that so many are missing before a row, and
+    /// notes the rows.
     ///
     /// # Errors
-    /// They are too many to be holes.
-    pub fn bridge(&mut self) -> Result<(), PlacedFault> {
-        let mut empty = vec![false; self.rows()];
+    /// There is no number in too many rows of the file to be holes of it.
+    pub fn bridge(&mut self, gaps: &[(usize, usize)]) -> Result<(), PlacedFault> {
+        self.check_holes()?;
+        let mut before = 0;
+        for &(row, count) in gaps {
+            self.put_back.push(row + before..row + before + count);
+            before += count;
+        }
+        let mut measured: Vec<_> = std::iter::once(&mut self.voltage).chain(&mut self.displacement).collect();
+        if !gaps.is_empty() {
+            self.time.iter_mut().for_each(|time| *time = put_stamps_back(time, gaps));
+            measured.iter_mut().for_each(|values| **values = put_back(values, gaps));
+        }
+        self.holes = bridge(measured.into_iter().map(Vec::as_mut_slice));
+        Ok(())
+    }
+
+    fn check_holes(&self) -> Result<(), PlacedFault> {
         for (quantity, values) in
-            [(Quantity::Voltage, Some(&mut self.voltage)), (Quantity::Displacement, self.displacement.as_mut())]
+            [(Quantity::Voltage, Some(&self.voltage)), (Quantity::Displacement, self.displacement.as_ref())]
         {
             let Some(values) = values else { continue };
-            let missing: Vec<usize> = (0..values.len()).filter(|&row| values[row].is_nan()).collect();
-            if let Some(&first) = missing.first()
-                && missing.len() as f64 > FEW * values.len() as f64
+            let missing = values.iter().filter(|value| value.is_nan()).count();
+            if let Some(first) = values.iter().position(|value| value.is_nan())
+                && missing as f64 > FEW * values.len() as f64
             {
-                let (missing, rows) = (missing.len(), values.len());
-                return Err(
-                    Fault::Holes { quantity, missing, rows }.at(measurement_files::place(self.first_row, first))
-                );
+                return Err(Fault::Holes { quantity, missing, rows: values.len() }.at(self.place(first)));
             }
-            missing.iter().for_each(|&row| empty[row] = true);
-            straighten(values, &missing);
-        }
-        let mut row = 0;
-        for run in empty.chunk_by(|a, b| a == b) {
-            if run[0] {
-                self.holes.push(row..row + run.len());
-            }
-            row += run.len();
         }
         Ok(())
     }
 
-    /// The place of row `index`, counted from 0.
+    /// The place in the file of row `index`, counted from 0; of one that was put back, that of the row behind.
     pub fn place(&self, index: usize) -> Place {
-        measurement_files::place(self.first_row, index)
-    }
-}
-
-/// Puts the rows `missing`, which increase, on the straight line between those beside them; at an end, on the one there is.
-fn straighten(values: &mut [f64], missing: &[usize]) {
-    for run in missing.chunk_by(|a, b| a + 1 == *b) {
-        let (first, end) = (run[0], run[0] + run.len());
-        let before = first.checked_sub(1).map(|row| values[row]);
-        let (from, to) = match (before, values.get(end).copied()) {
-            (Some(from), Some(to)) => (from, to),
-            (Some(only), None) | (None, Some(only)) => (only, only),
-            (None, None) => return,
-        };
-        let step = (to - from) / (run.len() + 1) as f64;
-        values[first..end].iter_mut().zip(1..).for_each(|(value, nth)| *value = from + f64::from(nth) * step);
+        let not_there = |rows: &Range<usize>| rows.end.min(index).saturating_sub(rows.start);
+        let there = index - self.put_back.iter().map(not_there).sum::<usize>();
+        measurement_files::place(self.first_row, there)
     }
 }

@@ -6,6 +6,7 @@
 //! misplaced sample does not.
 
 use super::fault::Fault;
+use super::holes::FEW;
 use super::number::Number;
 use super::resolution::coarsest;
 
@@ -26,9 +27,7 @@ struct Steps<'a> {
 
 /// Refuses time stamps (s) that do not increase, miss samples, or stand off the clock of `period` (s), with the row.
 pub(super) fn check(time: &[f64], resolution: &[f64], period: f64) -> Result<(), (usize, Fault)> {
-    let mut steps = Steps { time, resolution, period, off: 0 };
-    steps.off = (1..time.len()).filter(|&k| (steps.step(k) - period).abs() > JITTER * period).count();
-
+    let steps = Steps::of(time, resolution, period);
     check_increasing(time, |k| steps.explains(k))?;
     let mut unexplained = (1..time.len()).filter(|&k| !steps.explains(k));
     if let Some(k) = unexplained.next() {
@@ -36,7 +35,8 @@ pub(super) fn check(time: &[f64], resolution: &[f64], period: f64) -> Result<(),
             return Err(steps.irregular(k, steps.step(k) - period));
         };
         let gaps = 1 + unexplained.filter(|&k| steps.missing(k).is_some()).count();
-        return Err((k, Fault::Gap { missing, after: Number(time[k - 1]), gaps }));
+        let few = !few_gaps(time, resolution, period).is_empty();
+        return Err((k, Fault::Gap { missing, after: Number(time[k - 1]), gaps, few }));
     }
     let allowed = match steps.off {
         0 => period / 2.0,
@@ -48,7 +48,27 @@ pub(super) fn check(time: &[f64], resolution: &[f64], period: f64) -> Result<(),
     }
 }
 
-impl Steps<'_> {
+/// Before which rows how many samples are missing of such time stamps; none where they are too many to be holes of a log.
+pub(super) fn few_gaps(time: &[f64], resolution: &[f64], period: f64) -> Vec<(usize, usize)> {
+    let steps = Steps::of(time, resolution, period);
+    let most = (FEW * time.len() as f64) as u64;
+    let mut all = 0_u64;
+    let unexplained = (1..time.len()).filter(|&k| !steps.explains(k));
+    let gaps = unexplained.filter_map(|k| steps.missing(k).map(|missing| (k, missing)));
+    let few = gaps.map(|(k, missing)| {
+        all = all.saturating_add(missing);
+        (all <= most).then_some((k, missing as usize))
+    });
+    few.collect::<Option<Vec<_>>>().unwrap_or_default()
+}
+
+impl<'a> Steps<'a> {
+    fn of(time: &'a [f64], resolution: &'a [f64], period: f64) -> Self {
+        let mut steps = Self { time, resolution, period, off: 0 };
+        steps.off = (1..time.len()).filter(|&k| (steps.step(k) - period).abs() > JITTER * period).count();
+        steps
+    }
+
     /// The step from the row before to row `k`, s.
     fn step(&self, k: usize) -> f64 {
         self.time[k] - self.time[k - 1]

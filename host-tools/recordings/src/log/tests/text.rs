@@ -207,3 +207,24 @@ fn a_value_that_is_no_number_is_a_hole_where_that_is_asked_for() {
     let (_, fault) = refused(&many, &with_holes);
     assert!(matches!(fault, Fault::Holes { missing: 7, rows: 20, .. }), "{fault}");
 }
+
+#[test]
+fn samples_that_were_lost_are_holes_where_that_is_asked_for() {
+    let long = |lost: &dyn Fn(u32) -> bool| {
+        let row = |k: u32| format!("{:.4},{},{}\n", f64::from(k) * 5e-4, k % 40, 0.1 * f64::from(k % 40));
+        "t_s,u_V,y_um\n".to_owned() + &(0..400).filter(|k| !lost(*k)).map(row).collect::<String>()
+    };
+    let lost = long(&|k| (100..104).contains(&k) || k == 300);
+    let (place, fault) = refused(&lost, &options("", None));
+    assert!(place == Place::Line(102) && matches!(fault, Fault::Gap { missing: 4, gaps: 2, few: true, .. }), "{fault}");
+    let with_holes = ReadOptions { holes: true, ..options("", None) };
+    let log = parsed(&lost, &with_holes).unwrap();
+    assert_eq!((log.holes.clone(), log.voltage.len(), log.sample_period), (vec![100..104, 300..301], 400, 5e-4));
+    assert_eq!((log.voltage[99], log.voltage[101], log.voltage[104], log.voltage[399]), (19.0, 21.0, 24.0, 39.0));
+    // Another fault behind them is placed at the file's line, and too many of them are no holes.
+    let late = lost.replace("0.1750,", "0.1753,");
+    let (place, fault) = refused(&late, &with_holes);
+    assert!(place == Place::Line(347) && matches!(fault, Fault::IrregularTime { .. }), "{place:?} {fault}");
+    let (_, fault) = refused(&long(&|k| (100..150).contains(&k)), &with_holes);
+    assert!(matches!(fault, Fault::Gap { missing: 50, few: false, .. }), "{fault}");
+}
