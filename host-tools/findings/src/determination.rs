@@ -1,5 +1,6 @@
 //! What the training determines of an actuator, in words.
 
+use crate::micrometres::Micrometres;
 use identifiability::{Determination, Experiment, Found, Told, Unknown};
 
 /// What the lines of [`determination`] are.
@@ -14,19 +15,22 @@ pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, Strin
     };
     let worth = format!(
         "{} readings, {:.3} µm off on average without each log's own offset; neighbours repeat one another, so they count as {:.0} independent ones",
-        of.readings, of.mae_um, of.effective_readings
+        of.readings,
+        Micrometres(of.mae_um),
+        of.effective_readings
     );
     let found = of.found.iter().map(|found| {
         let Found { experiment, value_um, standard_error_um, told, .. } = *found;
         let (what, record) = words(experiment);
-        let by_model = format!("{value_um:.2} ± {standard_error_um:.2} µm");
+        let (value, error) = (Micrometres(value_um), Micrometres(standard_error_um));
+        let by_model = format!("{value:.2} ± {error:.2} µm");
         let said = match told {
             _ if standard_error_um <= 0.0 => "this model has none".to_owned(),
             Told::Well => by_model,
             Told::Partly => format!("{by_model}; to narrow it, record {record}, or more of it"),
             Told::Slower => format!("not known, no log goes as far that fast: record {record}"),
             Told::Restless => format!(
-                "{value_um:.2} µm is what the model extrapolates, for in no log does the voltage stand still so long after a step: record {record}"
+                "{value:.2} µm is what the model extrapolates, for in no log does the voltage stand still so long after a step: record {record}"
             ),
             Told::Not => format!("{by_model}, hardly by these logs: record {record}, or more of it"),
         };
@@ -130,7 +134,7 @@ mod tests {
         let said = of(Told::Restless, Experiment::Creep);
         let why = "in no log does the voltage stand still so long after a step: record a step, and a hold of 10 s";
         assert!(said.starts_with("0.14 µm is what the model extrapolates") && said.ends_with(why), "{said}");
-        assert_eq!(of(Told::Well, Experiment::Creep), "0.14 ± 0.02 µm");
+        assert_eq!(of(Told::Well, Experiment::Creep), "0.14 ± 0.020 µm");
         assert!(
             of(Told::Slower, Experiment::Width { part: 1.0, hz: 10.0 }).ends_with("record the full range at 10 Hz")
         );

@@ -1,6 +1,7 @@
 //! Reasons not to trust an identification. Each doubt says what was seen, what it means and what helps.
 
 use crate::flaw::flawed;
+use crate::micrometres::Micrometres;
 use crate::raised::remarks;
 use crate::short::short;
 use calibration::{Assumed, CalibrationOptions};
@@ -43,17 +44,21 @@ pub fn doubt(doubt: &Doubt) -> String {
         ),
         Doubt::Flawed { log, worst, count, left_out, most } => flawed(log, worst, *count, *left_out, *most),
         Doubt::HeldOutFar { training_um, held_out_um } => format!(
-            "on the held-out data the error without offset is {held_out_um:.3} µm, in training {training_um:.3} µm: the model \
+            "on the held-out data the error without offset is {:.3} µm, in training {:.3} µm: the model \
              has learnt this recording rather than the actuator, the two were recorded under other conditions, or what was held out goes as far or \
-             as fast as nothing before it did"
+             as fast as nothing before it did",
+            Micrometres(*held_out_um),
+            Micrometres(*training_um)
         ),
         Doubt::NothingHeldOut => {
             "nothing was held out, so nothing is known of data it has not seen: use --validate-on or --hold-out"
                 .to_owned()
         }
         Doubt::Diverges { fed_um, simulation_um } => format!(
-            "fed with the measured displacement the error is {fed_um:.4} µm, but in simulation, which is what the \
-             estimator does, {simulation_um:.3} µm: use --cost simulation"
+            "fed with the measured displacement the error is {:.4} µm, but in simulation, which is what the \
+             estimator does, {:.3} µm: use --cost simulation",
+            Micrometres(*fed_um),
+            Micrometres(*simulation_um)
         ),
         Doubt::Transient { log, until_s } => format!(
             "{log} fits far worse in its first {until_s:.3} s than later, as a start-up transient does: look at it in the \
@@ -95,8 +100,9 @@ pub fn doubt(doubt: &Doubt) -> String {
             .to_owned()
         }
         Doubt::Drift { offset_um } => format!(
-            "on the held-out data the estimate is off by a constant {offset_um:+.3} µm (creep, drift, or where the \
-             session started), which no sensorless estimate can know: set the zero again at rest"
+            "on the held-out data the estimate is off by a constant {:+.3} µm (creep, drift, or where the \
+             session started), which no sensorless estimate can know: set the zero again at rest",
+            Micrometres(*offset_um)
         ),
         Doubt::SinglePrecision { difference_um } => {
             format!(
@@ -119,12 +125,15 @@ pub fn doubt(doubt: &Doubt) -> String {
              for reversals; give a --deadband above it"
         ),
         Doubt::NoBetterThanLine { error_um, line_um } => format!(
-            "without offset the model is off by {error_um:.4} µm and a straight line by {line_um:.4} µm, no better than a straight line: the logs show no \
-             hysteresis that it could learn, or it is none for them; record the full range, slowly, or choose another --model"
+            "without offset the model is off by {:.4} µm and a straight line by {:.4} µm, no better than a straight line: the logs show no \
+             hysteresis that it could learn, or it is none for them; record the full range, slowly, or choose another --model",
+            Micrometres(*error_um),
+            Micrometres(*line_um)
         ),
         Doubt::WideInterval { half_um, percent } => format!(
-            "the ± beside the estimate is ±{half_um:.3} µm at least, {percent:.0} % of the stroke: another table made from logs like these \
-             could be as far off; record several amplitudes and frequencies over the full range, or choose another --model"
+            "the ± beside the estimate is ±{:.3} µm at least, {percent:.0} % of the stroke: another table made from logs like these \
+             could be as far off; record several amplitudes and frequencies over the full range, or choose another --model",
+            Micrometres(*half_um)
         ),
         Doubt::ConverterSpan { converter } => format!(
             "the {} does not cover what the logs need: there the converter will stand at its end",

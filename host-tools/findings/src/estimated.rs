@@ -1,5 +1,6 @@
 //! What was estimated from a log's voltage alone, in words.
 
+use crate::micrometres::Micrometres;
 use crate::raised::remarks;
 use estimator_core::{Range, Status};
 use identification::validate::{Estimates, Known, Raised};
@@ -21,11 +22,11 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> V
         "{}: {} estimates from the voltage alone, {:.3} … {:.3} µm by the training sensor's zero",
         estimates.log,
         all.len(),
-        range.0,
-        range.1
+        Micrometres(range.0),
+        Micrometres(range.1)
     )];
     let widths: Vec<f64> = all.iter().filter_map(|row| row.half_width).collect();
-    let mean = || widths.iter().sum::<f64>() / widths.len() as f64;
+    let mean = || Micrometres(widths.iter().sum::<f64>() / widths.len() as f64);
     lines.push(match (known, widths.is_empty()) {
         (Known::Nothing, _) => {
             "    the actuator is taken to have rested at the first voltage, and no ± is stated, since no displacement is known: \

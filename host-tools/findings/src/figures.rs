@@ -1,5 +1,6 @@
 //! Errors as a table for people.
 
+use crate::micrometres::Micrometres;
 use identification::validate::Figures;
 use identification::{Candidate, Outcome, StraightLine};
 
@@ -15,12 +16,12 @@ pub fn heading(first: &str) -> String {
 pub fn row(first: &str, figures: &Figures) -> String {
     format!(
         "{first:<34} {:>8.4} {:>8.4} {:>8.4} {:>8.2} {:>14.4} {:>14.4}",
-        figures.mae_um,
-        figures.max_um,
-        figures.rmse_um,
+        Micrometres(figures.mae_um),
+        Micrometres(figures.max_um),
+        Micrometres(figures.rmse_um),
         figures.mae_percent,
-        figures.mae_without_offset_um,
-        figures.rmse_without_offset_um
+        Micrometres(figures.mae_without_offset_um),
+        Micrometres(figures.rmse_without_offset_um)
     )
 }
 

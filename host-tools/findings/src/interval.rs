@@ -1,5 +1,6 @@
 //! The ± beside the estimate, in words.
 
+use crate::micrometres::Micrometres;
 use prediction_interval::Calibration;
 
 /// What the interval says, and where its width comes from: this many simulated devices, and the logs' own errors.
@@ -14,14 +15,31 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
         return format!("There is no interval beside the estimate: {why}.");
     };
     let (misfit_um, memory_um) = (parameters.misfit_um, parameters.memory_um[0]);
+    let um = |um: f32| Micrometres(um.into());
+    let (misfit, own) = (um(misfit_um), Micrometres(*own_um));
+    let cause = match misfit_um > *own_um as f32 {
+        true => format!(
+            "These logs' own errors ask for ±{own:.3} µm; the rest is a prior, how far off {devices} simulated devices were that were learnt from the \
+             same voltages"
+        ),
+        false => format!(
+            "It is these logs' own errors; {devices} simulated devices that were learnt from the same voltages ask for no more"
+        ),
+    };
+    let (anywhere_um, at_an_end_um) =
+        (misfit_um.hypot(memory_um), misfit_um.hypot(parameters.memory_at_ends * memory_um));
+    let at_an_end = match at_an_end_um < anywhere_um {
+        true => {
+            format!(", or ±{:.3} µm where the voltage stood at an end of its range at the start", um(at_an_end_um))
+        }
+        false => String::new(),
+    };
     format!(
         "The ± beside the estimate is what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time. \
-         It is at least ±{misfit_um:.3} µm, where the voltage goes as it did in the training: ±{own_um:.3} µm by these logs' own errors, \
-         more by those of {devices} simulated devices that were learnt from the same voltages. It is more where the voltage goes otherwise \
-         or fast. If the displacement was told before a full swing, the ± widens with that to ±{:.3} µm, or ±{:.3} µm where the voltage stood at an \
-         end of its range at the start, since nobody knows what was before; told after one, it does not, unless the voltage leaves that range.",
-        misfit_um.hypot(memory_um),
-        misfit_um.hypot(parameters.memory_at_ends * memory_um)
+         It is at least ±{misfit:.3} µm, where the voltage goes as it did in the training. {cause}. It is more where the voltage goes otherwise \
+         or fast. If the displacement was told before a full swing, the ± widens with that to ±{:.3} µm{at_an_end}, since nobody knows what \
+         was before; told after one, it does not, unless the voltage leaves that range.",
+        um(anywhere_um)
     )
 }
 
@@ -31,6 +49,25 @@ mod tests {
     use estimator_core::IntervalParameters;
     use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 
+    const PARAMETERS: IntervalParameters = IntervalParameters {
+        memory_um: [4.0; SPANS],
+        memory_at_ends: 0.5,
+        misfit_um: 1.5,
+        rate_ticks: 0.0,
+        spread_um: [0.0; TRIANGLE],
+        prototypes: [[0; PLAYS]; PROTOTYPES],
+        prototype_um: 1.0,
+        untrained_um: 1.0,
+        gain: 0.0,
+        drift_um: 0.0,
+        earliest_s: 0.0,
+    };
+
+    /// What is said of these, whose logs' own errors are `own_um`.
+    fn said(parameters: IntervalParameters, own_um: f64) -> String {
+        interval(Some(&Calibration { parameters, own_um }), 12)
+    }
+
     #[test]
     fn why_there_is_none_is_said() {
         assert!(interval(None, 0).contains("--devices 0") && interval(None, 12).contains("none could be learnt"));
@@ -38,23 +75,21 @@ mod tests {
 
     #[test]
     fn a_start_at_an_end_of_the_range_is_told_from_one_in_the_middle() {
-        let parameters = IntervalParameters {
-            memory_um: [4.0; SPANS],
-            memory_at_ends: 0.5,
-            misfit_um: 1.5,
-            rate_ticks: 0.0,
-            spread_um: [0.0; TRIANGLE],
-            prototypes: [[0; PLAYS]; PROTOTYPES],
-            prototype_um: 1.0,
-            untrained_um: 1.0,
-            gain: 0.0,
-            drift_um: 0.0,
-            earliest_s: 0.0,
-        };
-        let said = interval(Some(&Calibration { parameters, own_um: 1.0 }), 12);
+        let at_an_end = said(PARAMETERS, 1.0);
         for part in ["at least ±1.500 µm", "with that to ±4.272 µm", "±2.500 µm where the voltage stood at an end"]
         {
-            assert!(said.contains(part), "{part:?} is missing in {said}");
+            assert!(at_an_end.contains(part), "{part:?} is missing in {at_an_end}");
         }
+        let anywhere = said(IntervalParameters { memory_at_ends: 1.0, ..PARAMETERS }, 1.5);
+        assert!(anywhere.contains("±4.272 µm, since") && !anywhere.contains("at an end"), "{anywhere}");
+    }
+
+    #[test]
+    fn what_the_simulated_devices_add_is_told_from_what_the_logs_say() {
+        let of = |own_um| said(IntervalParameters { misfit_um: 0.006, ..PARAMETERS }, own_um);
+        let (added, own) = (of(0.004), of(0.006));
+        assert!(added.contains("at least ±0.0060 µm"), "{added}");
+        assert!(added.contains("own errors ask for ±0.0040 µm; the rest is a prior"), "{added}");
+        assert!(own.contains("ask for no more") && !own.contains("prior"), "{own}");
     }
 }

@@ -1,5 +1,6 @@
 //! Why a model was chosen, in words.
 
+use crate::micrometres::Micrometres;
 use identification::{CrossValidation, LeftOut, Reason, Undecided};
 
 /// Why a model was chosen, as the end of a sentence.
@@ -57,9 +58,9 @@ fn cross_validated(of: &CrossValidation) -> String {
         (0, _, Some(next)) => format!(
             "it does best on what it was not fitted to: {:.3} µm where {left_out} were left out in turn; next is {} with \
              {:.3} µm{}",
-            score.error_um,
+            Micrometres(score.error_um),
             next.model,
-            next.error_um,
+            Micrometres(next.error_um),
             close(of.by(next))
         ),
         (_, Some(best), _) => format!(
@@ -70,12 +71,12 @@ fn cross_validated(of: &CrossValidation) -> String {
             } else {
                 "the one that says most of other amplitudes"
             },
-            score.error_um,
+            Micrometres(score.error_um),
             best.model,
-            best.error_um
+            Micrometres(best.error_um)
         ),
         // There are at least two scores where there is a choice.
-        _ => format!("{:.3} µm where {left_out} were left out in turn", score.error_um),
+        _ => format!("{:.3} µm where {left_out} were left out in turn", Micrometres(score.error_um)),
     };
     let unseen = if of.amplitudes { "" } else { "; the stretches all have one amplitude, and say nothing of others" };
     format!("{best}{unseen}. --model takes another.")

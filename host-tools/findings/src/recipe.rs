@@ -1,5 +1,6 @@
 //! How logs were prepared, in words.
 
+use crate::micrometres::Micrometres;
 use recordings::prepare::Recipe;
 
 /// Scale, zeros and delay in words.
@@ -11,7 +12,7 @@ pub fn zeros(recipe: &Recipe) -> String {
     format!(
         "{volts}; the model counts volts from {:.4} V, and µm from {:.4} µm of the sensor, whose delay is taken as {:.2} ms",
         recipe.voltage_zero_v,
-        recipe.displacement_zero_um,
+        Micrometres(recipe.displacement_zero_um),
         f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3
     )
 }

@@ -1,5 +1,6 @@
 //! What a table's errors on a log are, and whether they say anything of the table, in words.
 
+use crate::micrometres::Micrometres;
 use identification::validate::{Coverage, Evidence, Suspicion};
 
 /// What the lines of a validation are.
@@ -15,7 +16,9 @@ no offset        cold; its own mean error over all that is scored is taken off, 
 pub fn held(since: &str, interval: &Coverage) -> String {
     format!(
         "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average (the smallest constant that holds as often: {:.3} µm)",
-        interval.covered_percent, interval.half_width_um, interval.best_constant_um
+        interval.covered_percent,
+        Micrometres(interval.half_width_um),
+        Micrometres(interval.best_constant_um)
     )
 }
 
@@ -27,8 +30,11 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
             all.iter().map(evidence).collect::<Vec<_>>().join("; ")
         ),
         Suspicion::Constant { offset_um, mae_um, without_um } => format!(
-            "a constant {offset_um:+.3} µm is most of the error of {mae_um:.3} µm, and without it {without_um:.3} µm are left: was the sensor \
-             zeroed anew, or has it drifted? `--told one-cycle` or `--zero-at <S>`, for <S> a time at which it is known, takes it off"
+            "a constant {:+.3} µm is most of the error of {:.3} µm, and without it {:.3} µm are left: was the sensor \
+             zeroed anew, or has it drifted? `--told one-cycle` or `--zero-at <S>`, for <S> a time at which it is known, takes it off",
+            Micrometres(*offset_um),
+            Micrometres(*mae_um),
+            Micrometres(*without_um)
         ),
         Suspicion::Narrow { held_percent } => format!(
             "the ± holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: is something else here than in the \
@@ -43,10 +49,13 @@ fn evidence(evidence: &Evidence) -> String {
             format!("the voltage is beyond what the table was learnt on {percent:.0} % of the time")
         }
         Evidence::Span { measured_um, estimated_um } => format!(
-            "the sensor goes over {measured_um:.3} µm where the table says {estimated_um:.3} µm of the same voltages"
+            "the sensor goes over {:.3} µm where the table says {:.3} µm of the same voltages",
+            Micrometres(*measured_um),
+            Micrometres(*estimated_um)
         ),
         Evidence::Error { percent, training_um } => format!(
-            "without any constant the error is {percent:.1} % of the stroke, and it was {training_um:.3} µm in training"
+            "without any constant the error is {percent:.1} % of the stroke, and it was {:.3} µm in training",
+            Micrometres(*training_um)
         ),
         Evidence::Interval { held_percent } => {
             format!("the ± holds the sensor {held_percent:.1} % of the time, and says 95 %")

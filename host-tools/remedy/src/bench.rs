@@ -63,7 +63,7 @@ pub fn introduced(bench: &Bench, wiring: &Wiring, learns: bool, options: &str) -
     let range = limits.range_v;
     let described = format!(
         "Its DAC drives an amplifier of {} … {} V ({} V/s, rest at {} V), its ADC reads that voltage and a sensor of {} … {} µm beside an actuator \
-         with a stroke of {:.1} µm",
+         that goes {:.1} µm when it first rises",
         range.min, range.max, limits.slew_v_per_s, limits.rest_v, sensor.zero_um, sensor.full_um, bench.stroke_um
     );
     // Nobody sets its voltage by hand: the board drives there.

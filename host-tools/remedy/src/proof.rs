@@ -5,6 +5,7 @@ use ::calibration::drive::trained_on;
 use bench::{OtherRange, Proven, Shares};
 use device_link::play::PlayError;
 use estimator_core::{Range, Table};
+use findings::Micrometres;
 use std::path::Path;
 
 /// What a table that was learnt on another range than the board's is good for.
@@ -80,7 +81,7 @@ fn cure(proven: &Proven, up_to_hz: f64) -> String {
             "The proof went, within the {min:.3} … {max:.3} V that the table was learnt on, as the training never did: {train}"
         );
     }
-    let times = held_out_um.filter(|um| *um > 0.0).map(|um| (um, figures.mae_um / um));
+    let times = held_out_um.filter(|um| *um > 0.0).map(|um| (Micrometres(um), figures.mae_um / um));
     match times {
         Some((um, times)) if times > FAR => format!(
             "The table is {times:.1} times as far off here as it was on what was held out when it was learnt, {um:.3} µm: {another_s} If all of it is so, \

@@ -1,6 +1,7 @@
 //! How good an identification is, and what comes next, in words.
 
 use super::paste::{quoted, typed, with_flag};
+use findings::Micrometres;
 use identification::{Doubt, Outcome};
 use std::path::Path;
 
@@ -13,16 +14,16 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
         sentences.push(format!(
             "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
              sensor ({:.2} % of the {:.1} µm stroke), and {:.3} µm where it was furthest, which bounds no other recording.",
-            held_out.mae_um,
+            Micrometres(held_out.mae_um),
             held_out.mae_percent,
-            held_out.stroke_um,
-            held_out.max_um
+            Micrometres(held_out.stroke_um),
+            Micrometres(held_out.max_um)
         ));
         if held_out.mae_without_offset_um < 0.8 * held_out.mae_um {
             sentences.push(format!(
                 "Without a constant offset of {:+.3} µm (drift, creep, or where the session started) it is {:.3} µm ({:.2} %).",
-                held_out.offset_um,
-                held_out.mae_without_offset_um,
+                Micrometres(held_out.offset_um),
+                Micrometres(held_out.mae_without_offset_um),
                 held_out.mae_without_offset_percent
             ));
         }
@@ -30,7 +31,7 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
         sentences.push(format!(
             "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke); on \
              other data it was not tested.",
-            training.mae_um,
+            Micrometres(training.mae_um),
             training.mae_percent
         ));
     }

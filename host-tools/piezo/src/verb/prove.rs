@@ -12,6 +12,7 @@ use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::PlayError;
 use excitation::hertz;
+use findings::Micrometres;
 use findings::figures::{heading, row};
 use serde_json::json;
 use std::path::PathBuf;
@@ -111,7 +112,7 @@ fn tell(arguments: &Prove, proven: &Proven) -> Result<()> {
     out(&heading("the board's estimate, zeroed at rest"));
     out(&row("random voltage", figures));
     if let (Some(held), Some(half)) = (shares.held_percent, shares.half_width_um) {
-        out(&format!("± {half:.3} µm on average holds the sensor {held:.1} % of the time"));
+        out(&format!("± {:.3} µm on average holds the sensor {held:.1} % of the time", Micrometres(half)));
     }
     out(&format!(
         "{:.1} % of the time the voltage went as it never did in the training, {:.1} % it leapt, or it or the estimate was at a limit",
