@@ -86,7 +86,7 @@ fn cross_validated(of: &CrossValidation) -> String {
 mod tests {
     use super::*;
     use estimator_core::Model;
-    use identification::Score;
+    use identification::validate::score::Score;
 
     #[test]
     fn a_choice_that_is_close_is_said_to_be() {

@@ -10,6 +10,7 @@ mod figures;
 mod raised;
 mod run;
 mod scope;
+pub mod score;
 pub mod statistics;
 mod straight_line;
 mod suspicion;

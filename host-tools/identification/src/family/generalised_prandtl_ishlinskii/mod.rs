@@ -123,13 +123,17 @@ impl super::Family for Family {
     }
 
     /// Without what did not act, and with weights freed from the law, where the logs give any. What the law misses looks like a lag and
-    /// a memory at rest: both are found once more beside weights of their own.
+    /// a memory at rest: both are found once more beside weights of their own. Logs of which none begins at rest say nothing of that
+    /// memory, and it is the one between a rise's and a fall's.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
-        let values = self.without_idle_limit(self.values(values)?, problem)?;
-        let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
-        let law = self.solve(&values, problem)?;
         let sessions = self.sessions(problem);
         let rests = sessions.iter().any(|(_, course)| course.at_rest && course.settled > 0);
+        let mut values = self.without_idle_limit(self.values(values)?, problem)?;
+        if !rests {
+            values.rest_memory = 0.0;
+        }
+        let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
+        let law = self.solve(&values, problem)?;
         let tried = |values: Values| {
             let freed = freed(self, &values, &law, &sessions, several)?;
             let cost = freed.solution.total + values.unlikely(self.tick, problem.lag_s);

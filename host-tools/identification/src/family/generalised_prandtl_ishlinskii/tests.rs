@@ -120,7 +120,7 @@ fn coordinates_that_were_found_are_those_that_the_model_has() {
         }
         let fit = structure(300, Some(&begun));
         let names = |fit: &crate::Fit| fit.genes.iter().map(|(gene, _)| gene.name).collect::<Vec<_>>();
-        let Some(Parameters::GeneralisedPrandtlIshlinskii(of)) = fit.parameters else { panic!("{fit:?}") };
+        let of = generalised(fit.parameters);
         assert_eq!((names(&fit).contains(&SLEW), of.slew_v_per_s > 0.0), (limits, limits), "{extra:?}: {fit:?}");
         let swings = extra == Extra::Resonance;
         assert_eq!(names(&fit).contains(&"resonance"), swings, "{extra:?}");
@@ -192,6 +192,13 @@ fn family(problem: &Problem) -> Family {
     Family::new(Extra::Nothing, courses, problem)
 }
 
+fn generalised(found: Option<Parameters>) -> GeneralisedPrandtlIshlinskiiParameters {
+    match found {
+        Some(Parameters::GeneralisedPrandtlIshlinskii(of)) => of,
+        found => panic!("{found:?}"),
+    }
+}
+
 /// Sessions of a device that no model is made of, one from rest and one that begins amid a swing.
 fn devices() -> Problem {
     let plant = Plant::drawn(Kind::Relays(Density::Gaussian), 3);
@@ -260,6 +267,24 @@ fn the_slope_is_that_of_the_cost() {
     }
 }
 
+/// Of a log that begins amid a swing nobody knows what was before.
+#[test]
+fn the_memory_at_rest_is_learnt_from_logs_that_begin_at_rest() {
+    let plant = Plant::drawn(Kind::Relays(Density::Gaussian), 3);
+    let memory = |waveform, cut| {
+        let mut session = recorded(plant.log("log", &waveform, 9.0, 1));
+        session.voltage.drain(..cut);
+        session.displacement.drain(..cut);
+        session.instants.truncate(session.voltage.len());
+        let problem = Problem::new(vec![session], vec![], Conditions::default());
+        generalised(family(&problem).finish(&[0.1, 2.0, 0.5, 0.02, 0.03, 0.4], &problem)).rest_memory
+    };
+    // It begins in the first hold on the way up.
+    let rest = memory(Waveform::Staircase { amplitude: plant.full_v, steps: 2, hold_s: 0.3 }, 700);
+    let amid = memory(Waveform::Sine { amplitude: plant.full_v, hertz: 2.0, offset: 0.0 }, 1_900);
+    assert!(rest.abs() > 0.5 && amid == 0.0, "{rest}, amid a swing {amid}");
+}
+
 /// Sines of three amplitudes, the smallest the fastest, of a device without any lag: what the law misses of the small loop's width looks
 /// like one.
 #[test]
@@ -272,9 +297,9 @@ fn a_lag_that_makes_up_for_the_law_is_halved_where_the_weights_are_freed() {
     let family = family(&problem);
     let [Minimum { at, .. }, _] = searched(&family, &problem);
     let values: Vec<f64> = family.searched().iter().zip(&at).map(|(gene, &x)| gene.value(x)).collect();
-    let late_s = |found: Option<Parameters>| match found {
-        Some(Parameters::GeneralisedPrandtlIshlinskii(of)) => 5e-4 * (of.delay_ticks + 1.0) + of.lag_s,
-        found => panic!("{found:?}"),
+    let late_s = |found| {
+        let of = generalised(found);
+        5e-4 * (of.delay_ticks + 1.0) + of.lag_s
     };
     let [by_law, freed] = [family.project(&values, &problem), family.finish(&values, &problem)].map(late_s);
     assert!(freed < 0.6 * by_law && by_law > 5e-4, "{by_law} s by the law, {freed} s");

@@ -14,7 +14,7 @@
 //! something of amplitudes that were not recorded. Of 18 trainings of nine simulated devices that no model is made of, three were given
 //! another model with s alone, each further off than this one on recordings unlike the training, 1.5 to 2 times.
 
-use crate::validate::statistics::{logarithm, mean, standard_error};
+use crate::statistics::{logarithm, mean, standard_error};
 use estimator_core::Model;
 use serde::Serialize;
 
@@ -38,7 +38,7 @@ pub struct Score {
 
 /// Index of the chosen one: of those that do as well as the best, which is the first, the one with the fewest numbers where that has at
 /// most half the best's, or the one that is chosen in doubt; else the best. `None` of none.
-pub(crate) fn choose(scores: &[Score]) -> Option<usize> {
+pub fn choose(scores: &[Score]) -> Option<usize> {
     let best = scores.first()?;
     let as_well = |score: &Score| {
         let (mean, standard_error) = difference(score, best);
@@ -51,7 +51,7 @@ pub(crate) fn choose(scores: &[Score]) -> Option<usize> {
 }
 
 /// The mean difference of the logarithms of two models' errors over the parts, and its standard error.
-pub(crate) fn difference(score: &Score, best: &Score) -> (f64, f64) {
+pub fn difference(score: &Score, best: &Score) -> (f64, f64) {
     let differences: Vec<f64> =
         score.parts_um.iter().zip(&best.parts_um).map(|(a, b)| logarithm(*a) - logarithm(*b)).collect();
     (mean(&differences), standard_error(&differences))
@@ -60,7 +60,7 @@ pub(crate) fn difference(score: &Score, best: &Score) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::validate::statistics::geometric_mean;
+    use crate::statistics::geometric_mean;
 
     fn score(model: Model, parameters: usize, parts_um: &[f64]) -> Score {
         Score { model, parameters, error_um: geometric_mean(parts_um), parts_um: parts_um.to_vec() }
