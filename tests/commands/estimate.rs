@@ -107,7 +107,13 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     }
     // The same command again finds its own file.
     assert!(said(&["--start-at", "-92"]).contains("since the first sample, 95 % of the time"));
-    assert!(said(&["--zero-at", "24:-92"]).contains("-92 µm at 24 s, and from then on ± 0."));
+    let (told, in_nanometres) = (said(&["--zero-at", "24:-92"]), said(&["--zero-at", "24:-92000"]));
+    let asked = "that is further off than the log moves in all: is it in µm";
+    assert!(
+        told.contains(" µm from what was estimated before, and from then on ± 0.") && !told.contains(asked),
+        "{told}"
+    );
+    assert!(in_nanometres.contains("-92000 µm at 24 s, -91") && in_nanometres.contains(asked), "{in_nanometres}");
     assert!(said(&["--zero-at", "0.005:-92"]).contains("is too soon after the start for a zero"));
     refused(&["estimate", TABLE, text(&monitor), "--out", text(&monitor)], &["monitor.csv"]);
     let estimate = ["estimate", TABLE, text(&monitor), "--voltage-scale", "20", "--force"];

@@ -23,7 +23,8 @@ pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, Strin
         let Found { experiment, value_um, standard_error_um, told, .. } = *found;
         let (what, record) = words(experiment);
         let (value, error) = (Micrometres(value_um), Micrometres(standard_error_um));
-        let by_model = format!("{value:.2} ± {error:.2} µm");
+        // As many digits of the value as its error leaves.
+        let by_model = format!("{value_um:.0$} ± {standard_error_um:.0$} µm", error.decimals(2));
         let said = match told {
             _ if standard_error_um <= 0.0 => "this model has none".to_owned(),
             Told::Well => by_model,
@@ -134,7 +135,7 @@ mod tests {
         let said = of(Told::Restless, Experiment::Creep);
         let why = "in no log does the voltage stand still so long after a step: record a step, and a hold of 10 s";
         assert!(said.starts_with("0.14 µm is what the model extrapolates") && said.ends_with(why), "{said}");
-        assert_eq!(of(Told::Well, Experiment::Creep), "0.14 ± 0.020 µm");
+        assert_eq!(of(Told::Well, Experiment::Creep), "0.140 ± 0.020 µm");
         assert!(
             of(Told::Slower, Experiment::Width { part: 1.0, hz: 10.0 }).ends_with("record the full range at 10 Hz")
         );

@@ -9,12 +9,19 @@ pub struct Micrometres(pub f64);
 /// Most decimals, a femtometre.
 const MOST: f64 = 9.0;
 
-impl Display for Micrometres {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+impl Micrometres {
+    /// The decimals that it is printed with, where so many are asked for.
+    pub fn decimals(self, asked: usize) -> usize {
         // −∞ of nothing, which needs none.
         let place = self.0.abs().log10().floor();
         let needed = if place.is_finite() { (1.0 - place).clamp(0.0, MOST) as usize } else { 0 };
-        let (decimals, width) = (f.precision().unwrap_or(0).max(needed), f.width().unwrap_or(0));
+        asked.max(needed)
+    }
+}
+
+impl Display for Micrometres {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let (decimals, width) = (self.decimals(f.precision().unwrap_or(0)), f.width().unwrap_or(0));
         match f.sign_plus() {
             true => write!(f, "{:>+width$.decimals$}", self.0),
             false => write!(f, "{:>width$.decimals$}", self.0),

@@ -26,7 +26,7 @@ pub fn held(since: &str, interval: &Coverage) -> String {
 pub fn suspicion(suspicion: &Suspicion) -> String {
     match suspicion {
         Suspicion::Another { evidence: all } => format!(
-            "is it the actuator that the table was learnt from, and are unit, sign, columns and scale right (--columns, --sensor, --voltage-scale)? {}",
+            "is it the actuator that the table was learnt from, and are unit, sign, columns and scale right (--columns, --sensor, --voltage-scale, --displacement-scale)? {}",
             all.iter().map(evidence).collect::<Vec<_>>().join("; ")
         ),
         Suspicion::Constant { offset_um, mae_um, without_um } => format!(

@@ -95,15 +95,17 @@ fn amplitude_edge(class: usize, range: f64) -> f64 {
     range / 2.0 * class as f64 / AMPLITUDES as f64
 }
 
-/// Classes of frequency have their edges at 1, 3, 10, 30, …
+/// Classes of frequency have their edges between those that people record at: at 1.4, 4.5, 14, 45, …
+const EDGES: [f64; 2] = [1.4, 4.5];
+
 fn frequency_class(hz: f64) -> i32 {
-    let decade = hz.log10().floor();
+    let decade = (hz / EDGES[0]).log10().floor();
     let decade = decade.clamp(-12.0, 12.0) as i32;
-    2 * decade + i32::from(hz >= 3.0 * 10_f64.powi(decade))
+    2 * decade + i32::from(hz >= EDGES[1] * 10_f64.powi(decade))
 }
 
 fn frequency_edge(class: i32) -> f64 {
-    10_f64.powi(class.div_euclid(2)) * if class.rem_euclid(2) == 1 { 3.0 } else { 1.0 }
+    10_f64.powi(class.div_euclid(2)) * EDGES[class.rem_euclid(2) as usize]
 }
 
 #[cfg(test)]

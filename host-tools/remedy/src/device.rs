@@ -159,9 +159,14 @@ fn port(error: &PortError) -> String {
     }
 }
 
+/// Where the voltage goes that nobody is seen to drive any more.
+const ALONE: &str = "A board that still has power misses this machine, and brings its voltage to rest by itself, at drive_slew, within five \
+                     seconds.";
+
 fn play(error: &PlayError) -> String {
     match error {
-        PlayError::Link(error) => link(error),
+        PlayError::Link(error @ LinkError::Refused { .. }) => link(error),
+        PlayError::Link(error) => format!("{} {ALONE}", link(error)),
         PlayError::LetGo => format!("{error}; was this machine suspended, or too busy?"),
         PlayError::Silent => format!("{error}: look at it with `piezo info`"),
         _ => error.to_string(),

@@ -1,7 +1,7 @@
 //! Why nothing was identified, compared, reproduced or read as a table.
 
 use super::log::prepare;
-use super::paste::{log, quoted};
+use super::paste::{log, quoted, verb, with};
 use ::calibration::ConverterMismatch;
 use ::calibration::drive::SetpointMismatch;
 use comparison::ComparisonError;
@@ -90,10 +90,16 @@ fn job(error: &JobError) -> String {
             "{error}: choose another part with --hold-out, --skip-start and --skip-end, or hold out another log with \
              --validate-on"
         ),
-        JobError::FallsWithVoltage { .. } => format!(
-            "{error}: if the sensor is mounted the other way add --displacement-scale -1, if the voltage is inverted \
-             --voltage-scale -1; else are the columns the right ones?"
-        ),
+        JobError::FallsWithVoltage { .. } => {
+            let way = match verb("look") {
+                true => " (identify --displacement-scale -1)".to_owned(),
+                false => with(Path::new(""), &[("--displacement-scale", "-1")]),
+            };
+            format!(
+                "{error}: are the columns the right ones? If the voltage is inverted add --voltage-scale -1; if the sensor is mounted the other \
+                 way{way}"
+            )
+        }
         JobError::SameLog { rewritten: true, .. } => {
             format!("{error}: name the recording once; hold out another, or a part of this one with --hold-out")
         }

@@ -16,14 +16,17 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
     error.downcast_ref().map(prepare)
 }
 
-/// A place for the number that only the user knows.
-const RATE: (&str, &str) = ("--fs", "<HZ>");
+/// The option of the sample rate, with a place for the number that only the user knows.
+const FS: &str = "--fs";
 const SENSOR: (&str, &str) = ("--sensor", "<N>um/V");
 
 fn fault(fault: &Fault, path: &Path) -> String {
     let with = |options: &[(&str, &str)]| paste::with(path, options);
+    // What was stated already is not asked for again.
+    let stated = paste::value(FS);
+    let rate: (&str, &str) = (FS, stated.as_deref().unwrap_or("<HZ>"));
     let line = |example: &str, rate_needed: bool| match rate_needed {
-        true => with(&[("--columns", example), RATE]),
+        true => with(&[("--columns", example), rate]),
         false => with(&[("--columns", example)]),
     };
     let columns = |example: &str| with(&[("--columns", example)]);
@@ -47,12 +50,16 @@ fn fault(fault: &Fault, path: &Path) -> String {
         }
         Fault::NoTime { .. } => format!(
             "{fault}: state the sample rate that the recorder was set to, in Hz, or add time=N:s to --columns{}",
-            with(&[RATE])
+            with(&[rate])
         ),
         Fault::NoColumn { quantity, example, with_sensor, rate_needed, .. } => {
             let alone = match *quantity == Quantity::Displacement && !planned {
-                true => "\nof a voltage without a sensor nothing can be learnt; by a table that was learnt, `piezo estimate` makes the displacement of it",
-                false => "",
+                true => format!(
+                    "\nof a voltage without a sensor nothing can be learnt; by a table that was learnt, its displacement is estimated\n    \
+                     piezo estimate '<TABLE>' {}",
+                    paste::log(&path.to_string_lossy())
+                ),
+                false => String::new(),
             };
             let in_volts = with_sensor.as_ref().map(|example| {
                 line(example, *rate_needed)

@@ -88,8 +88,13 @@ pub fn log(name: &str) -> String {
 
 /// An option that was typed, with its value, behind a blank; nothing where it was not.
 pub fn typed(option: &str) -> String {
+    value(option).map_or(String::new(), |value| format!(" {option} {}", quoted(&value)))
+}
+
+/// The value of an option that was typed.
+pub fn value(option: &str) -> Option<String> {
     let words: Vec<String> = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
-    stated(&words, option).map_or(String::new(), |value| format!(" {option} {}", quoted(value)))
+    stated(&words, option).map(str::to_owned)
 }
 
 fn stated<'w>(words: &'w [String], option: &str) -> Option<&'w str> {

@@ -107,7 +107,7 @@ fn stranded(arguments: &Train) -> String {
             former.display(),
             remedy::quoted(&former.display().to_string())
         ),
-        false => format!("the device was not seen to come to rest: piezo info --port {port}"),
+        false => format!("the device was not seen to come to rest; once it answers, see: piezo info --port {port}"),
     }
 }
 
