@@ -123,7 +123,7 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     of(&["--zero-at", "24"], &["as 24:-91.5"]);
     of(&["--zero-at", "24:-92", "--start-at", "-92"], &["cannot be used with"]);
     // A validation says which verb takes a log without a sensor.
-    refused(&["validate", TABLE, text(&monitor)], &["holds the displacement", "`piezo estimate`"]);
+    refused(&["validate", TABLE, text(&monitor)], &["holds the displacement", "\n    piezo estimate '<TABLE>' "]);
     let scale = ["estimate", TABLE, text(&monitor), "--voltage-scale"];
     refused(&[&scale[..], &["1:20"]].concat(), &["for 1:20 it is 20"]);
     refused(&[&scale[..], &["2,5"]].concat(), &["a decimal point is a point"]);

@@ -214,11 +214,12 @@ fn look_proposes_no_log_that_identify_refuses() {
     ] {
         let log = write(name, 2_000.0, course);
         let refused = said(&[&["identify", text(&log), "--out", text(&out)], &SHORTEST[..]].concat());
-        let why = refused.trim().rsplit("piezo: ").next().unwrap();
+        // Below it stands a line of identify's own.
+        let why = refused.trim().rsplit("piezo: ").next().unwrap().lines().next().unwrap();
         let looked = said(&["look", text(&log)]);
-        assert!(looked.contains(&format!("  {line:<13} {why}\n")) && !looked.contains("Next:"), "{looked}\n{refused}");
+        assert!(looked.contains(&format!("  {line:<13} {why}")) && !looked.contains("Next:"), "{looked}\n{refused}");
         let found = json(piezo().args(["look", text(&log), "--json"]));
-        assert_eq!(found[0]["refusal"], why);
+        assert!(found[0]["refusal"].as_str().is_some_and(|refusal| refusal.starts_with(why)), "{found}");
         // Beside a log that shows something, one that does not is no hindrance.
         let both = [text(&sound), text(&log)];
         let taken =

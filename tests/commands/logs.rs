@@ -147,7 +147,7 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
 fn a_spike_that_is_left_out_costs_neither_error_nor_interval() {
     let clean = measured().split(0.75).0;
     let found = |log: &Log| {
-        let options = ["--model", "generalised-prandtl-ishlinskii", "--devices", "2", "--repair"];
+        let options = ["--model", "generalised-prandtl-ishlinskii", "--devices", "6", "--repair"];
         let result = identify(std::slice::from_ref(log), &[&options]);
         ["/candidates/0/held_out/mae_um", "/interval/misfit_um"].map(|pointer| number(&result, pointer))
     };
@@ -158,7 +158,7 @@ fn a_spike_that_is_left_out_costs_neither_error_nor_interval() {
         let [mae, half] = found(&spiky);
         let of = format!("{leap_um} µm in row {row} of {rows}");
         assert!((mae / mae_um - 1.0).abs() < 0.05, "{of}: {mae} instead of {mae_um} µm");
-        // Of two simulated devices it differs by a fifth with the readings that are left.
+        // Which readings are left moves one device or another.
         assert!((half / half_um - 1.0).abs() < 0.3, "{of}: ± {half} instead of {half_um} µm");
     }
 }
