@@ -193,6 +193,22 @@ mod tests {
         assert!(error < 0.005, "{error} of the stroke");
     }
 
+    /// It does not say how a slope is shared between the reversible part and the plays that all move; half the amplitude does.
+    #[test]
+    fn a_single_loop_teaches_half_its_amplitude() {
+        let plant = Plant::drawn(Kind::JilesAtherton, 1);
+        let sine = |part: f64| {
+            let waveform = Waveform::Sine { amplitude: part * plant.full_v, hertz: 5.0, offset: 0.0 };
+            recorded(plant.log("log", &waveform, 2.0, 1))
+        };
+        let problem = Problem::new(vec![sine(1.0)], vec![], Conditions::default());
+        let courses = Course::of_all(problem.training(), problem.deadband);
+        let family = Family::new(Extra::Nothing, courses.into(), &problem);
+        let found = family.finish(&SEARCHED, &problem).unwrap();
+        let error = error(&found, &sine(0.5)) / plant.stroke_um;
+        assert!(error < 0.003, "{error} of the stroke");
+    }
+
     #[test]
     fn several_amplitudes_free_the_weights_for_the_better() {
         let [law, freed] = errors(&[1.0, 0.6, 0.3]);
