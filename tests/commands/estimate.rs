@@ -113,6 +113,8 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
         told.contains(" µm from what was estimated before, and from then on ± 0.") && !told.contains(asked),
         "{told}"
     );
+    // Instants of which the double is above the decimal number are found as well.
+    assert!(said(&["--zero-at", "2.8:-92000"]).contains(asked));
     assert!(in_nanometres.contains("-92000 µm at 24 s, -91") && in_nanometres.contains(asked), "{in_nanometres}");
     assert!(said(&["--zero-at", "0.005:-92"]).contains("is too soon after the start for a zero"));
     refused(&["estimate", TABLE, text(&monitor), "--out", text(&monitor)], &["monitor.csv"]);

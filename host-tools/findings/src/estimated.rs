@@ -3,7 +3,7 @@
 use crate::micrometres::Micrometres;
 use crate::raised::remarks;
 use estimator_core::{Range, Status};
-use identification::validate::{Estimates, Instant, Known, Raised};
+use identification::validate::{Estimates, Instant, Known, Raised, Zero};
 use serde_json::{Value, json};
 
 /// A voltage that goes over less than this part of the table's range may be that of a monitor, of 1:10 and more.
@@ -18,7 +18,6 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> V
     let range = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), row| {
         (low.min(row.estimate), high.max(row.estimate))
     });
-    let shift = shift(estimates, known);
     let mut lines = vec![format!(
         "{}: {} estimates from the voltage alone, {:.3} … {:.3} µm by the training sensor's zero",
         estimates.log,
@@ -42,14 +41,14 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> V
         }
         (Known::Start(_), true) => "    no ± is stated: the table has none, or the voltage is beyond its range".to_owned(),
         (Known::Zero { at_s, um }, false) => {
-            let by = shift.as_ref().map_or(String::new(), |shift| {
-                format!(", {:+.3} µm from what was estimated before", Micrometres(shift.by_um))
+            let by = estimates.zero.map_or(String::new(), |zero| {
+                format!(", {:+.3} µm from what was estimated before", Micrometres(zero.by_um))
             });
             format!("    {um} µm at {at_s} s{by}, and from then on ± {:.3} µm on average, 95 % of the time", mean())
         }
         (Known::Start(_), false) => format!("    ± {:.3} µm on average since the first sample, 95 % of the time", mean()),
     });
-    if shift.is_some_and(|shift| shift.by_um.abs() > shift.moves_um) {
+    if estimates.zero.is_some_and(|zero| far(estimates, zero)) {
         lines.push(
             "    that is further off than the log moves in all: is it in µm, and by the sensor's zero in the training?"
                 .to_owned(),
@@ -67,22 +66,11 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> V
     lines
 }
 
-/// What a zero does to the estimates.
-struct Shift {
-    /// How far it is from what was estimated before, µm.
-    by_um: f64,
-    /// How far the estimates go before it or behind it, µm.
-    moves_um: f64,
-}
-
-fn shift(estimates: &Estimates, known: &Known) -> Option<Shift> {
-    let &Known::Zero { at_s, um } = known else { return None };
-    let all = &estimates.instants;
-    // It is told at the last instant up to then.
-    let told = all.partition_point(|instant| instant.time_s <= at_s).checked_sub(1)?;
-    let before = all.get(told.checked_sub(1)?)?.estimate;
+/// Whether a zero is further from what was estimated than the log moves before or behind it.
+fn far(estimates: &Estimates, zero: Zero) -> bool {
+    let (before, behind) = estimates.instants.split_at(zero.instant.min(estimates.instants.len()));
     let moves = |part: &[Instant]| Range::of_values(part.iter().map(|row| row.estimate)).span();
-    Some(Shift { by_um: um - before, moves_um: moves(&all[..told]).max(moves(&all[told..])) })
+    zero.by_um.abs() > moves(before).max(moves(behind))
 }
 
 /// What is asked where the voltages look like another's than the table's.

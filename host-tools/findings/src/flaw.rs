@@ -81,7 +81,8 @@ pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool, most
              behind (--repair); record it again without"
         ),
         (Flaw::Hole { .. }, true) => format!(
-            "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight on (--repair)"
+            "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight on (--repair); where it reversed \
+             there, what was learnt of the next swing is wrong by that"
         ),
         (_, true) => {
             format!("in {log} {what}: what was measured there was left out (--repair); record it again without")

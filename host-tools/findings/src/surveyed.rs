@@ -80,6 +80,15 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
         line("doubtful", &runs_ahead(of));
     }
     if survey.flaws.is_none() {
+        if survey.rows_without_a_number > 0 {
+            let rows = survey.rows_without_a_number;
+            line(
+                "flaw",
+                &format!(
+                    "{rows} rows have no number for the voltage or the displacement: --repair of identify leaves them out"
+                ),
+            );
+        }
         line("", "a long log: leaps, and a voltage that is cut off, are not looked for here");
     }
     swings(&mut line, survey);

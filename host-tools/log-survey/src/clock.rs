@@ -73,9 +73,14 @@ impl Tally {
         (self.last, self.rows) = (time, self.rows + 1);
     }
 
+    /// The long steps, where they are gaps: rounded stamps have them all the time.
+    fn gaps(&self) -> u64 {
+        if (self.long as f64) < GAPS * self.rows.saturating_sub(1) as f64 { self.long } else { 0 }
+    }
+
     /// Whether a time stamp near this row, counted from 0, comes late: what is missing there is no secret.
     pub fn late_near(&self, row: u64) -> bool {
-        self.behind.iter().any(|behind| behind.abs_diff(row) <= NEAR)
+        self.gaps() > 0 && self.behind.iter().any(|behind| behind.abs_diff(row) <= NEAR)
     }
 
     /// `stated` is a period that no column states, s, and what the file calls it.
@@ -83,10 +88,8 @@ impl Tally {
         let intervals = rows.saturating_sub(1) as f64;
         let Some((period, name)) = stated else {
             let duration_s = self.first.map_or(0.0, |first| self.last - first);
-            // Long steps are gaps where they are few; rounded stamps have them all the time.
-            let (gaps, gaps_s) =
-                if (self.long as f64) < GAPS * intervals { (self.long as f64, self.long_s) } else { (0.0, 0.0) };
-            let (steps, steps_s) = (intervals - gaps, duration_s - gaps_s);
+            let gaps = self.gaps();
+            let (steps, steps_s) = (intervals - gaps as f64, duration_s - if gaps > 0 { self.long_s } else { 0.0 });
             return Clock {
                 hz: if steps_s > 0.0 { whole(steps / steps_s) } else { f64::NAN },
                 source: RateSource::Column,

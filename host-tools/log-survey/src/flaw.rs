@@ -110,7 +110,7 @@ impl Flaw {
         }
     }
 
-    /// Whether it can be left out: what was not recorded cannot.
+    /// Whether it can be left out: what is missing without a trace in the time stamps cannot.
     pub fn repairable(&self) -> bool {
         !matches!(self, Self::Missing { .. })
     }

@@ -58,6 +58,8 @@ pub struct Survey {
     pub remarks: Vec<Remark>,
     /// How many rows there are.
     pub rows: u64,
+    /// Rows that have no number for the voltage or the displacement.
+    pub rows_without_a_number: u64,
     /// When the rows were recorded.
     pub clock: Clock,
     /// The voltage, V, where there is one.
@@ -136,6 +138,7 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         columns,
         remarks,
         rows: tally.rows,
+        rows_without_a_number: tally.without,
         implausible,
         displacement,
         displacement_estimated,
@@ -154,6 +157,7 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
 #[derive(Default)]
 struct Tally {
     rows: u64,
+    without: u64,
     clock: clock::Tally,
     voltage: SeriesTally,
     displacement: SeriesTally,
@@ -164,6 +168,7 @@ struct Tally {
 
 impl Tally {
     fn row(&mut self, row: Row) {
+        self.without += u64::from([row.voltage, row.displacement].into_iter().flatten().any(f64::is_nan));
         self.clock.add(row.time);
         self.voltage.add(row.voltage);
         self.displacement.add(row.displacement);

@@ -160,8 +160,8 @@ fn port(error: &PortError) -> String {
 }
 
 /// Where the voltage goes that nobody is seen to drive any more.
-const ALONE: &str = "A board that still has power misses this machine, and brings its voltage to rest by itself, at drive_slew, within five \
-                     seconds.";
+const ALONE: &str = "A board that still has power misses this machine, and begins to bring its voltage to rest, at drive_slew, within five \
+                     seconds (of follow --stay, once its last reference is there, it holds that until piezo reset).";
 
 fn play(error: &PlayError) -> String {
     match error {

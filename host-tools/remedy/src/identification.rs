@@ -1,7 +1,7 @@
 //! Why nothing was identified, compared, reproduced or read as a table.
 
 use super::log::prepare;
-use super::paste::{log, quoted, verb, with};
+use super::paste::{log, quoted, value, verb, with};
 use ::calibration::ConverterMismatch;
 use ::calibration::drive::SetpointMismatch;
 use comparison::ComparisonError;
@@ -91,9 +91,13 @@ fn job(error: &JobError) -> String {
              --validate-on"
         ),
         JobError::FallsWithVoltage { .. } => {
-            let way = match verb("look") {
-                true => " (identify --displacement-scale -1)".to_owned(),
-                false => with(Path::new(""), &[("--displacement-scale", "-1")]),
+            const SCALE: &str = "--displacement-scale";
+            // What was typed has been applied.
+            let stated = value(SCALE).and_then(|typed| typed.parse::<f64>().ok()).unwrap_or(1.0);
+            let turned = (-stated).to_string();
+            let way = match verb("identify") || verb("compare") {
+                true => with(Path::new(""), &[(SCALE, &turned)]),
+                false => format!(" (identify {SCALE} {turned})"),
             };
             format!(
                 "{error}: are the columns the right ones? If the voltage is inverted add --voltage-scale -1; if the sensor is mounted the other \

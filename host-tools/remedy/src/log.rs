@@ -56,8 +56,9 @@ fn fault(fault: &Fault, path: &Path) -> String {
             let alone = match *quantity == Quantity::Displacement && !planned {
                 true => format!(
                     "\nof a voltage without a sensor nothing can be learnt; by a table that was learnt, its displacement is estimated\n    \
-                     piezo estimate '<TABLE>' {}",
-                    paste::log(&path.to_string_lossy())
+                     piezo estimate '<TABLE>' {}{}",
+                    paste::log(&path.to_string_lossy()),
+                    ["--columns", FS, "--voltage-scale"].map(paste::typed).concat()
                 ),
                 false => String::new(),
             };

@@ -43,6 +43,17 @@ pub struct Estimates {
     pub log: String,
     /// In the order of time.
     pub instants: Vec<Instant>,
+    /// The zero that was taken at a time, where one was ([`Known::Zero`]).
+    pub zero: Option<Zero>,
+}
+
+/// A zero that the estimates have taken.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Zero {
+    /// The first instant that it holds for, counted from 0.
+    pub instant: usize,
+    /// What it has added to the estimates from then on, µm.
+    pub by_um: f64,
 }
 
 /// Runs a table's f32 core over a session from its beginning. The recipe, by which the session was prepared, leads back to
@@ -141,7 +152,8 @@ pub fn unmeasured(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> 
             let mut run = run(None, Some(at));
             let off = run.estimated.get(at).map_or(0.0, |estimate| estimate - of_model(um));
             run.estimated.iter_mut().skip(at).for_each(|estimate| *estimate -= off);
-            Ok(Estimates::of(&session, &recipe, &run))
+            let zero = Zero { instant: at, by_um: -off / recipe.displacement_scale };
+            Ok(Estimates { zero: Some(zero), ..Estimates::of(&session, &recipe, &run) })
         }
     }
 }
@@ -167,7 +179,7 @@ impl Estimates {
             status: run.status[k],
             scored: false,
         });
-        Self { log: session.name.clone(), instants: instants.collect() }
+        Self { log: session.name.clone(), instants: instants.collect(), zero: None }
     }
 
     /// How often each status bit was raised.
@@ -216,7 +228,7 @@ mod tests {
             status: Status::NOT_SETTLED | Status::CLAMPED,
             scored: true,
         };
-        let of = |instant| Estimates { log: "a, \"b\"".to_owned(), instants: vec![instant] };
+        let of = |instant| Estimates { log: "a, \"b\"".to_owned(), instants: vec![instant], zero: None };
         let estimates = of(instant);
         let expected = "0.005000,1.000000,-120.000000,-119.500000,0.250000,CLAMPED|NOT_SETTLED,1,\"a, \"\"b\"\"\"\n";
         assert_eq!(estimates.csv(), expected);

@@ -1,6 +1,6 @@
 //! How far an estimate is from the sensor: an admitted table run over a session through the very
 //! [`Estimator`](estimator_core::Estimator) that the firmware has, and its errors by what the estimator was told and by
-//! which part of the log is scored.
+//! which part of the log is scored; and which of several models did best by such errors ([`score`]).
 
 mod baseline;
 mod compare;
@@ -20,7 +20,7 @@ mod trace;
 pub use baseline::Baseline;
 pub use compare::{Cold, Comparison, compare, compare_within};
 pub use coverage::Coverage;
-pub use estimates::{Estimates, Instant, Known, UnmeasuredError, estimates, unmeasured};
+pub use estimates::{Estimates, Instant, Known, UnmeasuredError, Zero, estimates, unmeasured};
 pub use figures::Figures;
 pub use raised::Raised;
 pub use run::Run;

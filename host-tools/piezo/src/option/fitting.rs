@@ -34,7 +34,7 @@ pub struct Fitting {
     /// learns the chosen model once more from all of them.
     #[arg(long, display_order = BEHIND, value_name = "FRACTION", allow_negative_numbers = true)]
     pub hold_out: Option<f64>,
-    /// Leave out what is no measurement: a value that is no number, where the displacement leaps away and back or stands still while
+    /// Leave out what is no measurement: a value that is no number, rows that the time stamps leave out, where the displacement leaps away and back or stands still while
     /// the voltage moves, and where the voltage is cut off or leaps alone. The voltage is run through all the same, straight past its own leaps.
     #[arg(long)]
     pub repair: bool,

@@ -48,9 +48,6 @@ pub struct PrepareAgain {
     /// Factor on the recorded voltage, instead of the table's: 20 of a monitor 1:20, 1 of the amplifier's output.
     #[arg(long, help_heading = None::<&str>, value_parser = factor, allow_negative_numbers = true)]
     pub voltage_scale: Option<f64>,
-    /// Factor on the recorded displacement, instead of the table's: -1 of a sensor that is mounted the other way than in the training.
-    #[arg(long, value_parser = factor, allow_negative_numbers = true)]
-    pub displacement_scale: Option<f64>,
     /// Cut off the start of each log, s.
     #[arg(long, value_parser = not_negative, allow_negative_numbers = true)]
     pub skip_start: Option<f64>,
@@ -67,7 +64,6 @@ impl PrepareAgain {
     pub fn instead_of(&self, recipe: Recipe) -> Recipe {
         Recipe {
             voltage_scale: self.voltage_scale.unwrap_or(recipe.voltage_scale),
-            displacement_scale: self.displacement_scale.unwrap_or(recipe.displacement_scale),
             skip_start_s: self.skip_start.unwrap_or(recipe.skip_start_s),
             skip_end_s: self.skip_end.unwrap_or(recipe.skip_end_s),
             decimation: self.decimate.unwrap_or(recipe.decimation),

@@ -51,7 +51,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
     for path in &arguments.logs {
         let (reading, refusal) = opened(path, arguments)?;
         let found = survey(reading)?;
-        flawed |= found.flaws.iter().flatten().any(|of| of.worst.repairable());
+        flawed |= found.rows_without_a_number > 0 || found.flaws.iter().flatten().any(|of| of.worst.repairable());
         let complete = refusal.is_none() && found.voltage.is_some();
         let learnable = complete.then(|| remedy::learnable(path, &arguments.files.options(), &found));
         flawed |= learnable.as_ref().is_some_and(|of| matches!(of, Learnable::Repaired(_)));

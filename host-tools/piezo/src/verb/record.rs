@@ -134,7 +134,7 @@ fn tell(
     ));
     if recording.lost > 0 {
         out(&format!(
-            "{} samples are missing: time leaps there; with --repair, identify, compare and validate leave them out",
+            "{} samples are missing: time leaps there; with --repair, identify, compare and validate leave them out where they are no more than a tenth",
             recording.lost
         ));
     }
@@ -162,7 +162,7 @@ fn conclude(arguments: &Record, recording: &Recording, end: End, ticks: Option<u
         End::Complete => bail!("ended before the first sample: {} is not written", arguments.out.display()),
         End::Gap { samples } => format!(
             "{samples} samples were lost: {before}. Is the cable sound, and this machine not too busy? --allow-gaps goes \
-             on; of such a log, identify, compare and validate leave out what is missing (--repair)"
+             on; of such a log, identify, compare and validate leave out what is missing, a tenth at most (--repair)"
         ),
         End::Restarted => format!("the device was restarted, or its mode set: {before}"),
         End::NoSensor => bail!("the device reads no sensor: leave --board out to record its estimate alone"),

@@ -3,7 +3,7 @@
 
 use super::device::look_at;
 use super::print::out;
-use crate::option::{LogOptions, Overwrite, PrepareAgain, ScopeArgs, TOLD, choice, not_negative};
+use crate::option::{LogOptions, Overwrite, PrepareAgain, ScopeArgs, TOLD, choice, factor, not_negative};
 use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
@@ -15,6 +15,7 @@ use identification::validate::{
 };
 use log_survey::{flaws, measured};
 use recordings::log::Log;
+use recordings::prepare::Recipe;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -42,7 +43,10 @@ pub struct Validate {
     /// Judge by the error without a constant offset, as it is after re-zeroing.
     #[arg(long)]
     pub rezero: bool,
-    /// Score nothing that is no measurement, by the rule of `identify --repair`: a value that is no number, or where the sensor leaps away and
+    /// Factor on the recorded displacement, instead of the table's: -1 of a sensor that is mounted the other way than in the training.
+    #[arg(long, value_parser = factor, allow_negative_numbers = true)]
+    pub displacement_scale: Option<f64>,
+    /// Score nothing that is no measurement, by the rule of `identify --repair`: a value that is no number, a row that the time stamps leave out, or where the sensor leaps away and
     /// back or stands still. The voltage is run through all the same, straight past its own leaps.
     #[arg(long)]
     pub repair: bool,
@@ -71,7 +75,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         arguments.overwrite.of(path, Estimates::HEADING)?;
     }
     let (file, table) = look_at(&arguments.table)?;
-    let recipe = arguments.prepare.instead_of(file.recipe);
+    let displacement_scale = arguments.displacement_scale.unwrap_or(file.recipe.displacement_scale);
+    let recipe = Recipe { displacement_scale, ..arguments.prepare.instead_of(file.recipe) };
     let scope: Scope = (&arguments.scope).into();
     let logs = arguments.files.read_all(&arguments.logs, arguments.repair)?;
     let (mut comparisons, mut repairs) = (Vec::new(), Vec::new());

@@ -233,6 +233,23 @@ mod tests {
     }
 
     #[test]
+    fn long_gaps_are_counted_whatever_the_period_is_rounded_to() {
+        for (rate, decimals) in
+            [(3000.0, 6), (6000.0, 6), (7000.0, 6), (1024.0, 6), (44_100.0, 9), (2000.3, 6), (2000.0, 4)]
+        {
+            for lost in [150, 400, 1000] {
+                let mut time = printed(&clock(20_000, 1.0 / rate), |t| format!("{t:.decimals$}"));
+                time.drain(9_000..9_000 + lost);
+                let (_, fault) = period(&time, None).unwrap_err();
+                let Fault::Gap { missing, few: true, .. } = fault else { panic!("{lost} at {rate} Hz: {fault}") };
+                assert_eq!(missing, lost as u64, "{rate} Hz");
+                let filled = put_stamps_back(&time, &[(9_000, lost)]);
+                assert!((period(&filled, None).unwrap() * rate - 1.0).abs() < 1e-6, "{lost} at {rate} Hz");
+            }
+        }
+    }
+
+    #[test]
     fn stamps_that_are_missing_are_put_back_with_as_many_decimals() {
         for (decimals, rate) in [(9, 2000.0), (4, 2000.0), (3, 1000.0), (2, 100.0), (6, 3000.0)] {
             let whole = printed(&clock(400, 1.0 / rate), |t| format!("{t:.decimals$}"));

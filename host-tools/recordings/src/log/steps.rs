@@ -16,6 +16,9 @@ const JITTER: f64 = 0.01;
 /// own rounding, the rest for what the rounding of the others tilts the line.
 const ROUNDING: f64 = 0.85;
 
+/// How far a mean period may be off by rounding, as a part of it.
+const FINE: f64 = 1e-4;
+
 /// Time stamps (s) held against a sample period (s).
 struct Steps<'a> {
     time: &'a [f64],
@@ -128,8 +131,21 @@ fn farthest_stray(time: &[f64], allowed: f64) -> Option<(usize, f64)> {
     (highest - lowest > 2.0 * allowed).then(|| (farthest, time[farthest] - line.at(farthest)))
 }
 
-/// The period that most of the log keeps, gaps or not: the median step over so many rows that rounding is small.
+/// The period that most of the log keeps, gaps or not: the mean of the steps that are about as long as the median is.
 pub(super) fn rough_period(time: &[f64], resolution: &[f64]) -> f64 {
+    let median = median_period(time, resolution);
+    let steps = Steps::of(time, resolution, median);
+    let usual: Vec<f64> = (1..time.len()).filter(|&k| steps.explains(k)).map(|k| steps.step(k)).collect();
+    let sum: f64 = usual.iter().sum();
+    // The rounding of its ends would tell in the mean of few.
+    match 2 * usual.len() > time.len() && 2.0 * coarsest(resolution) < FINE * sum {
+        true => sum / usual.len() as f64,
+        false => median,
+    }
+}
+
+/// The median step over so many rows that rounding is small.
+fn median_period(time: &[f64], resolution: &[f64]) -> f64 {
     let last = time.len() - 1;
     let mean = (time[last] - time[0]) / last as f64;
     // `as` saturates, and takes NaN to 0.

@@ -33,6 +33,8 @@ const HIGHEST: f64 = 0.45;
 const SUSTAINED_S: f64 = 0.1;
 /// The searched coordinate that an idle limit leaves the model without.
 pub const SLEW: &str = "slew";
+/// The one that logs say nothing of which do not begin at rest.
+pub const MEMORY: &str = "memory";
 /// The slowest slew limit that is searched, of that.
 const SLOWEST: f64 = 0.05;
 
@@ -122,7 +124,7 @@ impl Family {
             Gene::logarithmic("rho", "half-width at which the plays weigh 1/e, of half the span", "", 0.05, 5.0),
             Gene::logarithmic("creep_fast", "gain of the creep in 0.01 s", "", 1e-4, 0.3),
             Gene::logarithmic("creep_slow", "gain of the creep in 100 s", "", 1e-4, 0.3),
-            Gene::linear("memory", "memory at rest", "", 0.0, 1.0),
+            Gene::linear(MEMORY, "memory at rest", "", 0.0, 1.0),
         ];
         if self.extra != Extra::Nothing {
             genes.push(Gene::logarithmic(SLEW, "slew limit", "V/s", self.slews.min, self.slews.max));
@@ -147,6 +149,11 @@ impl Family {
             slew_v_per_s: if self.extra == Extra::Nothing { 0.0 } else { next()? },
             resonance: if self.extra == Extra::Resonance { [next()?, next()?] } else { [0.0, 0.0] },
         })
+    }
+
+    /// Whether a training session begins at rest: others say nothing of the memory there.
+    pub fn rests(&self) -> bool {
+        self.courses.iter().any(|course| course.at_rest && course.settled > 0)
     }
 
     /// The training sessions, each with its course.

@@ -13,7 +13,7 @@ use super::AnyFamily;
 use crate::cost::{Cost, Feedback};
 use crate::problem::Problem;
 use crate::search::{Gene, Quadratic, halved, scaled};
-use candidate::{Extra, Family, PLAYS, SLEW, Values};
+use candidate::{Extra, Family, MEMORY, PLAYS, SLEW, Values};
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
 use freed::{Freed, freed};
 use log_survey::Character;
@@ -127,11 +127,11 @@ impl super::Family for Family {
     /// memory, and it is the one between a rise's and a fall's.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let sessions = self.sessions(problem);
-        let rests = sessions.iter().any(|(_, course)| course.at_rest && course.settled > 0);
-        let mut values = self.without_idle_limit(self.values(values)?, problem)?;
+        let (rests, mut values) = (self.rests(), self.values(values)?);
         if !rests {
             values.rest_memory = 0.0;
         }
+        let values = self.without_idle_limit(values, problem)?;
         let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
         let law = self.solve(&values, problem)?;
         let tried = |values: Values| {
@@ -154,7 +154,11 @@ impl super::Family for Family {
 
     fn has(&self, gene: &Gene, found: &Parameters) -> bool {
         let Parameters::GeneralisedPrandtlIshlinskii(of) = found else { return true };
-        gene.name != SLEW || of.slew_v_per_s > 0.0
+        match gene.name {
+            SLEW => of.slew_v_per_s > 0.0,
+            MEMORY => self.rests(),
+            _ => true,
+        }
     }
 
     fn smooth(&self) -> bool {
