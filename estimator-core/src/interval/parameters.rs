@@ -44,6 +44,24 @@ pub struct IntervalParameters {
 }
 
 impl IntervalParameters {
+    /// The same half-width (µm) whatever the voltage does, and however long ago the displacement was told.
+    #[must_use]
+    pub const fn constant(misfit_um: f32) -> Self {
+        Self {
+            memory_um: [0.0; SPANS],
+            memory_at_ends: 0.0,
+            misfit_um,
+            rate_ticks: 0.0,
+            spread_um: [0.0; TRIANGLE],
+            prototypes: [[0; PLAYS]; PROTOTYPES],
+            prototype_um: 0.0,
+            untrained_um: 0.0,
+            gain: 0.0,
+            drift_um: 0.0,
+            earliest_s: 0.0,
+        }
+    }
+
     /// Whether every number is finite, none is negative that may not be, and none is beyond [`LARGEST`].
     ///
     /// # Errors

@@ -95,7 +95,7 @@ const STRAIGHT_LINE: (u32, u32) = (4_500, 8_300);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interval::{IntervalParameters, PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+    use crate::interval::IntervalParameters;
     use crate::list::List;
     use crate::model::{BoucWenParameters, PrandtlIshlinskiiParameters};
     use crate::range::Range;
@@ -133,23 +133,10 @@ mod tests {
         assert!(Table { sample_period_us: 100, ..line }.cycles().in_time());
         let two = List::of([0.0, 0.5]);
         let two = PrandtlIshlinskiiParameters { thresholds_v: two, weights_um_per_v: two, ..of };
-        let interval = IntervalParameters {
-            memory_um: [0.0; SPANS],
-            memory_at_ends: 0.0,
-            misfit_um: 0.1,
-            rate_ticks: 0.0,
-            spread_um: [0.0; TRIANGLE],
-            prototypes: [[0; PLAYS]; PROTOTYPES],
-            prototype_um: 0.0,
-            untrained_um: 0.0,
-            gain: 0.0,
-            drift_um: 0.0,
-            earliest_s: 0.0,
-        };
         let most = line.cycles().most;
         for more in [
             Table { parameters: Parameters::PrandtlIshlinskii(two), ..line },
-            Table { interval: Some(interval), ..line },
+            Table { interval: Some(IntervalParameters::constant(0.1)), ..line },
             Table { parameters: table().parameters, ..line },
         ] {
             assert!(more.cycles().most > most);

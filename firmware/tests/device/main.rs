@@ -13,7 +13,7 @@ use bench::{Bench, TICKS, push};
 use common::{compiled, driving, other, record, tick};
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 use embassy_futures::block_on;
-use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+use estimator_core::interval::{PLAYS, TRIANGLE};
 use estimator_core::{AdcCode, Admitted, IntervalParameters, Table};
 use protocol::{Faults, Mode, Refusal, Reply, Request, ResetCause, TableSource, text};
 use std::sync::Arc;
@@ -50,17 +50,14 @@ fn late() -> Admitted {
     let mut spread_um = [0.0; TRIANGLE];
     (0..PLAYS).for_each(|row| spread_um[row * (row + 3) / 2] = 0.2);
     let interval = IntervalParameters {
-        memory_um: [0.0; SPANS],
-        memory_at_ends: 0.0,
-        misfit_um: 0.1,
         rate_ticks: 1.0,
         spread_um,
-        prototypes: [[0; PLAYS]; PROTOTYPES],
         prototype_um: 0.01,
         untrained_um: 0.1,
         gain: 0.02,
         drift_um: 0.05,
         earliest_s: 3_600.0,
+        ..IntervalParameters::constant(0.1)
     };
     Table { interval: Some(interval), ..*compiled() }.admit().expect("every part of the interval has a size")
 }

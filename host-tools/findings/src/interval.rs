@@ -47,21 +47,10 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
 mod tests {
     use super::*;
     use estimator_core::IntervalParameters;
-    use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
+    use estimator_core::interval::SPANS;
 
-    const PARAMETERS: IntervalParameters = IntervalParameters {
-        memory_um: [4.0; SPANS],
-        memory_at_ends: 0.5,
-        misfit_um: 1.5,
-        rate_ticks: 0.0,
-        spread_um: [0.0; TRIANGLE],
-        prototypes: [[0; PLAYS]; PROTOTYPES],
-        prototype_um: 1.0,
-        untrained_um: 1.0,
-        gain: 0.0,
-        drift_um: 0.0,
-        earliest_s: 0.0,
-    };
+    const PARAMETERS: IntervalParameters =
+        IntervalParameters { memory_um: [4.0; SPANS], memory_at_ends: 0.5, ..IntervalParameters::constant(1.5) };
 
     /// What is said of these, whose logs' own errors are `own_um`.
     fn said(parameters: IntervalParameters, own_um: f64) -> String {

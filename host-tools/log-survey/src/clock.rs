@@ -29,6 +29,8 @@ pub enum RateSource {
     Stated,
 }
 
+/// So many long steps are known by their rows.
+const KNOWN: usize = 1000;
 /// A leap of both series is placed within so many rows.
 const NEAR: u64 = 2;
 /// Largest part of the steps that are gaps.
@@ -47,9 +49,6 @@ pub(crate) struct Tally {
     /// The rows behind the first long steps.
     behind: Vec<u64>,
 }
-
-/// So many long steps are known by their rows.
-const KNOWN: usize = 1000;
 
 impl Tally {
     pub fn add(&mut self, time: Option<f64>) {

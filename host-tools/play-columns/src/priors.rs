@@ -15,8 +15,8 @@ use least_squares::Normal;
 
 /// Deviation σ of how a slope bends, of the stroke an interval: the reversible part's, and that of the envelope, which is multiplied by the
 /// plays' weights. With 0.2 and 2.0, of eight simulated devices that were learnt from one sine of the full
-/// range four were 1.2 to 6 times as far off on other recordings, three as far, one 0.7 times; and the measured stack a tenth further on
-/// another day.
+/// range four were 1.2 to 6 times as far off on other recordings, three as far, one 0.7 times; and on another day the measured stack was
+/// a tenth further off.
 const BENT: [f64; 2] = [0.015, 1.0];
 
 /// What a coefficient is drawn towards.

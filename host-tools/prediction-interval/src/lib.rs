@@ -18,7 +18,6 @@ mod trial;
 
 use again::again;
 use device::Device;
-use estimator_core::interval::{PLAYS, PROTOTYPES, SPANS, TRIANGLE};
 use estimator_core::{IntervalParameters, Range};
 use gains::{Gains, Tried};
 use identification::{Candidate, CandidateError, Learnt, Outcome, Problem, SearchOptions, TableContext};
@@ -139,20 +138,14 @@ fn misfit(candidate: &Candidate) -> f64 {
 fn unscaled(problem: &Problem, candidate: &Candidate) -> IntervalParameters {
     let table = &candidate.table;
     let stroke = problem.stroke().span();
-    let bare = IntervalParameters {
-        memory_um: [0.0; SPANS],
-        memory_at_ends: 0.0,
-        misfit_um: stroke as f32,
+    let parameters = IntervalParameters {
+        memory_um: start_memory(table),
         rate_ticks: 1.0,
-        spread_um: [0.0; TRIANGLE],
-        prototypes: [[0; PLAYS]; PROTOTYPES],
-        prototype_um: 0.0,
-        untrained_um: 0.0,
         gain: 1.0,
         drift_um: stroke as f32,
         earliest_s: (LAGS * late_s(&table.parameters, table.sample_period())) as f32,
+        ..IntervalParameters::constant(stroke as f32)
     };
-    let parameters = IntervalParameters { memory_um: start_memory(table), ..bare };
     learnt(parameters, problem, table.voltage_range_v.of(), misfit(candidate).hypot(LEAST * stroke))
 }
 

@@ -122,8 +122,8 @@ pub enum UnmeasuredError {
     Zero(#[from] ScopeError),
 }
 
-/// Runs a table's f32 core over a log's voltage, whether or not a sensor is beside it, as a device does that is switched on where the
-/// log begins.
+/// Runs a table's f32 core over a log's voltage, whether or not a sensor is beside it, as does a device that is
+/// switched on where the log begins.
 ///
 /// # Errors
 /// The log cannot be brought to the tick, or what is known lies outside the table or the log.

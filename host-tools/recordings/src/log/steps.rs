@@ -38,7 +38,7 @@ pub(super) fn check(time: &[f64], resolution: &[f64], period: f64) -> Result<(),
             return Err(steps.irregular(k, steps.step(k) - period));
         };
         let gaps = 1 + unexplained.filter(|&k| steps.missing(k).is_some()).count();
-        let few = !few_gaps(time, resolution, period).is_empty();
+        let few = !steps.few_gaps().is_empty();
         return Err((k, Fault::Gap { missing, after: Number(time[k - 1]), gaps, few }));
     }
     let allowed = match steps.off {
@@ -53,16 +53,7 @@ pub(super) fn check(time: &[f64], resolution: &[f64], period: f64) -> Result<(),
 
 /// Before which rows how many samples are missing of such time stamps; none where they are too many to be holes of a log.
 pub(super) fn few_gaps(time: &[f64], resolution: &[f64], period: f64) -> Vec<(usize, usize)> {
-    let steps = Steps::of(time, resolution, period);
-    let most = (FEW * time.len() as f64) as u64;
-    let mut all = 0_u64;
-    let unexplained = (1..time.len()).filter(|&k| !steps.explains(k));
-    let gaps = unexplained.filter_map(|k| steps.missing(k).map(|missing| (k, missing)));
-    let few = gaps.map(|(k, missing)| {
-        all = all.saturating_add(missing);
-        (all <= most).then_some((k, missing as usize))
-    });
-    few.collect::<Option<Vec<_>>>().unwrap_or_default()
+    Steps::of(time, resolution, period).few_gaps()
 }
 
 impl<'a> Steps<'a> {
@@ -70,6 +61,18 @@ impl<'a> Steps<'a> {
         let mut steps = Self { time, resolution, period, off: 0 };
         steps.off = (1..time.len()).filter(|&k| (steps.step(k) - period).abs() > JITTER * period).count();
         steps
+    }
+
+    /// Before which rows how many samples are missing; none where they are too many to be holes of a log.
+    fn few_gaps(&self) -> Vec<(usize, usize)> {
+        let most = (FEW * self.time.len() as f64) as u64;
+        let mut all = 0_u64;
+        let unexplained = (1..self.time.len()).filter(|&k| !self.explains(k));
+        let few = unexplained.filter_map(|k| Some((k, self.missing(k)?))).map(|(k, missing)| {
+            all = all.saturating_add(missing);
+            (all <= most).then_some((k, missing as usize))
+        });
+        few.collect::<Option<Vec<_>>>().unwrap_or_default()
     }
 
     /// The step from the row before to row `k`, s.
