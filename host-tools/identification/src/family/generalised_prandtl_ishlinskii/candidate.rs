@@ -33,7 +33,7 @@ const HIGHEST: f64 = 0.45;
 const SUSTAINED_S: f64 = 0.1;
 /// The searched coordinate that an idle limit leaves the model without.
 pub const SLEW: &str = "slew";
-/// The one that logs say nothing of which do not begin at rest.
+/// The searched coordinate of which a log that begins amid a swing says nothing.
 pub const MEMORY: &str = "memory";
 /// The slowest slew limit that is searched, of that.
 const SLOWEST: f64 = 0.05;
