@@ -156,3 +156,45 @@ fn what_stands_in_the_sensor_s_column_spoils_nothing() {
     piezo().args(["estimate", TABLE, text(&log), "--out", text(&estimated)]).assert().success();
     assert_eq!(column(&estimated, "estimate_um").len(), 499);
 }
+
+/// Where the voltage is unknown there is no estimate; before it all is as if nothing were missing, and behind it, after a swing, again.
+#[test]
+fn a_log_with_holes_is_estimated_where_it_has_a_voltage() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, holed, of_whole, of_holed] =
+        ["whole.csv", "holed.csv", "of-whole.csv", "of-holed.csv"].map(|name| folder.path().join(name));
+    write_monitor(&whole);
+    let text_of_whole = fs::read_to_string(&whole).unwrap();
+    let (missing, none) = (1000..1020, 2000..2003);
+    let row = |(number, line): (usize, &str)| match number {
+        number if missing.contains(&number) => None,
+        number if none.contains(&number) => Some(format!("{},NaN\n", line.split(',').next().unwrap())),
+        _ => Some(format!("{line}\n")),
+    };
+    fs::write(&holed, text_of_whole.lines().enumerate().filter_map(row).collect::<String>()).unwrap();
+    let estimate = |log: &Path, out: &Path, more: &[&str]| {
+        let arguments = ["estimate", TABLE, text(log), "--voltage-scale", "20", "--out", text(out), "--json"];
+        json(piezo().args(arguments).args(more))
+    };
+    refused(
+        &["estimate", TABLE, text(&holed), "--voltage-scale", "20", "--out", text(&of_holed)],
+        &["the voltage is not finite (NaN)", "--repair"],
+    );
+    estimate(&whole, &of_whole, &[]);
+    let report = estimate(&holed, &of_holed, &["--repair"]);
+    assert_eq!(number(&report, "/logs/0/left_out"), 23.0);
+    let rows = |path: &Path| -> Vec<(String, f64)> {
+        let estimates = column(path, "estimate_um").into_iter().map(|cell| cell.parse().unwrap());
+        column(path, "time_s").into_iter().zip(estimates).collect()
+    };
+    let (whole, holed) = (rows(&of_whole), rows(&of_holed));
+    assert_eq!(whole.len(), holed.len() + 23);
+    // The first line is the heading, and of the first sample there is no estimate.
+    let kept =
+        whole.iter().enumerate().filter(|(at, _)| ![&missing, &none].iter().any(|rows| rows.contains(&(at + 2))));
+    for ((at, whole), holed) in kept.zip(&holed) {
+        assert_eq!(whole.0, holed.0);
+        let most = if at + 2 < missing.start { 0.0 } else { 0.2 };
+        assert!((whole.1 - holed.1).abs() <= most, "{at}: {whole:?} {holed:?}");
+    }
+}

@@ -54,6 +54,13 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> V
                 .to_owned(),
         );
     }
+    if estimates.left_out > 0 {
+        lines.push(format!(
+            "    {} more are left out (--repair): the log has no voltage there, and until the next full swing the estimates depend on its having \
+             gone straight on",
+            estimates.left_out
+        ));
+    }
     let raised = estimates.raised();
     lines.extend(scale_asked(estimates, table_v).map(|asked| format!("    {asked}")));
     if let Some(unsettled) = raised.iter().find(|raised| raised.bit == Status::NOT_SETTLED) {
@@ -94,5 +101,5 @@ pub fn estimated_json(estimates: &Estimates, table_v: Range<f64>) -> Value {
         let name: String = bit.iter_names().map(|(name, _)| name).collect();
         json!({ "status": name, "percent": percent, "first_s": first_s })
     });
-    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "raised": raised.collect::<Vec<_>>(), "asked": scale_asked(estimates, table_v) })
+    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "left_out": estimates.left_out, "raised": raised.collect::<Vec<_>>(), "asked": scale_asked(estimates, table_v) })
 }

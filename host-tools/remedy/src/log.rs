@@ -32,12 +32,16 @@ fn fault(fault: &Fault, path: &Path) -> String {
     let columns = |example: &str| with(&[("--columns", example)]);
     // Nobody has recorded what is wanted.
     let planned = ["waveform", "follow", "feedforward"].into_iter().any(verb);
-    let repairs = ["identify", "compare", "validate", "look"].into_iter().any(verb);
+    let repairs = ["identify", "compare", "validate", "estimate", "look"].into_iter().any(verb);
     let repaired = || match verb("look") {
         true => " (identify --repair)".to_owned(),
         false => paste::with_flag("--repair"),
     };
-    let of = if verb("validate") { "errors" } else { "learning" };
+    let of = match (verb("validate"), verb("estimate")) {
+        (true, _) => "errors",
+        (_, true) => "estimates",
+        _ => "learning",
+    };
     match fault {
         Fault::SampleRate(rate) => {
             format!("{rate} Hz is not a sample rate: state what the recorder was set to, in Hz, by --fs <HZ>")

@@ -45,6 +45,8 @@ pub struct Estimates {
     pub instants: Vec<Instant>,
     /// The zero that was taken at a time, where one was ([`Known::Zero`]).
     pub zero: Option<Zero>,
+    /// How many instants are not among them, for the log has no voltage there ([`Log::holes`]).
+    pub left_out: usize,
 }
 
 /// A zero that the estimates have taken.
@@ -123,11 +125,19 @@ pub enum UnmeasuredError {
 }
 
 /// Runs a table's f32 core over a log's voltage, whether or not a sensor is beside it, as does a device that is
-/// switched on where the log begins.
+/// switched on where the log begins. Over holes of the log the voltage goes straight, and there is no estimate in them.
 ///
 /// # Errors
 /// The log cannot be brought to the tick, or what is known lies outside the table or the log.
 pub fn unmeasured(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> Result<Estimates, UnmeasuredError> {
+    let row_s = |row: usize| log.start_s + row as f64 * log.sample_period;
+    let holes: Vec<Range<f64>> =
+        log.holes.iter().map(|hole| Range { min: row_s(hole.start), max: row_s(hole.end.saturating_sub(1)) }).collect();
+    Ok(everywhere(table, log, recipe, known)?.without(&holes))
+}
+
+/// The estimates at all instants, in holes of the log, too.
+fn everywhere(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> Result<Estimates, UnmeasuredError> {
     // What a sensor would have shown is not looked at, nor when.
     let recipe = Recipe { delay_ticks: 0, ..recipe.clone() };
     let nothing = vec![0.0; log.voltage.len()];
@@ -179,7 +189,19 @@ impl Estimates {
             status: run.status[k],
             scored: false,
         });
-        Self { log: session.name.clone(), instants: instants.collect(), zero: None }
+        Self { log: session.name.clone(), instants: instants.collect(), zero: None, left_out: 0 }
+    }
+
+    /// The same without the instants that lie in these times (s since the log's first sample).
+    fn without(self, holes: &[Range<f64>]) -> Self {
+        const ARITHMETIC: f64 = 1e-9;
+        let wide = |hole: &Range<f64>| Range { min: hole.min - ARITHMETIC, max: hole.max + ARITHMETIC };
+        let holes: Vec<Range<f64>> = holes.iter().map(wide).collect();
+        let has = |row: &Instant| !holes.iter().any(|hole| hole.contains(row.time_s));
+        let first_behind = |zero: Zero| self.instants.iter().take(zero.instant).filter(|row| has(row)).count();
+        let zero = self.zero.map(|zero| Zero { instant: first_behind(zero), ..zero });
+        let instants: Vec<Instant> = self.instants.iter().filter(|row| has(row)).copied().collect();
+        Self { zero, left_out: self.instants.len() - instants.len(), instants, log: self.log }
     }
 
     /// How often each status bit was raised.
@@ -228,7 +250,7 @@ mod tests {
             status: Status::NOT_SETTLED | Status::CLAMPED,
             scored: true,
         };
-        let of = |instant| Estimates { log: "a, \"b\"".to_owned(), instants: vec![instant], zero: None };
+        let of = |instant| Estimates { log: "a, \"b\"".to_owned(), instants: vec![instant], zero: None, left_out: 0 };
         let estimates = of(instant);
         let expected = "0.005000,1.000000,-120.000000,-119.500000,0.250000,CLAMPED|NOT_SETTLED,1,\"a, \"\"b\"\"\"\n";
         assert_eq!(estimates.csv(), expected);

@@ -45,9 +45,9 @@ impl LogOptions {
         self.read_by(path, &ReadOptions { voltage_required: false, ..self.options() })
     }
 
-    /// Reads what is to be estimated: time and voltage, whatever else there is.
-    pub fn read_voltage(&self, path: &Path) -> Result<Log> {
-        self.read_by(path, &ReadOptions { displacement: Need::Ignored, ..self.options() })
+    /// Reads what is to be estimated: time and voltage, whatever else there is, where asked with holes for what is no number.
+    pub fn read_voltage(&self, path: &Path, holes: bool) -> Result<Log> {
+        self.read_by(path, &ReadOptions { displacement: Need::Ignored, holes, ..self.options() })
     }
 
     /// Reads every log, where asked with holes for what is no number; refuses none and the same file twice.

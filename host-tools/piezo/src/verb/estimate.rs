@@ -20,7 +20,7 @@ pub struct Estimate {
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// Write the estimates to this file: time_s, voltage_V, estimate_um, half_width_um, status, log; a row a recorded instant after
-    /// the first, the voltage as recorded, the estimate with the training sensor's zero.
+    /// the first (a tick of the table's, where the log has more), the voltage as recorded, the estimate with the training sensor's zero.
     #[arg(long, value_name = "FILE", default_value = "estimates.csv")]
     pub out: PathBuf,
     /// Where the actuator is at each log's first sample, µm of the training sensor; else it is taken to have rested there for long.
@@ -30,6 +30,10 @@ pub struct Estimate {
     /// known position: from then on the estimate is by that, with its ±. Best after a full swing, which wipes out how it started.
     #[arg(long, value_name = "S:µm", value_parser = zero, allow_hyphen_values = true, conflicts_with = "start_at")]
     pub zero_at: Option<(f64, f64)>,
+    /// Take the voltage to go straight on over rows where it is no number, or that the time stamps leave out: a tenth at most. No estimate
+    /// is written of these, and those behind are by what the memory then is; a full swing wipes that out.
+    #[arg(long)]
+    pub repair: bool,
     /// Print what was estimated as JSON.
     #[arg(long)]
     pub json: bool,
@@ -59,7 +63,7 @@ pub fn run(arguments: &Estimate) -> Result<bool> {
     };
     let (mut all, mut written) = (Vec::new(), String::from(Estimates::UNMEASURED_HEADING));
     for path in &arguments.logs {
-        let log = arguments.files.read_voltage(path)?;
+        let log = arguments.files.read_voltage(path, arguments.repair)?;
         let recipe = recipe.of(&log);
         let estimates = unmeasured(&table, log, &recipe, known).with_context(|| path.display().to_string())?;
         written.push_str(&estimates.csv());

@@ -281,6 +281,18 @@ mod tests {
     }
 
     #[test]
+    fn a_clock_that_jitters_back_is_told_from_another_recording() {
+        let jittery = |k: u32| (f64::from(k) + f64::from(k * 7919 % 13) * 0.2 - 1.2) * 0.001;
+        let (_, fault) = period(&(0..200).map(jittery).collect::<Vec<f64>>(), None).unwrap_err();
+        assert!(matches!(&fault, Fault::IrregularTime { example, .. } if !example.contains("time=")), "{fault}");
+        let two = (0..200).map(|k| jittery(k % 100)).collect::<Vec<f64>>();
+        let (place, fault) = period(&two[80..], None).unwrap_err();
+        assert!(matches!(fault, Fault::IrregularTime { .. }), "{place:?}: {fault}");
+        let (_, fault) = period(&[clock(100, 0.001), clock(100, 0.001)].concat(), None).unwrap_err();
+        assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "{fault}");
+    }
+
+    #[test]
     fn a_stated_rate_must_agree() {
         let time = clock(100, 0.0005);
         assert_eq!(period(&time, Some(2000.0)).unwrap(), 0.0005);

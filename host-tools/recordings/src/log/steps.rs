@@ -19,6 +19,9 @@ const ROUNDING: f64 = 0.85;
 /// How far a mean period may be off by rounding, as a part of it.
 const FINE: f64 = 1e-4;
 
+/// A stamp may lie so many periods before the last one for a clock that jitters to be why, and not another recording.
+const BACKWARDS: f64 = 10.0;
+
 /// Time stamps (s) held against a sample period (s).
 struct Steps<'a> {
     time: &'a [f64],
@@ -31,7 +34,9 @@ struct Steps<'a> {
 /// Refuses time stamps (s) that do not increase, miss samples, or stand off the clock of `period` (s), with the row.
 pub(super) fn check(time: &[f64], resolution: &[f64], period: f64) -> Result<(), (usize, Fault)> {
     let steps = Steps::of(time, resolution, period);
-    check_increasing(time, |k| steps.explains(k))?;
+    check_increasing(time, |k| steps.explains(k)).map_err(|(k, fault)| {
+        if steps.jitters_back(k) { steps.irregular(k, steps.step(k) - period) } else { (k, fault) }
+    })?;
     let mut unexplained = (1..time.len()).filter(|&k| !steps.explains(k));
     if let Some(k) = unexplained.next() {
         let Some(missing) = steps.missing(k) else {
@@ -84,8 +89,16 @@ impl<'a> Steps<'a> {
     /// missing sample, but it shows in many steps and a gap in few.
     fn slack(&self, k: usize) -> f64 {
         let rounding = self.resolution[k].max(self.resolution[k - 1]);
-        let in_many_steps = self.off * 20 > self.time.len();
-        if in_many_steps || rounding <= self.period / 2.0 { rounding } else { 0.0 }
+        if self.off_in_many() || rounding <= self.period / 2.0 { rounding } else { 0.0 }
+    }
+
+    fn off_in_many(&self) -> bool {
+        self.off * 20 > self.time.len()
+    }
+
+    /// Whether a step back to row `k` is one of many that a clock misplaces a little, rather than where another recording begins.
+    fn jitters_back(&self, k: usize) -> bool {
+        self.off_in_many() && self.step(k) > -BACKWARDS * self.period
     }
 
     fn explains(&self, k: usize) -> bool {
