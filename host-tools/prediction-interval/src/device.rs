@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recordings::session::Session;
 
-/// Relays of random density, which no model of the catalogue is made of, and for every fourth device another class.
+/// Relays of random density, which no model of the catalogue is made of, and for every third device another class: so twelve
+/// devices are each density twice and each of the others once.
 const RELAYS: [Kind; 4] = [
     Kind::Relays(Density::Gaussian),
     Kind::Relays(Density::Lorentzian),
@@ -51,7 +52,7 @@ impl Device {
     pub fn drawn(number: u32, seed: u32, problem: &Problem, late: Range<f64>) -> Self {
         let mut draw = ChaCha8Rng::seed_from_u64((u64::from(seed) << 32) + u64::from(number));
         let mut between = |range: Range<f64>| draw.random_range(range.min..range.max);
-        let (group, other) = (number as usize / 4, number % 4 == 3);
+        let (group, other) = (number as usize / 3, number % 3 == 2);
         let kind = if other { OTHERS[group % 4] } else { RELAYS[(number as usize - group) % 4] };
         let plant = Plant {
             creep: between(CREEP),
