@@ -15,6 +15,7 @@
 
 pub mod amplifier_check;
 pub mod boot;
+pub mod chip;
 pub mod compiled;
 pub mod conversion;
 pub mod correction;
@@ -44,6 +45,7 @@ pub mod tick;
 pub mod watch;
 pub mod waveform;
 
+pub use chip::Chip;
 pub use conversion::Conversion;
 pub use facts::Facts;
 pub use peripherals::Peripherals;

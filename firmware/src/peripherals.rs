@@ -5,9 +5,11 @@ use core::ops::Range;
 use protocol::Text;
 
 /// A board's peripherals, ready to be used; the tick is not running yet.
-pub struct Peripherals<R, W, F, P, D, S> {
+pub struct Peripherals<C, R, W, F, P, S> {
     /// What the board says of itself.
     pub facts: Facts,
+    /// What its chip does for the main loop, counts and keeps ([`Chip`](crate::Chip)).
+    pub chip: C,
     /// What the last run said before it ended in a panic or a fault.
     pub last_words: Option<Text<160>>,
     /// The serial line, inbound.
@@ -20,8 +22,6 @@ pub struct Peripherals<R, W, F, P, D, S> {
     pub pages: Range<u32>,
     /// The button and the lamp, if there are any.
     pub front: P,
-    /// Called to keep the watchdog from resetting the board for another period.
-    pub feed_watchdog: D,
     /// Called once with the tick to start the sampling timer; from then on the board calls
     /// [`Tick::sample`](crate::Tick::sample) at every conversion.
     pub start: S,

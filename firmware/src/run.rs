@@ -1,8 +1,9 @@
 //! Puts the parts together, and runs until the host asks for a restart.
 
 use crate::boot;
+use crate::chip::Chip;
 use crate::compiled::TABLE;
-use crate::link::{Device, Link};
+use crate::link::{Device, Link, LinkEnd};
 use crate::panel::{Front, Panel};
 use crate::peripherals::Peripherals;
 use crate::queues::Queues;
@@ -46,28 +47,29 @@ impl Default for Resources {
 ///
 /// # Errors
 /// The parameter pages do not fit the flash: a mistake in the board or its memory map.
-pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: FnOnce(Tick<'r>)>(
-    board: Peripherals<R, W, F, P, D, S>,
+pub async fn run<'r, C: Chip, R: Read, W: Write, F: NorFlash, P: Front, S: FnOnce(Tick<'r>)>(
+    board: Peripherals<C, R, W, F, P, S>,
     resources: &'r mut Resources,
     points: &'r Points,
     telemetry: &'r Telemetry,
 ) -> Result<(), StoreError> {
-    let Peripherals { facts, last_words, mut feed_watchdog, .. } = board;
+    let Peripherals { facts, chip, last_words, .. } = board;
     let mut store = ParameterStore::new(board.flash, board.pages)?;
     let chosen = boot::choose(&mut store, TABLE, &facts).await;
     log_start(&chosen.source);
     let (tick_queues, link_queues) = resources.queues.split();
     let startup = Startup::new(chosen.table.as_ref(), &facts, chosen.doubts);
     if startup.connected {
-        (facts.keep_safe)(startup.safe);
+        chip.keep_safe(startup.safe);
     }
     let tick = Tick::new(startup, &facts, tick_queues, points, telemetry);
-    let device = Device::new(facts, chosen, last_words, store, link_queues, points, telemetry);
+    let link_end = LinkEnd { queues: link_queues, points, telemetry };
+    let device = Device::new(facts, &chip, chosen, last_words, store, link_end);
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
     telemetry.begin(&facts);
     (board.start)(tick);
     // Begins the first measurement; what it gives is from before.
-    (facts.measure_supply)();
+    chip.measure_supply();
     let watchdog = async {
         let mut seen = 0;
         let (started, mut young) = (Instant::now(), true);
@@ -80,14 +82,14 @@ pub async fn run<'r, R: Read, W: Write, F: NorFlash, P: Front, D: FnMut(), S: Fn
             let ticks = telemetry.ticks.load(Relaxed);
             if ticks != seen {
                 seen = ticks;
-                feed_watchdog();
+                chip.feed_watchdog();
             }
             if young && started.elapsed() > SOON {
                 young = false;
-                (facts.forget_restarts)();
+                chip.forget_restarts();
             }
             Timer::after(WATCHDOG).await;
-            telemetry.supply.take((facts.measure_supply)(), facts.supply_good);
+            telemetry.supply.take(chip.measure_supply());
             if telemetry.faults() != faults {
                 faults = telemetry.faults();
                 log_faults(faults);

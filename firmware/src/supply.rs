@@ -5,9 +5,8 @@ use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU16, Ordering::R
 
 /// What converters, dividers and calibrations are made for, mV.
 pub const MADE_FOR_MV: f32 = 3300.0;
-/// The largest deviation that is corrected, as a fraction of [`MADE_FOR_MV`], so that a code times the deviation fits 32 bits. A board
-/// raises a fault at a smaller one.
-const FURTHEST: f32 = 0.1;
+/// How far off that it may be: more is a fault, and is not corrected.
+pub const TOLERANCE: f32 = 0.05;
 /// Bits of the smoothed deviation beyond the 16 that a code is scaled by.
 const FINER: u32 = 8;
 /// Smoothing: mean ← mean + (measured − mean)/4. With a measurement every 20 ms it settles in 70 ms.
@@ -54,12 +53,12 @@ impl Supply {
         Some(self.mv.load(Relaxed)).filter(|mv| *mv > 0)
     }
 
-    /// Takes a measurement (mV), or that none has come; `good` tells whether one is within tolerance.
+    /// Takes a measurement (mV), or that none has come.
     ///
     /// A supply that was never measured is no fault. Once it was, [`OVERDUE`] measurements in a row that do not come are one: codes
     /// are corrected by a voltage that may have changed. A single measurement out of tolerance after a good one may be a disturbance,
     /// and the next one decides; the very first is believed. Codes are corrected by measurements within tolerance only.
-    pub fn take(&self, mv: Option<f32>, good: fn(f32) -> bool) {
+    pub fn take(&self, mv: Option<f32>) {
         let Some(mv) = mv else {
             if self.mv().is_some() {
                 let overdue = self.overdue.load(Relaxed).saturating_add(1);
@@ -74,14 +73,15 @@ impl Supply {
         };
         self.overdue.store(0, Relaxed);
         self.mv.store((mv + 0.5) as u16, Relaxed);
-        let is_good = good(mv);
+        let off = mv / MADE_FOR_MV - 1.0;
+        let is_good = off.abs() <= TOLERANCE;
         let was_good = self.was_good.load(Relaxed);
         self.bad.store(!is_good && !was_good, Relaxed);
         self.was_good.store(is_good, Relaxed);
         if !is_good {
             return;
         }
-        let off = ((mv / MADE_FOR_MV - 1.0).clamp(-FURTHEST, FURTHEST) * WHOLE as f32) as i32;
+        let off = (off * WHOLE as f32) as i32;
         let before = if self.known.load(Relaxed) { self.off.load(Relaxed) } else { off };
         let off = before + (off - before) / SMOOTHED;
         self.off.store(off, Relaxed);

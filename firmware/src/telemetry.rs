@@ -146,7 +146,7 @@ impl Telemetry {
 
     /// Before the first tick: takes the supply at boot, from which on the DAC is given what it is to be at that.
     pub fn begin(&self, facts: &Facts) {
-        self.supply.take(facts.supply_mv, facts.supply_good);
+        self.supply.take(facts.supply_mv);
         self.given.begin(facts, &self.supply);
     }
 

@@ -187,7 +187,7 @@ fn every_way_out_is_a_ramp() {
         ("follow", |device| device.bench.set(Mode::Follow)),
         ("excite", |device| device.bench.set(Mode::Excite)),
         ("supply", |device| {
-            (0..2).for_each(|_| device.bench.link.telemetry.supply.take(Some(3000.0), |_| false));
+            (0..2).for_each(|_| device.bench.link.telemetry.supply.take(Some(3000.0)));
         }),
         ("monitor", |device| {
             for _ in 0..SATURATED + 200 {

@@ -20,10 +20,6 @@ fn corrected(table: &Admitted, off: i32, code: AdcCode) -> AdcCode {
     Correction::new(FACTS.interface.adc_full_scale, Some(table)).tick(off, code.into()).corrected.monitor
 }
 
-fn good(mv: f32) -> bool {
-    (mv - MADE_FOR_MV).abs() <= 165.0
-}
-
 /// What an ADC reads at a supply (mV) where it would read `code` at the one it is made for.
 fn read(adc: &AdcCalibration, AdcCode(code): AdcCode, mv: f32) -> AdcCode {
     let zero = f32::from(adc.code(0.0f32).0);
@@ -45,7 +41,7 @@ impl Bench {
     }
 
     fn measures(&self, mv: f32) {
-        self.link.telemetry.supply.take(Some(mv), good);
+        self.link.telemetry.supply.take(Some(mv));
     }
 
     /// The sample of a code.
@@ -146,21 +142,17 @@ fn what_is_no_supply_corrects_nothing_and_is_a_fault() {
     let supply = Supply::new();
     assert_eq!((supply.off(), supply.mv(), supply.bad()), (0, None, false), "not measured yet");
     for mv in [0.0, 3100.0, 3500.0, 1e9, f32::INFINITY, f32::NAN] {
-        supply.take(Some(mv), good);
+        supply.take(Some(mv));
         assert_eq!((supply.off(), supply.bad()), (0, true), "{mv} mV");
     }
-    supply.take(Some(3333.0), good);
+    supply.take(Some(3333.0));
     assert_eq!((supply.off(), supply.bad()), (655, false), "the first that is good");
     for (mv, bad) in [(3500.0, false), (3100.0, true), (3100.0, true)] {
-        supply.take(Some(mv), good);
+        supply.take(Some(mv));
         assert_eq!((supply.off(), supply.bad()), (655, bad), "as before {mv} mV");
     }
-    supply.take(None, good);
+    supply.take(None);
     assert_eq!((supply.off(), supply.mv(), supply.bad()), (655, Some(3100), true), "nothing says that it is better");
-    // A board that calls everything good.
-    let supply = Supply::new();
-    supply.take(Some(1e9), |_| true);
-    assert_eq!(supply.off(), 6554, "a tenth");
 }
 
 #[test]
@@ -210,7 +202,7 @@ fn a_supply_that_is_not_measured_any_more_is_a_fault_and_one_that_never_was_is_n
         }
         seen
     };
-    let never = |bench: &Bench| bench.link.telemetry.supply.take(None, good);
+    let never = |bench: &Bench| bench.link.telemetry.supply.take(None);
     for _ in 0..10 {
         never(&bench);
         assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "this board cannot");

@@ -57,7 +57,7 @@ impl Bench {
     /// A tick, of which every fortieth has the supply measured before.
     fn step(&mut self) -> Sample {
         if self.k.is_multiple_of(MEASURED) {
-            self.link.telemetry.supply.take(Some(self.mv), FACTS.supply_good);
+            self.link.telemetry.supply.take(Some(self.mv));
         }
         let adc = &self.table.adc;
         let zero = f32::from(adc.code(0.0f32).0);
@@ -204,7 +204,7 @@ fn while_it_is_paused_and_while_codes_are_fed_the_output_goes_along_too() {
         bench.mv = 3400.0;
         for k in 0..8_000 {
             if k % MEASURED == 0 {
-                bench.link.telemetry.supply.take(Some(bench.mv), FACTS.supply_good);
+                bench.link.telemetry.supply.take(Some(bench.mv));
             }
             bench.given = bench.tick.sample(AdcCode(30_000).into(), k * PERIOD);
         }

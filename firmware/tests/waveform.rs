@@ -3,7 +3,7 @@
 mod common;
 
 use common::driven::{Bench, REST, STRIDE};
-use common::{FACTS, PERIOD, driving};
+use common::{PERIOD, driving};
 use core::num::NonZeroU16;
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Admitted, DacCode, Inverse, Pace, Transition};
@@ -197,7 +197,7 @@ fn every_way_out_is_a_ramp() {
         ("follow", |scanner| scanner.bench.set(Mode::Follow)),
         ("excite", |scanner| scanner.bench.set(Mode::Excite)),
         ("supply", |scanner| {
-            (0..2).for_each(|_| scanner.bench.link.telemetry.supply.take(Some(3000.0), FACTS.supply_good));
+            (0..2).for_each(|_| scanner.bench.link.telemetry.supply.take(Some(3000.0)));
         }),
         ("monitor", |scanner| {
             for _ in 0..SATURATED + 200 {

@@ -2,7 +2,7 @@
 
 use crate::text::Text;
 use crate::uid::Uid;
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
 use serde::{Deserialize, Serialize};
 
 /// Where the table in use comes from.
@@ -53,8 +53,8 @@ pub struct Identity {
 
 impl Identity {
     /// What the device asks of a table.
-    pub fn board_interface(&self) -> Board {
+    pub fn board_interface(&self) -> Interface {
         let &Self { tick_us, adc_full_scale, dac_full_scale, .. } = self;
-        Board { tick_us, adc_full_scale, dac_full_scale }
+        Interface { tick_us, adc_full_scale, dac_full_scale }
     }
 }

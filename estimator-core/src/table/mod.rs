@@ -5,18 +5,18 @@
 //! on the very parameters that the target has. A [`Table`] is only data; an [`Admitted`] one has passed every check, and
 //! nothing else makes an [`Estimator`](crate::Estimator).
 
-mod board;
 mod cycles;
 mod digest;
 mod drive;
 mod error;
+mod interface;
 mod leap;
 mod rate;
 
-pub use board::{Board, Misfit};
 pub use cycles::{ALLOWED_PERCENT, Cycles, MARGIN_PERCENT};
 pub use digest::Digest;
 pub use error::TableError;
+pub use interface::{Interface, Misfit};
 pub use leap::LeastLeap;
 pub use rate::BoundToTick;
 

@@ -2,6 +2,7 @@
 
 use super::loaded::Loaded;
 use crate::boot::{self, Chosen};
+use crate::chip::Chip;
 use crate::compiled::TABLE;
 use crate::facts::Facts;
 use crate::queues::{Command, LinkQueues};
@@ -21,10 +22,22 @@ pub(super) const POLL: Duration = Duration::from_micros(250);
 /// How long a reset tries to pause the tick first. Where ticks come at all, the first try succeeds.
 const PAUSED: Duration = Duration::from_secs(1);
 
+/// What the link has of a tick.
+pub struct LinkEnd<'q> {
+    /// What the tick is handed and hands back.
+    pub queues: LinkQueues<'q>,
+    /// Where it plays a waveform from.
+    pub points: &'q Points,
+    /// What it leaves to read.
+    pub telemetry: &'q Telemetry,
+}
+
 /// All that requests are about.
 pub struct Device<'q, F: NorFlash> {
     /// What the board says of itself.
     pub facts: Facts,
+    /// What its chip counts and keeps.
+    pub(super) chip: &'q dyn Chip,
     /// The table in use, where it comes from, and what speaks against it.
     pub chosen: Chosen,
     /// The last run's message.
@@ -71,15 +84,15 @@ impl<'q, F: NorFlash> Device<'q, F> {
     /// A device that has just started with this table.
     pub fn new(
         facts: Facts,
+        chip: &'q dyn Chip,
         chosen: Chosen,
         last_words: Option<Text<160>>,
         store: ParameterStore<F>,
-        queues: LinkQueues<'q>,
-        points: &'q Points,
-        telemetry: &'q Telemetry,
+        LinkEnd { queues, points, telemetry }: LinkEnd<'q>,
     ) -> Self {
         Self {
             facts,
+            chip,
             chosen,
             last_words,
             store,

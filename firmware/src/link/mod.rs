@@ -9,7 +9,7 @@ mod report;
 mod told;
 mod waveform;
 
-pub use device::Device;
+pub use device::{Device, LinkEnd};
 
 use crate::panel::{Front, Panel};
 use crate::rate::STREAM_EVERY;

@@ -5,12 +5,12 @@ use core::sync::atomic::Ordering::Relaxed;
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::AdcCode;
 use estimator_core::record::{MAX_LENGTH, VERSION, checksum};
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
 use protocol::{Health, Identity, Record, Text, text};
 
 impl<F: NorFlash> Device<'_, F> {
     pub(super) fn identity(&self) -> Identity {
-        let Board { tick_us, adc_full_scale, dac_full_scale } = self.facts.interface;
+        let Interface { tick_us, adc_full_scale, dac_full_scale } = self.facts.interface;
         Identity {
             board: text(self.facts.name),
             uid: self.facts.uid,
@@ -47,7 +47,7 @@ impl<F: NorFlash> Device<'_, F> {
             samples_dropped: telemetry.dropped.load(Relaxed),
             frames_refused: self.frames_refused,
             line_errors: self.line_errors().wrapping_sub(self.forgotten.line_errors),
-            flash_errors: (self.facts.flash_errors)().wrapping_sub(self.forgotten.flash_errors),
+            flash_errors: self.chip.flash_errors().wrapping_sub(self.forgotten.flash_errors),
             bias_um: telemetry.bias.um(),
             bias_age_ticks: telemetry.bias.age_ticks(),
             supply_mv: telemetry.supply.mv(),
@@ -62,12 +62,12 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.forget();
         self.last_words = None;
         self.frames_refused = 0;
-        self.forgotten = Forgotten { line_errors: self.line_errors(), flash_errors: (self.facts.flash_errors)() };
+        self.forgotten = Forgotten { line_errors: self.line_errors(), flash_errors: self.chip.flash_errors() };
     }
 
     /// Errors of the line since start: those that the board counts, and those that its driver reports.
     fn line_errors(&self) -> u32 {
-        (self.facts.line_errors)().wrapping_add(self.line_errors)
+        self.chip.line_errors().wrapping_add(self.line_errors)
     }
 
     pub(super) fn record(&self) -> Option<Record> {

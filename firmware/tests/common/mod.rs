@@ -4,13 +4,13 @@
 pub mod driven;
 
 use estimator_core::model::CELLS;
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
 use estimator_core::{
     AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, List, Parameters, PreisachParameters, Range,
     SetpointCalibration, Table,
 };
 use firmware::drive::Drive;
-use firmware::queues::{LinkQueues, Queues};
+use firmware::queues::Queues;
 use firmware::restarts::Restarts;
 use firmware::shaping::DacParts;
 use firmware::startup::Startup;
@@ -26,22 +26,15 @@ pub const FACTS: Facts = Facts {
     uid: Some(Uid([7; 12])),
     has_setpoint: true,
     has_trigger: true,
-    interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
+    interface: Interface { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
     dac_parts: 1,
     cycles_per_tick: PERIOD,
     reset: ResetCause::WATCHDOG,
     restarts: Restarts { count: 0, safe: None, told: false },
-    forget_restarts: || {},
-    keep_safe: |_| {},
-    keep_told: || {},
     supply_mv: Some(3301.0),
-    measure_supply: || Some(3301.0),
     brown_out_level: Some(4),
     clock_good: true,
     no_store: None,
-    supply_good: |mv| mv > 3135.0,
-    flash_errors: || 3,
-    line_errors: || 2,
 };
 /// What the DAC is given for the safe code of the compiled table; a part is a code here.
 pub const SAFE: DacParts = DacParts(252);
@@ -91,11 +84,7 @@ pub fn linearising(at_start: bool) -> Admitted {
 }
 
 /// What the link has of a tick.
-pub struct LinkEnd {
-    pub queues: LinkQueues<'static>,
-    pub telemetry: &'static Telemetry,
-    pub points: &'static Points,
-}
+pub type LinkEnd = firmware::link::LinkEnd<'static>;
 
 /// A tick with further faults since boot; `None` has no table.
 pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, LinkEnd) {

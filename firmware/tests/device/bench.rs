@@ -7,9 +7,10 @@ use estimator_core::{AdcCode, Admitted, DacCode};
 use firmware::boot::Chosen;
 use firmware::link::Device;
 use firmware::startup::Startup;
-use firmware::{Conversion, Tick};
+use firmware::{Chip, Conversion, Tick};
 use parameter_store::{ParameterStore, RamFlash};
 use protocol::{Faults, Reply, Request, TableSource, text};
+use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU16};
 
@@ -23,9 +24,30 @@ pub fn flash(memory: Vec<u8>) -> ParameterStore<Flash> {
     ParameterStore::new(RamFlash::new(memory.leak()), pages).unwrap()
 }
 
+/// A chip that has met errors, and knows whether it was asked to keep that a displacement was told.
+#[derive(Default)]
+pub struct TestChip {
+    pub told: Cell<bool>,
+}
+
+impl Chip for TestChip {
+    fn flash_errors(&self) -> u32 {
+        3
+    }
+
+    fn line_errors(&self) -> u32 {
+        2
+    }
+
+    fn keep_told(&self) {
+        self.told.set(true);
+    }
+}
+
 /// A device whose ticks run in a thread, ten times as fast as they should, until it is dropped.
 pub struct Bench {
     pub device: Device<'static, Flash>,
+    pub chip: &'static TestChip,
     stop: Arc<AtomicBool>,
 }
 
@@ -64,7 +86,7 @@ impl Bench {
         (mut tick, rest): (Tick<'static>, LinkEnd),
         conversion: impl Fn(u32, DacCode) -> Conversion + Send + 'static,
     ) -> Self {
-        rest.telemetry.supply.take(FACTS.supply_mv, FACTS.supply_good);
+        rest.telemetry.supply.take(FACTS.supply_mv);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         let mut dac = rest.telemetry.safe();
@@ -77,19 +99,20 @@ impl Bench {
                 std::thread::sleep(std::time::Duration::from_micros(50));
             }
         });
-        Self { device: Self::device(table, rest), stop }
+        Self::beside(table, rest, stop)
     }
 
     /// A device whose ticks the test runs.
     pub fn still(table: Option<Admitted>, rest: LinkEnd) -> Self {
-        Self { device: Self::device(table, rest), stop: Arc::default() }
+        Self::beside(table, rest, Arc::default())
     }
 
-    fn device(table: Option<Admitted>, rest: LinkEnd) -> Device<'static, Flash> {
+    fn beside(table: Option<Admitted>, rest: LinkEnd, stop: Arc<AtomicBool>) -> Self {
         let source = TableSource::Compiled { reason: text("no table is stored") };
         let chosen = Chosen { table, source, doubts: Faults::empty() };
-        let LinkEnd { queues, telemetry, points } = rest;
-        Device::new(FACTS, chosen, Some(text("panicked")), flash(vec![0xFF; 4096]), queues, points, telemetry)
+        let chip: &TestChip = Box::leak(Box::default());
+        let (last_words, store) = (Some(text("panicked")), flash(vec![0xFF; 4096]));
+        Self { device: Device::new(FACTS, chip, chosen, last_words, store, rest), chip, stop }
     }
 
     /// Until these faults are there, or these alone where there are none.

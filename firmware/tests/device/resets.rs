@@ -2,7 +2,6 @@
 
 use crate::bench::{Bench, TICKS};
 use crate::common::{FACTS, PERIOD, SAFE, compiled, driving, linearising, started, triangle};
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embassy_futures::block_on;
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Timer};
@@ -119,7 +118,6 @@ fn the_output_is_put_on_its_pin_only_where_somebody_knows_what_is_wired_to_it() 
 
 #[test]
 fn a_zero_that_a_reset_has_lost_is_said_without_valid_until_it_is_told_anew() {
-    static KEPT: AtomicBool = AtomicBool::new(false);
     let lost = Facts { restarts: Restarts { told: true, ..FACTS.restarts }, ..FACTS };
     for table in [compiled(), driving()] {
         let (mut tick, mut link) = started(Startup::new(Some(&table), &lost, Faults::empty()));
@@ -140,9 +138,8 @@ fn a_zero_that_a_reset_has_lost_is_said_without_valid_until_it_is_told_anew() {
     }
     // It is kept as it is told, and not where codes are fed or it is refused.
     let mut bench = Bench::new(Some(compiled()));
-    bench.device.facts.keep_told = || KEPT.store(true, Relaxed);
     std::thread::sleep(TICKS);
-    let kept = |bench: &mut Bench, request: Request| (bench.ask(request), KEPT.swap(false, Relaxed));
+    let kept = |bench: &mut Bench, request: Request| (bench.ask(request), bench.chip.told.take());
     assert_eq!(bench.ask(Request::SetMode(Mode::Pil)), Reply::Done);
     assert_eq!(bench.ask(Request::Feed([30_000; 20].into_iter().collect())), Reply::Fed(20));
     std::thread::sleep(TICKS);
@@ -153,5 +150,5 @@ fn a_zero_that_a_reset_has_lost_is_said_without_valid_until_it_is_told_anew() {
     for told in [Request::SetZero { at_um: 0.0 }, Request::ShiftBias { by_um: 1.0 }] {
         assert_eq!(kept(&mut bench, told), (Reply::Done, true));
     }
-    assert_eq!((block_on(bench.device.zero()), KEPT.load(Relaxed)), (Ok(()), true), "by the button, too");
+    assert_eq!((block_on(bench.device.zero()), bench.chip.told.get()), (Ok(()), true), "by the button, too");
 }

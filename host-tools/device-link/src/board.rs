@@ -1,7 +1,7 @@
 //! What a device asks of a table.
 
 use estimator_core::record::VERSION;
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
 use protocol::Identity;
 
 /// The firmware reads another format of records than this program writes.
@@ -18,7 +18,7 @@ pub struct OtherFormat {
 ///
 /// # Errors
 /// The device reads another format of records.
-pub fn of(identity: &Identity) -> Result<Board, OtherFormat> {
+pub fn of(identity: &Identity) -> Result<Interface, OtherFormat> {
     match identity.record_version {
         VERSION => Ok(identity.board_interface()),
         found => Err(OtherFormat { found }),

@@ -9,11 +9,11 @@ use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::DacCode;
-use estimator_core::table::Board as Interface;
+use estimator_core::table::Interface;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::restarts::Restarts;
 use firmware::waveform::Points;
-use firmware::{Facts, Peripherals, Resources, Telemetry, Tick};
+use firmware::{Chip, Facts, Peripherals, Resources, Telemetry, Tick};
 use parameter_store::StoreError;
 use protocol::{ResetCause, Uid};
 use std::ops::Range;
@@ -59,13 +59,13 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
             let started: Signal<NoopRawMutex, Tick<'_>> = Signal::new();
             let peripherals = Peripherals {
                 facts: facts(reset, self.uid, self.has_setpoint),
+                chip: Emulated,
                 last_words: None,
                 receiver: Receiver::new(self.line, self.speed),
                 transmitter: Transmitter(self.line),
                 flash: &mut self.flash,
                 pages: self.pages.clone(),
                 front: (),
-                feed_watchdog: || {},
                 start: |tick| started.signal(tick),
             };
             let firmware = firmware::run(peripherals, &mut resources, &points, &telemetry);
@@ -77,6 +77,11 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
         }
     }
 }
+
+/// It counts no errors, and keeps nothing over a reset.
+struct Emulated;
+
+impl Chip for Emulated {}
 
 pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
     Facts {
@@ -90,17 +95,10 @@ pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
         cycles_per_tick: CYCLES_HZ / TICK_HZ,
         reset,
         restarts: Restarts::default(),
-        forget_restarts: || {},
-        keep_safe: |_| {},
-        keep_told: || {},
         supply_mv: None,
-        measure_supply: || None,
         brown_out_level: None,
         clock_good: true,
         no_store: None,
-        supply_good: |_| true,
-        flash_errors: || 0,
-        line_errors: || 0,
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::torn_flash::{Chip, Flash, PAGE};
 use embassy_time::Duration;
 use embedded_io_async::{ErrorType, Read, Write};
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, SetpointCalibration, Table};
 use firmware::drive::Drive;
 use firmware::panel::Front;
@@ -31,23 +31,21 @@ const FACTS: Facts = Facts {
     uid: None,
     has_setpoint: true,
     has_trigger: true,
-    interface: Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
+    interface: Interface { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 },
     dac_parts: 1,
     cycles_per_tick: PERIOD,
     reset: ResetCause::empty(),
     restarts: Restarts { count: 0, safe: None, told: false },
-    forget_restarts: || {},
-    keep_safe: |_| {},
-    keep_told: || {},
     supply_mv: None,
-    measure_supply: || None,
     brown_out_level: None,
     clock_good: true,
     no_store: None,
-    supply_good: |_| true,
-    flash_errors: || 0,
-    line_errors: || 0,
 };
+
+/// It measures, counts and keeps nothing.
+struct Bare;
+
+impl firmware::Chip for Bare {}
 
 /// Tables that the device can run: the compiled one, one that drives an amplifier of 0 … 4 V, and one that follows a set-point
 /// from its start on.
@@ -99,13 +97,13 @@ pub fn live(
     let tick = RefCell::new(None);
     let board = Peripherals {
         facts: FACTS,
+        chip: Bare,
         last_words: None,
         receiver: &line,
         transmitter: &line,
         flash: Flash(chip),
         pages: 0..2 * PAGE as u32,
         front: &line,
-        feed_watchdog: || {},
         start: |ready| *tick.borrow_mut() = Some(ready),
     };
     let mut run = pin!(run(board, &mut resources, &points, &telemetry));

@@ -20,18 +20,38 @@ use cortex_m_rt::{ExceptionFrame, exception, interrupt};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
-use estimator_core::AdcCode;
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
+use estimator_core::{AdcCode, DacCode};
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::waveform::Points;
-use firmware::{Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
+use firmware::{Chip, Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
 use parameter_store::RamFlash;
 use protocol::ResetCause;
 use registers::{CORE_HZ, Interrupt as interrupt};
 use static_cell::ConstStaticCell;
 
 /// As the primary board's, so that the same tables fit.
-const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: 65_520, dac_full_scale: 4095 };
+const INTERFACE: Interface = Interface { tick_us: TICK_US, adc_full_scale: 65_520, dac_full_scale: 4095 };
+
+/// The emulated chip: it has no watchdog, and counts no errors.
+struct An386;
+
+impl Chip for An386 {
+    fn keep_safe(&self, code: DacCode) {
+        // SAFETY: called by the main loop.
+        unsafe { restarts::keep_safe(code) }
+    }
+
+    fn keep_told(&self) {
+        // SAFETY: called by the main loop.
+        unsafe { restarts::keep_told() }
+    }
+
+    fn forget_restarts(&self) {
+        // SAFETY: called by the main loop.
+        unsafe { restarts::forget() }
+    }
+}
 
 /// What the tick leaves for others to read.
 static TELEMETRY: Telemetry = Telemetry::new();
@@ -68,23 +88,14 @@ async fn main(_spawner: Spawner) {
         reset,
         // SAFETY: once, before the tick and every task.
         restarts: unsafe { restarts::count(reset) },
-        // SAFETY: called by the main loop.
-        forget_restarts: || unsafe { restarts::forget() },
-        // SAFETY: as above.
-        keep_safe: |code| unsafe { restarts::keep_safe(code) },
-        // SAFETY: as above.
-        keep_told: || unsafe { restarts::keep_told() },
         supply_mv: None,
-        measure_supply: || None,
         brown_out_level: None,
         clock_good: true,
         no_store: None,
-        supply_good: |_| true,
-        flash_errors: || 0,
-        line_errors: || 0,
     };
     let board = Peripherals {
         facts,
+        chip: An386,
         // SAFETY: once, before the tick and every task.
         last_words: unsafe { last_words::take() },
         receiver: uart::Receiver,
@@ -92,7 +103,6 @@ async fn main(_spawner: Spawner) {
         flash: RamFlash::new(flash),
         pages,
         front: (),
-        feed_watchdog: || {},
         start: |tick: Tick<'static>| {
             ARMED.lock(|armed| armed.set(Some(tick)));
             registers::start_timer(CORE_HZ / TICK_HZ);

@@ -20,6 +20,7 @@
 #![no_std]
 #![no_main]
 
+mod chip;
 mod clocks;
 mod failure;
 mod line;
@@ -44,7 +45,7 @@ use embassy_stm32::pac;
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{bind_interrupts, flash, interrupt};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
-use estimator_core::table::{ALLOWED_PERCENT, Board};
+use estimator_core::table::{ALLOWED_PERCENT, Interface};
 use firmware::marked_reads::MarkedReads;
 use firmware::panel::Front;
 use firmware::rate::{TICK_HZ, TICK_US};
@@ -53,6 +54,7 @@ use firmware::{Conversion, Facts, Peripherals, Resources, Tick, last_words, rest
 use protocol::Uid;
 use static_cell::ConstStaticCell;
 
+use chip::Stm32G4;
 use clocks::CORE_HZ;
 use output::{AHEAD, Output, Put};
 use sampling::FULL_SCALE;
@@ -63,7 +65,7 @@ bind_interrupts!(struct Irqs {
 });
 
 /// The converters' codes have the same scale at every rate, so that a calibration of the wiring holds at each.
-const INTERFACE: Board = Board { tick_us: TICK_US, adc_full_scale: FULL_SCALE, dac_full_scale: 4095 };
+const INTERFACE: Interface = Interface { tick_us: TICK_US, adc_full_scale: FULL_SCALE, dac_full_scale: 4095 };
 /// What a tick may take, cycles.
 const ALLOWED: u32 = CORE_HZ / TICK_HZ - sampling::CYCLES - AHEAD;
 const _: () = assert!(100 * ALLOWED >= ALLOWED_PERCENT * (CORE_HZ / TICK_HZ), "tables are admitted that have no time");
@@ -137,8 +139,7 @@ async fn main(_spawner: Spawner) {
 
     let mut adc = sampling::converter(p.ADC1);
     let supply_mv = supply::at_start(&mut adc);
-    let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
-    watchdog.unleash();
+    IndependentWatchdog::new(p.IWDG, WATCHDOG_US).unleash();
 
     let flash_start = addr_of!(__flash_start) as u32;
     let pages = addr_of!(__parameters_start) as u32 - flash_start..addr_of!(__parameters_end) as u32 - flash_start;
@@ -160,23 +161,14 @@ async fn main(_spawner: Spawner) {
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
         restarts,
-        // SAFETY: called by the main loop.
-        forget_restarts: || unsafe { restarts::forget() },
-        // SAFETY: as above.
-        keep_safe: |code| unsafe { restarts::keep_safe(code) },
-        // SAFETY: as above.
-        keep_told: || unsafe { restarts::keep_told() },
         supply_mv: Some(supply_mv),
-        measure_supply: supply::measure,
         brown_out_level: Some(options.bor_lev()),
         clock_good,
         no_store,
-        supply_good: supply::good,
-        flash_errors: failure::flash_errors,
-        line_errors: line::errors,
     };
     let board = Peripherals {
         facts,
+        chip: Stm32G4,
         // SAFETY: once, before the tick and every task.
         last_words: unsafe { last_words::take() },
         receiver,
@@ -184,7 +176,6 @@ async fn main(_spawner: Spawner) {
         flash: MarkedReads::new(Flash::new(p.FLASH, Irqs), &failure::READING_STORE),
         pages,
         front,
-        feed_watchdog: || watchdog.pet(),
         start: |tick: Tick<'static>| {
             // Before the converter listens: loading the prescaler is a trigger too.
             let timer = trigger::at_rate(tim6, TICK_HZ);

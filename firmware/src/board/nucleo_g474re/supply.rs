@@ -6,13 +6,10 @@ use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embassy_stm32::adc::{Adc, SampleTime};
 use embassy_stm32::pac;
 use embassy_stm32::peripherals::ADC1;
-use firmware::supply::MADE_FOR_MV;
 
 use super::clocks::CORE_HZ;
 use super::sampling::OVERSAMPLED;
 
-/// How far off what everything is made for it may be, mV: 5 %.
-const TOLERANCE_MV: f32 = 165.0;
 /// Supply at which the factory calibrated, mV.
 const CALIBRATED_MV: f32 = 3000.0;
 
@@ -22,11 +19,6 @@ static BEGUN: AtomicBool = AtomicBool::new(false);
 unsafe extern "C" {
     /// A symbol of memory.x: its address is meant.
     static __vrefint_calibration: u16;
-}
-
-/// Whether so many mV are within tolerance.
-pub fn good(mv: f32) -> bool {
-    (mv - MADE_FOR_MV).abs() <= TOLERANCE_MV
 }
 
 /// Measures it before the injected conversions go on, mV.

@@ -26,8 +26,6 @@ const AFTER: u32 = 10 * TICK_HZ;
 const COVERED: f64 = 1.0 / 1.1;
 /// Ticks from measurement to measurement of the supply.
 const MEASURED: u32 = 40;
-/// Furthest that the supply may be off, mV, as on the board.
-const TOLERANCE_MV: f32 = 165.0;
 
 /// What a table's runs are compared with: its run without a fault.
 pub struct Runs<'t> {
@@ -66,7 +64,7 @@ fn run(table: &Admitted, fault: Option<&SignalFault>, ticks: u32) -> Vec<Sample>
         let now = fault.filter(|fault| (BEGINS..BEGINS + fault.ticks).contains(&k));
         let supply_mv = now.map_or(f64::from(MADE_FOR_MV), SignalFault::supply_mv);
         if k % MEASURED == 0 {
-            telemetry.supply.take(Some(supply_mv as f32), |mv| (mv - MADE_FOR_MV).abs() <= TOLERANCE_MV);
+            telemetry.supply.take(Some(supply_mv as f32));
         }
         if k == TOLD {
             // What it is already, so that a bias which is lost is no error of its own. There is room for a command.

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use device_link::{Address, Client};
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
 use estimator_core::{Admitted, record};
 use protocol::{Health, Identity};
 use std::io::{IsTerminal, stderr, stdin};
@@ -93,6 +93,6 @@ pub fn note_damage(client: &Client) {
 }
 
 /// Refuses the table in a file where it does not fit a board.
-pub fn fits(board: &Board, table: &Admitted, file: &Path) -> Result<()> {
+pub fn fits(board: &Interface, table: &Admitted, file: &Path) -> Result<()> {
     table.fits(board).map_err(|misfit| anyhow!("{}", remedy::board(&misfit, table, file)))
 }

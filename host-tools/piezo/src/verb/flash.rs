@@ -8,7 +8,7 @@ use clap::Args;
 use device_link::pages;
 use device_link::probe::{self, Probe};
 use device_link::table::to_record;
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
 use serde_json::json;
 use std::ffi::OsString;
 use std::ops::Range;
@@ -45,7 +45,7 @@ pub struct Flash {
 }
 
 /// The NUCLEO-G474RE as the firmware sets it up: a code of the ADC is a sixteenth of one of 12 bits, the DAC has 12 bits.
-const NUCLEO_G474RE: Board = Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 };
+const NUCLEO_G474RE: Interface = Interface { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 };
 /// Ticks of images that are built for other rates, µs.
 const OTHER_TICKS_US: [u32; 3] = [1_000, 200, 100];
 /// What the parameter pages are called where they are not written.
@@ -107,7 +107,7 @@ fn content<'f>(path: &'f Path, arguments: &Flash, place: &Range<u32>) -> Result<
     let (table, doubts) = table_files::read_doubted(path)?;
     // By the probe nobody can ask the device how fast it ticks. One that ticks otherwise refuses the table, and says so.
     let tick_us = OTHER_TICKS_US.into_iter().find(|us| *us == table.sample_period_us).unwrap_or(NUCLEO_G474RE.tick_us);
-    device::fits(&Board { tick_us, ..NUCLEO_G474RE }, &table, path)?;
+    device::fits(&Interface { tick_us, ..NUCLEO_G474RE }, &table, path)?;
     if tick_us != NUCLEO_G474RE.tick_us {
         let hz = 1_000_000 / tick_us;
         eprintln!("piezo: careful: {} is for an image that was built with TICK_HZ={hz}", path.display());

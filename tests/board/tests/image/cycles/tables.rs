@@ -4,14 +4,14 @@
 use super::largest;
 use super::shapes::STEADY;
 use anyhow::{Context, Result};
-use estimator_core::table::Board;
+use estimator_core::table::Interface;
 use estimator_core::*;
 use serde::Deserialize;
 use std::fs;
 use std::path::Path;
 
 /// What the board asks of a table.
-pub const BOARD: Board = Board { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 };
+pub const BOARD: Interface = Interface { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 };
 /// How much of its voltages a drive has.
 const DRIVEN: f32 = 0.9;
 /// From end to end of the drive's voltages at its slew rate, ticks: fast enough for the search to go far at every tick.

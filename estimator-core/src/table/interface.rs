@@ -5,7 +5,7 @@ use core::fmt;
 
 /// What a board asks of a table: its tick and the scales of its converters, which a table is made for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Board {
+pub struct Interface {
     /// From one tick to the next, µs.
     pub tick_us: u32,
     /// The ADC's largest code, oversampling included.
@@ -29,9 +29,9 @@ pub enum Misfit {
     #[error(fmt = converters)]
     Converters {
         /// What the table is made for.
-        table: Board,
+        table: Interface,
         /// Largest codes that the board's converters have.
-        board: Board,
+        board: Interface,
     },
     /// The tick takes too much of its time.
     #[error(fmt = too_long)]
@@ -48,8 +48,8 @@ impl Table {
     ///
     /// # Errors
     /// It is made for another tick or other converters, or its tick takes too long.
-    pub fn fits(&self, board: &Board) -> Result<(), Misfit> {
-        let table = Board {
+    pub fn fits(&self, board: &Interface) -> Result<(), Misfit> {
+        let table = Interface {
             tick_us: self.sample_period_us,
             adc_full_scale: self.adc.full_scale,
             dac_full_scale: self.dac.full_scale,
@@ -84,7 +84,7 @@ fn too_long(cycles: &Cycles, drives: &bool, f: &mut fmt::Formatter<'_>) -> fmt::
 }
 
 /// Which converters differ, and how.
-fn converters(table: &Board, board: &Board, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+fn converters(table: &Interface, board: &Interface, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let (adc, dac) = (table.adc_full_scale, table.dac_full_scale);
     let (adc_differs, dac_differs) = (adc != board.adc_full_scale, dac != board.dac_full_scale);
     write!(f, "made for ")?;
@@ -108,20 +108,23 @@ mod tests {
     fn only_the_board_that_a_table_is_made_for_is_fitted_and_the_rest_is_named() {
         let record = include_bytes!("../../../tests/data/table/table.bin");
         let table = Table::parse(record).unwrap();
-        let board = Board { tick_us: 500, adc_full_scale: 4095, dac_full_scale: 4095 };
+        let board = Interface { tick_us: 500, adc_full_scale: 4095, dac_full_scale: 4095 };
         assert_eq!(table.fits(&board), Ok(()));
-        let said = |board: Board| table.fits(&board).unwrap_err().to_string();
-        assert_eq!(said(Board { tick_us: 100, ..board }), "made for a tick of 500 µs, not 100 µs");
-        assert_eq!(said(Board { adc_full_scale: 65_520, ..board }), "made for an ADC up to 4095, not 65520");
-        assert_eq!(said(Board { dac_full_scale: 1023, ..board }), "made for a DAC up to 4095, not 1023");
+        let said = |board: Interface| table.fits(&board).unwrap_err().to_string();
+        assert_eq!(said(Interface { tick_us: 100, ..board }), "made for a tick of 500 µs, not 100 µs");
+        assert_eq!(said(Interface { adc_full_scale: 65_520, ..board }), "made for an ADC up to 4095, not 65520");
+        assert_eq!(said(Interface { dac_full_scale: 1023, ..board }), "made for a DAC up to 4095, not 1023");
         assert_eq!(
-            said(Board { adc_full_scale: 65_520, dac_full_scale: 1023, ..board }),
+            said(Interface { adc_full_scale: 65_520, dac_full_scale: 1023, ..board }),
             "made for an ADC up to 4095, not 65520, and a DAC up to 4095, not 1023"
         );
         let hurried = Table { sample_period_us: 10, ..*table };
         let cycles = hurried.cycles();
         assert_eq!(hurried.in_time(), Err(Misfit::Cycles { cycles, drives: false }));
         // What differs first in the order of remedies is what is said.
-        assert!(matches!(table.fits(&Board { tick_us: 100, adc_full_scale: 1, ..board }), Err(Misfit::Tick { .. })));
+        assert!(matches!(
+            table.fits(&Interface { tick_us: 100, adc_full_scale: 1, ..board }),
+            Err(Misfit::Tick { .. })
+        ));
     }
 }
