@@ -46,8 +46,8 @@ pub(crate) struct Tally {
     long: u64,
     /// What the long steps last together, s.
     long_s: f64,
-    /// The rows behind the first long steps.
-    behind: Vec<u64>,
+    /// The rows behind the first long steps, and how long these are, s.
+    behind: Vec<(u64, f64)>,
 }
 
 impl Tally {
@@ -64,7 +64,7 @@ impl Tally {
             self.long += 1;
             self.long_s += step;
             if self.behind.len() < KNOWN {
-                self.behind.push(self.rows);
+                self.behind.push((self.rows, step));
             }
         }
         let (low, high) = self.steps.unwrap_or((step, step));
@@ -79,7 +79,13 @@ impl Tally {
 
     /// Whether a time stamp near this row, counted from 0, comes late: what is missing there is no secret.
     pub fn late_near(&self, row: u64) -> bool {
-        self.gaps() > 0 && self.behind.iter().any(|behind| behind.abs_diff(row) <= NEAR)
+        self.gaps() > 0 && self.behind.iter().any(|(behind, _)| behind.abs_diff(row) <= NEAR)
+    }
+
+    /// What a row, counted from 0, comes later for the gaps before it than at this rate (Hz) without them, s.
+    pub fn late_by(&self, row: u64, hz: f64) -> f64 {
+        let before = self.behind.iter().filter(|(behind, _)| *behind <= row && self.gaps() > 0);
+        before.map(|(_, step)| step - 1.0 / hz).sum()
     }
 
     /// `stated` is a period that no column states, s, and what the file calls it.

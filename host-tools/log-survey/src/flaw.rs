@@ -100,14 +100,26 @@ const COARSE: f64 = 0.02;
 impl Flaw {
     /// The rows that the flaw takes.
     pub fn at(&self) -> Stretch {
-        match *self {
-            Self::Spike { at, .. }
-            | Self::Frozen { at, .. }
-            | Self::Clipped { at, .. }
-            | Self::VoltageSpike { at, .. }
-            | Self::Hole { at }
-            | Self::Missing { at, .. } => at,
-        }
+        let (Self::Spike { at, .. }
+        | Self::Frozen { at, .. }
+        | Self::Clipped { at, .. }
+        | Self::VoltageSpike { at, .. }
+        | Self::Hole { at }
+        | Self::Missing { at, .. }) = *self;
+        at
+    }
+
+    /// The same so many s later.
+    #[must_use]
+    pub(crate) fn later(mut self, by_s: f64) -> Self {
+        let (Self::Spike { at, .. }
+        | Self::Frozen { at, .. }
+        | Self::Clipped { at, .. }
+        | Self::VoltageSpike { at, .. }
+        | Self::Hole { at }
+        | Self::Missing { at, .. }) = &mut self;
+        (at.from_s, at.to_s) = (at.from_s + by_s, at.to_s + by_s);
+        self
     }
 
     /// Whether it can be left out: what is missing without a trace in the time stamps cannot.

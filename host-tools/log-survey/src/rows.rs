@@ -37,10 +37,12 @@ impl Default for Rows {
 }
 
 impl Found {
-    /// The gravest of each kind.
-    pub(crate) fn of(flaws: &[Flaw], clock: &Clock) -> Vec<Self> {
-        let row = |flaw: Flaw| (flaw.at().from_s * clock.hz).round() as u64;
-        let of = |(worst, count)| Self { worst, first_row: row(worst), count };
+    /// The gravest of each kind, of flaws dated by their rows; `late_by` says what the time stamps of a row have beyond that, s.
+    pub(crate) fn of(flaws: &[Flaw], clock: &Clock, late_by: impl Fn(u64) -> f64) -> Vec<Self> {
+        let of = |(worst, count): (Flaw, usize)| {
+            let first_row = (worst.at().from_s * clock.hz).round() as u64;
+            Self { worst: worst.later(late_by(first_row)), first_row, count }
+        };
         gravest(flaws).into_iter().map(of).collect()
     }
 }

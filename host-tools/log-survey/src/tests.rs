@@ -143,3 +143,12 @@ fn time_stamps_that_do_not_advance_have_no_rate() {
     let survey = surveyed([(1.0, 0.0, 0.0), (1.0, 1.0, 0.1), (1.0, 0.5, 0.05)].into_iter());
     assert!(survey.clock.hz.is_nan() && survey.clock.duration_s == 0.0, "{:?}", survey.clock);
 }
+
+#[test]
+fn a_flaw_behind_a_gap_is_dated_by_the_time_stamps() {
+    let rows = sine(10.0, 2.0, 5.0).enumerate().filter(|(k, _)| !(1_240..1_262).contains(k));
+    let rows = rows.map(|(k, v)| (k as f64 / 1000.0, v, if k == 3_000 { 5.0 } else { 0.1 * v }));
+    let found = surveyed(rows).flaws.unwrap_or_default();
+    let [Found { worst: worst @ Flaw::Spike { .. }, first_row: 2_978, .. }] = found[..] else { panic!("{found:?}") };
+    assert!((worst.at().from_s - 3.0).abs() < 1e-6, "{worst:?}");
+}
