@@ -4,10 +4,11 @@ use crate::figures::row;
 use crate::flaw::flaw_scored;
 use crate::raised::remarks;
 use crate::validated::held;
-use identification::validate::{Comparison, Figures, Scope, ToldFigures};
+use identification::validate::{Comparison, Figures, Scope, Suspicion, ToldFigures};
 use log_survey::{Flaw, flaws, gravest};
 use recordings::log::Log;
 use recordings::{LogUse, Role};
+use serde_json::{Value, json};
 
 /// The seconds of a log that a table was trained on.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,37 @@ pub fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figu
     ];
     let figures = lines.into_iter().filter_map(|(line, figures)| Some(row(line, figures?)));
     std::iter::once(name.to_owned()).chain(figures).collect()
+}
+
+/// A log's figures, and what is said of it, as JSON.
+pub fn log_json(
+    comparison: &Comparison,
+    log: &Log,
+    trained_on: Option<&TrainedOn<'_>>,
+    suspicion: Option<&Suspicion>,
+    repair: Option<Repair>,
+) -> Value {
+    let status: Vec<&str> = comparison.status.iter_names().map(|(name, _)| name).collect();
+    let flaws = flaws_of(log, comparison.scored_s).into_iter();
+    json!({
+        "log": comparison.name,
+        "mil": comparison.mil,
+        "sil": comparison.sil,
+        "mil_sil_um": comparison.mil_sil_um,
+        "interval": comparison.interval,
+        "interval_one_cycle": comparison.interval_one_cycle,
+        "cold": comparison.cold,
+        "told": comparison.told,
+        "scored_s": comparison.scored_s,
+        "zeroed_um": comparison.zeroed_um,
+        "status": status,
+        "trained_on_s": trained_on.map(|of| of.at_s),
+        "suspicion": suspicion,
+        "displacement_estimated": log.displacement_estimated,
+        "left_out": match repair { Some(Repair::LeftOut(count)) => Some(count), _ => None },
+        "beyond_repair": repair == Some(Repair::Hopeless),
+        "flaws": flaws.map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
+    })
 }
 
 /// The lines of a log.
@@ -118,7 +150,7 @@ pub fn of_log(
 }
 
 /// The gravest of each kind of a log's flaws in what was scored, and how many there are of it. Of an estimate none is looked for.
-pub fn flaws_of(log: &Log, (from_s, to_s): (f64, f64)) -> Vec<(Flaw, usize)> {
+fn flaws_of(log: &Log, (from_s, to_s): (f64, f64)) -> Vec<(Flaw, usize)> {
     let mut found = if log.displacement_estimated { Vec::new() } else { flaws(log) };
     found.retain(|flaw| flaw.at().to_s >= from_s && flaw.at().from_s <= to_s);
     gravest(&found)

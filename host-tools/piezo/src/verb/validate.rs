@@ -8,13 +8,10 @@ use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
 use findings::figures::heading;
-use findings::validated_log::{Repair, TrainedOn, flaws_of, of_log, rows, trained_on};
+use findings::validated_log::{Repair, log_json, of_log, rows, trained_on};
 use findings::{EXPLAINED, suspicion};
-use identification::validate::{
-    Comparison, Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates,
-};
+use identification::validate::{Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates};
 use log_survey::{flaws, measured};
-use recordings::log::Log;
 use recordings::prepare::Recipe;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -96,7 +93,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
             written.push_str(&estimates.csv());
         }
     }
-    let trained_on: Vec<Option<TrainedOn<'_>>> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();
+    let trained_on: Vec<_> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();
     // Without its offset it is judged as if it were told that.
     let told = if arguments.rezero { Told::Offset } else { arguments.told };
     let suspicions: Vec<_> = comparisons.iter().map(|of| Suspicion::of(of, &table, &scope, told)).collect();
@@ -115,7 +112,11 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     }
     if arguments.json {
         let logs = comparisons.iter().zip(&logs).zip(&trained_on).zip(&suspicions).zip(&repairs);
-        let logs: Vec<Value> = logs.map(to_json).collect();
+        let logs: Vec<Value> = logs
+            .map(|((((of, log), trained_on), found), repair)| {
+                log_json(of, log, trained_on.as_ref(), found.as_ref(), *repair)
+            })
+            .collect();
         let all = json!({ "mil": mil, "sil": told.first_reading, "told": told });
         let judged =
             json!({ "told": arguments.told, "rezeroed": arguments.rezero, "mae_um": judged, "percent": percent });
@@ -149,29 +150,4 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         out(&format!("FAILED: {judged:.4} µm, {percent:.2} % of the stroke; allowed:{um}{of_stroke}"));
     }
     Ok(passed)
-}
-
-type Judged<'j> = ((((&'j Comparison, &'j Log), &'j Option<TrainedOn<'j>>), &'j Option<Suspicion>), &'j Option<Repair>);
-
-fn to_json(((((comparison, log), trained_on), suspicion), repair): Judged<'_>) -> Value {
-    let status: Vec<&str> = comparison.status.iter_names().map(|(name, _)| name).collect();
-    json!({
-        "log": comparison.name,
-        "mil": comparison.mil,
-        "sil": comparison.sil,
-        "mil_sil_um": comparison.mil_sil_um,
-        "interval": comparison.interval,
-        "interval_one_cycle": comparison.interval_one_cycle,
-        "cold": comparison.cold,
-        "told": comparison.told,
-        "scored_s": comparison.scored_s,
-        "zeroed_um": comparison.zeroed_um,
-        "status": status,
-        "trained_on_s": trained_on.as_ref().map(|of| of.at_s),
-        "suspicion": suspicion,
-        "displacement_estimated": log.displacement_estimated,
-        "left_out": match repair { Some(Repair::LeftOut(count)) => Some(*count), _ => None },
-        "beyond_repair": *repair == Some(Repair::Hopeless),
-        "flaws": flaws_of(log, comparison.scored_s).iter().map(|(worst, count)| json!({ "worst": worst, "count": count })).collect::<Vec<_>>(),
-    })
 }
