@@ -93,7 +93,8 @@ typedef struct PiezoEstimator {
 typedef struct PiezoEstimate {
   // Displacement at the next tick, µm.
   float displacement_um;
-  // Half the width of its 95 % interval, µm; NaN where the table has none, the displacement was never told, or the voltage is beyond the table's range.
+  // Half the width of its 95 % interval, µm; NaN where the table has none, the displacement was never told, or the
+  // voltage is beyond the table's range.
   float half_width_um;
   // The displacement as a DAC with the table's calibration takes it, right-aligned.
   uint16_t dac_code;
@@ -153,15 +154,13 @@ typedef struct PiezoTable {
 extern "C" {
 #endif // __cplusplus
 
-// Begins an estimator with a parameter table, the bytes of `table.bin`; they are not needed afterwards. The actuator is
-// assumed to have rested at the first tick's voltage. A table that is refused leaves the structure as it was. Not for an
-// interrupt: it checks the whole table.
+// Begins an estimator with a parameter table, the bytes of `table.bin`; they are not needed afterwards. The actuator
+// is assumed to have rested at the first tick's voltage. A table that is refused leaves the structure as it was. Not
+// for an interrupt: it checks the whole table.
 //
 // # Safety
 // `record` points to `length` bytes, and `estimator` to a structure that nobody else uses.
-PiezoResult piezo_estimator_begin(struct PiezoEstimator *estimator,
-                                  const uint8_t *record,
-                                  size_t length);
+PiezoResult piezo_estimator_begin(struct PiezoEstimator *estimator, const uint8_t *record, size_t length);
 
 // One tick with the code of an ADC with the table's calibration. May be called from an
 // interrupt.
@@ -184,12 +183,12 @@ PiezoResult piezo_estimator_tick_volts(struct PiezoEstimator *estimator,
 // `estimator` points to an initialised structure that nobody else uses.
 PiezoResult piezo_estimator_restart(struct PiezoEstimator *estimator);
 
-// Starts anew from a known displacement, µm relative to the model's zero. One beyond the table's limits becomes the nearest.
+// Starts anew from a known displacement, µm relative to the model's zero. One beyond the table's limits
+// becomes the nearest.
 //
 // # Safety
 // As `piezo_estimator_restart`.
-PiezoResult piezo_estimator_start_at(struct PiezoEstimator *estimator,
-                                     float displacement_um);
+PiezoResult piezo_estimator_start_at(struct PiezoEstimator *estimator, float displacement_um);
 
 // Calls the displacement of now `at_um`, where a stop, a gauge or rest tells it; the interval is relative to it.
 // `PIEZO_RESULT_TOO_SOON` where it may not be told yet.
@@ -198,23 +197,24 @@ PiezoResult piezo_estimator_start_at(struct PiezoEstimator *estimator,
 // As `piezo_estimator_restart`.
 PiezoResult piezo_estimator_set_zero(struct PiezoEstimator *estimator, float at_um);
 
-// Begins an inverse with a parameter table, long at rest at the rest voltage. `limits` may be null: then they are the table's
-// own. **The amplifier must stand at the rest voltage**: the first tick goes on from there. Not for an interrupt.
+// Begins an inverse with a parameter table, long at rest at the rest voltage. `limits` may be null: then they
+// are the table's own. **The amplifier must stand at the rest voltage**: the first tick goes on from there. Not
+// for an interrupt.
 //
 // # Safety
-// `record` points to `length` bytes, `limits` to a structure or is null, and `inverse` to a structure that nobody else uses.
+// `record` points to `length` bytes, `limits` to a structure or is null, and `inverse` to a structure that
+// nobody else uses.
 PiezoResult piezo_inverse_begin(struct PiezoInverse *inverse,
                                 const uint8_t *record,
                                 size_t length,
                                 const struct PiezoDriveLimits *limits);
 
-// One tick: the voltage for a displacement (µm relative to the model's zero) that is wanted a tick after the voltage stands.
+// One tick: the voltage for a displacement (µm relative to the model's zero) that is wanted a tick after
+// the voltage stands.
 //
 // # Safety
 // `inverse` points to an initialised structure that nobody else uses, and `command` to a structure.
-PiezoResult piezo_inverse_tick(struct PiezoInverse *inverse,
-                               float displacement_um,
-                               struct PiezoCommand *command);
+PiezoResult piezo_inverse_tick(struct PiezoInverse *inverse, float displacement_um, struct PiezoCommand *command);
 
 // One tick towards the rest voltage, as fast as the limits allow: the way out of every mode, for it cannot jump.
 //
@@ -224,11 +224,12 @@ PiezoResult piezo_inverse_release(struct PiezoInverse *inverse, struct PiezoComm
 
 // Reads and checks a parameter table: the bytes of `table.bin`, with or without others behind them.
 //
-// `reason` takes what is wrong, in English, cut to `size` bytes with its final NUL, and "" where nothing is; it may be null.
+// `reason` takes what is wrong, in English, cut to `size` bytes with its final NUL, and "" where nothing is; it
+// may be null.
 //
 // # Safety
-// `record` points to `length` bytes, no more than a signed `ptrdiff_t` counts, `table` to a structure or is null, and `reason` to
-// `size` bytes or is null, none of which are the record's.
+// `record` points to `length` bytes, no more than a signed `ptrdiff_t` counts, `table` to a structure or is null, and
+// `reason` to `size` bytes or is null, none of which are the record's.
 PiezoResult piezo_table_read(const uint8_t *record,
                              size_t length,
                              struct PiezoTable *table,

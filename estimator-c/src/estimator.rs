@@ -49,7 +49,8 @@ memory!(PiezoEstimator of Estimator<f32>);
 pub struct PiezoEstimate {
     /// Displacement at the next tick, µm.
     pub displacement_um: f32,
-    /// Half the width of its 95 % interval, µm; NaN where the table has none, the displacement was never told, or the voltage is beyond the table's range.
+    /// Half the width of its 95 % interval, µm; NaN where the table has none, the displacement was never told, or the
+    /// voltage is beyond the table's range.
     pub half_width_um: f32,
     /// The displacement as a DAC with the table's calibration takes it, right-aligned.
     pub dac_code: u16,
@@ -68,9 +69,9 @@ impl From<Estimate<f32>> for PiezoEstimate {
     }
 }
 
-/// Begins an estimator with a parameter table, the bytes of `table.bin`; they are not needed afterwards. The actuator is
-/// assumed to have rested at the first tick's voltage. A table that is refused leaves the structure as it was. Not for an
-/// interrupt: it checks the whole table.
+/// Begins an estimator with a parameter table, the bytes of `table.bin`; they are not needed afterwards. The actuator
+/// is assumed to have rested at the first tick's voltage. A table that is refused leaves the structure as it was. Not
+/// for an interrupt: it checks the whole table.
 ///
 /// # Safety
 /// `record` points to `length` bytes, and `estimator` to a structure that nobody else uses.
@@ -143,7 +144,8 @@ pub unsafe extern "C" fn piezo_estimator_restart(estimator: *mut PiezoEstimator)
     })
 }
 
-/// Starts anew from a known displacement, µm relative to the model's zero. One beyond the table's limits becomes the nearest.
+/// Starts anew from a known displacement, µm relative to the model's zero. One beyond the table's limits
+/// becomes the nearest.
 ///
 /// # Safety
 /// As `piezo_estimator_restart`.

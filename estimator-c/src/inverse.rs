@@ -53,11 +53,13 @@ impl From<Commanded<f32>> for PiezoCommand {
     }
 }
 
-/// Begins an inverse with a parameter table, long at rest at the rest voltage. `limits` may be null: then they are the table's
-/// own. **The amplifier must stand at the rest voltage**: the first tick goes on from there. Not for an interrupt.
+/// Begins an inverse with a parameter table, long at rest at the rest voltage. `limits` may be null: then they
+/// are the table's own. **The amplifier must stand at the rest voltage**: the first tick goes on from there. Not
+/// for an interrupt.
 ///
 /// # Safety
-/// `record` points to `length` bytes, `limits` to a structure or is null, and `inverse` to a structure that nobody else uses.
+/// `record` points to `length` bytes, `limits` to a structure or is null, and `inverse` to a structure that
+/// nobody else uses.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn piezo_inverse_begin(
     inverse: *mut PiezoInverse,
@@ -80,7 +82,8 @@ pub unsafe extern "C" fn piezo_inverse_begin(
     })
 }
 
-/// One tick: the voltage for a displacement (µm relative to the model's zero) that is wanted a tick after the voltage stands.
+/// One tick: the voltage for a displacement (µm relative to the model's zero) that is wanted a tick after
+/// the voltage stands.
 ///
 /// # Safety
 /// `inverse` points to an initialised structure that nobody else uses, and `command` to a structure.

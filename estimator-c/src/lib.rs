@@ -8,9 +8,9 @@
 //!     target/thumbv7em-none-eabihf/release/libpiezo_estimator.a
 //! ```
 //!
-//! It is `estimator-core` in `f32` and nothing else: the numbers are those of the board and of the host, bit for bit. The
-//! caller gives the memory; nothing is allocated, nothing is global, and no function waits. What may be called from an
-//! interrupt is `…_tick` and `…_release`, never at the same time as another function of the same value.
+//! It is `estimator-core` in `f32` and nothing else: the numbers are those of the board and of the host, bit for bit.
+//! The caller gives the memory; nothing is allocated, nothing is global, and no function waits. What may be called from
+//! an interrupt is `…_tick` and `…_release`, never at the same time as another function of the same value.
 //!
 //! Each function returns a [`PiezoResult`] and writes its results only where that is `PIEZO_RESULT_OK`.
 #![cfg_attr(target_os = "none", no_std)]
@@ -26,8 +26,8 @@ pub use inverse::*;
 pub use result::PiezoResult;
 pub use table::*;
 
-/// No call leads here. If one did, the program must not go on: the undefined instruction ends in the fault handler, which is
-/// the caller's and knows what is safe.
+/// No call leads here. If one did, the program must not go on: the undefined instruction ends in the fault handler,
+/// which is the caller's and knows what is safe.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

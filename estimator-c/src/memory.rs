@@ -40,8 +40,8 @@ pub(crate) unsafe fn put<M: Memory>(memory: *mut M, value: M::Value) -> Result<(
 /// The value in memory.
 ///
 /// # Safety
-/// The pointer is null, or points to memory of a `M` that is initialised, if only with zeros, and that nobody else uses as
-/// long as the value is borrowed.
+/// The pointer is null, or points to memory of a `M` that is initialised, if only with zeros, and that nobody else uses
+/// as long as the value is borrowed.
 pub(crate) unsafe fn get<'a, M: Memory>(memory: *mut M) -> Result<&'a mut M::Value, PiezoResult> {
     if memory.is_null() {
         return Err(PiezoResult::Null);

@@ -34,11 +34,12 @@ pub struct PiezoTable {
 
 /// Reads and checks a parameter table: the bytes of `table.bin`, with or without others behind them.
 ///
-/// `reason` takes what is wrong, in English, cut to `size` bytes with its final NUL, and "" where nothing is; it may be null.
+/// `reason` takes what is wrong, in English, cut to `size` bytes with its final NUL, and "" where nothing is; it
+/// may be null.
 ///
 /// # Safety
-/// `record` points to `length` bytes, no more than a signed `ptrdiff_t` counts, `table` to a structure or is null, and `reason` to
-/// `size` bytes or is null, none of which are the record's.
+/// `record` points to `length` bytes, no more than a signed `ptrdiff_t` counts, `table` to a structure or is null, and
+/// `reason` to `size` bytes or is null, none of which are the record's.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn piezo_table_read(
     record: *const u8,

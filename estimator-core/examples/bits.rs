@@ -1,10 +1,10 @@
-//! What a table's estimator and inverse give in `f32`, bit for bit, for a face of the core in another language to be compared
-//! with: `bits table.bin`.
+//! What a table's estimator and inverse give in `f32`, bit for bit, for a face of the core in another language to be
+//! compared with: `bits table.bin`.
 //!
-//! A line is a letter and numbers in hexadecimal, an `f32` by its bits: `L` limits of the inverse (least, greatest and rest
-//! voltage, V; change, V/s), where there is one; `E` code of the ADC, displacement and half-width (µm), status; `Z` displacement
-//! that is told (µm), and whether it was taken; `C` displacement that is wanted (µm), voltage (V), displacement (µm), whether it is
-//! reached.
+//! A line is a letter and numbers in hexadecimal, an `f32` by its bits: `L` limits of the inverse (least, greatest and
+//! rest voltage, V; change, V/s), where there is one; `E` code of the ADC, displacement and half-width (µm), status;
+//! `Z` displacement that is told (µm), and whether it was taken; `C` displacement that is wanted (µm), voltage (V),
+//! displacement (µm), whether it is reached.
 
 use estimator_core::{AdcCode, Commanded, DriveLimits, Estimate, Estimator, Inverse, Range, Table};
 use std::error::Error;

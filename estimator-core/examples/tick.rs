@@ -1,8 +1,8 @@
 //! A table over recorded voltages, as a board runs it: `tick table.bin volts.csv`.
 //!
-//! A line of `volts.csv` is the amplifier's voltage at a tick, V. Where a second number stands behind a comma, somebody says where
-//! the actuator is then, µm, as `piezo zero --at` does; from there on the ± is known, where the table has one. What is printed for
-//! each tick: voltage (V), displacement at the next tick (µm), its ± (µm), status.
+//! A line of `volts.csv` is the amplifier's voltage at a tick, V. Where a second number stands behind a comma, somebody
+//! says where the actuator is then, µm, as `piezo zero --at` does; from there on the ± is known, where the table has
+//! one. What is printed for each tick: voltage (V), displacement at the next tick (µm), its ± (µm), status.
 //!
 //!     cargo run --example tick -- tests/data/table/generalised-prandtl-ishlinskii/table.bin volts.csv
 

@@ -91,7 +91,8 @@ impl DacCalibration {
         DacCode(nearest(exact, self.full_scale))
     }
 
-    /// The same line in parts of codes, for a converter that is given so many of them to a code; their largest fits 16 bits.
+    /// The same line in parts of codes, for a converter that is given so many of them to a code; their largest
+    /// fits 16 bits.
     #[must_use]
     pub fn finer(self, parts: u16) -> Self {
         Self {
@@ -113,8 +114,8 @@ impl DacCalibration {
     }
 }
 
-/// Where the DAC drives the amplifier instead of showing the displacement: `code = offset + gain·voltage`, and what it may
-/// be driven to.
+/// Where the DAC drives the amplifier instead of showing the displacement: `code = offset + gain·voltage`, and what it
+/// may be driven to.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriveCalibration {
@@ -129,7 +130,8 @@ pub struct DriveCalibration {
 }
 
 impl DriveCalibration {
-    /// The code of an amplifier voltage (V), rounded, but to no voltage beyond the limits, and limited to the converter's range.
+    /// The code of an amplifier voltage (V), rounded, but to no voltage beyond the limits, and limited to
+    /// the converter's range.
     pub fn code<T: Real>(&self, voltage: T, full_scale: u16) -> DacCode {
         let exact = T::of(self.offset_code) + T::of(self.gain_codes_per_v) * voltage;
         let code = nearest(exact, full_scale);

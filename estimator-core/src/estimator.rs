@@ -1,17 +1,17 @@
 //! The estimator: a raw ADC code in, a displacement, a DAC code and a status out, each tick.
 //!
 //! It never returns NaN and never leaves the table's displacement limits (plus the bias, where one was told), whatever
-//! codes come in. The displacement that `tick` k returns is the one predicted for tick k + 1, when the DAC's trigger puts it
-//! out (Eq. 4.8: `y(k+1)` from `V(k)` and `y(k)`).
+//! codes come in. The displacement that `tick` k returns is the one predicted for tick k + 1, when the DAC's trigger
+//! puts it out (Eq. 4.8: `y(k+1)` from `V(k)` and `y(k)`).
 //!
 //! A sensorless estimate starts somewhere: at the first tick it is assumed that the actuator has rested at that tick's
-//! voltage, with a memory in the middle of all that it may have. [`Estimator::start_at`] states something better where it is
-//! known. Until what the start left is wiped out ([`crate::settling`]), the status says [`Status::NOT_SETTLED`]. What a larger
-//! swing would wipe out, and slow creep, may still be the start's.
+//! voltage, with a memory in the middle of all that it may have. [`Estimator::start_at`] states something better where
+//! it is known. Until what the start left is wiped out ([`crate::settling`]), the status says [`Status::NOT_SETTLED`].
+//! What a larger swing would wipe out, and slow creep, may still be the start's.
 //!
-//! Beyond the table's range, and at an end of the converter's, the model is fed another voltage than the actuator has. What it
-//! remembers is then as wrong as after a start, and the status says so until swings have wiped that out, too. There is no interval
-//! meanwhile, and a wider one until then.
+//! Beyond the table's range, and at an end of the converter's, the model is fed another voltage than the actuator has.
+//! What it remembers is then as wrong as after a start, and the status says so until swings have wiped that out, too.
+//! There is no interval meanwhile, and a wider one until then.
 
 use crate::calibration::{AdcCalibration, AdcCode, DacCalibration, DacCode, Line};
 use crate::interval::{Interval, IntervalState, Width};
@@ -34,15 +34,16 @@ bitflags::bitflags! {
         const CLAMPED = 1 << 2;
         /// The DAC stands at an end of its range: the displacement is at least that far.
         const DAC_SATURATED = 1 << 3;
-        /// The voltage has not turned yet at both ends of a swing of half the table's voltage range, since the start or since it
-        /// was last another than the model was fed, by more than the deadband: the estimate still depends on what was assumed then.
+        /// The voltage has not turned yet at both ends of a swing of half the table's voltage range, since the start or
+        /// since it was last another than the model was fed, by more than the deadband: the estimate still depends on
+        /// what was assumed then.
         const NOT_SETTLED = 1 << 4;
         /// The wanted displacement, or voltage, cannot be had at this tick: the voltage or its slew rate is at a limit.
         const OUT_OF_REACH = 1 << 5;
         /// The voltage has gone as it never went in the training: what the estimate says here was not learnt.
         const UNTRAINED = 1 << 6;
-        /// The voltage has leapt as the amplifier cannot, and the last one before was taken; or it has just come back, and the
-        /// estimate catches up. A device says so, the estimator never.
+        /// The voltage has leapt as the amplifier cannot, and the last one before was taken; or it has just come back,
+        /// and the estimate catches up. A device says so, the estimator never.
         const SLEW_EXCEEDED = 1 << 7;
     }
 }
@@ -66,8 +67,8 @@ pub struct Estimate<T> {
 pub struct Estimator<T: Real> {
     adc: AdcCalibration,
     dac: DacCalibration,
-    /// Of codes, relative to the model's zero, V: an `f32` in every number type, so that the reference sees the very voltages
-    /// that the target sees.
+    /// Of codes, relative to the model's zero, V: an `f32` in every number type, so that the reference sees the very
+    /// voltages that the target sees.
     voltage: Line<f32>,
     voltage_zero: T,
     voltage_range: Range<T>,
@@ -116,8 +117,8 @@ impl<T: Real> Estimator<T> {
         Self { engine: self.engine.of_held_voltage(), ..self }
     }
 
-    /// Starts anew from a known displacement (µm relative to the model's zero), with no reversal seen. Returns whether it
-    /// lay within the limits; beyond, the start is at the nearest, as it is where no memory of the model gives it.
+    /// Starts anew from a known displacement (µm relative to the model's zero), with no reversal seen. Returns whether
+    /// it lay within the limits; beyond, the start is at the nearest, as it is where no memory of the model gives it.
     pub fn start_at(&mut self, displacement: T) -> bool {
         self.restart();
         self.displacement = Some(self.limits.clamp(displacement));
@@ -133,8 +134,9 @@ impl<T: Real> Estimator<T> {
         self.interval_state = None;
     }
 
-    /// Calls the displacement of now `at` (µm), where a stop, a gauge or rest tells it: the bias becomes `at` less the model's
-    /// displacement. Returns whether it did: only where it [may be told](Self::may_be_told), and where `at` is finite.
+    /// Calls the displacement of now `at` (µm), where a stop, a gauge or rest tells it: the bias becomes `at` less
+    /// the model's displacement. Returns whether it did: only where it [may be told](Self::may_be_told), and where
+    /// `at` is finite.
     pub fn set_zero(&mut self, at: T) -> bool {
         self.displacement.is_some_and(|displacement| self.set_bias(at - displacement))
     }
@@ -145,8 +147,8 @@ impl<T: Real> Estimator<T> {
         self.set_bias(self.bias + by)
     }
 
-    /// What is added to the model's displacement, µm: what the model is too low by, as [`Self::set_zero`] and [`Self::shift`]
-    /// have told. 0 from each start on.
+    /// What is added to the model's displacement, µm: what the model is too low by, as [`Self::set_zero`] and
+    /// [`Self::shift`] have told. 0 from each start on.
     pub fn bias(&self) -> T {
         self.bias
     }
@@ -171,8 +173,8 @@ impl<T: Real> Estimator<T> {
         told
     }
 
-    /// Takes the displacement of now to be told: the interval is relative to it. Returns whether there is one from now on;
-    /// there is none where the table has none, or too soon after the start.
+    /// Takes the displacement of now to be told: the interval is relative to it. Returns whether there is one from now
+    /// on; there is none where the table has none, or too soon after the start.
     pub fn tell(&mut self) -> bool {
         match (&self.interval, &mut self.interval_state) {
             (Some(interval), Some(state)) => interval.tell(state),
@@ -229,8 +231,8 @@ impl<T: Real> Estimator<T> {
         }
     }
 
-    /// Whether the model is fed another voltage than the actuator has; what it remembers is then settled no more. Less than a deadband is
-    /// noise, to the memory as well.
+    /// Whether the model is fed another voltage than the actuator has; what it remembers is then settled no more. Less
+    /// than a deadband is noise, to the memory as well.
     #[cold]
     #[inline(never)]
     fn mislead(&mut self, wanted: T, saturated: bool) -> bool {
@@ -252,8 +254,8 @@ impl<T: Real> Estimator<T> {
         }
     }
 
-    /// The interval of a tick. At the first one a displacement is `known` where the estimator was told it. A function of its
-    /// own, so that a table without an interval pays nothing for it.
+    /// The interval of a tick. At the first one a displacement is `known` where the estimator was told it. A function
+    /// of its own, so that a table without an interval pays nothing for it.
     #[inline(never)]
     fn width(&mut self, voltage: T, displacement: T, known: bool) -> Width<T> {
         let Some(interval) = &self.interval else { return Width { half: None, untrained: false } };

@@ -5,14 +5,15 @@
 //! the tick of detection. A constant voltage is no reversal, neither is the first movement away from the start; before
 //! the first reversal both values are 0.
 //!
-//! A voltage that comes from a converter retreats by whole codes. A deadband of a whole number of codes would leave it to the
-//! rounding whether a retreat of just so many counts, and so a table's is taken [between two](between_codes).
+//! A voltage that comes from a converter retreats by whole codes. A deadband of a whole number of codes would leave it
+//! to the rounding whether a retreat of just so many counts, and so a table's is taken [between two](between_codes).
 
 use crate::math::Real;
 use num_traits::float::FloatCore;
 
-/// The deadband (V) that stands midway between two numbers of codes and counts the same retreats of whole codes as reversals:
-/// `(⌊deadband/step⌋ + ½)·step`, with `step` the volts of a code. An `f32` in every number type, as both of them are in a table.
+/// The deadband (V) that stands midway between two numbers of codes and counts the same retreats of whole codes as
+/// reversals: `(⌊deadband/step⌋ + ½)·step`, with `step` the volts of a code. An `f32` in every number type, as both of
+/// them are in a table.
 pub fn between_codes(deadband: f32, step: f32) -> f32 {
     (FloatCore::floor(deadband / step) + 0.5) * step
 }

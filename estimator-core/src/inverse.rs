@@ -2,14 +2,14 @@
 //! Table 3.1).
 //!
 //! The displacement a tick later rises with this tick's voltage in the monotone part of every model that has one
-//! ([`Recursion::monotone_part`](crate::Recursion::monotone_part)), but for a jump at a reversal. So the voltage is found on
-//! the model itself, by a bracketed secant (ITP) over what the limits allow, and one and the same code inverts them all. It runs
-//! its own copy of the model, fed with the voltages that it gives: no measured voltage comes in, so that the actuator cannot
-//! be made to swing by it.
+//! ([`Recursion::monotone_part`](crate::Recursion::monotone_part)), but for a jump at a reversal. So the voltage is
+//! found on the model itself, by a bracketed secant (ITP) over what the limits allow, and one and the same code inverts
+//! them all. It runs its own copy of the model, fed with the voltages that it gives: no measured voltage comes in, so
+//! that the actuator cannot be made to swing by it.
 //!
-//! That part has neither delay nor resonance: the displacement comes later by the delay, which whoever knows the reference
-//! ahead of time can make up for, and a reference that is fast for the resonance excites it. A lag is undone: where the
-//! reference moves fast the voltage leads, as far as the limits let it.
+//! That part has neither delay nor resonance: the displacement comes later by the delay, which whoever knows the
+//! reference ahead of time can make up for, and a reference that is fast for the resonance excites it. A lag is undone:
+//! where the reference moves fast the voltage leads, as far as the limits let it.
 
 use crate::calibration::DriveLimits;
 use crate::math::Real;
@@ -23,7 +23,8 @@ pub enum NoInverse {
     /// The model has no [`monotone_part`](crate::Recursion::monotone_part): NARX.
     #[error("this model has no inverse")]
     Model,
-    /// The displacement at rest does not rise with the voltage all the way from the lower end of the range to the upper.
+    /// The displacement at rest does not rise with the voltage all the way from the lower end of the range
+    /// to the upper.
     #[error("the displacement does not rise with the voltage")]
     Falling,
     /// The limits break this rule.
@@ -48,11 +49,13 @@ pub const REACHED: f32 = 1e-4;
 /// How near is near enough to stop searching, as a fraction of that.
 const FINE: f32 = 1e-2;
 
-/// Most steps of the search, so that a tick always ends, and in time. They halve what they search in at least as often, but for
-/// one of them: to a 2048th of what the limits allow in a tick where the displacement jumps. Elsewhere some six are enough.
+/// Most steps of the search, so that a tick always ends, and in time. They halve what they search in at least as
+/// often, but for one of them: to a 2048th of what the limits allow in a tick where the displacement jumps. Elsewhere
+/// some six are enough.
 const STEPS: usize = 12;
 
-/// How far the search steps beyond the secant, towards the middle, as a part of the bracket's square (κ1 of ITP, with κ2 = 2).
+/// How far the search steps beyond the secant, towards the middle, as a part of the bracket's square (κ1 of ITP, with
+/// κ2 = 2).
 const BEYOND: f32 = 0.2;
 
 /// Parts of the range at whose ends the displacement at rest must rise.
@@ -84,8 +87,8 @@ pub struct Inverse<T: Real> {
 }
 
 impl<T: Real> Inverse<T> {
-    /// The inverse of a model, at rest; [`Admitted::inverse`](crate::Admitted::inverse) knows what it needs. The limits are
-    /// taken as they are: [`DriveLimits::check`] is the caller's.
+    /// The inverse of a model, at rest; [`Admitted::inverse`](crate::Admitted::inverse) knows what it needs. The limits
+    /// are taken as they are: [`DriveLimits::check`] is the caller's.
     ///
     /// # Errors
     /// The model has no monotone part, or its displacement at rest does not rise with the voltage.
@@ -126,8 +129,8 @@ impl<T: Real> Inverse<T> {
         self.engine.step(voltage, None)
     }
 
-    /// One tick: takes the displacement wanted a tick after the voltage stands (µm relative to the model's zero), returns the
-    /// voltage. A reference that is no number changes nothing.
+    /// One tick: takes the displacement wanted a tick after the voltage stands (µm relative to the model's zero),
+    /// returns the voltage. A reference that is no number changes nothing.
     pub fn tick(&mut self, reference: T) -> Commanded<T> {
         let here = self.peek(self.voltage) - reference;
         let fine = self.near * T::of(FINE);
@@ -145,9 +148,10 @@ impl<T: Real> Inverse<T> {
         Commanded { reached: (commanded.displacement - reference).abs() <= self.near, ..commanded }
     }
 
-    /// Distance from here (V, at most `most`) at which `at` crosses zero; `missing` is its value at 0, and it falls with the
-    /// distance. `most` where it does not cross. The method ITP of Oliveira and Takahashi (ACM TOMS 47(1), 2021): a step goes to
-    /// the secant's zero, a little beyond it, and no further from the middle than lets the bracket be halved in time.
+    /// Distance from here (V, at most `most`) at which `at` crosses zero; `missing` is its value at 0, and it falls
+    /// with the distance. `most` where it does not cross. The method ITP of Oliveira and Takahashi (ACM TOMS 47(1),
+    /// 2021): a step goes to the secant's zero, a little beyond it, and no further from the middle than lets the
+    /// bracket be halved in time.
     fn distance(&self, missing: T, most: T, at: impl Fn(T) -> T) -> T {
         let half = T::of(0.5);
         let fine = self.near * T::of(FINE);
@@ -181,8 +185,9 @@ impl<T: Real> Inverse<T> {
         distance
     }
 
-    /// One tick that takes the wanted voltage itself (V, the amplifier's), for whoever asks for no displacement: as near to it as
-    /// the limits allow. It is reached where they allow all of it. A voltage that is not finite changes nothing.
+    /// One tick that takes the wanted voltage itself (V, the amplifier's), for whoever asks for no
+    /// displacement: as near to it as the limits allow. It is reached where they allow all of it. A voltage
+    /// that is not finite changes nothing.
     pub fn steer(&mut self, voltage: T) -> Commanded<T> {
         let wanted = if voltage.is_finite() { voltage - self.voltage_zero } else { self.voltage };
         let commanded = self.towards(wanted);

@@ -1,7 +1,7 @@
 //! Displacement of a piezo actuator from the amplifier's voltage alone.
 //!
-//! No `std`, no allocation, no I/O, no `unsafe`. Everything is generic over [`Real`] (`f32` on the target, `f64` as
-//! the reference), so the number that was validated on the host and the number that leaves the DAC come from one source.
+//! No `std`, no allocation, no I/O, no `unsafe`. Everything is generic over [`Real`] (`f32` on the target, `f64` as the
+//! reference), so the number that was validated on the host and the number that leaves the DAC come from one source.
 //!
 //! ```text
 //! bytes ─► Table::parse ─► Admitted ─┬► Estimator ── AdcCode ─► tick ─► Estimate { displacement, half_width, DacCode, Status }

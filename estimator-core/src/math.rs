@@ -13,9 +13,9 @@
 //! by up to 0.118 (and its `powf` by 18 %) below 1, because it inverts its argument with a one-step approximation; here
 //! it is only ever called on arguments of at least 1, after an exact division.
 //!
-//! micromath's error of 2.5e-3 goes into the displacement almost undiminished, so it may serve only where a table passes
-//! with it: admission runs in the target's own backend, and `piezo validate`, built with the feature `micromath`, shows that
-//! `f32` core beside the `f64` reference.
+//! micromath's error of 2.5e-3 goes into the displacement almost undiminished, so it may serve only where a table
+//! passes with it: admission runs in the target's own backend, and `piezo validate`, built with the feature
+//! `micromath`, shows that `f32` core beside the `f64` reference.
 
 use core::fmt::{Debug, Display};
 use num_traits::float::FloatCore;
@@ -34,7 +34,8 @@ pub trait Real: FloatCore + Debug + Display + Send + Sync + 'static {
     fn of(value: f32) -> Self;
     /// The nearest `f32`: what the target would have.
     fn single(self) -> f32;
-    /// Towards zero, saturating at 0 and `u32::MAX`; 0 for NaN. One instruction of the target, unlike the same to `u16`.
+    /// Towards zero, saturating at 0 and `u32::MAX`; 0 for NaN. One instruction of the target, unlike the
+    /// same to `u16`.
     fn to_u32_saturating(self) -> u32;
 
     /// `sgn(self)·|self|^exponent`, 0 at 0 whatever the exponent: the shape of every power term of the models.

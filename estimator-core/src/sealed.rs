@@ -28,8 +28,8 @@ pub fn checksum_of_words(words: impl Iterator<Item = u32>) -> u32 {
     digest.finalize()
 }
 
-/// Writes the checksum of the first `length` bytes behind them; returns the length with it, or `None` when the buffer is too
-/// small.
+/// Writes the checksum of the first `length` bytes behind them; returns the length with it, or `None` when the buffer
+/// is too small.
 pub fn seal(buffer: &mut [u8], length: usize) -> Option<usize> {
     let (content, rest) = buffer.split_at_mut_checked(length)?;
     *rest.first_chunk_mut::<CHECKSUM>()? = checksum(content).to_le_bytes();

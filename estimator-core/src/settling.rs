@@ -1,7 +1,7 @@
 //! Whether the estimate still depends on where it was assumed to start, or on voltages that the model was not fed.
 //!
-//! Hysteresis forgets what lies within a swing of the voltage, and so does the estimate: it counts as settled once the voltage
-//! has turned at either end of a swing of half of the table's voltage range ([`SETTLED_SWING`]).
+//! Hysteresis forgets what lies within a swing of the voltage, and so does the estimate: it counts as settled once the
+//! voltage has turned at either end of a swing of half of the table's voltage range ([`SETTLED_SWING`]).
 
 use crate::extremum::Tracker;
 use crate::math::Real;

@@ -1,7 +1,8 @@
-//! A transition from one displacement to another that is so slow that the drive's limits do not hold it up: s²(3 − 2s), s from 0 to 1.
+//! A transition from one displacement to another that is so slow that the drive's limits do not hold it up: s²(3 − 2s),
+//! s from 0 to 1.
 //!
-//! A displacement that lags behind its voltage overshoots where it is wanted elsewhere from one tick to the next, for the voltage then
-//! goes there as fast as it may.
+//! A displacement that lags behind its voltage overshoots where it is wanted elsewhere from one tick to the next, for
+//! the voltage then goes there as fast as it may.
 
 use crate::Table;
 
@@ -32,8 +33,8 @@ impl Pace {
         ((self.ticks_per_um * (to - from).abs()).min(LONGEST) as u32).max(1)
     }
 
-    /// The same of the transition back from a line's last point to its first one; `None` where the ticks from each point to the next are
-    /// enough for it, which it then takes like the others, straight.
+    /// The same of the transition back from a line's last point to its first one; `None` where the ticks from each
+    /// point to the next are enough for it, which it then takes like the others, straight.
     #[must_use]
     pub fn back(self, last: f32, first: f32, every: u16) -> Option<u32> {
         let ticks = self.ticks(last, first);

@@ -1,9 +1,9 @@
 //! Whether the amplifier does what the drive commands: the voltage that the ADC reads beside those that were commanded.
 //!
-//! An amplifier lags, and the drive does not know by how much. So the voltage is held against all that was commanded in the
-//! last [`REACH_TICKS`], and is astray where it lies beyond them by more than [`TOLERANCE`] of the drive's range. An open
-//! wire, a tripped amplifier and a wrong span are found as soon as the command goes where the voltage does not; but not where
-//! the voltage of the open wire lies amid a swing that is faster than the reach.
+//! An amplifier lags, and the drive does not know by how much. So the voltage is held against all that was commanded in
+//! the last [`REACH_TICKS`], and is astray where it lies beyond them by more than [`TOLERANCE`] of the drive's range.
+//! An open wire, a tripped amplifier and a wrong span are found as soon as the command goes where the voltage does not;
+//! but not where the voltage of the open wire lies amid a swing that is faster than the reach.
 
 use crate::rate::ticks_in;
 use estimator_core::{AdcCalibration, AdcCode, DriveLimits, Range};

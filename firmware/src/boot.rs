@@ -1,8 +1,8 @@
-//! Which table the estimator runs: the newest stored one, else the compiled one, else none; and why. A device that has failed
-//! again and again leaves the store alone, and so does one whose flash cannot hold it.
+//! Which table the estimator runs: the newest stored one, else the compiled one, else none; and why. A device that has
+//! failed again and again leaves the store alone, and so does one whose flash cannot hold it.
 //!
-//! The released image's table is the demonstration's: that of another actuator than the board's, unless the board is emulated. It is
-//! for trials, and its use is a fault ([`Faults::DEMONSTRATION`]).
+//! The released image's table is the demonstration's: that of another actuator than the board's, unless the board is
+//! emulated. It is for trials, and its use is a fault ([`Faults::DEMONSTRATION`]).
 
 use crate::compiled::is_demonstration;
 use crate::facts::Facts;
@@ -23,8 +23,8 @@ pub struct Chosen {
     pub table: Option<Admitted>,
     /// Where it comes from, and why.
     pub source: TableSource,
-    /// Why it may be another actuator's than the one that the board is wired to: [`Faults::TABLE_FALLBACK`], where something was
-    /// stored that could not be used, or nobody has looked; [`Faults::DEMONSTRATION`], where nothing was.
+    /// Why it may be another actuator's than the one that the board is wired to: [`Faults::TABLE_FALLBACK`], where
+    /// something was stored that could not be used, or nobody has looked; [`Faults::DEMONSTRATION`], where nothing was.
     pub doubts: Faults,
 }
 
@@ -62,7 +62,8 @@ pub async fn choose<F: NorFlash>(store: &mut ParameterStore<F>, compiled: Table,
     }
 }
 
-/// Reads a record and checks that this board can run it; the reason is the end of a sentence that starts with "refused".
+/// Reads a record and checks that this board can run it; the reason is the end of a sentence that
+/// starts with "refused".
 pub fn parse(record: &[u8], board: &Interface) -> Result<Admitted, Text<120>> {
     fits(Table::parse(record).map_err(text)?, board)
 }

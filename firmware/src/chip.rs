@@ -2,13 +2,14 @@
 
 use estimator_core::DacCode;
 
-/// The parts of a chip that differ from board to board and are asked while the firmware runs; by the main loop, never by the tick.
-/// A board without a part leaves its method as it is.
+/// The parts of a chip that differ from board to board and are asked while the firmware runs; by the main loop, never
+/// by the tick. A board without a part leaves its method as it is.
 pub trait Chip {
     /// Keeps the watchdog from resetting the board for another period.
     fn feed_watchdog(&self) {}
 
-    /// The analogue supply, mV, measured while the ticks go on: gives what the call before has begun, if that has ended, and begins anew.
+    /// The analogue supply, mV, measured while the ticks go on: gives what the call before has begun, if that has
+    /// ended, and begins anew.
     fn measure_supply(&self) -> Option<f32> {
         None
     }

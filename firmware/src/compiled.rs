@@ -1,5 +1,5 @@
-//! The table of the image at the image's rate: the one of firmware/src/table.rs, which is the demonstration's until its user puts
-//! another there (`piezo emit --face rust`).
+//! The table of the image at the image's rate: the one of firmware/src/table.rs, which is the demonstration's until its
+//! user puts another there (`piezo emit --face rust`).
 
 use crate::rate::TICK_US;
 use estimator_core::{Digest, Table};

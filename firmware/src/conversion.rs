@@ -7,7 +7,8 @@ use estimator_core::AdcCode;
 pub struct Conversion {
     /// The amplifier's monitor, from which the displacement is estimated.
     pub monitor: AdcCode,
-    /// A displacement sensor beside it, which is streamed and decides nothing; `None` where the board has no such channel.
+    /// A displacement sensor beside it, which is streamed and decides nothing; `None` where the board has
+    /// no such channel.
     pub sensor: Option<AdcCode>,
     /// The displacement that a controller wants ([`crate::setpoint`]); `None` where the board has no such channel.
     pub setpoint: Option<AdcCode>,

@@ -1,10 +1,11 @@
 //! Codes as they would be at the supply that everything is made for, whatever it is ([`crate::supply`]), so that every
 //! calibration holds as at that.
 //!
-//! The monitor comes through a divider that adds a part of the supply, so that both signs of a voltage fit. That part's code is
-//! the same at every supply; what the voltage adds to it goes down as the supply goes up. So the distance from the code of 0 V
-//! is what is scaled. The table knows that code. Of a set-point it knows the code of the displacement 0, which is where a
-//! controller has its 0 V. Of a sensor it knows nothing: its 0 V is where the wiring for one of 0 V and more puts it.
+//! The monitor comes through a divider that adds a part of the supply, so that both signs of a voltage fit. That part's
+//! code is the same at every supply; what the voltage adds to it goes down as the supply goes up. So the distance from
+//! the code of 0 V is what is scaled. The table knows that code. Of a set-point it knows the code of the displacement
+//! 0, which is where a controller has its 0 V. Of a sensor it knows nothing: its 0 V is where the wiring for one of 0 V
+//! and more puts it.
 //!
 //! What the DAC is given is scaled whole and the other way round: its pin has the voltage that its code would give.
 
@@ -15,8 +16,8 @@ use crate::{Conversion, Facts};
 use core::sync::atomic::{AtomicI32, AtomicU16, Ordering::Relaxed};
 use estimator_core::{AdcCode, Admitted, DacCode};
 
-/// Furthest that the code of 0 V is taken to be from the range, in ranges: far enough for any divider, and a code's distance
-/// times what is off still fits 32 bits.
+/// Furthest that the code of 0 V is taken to be from the range, in ranges: far enough for any divider, and a code's
+/// distance times what is off still fits 32 bits.
 const BEYOND: f32 = 3.0;
 /// The part of the range at which a sensor's 0 V are read: 0.15 V of 3.3 V. One of both signs has it at a half.
 const SENSOR_ZERO: f32 = 0.15 / 3.3;
@@ -135,8 +136,8 @@ impl Given {
         self.short.store(supply.short(), Relaxed);
     }
 
-    /// One tick: goes towards what the supply is, and says what the DAC is given for what it would be at the supply it is made for, and
-    /// whether that is too little: the supply is too low for it.
+    /// One tick: goes towards what the supply is, and says what the DAC is given for what it would be at the supply it
+    /// is made for, and whether that is too little: the supply is too low for it.
     #[inline]
     pub(crate) fn tick(&self, supply: &Supply, DacParts(parts): DacParts) -> (DacParts, bool) {
         let (short, full_scale) = (towards(self.short.load(Relaxed), supply.short()), self.full_scale.load(Relaxed));

@@ -1,5 +1,5 @@
-//! What is streamed where the line does not carry every tick: the ticks whose numbers are multiples of n. What those between
-//! reported is not lost: the next sample that is streamed reports it, too.
+//! What is streamed where the line does not carry every tick: the ticks whose numbers are multiples of n. What those
+//! between reported is not lost: the next sample that is streamed reports it, too.
 
 use crate::rate::STREAM_EVERY;
 use estimator_core::Status;

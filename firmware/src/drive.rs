@@ -1,10 +1,11 @@
-//! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse; or wanted voltages, for a
-//! measurement. A displacement comes from the host, from a controller ([`crate::setpoint`]), or from memory
-//! ([`crate::waveform`]). The inverse also follows what is wanted in volts, so that its voltage is always the one that is put out.
+//! The DAC as the amplifier's input: wanted displacements in, codes out, by the model's inverse; or wanted voltages,
+//! for a measurement. A displacement comes from the host, from a controller ([`crate::setpoint`]), or from memory
+//! ([`crate::waveform`]). The inverse also follows what is wanted in volts, so that its voltage is always the one that
+//! is put out.
 //!
-//! With a table that has a drive the DAC never shows a displacement. When nothing is wanted, or something is wrong, or nobody speaks
-//! any more, the voltage goes back to its rest at the drive's slew rate. It never jumps, except in a reset that nobody asked the
-//! firmware for.
+//! With a table that has a drive the DAC never shows a displacement. When nothing is wanted, or something is wrong, or
+//! nobody speaks any more, the voltage goes back to its rest at the drive's slew rate. It never jumps, except in a
+//! reset that nobody asked the firmware for.
 //!
 //! ```text
 //! Waiting ── go ─► Ready ── first reference ─► Following ── timeout ─► Stopped
@@ -20,7 +21,8 @@ use crate::rate::TICK_HZ;
 use crate::shaping::{Codes, DacParts};
 use estimator_core::{AdcCode, Admitted, Commanded, DacCode, DriveCalibration, Inverse, Pace, Status};
 
-/// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be held: 1 s.
+/// Ticks without a reference after which the voltage goes back to rest, where the last reference is not to be
+/// held: 1 s.
 pub const REFERENCE_TIMEOUT_TICKS: u32 = TICK_HZ;
 
 /// What the drive does with references.
@@ -75,15 +77,15 @@ impl Drive {
         Some(Stride::of(gain_codes_per_v.abs() * limits.slew_v_per_s / TICK_HZ as f32))
     }
 
-    /// Follows nothing and waits for [`go`](Self::go), even after a [`stop`](Self::stop). The voltage stays where it is until
-    /// the next tick.
+    /// Follows nothing and waits for [`go`](Self::go), even after a [`stop`](Self::stop). The voltage stays where it is
+    /// until the next tick.
     pub fn restart(&mut self) {
         self.state = State::Waiting;
     }
 
-    /// Takes references from now on. After the last one it holds that until the mode ends, which for a voltage is 5 s after the
-    /// host's last word ([`crate::link::LEASE`]); or for [`REFERENCE_TIMEOUT_TICKS`] from then or from now, whichever is later: a
-    /// hold, however long, may be gone on from.
+    /// Takes references from now on. After the last one it holds that until the mode ends, which for a voltage is 5 s
+    /// after the host's last word ([`crate::link::LEASE`]); or for [`REFERENCE_TIMEOUT_TICKS`] from then or from now,
+    /// whichever is later: a hold, however long, may be gone on from.
     pub fn go(&mut self, hold: bool) {
         self.state = match self.state {
             State::Waiting | State::Ready { .. } => State::Ready { hold },
@@ -117,7 +119,8 @@ impl Drive {
         matches!(self.state, State::Stopped { .. })
     }
 
-    /// What the model gives for the voltage of the last tick, µm relative to its zero, and how long a way from there takes.
+    /// What the model gives for the voltage of the last tick, µm relative to its zero, and how long a way
+    /// from there takes.
     pub fn stands(&self) -> (f32, Pace) {
         (self.displacement, self.pace)
     }
@@ -132,16 +135,16 @@ impl Drive {
         matches!(self.state, State::Following { hold: true, .. })
     }
 
-    /// One tick: the codes for the displacement that has come (µm), else for the last one, else on the way to rest; and whether
-    /// it is out of reach.
+    /// One tick: the codes for the displacement that has come (µm), else for the last one, else on the way to rest; and
+    /// whether it is out of reach.
     pub fn follow(&mut self, next: Option<f32>) -> (Codes, Status) {
         let Some(reference) = self.reference(next) else { return (self.release(), Status::empty()) };
         let commanded = tick_inverse(&mut self.inverse, reference);
         self.command(commanded)
     }
 
-    /// As [`follow`](Self::follow), of the amplifier's voltage (V), which is out of reach where the range or the slew rate is in
-    /// its way.
+    /// As [`follow`](Self::follow), of the amplifier's voltage (V), which is out of reach where the range or the slew
+    /// rate is in its way.
     pub fn excite(&mut self, next: Option<f32>) -> (Codes, Status) {
         let Some(voltage) = self.reference(next) else { return (self.release(), Status::empty()) };
         let commanded = self.inverse.steer(voltage);

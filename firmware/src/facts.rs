@@ -11,12 +11,13 @@ pub struct Facts {
     pub name: &'static str,
     /// Which of these boards, where its chip says so.
     pub uid: Option<Uid>,
-    /// Whether an emulator stands for the board. The demonstration's table is then as good as any, and the main loop is as late as
-    /// the emulator's host.
+    /// Whether an emulator stands for the board. The demonstration's table is then as good as any, and the main loop is
+    /// as late as the emulator's host.
     pub emulated: bool,
     /// Whether one of its converter's channels is for a set-point.
     pub has_setpoint: bool,
-    /// Whether one of its pins is for a trigger, whose level it tells each tick that asks for it ([`crate::Tick::sync`]).
+    /// Whether one of its pins is for a trigger, whose level it tells each tick that asks
+    /// for it ([`crate::Tick::sync`]).
     pub has_trigger: bool,
     /// What the board asks of a table.
     pub interface: Interface,

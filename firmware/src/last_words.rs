@@ -107,7 +107,8 @@ impl core::fmt::Display for PanicText<'_> {
 /// # Safety
 /// Once, at boot, before interrupts and tasks.
 pub unsafe fn take() -> Option<Text<LENGTH>> {
-    // SAFETY: by the caller's promise. Every bit pattern is a `Words`; whether it was written by `keep` is what `read` finds out.
+    // SAFETY: by the caller's promise. Every bit pattern is a `Words`; whether it was written by `keep` is what
+    // `read` finds out.
     let words = unsafe { PLACE.0.get().read_volatile().assume_init() };
     // SAFETY: as above.
     unsafe { PLACE.0.get().write_volatile(MaybeUninit::new(Words::SILENCE)) };

@@ -1,16 +1,17 @@
-//! Keeps voltages that the amplifier cannot have made from the estimator. A jump faster than the amplifier's slew rate is a glitch or
-//! a loose wire; the estimator's memory of reversals would keep it.
+//! Keeps voltages that the amplifier cannot have made from the estimator. A jump faster than the amplifier's slew rate
+//! is a glitch or a loose wire; the estimator's memory of reversals would keep it.
 //!
-//! **A jump.** A code farther from the last believed one than one tick's slew is held: the estimator is given the last believed code
-//! instead. A later code is believed again if it is within one tick's slew of the last believed one, or if it jumps a second time and
-//! lands within what the amplifier can have slewed since. Nothing else ends the hold: a voltage that jumps once and stays is no
-//! amplifier's. After a hold the estimate needs as many ticks to catch up as the hold took, and the status says so for as long.
+//! **A jump.** A code farther from the last believed one than one tick's slew is held: the estimator is given the last
+//! believed code instead. A later code is believed again if it is within one tick's slew of the last believed one, or
+//! if it jumps a second time and lands within what the amplifier can have slewed since. Nothing else ends the hold: a
+//! voltage that jumps once and stays is no amplifier's. After a hold the estimate needs as many ticks to catch up as
+//! the hold took, and the status says so for as long.
 //!
-//! **The fault.** Codes held for [`TOO_LONG`] ticks in a row, or for more than a fifth of the time, as those of a floating input are,
-//! raise [`Faults::SLEW_EXCEEDED`]. From then on the codes are taken for those of an open input. The fault ends when they jump away
-//! from there and then, for [`TOO_LONG`] ticks, neither jump nor come back. A change of the mode does not end it. The jump alone
-//! would not do: a plug bounces, a conversion in the middle of a jump lies between the two levels, and a glitch on an open wire jumps
-//! there and back.
+//! **The fault.** Codes held for [`TOO_LONG`] ticks in a row, or for more than a fifth of the time, as those of a
+//! floating input are, raise [`Faults::SLEW_EXCEEDED`]. From then on the codes are taken for those of an open input.
+//! The fault ends when they jump away from there and then, for [`TOO_LONG`] ticks, neither jump nor come back. A change
+//! of the mode does not end it. The jump alone would not do: a plug bounces, a conversion in the middle of a jump lies
+//! between the two levels, and a glitch on an open wire jumps there and back.
 
 use crate::rate::ticks_in;
 use crate::watch::score;
@@ -56,7 +57,8 @@ impl Leap {
         }
     }
 
-    /// [`Status::SLEW_EXCEEDED`] while a code is held, while the estimate catches up after that, and while the wire may be off.
+    /// [`Status::SLEW_EXCEEDED`] while a code is held, while the estimate catches up after that, and while the wire
+    /// may be off.
     #[inline]
     pub fn status(&self) -> Status {
         self.status
@@ -68,8 +70,8 @@ impl Leap {
         if self.off { Faults::SLEW_EXCEEDED } else { Faults::empty() }
     }
 
-    /// One tick: takes the code that was read and how many ticks did not come before it; returns the code to estimate from. (Never
-    /// inlined: a tick without a slew rate is not to pay for it.)
+    /// One tick: takes the code that was read and how many ticks did not come before it; returns the code to estimate
+    /// from. (Never inlined: a tick without a slew rate is not to pay for it.)
     #[inline(never)]
     pub fn tick(&mut self, code: AdcCode, missed: u32) -> AdcCode {
         let step = missed.saturating_add(1);
@@ -86,8 +88,8 @@ impl Leap {
         code
     }
 
-    /// What is made of a code that is not near the last one, or of a wire that may be off. (A function of its own: most ticks, and those
-    /// whose estimate takes the longest, do without it.)
+    /// What is made of a code that is not near the last one, or of a wire that may be off. (A function of its own: most
+    /// ticks, and those whose estimate takes the longest, do without it.)
     #[cold]
     #[inline(never)]
     fn doubt(&mut self, code: AdcCode, step: u32, near: bool) -> AdcCode {

@@ -1,6 +1,6 @@
-//! A flash that says whether it is being read now: a board whose flash raises a non-maskable interrupt at a word that a power
-//! cut has left half-written asks so whether it was the parameter store's, rather than a register that the cut may have
-//! corrupted as well.
+//! A flash that says whether it is being read now: a board whose flash raises a non-maskable interrupt at a word that a
+//! power cut has left half-written asks so whether it was the parameter store's, rather than a register that the cut
+//! may have corrupted as well.
 
 use core::sync::atomic::{AtomicBool, Ordering::SeqCst, fence};
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};

@@ -1,4 +1,5 @@
-//! A button and a lamp on the board itself: the button calls the displacement of now 0, the lamp says how the device is.
+//! A button and a lamp on the board itself: the button calls the displacement of now 0, the lamp says how
+//! the device is.
 //!
 //! | lamp | |
 //! |---|---|

@@ -42,8 +42,8 @@ pub struct Numbered {
 /// References that may wait for their ticks: 128 ms of them, and 256 at least.
 const WAITING: usize = if ticks_in(128) < 256 { 256 } else { ticks_in(128) as usize };
 
-/// Most elements of an ended mode that are discarded in a tick: a full queue of references at once would take longer than a tick of
-/// 10 kHz has.
+/// Most elements of an ended mode that are discarded in a tick: a full queue of references at once would take longer
+/// than a tick of 10 kHz has.
 const DISCARDED: usize = 32;
 
 /// The tick's end of a queue whose elements are for the mode in which they came.

@@ -1,5 +1,5 @@
-//! How far what the DAC is given may go in a tick, and the way to its safe code for whoever has to go it without the tick: after a
-//! panic or a hard fault.
+//! How far what the DAC is given may go in a tick, and the way to its safe code for whoever has to go it without the
+//! tick: after a panic or a hard fault.
 
 use crate::shaping::DacParts;
 use core::num::NonZeroU32;

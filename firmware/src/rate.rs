@@ -1,5 +1,5 @@
-//! How often a tick comes, which is a choice of the image's build: `TICK_HZ=5000 cargo fw`. All that lasts a time and is counted in
-//! ticks follows from it.
+//! How often a tick comes, which is a choice of the image's build: `TICK_HZ=5000 cargo fw`. All that lasts a time and
+//! is counted in ticks follows from it.
 
 use core::num::NonZeroU8;
 use protocol::stream_every;

@@ -1,13 +1,14 @@
-//! How often the device has started again in a row without having been asked to: by a panic, a hard fault or the watchdog, each
-//! time soon after its start. The count lies in memory that no reset clears.
+//! How often the device has started again in a row without having been asked to: by a panic, a hard fault or the
+//! watchdog, each time soon after its start. The count lies in memory that no reset clears.
 //!
-//! A device that fails because of what is stored would fail for ever. So after [`TOO_MANY`] such starts the store is left
-//! alone, the output is safe, and the link is there to mend it. Which code is the safe one only the stored table says; the one
-//! of the starts before lies beside the count. A start that begins the count anew knows no such code: the output may have been wired
-//! anew before it.
+//! A device that fails because of what is stored would fail for ever. So after [`TOO_MANY`] such starts the store is
+//! left alone, the output is safe, and the link is there to mend it. Which code is the safe one only the stored table
+//! says; the one of the starts before lies beside the count. A start that begins the count anew knows no such code: the
+//! output may have been wired anew before it.
 //!
-//! Beside both lies whether a displacement was told, which every reset loses. Whoever relies on it is to hear so of any that nobody has
-//! asked for over the link, of the pin's and the supply's as well; where the memory has lost its content, nobody knows.
+//! Beside both lies whether a displacement was told, which every reset loses. Whoever relies on it is to hear so of any
+//! that nobody has asked for over the link, of the pin's and the supply's as well; where the memory has lost its
+//! content, nobody knows.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -89,8 +90,8 @@ pub unsafe fn count(reset: ResetCause) -> Restarts {
     let mut restarts = Restarts::default();
     let count = |kept: &mut Kept| {
         restarts.count = next(unsealed(kept.count), reset);
-        // Where there were starts before, they have kept it. Else it is forgotten, or the starts after this one would take it for
-        // this one's, which may know none.
+        // Where there were starts before, they have kept it. Else it is forgotten, or the starts after this one would
+        // take it for this one's, which may know none.
         if restarts.count == 0 {
             kept.safe = NONE;
         }

@@ -20,7 +20,8 @@ use embedded_storage_async::nor_flash::NorFlash;
 use parameter_store::{ParameterStore, StoreError};
 use protocol::{Faults, TableSource};
 
-/// How often the watchdog is fed, if a tick has run since, and the tick told that the main loop goes on: a tenth of its period.
+/// How often the watchdog is fed, if a tick has run since, and the tick told that the main loop goes on: a tenth
+/// of its period.
 const WATCHDOG: Duration = Duration::from_millis(20);
 
 /// Memory that the tick and the link use for as long as the firmware runs. A board keeps it in a static.
@@ -41,9 +42,9 @@ impl Default for Resources {
     }
 }
 
-/// Runs the firmware on a board until the host asks for a restart, which is then the board's to do. The points of a waveform are kept
-/// in `points`, whatever was there before. What the tick leaves for others to read is in `telemetry`, to which the board's interrupt
-/// handler adds the tick's duration.
+/// Runs the firmware on a board until the host asks for a restart, which is then the board's to do. The points of a
+/// waveform are kept in `points`, whatever was there before. What the tick leaves for others to read is in `telemetry`,
+/// to which the board's interrupt handler adds the tick's duration.
 ///
 /// # Errors
 /// The parameter pages do not fit the flash: a mistake in the board or its memory map.

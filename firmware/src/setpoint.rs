@@ -1,9 +1,9 @@
 //! The set-point: the displacement that a controller wants by a voltage of its own, at a third channel of the ADC.
 //!
-//! A controller that is switched on after the board, or a wire that is plugged in later, must not move the amplifier on its
-//! way there. So nothing is wanted until the voltage has been at rest and everything sound for [`CALM_TICKS`] without a
-//! break. From then on every code is followed, except one near an end of the ADC's range: then the last displacement
-//! is held, until the watch ([`crate::watch`]) calls it a fault.
+//! A controller that is switched on after the board, or a wire that is plugged in later, must not move the amplifier on
+//! its way there. So nothing is wanted until the voltage has been at rest and everything sound for [`CALM_TICKS`]
+//! without a break. From then on every code is followed, except one near an end of the ADC's range: then the last
+//! displacement is held, until the watch ([`crate::watch`]) calls it a fault.
 
 use crate::rate::TICK_HZ;
 use crate::watch::{Ends, SATURATED};
@@ -11,8 +11,8 @@ use estimator_core::{AdcCode, Admitted, SetpointCalibration};
 
 /// How long everything must have been sound, and the voltage at rest, before a set-point is followed: 1 s.
 pub const CALM_TICKS: u32 = TICK_HZ;
-/// A set-point at an end of its range is a fault within this time, so that it comes before the set-point is followed. One that
-/// does not change shows later.
+/// A set-point at an end of its range is a fault within this time, so that it comes before the set-point is followed.
+/// One that does not change shows later.
 const _: () = assert!(SATURATED < CALM_TICKS);
 
 /// A set-point's code.
@@ -50,8 +50,8 @@ impl Setpoint {
         self.calm = 0;
     }
 
-    /// What is wanted at a tick, µm relative to the model's zero, where that can be said; `sound` says that nothing else is
-    /// wrong, `rests` that the voltage is at rest, which matters before the set-point is followed only.
+    /// What is wanted at a tick, µm relative to the model's zero, where that can be said; `sound` says that nothing
+    /// else is wrong, `rests` that the voltage is at rest, which matters before the set-point is followed only.
     pub fn wanted(&mut self, SetpointCode { read, corrected }: SetpointCode, sound: bool, rests: bool) -> Option<f32> {
         let plausible = !self.ends.near(read);
         if !sound {

@@ -1,10 +1,10 @@
-//! More steps than a DAC has: between two codes it is switched to and fro so fast that a low-pass behind it shows what lies
-//! between them.
+//! More steps than a DAC has: between two codes it is switched to and fro so fast that a low-pass behind it shows what
+//! lies between them.
 //!
-//! First-order noise shaping: what a code is off by is carried over to the next one, so that the mean of many is what is
-//! wanted to a part of a code, and what they are off by lies at frequencies that the low-pass stops. A wish that stands still is
-//! made of its two neighbours and no other code.
-//! S. R. Norsworthy, R. Schreier, G. C. Temes, Delta-Sigma Data Converters, IEEE Press 1997, chapter 1.
+//! First-order noise shaping: what a code is off by is carried over to the next one, so that the mean of many is what
+//! is wanted to a part of a code, and what they are off by lies at frequencies that the low-pass stops. A wish that
+//! stands still is made of its two neighbours and no other code. S. R. Norsworthy, R. Schreier, G. C. Temes,
+//! Delta-Sigma Data Converters, IEEE Press 1997, chapter 1.
 
 use estimator_core::DacCode;
 
@@ -12,7 +12,8 @@ use estimator_core::DacCode;
 pub const PARTS: u16 = 1 << PART_BITS;
 const PART_BITS: u32 = 4;
 
-/// What a DAC is given: a code and its fraction, in parts of a code ([`Facts::dac_parts`](crate::Facts::dac_parts) to each).
+/// What a DAC is given: a code and its fraction, in parts of a code
+/// ([`Facts::dac_parts`](crate::Facts::dac_parts) to each).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct DacParts(pub u16);
 
@@ -38,8 +39,8 @@ impl Shaper {
         Self { carried: 0 }
     }
 
-    /// The next codes, two a word, the first one below; `wanted` in [`PARTS`] of a code. No code is beyond the two neighbours
-    /// of what is wanted, and none beyond the range: its end has no parts.
+    /// The next codes, two a word, the first one below; `wanted` in [`PARTS`] of a code. No code is beyond the two
+    /// neighbours of what is wanted, and none beyond the range: its end has no parts.
     #[inline]
     pub fn fill(&mut self, DacParts(wanted): DacParts, words: &mut [u32]) {
         let step = u32::from(wanted) << (16 - PART_BITS);

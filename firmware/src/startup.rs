@@ -39,18 +39,21 @@ pub struct Startup {
 }
 
 impl Startup {
-    /// The start with a table, or without one. `doubts` say why the table may be another actuator's ([`crate::boot::Chosen`]).
+    /// The start with a table, or without one. `doubts` say why the table may be
+    /// another actuator's ([`crate::boot::Chosen`]).
     ///
-    /// With doubts, or after several failures in a row, nothing is driven: the output holds the safe code of an earlier start, and
-    /// stays off its pin if none is known. Without the crystal the ticks' rate is unknown, and nothing is estimated or driven.
+    /// With doubts, or after several failures in a row, nothing is driven: the output holds the safe code of an earlier
+    /// start, and stays off its pin if none is known. Without the crystal the ticks' rate is unknown, and nothing is
+    /// estimated or driven.
     pub fn new(table: Option<&Admitted>, facts: &Facts, doubts: Faults) -> Self {
         let estimator = table.filter(|_| facts.clock_good).map(Estimator::new);
         let correction = Correction::new(facts.interface.adc_full_scale, table);
         let leap = table.and_then(|table| Leap::new(table));
         let degraded = facts.restarts.too_many();
         let trusted = table.filter(|_| !degraded && doubts.is_empty());
-        // The safe output is the drive's rest; or it shows the model's zero, where an unpowered actuator is. Its code is the table's that
-        // the output is wired for: where this table may be another's, an earlier start's, or nobody's.
+        // The safe output is the drive's rest; or it shows the model's zero, where an unpowered actuator is. Its
+        // code is the table's that the output is wired for: where this table may be another's, an earlier
+        // start's, or nobody's.
         let safe = trusted.map(|table| Drive::rest(table).unwrap_or_else(|| table.dac.code(0.0f32)));
         let safe = safe.or(facts.restarts.safe);
         let connected = safe.is_some();

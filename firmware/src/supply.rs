@@ -1,5 +1,5 @@
-//! How far the analogue supply, which is the converters' reference, is off its nominal voltage. [`crate::correction`] corrects the
-//! codes by it.
+//! How far the analogue supply, which is the converters' reference, is off its nominal voltage. [`crate::correction`]
+//! corrects the codes by it.
 
 use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU16, Ordering::Relaxed};
 
@@ -55,9 +55,10 @@ impl Supply {
 
     /// Takes a measurement (mV), or that none has come.
     ///
-    /// A supply that was never measured is no fault. Once it was, [`OVERDUE`] measurements in a row that do not come are one: codes
-    /// are corrected by a voltage that may have changed. A single measurement out of tolerance after a good one may be a disturbance,
-    /// and the next one decides; the very first is believed. Codes are corrected by measurements within tolerance only.
+    /// A supply that was never measured is no fault. Once it was, [`OVERDUE`] measurements in a row that do not come
+    /// are one: codes are corrected by a voltage that may have changed. A single measurement out of tolerance after a
+    /// good one may be a disturbance, and the next one decides; the very first is believed. Codes are corrected by
+    /// measurements within tolerance only.
     pub fn take(&self, mv: Option<f32>) {
         let Some(mv) = mv else {
             if self.mv().is_some() {

@@ -1,6 +1,6 @@
-//! What the tick leaves for others to read, and the little that they leave for it: the supply, and whether samples are streamed.
-//! Each value has one writer, the tick or the main loop ([`Telemetry::forget`] excepted), and nothing interrupts the tick: plain
-//! loads and stores are enough.
+//! What the tick leaves for others to read, and the little that they leave for it: the supply, and whether samples are
+//! streamed. Each value has one writer, the tick or the main loop ([`Telemetry::forget`] excepted), and nothing
+//! interrupts the tick: plain loads and stores are enough.
 
 mod bias;
 mod rest;
@@ -68,8 +68,8 @@ pub struct Telemetry {
     taken: AtomicBool,
     /// Whether the last voltage is not to be believed: what was estimated of it is no displacement to be told by.
     pub(crate) doubtful: AtomicBool,
-    /// Whether a reference is followed that is to be held until the mode ends. For a voltage the link ends it 5 s after the
-    /// host's last word ([`crate::link::LEASE`]), for a displacement never.
+    /// Whether a reference is followed that is to be held until the mode ends. For a voltage the link ends it 5 s after
+    /// the host's last word ([`crate::link::LEASE`]), for a displacement never.
     pub holding: AtomicBool,
     /// Whether, in a mode that drives, nothing is followed until a mode is set.
     pub(crate) stopped: AtomicBool,
@@ -86,8 +86,8 @@ pub struct Telemetry {
     mode: AtomicU8,
 }
 
-/// Ticks without a word of the main loop after which it is taken to stand still: 60 ms, three times as long as it lets pass, and less
-/// than a third of what the watchdog does.
+/// Ticks without a word of the main loop after which it is taken to stand still: 60 ms, three times as long as it lets
+/// pass, and less than a third of what the watchdog does.
 pub const STALLED: u32 = ticks_in(60);
 
 /// Adds to a counter that only the tick writes.
@@ -162,8 +162,8 @@ impl Telemetry {
         beaten != 0 && self.ticks.load(Relaxed).wrapping_sub(beaten) >= STALLED
     }
 
-    /// How many cycles a tick took, entry to exit, and whether it was done in time for its output. The board's interrupt handler
-    /// says so when it is done.
+    /// How many cycles a tick took, entry to exit, and whether it was done in time for its output. The board's
+    /// interrupt handler says so when it is done.
     #[inline]
     pub fn took(&self, cycles: u32, in_time: bool) {
         if !in_time {
@@ -175,7 +175,8 @@ impl Telemetry {
         }
     }
 
-    /// The code that was read last at the set-point, corrected for the supply; `None` where the board has no such channel.
+    /// The code that was read last at the set-point, corrected for the supply; `None` where the board has
+    /// no such channel.
     pub fn setpoint(&self) -> Option<AdcCode> {
         // The code of a u16.
         self.setpoint.load(Relaxed).checked_sub(1).map(|code| AdcCode(code as u16))

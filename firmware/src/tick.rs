@@ -1,12 +1,13 @@
 //! The tick: what happens between a conversion and the next trigger, the same on every board and in every test.
 //!
-//! Contract. A timer's trigger starts the conversion. The end of the conversion raises the highest-priority interrupt, which calls
-//! [`Tick::sample`]. What that returns the board puts out from the *next* trigger on, by hardware alone: whatever the tick's duration,
-//! the output has no jitter, as long as the tick is done in time.
-//! One tick is 500 µs, 85,000 cycles at 170 MHz, where the image is not built for another rate ([`crate::rate`]). A tick that comes
-//! late or not at all, or is not done in time for its output, is counted, and the sample says so; the numbers of the samples skip
-//! ticks that did not come. No lock, no log, no allocation, no `f64`. Where the DAC drives the amplifier ([`crate::drive`]), the
-//! same holds of its voltage: the reference of tick k moves it at tick k + 1, and the displacement a tick after that.
+//! Contract. A timer's trigger starts the conversion. The end of the conversion raises the highest-priority interrupt,
+//! which calls [`Tick::sample`]. What that returns the board puts out from the *next* trigger on, by hardware alone:
+//! whatever the tick's duration, the output has no jitter, as long as the tick is done in time. One tick is 500 µs,
+//! 85,000 cycles at 170 MHz, where the image is not built for another rate ([`crate::rate`]). A tick that comes late or
+//! not at all, or is not done in time for its output, is counted, and the sample says so; the numbers of the samples
+//! skip ticks that did not come. No lock, no log, no allocation, no `f64`. Where the DAC drives the amplifier
+//! ([`crate::drive`]), the same holds of its voltage: the reference of tick k moves it at tick k + 1, and the
+//! displacement a tick after that.
 
 mod command;
 mod output;
@@ -128,8 +129,8 @@ impl<'q> Tick<'q> {
         given
     }
 
-    /// The faults that last of what the converter reads while nothing is estimated of it. (A function of its own, for modes that have the
-    /// time.)
+    /// The faults that last of what the converter reads while nothing is estimated of it. (A function of its own, for
+    /// modes that have the time.)
     #[cold]
     #[inline(never)]
     fn idle(&mut self, monitor: AdcCode, missed: Option<u32>, faults: Faults) -> Faults {
@@ -137,8 +138,8 @@ impl<'q> Tick<'q> {
         self.watch.update(Seen { monitor, setpoint: None, status, missed, astray, others: faults & OTHERS }).lasting()
     }
 
-    /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick, a zero that is lost
-    /// included. Where it is, the board shows so by an edge of a pin, which dies with the tick.
+    /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick, a
+    /// zero that is lost included. Where it is, the board shows so by an edge of a pin, which dies with the tick.
     pub fn valid(&self) -> bool {
         self.valid
     }

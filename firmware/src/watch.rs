@@ -1,8 +1,8 @@
 //! When odd ticks become a fault, and when the fault has passed.
 //!
-//! One odd tick is a status bit in its sample. A fault is a leaky bucket that is full: an odd tick adds [`ODD`], a good one
-//! takes 1 away, so that a voltage that is clipped for a fifth of the time is found as well as one that always is. A fault
-//! lasts until [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
+//! One odd tick is a status bit in its sample. A fault is a leaky bucket that is full: an odd tick adds [`ODD`], a good
+//! one takes 1 away, so that a voltage that is clipped for a fifth of the time is found as well as one that always is.
+//! A fault lasts until [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
 
 use crate::rate::{TICK_HZ, ticks_in};
 use estimator_core::{AdcCode, Status};
@@ -10,10 +10,10 @@ use protocol::Faults;
 
 /// Odd ticks in a row, near an end of the ADC's range, that are a fault: 10 ms.
 pub const SATURATED: u32 = ticks_in(10);
-/// Ticks in a row with one and the same code that are a fault: 1 s, and 2,000 at least. With sixteenfold oversampling the converter's own
-/// noise moves the code hundreds of times a second, whatever its input does; even where it is as little as
-/// 0.15 of a step rms (one of 12 bits, of a single conversion), with the input in the middle of a step, so many equal codes come
-/// once in a trillion.
+/// Ticks in a row with one and the same code that are a fault: 1 s, and 2,000 at least. With sixteenfold oversampling
+/// the converter's own noise moves the code hundreds of times a second, whatever its input does; even where it is as
+/// little as 0.15 of a step rms (one of 12 bits, of a single conversion), with the input in the middle of a step, so
+/// many equal codes come once in a trillion.
 pub const STUCK: u32 = if TICK_HZ < 2_000 { 2_000 } else { TICK_HZ };
 /// The same of the set-point: 10 s. A controller may hold it by right, and nothing is estimated of it.
 pub const SETPOINT_STUCK: u32 = 10 * TICK_HZ;
@@ -27,8 +27,8 @@ pub const MISSED: u32 = ticks_in(10);
 pub const HOLD: u32 = TICK_HZ;
 /// What an odd tick weighs.
 pub const ODD: u32 = 4;
-/// This part of the ADC's range at either end is too near the end: an amplifier in front of it, or an offset of its own, may
-/// keep a saturated input from its very last code.
+/// This part of the ADC's range at either end is too near the end: an amplifier in front of it, or an offset of its
+/// own, may keep a saturated input from its very last code.
 const MARGIN: u16 = 128;
 
 /// The ends of an ADC's range.
@@ -126,8 +126,9 @@ impl Watch {
         }
     }
 
-    /// Another mode begins. It ends no fault but that of the set-point, which only one mode follows: what was seen of the
-    /// converter is none of the mode's, and an amplifier that went astray is believed a second after it was last driven.
+    /// Another mode begins. It ends no fault but that of the set-point, which only one mode follows: what was
+    /// seen of the converter is none of the mode's, and an amplifier that went astray is believed a second after
+    /// it was last driven.
     pub fn change_mode(&mut self) {
         (self.setpoint.last, self.setpoint.same, self.setpoint.saturated) = (None, 0, 0);
         self.astray = 0;
@@ -171,8 +172,8 @@ impl Watch {
     }
 }
 
-/// Whether an estimate suffers from any of these faults: of the set-point nothing is estimated, and the tick goes on where the main loop
-/// stands still.
+/// Whether an estimate suffers from any of these faults: of the set-point nothing is estimated, and the tick goes on
+/// where the main loop stands still.
 pub fn suffers(faults: Faults) -> bool {
     !Faults::SETPOINT.union(Faults::STALLED).contains(faults)
 }

@@ -1,4 +1,5 @@
-//! A waveform from the board's memory, for a scanner: the same line again and again, without a host, by a trigger or by itself.
+//! A waveform from the board's memory, for a scanner: the same line again and again, without a host, by a trigger
+//! or by itself.
 //!
 //! ```text
 //! Approach ── there ─► (Waiting ── trigger ─►) Line ── its end ─┬─► Approach: the way back, where that is long
@@ -7,10 +8,11 @@
 //!                                                               └─► Over, after the last line
 //! ```
 //!
-//! What is wanted goes to a line's first point by an unhurried way ([`Transition`]), from wherever the voltage stands and from the last point,
-//! and waits there for its trigger. So a line takes as long as every other, apart from its wait for the trigger. Where the way back fits
-//! into the ticks between two points, it is straight like those between the points. The drive keeps its limits whatever is wanted. A tick
-//! that does not come delays the rest of the line by one tick.
+//! What is wanted goes to a line's first point by an unhurried way ([`Transition`]), from wherever the voltage stands
+//! and from the last point, and waits there for its trigger. So a line takes as long as every other, apart from its
+//! wait for the trigger. Where the way back fits into the ticks between two points, it is straight like those between
+//! the points. The drive keeps its limits whatever is wanted. A tick that does not come delays the rest of the line
+//! by one tick.
 
 use crate::telemetry::{Telemetry, add};
 use core::num::NonZeroU16;
@@ -18,8 +20,8 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use estimator_core::{Pace, Transition};
 use protocol::{MOST_POINTS, Playback};
 
-/// The memory of the points, µm relative to the model's zero. The link writes it while nothing is played, the tick reads it while
-/// something is.
+/// The memory of the points, µm relative to the model's zero. The link writes it while nothing is played, the tick
+/// reads it while something is.
 #[derive(Debug)]
 #[repr(transparent)]
 pub struct Points([AtomicU32; MOST_POINTS]);
@@ -120,8 +122,8 @@ impl<'q> Player<'q> {
         }
     }
 
-    /// Plays the points so, beginning with the way from this displacement, µm. A trigger input that is high from then on has not
-    /// risen.
+    /// Plays the points so, beginning with the way from this displacement, µm. A trigger input that is high from then
+    /// on has not risen.
     pub fn play(&mut self, how: Playback, from: f32, pace: Pace) {
         let (first, last, every) = (self.points.get(0), self.points.get(how.points.get() - 1), how.every.get());
         self.how = how;
@@ -153,8 +155,8 @@ impl<'q> Player<'q> {
         self.high = high;
     }
 
-    /// The level that the sync pin is to have; `None` where it has it already, and the trigger input need not be looked at, for nothing is
-    /// played.
+    /// The level that the sync pin is to have; `None` where it has it already, and the trigger input need not be looked
+    /// at, for nothing is played.
     #[inline]
     pub fn sync(&mut self) -> Option<bool> {
         if !self.pins {

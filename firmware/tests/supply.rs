@@ -1,5 +1,5 @@
-//! A supply that is off, which is the converters' reference, and the estimate, the set-point, the sensor and the output that are
-//! not.
+//! A supply that is off, which is the converters' reference, and the estimate, the set-point, the sensor and the output
+//! that are not.
 
 mod common;
 

@@ -1,5 +1,5 @@
-//! What the box that linearises is worth: set-point by the ADC, command by the DAC, an actuator that is not quite the table's model
-//! behind it, and the same set-point through a straight line instead.
+//! What the box that linearises is worth: set-point by the ADC, command by the DAC, an actuator that is not quite the
+//! table's model behind it, and the same set-point through a straight line instead.
 
 mod common;
 
@@ -40,7 +40,8 @@ fn read(k: usize) -> AdcCode {
 fn error(table: &Admitted, codes: &[DacCode]) -> f64 {
     let (drive, mut actuator) = (table.drive.unwrap(), actuator(table));
     let after = codes.iter().map(|&code| actuator.tick_volts(drive.voltage(code)).displacement);
-    // The code of tick k stands from trigger k + 1 on, and the actuator has answered at k + 2: that latency is no error here.
+    // The code of tick k stands from trigger k + 1 on, and the actuator has answered at k + 2: that latency is
+    // no error here.
     let errors: Vec<f64> = after.enumerate().map(|(k, um)| um - wanted(k)).skip(2_000).collect();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     errors.iter().map(|error| (error - mean).abs()).sum::<f64>() / errors.len() as f64

@@ -40,8 +40,8 @@ impl Scanner {
         Self { bench, sync: false, looks: false }
     }
 
-    /// A tick with the trigger input at this level: the code that it gives, its faults, and whether it is of a first point. No step is
-    /// longer than the slew rate allows.
+    /// A tick with the trigger input at this level: the code that it gives, its faults, and whether it is of a first
+    /// point. No step is longer than the slew rate allows.
     fn step(&mut self, trigger: bool) -> (DacCode, Faults, bool) {
         let before = self.bench.dac;
         if self.looks {

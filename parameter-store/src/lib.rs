@@ -10,22 +10,23 @@
 //! | 8 + n | 4 | CRC-32 (ISO-HDLC) of all before, little-endian; then zeros up to a whole flash word |
 //! | 768 | a word | erased; zeros once the other page holds a newer record, whole |
 //!
-//! The newest record is the whole one with the higher number. A new one goes into the *other* page: that page is erased,
-//! checked to be blank, written, and read back, while the newest is not touched. So whatever a cut erase or write leaves, the
-//! last record is found or the new one; nothing but checksums is ever believed. (sequential-storage, which judges a page by
-//! its first and last word, loses a table by some erases that are cut; the tests here find them.)
+//! The newest record is the whole one with the higher number. A new one goes into the *other* page: that page is
+//! erased, checked to be blank, written, and read back, while the newest is not touched. So whatever a cut erase or
+//! write leaves, the last record is found or the new one; nothing but checksums is ever believed.
+//! (sequential-storage, which judges a page by its first and last word, loses a table by some erases that are cut;
+//! the tests here find them.)
 //!
-//! **The mark.** Once the new record is whole, the page of the previous one is marked "superseded". At boot the mark tells a write
-//! that was cut from decay, where only one page is whole:
+//! **The mark.** Once the new record is whole, the page of the previous one is marked "superseded". At boot the mark
+//! tells a write that was cut from decay, where only one page is whole:
 //!
 //! - no mark: the other page is what a power cut left of a write, and the whole record is the newest that was stored;
 //! - a mark: a newer record was stored and has decayed. The whole one may belong to another actuator, and is refused
 //!   ([`StoreError::NewestLost`]).
 //!
-//! A power cut between the new record's last word and the mark leaves no mark. The caller was then not told that the record is
-//! stored, and storing it again sets the mark. Firmware that is older than the mark sets none either: if the record that it stored
-//! decays, the previous one is given. An erase that is cut could take the mark and leave the record, so a record's first word is overwritten
-//! with zeros before its page is erased.
+//! A power cut between the new record's last word and the mark leaves no mark. The caller was then not told that the
+//! record is stored, and storing it again sets the mark. Firmware that is older than the mark sets none either: if the
+//! record that it stored decays, the previous one is given. An erase that is cut could take the mark and leave the
+//! record, so a record's first word is overwritten with zeros before its page is erased.
 //!
 //! The store does not know what a record means: what it gives back must still be parsed.
 #![cfg_attr(not(test), no_std)]
@@ -52,8 +53,8 @@ const MARK: u32 = BUFFER as u32;
 
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Why the store failed. A record that was in use is untouched by a store, but for [`StoreError::NotMarked`], after which the new one is
-/// in use; an erase leaves it, or none.
+/// Why the store failed. A record that was in use is untouched by a store, but for [`StoreError::NotMarked`], after
+/// which the new one is in use; an erase leaves it, or none.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum StoreError {
     /// The pages do not fit this flash: not two of its pages, or its words are too long.
@@ -71,7 +72,8 @@ pub enum StoreError {
     /// What was read back is not what was written.
     #[error("what was read back is not what was written: the flash is worn or protected; try again")]
     NotWritten,
-    /// The new record is stored, whole, and the page of the one before has no mark: where the new one decays, that one comes back.
+    /// The new record is stored, whole, and the page of the one before has no mark: where the new one decays, that
+    /// one comes back.
     #[error("the table is stored, but the page of the one before could not be marked as older: push it again")]
     NotMarked,
     /// Something lies in the pages, and no whole record.
@@ -125,8 +127,8 @@ impl<F: NorFlash> ParameterStore<F> {
     /// The newest record; `None` in an empty store.
     ///
     /// # Errors
-    /// The flash reports one; the store is neither empty nor has a whole record ([`StoreError::Damaged`]); or the newest has
-    /// decayed ([`StoreError::NewestLost`]).
+    /// The flash reports one; the store is neither empty nor has a whole record ([`StoreError::Damaged`]); or the
+    /// newest has decayed ([`StoreError::NewestLost`]).
     pub async fn load(&mut self) -> Result<Option<&[u8]>, StoreError> {
         let Some(newest) = self.newest().await? else {
             for page in 0..self.pages.len() {
@@ -142,9 +144,9 @@ impl<F: NorFlash> ParameterStore<F> {
         self.record(newest.page).await.map(Some)
     }
 
-    /// Writes a record, unless it is the newest: whoever asks twice keeps the one before. A power cut at any instant leaves
-    /// the last record or this one. Where no record is used, since the newest has decayed or none is whole, and the one page is
-    /// worn, it goes into the other.
+    /// Writes a record, unless it is the newest: whoever asks twice keeps the one before. A power cut at any instant
+    /// leaves the last record or this one. Where no record is used, since the newest has decayed or none is whole, and
+    /// the one page is worn, it goes into the other.
     pub async fn store(&mut self, record: &[u8]) -> Result<(), StoreError> {
         if record.len() > MAX_RECORD {
             return Err(StoreError::TooLong);
@@ -163,8 +165,8 @@ impl<F: NorFlash> ParameterStore<F> {
         let (page, number) = newest.map_or((0, 0), |last| (1 - last.page, last.number.wrapping_add(1)));
         let written = self.write(page, number, record).await;
         if written.is_err() && !used {
-            // Of what the other page holds nothing is used: that one may be sound where this one is worn. The number is above that
-            // of a record which has decayed here, should it ever be read whole again.
+            // Of what the other page holds nothing is used: that one may be sound where this one is worn. The number is
+            // above that of a record which has decayed here, should it ever be read whole again.
             return self.write(1 - page, number.wrapping_add(1), record).await.or(written);
         }
         written?;
@@ -174,8 +176,8 @@ impl<F: NorFlash> ParameterStore<F> {
         }
     }
 
-    /// Empties the store: the older record first, so that a cut never brings it back. A page that is worn keeps the other one only
-    /// where it would be believed without that; the error is said in any case.
+    /// Empties the store: the older record first, so that a cut never brings it back. A page that is worn keeps the
+    /// other one only where it would be believed without that; the error is said in any case.
     ///
     /// # Errors
     /// The first page that does not become blank.
@@ -245,7 +247,8 @@ impl<F: NorFlash> ParameterStore<F> {
         Ok(!newest.beside && self.marked(newest.page).await?)
     }
 
-    /// Whether a page has the mark: by the majority of the word's bits, so that one bit that flips neither sets it nor clears it.
+    /// Whether a page has the mark: by the majority of the word's bits, so that one bit that flips neither sets it
+    /// nor clears it.
     async fn marked(&mut self, page: usize) -> Result<bool, StoreError> {
         let mut word = [0; WORD];
         let word = &mut word[..F::WRITE_SIZE];
@@ -285,8 +288,8 @@ impl<F: NorFlash> ParameterStore<F> {
         Ok(if whole { Content::Record { number, length } } else { Content::Damaged })
     }
 
-    /// Makes a whole record none: the checksum of a number and a length that are both zero is not zero. Zeros may be written over any word
-    /// of this flash.
+    /// Makes a whole record none: the checksum of a number and a length that are both zero is not zero. Zeros may be
+    /// written over any word of this flash.
     async fn void(&mut self, page: usize) -> Result<(), StoreError> {
         if let Content::Record { .. } = self.read(page).await? {
             let zeros = &[0; BUFFER][..(HEADER + CHECKSUM).next_multiple_of(F::WRITE_SIZE)];

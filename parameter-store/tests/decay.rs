@@ -1,5 +1,5 @@
-//! The flash decays: any bit of the pages flips, any word is torn. The store gives the newest record, never another: where that is
-//! no longer whole it says so, whether the one before is or not.
+//! The flash decays: any bit of the pages flips, any word is torn. The store gives the newest record, never another:
+//! where that is no longer whole it says so, whether the one before is or not.
 
 use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};

@@ -1,5 +1,6 @@
-//! Power is cut at every flash write and erase, and every bit concerned is left old or new, by chance; the store must hold
-//! the old record or the new one, never none, and go on working. Where there was none, it is empty, or says that a write was cut.
+//! Power is cut at every flash write and erase, and every bit concerned is left old or new, by chance; the store must
+//! hold the old record or the new one, never none, and go on working. Where there was none, it is empty, or says that a
+//! write was cut.
 
 use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};

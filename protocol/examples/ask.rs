@@ -3,8 +3,8 @@
 //!     cargo run --release -- emulate
 //!     cargo run --example ask -- 127.0.0.1:4740
 //!
-//! A serial port does as well as this socket: whatever reads and writes bytes. What a real host does besides: it sends a request
-//! again where no reply comes, and counts the samples that are missing by their numbers.
+//! A serial port does as well as this socket: whatever reads and writes bytes. What a real host does besides: it sends
+//! a request again where no reply comes, and counts the samples that are missing by their numbers.
 
 use protocol::frame::MAX_FRAME;
 use protocol::{Deframer, Reply, Request, ToDevice, ToHost, encode};

@@ -76,7 +76,8 @@ impl Deframer {
         Self { buffer: [0; MAX_FRAME], length: 0, overlong: false }
     }
 
-    /// Takes the next byte; gives the message, or why there is none, when the byte ends a frame. Empty frames are skipped.
+    /// Takes the next byte; gives the message, or why there is none, when the byte ends a frame. Empty
+    /// frames are skipped.
     pub fn push<M: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<M, FrameError>> {
         if byte != DELIMITER {
             match self.buffer.get_mut(self.length) {

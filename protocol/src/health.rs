@@ -65,15 +65,16 @@ pub struct Health {
     pub flash_errors: u32,
     /// What is added to the model's displacement, µm; 0 where nothing was told.
     pub bias_um: f32,
-    /// Ticks since the bias was told, at most [`Self::OLDEST_BIAS_TICKS`]; `None` where it was not since the estimate began.
+    /// Ticks since the bias was told, at most [`Self::OLDEST_BIAS_TICKS`]; `None` where it was not since
+    /// the estimate began.
     pub bias_age_ticks: Option<u32>,
     /// Analogue supply when it was measured last, mV; `None` where the board cannot tell.
     pub supply_mv: Option<u16>,
-    /// The level of the brown-out reset by the chip's option bytes, BOR_LEV: 0 to 4 for about 1.7, 2.0, 2.2, 2.5 and 2.8 V;
-    /// `None` where the board has none.
+    /// The level of the brown-out reset by the chip's option bytes, BOR_LEV: 0 to 4 for about 1.7, 2.0, 2.2, 2.5 and
+    /// 2.8 V; `None` where the board has none.
     pub brown_out_level: Option<u8>,
-    /// What the converter last read at the set-point ([`estimator_core::AdcCode`]), corrected for the supply where the board
-    /// measures it and the table has a set-point; `None` where the board has no such channel.
+    /// What the converter last read at the set-point ([`estimator_core::AdcCode`]), corrected for the supply where the
+    /// board measures it and the table has a set-point; `None` where the board has no such channel.
     pub setpoint: Option<u16>,
     /// Lines begun of the waveform that was played last.
     pub lines: u32,

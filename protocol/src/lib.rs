@@ -28,9 +28,9 @@
 //! assert_eq!(encode(&reply, &mut buffer).and_then(|line| line.last()), Some(&0));
 //! ```
 //!
-//! `examples/ask.rs` is a whole host in some forty lines of code. Requests may be sent again when no reply comes: only [`Request::Feed`],
-//! [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time, and [`Request::Play`] where the waveform has ended
-//! meanwhile.
+//! `examples/ask.rs` is a whole host in some forty lines of code. Requests may be sent again when no reply comes: only
+//! [`Request::Feed`], [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time, and [`Request::Play`]
+//! where the waveform has ended meanwhile.
 #![cfg_attr(not(test), no_std)]
 
 pub mod faults;

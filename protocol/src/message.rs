@@ -16,8 +16,8 @@ pub type Record = Vec<u8, MAX_LENGTH>;
 pub const MOST_VALUES: usize = 64;
 /// ADC codes to be fed to the tick.
 pub type Codes = Vec<u16, MOST_VALUES>;
-/// What is wanted, one a tick: displacements in [`Mode::Follow`], µm relative to the model's zero; the amplifier's voltages in
-/// [`Mode::Excite`], V.
+/// What is wanted, one a tick: displacements in [`Mode::Follow`], µm relative to the model's zero; the amplifier's
+/// voltages in [`Mode::Excite`], V.
 pub type References = Vec<f32, MOST_VALUES>;
 
 /// What a host sends: a request with a number, by which its reply is known.
@@ -37,7 +37,8 @@ pub enum Request {
     Identify,
     /// How are you? → [`Reply::Health`]
     Health,
-    /// Set the counters to 0, a waveform's count of lines excepted, and forget the faults seen and the last words. → [`Reply::Done`]
+    /// Set the counters to 0, a waveform's count of lines excepted, and forget the faults seen and the last
+    /// words. → [`Reply::Done`]
     Forget,
     /// The table in use. → [`Reply::Table`]
     Pull,
@@ -59,27 +60,30 @@ pub enum Request {
     },
     /// Stream samples, or stop. → [`Reply::Done`]
     Stream(bool),
-    /// Tell the bias by a displacement that is known now, in every mode but [`Mode::Pause`]; until the estimate starts anew.
-    /// → [`Reply::Done`]
+    /// Tell the bias by a displacement that is known now, in every mode but [`Mode::Pause`]; until the estimate starts
+    /// anew. → [`Reply::Done`]
     SetZero {
         /// What the displacement of now is called, µm; no larger than the span of the table's displacement limits.
         at_um: f32,
     },
     /// Shift the bias, in every mode but [`Mode::Pause`]; until the estimate starts anew. → [`Reply::Done`]
     ShiftBias {
-        /// What is added to the displacement from now on, µm; no larger than the span of the table's displacement limits.
+        /// What is added to the displacement from now on, µm; no larger than the span of the
+        /// table's displacement limits.
         by_um: f32,
     },
-    /// Change what the tick does, but for [`Mode::Waveform`]; samples are counted from 0, and streaming ends. The estimate goes on from
-    /// one mode that [measures](Mode::measures) to another, unless a fault lasts; else it starts anew, from rest. To a device that
-    /// follows its set-point, or waits for that, [`Mode::Linearise`] says nothing new and changes nothing. → [`Reply::Done`]
+    /// Change what the tick does, but for [`Mode::Waveform`]; samples are counted from 0, and streaming ends. The
+    /// estimate goes on from one mode that [measures](Mode::measures) to another, unless a fault lasts; else it starts
+    /// anew, from rest. To a device that follows its set-point, or waits for that, [`Mode::Linearise`] says nothing new
+    /// and changes nothing. → [`Reply::Done`]
     SetMode(Mode),
     /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]
     Feed(Codes),
-    /// Wanted displacements for the next ticks, in [`Mode::Follow`], or voltages, in [`Mode::Excite`]. → [`Reply::Referred`]
+    /// Wanted displacements for the next ticks, in [`Mode::Follow`], or voltages, in
+    /// [`Mode::Excite`]. → [`Reply::Referred`]
     ///
-    /// Those that have been taken before are not taken again, and none where some before them are missing: a request that
-    /// comes twice does what it does once, and one without references and `go` asks how far it is.
+    /// Those that have been taken before are not taken again, and none where some before them are missing: a request
+    /// that comes twice does what it does once, and one without references and `go` asks how far it is.
     Refer {
         /// The number of the first one, counted from 0 when the mode was set.
         first: u32,
@@ -87,24 +91,24 @@ pub enum Request {
         references: References,
         /// Follow them from now on. Until then they wait, so that the first ones need not be in a hurry.
         go: bool,
-        /// Hold the last one: in [`Mode::Follow`] for ever, in [`Mode::Excite`] for as long as the host speaks. Otherwise the voltage
-        /// goes back to rest when none has come for a second.
+        /// Hold the last one: in [`Mode::Follow`] for ever, in [`Mode::Excite`] for as long as the host speaks.
+        /// Otherwise the voltage goes back to rest when none has come for a second.
         hold: bool,
     },
     /// Go to the safe output, then start again. → [`Reply::Resetting`], then the reset.
     Reset,
     /// Points of a waveform into the device's memory, while none is played. → [`Reply::Loaded`]
     ///
-    /// What was loaded from `first` on is forgotten, by a request without points, too. They are not taken where some before them
-    /// are missing: a request that comes twice does what it does once.
+    /// What was loaded from `first` on is forgotten, by a request without points, too. They are not taken where some
+    /// before them are missing: a request that comes twice does what it does once.
     Load {
         /// The number of the first one, counted from 0.
         first: u16,
         /// µm relative to the model's zero.
         points: References,
     },
-    /// Play what has been loaded, in [`Mode::Waveform`]. To a device that plays it just so it says nothing new and changes
-    /// nothing. → [`Reply::Done`]
+    /// Play what has been loaded, in [`Mode::Waveform`]. To a device that plays it just so it says nothing new and
+    /// changes nothing. → [`Reply::Done`]
     Play(Playback),
 }
 

@@ -2,38 +2,41 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the tick does. A mode other than [`Mode::Estimate`], [`Mode::Linearise`] and [`Mode::Waveform`] lasts while sound frames come: five seconds
-/// after the last one the device estimates again, but in [`Mode::Follow`] while it holds a displacement that is to be held.
+/// What the tick does. A mode other than [`Mode::Estimate`], [`Mode::Linearise`] and [`Mode::Waveform`] lasts while
+/// sound frames come: five seconds after the last one the device estimates again, but in [`Mode::Follow`] while it
+/// holds a displacement that is to be held.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Mode {
     /// Estimates from the ADC; the DAC follows.
     #[default]
     Estimate,
-    /// Estimates from codes fed over the link (processor in the loop), one a tick, none where there is none; the DAC is safe.
+    /// Estimates from codes fed over the link (processor in the loop), one a tick, none where there is none; the
+    /// DAC is safe.
     Pil,
     /// Estimates nothing; the DAC is safe.
     Pause,
-    /// Estimates from the ADC, while the DAC drives the amplifier to where the references want the displacement, one a tick, the
-    /// last one where there is none; at rest before the first. A fault, or a second without references, sends it back to rest,
-    /// and there it stays until the mode is set again.
+    /// Estimates from the ADC, while the DAC drives the amplifier to where the references want the displacement, one a
+    /// tick, the last one where there is none; at rest before the first. A fault, or a second without references, sends
+    /// it back to rest, and there it stays until the mode is set again.
     Follow,
-    /// As [`Mode::Follow`], but the references are voltages of the amplifier: the DAC drives it to what they say, within the
-    /// drive's range and slew rate, and the sensor's channel is read beside the estimate. So an actuator is measured that no
-    /// table knows yet.
+    /// As [`Mode::Follow`], but the references are voltages of the amplifier: the DAC drives it to what they say,
+    /// within the drive's range and slew rate, and the sensor's channel is read beside the estimate. So an actuator is
+    /// measured that no table knows yet.
     Excite,
-    /// As [`Mode::Follow`], but each tick's reference is what the set-point's channel of the ADC says by the table's calibration,
-    /// and no host is needed: the mode lasts. It goes to rest and waits there until everything has been sound for a second. A fault while it
-    /// drives, the set-point's own among them, sends it back to rest, and there it stays until the mode is set again.
+    /// As [`Mode::Follow`], but each tick's reference is what the set-point's channel of the ADC says by the table's
+    /// calibration, and no host is needed: the mode lasts. It goes to rest and waits there until everything has been
+    /// sound for a second. A fault while it drives, the set-point's own among them, sends it back to rest, and there it
+    /// stays until the mode is set again.
     Linearise,
     /// As [`Mode::Follow`], but the references are a waveform's from the device's memory
-    /// ([`Request::Play`](crate::Request::Play) enters the mode), and no host is needed: the mode lasts. After the last line, and
-    /// by a fault, the voltage goes back to rest, and there it stays until a mode is set.
+    /// ([`Request::Play`](crate::Request::Play) enters the mode), and no host is needed: the mode lasts. After the last
+    /// line, and by a fault, the voltage goes back to rest, and there it stays until a mode is set.
     Waveform,
 }
 
 impl Mode {
-    /// Whether it estimates from what the ADC reads. From one such mode to another the estimate goes on, with its memory and its
-    /// bias, unless something was wrong; any other change begins it anew.
+    /// Whether it estimates from what the ADC reads. From one such mode to another the estimate goes on, with its
+    /// memory and its bias, unless something was wrong; any other change begins it anew.
     pub const fn measures(self) -> bool {
         !matches!(self, Self::Pil | Self::Pause)
     }

@@ -45,11 +45,12 @@ pub enum Refusal {
     /// There is a fault that keeps the DAC at its safe value: nothing can be followed.
     #[error("a fault keeps its output at rest")]
     Faulty,
-    /// The DAC drives the amplifier by one of the tables only: the one in use, or the one that would be used. Or something is
-    /// stored that could not be used, and nobody knows what the DAC is wired for.
+    /// The DAC drives the amplifier by one of the tables only: the one in use, or the one that would be used. Or
+    /// something is stored that could not be used, and nobody knows what the DAC is wired for.
     #[error("the new table changes, or may change, what the DAC output is connected to (amplifier or display)")]
     Rewired,
-    /// References came, but the mode is none that takes them ([`Mode::takes_references`](crate::Mode::takes_references)).
+    /// References came, but the mode is none that takes them
+    /// ([`Mode::takes_references`](crate::Mode::takes_references)).
     #[error("it takes references in the modes that drive by them only")]
     NotFollowing,
     /// A reference is not a finite number.
@@ -70,7 +71,8 @@ pub enum Refusal {
     /// The board has no input for a trigger.
     #[error("this board has no input for a trigger")]
     NoTriggerInput,
-    /// Too many requests at once; ask again. A mode may be entered all the same where the tick comes later than it was waited for.
+    /// Too many requests at once; ask again. A mode may be entered all the same where the tick comes later than it
+    /// was waited for.
     #[error("it is busy; ask again")]
     Busy,
     /// The request was of another protocol version. The reply says which the device speaks by its own frame.
@@ -79,8 +81,8 @@ pub enum Refusal {
     /// [`Mode::Waveform`](crate::Mode::Waveform) is entered by [`Play`](crate::Request::Play) alone, which says how.
     #[error("it plays a waveform only when it is told how")]
     NotByMode,
-    /// The displacement of now is to be told where the last code was at an end of the ADC's range, beyond the table's voltages or held,
-    /// or a fault lasts: what was estimated of it is not where the actuator is.
+    /// The displacement of now is to be told where the last code was at an end of the ADC's range, beyond the table's
+    /// voltages or held, or a fault lasts: what was estimated of it is not where the actuator is.
     #[error(
         "its voltage is not to be believed now: at an end of the ADC's range, beyond its table's, held, or under a fault"
     )]

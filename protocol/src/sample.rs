@@ -16,15 +16,15 @@ pub struct Sample {
     /// What the converter read ([`estimator_core::AdcCode`]), corrected for the supply where the board measures it;
     /// the table's calibration makes volts of it.
     pub code: u16,
-    /// What the converter read at the displacement sensor, on the same scale, likewise corrected; `None` where the board has
-    /// no such channel, and where the code was fed ([`crate::Mode::Pil`]).
+    /// What the converter read at the displacement sensor, on the same scale, likewise corrected; `None` where the
+    /// board has no such channel, and where the code was fed ([`crate::Mode::Pil`]).
     pub sensor: Option<u16>,
     /// Displacement at the next tick, µm relative to the zero; 0 where nothing was estimated.
     pub displacement: f32,
     /// Half the width of its 95 % interval ([`estimator_core::interval`]), µm; `None` where there is none.
     pub half_width: Option<f32>,
-    /// The DAC's code ([`estimator_core::DacCode`]), to be put out at the next tick: what it was given, but for what makes up
-    /// for the supply where the board measures it.
+    /// The DAC's code ([`estimator_core::DacCode`]), to be put out at the next tick: what it was given, but for what
+    /// makes up for the supply where the board measures it.
     pub dac: u16,
     /// What the estimator has to say of this tick's estimate; the drive's bits are among it.
     pub status: Status,
@@ -35,10 +35,11 @@ pub struct Sample {
 /// Samples of ticks that follow one another, or of every n-th where the line does not carry them all.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Samples {
-    /// Number of the first sample's tick, counted from 0 when the mode was entered. A gap to the last frame's end is loss.
+    /// Number of the first sample's tick, counted from 0 when the mode was entered. A gap to the last frame's
+    /// end is loss.
     pub first: u32,
-    /// Ticks from a sample to the next. Where that is more than 1, those between are not streamed: what their status and faults
-    /// reported, but for [`Faults::SAFE_OUTPUT`], is in the next sample's.
+    /// Ticks from a sample to the next. Where that is more than 1, those between are not streamed: what their status
+    /// and faults reported, but for [`Faults::SAFE_OUTPUT`], is in the next sample's.
     pub every: NonZeroU8,
     /// One of every so many ticks, the earliest first.
     pub samples: Vec<Sample, MAX_BATCH>,
@@ -63,8 +64,8 @@ const SAMPLE_BYTES: u32 = 24;
 /// What the stream may take of the line, %: the rest is for replies.
 const STREAM_PERCENT: u32 = 80;
 
-/// How many ticks a device that ticks so many times a second streams one of. It is a power of 2, so that the ticks' numbers may
-/// run over.
+/// How many ticks a device that ticks so many times a second streams one of. It is a power of 2, so that the ticks'
+/// numbers may run over.
 pub const fn stream_every(tick_hz: u32) -> NonZeroU8 {
     let mut every = NonZeroU8::MIN;
     // A byte on the line is ten bits.

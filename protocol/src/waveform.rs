@@ -1,4 +1,5 @@
-//! A waveform that the device plays by itself: displacements that are loaded into its memory once, and how they are played.
+//! A waveform that the device plays by itself: displacements that are loaded into its memory once, and how
+//! they are played.
 //!
 //! ```text
 //! line     point 0 ─► point 1 ─► … ─► the last      straight between, as many ticks from each to the next

@@ -6,8 +6,8 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-/// Numbers that a tick takes, of any real type and stride; rounded once, to the `f32` that the board computes in. Copied: another
-/// thread may write to the array while the ticks run.
+/// Numbers that a tick takes, of any real type and stride; rounded once, to the `f32` that the board computes in.
+/// Copied: another thread may write to the array while the ticks run.
 pub struct Numbers(Vec<f32>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Numbers {
@@ -46,8 +46,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Codes {
     }
 }
 
-/// The array that numpy makes of it, or itself where it is one, with each number where a processor may read it: those of a packed
-/// record need not be.
+/// The array that numpy makes of it, or itself where it is one, with each number where a processor may read it: those
+/// of a packed record need not be.
 fn aligned<'py>(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
     let py = given.py();
     Ok(py.import("numpy")?.call_method1("require", (given, py.None(), "A"))?.cast_into()?)

@@ -24,8 +24,8 @@ impl Estimator {
         Self { estimator: estimator_core::Estimator::new(table), span_um: table.displacement_limits_um.span() }
     }
 
-    /// One tick for each amplifier voltage, V: the displacement at the tick after it (µm relative to the model's zero, plus the
-    /// bias), half the width of its 95 % interval (µm; NaN where there is none), and the status.
+    /// One tick for each amplifier voltage, V: the displacement at the tick after it (µm relative to the model's zero,
+    /// plus the bias), half the width of its 95 % interval (µm; NaN where there is none), and the status.
     fn run<'py>(&mut self, py: Python<'py>, volts: Numbers) -> PyResult<Run<'py, u8>> {
         let volts = volts.finite("volts")?;
         ticks(py, &mut self.estimator, volts.len(), |estimator, tick| given(estimator.tick_volts(volts[tick])))
@@ -37,9 +37,9 @@ impl Estimator {
         ticks(py, &mut self.estimator, codes.len(), |estimator, tick| given(estimator.tick(AdcCode(codes[tick]))))
     }
 
-    /// Calls the displacement of now `at_um`, where a stop, a gauge or rest tells it; the interval is relative to it. Refused as a
-    /// device does: beyond the span of the table's limits, before the first tick, and while an actuator that moved then is on its
-    /// way.
+    /// Calls the displacement of now `at_um`, where a stop, a gauge or rest tells it; the interval is relative to it.
+    /// Refused as a device does: beyond the span of the table's limits, before the first tick, and while an actuator
+    /// that moved then is on its way.
     #[pyo3(signature = (at_um=0.0))]
     fn set_zero(&mut self, at_um: f64) -> PyResult<()> {
         let (at_um, span_um) = (finite_number(at_um, "at_um")?, self.span_um);
@@ -49,8 +49,8 @@ impl Estimator {
         require(self.estimator.set_zero(at_um), words)
     }
 
-    /// Starts anew from a known displacement, µm relative to the model's zero; whether it lay within the table's limits, the
-    /// nearest of which it becomes where it did not.
+    /// Starts anew from a known displacement, µm relative to the model's zero; whether it lay within the table's
+    /// limits, the nearest of which it becomes where it did not.
     fn start_at(&mut self, displacement_um: f64) -> PyResult<bool> {
         Ok(self.estimator.start_at(finite_number(displacement_um, "displacement_um")?))
     }

@@ -54,8 +54,8 @@ pub enum Delay {
 /// What Ctrl-C has raised, on its way out of a search.
 struct Stopped(PyErr);
 
-/// Identifies a table from logs, as `piezo identify` does with the options of the same names and says of them. Ctrl-C ends it
-/// between two generations of a search.
+/// Identifies a table from logs, as `piezo identify` does with the options of the same names and says of them. Ctrl-C
+/// ends it between two generations of a search.
 #[pyfunction]
 #[pyo3(signature = (logs, *, validate_on=Vec::new(), hold_out=None, as_judged=false, model="auto", lag_ms=None, delay_ms=Delay::Given(0.0),
     repair=false, tick_us=500, voltage_scale=1.0, displacement_scale=1.0, skip_start_s=0.0, skip_end_s=0.0, adc_span=None,

@@ -9,7 +9,8 @@ use calibration::span::Span;
 use estimator_core::{Commanded, DriveLimits};
 use pyo3::prelude::*;
 
-/// A running inverse in f32, as the board has it: from rest at the rest voltage. What it has given stays from one run to the next.
+/// A running inverse in f32, as the board has it: from rest at the rest voltage. What it has given stays from one run
+/// to the next.
 #[pyclass(module = "piezo_estimator")]
 pub struct Inverse {
     inverse: estimator_core::Inverse<f32>,
@@ -21,8 +22,9 @@ const MOST_TICKS: usize = 100_000_000;
 
 #[pymethods]
 impl Inverse {
-    /// The inverse of a table's model within limits of the amplifier voltage (V) and of its change (V/s), which are the table's
-    /// drive's where they are not stated; else all voltages that the model was identified on, and rest at 0 V or next to it.
+    /// The inverse of a table's model within limits of the amplifier voltage (V) and of its change (V/s), which are the
+    /// table's drive's where they are not stated; else all voltages that the model was identified on, and rest at 0 V
+    /// or next to it.
     #[new]
     #[pyo3(signature = (table, *, range_v=None, rest_v=None, slew_v_per_s=None))]
     fn new(
@@ -39,9 +41,9 @@ impl Inverse {
         Ok(Self { inverse: table.admitted.inverse(&limits).map_err(refused)?, limits })
     }
 
-    /// One tick for each displacement (µm relative to the model's zero) that is wanted a tick after the voltage stands: the
-    /// amplifier voltage from the next tick on (V), the displacement that the model gives for it (µm), and whether that is what
-    /// was wanted.
+    /// One tick for each displacement (µm relative to the model's zero) that is wanted a tick after the voltage stands:
+    /// the amplifier voltage from the next tick on (V), the displacement that the model gives for it (µm), and whether
+    /// that is what was wanted.
     fn run<'py>(&mut self, py: Python<'py>, displacement_um: Numbers) -> PyResult<Run<'py, bool>> {
         let wanted = displacement_um.finite("displacement_um")?;
         ticks(py, &mut self.inverse, wanted.len(), |inverse, tick| given(inverse.tick(wanted[tick])))

@@ -1,8 +1,8 @@
 //! The estimator, its inverse and the identification for programs in Python: the module `piezo_estimator`.
 //!
-//! A thin face: `estimator-core` in `f32` over arrays of numpy, so that the numbers are those of the board bit for bit; the logs,
-//! the identification and the figures of the libraries that `piezo` calls. What is refused is an exception, `PiezoError`, in the
-//! library's own words; what takes long lets other threads of Python run.
+//! A thin face: `estimator-core` in `f32` over arrays of numpy, so that the numbers are those of the board bit for bit;
+//! the logs, the identification and the figures of the libraries that `piezo` calls. What is refused is an exception,
+//! `PiezoError`, in the library's own words; what takes long lets other threads of Python run.
 //!
 //! `piezo_estimator.pyi` says the same with types, and is what an editor shows.
 

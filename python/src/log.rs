@@ -13,10 +13,10 @@ pub struct Log(pub recordings::log::Log);
 
 /// Reads a log of any of the formats that `piezo look` reads.
 ///
-/// `columns` says which column holds what ("time=1,voltage=2:mV,displacement=5:um"), `sensor` how far a volt of the sensor is
-/// ("2.5um/V"), and `fs` the sample rate in Hz, where the file does not. Without `displacement_required` or `voltage_required` a
-/// log without it is read, too. With `holes`, a voltage or displacement that is no number, and samples that the time stamps leave out,
-/// are left out by `identify(..., repair=True)` instead of refused.
+/// `columns` says which column holds what ("time=1,voltage=2:mV,displacement=5:um"), `sensor` how far a volt of the
+/// sensor is ("2.5um/V"), and `fs` the sample rate in Hz, where the file does not. Without `displacement_required` or
+/// `voltage_required` a log without it is read, too. With `holes`, a voltage or displacement that is no number, and
+/// samples that the time stamps leave out, are left out by `identify(..., repair=True)` instead of refused.
 #[pyfunction]
 #[pyo3(signature = (
     path, *, columns=None, sensor=None, fs=None, displacement_required=true, voltage_required=true, holes=false

@@ -38,8 +38,8 @@ impl Table {
         Ok(Self { admitted, file })
     }
 
-    /// Writes table.toml, table.rs and table.bin into a folder, all or none; the folder is made where there is none. A file of
-    /// such a name that is no former face of a table is refused, or lost with `force`.
+    /// Writes table.toml, table.rs and table.bin into a folder, all or none; the folder is made where there is none. A
+    /// file of such a name that is no former face of a table is refused, or lost with `force`.
     #[pyo3(signature = (folder, *, force=false))]
     fn write(&self, folder: PathBuf, force: bool) -> PyResult<()> {
         let faces = self.toml("all that table.toml says")?.faces().map_err(refused)?;

@@ -10,7 +10,8 @@ const STRETCH: usize = 1_000_000;
 /// Two numbers and one thing more, of each tick.
 pub type Run<'py, T> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<T>>);
 
-/// So many ticks of something, and what each of them gives. What Python raises meanwhile ends it, and then none of them was made.
+/// So many ticks of something, and what each of them gives. What Python raises meanwhile ends it, and then none of
+/// them was made.
 ///
 /// # Errors
 /// Python has something to raise, or not the memory for so many ticks.

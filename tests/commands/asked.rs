@@ -1,4 +1,5 @@
-//! On a terminal it is asked whether a table with doubts goes to a board: nothing but yes is yes, and nobody is asked for nothing.
+//! On a terminal it is asked whether a table with doubts goes to a board: nothing but yes is yes, and nobody is
+//! asked for nothing.
 
 use super::device::for_the_board;
 use super::doubted::{DOUBT, DOUBTED, stored};

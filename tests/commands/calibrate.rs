@@ -107,8 +107,8 @@ fn two_readings_make_a_file_that_says_how_the_board_is_wired() {
         let (found, truth) = (found.unwrap(), truth.unwrap());
         assert!((found.0 - truth.0).abs() < within && (found.1 - truth.1).abs() < within, "{found:?}, not {truth:?}");
     };
-    // The ADC bends by up to two codes of twelve bits, 0.083 V, and the DAC by up to four, 0.16 V, and the line through two points is as
-    // much off again at the ends. The instruments show four places, and a stack creeps meanwhile.
+    // The ADC bends by up to two codes of twelve bits, 0.083 V, and the DAC by up to four, 0.16 V, and the line through
+    // two points is as much off again at the ends. The instruments show four places, and a stack creeps meanwhile.
     near(facts.adc_span, TRUTH.adc_span, 0.17);
     near(facts.drive_span, TRUTH.drive_span, 0.32);
     near(facts.sensor_span, TRUTH.sensor_span, 0.05);

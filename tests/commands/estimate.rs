@@ -157,7 +157,8 @@ fn what_stands_in_the_sensor_s_column_spoils_nothing() {
     assert_eq!(column(&estimated, "estimate_um").len(), 499);
 }
 
-/// Where the voltage is unknown there is no estimate; before it all is as if nothing were missing, and behind it, after a swing, again.
+/// Where the voltage is unknown there is no estimate; before it all is as if nothing were missing, and behind it, after
+/// a swing, again.
 #[test]
 fn a_log_with_holes_is_estimated_where_it_has_a_voltage() {
     let folder = tempfile::tempdir().unwrap();

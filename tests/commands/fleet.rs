@@ -172,7 +172,8 @@ fn a_run_that_is_killed_is_seen_to_have_not_ended_and_is_searched_again() {
     assert!(String::from_utf8(again).unwrap().contains("the run before found no table"));
 }
 
-/// The folder of results is held meanwhile, and so is that of a session that is recorded: one is not taken for the other.
+/// The folder of results is held meanwhile, and so is that of a session that is recorded: one is not taken
+/// for the other.
 #[test]
 fn a_killed_session_is_learnt_from_into_its_own_folder_by_a_unit_and_by_none() {
     let folder = tempfile::tempdir().unwrap();

@@ -158,7 +158,8 @@ fn the_moment_in_which_a_speed_is_come_to_counts_neither_in_the_plan_nor_in_what
 
 #[test]
 fn a_fault_on_the_way_is_a_failure_and_the_log_is_kept() {
-    // Saturated from the 80th tick on at which the amplifier has moved, which is a fault after twenty, on the way to the first point.
+    // Saturated from the 80th tick on at which the amplifier has moved, which is a fault after twenty, on the way to
+    // the first point.
     let (mut amplifier, mut moved) = (sound(), 0);
     let rest = DRIVE.code(LIMITS.rest_v, TABLE.dac.full_scale);
     let breaks = move |dac| {

@@ -67,7 +67,8 @@ fn a_spike_is_the_first_doubt_and_the_next_line_leaves_it_out() {
     assert!(repaired.contains("was left out (--repair)") && repaired.contains("piezo install"), "{repaired}");
 }
 
-/// A sensor that ends at half of the stroke: nothing is left out of such a log, and what could be pasted had said so once more.
+/// A sensor that ends at half of the stroke: nothing is left out of such a log, and what could be pasted had said
+/// so once more.
 #[test]
 fn a_log_of_which_most_is_no_measurement_is_to_be_recorded_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -140,8 +141,8 @@ fn the_folder_of_a_session_stands_for_its_logs() {
     );
 }
 
-/// Time stamps that an identification takes or refuses: what look says of them, and whether it proposes to learn from them, as they are or
-/// with what helps.
+/// Time stamps that an identification takes or refuses: what look says of them, and whether it proposes to learn from
+/// them, as they are or with what helps.
 #[test]
 fn look_says_of_time_stamps_what_identify_does() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,7 +1,8 @@
-//! A disk that is full, at every file that a verb writes: what was there stays, nothing half-written is left, and the file is named.
+//! A disk that is full, at every file that a verb writes: what was there stays, nothing half-written is left, and the
+//! file is named.
 //!
-//! The operating system's limit on the length of a file stands for it, below what each verb writes: a write beyond it fails as one
-//! to a full disk does, in the middle of a file where the limit is not 0.
+//! The operating system's limit on the length of a file stands for it, below what each verb writes: a write beyond it
+//! fails as one to a full disk does, in the middle of a file where the limit is not 0.
 #![cfg(unix)]
 
 use super::logs::{rig, write};
@@ -30,7 +31,8 @@ pub fn held(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     files.map(|path| (path.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(path).unwrap())).collect()
 }
 
-/// Runs it with room for nothing, and for the beginning of a file: it fails, names one of the files, and leaves the folder as it was.
+/// Runs it with room for nothing, and for the beginning of a file: it fails, names one of the files, and leaves the
+/// folder as it was.
 fn leaves_all_as_it_was(folder: &Path, names: &[&str], arguments: &[&str]) {
     let before = held(folder);
     for blocks in [0, 1] {

@@ -1,5 +1,5 @@
-//! A full disk while a verb drives an actuator: the file is named, what was measured stays in whole lines, and the device is at
-//! rest, in its own table, and of use.
+//! A full disk while a verb drives an actuator: the file is named, what was measured stays in whole lines, and the
+//! device is at rest, in its own table, and of use.
 
 use super::bench::Emulated;
 use super::full::{held, limited};
@@ -29,8 +29,8 @@ impl Bench {
         json(piezo().args(["info", "--json", "--port", &self.emulated.port]))
     }
 
-    /// Runs a verb of this bench where files may be so long, in blocks of 512 bytes; it fails, and names one of these files. Says
-    /// what it said.
+    /// Runs a verb of this bench where files may be so long, in blocks of 512 bytes; it fails, and names one of these
+    /// files. Says what it said.
     fn fails(&self, blocks: u32, verb: &[&str], names: &[&str]) -> String {
         let before = self.info()["identity"]["table"].clone();
         let board = self.path("board.toml");

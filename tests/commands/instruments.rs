@@ -1,5 +1,5 @@
-//! Files as instruments and programs write them: each is read as it is, or with what the tool itself prints, and equals the
-//! truth to its own resolution. The table of `book/src/files.md` says what is typed.
+//! Files as instruments and programs write them: each is read as it is, or with what the tool itself prints, and equals
+//! the truth to its own resolution. The table of `book/src/files.md` says what is typed.
 
 use super::{data, piezo, root};
 use recordings::log::{Log, ReadOptions, read};

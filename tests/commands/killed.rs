@@ -1,5 +1,5 @@
-//! Verbs that write files or a device's flash are killed at random moments: what there is afterwards is old or new, never half and
-//! never mixed unseen, and the next command finds a device that answers.
+//! Verbs that write files or a device's flash are killed at random moments: what there is afterwards is old or new,
+//! never half and never mixed unseen, and the next command finds a device that answers.
 
 use super::logs::{rig, write};
 use super::sets::{Moments, said};
@@ -96,8 +96,8 @@ fn a_killed_record_leaves_whole_lines_and_a_device_that_is_recorded_again_at_onc
     whole(&record);
 }
 
-/// Kills a verb that writes a device's flash, on several devices at once, each some time later than the one before; of those that had
-/// not ended some must have been killed before they had written, and some after it.
+/// Kills a verb that writes a device's flash, on several devices at once, each some time later than the one before; of
+/// those that had not ended some must have been killed before they had written, and some after it.
 fn writes(verb: &[&str], new: &Record, device: impl Fn() -> EmulatedDevice + Sync) {
     const KILLS: u32 = 12;
     const ROUNDS: u32 = 6;

@@ -1,5 +1,5 @@
-//! Verbs that drive an actuator are killed at random moments: the output goes to rest at the drive's slew rate within the lease,
-//! the device ticks on and is of use at once, and what was recorded by then is kept in whole lines.
+//! Verbs that drive an actuator are killed at random moments: the output goes to rest at the drive's slew rate within
+//! the lease, the device ticks on and is of use at once, and what was recorded by then is kept in whole lines.
 
 use super::follow::DRIVE;
 use super::killed::begun;
@@ -97,7 +97,8 @@ impl Driven {
     }
 }
 
-/// Kills hosts of several devices at moments of a whole run, until enough devices were in motion and `enough` says so, too.
+/// Kills hosts of several devices at moments of a whole run, until enough devices were in motion and `enough`
+/// says so, too.
 fn killed(device: impl Fn() -> Driven + Sync, run: impl Fn(&Driven, Duration) -> (bool, bool) + Sync, whole: Duration) {
     let (mut whole, mut moved, mut kept) = (whole, 0, 0);
     for _ in 0..ROUNDS {

@@ -31,8 +31,8 @@ fn a_machine_in_german_reads_and_prints_the_same_numbers() {
     }
 }
 
-/// Numbers of a C library are those of no language until a program asks for one by these functions, whatever languages are installed
-/// here; one that goes by the variables itself has their names.
+/// Numbers of a C library are those of no language until a program asks for one by these functions, whatever languages
+/// are installed here; one that goes by the variables itself has their names.
 #[test]
 fn the_program_asks_for_no_language() {
     let program = std::fs::read(env!("CARGO_BIN_EXE_piezo")).unwrap();

@@ -1,4 +1,5 @@
-//! What a log may be like: a sensor with any offset, late, falling or of something else, a glitch, a voltage that rests.
+//! What a log may be like: a sensor with any offset, late, falling or of something else, a glitch, a
+//! voltage that rests.
 
 use super::{MEASURED, json, number, piezo, refused, root, text};
 use recordings::log::{Displacement, Log, ReadOptions, csv_beside, read};
@@ -92,7 +93,8 @@ fn a_displacement_that_falls_while_the_voltage_rises_is_refused_and_a_negative_s
     identify(&[falling], &[&SHORTEST, &["--model", "voigt", "--displacement-scale", "-1"]]);
 }
 
-/// What was seen of such logs before: no word, an error ten times as large, or a percentage that looks ten times as good.
+/// What was seen of such logs before: no word, an error ten times as large, or a percentage that looks ten
+/// times as good.
 #[test]
 fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_it() {
     let fit = |log: &Log, repair: &[&str]| {

@@ -142,8 +142,8 @@ fn numbers_that_make_no_sense_are_refused_by_the_name_of_their_option() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// So few candidates that some models find none that is admissible within so narrow limits. With this seed Maxwell-slip is one of those
-/// where all are tried, and the enhanced model where it is asked for.
+/// So few candidates that some models find none that is admissible within so narrow limits. With this seed Maxwell-slip
+/// is one of those where all are tried, and the enhanced model where it is asked for.
 const HARDLY_SEARCHED: [&str; 16] = [
     "--start",
     "random",

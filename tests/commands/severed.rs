@@ -1,5 +1,5 @@
-//! A host that is killed, or whose line dies, or that is not alone, with the firmware on the host: the attacks are in `link-attacks`,
-//! and the firmware in QEMU is attacked with the same.
+//! A host that is killed, or whose line dies, or that is not alone, with the firmware on the host: the attacks are in
+//! `link-attacks`, and the firmware in QEMU is attacked with the same.
 
 use super::{MEASURED, root};
 use device_link::table::to_record;

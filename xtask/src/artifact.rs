@@ -39,7 +39,8 @@ fn messages(cargo: Cmd<'_>) -> Result<Vec<Value>> {
     Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
 }
 
-/// Builds the host tool as the tests do, which optimises what is hot of it and is quicker built than a release; returns its path.
+/// Builds the host tool as the tests do, which optimises what is hot of it and is quicker built than a release;
+/// returns its path.
 ///
 /// # Errors
 /// It does not build.

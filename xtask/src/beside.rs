@@ -1,5 +1,5 @@
-//! Checks that run beside others, in a process of their own: each of the two uses one core for most of its time, and what both
-//! print is not mixed.
+//! Checks that run beside others, in a process of their own: each of the two uses one core for most of its time, and
+//! what both print is not mixed.
 
 use std::{
     env,

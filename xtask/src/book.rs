@@ -1,6 +1,6 @@
-//! The documents, by what they point at: no chapter is left out of the book's summary, every link and anchor leads somewhere,
-//! every path and test that is named exists, every message that is quoted is one of the sources, and `cargo xtask` takes every line
-//! that calls it.
+//! The documents, by what they point at: no chapter is left out of the book's summary, every link and anchor leads
+//! somewhere, every path and test that is named exists, every message that is quoted is one of the sources, and `cargo
+//! xtask` takes every line that calls it.
 //!
 //! The lines that call `piezo` are checked by its own tests (`tests/documents/commands.rs`), which have its arguments.
 

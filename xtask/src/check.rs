@@ -38,8 +38,8 @@ fn names() -> PossibleValuesParser {
     STEPS.iter().map(|step| step.name).collect::<Vec<_>>().into()
 }
 
-/// Runs the checks asked for, some of them beside others. The end of the output says what each took, and the last line counts
-/// them; the exit code says whether any failed. `xtask` is the command line of `cargo xtask`.
+/// Runs the checks asked for, some of them beside others. The end of the output says what each took, and the last line
+/// counts them; the exit code says whether any failed. `xtask` is the command line of `cargo xtask`.
 ///
 /// # Errors
 /// Those beside others cannot be started, or their output cannot be read.

@@ -1,8 +1,8 @@
 //! Modules that need each other: drawn from the imports, no arrows between a crate's modules make a circle.
 //!
-//! Cargo lets no circle of crates pass, rustc any of modules. Drawn are, for each crate of the repository, its root and the modules
-//! directly beneath it, and for each module that has others in it, its own file and those. Each is drawn with all that is in it, but
-//! a root and a folder's own file with nothing but what they define themselves.
+//! Cargo lets no circle of crates pass, rustc any of modules. Drawn are, for each crate of the repository, its root and
+//! the modules directly beneath it, and for each module that has others in it, its own file and those. Each is drawn
+//! with all that is in it, but a root and a folder's own file with nothing but what they define themselves.
 //!
 //! | what counts as an arrow | to |
 //! |---|---|
@@ -11,8 +11,9 @@
 //! | what a module takes that the one which it is in itself defines | that one's own file, drawn as `lib.rs` or `mod.rs`, as it is called |
 //! | what such a file's own code takes of the modules in it | these |
 //!
-//! What counts for none: what is compiled in tests only; methods, and macros by example without a path, which name no module: a type's
-//! methods may stand in several files beneath its own; and what a module hands on from those in it (`pub use`), for it only gathers.
+//! What counts for none: what is compiled in tests only; methods, and macros by example without a path, which name no
+//! module: a type's methods may stand in several files beneath its own; and what a module hands on from those in it
+//! (`pub use`), for it only gathers.
 
 mod graph;
 mod imports;

@@ -1,7 +1,7 @@
 //! `cargo xtask cycles`: what the tick's interrupt costs on the board, in cycles of its core.
 //!
-//! The board's unmodified image runs in the CPU emulator, whose tests count the cycles of every handler by a model of the core
-//! and the flash, at three levels; they fail where the core states fewer than must be stated.
+//! The board's unmodified image runs in the CPU emulator, whose tests count the cycles of every handler by a model of
+//! the core and the flash, at three levels; they fail where the core states fewer than must be stated.
 
 use std::fmt::Write as _;
 
@@ -47,8 +47,9 @@ pub fn run(sh: &Shell, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// For each model, once to estimate and once to drive: instructions and cycles of the most expensive tick of all tables, the
-/// mean of the table that was identified on the measured log, what the core states, and whether the board refuses it.
+/// For each model, once to estimate and once to drive: instructions and cycles of the most expensive tick of all
+/// tables, the mean of the table that was identified on the measured log, what the core states, and whether the
+/// board refuses it.
 ///
 /// # Errors
 /// See [`run`].
@@ -72,7 +73,8 @@ pub fn measure(sh: &Shell) -> Result<Value> {
     Ok(Value::Array(rows))
 }
 
-/// The most of all tables, of those that make the model's own figure: the Bouc-Wen model has others for other exponents.
+/// The most of all tables, of those that make the model's own figure: the Bouc-Wen model has others
+/// for other exponents.
 fn row(model: Model, drives: bool, tables: &[&Value]) -> Result<Value> {
     let stated = &tables.first().context("no table")?["stated"];
     let most = |pointer: &str| {

@@ -88,8 +88,8 @@ pub fn image_at(sh: &Shell, hz: u32) -> Result<PathBuf> {
     build(sh, Board::NucleoG474re, &hz.to_string())
 }
 
-/// Builds an image and puts it aside under a name of its own: checks that run beside this one build for other rates, and cargo links each
-/// image to the same path.
+/// Builds an image and puts it aside under a name of its own: checks that run beside this one build for other rates,
+/// and cargo links each image to the same path.
 fn build(sh: &Shell, board: Board, hz: &str) -> Result<PathBuf> {
     let cargo = cargo(sh)?.arg("fw").args(board.arguments());
     let lock = File::create(target_dir(sh).join("firmware-image.lock"))?;
@@ -179,8 +179,8 @@ fn compile_core(sh: &Shell) -> Result<()> {
     Ok(sh.remove_path(built)?)
 }
 
-/// Whether this rustc can compile the least program for the target. A file found in its sysroot would prove less: it may
-/// be an earlier compiler's.
+/// Whether this rustc can compile the least program for the target. A file found in its sysroot would prove less: it
+/// may be an earlier compiler's.
 fn has_core(rustc: Cmd<'_>) -> Result<bool> {
     let scratch = TempDir::new()?;
     Ok(rustc

@@ -1,9 +1,9 @@
 //! `cargo xtask kernels`: what the hot kernels of the identification take, in instructions a sample-evaluation.
 //!
-//! Callgrind counts them as it emulates the machine, which depends neither on how busy the machine is nor on how fast: a change
-//! that makes a kernel slower is seen where it was made. Counted is what the tests are built with. The file of the counts is
-//! compared with; `--write` writes it. Other compilers make other instructions of one source: where rustc has changed and
-//! nothing else, write it anew.
+//! Callgrind counts them as it emulates the machine, which depends neither on how busy the machine is nor on how fast:
+//! a change that makes a kernel slower is seen where it was made. Counted is what the tests are built with. The file of
+//! the counts is compared with; `--write` writes it. Other compilers make other instructions of one source: where rustc
+//! has changed and nothing else, write it anew.
 
 use std::{fs, path::Path};
 

@@ -1,17 +1,18 @@
 //! `cargo xtask`: the chores of this repository.
 //!
-//! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts the
-//! firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes the documents'
-//! figures; `bench` measures what identification costs, `kernels` counts the instructions of what is hot in it; `soak` has the firmware stream for an hour.
+//! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts
+//! the firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes
+//! the documents' figures; `bench` measures what identification costs, `kernels` counts the instructions of what is hot
+//! in it; `soak` has the firmware stream for an hour.
 
 mod artifact;
 mod bench;
 mod beside;
 mod book;
-mod brief;
 mod changelog;
 mod check;
 mod circles;
+mod comments;
 mod cycles;
 mod embedded;
 mod emulate;

@@ -5,9 +5,9 @@
 /// another selection, cargo would choose other features of the same foreign crates, and build them once more.
 pub const HOST: [&str; 4] = ["--workspace", "--exclude", "board-emulator-test", "--no-default-features"];
 
-/// The core with its other arithmetic: only the core has code of that feature, the others hand it on. It is selected beside
-/// two programs, of which nothing is built, since they have no library: cargo then chooses the same features of foreign crates
-/// as for the whole workspace, and finds them built.
+/// The core with its other arithmetic: only the core has code of that feature, the others hand it on. It is selected
+/// beside two programs, of which nothing is built, since they have no library: cargo then chooses the same features of
+/// foreign crates as for the whole workspace, and finds them built.
 pub const MICROMATH: [&str; 5] = [
     "--package=estimator-core",
     "--package=piezo",

@@ -1,4 +1,5 @@
-//! The wheel: built as a release builds it, but for its optimisation; installed where nothing else is; tested from Python.
+//! The wheel: built as a release builds it, but for its optimisation; installed where nothing else is;
+//! tested from Python.
 
 use std::path::{Path, PathBuf};
 
@@ -10,8 +11,8 @@ const PACKAGE: &str = "python";
 /// The feature by which maturin's cargo finds the foreign crates that the tests are built with.
 const FEATURE: &str = "beside-the-workspace";
 
-/// Builds the wheel, installs it into an empty environment, and runs its tests and its notebook there. `piezo` is the host tool,
-/// whose numbers the wheel's must be.
+/// Builds the wheel, installs it into an empty environment, and runs its tests and its notebook there. `piezo` is the
+/// host tool, whose numbers the wheel's must be.
 ///
 /// # Errors
 /// Something of it fails.

@@ -49,8 +49,8 @@ impl Qemu {
     pub fn start(command: &mut Command) -> Result<Self> {
         let child = command.args(["-monitor", "stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
         let mut qemu = Self(child.context(NO_QEMU)?);
-        // The first prompt comes while QEMU still opens its devices. An order is taken when all of them are ready, and the
-        // next prompt follows it.
+        // The first prompt comes while QEMU still opens its devices. An order is taken when all of them are ready, and
+        // the next prompt follows it.
         qemu.order("info chardev")?;
         let output = qemu.0.stdout.as_mut().context("QEMU's monitor has no output")?;
         let prompt = b"\n(qemu)";

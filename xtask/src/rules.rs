@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use xshell::{Shell, cmd};
 
-use crate::{brief, changelog, circles};
+use crate::{changelog, circles, comments};
 
 /// The folder of the host's crates.
 const HOST: &str = "host-tools";
-/// The command line, and the crates of the sentences that name its options; the others are libraries, which know of none.
+/// The command line, and the crates of the sentences that name its options; the others are libraries, which
+/// know of none.
 const COMMAND_LINE: [&str; 3] = ["piezo", "remedy", "findings"];
 /// Libraries beyond the host's, which know of none either.
 const OTHERS: [&str; 6] = ["estimator-core", "estimator-c", "firmware", "parameter-store", "protocol", "python"];
@@ -64,7 +65,7 @@ pub fn check(sh: &Shell) -> Result<()> {
     broken.extend(untested_examples(sh)?);
     broken.extend(changelog::without_format(&sh.read_file(CHANGELOG)?));
     broken.extend(circles::of_repository(sh)?);
-    broken.extend(brief::of_repository(sh)?);
+    broken.extend(comments::of_repository(sh)?);
     let tree = cmd!(sh, "cargo tree --package {IDENTIFICATION} --edges normal --prefix none").read()?;
     for foreign in NOT_OF_IDENTIFICATION {
         if tree.lines().any(|line| line.split(' ').next() == Some(foreign)) {

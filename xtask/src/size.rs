@@ -1,7 +1,8 @@
 //! `cargo xtask size`: what the firmware takes of the chip.
 //!
-//! Flash and RAM are those of the board's image. Instructions are those of the emulated board's tick, from the function's
-//! first to its last, while it estimates a measured log; they are not cycles, but they are the same on every run.
+//! Flash and RAM are those of the board's image. Instructions are those of the emulated board's tick, from the
+//! function's first to its last, while it estimates a measured log; they are not cycles, but they are the same
+//! on every run.
 
 use std::{
     fs,

@@ -25,9 +25,11 @@ pub struct Step {
     pub about: &'static str,
     /// What it needs beyond cargo.
     pub tools: &'static [&'static Tool],
-    /// Whether it may run beside those that follow: it uses one core for most of its time, and none of its tests measures time.
+    /// Whether it may run beside those that follow: it uses one core for most of its time, and none of its
+    /// tests measures time.
     pub beside: bool,
-    /// Runs it, with the command line that it was named on, for what documents say of that; an error is the check's failure.
+    /// Runs it, with the command line that it was named on, for what documents say of that; an error is
+    /// the check's failure.
     pub run: fn(&Shell, &Command) -> Result<()>,
 }
 
@@ -37,7 +39,7 @@ pub const STEPS: [Step; 16] = [
     Step { name: "fmt", about: "the sources are formatted", tools: &[], beside: false, run: |sh, _| fmt(sh) },
     Step {
         name: "rules",
-        about: "libraries name no flags or verbs, the identification needs no terminal, no host crate is too long, no modules make a circle, no example is untested, no documentation is of two words, each change says whether a format changed",
+        about: "libraries name no flags or verbs, the identification needs no terminal, no host crate is too long, no modules make a circle, no example is untested, no documentation is of two words, no comment is wider than 120 columns, each change says whether a format changed",
         tools: &[],
         beside: false,
         run: |sh, _| rules::check(sh),
@@ -233,8 +235,8 @@ fn board(sh: &Shell) -> Result<()> {
     Ok(tests.env("PIEZO", built_piezo(sh)?).run()?)
 }
 
-/// With a lock and crates of its own, which nothing else here is built with. Clippy compiles it, by the lints of its manifest: to check it
-/// first would take mdBook's crates twice.
+/// With a lock and crates of its own, which nothing else here is built with. Clippy compiles it, by the lints of its
+/// manifest: to check it first would take mdBook's crates twice.
 fn html(sh: &Shell) -> Result<()> {
     let own = ["--manifest-path", "book/html/Cargo.toml"];
     cmd!(sh, "cargo fmt {own...} --check").run()?;

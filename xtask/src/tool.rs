@@ -22,7 +22,8 @@ pub struct Tool {
 enum Source {
     /// Steps of its own.
     Steps(fn(&Shell) -> Result<()>),
-    /// A Debian package; elsewhere, what to do. Nothing is installed where the variable that names another place is set.
+    /// A Debian package; elsewhere, what to do. Nothing is installed where the variable that names another
+    /// place is set.
     Package { debian: &'static str, elsewhere: &'static str, variable: Option<&'static str> },
 }
 

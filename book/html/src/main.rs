@@ -1,5 +1,5 @@
-//! Makes HTML of the book: `cargo run --manifest-path book/html/Cargo.toml`, from the repository's root. It writes to target/book, and ends
-//! with 1 where mdBook warns of anything.
+//! Makes HTML of the book: `cargo run --manifest-path book/html/Cargo.toml`, from the repository's root. It writes to
+//! target/book, and ends with 1 where mdBook warns of anything.
 
 use std::{
     io::{self, Write},

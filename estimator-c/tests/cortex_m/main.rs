@@ -1,5 +1,5 @@
-//! `examples/tick.c`, compiled by a C compiler for a Cortex-M4F, linked with the static library and run in QEMU, gives the
-//! bits that the core gives on the host, with every model.
+//! `examples/tick.c`, compiled by a C compiler for a Cortex-M4F, linked with the static library and run in QEMU, gives
+//! the bits that the core gives on the host, with every model.
 //!
 //! `STATIC_LIBRARY` names the library; `cargo xtask test c` builds it.
 

@@ -7,8 +7,8 @@ pub(super) const BEGINNING_S: f32 = 0.05;
 /// The age is stepped on when the time since then has grown by this factor, and by its decimal logarithm.
 const STEP: f32 = 65.0 / 64.0;
 const STEP_DECADES: f32 = 0.006_733_383;
-/// Where so many ticks have been counted, they go on from fewer at the next step. Such steps are shorter than 2³² ticks, which is as far
-/// as is counted, for the first 238 days at 10 kHz; only after these does the age stand still.
+/// Where so many ticks have been counted, they go on from fewer at the next step. Such steps are shorter than 2³²
+/// ticks, which is as far as is counted, for the first 238 days at 10 kHz; only after these does the age stand still.
 const MANY: u32 = 1 << 30;
 const FEWEST: u32 = 1 << 29;
 
@@ -40,8 +40,8 @@ impl<T: Real> Age<T> {
         self.before + T::of(self.ticks as f32)
     }
 
-    /// One tick; the decades by which the age is stepped on, at the few ticks at which it is: by one step where ticks are short,
-    /// and by many where they are long.
+    /// One tick; the decades by which the age is stepped on, at the few ticks at which it is: by one step where ticks
+    /// are short, and by many where they are long.
     #[inline]
     pub fn tick(&mut self) -> Option<T> {
         self.ticks = self.ticks.wrapping_add(1);

@@ -17,9 +17,10 @@
 //! | y, y₀ | the estimate, now and when the displacement was told: sensitivity differs from day to day |
 //! | A | decades of time since the start that have gone by since the displacement was told: creep and drift |
 //!
-//! The numbers come from simulated devices that were driven by the training's own voltages and learnt as the actuator was
-//! (`piezo identify`). 95 % holds over time, averaged over recordings and devices like those; it says nothing of the
-//! absolute displacement, of load, or of temperature beyond drift, and there is none before the displacement was told.
+//! The numbers come from simulated devices that were driven by the training's own voltages and learnt as the
+//! actuator was (`piezo identify`). 95 % holds over time, averaged over recordings and devices like those; it says
+//! nothing of the absolute displacement, of load, or of temperature beyond drift, and there is none before the
+//! displacement was told.
 
 mod age;
 mod parameters;
@@ -128,8 +129,8 @@ pub struct Width<T> {
 }
 
 impl<T: Real> IntervalState<T> {
-    /// The actuator was driven beyond a voltage (V) while the model was not: what it remembers is as open as after a start in the middle of
-    /// the range, until swings have wiped that out.
+    /// The actuator was driven beyond a voltage (V) while the model was not: what it remembers is as open as after a
+    /// start in the middle of the range, until swings have wiped that out.
     pub fn mislead(&mut self, voltage: T) {
         if let Some(told) = &mut self.told {
             // What was told was off by this, and stays so when nothing of the start is left.
@@ -201,8 +202,8 @@ impl<T: Real> Interval<T> {
         Width { half: self.parts(state).map(|parts| parts.half()), untrained: state.off > self.untrained }
     }
 
-    /// The displacement is told: from now on the interval is relative to this tick. Returns whether it is late enough for
-    /// that; if not, nothing changes.
+    /// The displacement is told: from now on the interval is relative to this tick. Returns whether it is late enough
+    /// for that; if not, nothing changes.
     pub fn tell(&self, state: &mut IntervalState<T>) -> bool {
         let told = self.may_be_told(state);
         if told {

@@ -18,8 +18,8 @@ pub const TRIANGLE: usize = PLAYS * (PLAYS + 1) / 2;
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IntervalParameters {
-    /// m, µm: what the memory of a start in the middle of the range may still be off by once the voltage has swept so many
-    /// eighths of it.
+    /// m, µm: what the memory of a start in the middle of the range may still be off by once the voltage has swept so
+    /// many eighths of it.
     pub memory_um: [f32; SPANS],
     /// e, 0 … 1: what of m a start at an end of the range leaves open.
     pub memory_at_ends: f32,
@@ -39,7 +39,8 @@ pub struct IntervalParameters {
     pub gain: f32,
     /// Half-width for each decade of time since the start, µm.
     pub drift_um: f32,
-    /// Least time from the start to where a displacement may be told, s: earlier, an actuator that moves is still on its way.
+    /// Least time from the start to where a displacement may be told, s: earlier, an actuator that moves is still
+    /// on its way.
     pub earliest_s: f32,
 }
 

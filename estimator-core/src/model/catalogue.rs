@@ -1,8 +1,9 @@
 //! The one list of models. A line makes a model a choice of the table, of the tools and of the firmware.
 //!
-//! To add one: a file with its parameters ([`Published`]) and its recursion, the parameters' `pub use` in `model` and at the
-//! root of this crate, where tables written as Rust find them, and a line at the end of this file.
-//! No other source of this crate lists them; an identification needs a family, besides. The example `own_model` of the crate `identification` has every step.
+//! To add one: a file with its parameters ([`Published`]) and its recursion, the parameters' `pub use` in `model` and
+//! at the root of this crate, where tables written as Rust find them, and a line at the end of this file. No other
+//! source of this crate lists them; an identification needs a family, besides. The example `own_model` of the crate
+//! `identification` has every step.
 
 use super::published::{Discretisation, Published};
 use super::{Process, Recursion, Running};
@@ -38,8 +39,8 @@ macro_rules! models {
                 match self { $(Self::$model => concat!($($line),+).trim_ascii(),)* }
             }
 
-            /// Most cycles of its tick on the board, to estimate and to drive; [`Parameters::most_cycles`] tells a model's parameters
-            /// apart.
+            /// Most cycles of its tick on the board, to estimate and to drive; [`Parameters::most_cycles`] tells a
+            /// model's parameters apart.
             pub(crate) const fn most_cycles(self) -> (u32, u32) {
                 match self { $(Self::$model => $cycles,)* }
             }
@@ -150,8 +151,8 @@ macro_rules! models {
     };
 }
 
-// Of each: what it is, the name, the label, the parameters; and the most cycles of a tick on the board, to estimate and to drive, of
-// which `table/cycles.rs` says more. A model without an inverse has the first twice.
+// Of each: what it is, the name, the label, the parameters; and the most cycles of a tick on the board, to estimate and
+// to drive, of which `table/cycles.rs` says more. A model without an inverse has the first twice.
 models! {
     /// Eq. (4.8): five parameters, no extremum term.
     Voigt, "voigt", "Voigt (4.8)", VoigtParameters, (10_200, 19_800);

@@ -6,15 +6,15 @@
 //! where p has moved, what is shown becomes the memory, and stands at u
 //! ```
 //!
-//! Duhem's and Bouc-Wen's equations advance with |du|. The noise of a converter is a path without end: at rest it would make
-//! them forget all that there is to remember. A play does not move while the input stays within ±¾·δ of it, and then nothing is
-//! kept: the displacement follows the input to and fro on one curve. A retreat of more than 1.5·δ moves it. With δ midway between
-//! two numbers of codes ([`between_codes`](crate::extremum::between_codes)) that is no whole number of them, by a quarter at least,
-//! so that no rounding decides what a code is.
+//! Duhem's and Bouc-Wen's equations advance with |du|. The noise of a converter is a path without end: at rest it would
+//! make them forget all that there is to remember. A play does not move while the input stays within ±¾·δ of it, and
+//! then nothing is kept: the displacement follows the input to and fro on one curve. A retreat of more than 1.5·δ moves
+//! it. With δ midway between two numbers of codes ([`between_codes`](crate::extremum::between_codes)) that is no whole
+//! number of them, by a quarter at least, so that no rounding decides what a code is.
 //!
 //! The memory does not take the play's way but the input's, so that no loop is shifted, nor cut short: of an input
-//! whose reversals are more than 1.5·δ apart the answer is the equation's own. What is shown is continuous, for what becomes
-//! the memory has been shown before.
+//! whose reversals are more than 1.5·δ apart the answer is the equation's own. What is shown is continuous, for what
+//! becomes the memory has been shown before.
 
 use super::play::play;
 use crate::math::Real;
@@ -38,8 +38,8 @@ impl<T: Real, M: Copy> Held<T, M> {
         Self { play: at, at, memory }
     }
 
-    /// One tick: takes the input, returns the memory as it is shown there. `follow` is the equation's answer, from a memory, to a
-    /// monotone move from one input to another; `half_width` is ¾·δ.
+    /// One tick: takes the input, returns the memory as it is shown there. `follow` is the equation's answer, from a
+    /// memory, to a monotone move from one input to another; `half_width` is ¾·δ.
     #[inline]
     pub fn step(&mut self, input: T, half_width: T, follow: impl FnOnce(M, T, T) -> M) -> M {
         let shown = self.shown(input, follow);

@@ -4,9 +4,10 @@
 //! y_a = y + a·(y − y'),   a = min(−lag/t_s, 1) for lag < 0     y' the displacement a tick ago
 //! ```
 //!
-//! For tick k + 1 such a model gives what the voltage of tick k makes. A sensor that is read at the same instant as the voltage is a
-//! whole tick ahead of that, and no lag can be short enough. The displacement is extrapolated and not the input, since an input that may
-//! not come true must move no memory. What goes beyond the displacements that the model can reach is left to the table's limits.
+//! For tick k + 1 such a model gives what the voltage of tick k makes. A sensor that is read at the same instant as the
+//! voltage is a whole tick ahead of that, and no lag can be short enough. The displacement is extrapolated and not the
+//! input, since an input that may not come true must move no memory. What goes beyond the displacements that the model
+//! can reach is left to the table's limits.
 
 use crate::math::Real;
 use crate::rule::Rule;
@@ -32,7 +33,8 @@ impl<T: Real> LookAhead<T> {
         Self(T::zero())
     }
 
-    /// A quantity seen ahead; without a look-ahead it is the one of now itself, and the one a tick ago is not asked for.
+    /// A quantity seen ahead; without a look-ahead it is the one of now itself, and the one a tick ago is
+    /// not asked for.
     #[inline]
     pub fn of(&self, now: T, before: impl FnOnce() -> T) -> T {
         if self.0 > T::zero() { now + self.0 * (now - before()) } else { now }

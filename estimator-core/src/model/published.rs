@@ -34,8 +34,8 @@ pub struct Discretisation<T> {
     pub sample_period: T,
     /// How the Voigt family's differential equation becomes a recursion.
     pub scheme: Scheme,
-    /// Retreat of the voltage from its running extreme that counts as a reversal, V; Duhem's and Bouc-Wen's memory is held while
-    /// the voltage stays within so much either way ([`Held`](super::Held)).
+    /// Retreat of the voltage from its running extreme that counts as a reversal, V; Duhem's and Bouc-Wen's memory is
+    /// held while the voltage stays within so much either way ([`Held`](super::Held)).
     pub deadband: T,
 }
 
@@ -48,8 +48,8 @@ pub trait Published: Copy {
     /// mean nothing.
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Self::Coefficients<T>;
 
-    /// The same where the voltage comes from a converter whose codes are `step` volts apart: a deadband among the parameters is
-    /// taken [between two numbers of codes](crate::extremum::between_codes).
+    /// The same where the voltage comes from a converter whose codes are `step` volts apart: a deadband among the
+    /// parameters is taken [between two numbers of codes](crate::extremum::between_codes).
     #[must_use]
     fn between_codes(self, _step: f32) -> Self {
         self
@@ -63,7 +63,8 @@ pub trait Published: Copy {
     fn check(&self) -> Result<(), Rule>;
 
     /// Ticks by which the displacement comes later than the monotone part of the model has it
-    /// ([`Recursion::monotone_part`]), for a voltage that stands for a tick: what whoever knows a reference ahead of time can make up for.
+    /// ([`Recursion::monotone_part`]), for a voltage that stands for a tick: what whoever knows a reference ahead of
+    /// time can make up for.
     fn delay_ticks(&self) -> f32 {
         0.0
     }

@@ -22,8 +22,8 @@ pub trait Recursion<T: Real>: Sized {
         self.step(&mut state.clone(), voltage)
     }
 
-    /// The first tick: [`begin`](Self::begin) and [`step`](Self::step) at one voltage, with what both need computed once where
-    /// a model can.
+    /// The first tick: [`begin`](Self::begin) and [`step`](Self::step) at one voltage, with what both need computed
+    /// once where a model can.
     #[inline]
     fn first(&self, voltage: T, displacement: Option<T>) -> (Self::State, T) {
         let mut state = self.begin(voltage, displacement);
@@ -31,17 +31,18 @@ pub trait Recursion<T: Real>: Sized {
         (state, displacement)
     }
 
-    /// Displacements (µm) out of which no sequence of voltages of this range (V) leads: what the model's structure
-    /// can reach, whatever `limits` are; or, where its memory is the displacement itself, `limits` if they are
-    /// proven to hold for every start within them. What a resonance swings beyond `limits`, or a look-ahead extrapolates, is
-    /// left to the clamp.
+    /// Displacements (µm) out of which no sequence of voltages of this range (V) leads: what the model's structure can
+    /// reach, whatever `limits` are; or, where its memory is the displacement itself, `limits` if they are proven to
+    /// hold for every start within them. What a resonance swings beyond `limits`, or a look-ahead extrapolates, is left
+    /// to the clamp.
     ///
     /// # Errors
     /// The recursion is unstable or has no bound, or the bound is not within `limits`.
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>>;
 
-    /// The same model for a voltage that stands for a tick, as a converter gives it, where the model takes that of a log to run
-    /// straight from sample to sample: of voltages that it gives itself, what it predicts is not a tick ahead of them.
+    /// The same model for a voltage that stands for a tick, as a converter gives it, where the model takes that of a
+    /// log to run straight from sample to sample: of voltages that it gives itself, what it predicts is not a tick
+    /// ahead of them.
     fn of_held_voltage(&self) -> Self
     where
         Self: Clone,
@@ -49,9 +50,9 @@ pub trait Recursion<T: Real>: Sized {
         self.clone()
     }
 
-    /// Of a voltage that stands for a tick, the model without delay and resonance, whose displacement a tick later rises with this tick's voltage. `None`
-    /// where the model has no such part. Parameters that bend it until it falls are found by
-    /// [`Inverse::build`](crate::Inverse::build).
+    /// Of a voltage that stands for a tick, the model without delay and resonance, whose displacement a tick later
+    /// rises with this tick's voltage. `None` where the model has no such part. Parameters that bend it until it falls
+    /// are found by [`Inverse::build`](crate::Inverse::build).
     fn monotone_part(&self) -> Option<Self>;
 
     /// Replaces the displacement that the memory holds by a measured one (µm), as one-step prediction (Eq. 4.3) does.
@@ -76,8 +77,8 @@ const BISECTIONS: usize = 28;
 /// Steps of [`solve_in_time`]: to four millionths of where it begins.
 const FEW: usize = 18;
 
-/// The lowest argument between `low` and `high` at which a non-decreasing function has at least this value; `high` itself where
-/// it has not. Always the same number of steps, so that it takes as long on every tick.
+/// The lowest argument between `low` and `high` at which a non-decreasing function has at least this value; `high`
+/// itself where it has not. Always the same number of steps, so that it takes as long on every tick.
 pub fn solve<T: Real>(value: T, low: T, high: T, function: impl Fn(T) -> T) -> T {
     halve(BISECTIONS, value, low, high, function)
 }

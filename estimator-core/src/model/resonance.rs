@@ -1,28 +1,31 @@
-//! A lightly damped mechanical resonance, `ÿ + 2ζω·ẏ + ω²·y = ω²·w`, exact for an input that runs straight within a tick.
+//! A lightly damped mechanical resonance, `ÿ + 2ζω·ẏ + ω²·y = ω²·w`, exact for an input that runs straight
+//! within a tick.
 //!
-//! On a straight input with slope r the steady answer is `w − 2ζr/ω`, moving with r; what differs from it swings freely, turned
-//! and shrunk by `exp(A·t_s)` a tick. With `φ = ω·t_s`, `√ = √(1 − ζ²)`, `S = e^(−ζφ)·sin(φ√)/√`, `C = e^(−ζφ)·cos(φ√)`, the velocity v
-//! in µm a tick, and w → w + Δw, that is
+//! On a straight input with slope r the steady answer is `w − 2ζr/ω`, moving with r; what differs from it swings
+//! freely, turned and shrunk by `exp(A·t_s)` a tick. With `φ = ω·t_s`, `√ = √(1 − ζ²)`, `S = e^(−ζφ)·sin(φ√)/√`, `C =
+//! e^(−ζφ)·cos(φ√)`, the velocity v in µm a tick, and w → w + Δw, that is
 //!
 //! ```text
 //! y ← y + (S/φ)·v − h·(y − w) + k·Δw     h = 1 − C − ζS,   k = 1 − 2ζh/φ − S/φ
 //! v ← v − e·v − φS·(y − w) + h·Δw        e = 1 − C + ζS
 //! ```
 //!
-//! Written as what a tick adds, because of what an `f32` rounds: a velocity that is off by δ every tick moves the displacement by
-//! δ/φ², and this rounds a velocity of the size that it has, φ times a displacement, not one from which Δw was taken and put back.
+//! Written as what a tick adds, because of what an `f32` rounds: a velocity that is off by δ every tick moves the
+//! displacement by δ/φ², and this rounds a velocity of the size that it has, φ times a displacement, not one from which
+//! Δw was taken and put back.
 //!
-//! **Bound.** With `g` the answer to an impulse and `Λ` the hat that is 1 at a tick and 0 at its neighbours, the answer to an
-//! input that runs straight from tick to tick is a sum over the ticks,
+//! **Bound.** With `g` the answer to an impulse and `Λ` the hat that is 1 at a tick and 0 at its neighbours, the answer
+//! to an input that runs straight from tick to tick is a sum over the ticks,
 //!
 //! ```text
 //! y(n) = Σ h_k·w(n−k),   h_k = ∫ g(t)·Λ(t/t_s − k) dt,   Σ h_k = 1
 //! Σ |h_k| ≤ ∫ |g(t)| dt = (1 + q)/(1 − q),   q = exp(−πζ/√(1 − ζ²))
 //! ```
 //!
-//! because the hats add up to 1, and every half swing of `g` is q times the one before. So an input within ± R about a middle,
-//! whatever its sequence, draws the displacement no further than ± R·(1 + q)/(1 − q) about it: 1/ζ times 2/π where the damping
-//! is small. An input that swings with the resonance comes close to it. The velocity stays within ± R·∫ |g′(t)| dt ≤ R·2φ/(1 − q) a tick.
+//! because the hats add up to 1, and every half swing of `g` is q times the one before. So an input within ± R about a
+//! middle, whatever its sequence, draws the displacement no further than ± R·(1 + q)/(1 − q) about it: 1/ζ times 2/π
+//! where the damping is small. An input that swings with the resonance comes close to it. The velocity stays within ±
+//! R·∫ |g′(t)| dt ≤ R·2φ/(1 − q) a tick.
 
 use crate::admissible::Inadmissible;
 use crate::math::Real;
@@ -47,12 +50,13 @@ pub struct Resonance<T> {
     pull: T,
 }
 
-/// Part of the swing's square that a tick takes away at least: the coefficients of an f32 then have the loss to within a
-/// thousandth.
+/// Part of the swing's square that a tick takes away at least: the coefficients of an f32 then have the loss to
+/// within a thousandth.
 const LEAST_LOSS: f32 = 1.0 / 4096.0;
 /// Least φ, a 400th of a turn: 5 Hz at 2 kHz. What is slower an f32 damps less and less as it should.
 const LEAST_ANGLE: f32 = core::f32::consts::TAU / 400.0;
-/// Roundings of an f32 that a tick makes at most in each of the two, each of half a unit in the last place of the largest number in it.
+/// Roundings of an f32 that a tick makes at most in each of the two, each of half a unit in the last place of the
+/// largest number in it.
 const ROUNDINGS: f32 = 16.0;
 
 /// Displacement (µm), velocity (µm a tick) and the input of a tick ago (µm).
@@ -104,8 +108,8 @@ impl<T: Real> Resonance<T> {
         }
     }
 
-    /// Whether it swings, and swings out, in this number type: no number overflows, the frequency is a 400th of the tick rate at least
-    /// and below half of it, and a tick takes at least 1/4096 of the swing's square.
+    /// Whether it swings, and swings out, in this number type: no number overflows, the frequency is a 400th of the
+    /// tick rate at least and below half of it, and a tick takes at least 1/4096 of the swing's square.
     ///
     /// # Errors
     /// Which of these it is not.
@@ -127,8 +131,8 @@ impl<T: Real> Resonance<T> {
         self.follow + self.brake - self.follow * self.brake - self.drift * self.pull
     }
 
-    /// How far the displacement can swing beyond the range of the input, as a multiple of it about its middle, at least 1:
-    /// what the sum of `|h_k|` is at most.
+    /// How far the displacement can swing beyond the range of the input, as a multiple of it about its middle, at least
+    /// 1: what the sum of `|h_k|` is at most.
     pub fn gain(&self) -> T {
         self.gain
     }
@@ -141,8 +145,8 @@ impl<T: Real> Resonance<T> {
         self.check()?;
         let (half, middle) = (input.span() * T::of(0.5), input.middle());
         let swing = half * self.gain;
-        // A displacement that is off dies out as a swing does: 1/loss of it add up, of the square's loss twice that. A velocity that is
-        // off acts as an input that is off by 1/φ² of it would. 1/(1 − q) is half of gain + 1.
+        // A displacement that is off dies out as a swing does: 1/loss of it add up, of the square's loss twice that. A
+        // velocity that is off acts as an input that is off by 1/φ² of it would. 1/(1 − q) is half of gain + 1.
         let of_displacement = T::of(2.0) / self.loss() * (middle.abs() + swing);
         let velocity = self.angle * half * (self.gain + T::one());
         let of_velocity = self.gain / (self.angle * self.angle) * velocity;
@@ -164,8 +168,8 @@ impl<T: Real> Resonance<T> {
     }
 }
 
-/// Sine and cosine of an angle from 0 to π: Taylor's series of a quarter of it, doubled twice. libm's for f32 computes in f64,
-/// which the target has no unit for.
+/// Sine and cosine of an angle from 0 to π: Taylor's series of a quarter of it, doubled twice. libm's for f32 computes
+/// in f64, which the target has no unit for.
 fn sin_cos<T: Real>(angle: T) -> (T, T) {
     let x = angle * T::of(0.25);
     let square = x * x;

@@ -27,8 +27,8 @@ impl Model {
 }
 
 impl Parameters {
-    /// Checks every parameter by itself and beside the others ([`Published::check`](super::Published::check)); terms that
-    /// a model lacks must be 0.
+    /// Checks every parameter by itself and beside the others ([`Published::check`](super::Published::check)); terms
+    /// that a model lacks must be 0.
     ///
     /// # Errors
     /// The rule that they break.
@@ -47,7 +47,8 @@ impl Parameters {
         ])
     }
 
-    /// The parameters of a model of the Voigt family. Any other model is taken for the enhanced one, which has all terms.
+    /// The parameters of a model of the Voigt family. Any other model is taken for the enhanced one, which
+    /// has all terms.
     pub const fn of_voigt_family(model: Model, parameters: VoigtParameters) -> Self {
         match model {
             Model::Voigt => Self::Voigt(parameters),

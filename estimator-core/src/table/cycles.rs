@@ -1,16 +1,18 @@
 //! How long a table's tick takes on the board, of the time that it has there.
 //!
-//! Cycles of the board's core, a Cortex-M4F at 170 MHz behind flash with four wait states, that the tick's whole interrupt takes.
-//! They are the most that was observed in the emulated board on inputs that are to be the worst, with the largest table of each
-//! model (a full memory, a search that ends with its last step), counted with every documented cost at its most and empty
-//! caches, and [`MARGIN_PERCENT`] beyond, rounded up by a few more: where the linker puts the code moves them by 2 %. That is no proof that
-//! no input takes more. `cargo xtask cycles` prints what they are made of; the check `figures` fails where the margin has become
-//! less than 3 %, or far too large. Those of a model stand in its line of the [catalogue](crate::model::catalogue); here are those of
-//! a table that takes other ones than its model.
+//! Cycles of the board's core, a Cortex-M4F at 170 MHz behind flash with four wait states, that the tick's whole
+//! interrupt takes. They are the most that was observed in the emulated board on inputs that are to be the worst, with
+//! the largest table of each model (a full memory, a search that ends with its last step), counted with every
+//! documented cost at its most and empty caches, and [`MARGIN_PERCENT`] beyond, rounded up by a few more: where the
+//! linker puts the code moves them by 2 %. That is no proof that no input takes more. `cargo xtask cycles` prints what
+//! they are made of; the check `figures` fails where the margin has become less than 3 %, or far too large. Those of a
+//! model stand in its line of the [catalogue](crate::model::catalogue); here are those of a table that takes other ones
+//! than its model.
 //!
-//! A tick may take [`ALLOWED_PERCENT`] of its time: the rest is the serial line's, the flash's and the host's. That so much is left
-//! between the converter's end and the next trigger, the board's image sees to at each of its rates. At 1 kHz the output's codes are
-//! twice as many as where the cycles were counted, at 2 kHz: some hundreds, which the margin holds.
+//! A tick may take [`ALLOWED_PERCENT`] of its time: the rest is the serial line's, the flash's and the host's. That
+//! so much is left between the converter's end and the next trigger, the board's image sees to at each of its rates.
+//! At 1 kHz the output's codes are twice as many as where the cycles were counted, at 2 kHz: some hundreds, which
+//! the margin holds.
 
 use super::Table;
 use crate::model::Parameters;
@@ -60,8 +62,9 @@ impl Table {
         Cycles { most, period: CYCLES_PER_US.saturating_mul(self.sample_period_us) }
     }
 
-    /// Whether it is no model, but a straight line, as a board is measured with before it has one: the Prandtl-Ishlinskii model with
-    /// one play and nothing behind it, and no interval, which is most of what an estimate takes.
+    /// Whether it is no model, but a straight line, as a board is measured with before it has one: the
+    /// Prandtl-Ishlinskii model with one play and nothing behind it, and no interval, which is most of what
+    /// an estimate takes.
     fn is_straight_line(&self) -> bool {
         let straight = match &self.parameters {
             Parameters::PrandtlIshlinskii(of) => of.thresholds_v.len() == 1 && of.dead_zones_um.is_empty(),
@@ -84,8 +87,8 @@ impl Parameters {
     }
 }
 
-/// Of the Bouc-Wen model with exponents other than 1, which integrates in steps: exponent 2, and any other. What of this and below
-/// is too much for a board was observed before boards refused it.
+/// Of the Bouc-Wen model with exponents other than 1, which integrates in steps: exponent 2, and any other. What of
+/// this and below is too much for a board was observed before boards refused it.
 const BOUC_WEN_SQUARE: (u32, u32) = (18_300, 68_700);
 const BOUC_WEN_POWER: (u32, u32) = (88_000, 245_900);
 

@@ -1,5 +1,5 @@
-//! Whether a table may drive the amplifier: its model has an inverse within the limits, and the converters and an `f32` resolve
-//! what it puts out.
+//! Whether a table may drive the amplifier: its model has an inverse within the limits, and the converters and an `f32`
+//! resolve what it puts out.
 
 use super::{Admitted, LARGEST_OFFSET_CODE, OFFSET_RULE, TableError};
 use crate::calibration::{DriveCalibration, DriveLimits};
@@ -8,13 +8,13 @@ use crate::math::Real;
 use crate::range::Range;
 use crate::rule::Rule;
 
-/// What a drive changes its voltage by in a tick is so many machine epsilons of its largest voltage at least. Each change is then
-/// rounded by less than a thirtieth; by one of half an epsilon the voltage would stand still.
+/// What a drive changes its voltage by in a tick is so many machine epsilons of its largest voltage at least. Each
+/// change is then rounded by less than a thirtieth; by one of half an epsilon the voltage would stand still.
 const LEAST_STRIDE_EPSILONS: f32 = 16.0;
 const STRIDE_RULE: Rule =
     "the drive's slew_v_per_s must be larger: a tick's change of the voltage would be lost in rounding";
-/// A drive goes through its range in this time at most, s. A device that fails goes to rest before it starts anew, and answers
-/// nobody meanwhile; an actuator creeps as much in ten minutes as a slower ramp is there to avoid.
+/// A drive goes through its range in this time at most, s. A device that fails goes to rest before it starts anew, and
+/// answers nobody meanwhile; an actuator creeps as much in ten minutes as a slower ramp is there to avoid.
 const LONGEST_SWEEP_S: f32 = 600.0;
 
 impl Admitted {
@@ -37,7 +37,8 @@ impl Admitted {
         Inverse::build(&self.engine(), &context, limits)
     }
 
-    /// Whether an inverse that computes in `T` tells its voltages of two ticks apart, at its slowest and wherever in its range.
+    /// Whether an inverse that computes in `T` tells its voltages of two ticks apart, at its slowest and wherever
+    /// in its range.
     fn resolves_stride<T: Real>(&self, limits: &DriveLimits) -> bool {
         let Range { min, max } = limits.range_v;
         let zero = self.voltage_zero_v;

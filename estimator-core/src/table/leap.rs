@@ -6,8 +6,8 @@
 
 use super::Table;
 
-/// This part of the ADC's range is left to noise: 43 codes of 12 bits. Two codes with a noise of 5 of them rms differ by 7 rms, and
-/// by six times that once in days.
+/// This part of the ADC's range is left to noise: 43 codes of 12 bits. Two codes with a noise of 5 of them rms differ
+/// by 7 rms, and by six times that once in days.
 const NOISE: u16 = 96;
 
 /// What a device holds as more than the amplifier can, codes of the ADC.
@@ -45,8 +45,9 @@ impl Table {
         self.least_leap().map(|leap| leap.after(1) as f32 * self.adc.gain_v_per_code)
     }
 
-    /// Whether a device finds a monitor's wire that comes off. From an open input that reads the middle of the table's voltages none
-    /// is farther than half of their range: where the least leap is more, nothing within the range is ever held.
+    /// Whether a device finds a monitor's wire that comes off. From an open input that reads the middle of the
+    /// table's voltages none is farther than half of their range: where the least leap is more, nothing within the
+    /// range is ever held.
     #[must_use]
     pub fn finds_open_wire(&self) -> bool {
         self.least_leap_v().is_some_and(|volts| volts <= 0.5 * self.voltage_range_v.span())

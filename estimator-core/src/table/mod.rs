@@ -2,8 +2,8 @@
 //!
 //! It is written as `table.toml` for people, as a Rust `const` for the firmware image, and as a binary record for a
 //! flash page ([`crate::record`]). All numbers are `f32`, so the three are equal to the last bit and the reference runs
-//! on the very parameters that the target has. A [`Table`] is only data; an [`Admitted`] one has passed every check, and
-//! nothing else makes an [`Estimator`](crate::Estimator).
+//! on the very parameters that the target has. A [`Table`] is only data; an [`Admitted`] one has passed every check,
+//! and nothing else makes an [`Estimator`](crate::Estimator).
 
 mod cycles;
 mod digest;
@@ -41,8 +41,8 @@ pub struct Provenance {
     pub tool_version: [u16; 3],
     /// Mean absolute simulation error on the training logs, µm.
     pub train_mae_um: f32,
-    /// The same on what was held out, µm, of the model before it was learnt from that, too, where it was; `None` where nothing was held
-    /// out.
+    /// The same on what was held out, µm, of the model before it was learnt from that, too, where it was; `None` where
+    /// nothing was held out.
     pub validation_mae_um: Option<f32>,
     /// Largest absolute simulation error there, µm.
     pub validation_max_um: Option<f32>,
@@ -57,14 +57,15 @@ pub struct Table {
     /// How the Voigt family's differential equation becomes a recursion; of every other model forward Euler, and
     /// without effect.
     pub scheme: Scheme,
-    /// Retreat from the running extreme that counts as a reversal, V; to the model it stands midway between the two numbers of
-    /// codes that it lies between ([`retreat_v`](Self::retreat_v)), as a deadband among its parameters does.
+    /// Retreat from the running extreme that counts as a reversal, V; to the model it stands midway between the two
+    /// numbers of codes that it lies between ([`retreat_v`](Self::retreat_v)), as a deadband among its parameters does.
     pub deadband_v: f32,
     /// Amplifier voltage that the model calls 0, V.
     pub voltage_zero_v: f32,
     /// Sensor reading that the model calls 0, µm. The estimate is relative to it.
     pub displacement_zero_um: f32,
-    /// Voltages the model was identified on, relative to its zero, V. Beyond, the estimator holds the nearest and says so.
+    /// Voltages the model was identified on, relative to its zero, V. Beyond, the estimator holds the nearest
+    /// and says so.
     pub voltage_range_v: Range,
     /// The estimate never leaves these, µm relative to the model's zero.
     pub displacement_limits_um: Range,
@@ -72,7 +73,8 @@ pub struct Table {
     pub parameters: Parameters,
     /// From the ADC's codes to the amplifier's voltage, V.
     pub adc: AdcCalibration,
-    /// Fastest change of the amplifier's voltage, V/s; `None` where nobody said it. A device holds what leaps beyond it.
+    /// Fastest change of the amplifier's voltage, V/s; `None` where nobody said it. A device holds what
+    /// leaps beyond it.
     pub amplifier_slew_v_per_s: Option<f32>,
     /// From the displacement, µm, to the DAC's codes; not used where there is a drive.
     pub dac: DacCalibration,
@@ -103,12 +105,13 @@ const LARGEST_OFFSET_CODE: f32 = 1_048_576.0;
 const OFFSET_RULE: Rule = "the DAC's offset_code must lie within a million codes, so that an f32 tells two codes apart";
 /// Voltages beyond this (V) are refused: no amplifier for piezos reaches it.
 const LARGEST_VOLTAGE_V: f32 = 1e5;
-/// A range of voltages narrower than this (V) is refused: no converter sees it, and what is divided by it may be no number.
+/// A range of voltages narrower than this (V) is refused: no converter sees it, and what is divided by it may
+/// be no number.
 const LEAST_VOLTAGES_V: f32 = 1e-6;
 impl Admitted {
-    /// How far voltages in step with the model's resonance could make the displacement swing, µm, where that is beyond the
-    /// limits: the estimate is then held at them, and says so ([`Status::CLAMPED`](crate::Status::CLAMPED)). Every other table
-    /// stays within its limits by itself.
+    /// How far voltages in step with the model's resonance could make the displacement swing, µm, where that is beyond
+    /// the limits: the estimate is then held at them, and says so ([`Status::CLAMPED`](crate::Status::CLAMPED)). Every
+    /// other table stays within its limits by itself.
     pub fn rings(&self) -> Option<Range> {
         let Parameters::GeneralisedPrandtlIshlinskii(parameters) = &self.parameters else { return None };
         let reach =

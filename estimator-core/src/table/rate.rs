@@ -6,7 +6,8 @@
 //! | the generalised Prandtl-Ishlinskii operator | times are in s and Hz, but for its delay, which is kept as a time: the estimate of a tick comes [`delay_ticks`](crate::GeneralisedPrandtlIshlinskiiParameters::delay_ticks) + 1 ticks after its voltage |
 //! | all others | bound to their tick: what a voltage does at once they show at the next tick, and the fit has made that time part of what it found |
 //!
-//! A voltage is taken to be held, or to run straight, within a tick: at another the estimate is another by what it does there.
+//! A voltage is taken to be held, or to run straight, within a tick: at another the estimate is another by what
+//! it does there.
 
 use super::Table;
 use crate::interval::IntervalParameters;

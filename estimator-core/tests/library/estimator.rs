@@ -106,8 +106,8 @@ fn starts_at_rest_and_stays_there() {
 fn what_is_wrong_is_said() {
     let narrow = Table { dac: DacCalibration { gain_codes_per_um: 1000.0, ..table().dac }, ..table() };
     let mut estimator = running(narrow);
-    // Reversals half of the 40 V apart settle it, seen when the voltage has left them: 2, 1, 3 and −8 V do not; 3 and −17.5 V
-    // do, whatever ripple lies between.
+    // Reversals half of the 40 V apart settle it, seen when the voltage has left them: 2, 1, 3 and −8 V do not; 3 and
+    // −17.5 V do, whatever ripple lies between.
     let swing = [1.0f32, 2.0, 1.0, 3.0, -8.0, -7.0, -17.5];
     let voltages = swing.map(|voltage| (voltage, false)).into_iter().chain([(4.0, true), (3.0, true)]);
     for (voltage, settled) in voltages {

@@ -1,5 +1,5 @@
-//! The memory of Duhem's and Bouc-Wen's equations, held within the table's deadband: what lies within it leaves nothing behind, what
-//! goes beyond it has the equation's own answer.
+//! The memory of Duhem's and Bouc-Wen's equations, held within the table's deadband: what lies within it leaves nothing
+//! behind, what goes beyond it has the equation's own answer.
 
 use crate::common::models::parameters;
 use estimator_core::*;
@@ -93,7 +93,8 @@ proptest! {
     }
 }
 
-/// Of codes, which retreat by whole numbers: whatever the number and wherever the voltage turns, an `f32` keeps what an `f64` keeps.
+/// Of codes, which retreat by whole numbers: whatever the number and wherever the voltage turns, an `f32` keeps what
+/// an `f64` keeps.
 #[test]
 fn the_rounding_decides_nothing_that_is_kept() {
     const CODES: u16 = 15;

@@ -225,7 +225,8 @@ fn age_counts_decades_since_it_was_told() {
     assert!((drift - 2.0).abs() < 0.02, "{drift}");
 }
 
-/// The target's precision, over minutes of ticks with a wild voltage: never anything but a positive number, and none beyond the range.
+/// The target's precision, over minutes of ticks with a wild voltage: never anything but a positive number, and none
+/// beyond the range.
 #[test]
 fn it_is_a_positive_number_whatever_happens() {
     let mut single = Estimator::<f32>::new(&admitted());

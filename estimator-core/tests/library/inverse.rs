@@ -56,8 +56,8 @@ fn reachable<T: Real>(table: &Admitted, limits: &DriveLimits) -> (T, T) {
     ((low + high) / T::of(2.0), (high - low) / T::of(2.0))
 }
 
-/// Largest error once the reference has been met for the first time, and how many ticks that took. The model that judges is
-/// the estimator.
+/// Largest error once the reference has been met for the first time, and how many ticks that took. The model that
+/// judges is the estimator.
 fn round_trip<T: Real>(table: &Admitted, limits: &DriveLimits, reference: impl Fn(u16) -> T, ticks: u16) -> (T, u16) {
     let mut inverse = table.inverse::<T>(limits).unwrap();
     let mut judge = Estimator::<T>::new(table);
@@ -104,8 +104,8 @@ fn a_delay_and_a_resonance_are_left_out_and_come_late() {
     let (mut inverse, mut judge) = (table.inverse::<f64>(&LIMITS).unwrap(), Estimator::<f64>::new(&table));
     judge.tick_volts(LIMITS.rest_v.into());
     let wanted = |k: i32| 4.0 + 2.0 * (f64::from(k) * 0.01).sin();
-    // What a slow reference makes of a resonance at 400 Hz, and of half a tick between a voltage that stands and one that runs
-    // straight, is far below what a delay of three ticks makes.
+    // What a slow reference makes of a resonance at 400 Hz, and of half a tick between a voltage that stands and one
+    // that runs straight, is far below what a delay of three ticks makes.
     let ringing = GeneralisedPrandtlIshlinskiiParameters { delay_ticks: 0.0, ..of };
     let ringing = Table {
         parameters: Parameters::GeneralisedPrandtlIshlinskii(ringing),

@@ -14,7 +14,8 @@ fn with_lag(model: Model, lag_s: f32) -> Parameters {
     }
 }
 
-/// Displacements (µm) for the voltages 40 + 30·sin of 10 Hz, and of the same model for a voltage that stands for a tick.
+/// Displacements (µm) for the voltages 40 + 30·sin of 10 Hz, and of the same model for a voltage that stands
+/// for a tick.
 fn runs(parameters: &Parameters) -> [Vec<f64>; 2] {
     let discretisation = Discretisation { sample_period: TICK_S, scheme: Scheme::ForwardEuler, deadband: 0.0 };
     let engine = parameters.build::<f64>(&discretisation);

@@ -1,4 +1,5 @@
-//! What must hold of a table of any model: its record's length, no panic on any bytes, no displacement beyond the limits.
+//! What must hold of a table of any model: its record's length, no panic on any bytes, no displacement
+//! beyond the limits.
 
 use crate::common::interval;
 use crate::common::models::table_of;

@@ -57,8 +57,8 @@ proptest! {
         laws::stays_within(reach, 0.0, &model, voltages, start)?;
     }
 
-    /// The bound on the contraction is above every difference quotient. Two runs of what is admitted come together as ρ^⌊n/r_y⌋,
-    /// or, where a displacement at a reversal is among the inputs, part no further than they began.
+    /// The bound on the contraction is above every difference quotient. Two runs of what is admitted come together as
+    /// ρ^⌊n/r_y⌋, or, where a displacement at a reversal is among the inputs, part no further than they began.
     #[test]
     fn what_contracts_forgets_where_it_began(
         orders in (1u8..=3, 1u8..=3, 1u8..=3),

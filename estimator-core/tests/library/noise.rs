@@ -1,8 +1,9 @@
 //! What a converter's noise does at rest: nobody moves, and the estimate must not either.
 //!
-//! A major loop, half of the way back, then rest. One estimator is given the same code at every tick, another one that code with
-//! normal noise. What lies between their means is the drift that the noise makes. Duhem's and Bouc-Wen's equations advance with the
-//! length of the voltage's path, of which noise has no end: their memory is held within the deadband.
+//! A major loop, half of the way back, then rest. One estimator is given the same code at every tick, another one
+//! that code with normal noise. What lies between their means is the drift that the noise makes. Duhem's and
+//! Bouc-Wen's equations advance with the length of the voltage's path, of which noise has no end: their memory is
+//! held within the deadband.
 
 use crate::common::converter::table_read_by_12_bits;
 use estimator_core::*;
@@ -68,8 +69,8 @@ fn noise_at_rest_does_not_wipe_out_what_a_model_remembers() {
         for codes in [0.5f32, 1.0, 2.0] {
             // As `piezo identify` takes it: eight deviations.
             let drifts = drifts(&table(model, 8.0 * codes), codes.into());
-            // A code is a 3723rd of the voltages. In 20,000 draws the noise is now and then four deviations off, and as far a memory
-            // is moved once.
+            // A code is a 3723rd of the voltages. In 20,000 draws the noise is now and then four deviations off, and as
+            // far a memory is moved once.
             let most = 4.0 * f64::from(codes) / 3723.0;
             assert!(
                 drifts.iter().all(|drift| drift.abs() < most),

@@ -158,8 +158,8 @@ proptest! {
             let expected = exact.step(displacement);
             prop_assert!((expected - voltage).abs() < 1e-9, "{expected} V in closed form, {voltage} applied");
             let found = inverse.tick(displacement).voltage;
-            // What counts as reached, at the least slope (that of the play without width by the flattest part of S), and
-            // what the search's last step leaves of the whole range, which these limits allow in a tick.
+            // What counts as reached, at the least slope (that of the play without width by the flattest part of S),
+            // and what the search's last step leaves of the whole range, which these limits allow in a tick.
             let reached = f64::from(inverse::REACHED) * SPAN_UM / (0.08 * 0.4);
             let tolerance = reached + RANGE.span() / 2048.0;
             prop_assert!((found - voltage).abs() < tolerance, "{found} V found, {voltage} applied");

@@ -1,5 +1,6 @@
-//! What an `f32` is off by: every model in the target's number type beside the reference in `f64`, over codes that make
-//! hysteresis memories decide: retreats of just the deadband, memories that overflow, swings that shrink a code at a time, sawtooths.
+//! What an `f32` is off by: every model in the target's number type beside the reference in `f64`, over codes that
+//! make hysteresis memories decide: retreats of just the deadband, memories that overflow, swings that shrink a code
+//! at a time, sawtooths.
 #![cfg(not(feature = "micromath"))]
 
 use crate::common::VOIGT;
@@ -7,7 +8,8 @@ use crate::common::models::table_of;
 use estimator_core::model::CELLS;
 use estimator_core::*;
 
-/// The most that `f32` and `f64` differ by, of the span of the table's displacement limits. `book/src/promises.md` states it.
+/// The most that `f32` and `f64` differ by, of the span of the table's displacement limits.
+/// `book/src/promises.md` states it.
 const STATED: &[(Model, f64)] = &[
     (Model::Voigt, 2e-6),
     (Model::VoltageExtremum, 2e-6),

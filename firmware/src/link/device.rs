@@ -136,9 +136,9 @@ impl<F: NorFlash> Device<'_, F> {
         done.map_or_else(Reply::Refused, |()| Reply::Done)
     }
 
-    /// Brings the output to its safe code, at the drive's slew rate where there is one, however long that takes. It ends
-    /// whatever the output does: a device that waited here for ever could not even be reset. Where the tick does not come
-    /// any more, the watchdog ends this sooner.
+    /// Brings the output to its safe code, at the drive's slew rate where there is one, however long that takes. It
+    /// ends whatever the output does: a device that waited here for ever could not even be reset. Where the tick does
+    /// not come any more, the watchdog ends this sooner.
     pub async fn rest(&mut self) {
         let asked = Instant::now();
         while self.set_mode(Mode::Pause).await.is_err() && asked.elapsed() < PAUSED {
@@ -195,8 +195,8 @@ impl<F: NorFlash> Device<'_, F> {
         self.telemetry.streaming.store(on, Relaxed);
     }
 
-    /// Whether the mode is one that lasts only while the host that has set it speaks. To stay at a displacement is asked for; the
-    /// voltages of a session are held between its parts, by a host that goes on.
+    /// Whether the mode is one that lasts only while the host that has set it speaks. To stay at a displacement is
+    /// asked for; the voltages of a session are held between its parts, by a host that goes on.
     pub fn lent(&self) -> bool {
         let mode = self.telemetry.mode();
         let stays = mode == Mode::Follow && self.telemetry.holding.load(Relaxed);

@@ -1,7 +1,7 @@
 //! The serial link: answers requests one at a time and carries samples away.
 //!
-//! It never delays a tick. What it cannot carry away in time stays in the queue; what finds the queue full is dropped by
-//! the tick and counted, and the gap shows in the samples' numbers.
+//! It never delays a tick. What it cannot carry away in time stays in the queue; what finds the queue full is dropped
+//! by the tick and counted, and the gap shows in the samples' numbers.
 
 mod device;
 mod loaded;
@@ -27,11 +27,12 @@ use protocol::{Deframer, FrameError, Mode, Refusal, Reply, Request, Samples, ToD
 
 /// Longest wait before samples are sent: four to ten of them.
 const PACE: Duration = Duration::from_millis(4);
-/// How long a mode that the host has set lasts without a word from it. Some last for ever ([`Mode::lasts`]), and so does
-/// [`Mode::Follow`] while it holds a displacement that is to be held for ever.
+/// How long a mode that the host has set lasts without a word from it. Some last for ever ([`Mode::lasts`]), and so
+/// does [`Mode::Follow`] while it holds a displacement that is to be held for ever.
 pub const LEASE: Duration = Duration::from_secs(5);
-/// Bytes that are taken from the line at once. Each time samples, panel, lease and timer are looked at, too: with 64 bytes that was
-/// so often that a line without pauses brought more than was read, where a drive leaves the link a third of the time.
+/// Bytes that are taken from the line at once. Each time samples, panel, lease and timer are looked at, too: with 64
+/// bytes that was so often that a line without pauses brought more than was read, where a drive leaves the link a third
+/// of the time.
 const AT_ONCE: usize = 256;
 /// What a reply needs at most to leave the serial line's own buffers.
 const DRAIN: Duration = Duration::from_millis(10);
@@ -128,8 +129,8 @@ impl<'q, R: Read, W: Write, F: NorFlash, P: Front> Link<'q, R, W, F, P> {
         }
     }
 
-    /// Sends the samples that wait, and none that comes meanwhile: where the line is slower than they come, the queue would never be
-    /// empty, and no request, button or lease be looked at again.
+    /// Sends the samples that wait, and none that comes meanwhile: where the line is slower than they come, the queue
+    /// would never be empty, and no request, button or lease be looked at again.
     async fn carry(&mut self) {
         let mut waiting = self.device.queues.samples.len();
         while waiting > 0

@@ -50,8 +50,8 @@ impl<F: NorFlash> Device<'_, F> {
         Err(Refusal::Busy)
     }
 
-    /// Calls the displacement of now 0, for somebody beside the actuator: that of fed codes is none of it, and is told by who feeds
-    /// them alone.
+    /// Calls the displacement of now 0, for somebody beside the actuator: that of fed codes is none of it, and is told
+    /// by who feeds them alone.
     pub async fn zero(&mut self) -> Result<(), Refusal> {
         if !self.telemetry.mode().measures() {
             return Err(Refusal::NotEstimating);

@@ -22,8 +22,8 @@ impl Bias {
         f32::from_bits(self.um.load(Relaxed))
     }
 
-    /// Ticks since it was told, at most [`protocol::Health::OLDEST_BIAS_TICKS`]; `None` where it was not since the estimate
-    /// began.
+    /// Ticks since it was told, at most [`protocol::Health::OLDEST_BIAS_TICKS`]; `None` where it was not since
+    /// the estimate began.
     pub fn age_ticks(&self) -> Option<u32> {
         self.told.load(Relaxed).checked_sub(1)
     }

@@ -38,7 +38,8 @@ impl Tick<'_> {
         self.telemetry.was_told(taken.is_some());
     }
 
-    /// Begins a mode, wherever the output stands. An estimate from the ADC goes on, and so do the faults of what it reads.
+    /// Begins a mode, wherever the output stands. An estimate from the ADC goes on, and so do the faults of
+    /// what it reads.
     pub(super) fn enter(&mut self, mode: Mode) {
         let goes_on = self.mode.measures() && mode.measures();
         self.mode = mode;

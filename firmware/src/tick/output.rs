@@ -1,5 +1,5 @@
-//! What the tick has the DAC put out: what the estimate shows or the drive commands, or the safe output; and what the DAC is given
-//! for it.
+//! What the tick has the DAC put out: what the estimate shows or the drive commands, or the safe output; and what the
+//! DAC is given for it.
 
 use super::Tick;
 use crate::decimation::Streamed;
@@ -27,8 +27,8 @@ impl Tick<'_> {
         self.telemetry.given.tick(&self.telemetry.supply, parts)
     }
 
-    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code `setpoint`;
-    /// where not `sound`, the safe one.
+    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code
+    /// `setpoint`; where not `sound`, the safe one.
     pub(crate) fn output(&mut self, estimated: Codes, setpoint: Option<SetpointCode>, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
@@ -67,8 +67,9 @@ impl Tick<'_> {
         }
     }
 
-    /// What the board does with its pins at the beginning of a tick. `Some(level)` while a waveform is played: set the sync pin, which is
-    /// high while the code of a line's first point is put out, then call [`trigger`](Self::trigger). `None`: leave both pins alone.
+    /// What the board does with its pins at the beginning of a tick. `Some(level)` while a waveform is played: set the
+    /// sync pin, which is high while the code of a line's first point is put out, then call [`trigger`](Self::trigger).
+    /// `None`: leave both pins alone.
     #[inline]
     pub fn sync(&mut self) -> Option<bool> {
         self.player.sync()

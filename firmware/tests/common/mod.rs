@@ -63,7 +63,8 @@ pub fn driving() -> Admitted {
     Table { drive: Some(drive), ..*compiled() }.admit().expect("the Voigt family has an inverse")
 }
 
-/// A table whose drive takes more of a tick than there may be: Preisach's model, driving an amplifier as [`driving`] does.
+/// A table whose drive takes more of a tick than there may be: Preisach's model, driving an amplifier
+/// as [`driving`] does.
 pub fn too_long() -> Admitted {
     let densities_um = List::collect((0..CELLS).map(|_| 0.5)).expect("as many as there may be");
     let of = PreisachParameters { lower_v: -0.18, upper_v: 3.78, densities_um, offset_um: 0.0 };

@@ -67,8 +67,8 @@ impl Bench {
         Self::with(table, tick, |k, _| triangle(k).into())
     }
 
-    /// A device that follows a set-point from its start on, whose controller gives this code, but for noise, and whose amplifier
-    /// does what it is told.
+    /// A device that follows a set-point from its start on, whose controller gives this code, but for noise, and whose
+    /// amplifier does what it is told.
     pub fn controlled(code: Arc<AtomicU16>) -> Self {
         let table = linearising(true);
         let tick = started(Startup::new(Some(&table), &FACTS, Faults::empty()));

@@ -1,5 +1,5 @@
-//! A measured calibration into `board.toml`: its values are replaced where they stand, everything else in the file stays as it was
-//! written.
+//! A measured calibration into `board.toml`: its values are replaced where they stand, everything else in the file
+//! stays as it was written.
 
 use crate::board_file::{BoardFacts, BoardFileError, MOST_BYTES};
 use protocol::Uid;
@@ -114,7 +114,8 @@ impl Edited {
             .collect()
     }
 
-    /// The spans that a file which named no board had before, and that were not measured now: of which board they are, nothing says.
+    /// The spans that a file which named no board had before, and that were not measured now: of which board they
+    /// are, nothing says.
     pub fn unmeasured(&self, measured: &Measured) -> Vec<&'static str> {
         if self.before.board_uid.is_some() || measured.board_uid.is_none() {
             return Vec::new();

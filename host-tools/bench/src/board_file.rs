@@ -81,8 +81,8 @@ const WHAT: [(&str, &str); 12] = [
 ];
 
 impl BoardFacts {
-    /// The voltages at the amplifier that it may be driven to, V; `None` where nobody has said: the ADC may read more than the actuator
-    /// stands.
+    /// The voltages at the amplifier that it may be driven to, V; `None` where nobody has said: the ADC may read more
+    /// than the actuator stands.
     pub fn range_v(&self) -> Option<Range> {
         self.drive_range.map(|(zero, full)| ordered(Span { zero, full }))
     }

@@ -4,9 +4,10 @@
 //! g = (r₂ − r₁)/(c₂ − c₁)        at code 0: r₁ − g·c₁        at full scale: that + g · full scale
 //! ```
 //!
-//! r is what the instrument read, c the mean of the codes over a second meanwhile. A multimeter at the amplifier's output gives the
-//! line of the monitor's channel, and of the DAC where the board drives; the sensor's own display, or a multimeter at its output, that
-//! of the second channel. Whatever divider and offsets are in between, they are then in the line.
+//! r is what the instrument read, c the mean of the codes over a second meanwhile. A multimeter at the amplifier's
+//! output gives the line of the monitor's channel, and of the DAC where the board drives; the sensor's own display, or
+//! a multimeter at its output, that of the second channel. Whatever divider and offsets are in between, they are then
+//! in the line.
 
 mod channel;
 pub mod doubt;
@@ -56,8 +57,8 @@ pub struct Calibrating<'a> {
     pub interrupt: &'a Interrupt,
 }
 
-/// The instrument's reading at a point of this number, V or µm, if there is one by now. An error is why the last one was not taken,
-/// and said once.
+/// The instrument's reading at a point of this number, V or µm, if there is one by now. An error is why the last one
+/// was not taken, and said once.
 pub type Reading<'r, E> = dyn FnMut(usize, Option<CalibrationError>) -> Result<Option<f64>, E> + 'r;
 
 /// What has come of it.
@@ -69,11 +70,12 @@ pub struct Calibrated<E> {
 }
 
 impl Calibrating<'_> {
-    /// Both points. `reading` is asked again and again, with the point's number, until it has one; the average is taken then. Where
-    /// that reading cannot be taken, it is asked for another one with the reason. However this ends, a board that drove goes to rest.
+    /// Both points. `reading` is asked again and again, with the point's number, until it has one; the average is taken
+    /// then. Where that reading cannot be taken, it is asked for another one with the reason. However this ends, a
+    /// board that drove goes to rest.
     ///
-    /// Fails where the link does, a fault stops the drive, the codes are saturated, drift or cannot be believed, the reading cannot
-    /// be had, or the user has had enough.
+    /// Fails where the link does, a fault stops the drive, the codes are saturated, drift or cannot be believed, the
+    /// reading cannot be had, or the user has had enough.
     pub fn points<E: From<BenchError>>(mut self, reading: &mut Reading<'_, E>) -> Calibrated<E> {
         let points = self.both(reading);
         let home = match &self.stand {

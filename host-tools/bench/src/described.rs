@@ -6,8 +6,8 @@ use estimator_core::{AdcCode, Admitted, DacCode, DriveLimits, Range, Table};
 use feedforward::{Beyond, Plan, reach};
 use std::path::Path;
 
-/// What is said of a table with which a device does not find a monitor's wire that is off: nobody said how fast the amplifier is, or
-/// it is so fast that hardly any leap is more than it can.
+/// What is said of a table with which a device does not find a monitor's wire that is off: nobody said how fast the
+/// amplifier is, or it is so fast that hardly any leap is more than it can.
 pub fn wire_not_found(table: &Table) -> Option<String> {
     let found = "a monitor's wire that is off is not found";
     match table.least_leap_v() {
@@ -65,8 +65,8 @@ pub fn title(table: &Table) -> String {
     if is_line(table) { "straight line".to_owned() } else { table.model().to_string() }
 }
 
-/// A table as a sentence names it: by its file, its model, its checksum, and that of the file's own table, which has not the board's
-/// calibration.
+/// A table as a sentence names it: by its file, its model, its checksum, and that of the file's own table, which has
+/// not the board's calibration.
 pub fn called(file: &Path, table: &Admitted) -> String {
     let own = table_files::name(table);
     let from = table_files::read(file).ok().map(|(_, of_file)| table_files::name(&of_file)).filter(|from| *from != own);

@@ -1,5 +1,5 @@
-//! A board that drives the amplifier to a voltage and stays there for as long as the host says so: a host that dies, or is killed, is
-//! waited for for a second, and then the voltage goes to rest.
+//! A board that drives the amplifier to a voltage and stays there for as long as the host says so: a host that dies, or
+//! is killed, is waited for for a second, and then the voltage goes to rest.
 
 use crate::board_file::BoardFacts;
 use crate::calibration_error::CalibrationError;
@@ -100,7 +100,8 @@ fn ramp_s(travel: f64, slew_v_per_s: f32) -> f64 {
     travel.abs() / (OF_SLEW * f64::from(slew_v_per_s))
 }
 
-/// The limits of a table's drive, with the smaller slew where the board's file has one, if they and the file allow the voltages.
+/// The limits of a table's drive, with the smaller slew where the board's file has one, if they and the file
+/// allow the voltages.
 fn allowed(volts: [f32; 2], limits: DriveLimits, facts: &BoardFacts) -> Result<DriveLimits, BenchError> {
     let file = facts.drive_range.map(|(one, other)| Range { min: one.min(other) as f32, max: one.max(other) as f32 });
     let ranges = [

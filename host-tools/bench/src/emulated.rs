@@ -9,8 +9,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
-/// A PICMA stack of 5 µF on an amplifier of −30 … 130 V and 100 mA at most, its monitor on a 16-bit scale, and a capacitive sensor of
-/// 30 µm and 3 kHz.
+/// A PICMA stack of 5 µF on an amplifier of −30 … 130 V and 100 mA at most, its monitor on a 16-bit scale, and a
+/// capacitive sensor of 30 µm and 3 kHz.
 pub const EMULATED: BoardFacts = BoardFacts {
     adc_span: Some((-35.0, 135.0)),
     adc_full_scale: Some(65_520),
@@ -26,8 +26,8 @@ pub const EMULATED: BoardFacts = BoardFacts {
     board_uid: None,
 };
 
-/// Noise of the monitor and of the sensor, rms, each of its span: that of a 12-bit converter, oversampled sixteen times, is a sixth of
-/// its own step.
+/// Noise of the monitor and of the sensor, rms, each of its span: that of a 12-bit converter, oversampled sixteen
+/// times, is a sixth of its own step.
 const MONITOR_NOISE: f64 = 4e-5;
 const SENSOR_NOISE: f64 = 2e-4;
 /// The sensor's time constant, s, and most of its drift, a second and of its span.

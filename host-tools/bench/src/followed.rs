@@ -1,6 +1,7 @@
 //! A trajectory that a device has followed: what was wanted beside what it estimated at the same instant.
 //!
-//! The reference of tick k moves the DAC at tick k + 1 and the displacement a tick after that, later by the model's delay.
+//! The reference of tick k moves the DAC at tick k + 1 and the displacement a tick after that, later by
+//! the model's delay.
 
 use crate::waveform::{WaveformError, begins_in_reach};
 use device_link::streamed::{Streamed, of_tick_before};
@@ -37,7 +38,8 @@ pub struct Foreseen {
     /// Ticks of the way there.
     #[serde(rename = "approach_ticks")]
     pub begins: usize,
-    /// From which tick on errors count: a trajectory may begin at a speed that the displacement has only a moment later.
+    /// From which tick on errors count: a trajectory may begin at a speed that the displacement has only
+    /// a moment later.
     #[serde(skip)]
     counts: usize,
     /// How far the model is off the trajectory, µm.

@@ -19,16 +19,19 @@ use protocol::Mode;
 use std::path::{Path, PathBuf};
 use table_files::{TableFile, TableFileError, agree};
 
-/// Length of a rehearsal, s, its highest frequency, Hz, and how often its voltage may go over the whole range in a second.
+/// Length of a rehearsal, s, its highest frequency, Hz, and how often its voltage may go over the whole range
+/// in a second.
 const REHEARSAL_S: f64 = 5.0;
 const REHEARSAL_HZ: f64 = 20.0;
 const REHEARSAL_WAYS: f64 = 20.0;
 
-/// A table file's table with a board's calibration: the file, which may be named by its folder, the table, and what to be careful
-/// about. Limits of its own that the table's drive has are kept where they are narrower than the board's, and its rest in any case.
+/// A table file's table with a board's calibration: the file, which may be named by its folder, the table, and what to
+/// be careful about. Limits of its own that the table's drive has are kept where they are narrower than the board's,
+/// and its rest in any case.
 ///
 /// # Errors
-/// A file cannot be read, a face of another table lies beside it, the board's does not say what the ADC's codes are, or the table is refused with its calibration.
+/// A file cannot be read, a face of another table lies beside it, the board's does not say what the ADC's codes are, or
+/// the table is refused with its calibration.
 pub fn for_board(table: &Path, board: &Path) -> Result<(PathBuf, Admitted, Vec<String>), BenchError> {
     let path = if table.is_dir() { table.join("table.toml") } else { table.to_owned() };
     let (mut file, stated) = TableFile::load(&path)?;
@@ -123,12 +126,12 @@ pub fn refusals(client: &mut Client, table: &Admitted, rewired: bool) -> Result<
     Ok(refusals)
 }
 
-/// Stores a table, restarts the device, and feeds codes through its tick: how many of the ticks are the host's to the last bit.
-/// The device then estimates by this table.
+/// Stores a table, restarts the device, and feeds codes through its tick: how many of the ticks are the host's to the
+/// last bit. The device then estimates by this table.
 ///
 /// # Errors
-/// The table is not for this device, the voltage would jump and the board is not `rewired`, its flash cannot be written, or the
-/// codes cannot be fed.
+/// The table is not for this device, the voltage would jump and the board is not `rewired`, its flash cannot be
+/// written, or the codes cannot be fed.
 pub fn install(
     client: &mut Client,
     table: &Admitted,

@@ -1,5 +1,5 @@
-//! The device's table while a session needs another: a straight line's, by which the board can be driven over all that its
-//! wiring allows. The table of before is kept in a file until it is in use again.
+//! The device's table while a session needs another: a straight line's, by which the board can be driven over all that
+//! its wiring allows. The table of before is kept in a file until it is in use again.
 
 use crate::error::BenchError;
 use crate::output::Output;
@@ -39,9 +39,9 @@ impl Loan {
     /// Brings the straight line's table into use, and makes the folder once nothing is in the way of that.
     ///
     /// # Errors
-    /// Something depends on what the device drives, the board is another one, its DAC is not known to be plugged into the amplifier, the
-    /// voltage would jump, the folder keeps the only copy of a table that is not in use again or another session's logs, or it or the
-    /// flash cannot be written.
+    /// Something depends on what the device drives, the board is another one, its DAC is not known to be plugged into
+    /// the amplifier, the voltage would jump, the folder keeps the only copy of a table that is not in use again or
+    /// another session's logs, or it or the flash cannot be written.
     pub fn take(client: &mut Client, wiring: &Wiring, folder: &Path) -> Result<Self, BenchError> {
         idle(client)?;
         let identity = client.identify()?;
@@ -100,9 +100,9 @@ pub fn beside(error: BenchError, after: Result<(), BenchError>) -> BenchError {
     }
 }
 
-/// Stores a table, restarts the device, and sees that it runs it. The device lets its voltage go to rest before it restarts; by
-/// a table of another rest it would jump there, which [`Output::same`] refuses; `rewired` says that the DAC is unplugged, or plugged
-/// where it belongs by this table.
+/// Stores a table, restarts the device, and sees that it runs it. The device lets its voltage go to rest before it
+/// restarts; by a table of another rest it would jump there, which [`Output::same`] refuses; `rewired` says that the
+/// DAC is unplugged, or plugged where it belongs by this table.
 ///
 /// # Errors
 /// The flash cannot be written, or the device does not take it.

@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a sample. It is of whole lines
-/// whenever something ends it.
+/// A log under way: `time_s,voltage_V,displacement_um` and what else the heading says, a row a sample. It is of whole
+/// lines whenever something ends it.
 pub struct LogFile {
     path: PathBuf,
     file: File,

@@ -1,7 +1,8 @@
 //! What the DAC puts out at rest by one table and by another.
 //!
-//! A device that takes another table goes to rest by the one in use, restarts, and puts out the rest of the new one at once.
-//! Where the two rests are not the same code, or the codes do not stand for the same volts, that is a jump at the amplifier.
+//! A device that takes another table goes to rest by the one in use, restarts, and puts out the rest of the new one
+//! at once. Where the two rests are not the same code, or the codes do not stand for the same volts, that is a jump
+//! at the amplifier.
 
 use estimator_core::{Admitted, DacCode};
 use std::fmt;
@@ -38,8 +39,8 @@ impl Output {
         Some(Self { rest_v, rest, span_v: (drive.voltage(DacCode(0)), drive.voltage(DacCode(full_scale))) })
     }
 
-    /// Refuses a table in whose place another one would let the amplifier's voltage jump. Where either drives nothing the
-    /// firmware itself asks whether the board is rewired.
+    /// Refuses a table in whose place another one would let the amplifier's voltage jump. Where either drives nothing
+    /// the firmware itself asks whether the board is rewired.
     ///
     /// # Errors
     /// The two differ.

@@ -46,8 +46,8 @@ pub struct Proof<'a> {
     pub duration_s: f64,
     /// Seed of the random voltage.
     pub seed: u64,
-    /// The mean absolute error that passes, % of the stroke, where another than [`MOST_PERCENT`](crate::verdict::MOST_PERCENT)
-    /// does; it must be said where the table has no interval.
+    /// The mean absolute error that passes, % of the stroke, where another than
+    /// [`MOST_PERCENT`](crate::verdict::MOST_PERCENT) does; it must be said where the table has no interval.
     pub max_percent: Option<f64>,
     /// Where the log goes; there is none yet.
     pub log: &'a Path,
@@ -79,8 +79,8 @@ pub struct Proven {
 /// Drives the device by the table in use and compares. However it ends, the voltage goes to rest.
 ///
 /// # Errors
-/// The table in use is no model, does not drive, drives by other converters, or states nothing to judge by; there is no such
-/// drive; there is a log already; the sensor is not there or saturated; the device is stopped or lost.
+/// The table in use is no model, does not drive, drives by other converters, or states nothing to judge by; there is no
+/// such drive; there is a log already; the sensor is not there or saturated; the device is stopped or lost.
 pub fn prove(client: &mut Client, proof: &Proof<'_>, progress: &mut dyn FnMut(usize)) -> Result<Proven, BenchError> {
     let Plan { table, request, limits, lead_in, random } = plan(client, proof)?;
     let measured =

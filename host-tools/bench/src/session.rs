@@ -167,8 +167,8 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     Ok(Session { complete, seed, tick_us, logs: paths(learnt), held_out: paths(held_out), recorded, unfinished })
 }
 
-/// Where `logs` is one folder that a training session wrote, puts the session's logs in its place, those to prove with into
-/// `held_out`, unless something else is held out, and the board's tick into `tick_us`, µs, unless one is stated.
+/// Where `logs` is one folder that a training session wrote, puts the session's logs in its place, those to prove with
+/// into `held_out`, unless something else is held out, and the board's tick into `tick_us`, µs, unless one is stated.
 /// Anything else stays what it is. Returns what is missing of the session.
 ///
 /// # Errors

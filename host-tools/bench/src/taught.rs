@@ -1,4 +1,5 @@
-//! What a drive will teach, before it is driven: played to an actuator that is none of the models, learnt from, and asked what that determines.
+//! What a drive will teach, before it is driven: played to an actuator that is none of the models, learnt from, and
+//! asked what that determines.
 
 use crate::emulated::emulated;
 use crate::wiring::Wiring;
@@ -16,7 +17,8 @@ use recordings::prepare::PrepareOptions;
 /// Candidates a number: enough for standard errors.
 const EVALUATIONS: u32 = 10;
 
-/// What the logs of a drive with the emulator's tick would determine of an [emulated](emulated()) actuator beside an emulated sensor.
+/// What the logs of a drive with the emulator's tick would determine of an [emulated](emulated()) actuator beside
+/// an emulated sensor.
 ///
 /// # Errors
 /// Nothing can be learnt from such logs.

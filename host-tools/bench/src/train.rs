@@ -81,12 +81,13 @@ impl Trained {
     }
 }
 
-/// Plays a drive and records it. Whatever happens, the voltage goes to rest, and the table of before is in use again where the
-/// link allows; [`FORMER`](crate::FORMER) keeps it meanwhile. `progress` is told the segment and the ticks of all that are done.
+/// Plays a drive and records it. Whatever happens, the voltage goes to rest, and the table of before is in use again
+/// where the link allows; [`FORMER`](crate::FORMER) keeps it meanwhile. `progress` is told the segment and the ticks of
+/// all that are done.
 ///
 /// # Errors
-/// Nothing was driven: the board is another one, its DAC is not known to drive or would jump, or the folder holds a session or
-/// cannot be written. Or what was done cannot be written beside the logs.
+/// Nothing was driven: the board is another one, its DAC is not known to drive or would jump, or the folder holds a
+/// session or cannot be written. Or what was done cannot be written beside the logs.
 pub fn train(
     client: &mut Client,
     training: &Training<'_>,
@@ -135,7 +136,8 @@ struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    /// Plays a segment, from rest to rest, and writes its log: a row a sample, those that waited for the host among them.
+    /// Plays a segment, from rest to rest, and writes its log: a row a sample, those that waited for the
+    /// host among them.
     fn record(
         &mut self,
         client: &mut Client,

@@ -5,10 +5,10 @@
 //! PASS = mean |e| ≤ most  and, where the table states a ±,  held ≥ 80 %
 //! ```
 //!
-//! The ± says 95 %, over recordings and devices. The errors of one recording are all of one piece: a ± that is as good as it says
-//! holds one recording in ten for less than nine tenths of its time (`identify` makes it so). So that hardly a sound table fails, four
-//! fifths are asked of one.
-//! A ± however wide holds the sensor; so the mean error must be small beside it in any case.
+//! The ± says 95 %, over recordings and devices. The errors of one recording are all of one piece: a ± that is as good
+//! as it says holds one recording in ten for less than nine tenths of its time (`identify` makes it so). So that hardly
+//! a sound table fails, four fifths are asked of one. A ± however wide holds the sensor; so the mean error must be
+//! small beside it in any case.
 
 use estimator_core::Status;
 use serde::Serialize;

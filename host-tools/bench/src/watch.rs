@@ -1,5 +1,5 @@
-//! What is watched beside a drive, so that no session goes on that records nothing: the sensor. That the amplifier does what
-//! it is told is watched by the device itself, which goes to rest where it does not.
+//! What is watched beside a drive, so that no session goes on that records nothing: the sensor. That the amplifier does
+//! what it is told is watched by the device itself, which goes to rest where it does not.
 
 use crate::wiring::Wiring;
 use protocol::Sample;

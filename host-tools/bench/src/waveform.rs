@@ -1,4 +1,5 @@
-//! A waveform for a device's memory: what a log says of it, and whether the device's own model follows it before anything is sent.
+//! A waveform for a device's memory: what a log says of it, and whether the device's own model follows it before
+//! anything is sent.
 
 use crate::described::believed;
 use device_link::{Client, LinkError, words};

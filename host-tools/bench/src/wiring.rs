@@ -68,8 +68,8 @@ impl Wiring {
         Ok(Self { facts: *facts, sensor: Sensor { zero_um, full_um, full_scale }, line, drive })
     }
 
-    /// A table whose estimate is the amplifier's voltage above its rest, 1 µm a V: no model of any actuator, but with the board's
-    /// converters and limits, so that the board can be driven before there is one.
+    /// A table whose estimate is the amplifier's voltage above its rest, 1 µm a V: no model of any actuator, but with
+    /// the board's converters and limits, so that the board can be driven before there is one.
     pub fn line(&self) -> &Admitted {
         &self.line
     }

@@ -6,8 +6,8 @@ use estimator_core::{DriveCalibration, DriveLimits, Range, SetpointCalibration, 
 /// The DAC as the amplifier's input.
 #[derive(Clone, Debug, Default)]
 pub struct DriveOptions {
-    /// Amplifier voltage at DAC code 0 and at full scale, V; the first larger than the second where the amplifier inverts.
-    /// The DAC then drives the amplifier (piezo follow), and never shows a displacement.
+    /// Amplifier voltage at DAC code 0 and at full scale, V; the first larger than the second where the amplifier
+    /// inverts. The DAC then drives the amplifier (piezo follow), and never shows a displacement.
     pub drive_span: Option<Span>,
     /// Fastest change of that voltage, V/s.
     pub drive_slew: Option<f64>,
@@ -17,7 +17,8 @@ pub struct DriveOptions {
     pub drive_within: Option<Span>,
     /// Voltage when nothing is wanted or something is wrong, V. Without it 0, or the voltage nearest to it.
     pub drive_rest: Option<f64>,
-    /// Displacement that a controller wants by the set-point's code 0 and by its full scale, µm relative to the model's zero.
+    /// Displacement that a controller wants by the set-point's code 0 and by its full scale, µm relative to
+    /// the model's zero.
     pub setpoint_span: Option<Span>,
     /// Whether the device follows the set-point of itself after a start; where that is not said, it is as it was.
     pub linearise: Option<bool>,
@@ -32,7 +33,8 @@ pub fn identified_on(table: &Table) -> Range {
 /// Margin beyond the training's voltages that a table still covers at either end, as a fraction of their span.
 pub const RANGE_MARGIN: f64 = 0.05;
 
-/// The voltages at the amplifier that the training of a table's model went over, V: what it was identified on without the margin.
+/// The voltages at the amplifier that the training of a table's model went over, V: what it was identified on
+/// without the margin.
 pub fn trained_on(table: &Table) -> Range {
     let Range { min, max } = identified_on(table);
     let margin = (max - min) * (RANGE_MARGIN / (1.0 + 2.0 * RANGE_MARGIN)) as f32;
@@ -45,8 +47,8 @@ pub fn limits(range_v: Range, rest: Option<f64>, slew: f64) -> DriveLimits {
     DriveLimits { range_v, rest_v, slew_v_per_s: slew as f32 }
 }
 
-/// The limits that a plan keeps: what is stated, else the table's drive's, else all that its model was identified on, at rest at
-/// 0 V or next to it. `None` where nobody says how fast the voltage may change, V/s.
+/// The limits that a plan keeps: what is stated, else the table's drive's, else all that its model was identified on,
+/// at rest at 0 V or next to it. `None` where nobody says how fast the voltage may change, V/s.
 pub fn planned(table: &Table, range: Option<Span>, rest: Option<f64>, slew: Option<f64>) -> Option<DriveLimits> {
     let drive = table.drive.map(|drive| drive.limits);
     let range = range.map(ordered).or(drive.map(|drive| drive.range_v)).unwrap_or_else(|| identified_on(table));
@@ -87,8 +89,8 @@ pub enum SetpointMismatch {
 }
 
 impl DriveOptions {
-    /// Makes a table's DAC drive the amplifier, and by a set-point, where that is stated; a drive or a set-point that the table has
-    /// is kept, for converters that may have had other full scales, `before`.
+    /// Makes a table's DAC drive the amplifier, and by a set-point, where that is stated; a drive or a set-point that
+    /// the table has is kept, for converters that may have had other full scales, `before`.
     pub fn apply(&self, table: &mut Table, before: FullScales) {
         let now = FullScales::of(table);
         if let Some(drive) = &mut table.drive {
@@ -116,8 +118,8 @@ impl DriveOptions {
         }
     }
 
-    /// Refuses what is stated of a set-point where it is nothing to a table, of which is said whether it drives the amplifier and
-    /// whether it says what a set-point wants.
+    /// Refuses what is stated of a set-point where it is nothing to a table, of which is said whether it drives the
+    /// amplifier and whether it says what a set-point wants.
     ///
     /// # Errors
     /// Which of the two is missing.

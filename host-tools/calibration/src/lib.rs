@@ -23,14 +23,15 @@ pub enum Assumed {
 /// Calibration of the converters.
 #[derive(Clone, Debug, Default)]
 pub struct CalibrationOptions {
-    /// Amplifier voltage at ADC code 0 and at full scale, V; the first larger than the second where the divider inverts.
-    /// Without it a range a little wider than the logs' is assumed.
+    /// Amplifier voltage at ADC code 0 and at full scale, V; the first larger than the second where the divider
+    /// inverts. Without it a range a little wider than the logs' is assumed.
     pub adc_span: Option<Span>,
     /// Largest ADC code (with oversampling); 4095 where nothing else is known.
     pub adc_full_scale: Option<u16>,
     /// Fastest change of the amplifier's output, V/s; nothing is checked where it is not stated.
     pub amplifier_slew: Option<f64>,
-    /// Displacement at DAC code 0 and at full scale, µm relative to the model's zero. Without it the displacement limits.
+    /// Displacement at DAC code 0 and at full scale, µm relative to the model's zero. Without it
+    /// the displacement limits.
     pub dac_span: Option<Span>,
     /// Largest DAC code; 4095 where nothing else is known.
     pub dac_full_scale: Option<u16>,

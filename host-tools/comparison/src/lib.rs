@@ -225,8 +225,8 @@ pub fn run(
     Ok(Matrix { rows, straight_line, recipe: context.recipe, logs, doubts, problem })
 }
 
-/// What is searched for together: the wanted models of the Voigt family with those that they start from, simplest first;
-/// and each other by itself.
+/// What is searched for together: the wanted models of the Voigt family with those that they start from, simplest
+/// first; and each other by itself.
 fn searches(job: &Job, models: &[Model]) -> Vec<Vec<Model>> {
     let wanted: Vec<Model> = models.iter().flat_map(|model| with_contained(*model, job.search.start)).collect();
     let family: Vec<Model> = Model::VOIGT_FAMILY.into_iter().filter(|model| wanted.contains(model)).collect();

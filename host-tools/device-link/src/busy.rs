@@ -1,4 +1,5 @@
-//! Whether anything depends on the voltage that a device puts out: a waveform, a controller's set-point, a host's trajectory.
+//! Whether anything depends on the voltage that a device puts out: a waveform, a controller's set-point,
+//! a host's trajectory.
 
 use crate::client::Client;
 use crate::error::LinkError;
@@ -21,8 +22,8 @@ pub enum Busy {
     Drives(Mode),
 }
 
-/// Refuses a device that drives the amplifier. One whose voltage is at rest, since a waveform is over, a fault sent it there or it
-/// waits for its set-point, is interrupted in nothing.
+/// Refuses a device that drives the amplifier. One whose voltage is at rest, since a waveform is over, a fault sent it
+/// there or it waits for its set-point, is interrupted in nothing.
 ///
 /// # Errors
 /// It drives, or the link fails.
@@ -34,8 +35,8 @@ pub fn idle(client: &mut Client) -> Result<(), Busy> {
     }
 }
 
-/// The same, but for a device that follows its set-point as it does of itself after a start, by its table: for who has found it idle
-/// and restarted it.
+/// The same, but for a device that follows its set-point as it does of itself after a start, by its table: for who has
+/// found it idle and restarted it.
 ///
 /// # Errors
 /// As [`idle`].

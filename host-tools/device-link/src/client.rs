@@ -1,8 +1,9 @@
 //! The host's end of the link: requests and their replies, and the samples that arrive in between.
 //!
-//! A reply belongs to the request whose sequence number it carries. A request without a reply is sent again under the same
-//! number where twice is as good as once. It is not for [`Request::Feed`], [`Request::SetZero`] (the displacement
-//! has moved on), [`Request::ShiftBias`] (it adds) and [`Request::Play`] (what was short may be over by then): then [`LinkError::Unknown`] has the caller find out.
+//! A reply belongs to the request whose sequence number it carries. A request without a reply is sent again under the
+//! same number where twice is as good as once. It is not for [`Request::Feed`], [`Request::SetZero`] (the displacement
+//! has moved on), [`Request::ShiftBias`] (it adds) and [`Request::Play`] (what was short may be over by then): then
+//! [`LinkError::Unknown`] has the caller find out.
 
 mod requests;
 

@@ -1,8 +1,8 @@
-//! The mean estimate over one full cycle of the voltage, from the device's samples as they come: what a sensor's mean, or the
-//! middle of two stops, is compared with.
+//! The mean estimate over one full cycle of the voltage, from the device's samples as they come: what a sensor's mean,
+//! or the middle of two stops, is compared with.
 //!
-//! A full cycle is what lies between the first and the third reversal of the voltage, a retreat by a quarter of its span so far
-//! ([`first_cycle`]). One that spans less than [`LEAST_SPAN`] is noise or ripple, and none.
+//! A full cycle is what lies between the first and the third reversal of the voltage, a retreat by a quarter of its
+//! span so far ([`first_cycle`]). One that spans less than [`LEAST_SPAN`] is noise or ripple, and none.
 
 use super::client::Client;
 use super::error::LinkError;
@@ -19,8 +19,8 @@ use std::time::{Duration, Instant};
 
 /// Part of the table's voltage range that a cycle spans at least.
 pub const LEAST_SPAN: f64 = 0.05;
-/// Status bits with which an estimate is not the model's at the amplifier's voltage. One that is not settled is: what the
-/// start has left in it is what a mean over a cycle takes off.
+/// Status bits with which an estimate is not the model's at the amplifier's voltage. One that is not settled is: what
+/// the start has left in it is what a mean over a cycle takes off.
 pub const WORTHLESS: Status =
     Status::ADC_SATURATED.union(Status::VOLTAGE_OUT_OF_RANGE).union(Status::CLAMPED).union(Status::SLEW_EXCEEDED);
 
@@ -113,7 +113,8 @@ pub enum CycleError {
 /// Streams samples without a gap until the voltage has made a full cycle. The stream is stopped afterwards.
 ///
 /// # Errors
-/// There is no cycle in time, or what it would be found in is not sound; the link fails; or the user does not want to wait.
+/// There is no cycle in time, or what it would be found in is not sound; the link fails; or the user does not
+/// want to wait.
 pub fn over_cycle(
     client: &mut Client,
     request: &CycleRequest,

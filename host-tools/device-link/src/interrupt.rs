@@ -29,8 +29,9 @@ impl Drop for Then {
 const LOOK: Duration = Duration::from_millis(50);
 
 impl Interrupt {
-    /// Turns the first signal (Ctrl-C, `kill`) into a wish; the second ends the program at once. There is one wish in a process,
-    /// however often it is asked for, so that what comes between two parts of a task, or in the first, is known to the second.
+    /// Turns the first signal (Ctrl-C, `kill`) into a wish; the second ends the program at once. There is one wish in a
+    /// process, however often it is asked for, so that what comes between two parts of a task, or in the first, is
+    /// known to the second.
     ///
     /// # Errors
     /// The operating system refuses.

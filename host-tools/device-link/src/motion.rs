@@ -1,8 +1,9 @@
 //! Whether the voltage moves: what a displacement of now is worth that is called something.
 //!
-//! The voltage is averaged over as many samples as `AVERAGED` says, which takes noise off and leaves what an actuator follows. It moves
-//! where either mean goes over more than `STILL` of the table's voltages, and twice its deadband, within [`LOOKED_S`]: a sine of
-//! 0.01 Hz over all of them does for half of its time, and not around its ends, where it is slower.
+//! The voltage is averaged over as many samples as `AVERAGED` says, which takes noise off and leaves what an actuator
+//! follows. It moves where either mean goes over more than `STILL` of the table's voltages, and twice its deadband,
+//! within [`LOOKED_S`]: a sine of 0.01 Hz over all of them does for half of its time, and not around its ends, where
+//! it is slower.
 
 use crate::client::Client;
 use crate::error::LinkError;
@@ -13,7 +14,8 @@ use std::time::{Duration, Instant};
 
 /// How long it is looked at, s of the device.
 pub const LOOKED_S: f64 = 0.5;
-/// Samples that are averaged: a mean over 8 sees no sine whose period is 8 samples, or a part of them; the mean over 7 does.
+/// Samples that are averaged: a mean over 8 sees no sine whose period is 8 samples, or a part of them; the mean
+/// over 7 does.
 const AVERAGED: [usize; 2] = [7, 8];
 /// Part of the table's voltage range within which a voltage stands still.
 const STILL: f64 = 0.01;

@@ -1,5 +1,5 @@
-//! Processor in the loop: codes in over the link, the device's estimates back, tick for tick beside the host's f32 core. On
-//! the way both are told a displacement, so that bias and interval are compared, too.
+//! Processor in the loop: codes in over the link, the device's estimates back, tick for tick beside the host's f32
+//! core. On the way both are told a displacement, so that bias and interval are compared, too.
 
 use super::client::Client;
 use super::error::LinkError;
@@ -19,7 +19,8 @@ const TELLS: u32 = 3;
 const OUTSTANDING: usize = 200;
 /// A device that returns nothing for so long has stopped.
 const SILENCE: Duration = Duration::from_secs(5);
-/// After this long without a sample, all that were under way have come: the queue is empty in 128 ms at 2 kHz, in 256 at 1 kHz.
+/// After this long without a sample, all that were under way have come: the queue is empty in 128 ms at 2 kHz, in 256
+/// at 1 kHz.
 const SETTLED: Duration = Duration::from_millis(400);
 /// How long to wait for samples before something else is looked at.
 const LOOK: Duration = Duration::from_millis(20);
@@ -209,8 +210,8 @@ fn collect(client: &mut Client, samples: &mut Vec<Sample>, fed: usize, patience:
     Ok(any)
 }
 
-/// Finds out how many codes the device has taken when the reply that would say so was lost: it answers in order, so that
-/// it has taken those codes or never will, and each one taken gives a sample.
+/// Finds out how many codes the device has taken when the reply that would say so was lost: it answers in order, so
+/// that it has taken those codes or never will, and each one taken gives a sample.
 fn settle(client: &mut Client, samples: &mut Vec<Sample>, fed: usize) -> Result<usize, FeedError> {
     client.health()?;
     while collect(client, samples, fed, SETTLED)? {}

@@ -1,5 +1,5 @@
-//! What a device whose DAC drives the amplifier is to go through, at its own pace, and its samples back: wanted displacements
-//! ([`Mode::Follow`]), or voltages ([`Mode::Excite`]).
+//! What a device whose DAC drives the amplifier is to go through, at its own pace, and its samples back: wanted
+//! displacements ([`Mode::Follow`]), or voltages ([`Mode::Excite`]).
 
 use super::client::Client;
 use super::error::LinkError;
@@ -23,15 +23,15 @@ pub struct Play<'r> {
     pub goes_on: Option<Held>,
     /// µm in [`Mode::Follow`], V in [`Mode::Excite`], one a tick.
     pub references: &'r [f32],
-    /// The last reference is held, a displacement for ever, a voltage for as long as the host speaks; without it, as each one before
-    /// the last, for a second.
+    /// The last reference is held, a displacement for ever, a voltage for as long as the host speaks; without it, as
+    /// each one before the last, for a second.
     pub hold: bool,
     /// Ticks that are wanted, from the first reference on, and one more for each that finds no reference.
     pub ticks: usize,
 }
 
-/// Where a play holds its last reference: the number of the tick that would have taken the next one, had none been starved since
-/// the mode was entered. Each that is starved puts it off by one.
+/// Where a play holds its last reference: the number of the tick that would have taken the next one, had none been
+/// starved since the mode was entered. Each that is starved puts it off by one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Held(u32);
 
@@ -81,9 +81,9 @@ pub enum PlayError {
 }
 
 /// Sends references and hands each sample to `take`, from the first one on, until all ticks are over, a fault stops the
-/// drive, or `take` answers `false`. The device is left in the mode, at the last reference. Of a play that goes on, the samples of
-/// the hold before its own first reference are passed over; the first of its own need not be of its first reference where the device
-/// streams every n-th tick only.
+/// drive, or `take` answers `false`. The device is left in the mode, at the last reference. Of a play that goes on, the
+/// samples of the hold before its own first reference are passed over; the first of its own need not be of its first
+/// reference where the device streams every n-th tick only.
 ///
 /// # Errors
 /// The link fails or loses samples, the device stops, refuses, or the user does not want to wait.
@@ -169,8 +169,8 @@ fn let_go(error: LinkError) -> PlayError {
 }
 
 impl Played {
-    /// Takes what is from the tick `first` on; where that is not known, the drive starts from rest, and its first sample that
-    /// is not of the rest is the first.
+    /// Takes what is from the tick `first` on; where that is not known, the drive starts from rest, and its first
+    /// sample that is not of the rest is the first.
     fn take(
         &mut self,
         batch: &Samples,

@@ -1,4 +1,5 @@
-//! Where a device is: a serial port, the one of the only board that is plugged in, or a TCP socket behind which one is emulated.
+//! Where a device is: a serial port, the one of the only board that is plugged in, or a TCP socket behind which
+//! one is emulated.
 
 use super::stlink::{self, Plugged};
 use serialport::{SerialPortInfo, SerialPortType, UsbPortInfo};

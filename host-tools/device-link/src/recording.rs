@@ -1,9 +1,9 @@
-//! Streamed samples as a log: `time_s,voltage_V,estimated_displacement_um`, a row a sample, written as they come; with a sensor
-//! on the board's second channel `time_s,voltage_V,displacement_um,estimate_um`.
+//! Streamed samples as a log: `time_s,voltage_V,estimated_displacement_um`, a row a sample, written as they come; with
+//! a sensor on the board's second channel `time_s,voltage_V,displacement_um,estimate_um`.
 //!
-//! The voltage is the code through the calibration of the device's table, the sensor's displacement that of the same tick. The
-//! estimate is the device's own, and the column says so. Time counts ticks; where samples were lost it leaps. Of a device that
-//! streams every n-th tick only, a row is an n-th tick.
+//! The voltage is the code through the calibration of the device's table, the sensor's displacement that of the same
+//! tick. The estimate is the device's own, and the column says so. Time counts ticks; where samples were lost it leaps.
+//! Of a device that streams every n-th tick only, a row is an n-th tick.
 
 use super::client::Client;
 use super::error::LinkError;

@@ -25,8 +25,8 @@ impl Sensor {
         self.zero_um + (self.full_um - self.zero_um) * f64::from(code) / f64::from(self.full_scale)
     }
 
-    /// Whether a sample's code stands at an end of the channel, where the displacement may have been any farther: within a 128th
-    /// of it, as the firmware judges the monitor's.
+    /// Whether a sample's code stands at an end of the channel, where the displacement may have been any farther:
+    /// within a 128th of it, as the firmware judges the monitor's.
     pub fn saturated(&self, sample: &Sample) -> bool {
         let margin = self.full_scale / 128;
         sample.sensor.is_some_and(|code| code <= margin || code >= self.full_scale - margin)

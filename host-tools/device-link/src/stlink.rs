@@ -1,4 +1,5 @@
-//! The boards that are plugged in, by the virtual serial port of an ST-Link, the debug probe that a NUCLEO board carries on it.
+//! The boards that are plugged in, by the virtual serial port of an ST-Link, the debug probe that a NUCLEO board
+//! carries on it.
 
 use serialport::{SerialPortInfo, SerialPortType};
 

@@ -1,5 +1,5 @@
-//! A streamed sample and the tick that it is of. Its displacement is that of the tick after it, which is not the next sample's where
-//! the device streams every n-th tick only.
+//! A streamed sample and the tick that it is of. Its displacement is that of the tick after it, which is not the next
+//! sample's where the device streams every n-th tick only.
 
 use estimator_core::Status;
 use protocol::Sample;
@@ -28,15 +28,15 @@ impl Streamed {
     }
 }
 
-/// The estimate (µm) of a sample's own tick: what the sample before it says where every tick is streamed, else on the straight line
-/// from that to what the sample itself says, which is of the tick after.
+/// The estimate (µm) of a sample's own tick: what the sample before it says where every tick is streamed, else on the
+/// straight line from that to what the sample itself says, which is of the tick after.
 pub fn estimate_at(before: &Sample, now: &Sample, every: NonZeroU8) -> f32 {
     // Exact where every tick is streamed.
     of_tick_before(before.displacement.into(), now.displacement.into(), every) as f32
 }
 
-/// What was reported of the estimate of a sample's own tick: by the sample before it where every tick is streamed, else by one of the
-/// two, of which the second has what the ticks between reported.
+/// What was reported of the estimate of a sample's own tick: by the sample before it where every tick is streamed, else
+/// by one of the two, of which the second has what the ticks between reported.
 pub fn status_at(before: &Sample, now: &Sample, every: NonZeroU8) -> Status {
     if every == NonZeroU8::MIN { before.status } else { before.status | now.status }
 }

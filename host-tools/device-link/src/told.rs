@@ -1,8 +1,8 @@
 //! Tells a device its displacement, and sees that it has taken it.
 //!
-//! A device says that it is done when its next tick has yet to do it, and that may not: where the voltage has gone wrong meanwhile, it
-//! keeps the bias that it has; where the estimate has begun anew, it has none. Only a bias that is younger than the request is what came
-//! of it.
+//! A device says that it is done when its next tick has yet to do it, and that may not: where the voltage has gone
+//! wrong meanwhile, it keeps the bias that it has; where the estimate has begun anew, it has none. Only a bias that is
+//! younger than the request is what came of it.
 
 use crate::client::Client;
 use crate::error::LinkError;

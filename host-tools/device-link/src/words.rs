@@ -76,8 +76,8 @@ fn activity(mode: Mode, faults: Faults) -> &'static str {
     }
 }
 
-/// Whether a device that drives the amplifier is at rest by its own table, and with no fault: whenever nothing is followed, and after a
-/// waveform's last line.
+/// Whether a device that drives the amplifier is at rest by its own table, and with no fault: whenever nothing is
+/// followed, and after a waveform's last line.
 pub fn rests(mode: Mode, faults: Faults) -> bool {
     faults == Faults::SAFE_OUTPUT && (!mode.drives() || mode == Mode::Waveform)
 }
@@ -96,7 +96,8 @@ pub fn source(source: &TableSource) -> String {
     }
 }
 
-/// How old the bias is and what it adds to the model's displacement, as the end of a sentence that starts with the device.
+/// How old the bias is and what it adds to the model's displacement, as the end of a sentence that starts
+/// with the device.
 pub fn bias(health: &Health, tick_us: u32) -> String {
     let Some(ticks) = health.bias_age_ticks else {
         return "never zeroed since the estimate began".to_owned();

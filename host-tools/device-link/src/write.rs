@@ -33,8 +33,8 @@ pub enum WriteError {
     /// The link fails while flash is written.
     #[error("{}", sentences(.0, UNSURE))]
     Unsure(LinkError),
-    /// The link fails, or the device can no longer mark the table of before, when flash has been written, and the device has not
-    /// restarted.
+    /// The link fails, or the device can no longer mark the table of before, when flash has been written, and the
+    /// device has not restarted.
     #[error("{}", sentences(.0, WRITTEN))]
     Written(LinkError),
     /// The link fails when flash has been written, while the device restarts.
@@ -58,9 +58,9 @@ pub fn sentences(wrong: &impl Display, known: &str) -> String {
 }
 
 impl Writing {
-    /// Why a device would not be written as asked, or refuse it: by what it does, and by its own table beside the one to be written, where
-    /// it is to be one; an erased store leaves it to the one of the firmware image, which is not known here. Where a stored table could
-    /// not be used, what the device runs says nothing of its wires.
+    /// Why a device would not be written as asked, or refuse it: by what it does, and by its own table beside the one
+    /// to be written, where it is to be one; an erased store leaves it to the one of the firmware image, which is not
+    /// known here. Where a stored table could not be used, what the device runs says nothing of its wires.
     ///
     /// # Errors
     /// The link fails.

@@ -5,7 +5,8 @@ use crate::{Divider, OUTPUT_PIN_V, PIN_V};
 
 /// What the node's resistance may be, Ω: the source carries it, and the follower's input current does not show on it.
 const IMPEDANCE: (f64, f64) = (2e3, 4.5e3);
-/// The same use of the range, to within this part of it: then the node's resistance that is nearest to the middle counts.
+/// The same use of the range, to within this part of it: then the node's resistance that is nearest to
+/// the middle counts.
 const AS_GOOD: f64 = 2e-3;
 
 /// Why there is no divider.

@@ -3,7 +3,8 @@
 use crate::{CODES_A_STEP, Divider, DividerError, FULL_SCALE, Sampling, Series, series};
 use serde::Serialize;
 
-/// Tolerances that resistors are sold with, each with the drift that is usual for it, of the value a kelvin: thick film, thin film.
+/// Tolerances that resistors are sold with, each with the drift that is usual for it, of the value a kelvin: thick
+/// film, thin film.
 const TOLERANCES: [(f64, f64); 2] = [(0.01, 100e-6), (0.001, 25e-6)];
 /// How far off a supply is looked at, of its value.
 const SUPPLY: f64 = 0.01;

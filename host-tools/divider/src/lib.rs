@@ -1,5 +1,5 @@
-//! Resistors that bring an amplifier's monitor, or a sensor's output, to the range of the board's converter, and those of the
-//! [`Stage`] that brings the board's output to an amplifier's input.
+//! Resistors that bring an amplifier's monitor, or a sensor's output, to the range of the board's converter, and those
+//! of the [`Stage`] that brings the board's output to an amplifier's input.
 //!
 //! ```text
 //!                 3.3 V ──[R2]──┐
@@ -9,10 +9,10 @@
 //! pin = V·G1/G + 3.3 V·G2/G,   Gi = 1/Ri,   G = G1 + G2 + G3
 //! ```
 //!
-//! The 3.3 V are the converter's reference too: `code = full scale · pin / 3.3 V`, in which R2's part does not change with them, and the
-//! source's goes as one over them. [`Divider::choose`] takes standard values, [`Divider::off`] says what their tolerance costs,
-//! [`Divider::off_by_supply`] what the supply's does, and [`Sampling`] what the converter sees. [`InputStage`] and [`OutputStage`]
-//! put it into words.
+//! The 3.3 V are the converter's reference too: `code = full scale · pin / 3.3 V`, in which R2's part does not change
+//! with them, and the source's goes as one over them. [`Divider::choose`] takes standard values, [`Divider::off`] says
+//! what their tolerance costs, [`Divider::off_by_supply`] what the supply's does, and [`Sampling`] what the converter
+//! sees. [`InputStage`] and [`OutputStage`] put it into words.
 
 mod choice;
 mod input_stage;
@@ -39,8 +39,8 @@ pub const FULL_SCALE: u16 = 65_520;
 pub const CODES_A_STEP: f64 = 16.0;
 /// Where the pin is to stay, V: the codes beyond are kept for finding a voltage that is out of range.
 pub const PIN_V: (f64, f64) = (0.15, 3.15);
-/// What of the output pin's range is used, V: without 7 % at either end, which are left to the DAC's own buffer (it reaches
-/// 0.2 … 3.1 V; data sheet of the STM32G474, "DAC characteristics").
+/// What of the output pin's range is used, V: without 7 % at either end, which are left to the DAC's own buffer (it
+/// reaches 0.2 … 3.1 V; data sheet of the STM32G474, "DAC characteristics").
 pub const OUTPUT_PIN_V: (f64, f64) = (0.231, 3.069);
 
 /// Three resistors, Ω.

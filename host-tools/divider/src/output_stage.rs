@@ -6,7 +6,8 @@ use crate::{DividerError, OUTPUT_PIN_V, REFERENCE_V, Series, Stage, series};
 pub const TOLERANCE: f64 = 0.01;
 /// A stage that uses less of the DAC's range is remarked on.
 const HALF: f64 = 0.5;
-/// The smaller of the two resistors that hold A2 while its pin floats, kΩ: the low-pass behind it does not show on them.
+/// The smaller of the two resistors that hold A2 while its pin floats, kΩ: the low-pass behind it does not
+/// show on them.
 const HOLDING_KOHM: f64 = 100.0;
 
 /// A stage, what it is for, and what the amplifier makes of it.
@@ -44,8 +45,8 @@ impl OutputStage {
         format!("{:.3} V{}", rounded(input_v, 3), amplified.unwrap_or_default())
     }
 
-    /// The input's voltage where the amplifier's output is nearest to 0 V, or its input where that is not known, and the resistors to
-    /// 3.3 V and to GND that hold A2 there, kΩ.
+    /// The input's voltage where the amplifier's output is nearest to 0 V, or its input where that is not known, and
+    /// the resistors to 3.3 V and to GND that hold A2 there, kΩ.
     pub fn holding(&self) -> (f64, Option<(f64, f64)>) {
         let (low, high) = self.ends_v;
         let zero = self.amplifier_v.map_or(0.0, |(at_low, at_high)| low - at_low * (high - low) / (at_high - at_low));
@@ -63,7 +64,8 @@ impl OutputStage {
         (rest, pair)
     }
 
-    /// Lowest and highest voltage at the amplifier's input that any code gives, V, with resistors of so much [`TOLERANCE`].
+    /// Lowest and highest voltage at the amplifier's input that any code gives, V, with resistors of
+    /// so much [`TOLERANCE`].
     pub fn output_within_v(&self) -> (f64, f64) {
         self.stage.output_within(TOLERANCE)
     }

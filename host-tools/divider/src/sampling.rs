@@ -1,8 +1,8 @@
 //! What the converter sees of the divider while it samples.
 //!
 //! The STM32G474's converter closes a switch onto 5 pF for 47.5 clocks of 42.5 MHz, sixteen times in a row (`firmware`,
-//! `nucleo_g474re/sampling.rs`). What is before the pin must give that charge again meanwhile: the capacitor at the pin does at once,
-//! and its resistor has the sampling time to fill it up.
+//! `nucleo_g474re/sampling.rs`). What is before the pin must give that charge again meanwhile: the capacitor at the pin
+//! does at once, and its resistor has the sampling time to fill it up.
 
 use crate::Divider;
 use serde::Serialize;
@@ -22,8 +22,8 @@ pub struct Sampling {
     pub time_s: f64,
     /// Time constant of the resistor and the capacitor before the pin behind a follower, s.
     pub filter_s: f64,
-    /// What is missing at the end of the sampling time of the difference to what was sampled before, as a part of it; behind a
-    /// follower.
+    /// What is missing at the end of the sampling time of the difference to what was sampled before, as a part of it;
+    /// behind a follower.
     pub missing: f64,
     /// The time constant where the divider itself stands in the follower's place, s.
     pub bare_s: f64,

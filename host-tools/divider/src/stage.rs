@@ -33,7 +33,8 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Output's change by the pin's, and the output with the pin at 0 V, V, where the board has so many volts of supply.
+    /// Output's change by the pin's, and the output with the pin at 0 V, V, where the board has so many
+    /// volts of supply.
     fn line(&self, supply_v: f64) -> (f64, f64) {
         let of = |r: Option<f64>| r.map_or(0.0, |r| self.rf / r);
         (1.0 + of(self.rg) + of(self.ro), -supply_v * of(self.ro))
@@ -61,8 +62,8 @@ impl Stage {
         (self.pin(high) - self.pin(low)) / (OUTPUT_PIN_V.1 - OUTPUT_PIN_V.0)
     }
 
-    /// Lowest and highest voltage at the amplifier's input that any code gives, V, where each resistor may be off by `part` of its
-    /// value.
+    /// Lowest and highest voltage at the amplifier's input that any code gives, V, where each resistor may be off by
+    /// `part` of its value.
     pub fn output_within(&self, part: f64) -> (f64, f64) {
         let corners = (0..8u8).flat_map(|bits| {
             let off = |bit: u8| if bits & bit == 0 { 1.0 - part } else { 1.0 + part };
@@ -83,7 +84,8 @@ impl Stage {
         let mut best: Option<(f64, Self)> = None;
         for &rf in values.iter().filter(|rf| (FEEDBACK.0..=FEEDBACK.1).contains(*rf)) {
             for ro in or_none() {
-                // With a larger RG the gain is smaller, and the ends come nearer to the pin's: the largest that fits is the best.
+                // With a larger RG the gain is smaller, and the ends come nearer to the pin's: the largest that fits
+                // is the best.
                 let fits = |rg: Option<f64>| {
                     let stage = Self { rf, rg, ro };
                     stage.pin(low) >= OUTPUT_PIN_V.0 && stage.pin(high) <= OUTPUT_PIN_V.1
@@ -107,7 +109,8 @@ impl Stage {
 mod tests {
     use super::*;
 
-    /// The inverting input by its equation: it stands where the other one does, and the currents into it are none in sum.
+    /// The inverting input by its equation: it stands where the other one does, and the currents into it are
+    /// none in sum.
     #[test]
     fn no_current_is_left_at_the_inverting_input() {
         let stage = Stage { rf: 35_700.0, rg: Some(13_900.0), ro: Some(10_000.0) };

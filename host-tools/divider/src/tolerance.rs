@@ -1,7 +1,7 @@
 //! What the resistors' tolerance costs, and what is left of it where two points are measured.
 //!
-//! Whatever the three resistors are exactly, the code is a line of the source's voltage. So a line through two measured points has
-//! no error of theirs; what is left is how they drift after that.
+//! Whatever the three resistors are exactly, the code is a line of the source's voltage. So a line through two measured
+//! points has no error of theirs; what is left is how they drift after that.
 
 use crate::Divider;
 
@@ -14,16 +14,16 @@ impl Divider {
         })
     }
 
-    /// The largest error of a voltage between two, V, where each resistor may be off by `part` of its value and the code is read by
-    /// the values that are printed on them. The worst is at an end and with each resistor at an end: the error is a line of the
-    /// voltage, and goes one way with each resistor.
+    /// The largest error of a voltage between two, V, where each resistor may be off by `part` of its value and the
+    /// code is read by the values that are printed on them. The worst is at an end and with each resistor at an end:
+    /// the error is a line of the voltage, and goes one way with each resistor.
     pub fn off(&self, (low, high): (f64, f64), part: f64) -> f64 {
         let errors = self.corners(part).flat_map(|real| [low, high].map(|v| (self.source(real.pin(v)) - v).abs()));
         errors.fold(0.0, f64::max)
     }
 
-    /// The largest error of a voltage between two, V, where the 3.3 V are higher by `part` of their value than when the line was
-    /// measured: `V·part/(1 + part)`, whatever the resistors.
+    /// The largest error of a voltage between two, V, where the 3.3 V are higher by `part` of their value than when the
+    /// line was measured: `V·part/(1 + part)`, whatever the resistors.
     pub fn off_by_supply((low, high): (f64, f64), part: f64) -> f64 {
         low.abs().max(high.abs()) * part / (1.0 + part)
     }

@@ -7,8 +7,8 @@
 //!
 //! Both converters have an integral nonlinearity, which two readings of a multimeter do not take away.
 //!
-//! The actuator is one of [`plants`], at rest and virgin where the amplifier rests. It counts from there: its full voltage is the
-//! end of the drive's range that is farther away.
+//! The actuator is one of [`plants`], at rest and virgin where the amplifier rests. It counts from there: its full
+//! voltage is the end of the drive's range that is farther away.
 
 use crate::plant::Plant;
 use estimator_core::{AdcCalibration, AdcCode, DacCode, DriveCalibration, Range};
@@ -29,7 +29,8 @@ const STEPS: u32 = (TICK_US as f64 * 1e-6 / STEP_S + 0.5) as u32;
 pub struct Bench {
     /// The actuator and the amplifier's lag.
     pub actuator: plants::Plant,
-    /// Displacement from the rest to the end of the drive's range that is farther away, first time and without creep, µm.
+    /// Displacement from the rest to the end of the drive's range that is farther away, first time and
+    /// without creep, µm.
     pub stroke_um: f64,
     /// What the monitor's codes stand for.
     pub monitor: AdcCalibration,

@@ -102,8 +102,8 @@ pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
     }
 }
 
-/// Waits for the tick to be started, then calls it as often as the time that has passed demands. Ticks that this machine had
-/// no time for are not made up for: the emulated time has then stood still.
+/// Waits for the tick to be started, then calls it as often as the time that has passed demands. Ticks that this
+/// machine had no time for are not made up for: the emulated time has then stood still.
 async fn ticks(
     started: &Signal<NoopRawMutex, Tick<'_>>,
     telemetry: &Telemetry,
@@ -113,7 +113,8 @@ async fn ticks(
     let mut tick = started.wait().await;
     let rate = speed * f64::from(TICK_HZ);
     let mut cycles = 0u32;
-    // The DAC puts a code out from the tick after the one that computed it; the plant answers it from the tick after that.
+    // The DAC puts a code out from the tick after the one that computed it; the plant answers it from the
+    // tick after that.
     let mut computed = telemetry.safe();
     let mut put_out = computed;
     let (mut looked, mut due) = (Instant::now(), 0.0);

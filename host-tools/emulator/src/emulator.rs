@@ -49,8 +49,8 @@ pub struct Emulator<P, F> {
 }
 
 impl Emulator<(), ()> {
-    /// A device that reads a triangle ([`triangle`]), with erased flash in memory, in real time, at a port that the operating
-    /// system chooses.
+    /// A device that reads a triangle ([`triangle`]), with erased flash in memory, in real time, at a port that the
+    /// operating system chooses.
     pub fn new() -> Emulator<impl Plant, RamFlash<Vec<u8>>> {
         Emulator {
             plant: triangle(),
@@ -70,14 +70,15 @@ impl<P: Plant, F: NorFlash + Send + 'static> Emulator<P, F> {
         Emulator { plant, flash, uid, has_setpoint, speed, port }
     }
 
-    /// Gives it another flash; all of it is parameter pages. What is stored there is the table that the device starts with.
+    /// Gives it another flash; all of it is parameter pages. What is stored there is the table that the
+    /// device starts with.
     pub fn flash<G: NorFlash + Send + 'static>(self, flash: G) -> Emulator<P, G> {
         let Self { plant, uid, has_setpoint, speed, port, .. } = self;
         Emulator { plant, flash, uid, has_setpoint, speed, port }
     }
 
-    /// Lets so many seconds pass on the device in a second, fewer where this machine is too busy. Beyond some twenty the link
-    /// cannot carry every sample away, as on a board whose line is too slow.
+    /// Lets so many seconds pass on the device in a second, fewer where this machine is too busy. Beyond some twenty
+    /// the link cannot carry every sample away, as on a board whose line is too slow.
     pub fn speed(self, speed: f64) -> Self {
         Self { speed, ..self }
     }

@@ -4,8 +4,8 @@ use crate::faulty_line::{Direction, Fault};
 use protocol::frame::MAX_FRAME;
 use protocol::{Deframer, Reply, Request, Samples, ToDevice, ToHost, encode};
 
-/// Decodes what the device sends and lets `edit` say what arrives instead: one message, none, or several. Bytes that are no
-/// message pass.
+/// Decodes what the device sends and lets `edit` say what arrives instead: one message, none, or several. Bytes that
+/// are no message pass.
 pub fn messages<I: IntoIterator<Item = ToHost>>(mut edit: impl FnMut(ToHost) -> I + Send + 'static) -> impl Fault {
     move |direction, frame: &mut Vec<u8>| {
         if direction == Direction::ToHost

@@ -19,8 +19,8 @@ pub enum Direction {
     ToHost,
 }
 
-/// What happens to a frame under way. The frame's bytes, its delimiter at the end, may be changed, shortened, emptied, or
-/// added to; a fault that sleeps delays what goes either way.
+/// What happens to a frame under way. The frame's bytes, its delimiter at the end, may be changed, shortened, emptied,
+/// or added to; a fault that sleeps delays what goes either way.
 pub trait Fault: FnMut(Direction, &mut Vec<u8>) + Send + 'static {}
 
 impl<F: FnMut(Direction, &mut Vec<u8>) + Send + 'static> Fault for F {}

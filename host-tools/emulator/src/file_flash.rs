@@ -1,5 +1,5 @@
-//! Flash that outlives its device: in memory, and each change of it in a file at once, so that whatever ends the program leaves there
-//! what a power cut would leave in a chip.
+//! Flash that outlives its device: in memory, and each change of it in a file at once, so that whatever ends the
+//! program leaves there what a power cut would leave in a chip.
 
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use parameter_store::{RamFlash, RamFlashError};

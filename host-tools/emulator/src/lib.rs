@@ -5,9 +5,9 @@
 //! host ◄─► socket ◄─► Link ◄─► ParameterStore ◄─► flash
 //! ```
 //!
-//! Tick, link, parameter store and all that they answer are the firmware's own library; what is emulated here is a board: a
-//! clock, a serial line, a flash, and converters with something behind them ([`Plant`]). The emulated time goes on at a
-//! multiple of real time, and more slowly where this machine is too busy, so that no tick is ever late.
+//! Tick, link, parameter store and all that they answer are the firmware's own library; what is emulated here is a
+//! board: a clock, a serial line, a flash, and converters with something behind them ([`Plant`]). The emulated time
+//! goes on at a multiple of real time, and more slowly where this machine is too busy, so that no tick is ever late.
 //!
 //! ```
 //! # fn main() -> Result<(), emulator::EmulatorError> {

@@ -16,8 +16,8 @@ impl<P: FnMut(DacCode) -> Conversion + Send + 'static> Plant for P {
     }
 }
 
-/// A triangle of 1 Hz over most of a 16-bit ADC's range (codes 3,000 to 62,000), whatever the DAC does; it starts at the lower
-/// end.
+/// A triangle of 1 Hz over most of a 16-bit ADC's range (codes 3,000 to 62,000), whatever the DAC does; it starts at
+/// the lower end.
 pub fn triangle() -> impl Plant {
     let mut phase = 0;
     move |_| {
@@ -28,8 +28,8 @@ pub fn triangle() -> impl Plant {
     }
 }
 
-/// An amplifier without delay: the ADC reads the voltage that the DAC's code stands for, and one code more at every second
-/// tick, as a converter's noise would have it.
+/// An amplifier without delay: the ADC reads the voltage that the DAC's code stands for, and one code more at every
+/// second tick, as a converter's noise would have it.
 pub fn amplifier(drive: DriveCalibration, adc: AdcCalibration) -> impl Plant {
     let mut noise = 0;
     move |dac| {

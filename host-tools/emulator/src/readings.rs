@@ -14,8 +14,8 @@ pub struct Readings {
 }
 
 impl Readings {
-    /// Whether a voltage, and what it moves with it, has come to stand still that is another than the one of which this was said
-    /// last.
+    /// Whether a voltage, and what it moves with it, has come to stand still that is another than the one of which this
+    /// was said last.
     pub fn still_anew(&mut self, volts: f64, um: f64) -> bool {
         let same = (volts - self.last.0).abs() < SAME_V && (um - self.last.1).abs() < SAME_UM;
         self.times = if same { self.times + 1 } else { 0 };

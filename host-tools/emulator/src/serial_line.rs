@@ -46,7 +46,8 @@ impl SerialLine {
     }
 }
 
-/// What comes from the host, no faster than over the device's own line: the firmware relies on ticks between two requests.
+/// What comes from the host, no faster than over the device's own line: the firmware relies on ticks
+/// between two requests.
 pub struct Receiver<'l> {
     line: &'l SerialLine,
     /// What a byte takes, µs.

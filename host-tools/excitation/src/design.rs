@@ -19,8 +19,8 @@ const LOOPS: u32 = 10;
 const TURNS: u32 = 8;
 /// Steps of the staircase either way.
 const STEPS: u32 = 6;
-/// A step to the end that is farther from rest is held for so long, s, where that is no more than this part of the staircase: creep of
-/// seconds shows behind a large step only.
+/// A step to the end that is farther from rest is held for so long, s, where that is no more than this part of the
+/// staircase: creep of seconds shows behind a large step only.
 const HELD_S: f64 = 10.5;
 const HELD: f64 = 0.75;
 /// How much longer than asked for a drive may be.

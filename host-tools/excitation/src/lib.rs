@@ -9,9 +9,10 @@
 //! random                              tones of random phases, swelling and fading; held out
 //! ```
 //!
-//! Every segment starts and ends at rest. Every one but the first begins with a swing over the whole range, which wipes out what the one
-//! before has left in the hysteresis: it can be learnt from by itself. Every sample lies within the range, and no two of
-//! them are further apart than the slew limit lets them; where that forbids an amplitude, [`Drive::forbidden`] says so.
+//! Every segment starts and ends at rest. Every one but the first begins with a swing over the whole range, which wipes
+//! out what the one before has left in the hysteresis: it can be learnt from by itself. Every sample lies within the
+//! range, and no two of them are further apart than the slew limit lets them; where that forbids an amplitude,
+//! [`Drive::forbidden`] says so.
 
 mod design;
 mod hertz;
@@ -35,7 +36,8 @@ pub struct Segment {
     pub what: &'static str,
     /// It is not to be learnt from, but to prove with.
     pub held_out: bool,
-    /// Ticks from its beginning until the swing that wipes out what was before is over, and it has rested; 0 where there is none.
+    /// Ticks from its beginning until the swing that wipes out what was before is over, and it has rested; 0 where
+    /// there is none.
     pub lead_in: usize,
     /// Amplifier voltages, V, one a tick.
     pub volts: Vec<f32>,

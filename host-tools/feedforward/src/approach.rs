@@ -11,7 +11,8 @@ const DOUBLINGS: u32 = 6;
 /// Longest way, ticks.
 const MOST_TICKS: f64 = 1e6;
 
-/// What is wanted from rest on before a trajectory begins, a value a tick; nothing where it begins at rest, or out of reach.
+/// What is wanted from rest on before a trajectory begins, a value a tick; nothing where it begins at rest, or
+/// out of reach.
 ///
 /// # Errors
 /// The limits break a rule, or the model has no inverse.
@@ -23,7 +24,8 @@ pub fn approach(table: &Admitted, limits: &DriveLimits, trajectory: &Trajectory)
     if travel.abs() < near || !(low.min(high)..=high.max(low)).contains(&begin) {
         return Ok(Vec::new());
     }
-    // As fast as the voltage may go all the way, were displacement and voltage proportional; at most π/2 of its mean speed.
+    // As fast as the voltage may go all the way, were displacement and voltage proportional; at most π/2 of
+    // its mean speed.
     let whole_s = f64::from(limits.range_v.span()) / f64::from(limits.slew_v_per_s);
     let tick_s: f64 = table.sample_period();
     let mut ticks = (PI / 2.0 * whole_s * travel.abs() / (high - low).abs() / tick_s).max(2.0).ceil();

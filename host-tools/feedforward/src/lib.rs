@@ -165,8 +165,8 @@ impl Plan {
         there.map(|after| from + after)
     }
 
-    /// How far the displacement stays from what is wanted, where that is `near` µm or more after a limit was in the way at a tick
-    /// from one on.
+    /// How far the displacement stays from what is wanted, where that is `near` µm or more after a limit was in the way
+    /// at a tick from one on.
     pub fn shortfall(&self, from: usize, near: f64) -> Option<Shortfall> {
         let limited = from + self.limited.iter().skip(from).position(|&limited| limited)?;
         let tick = limited + self.errors(limited).position(|error| error >= near)?;

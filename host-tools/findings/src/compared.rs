@@ -12,7 +12,8 @@ pub fn table_name(model: Model) -> String {
     format!("{}.toml", model.name())
 }
 
-/// The file of each model that was identified, by its name. Nobody looked for what makes one of them doubtful, and it has no ±.
+/// The file of each model that was identified, by its name. Nobody looked for what makes one of them doubtful, and it
+/// has no ±.
 ///
 /// # Errors
 /// A table cannot be written as text.

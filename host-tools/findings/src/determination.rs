@@ -7,7 +7,8 @@ use identifiability::{Determination, Experiment, Found, Told, Unknown};
 pub const DETERMINED: &str =
     "\nWhat the training says of the actuator, ± a standard error, as if the model were right:";
 
-/// What it says, a line each: what it is of, the number with its standard error, and what to record where that is too large.
+/// What it says, a line each: what it is of, the number with its standard error, and what to record where that
+/// is too large.
 pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, String)> {
     let of = match of {
         Ok(of) => of,

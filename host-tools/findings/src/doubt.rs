@@ -156,8 +156,8 @@ pub fn doubt(doubt: &Doubt) -> String {
     }
 }
 
-/// Adds to the doubts of an outcome those of its interval, which come after them: where it is wide, and where the voltage of a
-/// held-out log goes as it never went in the training, which no table without an interval says.
+/// Adds to the doubts of an outcome those of its interval, which come after them: where it is wide, and where the
+/// voltage of a held-out log goes as it never went in the training, which no table without an interval says.
 pub fn doubt_interval(outcome: &mut Outcome) {
     let untrained: Vec<Doubt> =
         outcome.learnt_from().validation().filter_map(|log| untrained(&outcome.learnt.candidate, log)).collect();

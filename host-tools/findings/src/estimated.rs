@@ -11,8 +11,8 @@ const SMALL: f64 = 0.12;
 /// So may one that is beyond that range for so much of the time, %.
 const MOSTLY: f64 = 50.0;
 
-/// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be believed by a table
-/// of voltages in `table_v`, as they would be recorded.
+/// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be
+/// believed by a table of voltages in `table_v`, as they would be recorded.
 pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> Vec<String> {
     let all = &estimates.instants;
     let range = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), row| {
@@ -95,7 +95,8 @@ fn scale_asked(estimates: &Estimates, table_v: Range<f64>) -> Option<String> {
     })
 }
 
-/// The same as JSON: the log's name, the number of estimates, how often each status bit was raised, and what is asked of the voltages.
+/// The same as JSON: the log's name, the number of estimates, how often each status bit was raised, and what is asked
+/// of the voltages.
 pub fn estimated_json(estimates: &Estimates, table_v: Range<f64>) -> Value {
     let raised = estimates.raised().into_iter().map(|Raised { bit, percent, first_s }| {
         let name: String = bit.iter_names().map(|(name, _)| name).collect();

@@ -25,7 +25,8 @@ pub fn row(first: &str, figures: &Figures) -> String {
     )
 }
 
-/// The errors of every candidate, the chosen one marked, and of a straight line: held out where something was, else in training.
+/// The errors of every candidate, the chosen one marked, and of a straight line: held out where something was,
+/// else in training.
 pub fn of_outcome(outcome: &Outcome) -> Vec<String> {
     let figures = |candidate: &Candidate| candidate.held_out_figures().or(candidate.training_figures());
     let held_out = outcome.judged().held_out_figures().is_some();

@@ -59,7 +59,8 @@ pub fn flaw_found(worst: &Flaw, count: usize, row: u64) -> String {
     format!("{}, row {row}: {helps}", flaw(worst, count))
 }
 
-/// Each flaw of the logs of a job, in the order of the logs and their kinds: the log's name, where it is, and what, in words.
+/// Each flaw of the logs of a job, in the order of the logs and their kinds: the log's name, where it is, and
+/// what, in words.
 pub fn flaws(job: &Job) -> Vec<(String, Stretch, String)> {
     let of = |log: &Log| {
         let found = log_survey::flaws(&job.prepare.cut(log));

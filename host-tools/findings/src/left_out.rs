@@ -18,7 +18,8 @@ pub fn left_out(job: &Job, recipe: &Recipe, problem: &Problem) -> Vec<String> {
         let left_out = whole.saturating_sub(session.instants.len()) + usize::from(first);
         (left_out > 0).then(|| format!("Of {}, {left_out} of {whole} samples were left out (--repair).", log.name))
     };
-    // A log of which the end is held out is run through as a whole to judge that: so it stands behind those that are held out.
+    // A log of which the end is held out is run through as a whole to judge that: so it stands behind those that
+    // are held out.
     let held_out: Vec<&Session> = problem.validation().collect();
     let (of_held_out, wholes) = held_out.split_at(job.held_out.len().min(held_out.len()));
     let training: Vec<&Session> = match wholes.len() == job.training.len() {

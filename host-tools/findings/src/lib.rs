@@ -1,5 +1,5 @@
-//! What stands around an identification, for whoever starts one, the program or a script in Python: what is meant where a
-//! request leaves something unsaid, what was found in the words that the user reads, and the file that is made of it.
+//! What stands around an identification, for whoever starts one, the program or a script in Python: what is meant where
+//! a request leaves something unsaid, what was found in the words that the user reads, and the file that is made of it.
 //!
 //! The words name the program's options, as those of `remedy` do, which hands them on.
 

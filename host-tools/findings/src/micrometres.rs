@@ -2,7 +2,8 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-/// So many µm, printed with the decimals that are asked for, and with more where these would not show two significant digits.
+/// So many µm, printed with the decimals that are asked for, and with more where these would not show
+/// two significant digits.
 #[derive(Clone, Copy)]
 pub struct Micrometres(pub f64);
 

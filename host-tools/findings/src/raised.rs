@@ -3,8 +3,8 @@
 use estimator_core::Status;
 use identification::validate::Raised;
 
-/// What status bits mean for the estimates of a log, each with how often it was raised, one after the other; empty where none says
-/// anything of them.
+/// What status bits mean for the estimates of a log, each with how often it was raised, one after the other; empty
+/// where none says anything of them.
 pub fn remarks(raised: &[Raised]) -> String {
     let meanings = [
         (

@@ -35,7 +35,8 @@ fn least(since: &str) -> String {
     )
 }
 
-/// What is said where the mean logarithm of the next model's errors, beside the best's, is no more than its standard error.
+/// What is said where the mean logarithm of the next model's errors, beside the best's, is no more than
+/// its standard error.
 fn close((difference, error): (f64, f64)) -> String {
     let percent = |logarithm: f64| 100.0 * logarithm.exp_m1();
     match difference <= error {

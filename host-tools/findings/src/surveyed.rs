@@ -26,7 +26,8 @@ const AS_RECORDED: &str = "is this voltage a monitor's, or the amplifier's input
 const ESTIMATED: &str = "the displacement is a device's estimate, no sensor's: nothing is to be learnt from it, and no error read off it; \
                          piezo record records a sensor that board.toml says the span of (--board)";
 
-/// What was understood of a log, a line each, why there is no displacement, and under a name of its own, what hinders learning from it.
+/// What was understood of a log, a line each, why there is no displacement, and under a name of its own, what hinders
+/// learning from it.
 pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &str)>) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = |name: &str, words: &str| lines.push(format!("  {name:<13} {words}"));

@@ -24,7 +24,8 @@ pub fn table_file(outcome: &Outcome, cost: Cost, search: &SearchOptions, determi
     }
 }
 
-/// Brings a file's table to a tick of so many µs by its equations, and says so among its doubts where that is another tick.
+/// Brings a file's table to a tick of so many µs by its equations, and says so among its doubts where that
+/// is another tick.
 ///
 /// # Errors
 /// Its model is bound to the tick that it was identified at.

@@ -3,14 +3,14 @@
 use estimator_core::Model;
 use identification::ModelChoice;
 
-/// The fraction at the end of each log that is held out: half where nothing is stated, and nothing where whole logs are held
-/// out.
+/// The fraction at the end of each log that is held out: half where nothing is stated, and nothing where whole logs
+/// are held out.
 pub fn hold_out(stated: Option<f64>, whole_logs: bool) -> f64 {
     stated.unwrap_or(if whole_logs { 0.0 } else { 0.5 })
 }
 
-/// The model to identify where the actuator's lag is stated: of those that could be chosen only one keeps to a lag, and none
-/// must win because it does not.
+/// The model to identify where the actuator's lag is stated: of those that could be chosen only one keeps to a lag, and
+/// none must win because it does not.
 pub fn model(asked: ModelChoice, lag_s: Option<f64>) -> ModelChoice {
     match (asked, lag_s) {
         (ModelChoice::Auto, Some(_)) => ModelChoice::Is(Model::GeneralisedPrandtlIshlinskii),

@@ -149,7 +149,8 @@ pub fn of_log(
     lines
 }
 
-/// The gravest of each kind of a log's flaws in what was scored, and how many there are of it. Of an estimate none is looked for.
+/// The gravest of each kind of a log's flaws in what was scored, and how many there are of it. Of an estimate none
+/// is looked for.
 fn flaws_of(log: &Log, (from_s, to_s): (f64, f64)) -> Vec<(Flaw, usize)> {
     let mut found = if log.displacement_estimated { Vec::new() } else { flaws(log) };
     found.retain(|flaw| flaw.at().to_s >= from_s && flaw.at().from_s <= to_s);

@@ -1,7 +1,8 @@
 //! What a result was made from, as three digests: the same logs, options and program make the same result.
 //!
-//! A log counts by its bytes and by what was read of them, in the order in which the logs were named, never by its name or its time.
-//! An option counts by what it came to: a board's file by what it says, a session's folder by its tick and its logs.
+//! A log counts by its bytes and by what was read of them, in the order in which the logs were named, never by its
+//! name or its time. An option counts by what it came to: a board's file by what it says, a session's folder by its
+//! tick and its logs.
 
 use crate::error::UnitError;
 use identification::Job;
@@ -96,7 +97,8 @@ fn number(digest: &mut impl Update, count: usize) {
     digest.update(&(count as u64).to_le_bytes());
 }
 
-/// Of the options as the program prints them to itself: it names each field, and every digit of a number that makes a difference.
+/// Of the options as the program prints them to itself: it names each field, and every digit of a number that
+/// makes a difference.
 fn options(job: &Job, read: &ReadOptions, devices: u32) -> String {
     let Job { training: _, held_out: _, hold_out, as_judged, prepare, model, conditions, calibration, cost, search } =
         job;

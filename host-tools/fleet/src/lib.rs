@@ -1,9 +1,9 @@
-//! A fleet: many units of a kind, each identified from its own recordings by a run of its own, which whatever schedules programs
-//! may start, on one machine or on many.
+//! A fleet: many units of a kind, each identified from its own recordings by a run of its own, which whatever schedules
+//! programs may start, on one machine or on many.
 //!
-//! What came of a run stands in its folder as `unit.json` ([`Unit`]), whether it found a table or not; [`Run`] writes it, and knows
-//! whether it is still what the same logs, options and program would make ([`Asked`]). [`Fleet`] reads many and says which are
-//! missing, which failed, and which are unlike the rest.
+//! What came of a run stands in its folder as `unit.json` ([`Unit`]), whether it found a table or not; [`Run`] writes
+//! it, and knows whether it is still what the same logs, options and program would make ([`Asked`]). [`Fleet`] reads
+//! many and says which are missing, which failed, and which are unlike the rest.
 
 mod asked;
 mod error;

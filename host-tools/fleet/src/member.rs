@@ -37,7 +37,8 @@ fn of_named(named: &Path) -> Vec<Member> {
     if has_file(named) { vec![Member::read(named)] } else { within(named, folders(named)) }
 }
 
-/// The units within a folder that is none's: a fleet's, where one of the folders in it is a unit's; else a unit's that has no file.
+/// The units within a folder that is none's: a fleet's, where one of the folders in it is a unit's; else a unit's that
+/// has no file.
 fn within(named: &Path, folders: io::Result<Vec<PathBuf>>) -> Vec<Member> {
     match folders {
         Ok(folders) if folders.iter().any(|folder| has_file(folder)) => {

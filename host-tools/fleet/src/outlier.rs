@@ -1,8 +1,9 @@
 //! Units that are unlike the rest of their fleet.
 //!
-//! The logarithm of a quantity is compared with the median of all; the spread is 1.4826 times the median distance from it, which is a
-//! normal distribution's standard deviation and which no few outliers move. Farther than 3.5 of these is far (Iglewicz and Hoaglin,
-//! *How to Detect and Handle Outliers*, 1993), and so is nothing within 20 %: a fleet that is alike would have its hairs split.
+//! The logarithm of a quantity is compared with the median of all; the spread is 1.4826 times the median distance from
+//! it, which is a normal distribution's standard deviation and which no few outliers move. Farther than 3.5 of these is
+//! far (Iglewicz and Hoaglin, *How to Detect and Handle Outliers*, 1993), and so is nothing within 20 %: a fleet that
+//! is alike would have its hairs split.
 
 use serde::Serialize;
 use std::fmt;

@@ -30,7 +30,8 @@ pub struct UnitName(String);
 impl FromStr for UnitName {
     type Err = UnitError;
 
-    /// What begins as a spreadsheet's formula, or as an option, is no name: it would be taken for one where the name is passed on.
+    /// What begins as a spreadsheet's formula, or as an option, is no name: it would be taken for one where the name
+    /// is passed on.
     fn from_str(name: &str) -> Result<Self, UnitError> {
         let length = name.chars().count();
         let wrong = name.trim() != name

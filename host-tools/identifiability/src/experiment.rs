@@ -17,8 +17,8 @@ pub enum Experiment {
         /// Its frequency, Hz.
         hz: f64,
     },
-    /// Over the range and back, and a hold; then the whole range in a tenth of a second, and a hold: how far the displacement goes from
-    /// 0.1 to 10 s after it.
+    /// Over the range and back, and a hold; then the whole range in a tenth of a second, and a hold: how far the
+    /// displacement goes from 0.1 to 10 s after it.
     Creep,
 }
 
@@ -36,7 +36,8 @@ impl Experiment {
         [Self::Stroke, width(1.0, SLOW_HZ), width(0.5, SLOW_HZ), width(0.25, SLOW_HZ), width(1.0, FAST_HZ), Self::Creep]
     }
 
-    /// How far a loop's voltage goes (V) over a range of this span, and its period (s); `None` of what is not read off a loop.
+    /// How far a loop's voltage goes (V) over a range of this span, and its period (s); `None` of what is not read
+    /// off a loop.
     pub(crate) fn swing(self, span: f64) -> Option<(f64, f64)> {
         match self {
             Self::Width { part, hz } => Some((part * span, 1.0 / hz)),
@@ -97,8 +98,8 @@ impl Actuator {
         actuator
     }
 
-    /// Displacements in the second period of a sine from its lower end: all, and at the middle of the rise and of the fall. The
-    /// first period wipes out the start.
+    /// Displacements in the second period of a sine from its lower end: all, and at the middle of the rise and of the
+    /// fall. The first period wipes out the start.
     fn period(&mut self, voltages: Range<f64>, hz: f64) -> (Range<f64>, [f64; 2]) {
         let ticks = (0.5 / hz / self.tick_s).round().max(2.0) as u32;
         let mut half = |begin: f64| {

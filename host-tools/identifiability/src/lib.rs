@@ -6,15 +6,17 @@
 //! nₑ = n / (1 + 2 Σ_k ρ_k)          ρ the errors' autocorrelation, until it first falls below 0
 //! ```
 //!
-//! (Seber and Wild, *Nonlinear Regression*, 1989, ch. 2 and 6.) That one nₑ holds for all takes the derivatives to be as slow as
-//! the errors, which those of a loop are whose error repeats with it. A session's blocks are its start, which nobody knows, and
-//! what follows; each has its own noise, as in the fit, and a constant of the session's, for drift and the sensor's zero, says nothing.
-//! A model's single numbers say little: those of neighbouring plays stand in for one another, and no log tells them apart. What the
-//! actuator does in an experiment is told by all of them together, and is what a user means. D takes every number to be known
-//! to its own size beforehand, so that what the logs do not see has a large standard error, and not an infinite one.
+//! (Seber and Wild, *Nonlinear Regression*, 1989, ch. 2 and 6.) That one nₑ holds for all takes the derivatives to be
+//! as slow as the errors, which those of a loop are whose error repeats with it. A session's blocks are its start,
+//! which nobody knows, and what follows; each has its own noise, as in the fit, and a constant of the session's, for
+//! drift and the sensor's zero, says nothing. A model's single numbers say little: those of neighbouring plays stand in
+//! for one another, and no log tells them apart. What the actuator does in an experiment is told by all of them
+//! together, and is what a user means. D takes every number to be known to its own size beforehand, so that what the
+//! logs do not see has a large standard error, and not an infinite one.
 //!
-//! Creep is asked for over seconds, and what a model makes of it is drawn from what is faster, where the logs do not rest. So its
-//! standard error has what the estimate was off by in their rests, as another rest would be; without any it says nothing.
+//! Creep is asked for over seconds, and what a model makes of it is drawn from what is faster, where the logs do not
+//! rest. So its standard error has what the estimate was off by in their rests, as another rest would be; without any
+//! it says nothing.
 //!
 //! ```text
 //! se² + (1 + 1/n)·Σ e²/n            e what the estimate is off by more at the end of a rest, for a move over the range
@@ -49,8 +51,8 @@ const WIDENED_BY: [f32; 5] = [1.0, 0.3, 0.1, 0.03, 0.0];
 const QUIET: f64 = 0.1;
 /// What is known to this part of the stroke is told well.
 const OF_STROKE: f64 = 0.005;
-/// A log as fast as an experiment goes at least so far in a quarter of the experiment's period, of its way: a half of what a sine
-/// does.
+/// A log as fast as an experiment goes at least so far in a quarter of the experiment's period, of its way: a half of
+/// what a sine does.
 const AS_FAR: f64 = 0.35;
 /// What the logs leave of the standard error that there was before them, at most, where they tell something.
 const LEFT: f64 = 0.1;
@@ -62,14 +64,15 @@ pub struct Determination {
     pub readings: usize,
     /// As many independent readings would say as much.
     pub effective_readings: f64,
-    /// Mean absolute error behind the starts, without a constant of each session's, µm: a few readings that are far off count once.
+    /// Mean absolute error behind the starts, without a constant of each session's, µm: a few readings that are far
+    /// off count once.
     pub mae_um: f64,
     /// Numbers of the model that were looked at.
     pub numbers: usize,
     /// Numbers that could not be moved without breaking a rule; what they are uncertain by is missing.
     pub held: usize,
-    /// Largest by smallest singular value of the readings' derivatives by the numbers, each of its own size; 10⁸ where two
-    /// cannot be told apart at all.
+    /// Largest by smallest singular value of the readings' derivatives by the numbers, each of its own size; 10⁸ where
+    /// two cannot be told apart at all.
     pub condition: f64,
     /// What the actuator does, experiment by experiment.
     pub found: Vec<Found>,
@@ -100,9 +103,11 @@ pub enum Told {
     Partly,
     /// What is known is mostly what the model takes for granted.
     Not,
-    /// No log's voltage goes nearly as fast: number and standard error are those of a law that only slower ones have shown.
+    /// No log's voltage goes nearly as fast: number and standard error are those of a law that only slower
+    /// ones have shown.
     Slower,
-    /// No log's voltage rests as long behind a move: number and standard error are those of a law that only what is quicker has shown.
+    /// No log's voltage rests as long behind a move: number and standard error are those of a law that only what is
+    /// quicker has shown.
     Restless,
 }
 
@@ -121,8 +126,8 @@ pub enum Unknown {
     Unstable,
 }
 
-/// What the training sessions determine of a table that was identified from them. An experiment that is too fast for the amplifier, as far
-/// as the table says how fast it is, is none: its answer could be neither recorded nor needed.
+/// What the training sessions determine of a table that was identified from them. An experiment that is too fast for
+/// the amplifier, as far as the table says how fast it is, is none: its answer could be neither recorded nor needed.
 ///
 /// # Errors
 /// Why that is not known.
@@ -150,7 +155,8 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
     experiments.retain(|experiment| experiment.steepest(voltages.span()) <= fastest);
     let before: Vec<f64> = experiments.iter().map(|experiment| experiment.run(&table, voltages)).collect();
     let weights: Vec<Vec<f64>> = judged.iter().map(|judged| judged.weights(every, QUIET * mae_um)).collect();
-    // Of each number the change of the readings, each by its weight, and of the experiments' results, for as much as itself.
+    // Of each number the change of the readings, each by its weight, and of the experiments' results, for as
+    // much as itself.
     let changes: Vec<(Vec<f64>, Vec<f64>)> = numbers
         .par_iter()
         .map(|Number { changed, step }| {
@@ -210,14 +216,16 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
     })
 }
 
-/// How fast the amplifier can be at most, V/s, by the slew limit of the drive or what is stated of the amplifier; infinite where nothing is.
+/// How fast the amplifier can be at most, V/s, by the slew limit of the drive or what is stated of the amplifier;
+/// infinite where nothing is.
 fn fastest(table: &Table) -> f64 {
     let stated = [table.drive.map(|drive| drive.limits.slew_v_per_s), table.amplifier_slew_v_per_s];
     stated.into_iter().flatten().map(f64::from).fold(f64::INFINITY, f64::min)
 }
 
-/// The table without interval and drive, which have no part in it, and with the widest limits that it is admitted with, since limits must
-/// not keep a number from moving: the feedback of an extremum term goes the further, the wider they are.
+/// The table without interval and drive, which have no part in it, and with the widest limits that it is admitted
+/// with, since limits must not keep a number from moving: the feedback of an extremum term goes the further, the
+/// wider they are.
 fn with_widest_limits(table: &Admitted) -> Option<Admitted> {
     let limits = table.displacement_limits_um;
     WIDENED_BY.into_iter().find_map(|part| {

@@ -30,8 +30,8 @@ pub struct Number {
     pub step: f64,
 }
 
-/// Every number of a table that a log could have told: those that are not 0, for that says that a stage is not there, and that
-/// can be a little other without breaking a rule; and how many could not.
+/// Every number of a table that a log could have told: those that are not 0, for that says that a stage is not there,
+/// and that can be a little other without breaking a rule; and how many could not.
 pub fn numbers(table: &Admitted) -> (Vec<Number>, usize) {
     let Ok(parameters) = serde_json::to_value(table.parameters) else { return (Vec::new(), 0) };
     let mut found = Vec::new();

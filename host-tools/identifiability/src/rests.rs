@@ -1,7 +1,8 @@
 //! What a session shows of creep by itself: how the estimate's error moves while the voltage rests behind a move.
 //!
-//! Creep is slow, and errors of a loop say little of it: a model whose creep in seconds is drawn from that in milliseconds fits the
-//! loops all the same, with a small standard error and another creep. A rest of the length that is asked for shows it.
+//! Creep is slow, and errors of a loop say little of it: a model whose creep in seconds is drawn from that in
+//! milliseconds fits the loops all the same, with a small standard error and another creep. A rest of the length that
+//! is asked for shows it.
 
 use crate::judged::Judged;
 use recordings::session::Session;
@@ -24,8 +25,8 @@ struct Rest {
     moved_v: f64,
 }
 
-/// What the estimate is off by more at the end of each long rest than at its beginning, from `since_s` to `until_s` after the move,
-/// for a move over the whole span, V, µm.
+/// What the estimate is off by more at the end of each long rest than at its beginning, from `since_s` to `until_s`
+/// after the move, for a move over the whole span, V, µm.
 pub fn missed(session: &Session, judged: &Judged, span_v: f64, (since_s, until_s): (f64, f64)) -> Vec<f64> {
     let long = rests(session, span_v, LASTS * until_s);
     let missed = long.iter().filter_map(|rest| {
@@ -60,7 +61,8 @@ fn rests(session: &Session, span_v: f64, lasting_s: f64) -> Vec<Rest> {
     found
 }
 
-/// How far the voltage goes to a tick within the time of a move, V; a session's first tick from where the actuator had rested.
+/// How far the voltage goes to a tick within the time of a move, V; a session's first tick from where the
+/// actuator had rested.
 fn moved(session: &Session, tick: usize) -> f64 {
     let ticks = (MOVE_S / session.tick_s).round() as usize;
     let before = &session.voltage[tick.saturating_sub(ticks)..tick];

@@ -1,5 +1,5 @@
-//! What is said of the creep of simulated actuators, whose creep is known: logs with rests tell it, and of others it is said that they
-//! do not.
+//! What is said of the creep of simulated actuators, whose creep is known: logs with rests tell it, and of others it is
+//! said that they do not.
 
 use calibration::CalibrationOptions;
 use estimator_core::Model;
@@ -90,7 +90,8 @@ fn said(plant: &Plant, command: &Command) -> Found {
     *of.found.iter().find(|found| found.experiment == Experiment::Creep).expect("every experiment is made")
 }
 
-/// How far an actuator that has been over its voltages and rested creeps from 0.1 to 10 s after a ramp of 0.1 s over them, µm.
+/// How far an actuator that has been over its voltages and rested creeps from 0.1 to 10 s after a ramp of 0.1 s
+/// over them, µm.
 fn truth(plant: &Plant) -> f64 {
     let steps = |seconds: f64| (seconds / STEP_S).round() as usize;
     let mut command = Command(vec![0.0]);

@@ -34,8 +34,8 @@ fn hold(seconds: f64) -> Vec<f64> {
     vec![HIGH; (seconds / TICK_S) as usize]
 }
 
-/// What a sensor with noise of this deviation (µm) sees of the table's own actuator; the noise is one of steps, so that every
-/// reading is independent.
+/// What a sensor with noise of this deviation (µm) sees of the table's own actuator; the noise is one of steps, so that
+/// every reading is independent.
 fn session(voltage: &[f64], noise_um: f64) -> Session {
     seen(&table(), voltage, EVERY, noise_um)
 }
@@ -149,7 +149,8 @@ fn noise_and_repetition_count() {
 #[test]
 fn a_start_that_the_model_does_not_fit_says_little_and_takes_nothing_from_what_follows() {
     let known = session(&sines(1.0, 1.0, 6), 0.02);
-    // Until the voltage has gone down from the top once the displacement is lower, as that of an actuator that nothing had marked.
+    // Until the voltage has gone down from the top once the displacement is lower, as that of an actuator that
+    // nothing had marked.
     let reading = known.instants.len() / 12;
     let mut unmarked = known.clone();
     unmarked.displacement[..reading].iter_mut().for_each(|displacement| *displacement -= 2.0);

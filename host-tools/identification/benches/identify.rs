@@ -1,5 +1,6 @@
-//! The thesis's whole search (64 chromosomes, 400 generations, five logs of 4,000 samples, nine parameters), in seconds. In the
-//! search a candidate that is not admissible costs no samples: what a sample costs, the bench `workload` says.
+//! The thesis's whole search (64 chromosomes, 400 generations, five logs of 4,000 samples, nine parameters),
+//! in seconds. In the search a candidate that is not admissible costs no samples: what a sample costs, the
+//! bench `workload` says.
 
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use estimator_core::Model;

@@ -2,8 +2,9 @@
 //!
 //!     cargo run --release --package identification --example own_model
 //!
-//! The model here is a straight line behind a first-order lag, `τ·du/dt = V − u`, `y = offset + gain·u`. It has no
-//! hysteresis, and its errors say so. Nothing in this file needs a change of any library: a search takes any [`Family`].
+//! The model here is a straight line behind a first-order lag, `τ·du/dt = V − u`, `y = offset + gain·u`. It
+//! has no hysteresis, and its errors say so. Nothing in this file needs a change of any library: a search
+//! takes any [`Family`].
 //!
 //! To make it a choice of the tables, of `piezo` and of the firmware:
 //!
@@ -12,24 +13,24 @@
 //!    in `model/mod.rs`; `ToyParameters` in the `pub use model::{…}` of `lib.rs`, too. A state of your own derives
 //!    `Clone, PartialEq, Debug` and is handed on with them.
 //! 2. At the end of `estimator-core/src/model/catalogue.rs`, the sentence of `--help` and the line of the model, last,
-//!    since records number the models by their order. The two numbers are the most cycles that a tick takes on the board,
-//!    to estimate and to drive, by which a board refuses a table; `table/cycles.rs` says what they are. Begin with too
-//!    many: `cargo xtask cycles` fails, and says how many are observed and what to state.
+//!    since records number the models by their order. The two numbers are the most cycles that a tick takes on the
+//!    board, to estimate and to drive, by which a board refuses a table; `table/cycles.rs` says what they are. Begin
+//!    with too many: `cargo xtask cycles` fails, and says how many are observed and what to state.
 //!
 //!        /// Straight line behind a first-order lag.
 //!        Toy, "toy", "straight line with lag", ToyParameters, (20_000, 50_000);
 //!
 //! 3. Part 2 becomes `host-tools/identification/src/family/toy.rs`, `pub`, with `crate::` for `identification::`,
 //!    `super::{Family, Projection}`, and without `impl Trial`: [`Parameters`](estimator_core::Parameters) has it. `type
-//!    Found = Parameters`, and `project` ends in `.then_some(Parameters::Toy(parameters))`. `mod toy;` and an arm of `of`
-//!    in `family/mod.rs`, for which the compiler asks: `Model::Toy => vec![Box::new(toy::ToyFamily)]`. A family whose
-//!    ranges follow from the logs (a play's half-width, say) takes the [`Problem`] in a `new`, as `family/duhem.rs` does.
-//!    The lag of a model that has one, as this has, is told to `late_s` in `host-tools/prediction-interval/src/lib.rs`,
-//!    which takes none of others; and `burden` charges for it, as `family/duhem.rs` has it, since logs of one frequency
-//!    can hardly tell it from a wider loop.
+//!    Found = Parameters`, and `project` ends in `.then_some(Parameters::Toy(parameters))`. `mod toy;` and an arm of
+//!    `of` in `family/mod.rs`, for which the compiler asks: `Model::Toy => vec![Box::new(toy::ToyFamily)]`. A family
+//!    whose ranges follow from the logs (a play's half-width, say) takes the [`Problem`] in a `new`, as
+//!    `family/duhem.rs` does. The lag of a model that has one, as this has, is told to `late_s` in
+//!    `host-tools/prediction-interval/src/lib.rs`, which takes none of others; and `burden` charges for it, as
+//!    `family/duhem.rs` has it, since logs of one frequency can hardly tell it from a wider loop.
 //!
-//! `cargo run --release -- identify tests/data/picma-p885-1hz.csv --model toy --out out/toy` then runs, and so does every other
-//! verb. What goes through all models wants the new one:
+//! `cargo run --release -- identify tests/data/picma-p885-1hz.csv --model toy --out out/toy` then runs, and so does
+//! every other verb. What goes through all models wants the new one:
 //!
 //! 4. In `estimator-core/tests/library/`: a set of it in `common/models.rs` (the compiler asks; the tests of
 //!    `identification` need it, too), its bits in `bits.rs` (the test prints the line), and what its `f32` is off by in
@@ -37,19 +38,19 @@
 //!    in `common/models.rs` and in `inverse.rs`; outside the core, in `measure_all` and `line.rs` of
 //!    `tests/board/tests/image` and where `xtask/src/cycles.rs` counts its rows.
 //! 5. Its identified table, `tests/data/table/models/toy.toml` (`README.md` in the folder above says how), which the
-//!    tests in QEMU, of C and of the fuzzer's inputs and `cargo xtask size --models` run; the instructions of its tick in
-//!    `CEILINGS` of `xtask/src/figures/ceiling.rs` (`cargo xtask figures` says how many). `cargo xtask figures models
-//!    cycles tracking` writes its rows in the book; the column of words is yours. The inputs of `tests/data/fuzz` want
-//!    it, too: `cargo run --package fuzzed --example seeds FOLDER` writes them.
-//! 6. The record's format: bump `VERSION` in `estimator-core/src/record.rs` unless it was bumped since the last release,
-//!    since older firmware cannot read the model. With it change the version and the CRC of `record_is_pinned` in
-//!    `estimator-core/tests/library/table.rs`, the two `table.bin` in `tests/data/table` (`cargo run --release -- emit
-//!    FOLDER/table.toml --out FOLDER` writes them), and the line in CHANGELOG.md.
-//! 7. What goes on without it and nobody asks: the book's and README's number of models; `FREE` in `cross_validation.rs`
-//!    beside Part 2, of a model of many weights that no law ties to each other; `without_lag` in
-//!    `host-tools/thesis/src/features.rs`, of one with a lag; `coarse` in `tests/board/tests/image/cycles/tables.rs`, of
-//!    one with an offset; and `table/rate.rs` of the core, of one whose equations know no tick, which alone is brought to
-//!    another tick without a search.
+//!    tests in QEMU, of C and of the fuzzer's inputs and `cargo xtask size --models` run; the instructions of its tick
+//!    in `CEILINGS` of `xtask/src/figures/ceiling.rs` (`cargo xtask figures` says how many). `cargo xtask figures
+//!    models cycles tracking` writes its rows in the book; the column of words is yours. The inputs of
+//!    `tests/data/fuzz` want it, too: `cargo run --package fuzzed --example seeds FOLDER` writes them.
+//! 6. The record's format: bump `VERSION` in `estimator-core/src/record.rs` unless it was bumped since the last
+//!    release, since older firmware cannot read the model. With it change the version and the CRC of `record_is_pinned`
+//!    in `estimator-core/tests/library/table.rs`, the two `table.bin` in `tests/data/table` (`cargo run --release --
+//!    emit FOLDER/table.toml --out FOLDER` writes them), and the line in CHANGELOG.md.
+//! 7. What goes on without it and nobody asks: the book's and README's number of models; `FREE` in
+//!    `cross_validation.rs` beside Part 2, of a model of many weights that no law ties to each other; `without_lag` in
+//!    `host-tools/thesis/src/features.rs`, of one with a lag; `coarse` in `tests/board/tests/image/cycles/tables.rs`,
+//!    of one with an offset; and `table/rate.rs` of the core, of one whose equations know no tick, which alone is
+//!    brought to another tick without a search.
 
 use estimator_core::admissible::within;
 use estimator_core::model::{Lag, Relaxed};
@@ -126,7 +127,8 @@ impl<T: Real> Recursion<T> for Toy<T> {
         within(Range::of_values([voltage.min, voltage.max].map(|v| self.offset + self.gain * v)), limits)
     }
 
-    /// What the inverse inverts; parameters with which it falls anywhere are refused where an inverse is built. `None` for no inverse.
+    /// What the inverse inverts; parameters with which it falls anywhere are refused where an inverse is built. `None`
+    /// for no inverse.
     fn monotone_part(&self) -> Option<Self> {
         Some(*self)
     }

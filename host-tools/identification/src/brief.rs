@@ -9,8 +9,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// One in so many of the search's candidates a number is tried for the models whose weights are solved for.
 const OF_OTHERS: u32 = 6;
-/// A model of the Voigt family, whose candidates are cheap and whose numbers are all searched, may try so many times the
-/// search's candidates a number in all.
+/// A model of the Voigt family, whose candidates are cheap and whose numbers are all searched, may try so many times
+/// the search's candidates a number in all.
 const OF_VOIGT: u32 = 8;
 
 /// Candidates that a brief search tries.
@@ -33,8 +33,8 @@ impl Brief {
 }
 
 impl Identification<'_> {
-    /// Each of these models by a [`Brief`] search of the method for the models beyond the Voigt family; a [smooth](Self::smooth) one at
-    /// length, which takes no longer.
+    /// Each of these models by a [`Brief`] search of the method for the models beyond the Voigt family; a
+    /// [smooth](Self::smooth) one at length, which takes no longer.
     pub fn brief(&self, models: &[Model], progress: Progress<'_>) -> Vec<Fit> {
         let Brief { of_a_number, of_voigt } = Brief::of(self.options);
         let (family, others): (Vec<Model>, Vec<Model>) = models.iter().partition(|model| model.is_voigt());
@@ -46,7 +46,8 @@ impl Identification<'_> {
             let search = if self.smooth(model) { *self } else { search(None) };
             search.run(&[model], &mut |model, cost| tell(model, cost))
         };
-        // None of the others starts from another. They are begun from the list's end, where NARX is: it takes as long as all the rest.
+        // None of the others starts from another. They are begun from the list's end, where NARX is: it takes as long
+        // as all the rest.
         let (others, mut fits) = rayon::join(
             || others.par_iter().rev().map(of).collect::<Vec<_>>(),
             || search(Some(of_voigt as usize)).run(&family, &mut |model, cost| tell(model, cost)),

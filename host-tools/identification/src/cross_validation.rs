@@ -24,8 +24,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// Candidates for each searched number, from where the fit to everything ended.
 pub(crate) const OF_A_NUMBER: usize = 12;
-/// A model that is off in the training, once settled and in simulation, by so many times the least is not tried: without a part it will not
-/// be the best.
+/// A model that is off in the training, once settled and in simulation, by so many times the least is not tried:
+/// without a part it will not be the best.
 const HOPELESS: f64 = 6.0;
 /// Models whose many weights no law ties to each other: a single amplitude teaches them its loop, and nothing beyond.
 const FREE: [Model; 2] = [Model::Preisach, Model::Narx];
@@ -58,8 +58,8 @@ impl CrossValidation {
     /// Of the fits to everything that may be chosen, as [`eligible`] says it of them.
     ///
     /// # Errors
-    /// Why the least error in training decides: fewer than two could be the best, the data are too short to be divided, or without a part
-    /// none is found.
+    /// Why the least error in training decides: fewer than two could be the best, the data are too short to be divided,
+    /// or without a part none is found.
     pub(crate) fn of(
         identification: &Identification<'_>,
         eligible: &[(&Fit, f64)],
@@ -100,7 +100,8 @@ impl CrossValidation {
         Ok(Self { left_out, scores, chosen, amplitudes: several_amplitudes(problem) })
     }
 
-    /// How many times as large as the best's a score's errors are, in the logarithm: the mean over the parts and its standard error.
+    /// How many times as large as the best's a score's errors are, in the logarithm: the mean over the parts and
+    /// its standard error.
     pub fn by(&self, score: &Score) -> (f64, f64) {
         self.scores.first().map_or((0.0, 0.0), |best| difference(score, best))
     }
@@ -111,8 +112,8 @@ impl CrossValidation {
     }
 }
 
-/// The fits that may be chosen, admissible and of a model that the logs' amplitudes can determine, and how far each is off in the
-/// training once it has settled, µm.
+/// The fits that may be chosen, admissible and of a model that the logs' amplitudes can determine, and how far each is
+/// off in the training once it has settled, µm.
 pub fn eligible<'f>(problem: &Problem, cost: Cost, fits: &'f [Fit]) -> Vec<(&'f Fit, f64)> {
     let amplitudes = several_amplitudes(problem);
     let eligible = fits.iter().filter(|fit| fit.cost.is_finite() && (amplitudes || !FREE.contains(&fit.model)));
@@ -130,8 +131,8 @@ fn error(without: &Identification<'_>, what: LeftOut, fit: &Fit) -> f64 {
     found.parameters.map_or(f64::INFINITY, |parameters| on_left_out(without.problem, what, &parameters, without.cost))
 }
 
-/// Simulation error on what a problem was left without in the norm of a cost, µm: on a whole log beside its own constant, on a stretch of a
-/// log beside the constant of what was kept of it.
+/// Simulation error on what a problem was left without in the norm of a cost, µm: on a whole log beside its own
+/// constant, on a stretch of a log beside the constant of what was kept of it.
 pub fn on_left_out(problem: &Problem, what: LeftOut, trial: &impl Trial, cost: Cost) -> f64 {
     let model = trial.model(&problem.discretisation());
     let on = |(out, kept): (&Session, Option<&Session>)| {

@@ -2,8 +2,8 @@
 //!
 //! Each delay that is tried is judged by how well a Voigt model, identified with it on one part of the training logs,
 //! simulates the other part: with several logs each is left out once, a single log is halved. At a single frequency the
-//! model's own lag does what a delay does, so the estimate runs to whatever bound it is given; it is bounded by what the
-//! sensor can have, and the result says when it ended there.
+//! model's own lag does what a delay does, so the estimate runs to whatever bound it is given; it is bounded by what
+//! the sensor can have, and the result says when it ended there.
 
 use crate::cost::Cost;
 use crate::fit::{Progress, identify};

@@ -72,8 +72,8 @@ pub enum Doubt {
         /// When it ends, s from the start of what was used.
         until_s: f64,
     },
-    /// An identified Duhem set does not meet a condition of the thesis's Section 3.3 at some voltage within its saturation,
-    /// which the logs need not have reached.
+    /// An identified Duhem set does not meet a condition of the thesis's Section 3.3 at some voltage within its
+    /// saturation, which the logs need not have reached.
     UnmetCondition {
         /// The first that it does not meet.
         condition: DuhemCondition,

@@ -79,8 +79,8 @@ pub fn identify_black_box(
 
 /// What searches again from where another fit ended.
 const NEARBY: Optimiser = Optimiser::Local;
-/// Candidates a number that suffice it where a family says what its cost is near a point: little is left for restarts, which found
-/// nothing better from there.
+/// Candidates a number that suffice it where a family says what its cost is near a point: little is left for restarts,
+/// which found nothing better from there.
 const SMOOTH: usize = 20;
 
 /// What is identified from what, and how.
@@ -114,15 +114,15 @@ impl Identification<'_> {
     }
 
     /// What fits of one model are told apart by: their cost, but in simulation the problem's
-    /// [`error_once_settled`](Problem::error_once_settled), since a sensor's zero and how a log began are no merit of a fit; infinite where
-    /// nothing was found.
+    /// [`error_once_settled`](Problem::error_once_settled), since a sensor's zero and how a log began are no merit of a
+    /// fit; infinite where nothing was found.
     pub(crate) fn off(&self, fit: &Fit) -> f64 {
         let found = fit.parameters.filter(|_| fit.cost.is_finite() && self.cost.weight() == 0.0);
         found.map_or(fit.cost, |parameters| self.problem.error_once_settled(&parameters, self.cost))
     }
 
-    /// The model of a fit once more, on other sessions, from where that one ended: one structure and one search of so many
-    /// candidates, or of as many as a smooth family needs, whose convergence is not kept.
+    /// The model of a fit once more, on other sessions, from where that one ended: one structure and one search of so
+    /// many candidates, or of as many as a smooth family needs, whose convergence is not kept.
     pub fn again(&self, fit: &Fit, evaluations: usize) -> Fit {
         let structures = family::of(fit.model, self.problem);
         match structure_of(fit, &structures) {
@@ -181,8 +181,9 @@ impl Identification<'_> {
     }
 }
 
-/// Which of a model's structures a fit goes on in: of those that search all that it was found by, and least besides, its own.
-/// (A limit that the fit was found not to need is not searched again.) `None` of the Voigt family, which has none.
+/// Which of a model's structures a fit goes on in: of those that search all that it was found by, and least
+/// besides, its own. (A limit that the fit was found not to need is not searched again.) `None` of the Voigt
+/// family, which has none.
 fn structure_of(fit: &Fit, structures: &[AnyFamily]) -> Option<usize> {
     let genes: Vec<Vec<Gene>> = structures.iter().map(|family| family.genes()).collect();
     let all = |at: &usize| fit.genes.iter().all(|(gene, _)| genes[*at].iter().any(|of| of.name == gene.name));

@@ -1,4 +1,5 @@
-//! The whole identification: logs in; every candidate model with its table, the one that was chosen, and the doubts out.
+//! The whole identification: logs in; every candidate model with its table, the one that was chosen, and
+//! the doubts out.
 
 use crate::candidate::{Candidate, CandidateError, TableContext};
 use crate::cost::Cost;
@@ -31,7 +32,8 @@ pub struct Job {
     pub training: Vec<Log>,
     /// Logs that decide nothing.
     pub held_out: Vec<Log>,
-    /// Fraction of each training log, at its end, that is held out until the model is chosen and judged, and learnt from then.
+    /// Fraction of each training log, at its end, that is held out until the model is chosen and judged, and
+    /// learnt from then.
     pub hold_out: f64,
     /// The chosen model is delivered as it was judged, and not learnt from what was held out.
     pub as_judged: bool,
@@ -110,7 +112,8 @@ impl Job {
         self.prepare_parts(self.hold_out, None, progress)
     }
 
-    /// As [`prepare`](Self::prepare), with this fraction of each training log held out, and a delay that was decided before.
+    /// As [`prepare`](Self::prepare), with this fraction of each training log held out, and a delay that
+    /// was decided before.
     pub(crate) fn prepare_parts(
         &self,
         hold_out: f64,

@@ -1,4 +1,5 @@
-//! The chosen model as it is delivered: learnt once more from all of the training logs where parts of them were held out to judge it.
+//! The chosen model as it is delivered: learnt once more from all of the training logs where parts of them were held
+//! out to judge it.
 
 use crate::candidate::{Candidate, CandidateError, TableContext};
 use crate::fit::{Fit, Identification, Progress};
@@ -10,8 +11,8 @@ use recordings::{LogUse, Role};
 /// The table that a job delivers, and what it was learnt from.
 #[derive(Clone, Debug)]
 pub struct Learnt {
-    /// The chosen model, with its errors on what it was learnt from now; of errors on what it had not seen its table states those of
-    /// the judged one.
+    /// The chosen model, with its errors on what it was learnt from now; of errors on what it had not seen its table
+    /// states those of the judged one.
     pub candidate: Candidate,
     /// What its table holds besides.
     pub context: TableContext,
@@ -51,8 +52,9 @@ impl Learnt {
 }
 
 impl Identification<'_> {
-    /// The model of a fit on more of the same logs: as if it had not been searched before, since what was held out may ask for another
-    /// structure; of the Voigt family, whose search takes long, from where it ended. It is the fit itself where nothing better is found.
+    /// The model of a fit on more of the same logs: as if it had not been searched before, since what was held out may
+    /// ask for another structure; of the Voigt family, whose search takes long, from where it ended. It is the fit
+    /// itself where nothing better is found.
     pub(crate) fn anew(&self, fit: &Fit, progress: Progress<'_>) -> Fit {
         let found = match fit.model.is_voigt() {
             true => vec![self.again(fit, self.options.evaluations as usize * fit.genes.len())],

@@ -40,8 +40,8 @@ pub(crate) fn parts(problem: &Problem) -> (LeftOut, Vec<Problem>) {
     (LeftOut::Blocks, if long { (0..PARTS).map(of).collect() } else { Vec::new() })
 }
 
-/// A session without a block of what was measured once it had settled, and with that block alone. Both have the whole voltage and
-/// the first measured instant, where the estimator starts.
+/// A session without a block of what was measured once it had settled, and with that block alone. Both have the whole
+/// voltage and the first measured instant, where the estimator starts.
 fn without_block(session: &Session, part: usize) -> (Session, Session) {
     let first = settled(session).max(1);
     let measured = session.instants.len();
@@ -81,7 +81,8 @@ mod tests {
         assert_eq!(judged, session.instants.len() - start);
     }
 
-    /// A first swing that comes from where no model can begin, as that of an actuator which was driven elsewhere before.
+    /// A first swing that comes from where no model can begin, as that of an actuator which was
+    /// driven elsewhere before.
     #[test]
     fn how_an_actuator_was_left_before_a_recording_decides_nothing() {
         let session = session(EXCITATIONS[0]);

@@ -1,8 +1,8 @@
 //! Parameter identification: the model error as a cost (Eq. 4.1), minimised by the genetic algorithm or, of what a
 //! model is not linear in, by another method; and what a table found so is good for.
 //!
-//! A [`Job`] is the whole of it. Here, plays are identified on two logs of a simulated actuator and judged on one that decided
-//! nothing:
+//! A [`Job`] is the whole of it. Here, plays are identified on two logs of a simulated actuator and judged on one
+//! that decided nothing:
 //!
 //! ```
 //! use calibration::CalibrationOptions;
@@ -34,7 +34,8 @@
 //! # }
 //! ```
 //!
-//! `examples/identify.rs` does the same with a file of yours, and writes the table; `examples/own_model.rs` adds a model.
+//! `examples/identify.rs` does the same with a file of yours, and writes the table; `examples/own_model.rs`
+//! adds a model.
 
 mod brief;
 mod candidate;

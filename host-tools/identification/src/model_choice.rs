@@ -31,10 +31,11 @@ pub enum Reason {
     AskedFor,
     /// Cross-validation's rule chose it, by parts of the training data that it was not fitted to.
     CrossValidated(CrossValidation),
-    /// Cross-validation's rule chose it by parts of the whole training logs, after another model had been chosen without what was held out
-    /// and was far off there.
+    /// Cross-validation's rule chose it by parts of the whole training logs, after another model had been chosen
+    /// without what was held out and was far off there.
     OnceMore {
-        /// Among the models that were nearest there, each learnt from the whole logs; `None` where one is off by far less in them.
+        /// Among the models that were nearest there, each learnt from the whole logs; `None` where one is off by far
+        /// less in them.
         validated: Option<CrossValidation>,
         /// The model that had been chosen.
         first: Model,
@@ -64,8 +65,8 @@ pub struct Choice {
 }
 
 impl Identification<'_> {
-    /// Identifies the wanted model and those that it starts from; or every model briefly and the one that cross-validation
-    /// chooses at length.
+    /// Identifies the wanted model and those that it starts from; or every model briefly and the one that
+    /// cross-validation chooses at length.
     pub fn choose(&self, wanted: ModelChoice, progress: Progress<'_>) -> Choice {
         if let Some(model) = wanted.model() {
             let fits = self.run(&with_contained(model, self.options.start), progress);

@@ -19,7 +19,8 @@ use recordings::session::Session;
 pub struct Conditions {
     /// How the continuous equations become ticks.
     pub scheme: Scheme,
-    /// Retreat that counts as a reversal, V; `None` for what the voltage's noise asks for, 0.083 % of its span at least.
+    /// Retreat that counts as a reversal, V; `None` for what the voltage's noise asks for, 0.083 % of its
+    /// span at least.
     pub deadband: Option<f64>,
     /// How wide the displacement limits may be, as a multiple of the training stroke.
     pub limit: f64,
@@ -83,8 +84,8 @@ impl Problem {
     }
 
     /// With the retreat that its table will count as a reversal: between two numbers of codes of the ADC, as
-    /// [`Table::retreat_v`](estimator_core::Table::retreat_v) has it, so that what is fitted is what runs. `voltage_zero`: what
-    /// the sessions' voltages are measured from, V.
+    /// [`Table::retreat_v`](estimator_core::Table::retreat_v) has it, so that what is fitted is what runs.
+    /// `voltage_zero`: what the sessions' voltages are measured from, V.
     #[must_use]
     pub fn read_by(self, calibration: &CalibrationOptions, voltage_zero: f64) -> Self {
         let (adc, _) = calibration.calibration(self.voltage_range, voltage_zero, self.stroke);
@@ -118,8 +119,9 @@ impl Problem {
             .then(|| error(&self.validation, &trial.model(&self.discretisation()), cost.in_simulation()))
     }
 
-    /// Simulation error on the training sessions in the norm of a cost, µm, of what follows once each voltage has been near both
-    /// ends of its range, beside each session's own constant: the sensor's zero may differ from one log to the next.
+    /// Simulation error on the training sessions in the norm of a cost, µm, of what follows once each voltage has
+    /// been near both ends of its range, beside each session's own constant: the sensor's zero may differ from one
+    /// log to the next.
     pub fn error_once_settled(&self, trial: &impl Trial, cost: Cost) -> f64 {
         let model = trial.model(&self.discretisation());
         let of = |session: &Session| {

@@ -1,9 +1,10 @@
 //! The choice once more, where what was held out speaks against the first.
 //!
-//! Cross-validation sees the part that is fitted to. Where that holds less than the rest, as where a log's amplitudes or
-//! frequencies follow one another, the model that does best there may be far off elsewhere. The delivered table is learnt from the whole
-//! logs, and so it may be chosen by them: where the first choice is far off on what was held out, by another model's error there or by
-//! its own in training, it and the models that were nearest there are learnt from the whole logs, and cross-validation in them decides.
+//! Cross-validation sees the part that is fitted to. Where that holds less than the rest, as where a log's amplitudes
+//! or frequencies follow one another, the model that does best there may be far off elsewhere. The delivered table is
+//! learnt from the whole logs, and so it may be chosen by them: where the first choice is far off on what was held out,
+//! by another model's error there or by its own in training, it and the models that were nearest there are learnt from
+//! the whole logs, and cross-validation in them decides.
 
 use crate::candidate::{Candidate, TableContext};
 use crate::cross_validation::{CrossValidation, OF_A_NUMBER, Undecided, eligible};
@@ -13,7 +14,8 @@ use crate::model_choice::Reason;
 use crate::suspicion::far;
 use estimator_core::Model;
 
-/// A model contradicts the first choice where it was off on what was held out, without offset, by less than this part of what that was.
+/// A model contradicts the first choice where it was off on what was held out, without offset, by less than this part
+/// of what that was.
 const CONTRADICTS: f64 = 0.67;
 /// Models that were off there by no more than so many times what the first choice was are chosen among, and
 const WITHIN: f64 = 2.0;
@@ -32,8 +34,8 @@ pub struct Second {
     pub reason: Reason,
 }
 
-/// The second choice among candidates that were judged by `identification`, where it is another than the first, which `first` is as it
-/// would be delivered; `learn` makes that of a candidate.
+/// The second choice among candidates that were judged by `identification`, where it is another than the first, which
+/// `first` is as it would be delivered; `learn` makes that of a candidate.
 pub fn second_choice(
     identification: &Identification<'_>,
     context: &TableContext,
@@ -59,8 +61,8 @@ pub fn second_choice(
     Some(Second { chosen: second, judged, learnt, reason })
 }
 
-/// The models among which the choice is made once more besides the first, of those that may be chosen; `None` where nothing
-/// speaks against the first.
+/// The models among which the choice is made once more besides the first, of those that may be chosen; `None` where
+/// nothing speaks against the first.
 fn rivals(identification: &Identification<'_>, candidates: &[Candidate], chosen: usize) -> Option<Vec<usize>> {
     let off = |candidate: &Candidate| candidate.held_out_figures().map(|figures| figures.mae_without_offset_um);
     let (first, first_off) = (&candidates[chosen], off(&candidates[chosen])?);

@@ -2,8 +2,8 @@
 //!
 //! Errors are taken at the measured instants only. Where a model's memory is the displacement itself, a share of the
 //! measurement goes into the memory; else it corrects what the model gives and not where it stands: an offset, 0 at
-//! first, of which each measurement leaves 1 − w and adds w times what the model by itself is off. One-step prediction is
-//! then the measured displacement and the change that the model gives.
+//! first, of which each measurement leaves 1 − w and adds w times what the model by itself is off. One-step prediction
+//! is then the measured displacement and the change that the model gives.
 
 use crate::cost::{Cost, Norm};
 use estimator_core::Process;
@@ -24,8 +24,8 @@ pub fn mean_error(session: &Session, model: impl Process<f64>, cost: Cost) -> f6
     if mean.is_finite() { mean } else { f64::INFINITY }
 }
 
-/// Runs a model over a session, fed with a share of the measurement, and hands over the index of each measured instant but the first and
-/// what the model is off by there, µm.
+/// Runs a model over a session, fed with a share of the measurement, and hands over the index of each measured instant
+/// but the first and what the model is off by there, µm.
 fn fed(session: &Session, mut model: impl Process<f64>, weight: f64, mut each: impl FnMut(usize, f64)) {
     let Some(&start) = session.displacement.first() else { return };
     let (mut tick, mut estimated, mut offset) = (0, start, 0.0);
@@ -46,7 +46,8 @@ fn fed(session: &Session, mut model: impl Process<f64>, weight: f64, mut each: i
     }
 }
 
-/// What a model by itself is off by at a session's measured instants from an index on, µm; it is told the first reading.
+/// What a model by itself is off by at a session's measured instants from an index on, µm; it is told
+/// the first reading.
 pub fn errors_from(first: usize, session: &Session, model: impl Process<f64>) -> Vec<f64> {
     let mut errors = Vec::with_capacity(session.instants.len().saturating_sub(first));
     fed(session, model, 0.0, |index, error| {

@@ -10,7 +10,8 @@ use estimator_core::Model;
 
 /// Where in its range a gene of which nothing is known begins.
 const MIDDLE: f64 = 0.5;
-/// A new best is shown, which takes a simulation of every log, where it costs less than this factor times the one that was shown last.
+/// A new best is shown, which takes a simulation of every log, where it costs less than this factor times the one that
+/// was shown last.
 const SHOWN: f64 = 0.99;
 /// A richer structure must be off, once the logs have settled, by less than this factor times the simpler one.
 const BETTER: f64 = 0.97;
@@ -48,9 +49,10 @@ pub struct StructureSearch<'a> {
 }
 
 impl StructureSearch<'_> {
-    /// Searches a structure from its own starts and from the middle, or from where a simpler one ended (`known`: values of
-    /// its genes, found here by their names). `progress` is told how many candidates have been evaluated and the best
-    /// cost so far (µm); where nobody is told, no convergence is kept: each point of it takes a simulation of every log.
+    /// Searches a structure from its own starts and from the middle, or from where a simpler one ended (`known`:
+    /// values of its genes, found here by their names). `progress` is told how many candidates have been evaluated
+    /// and the best cost so far (µm); where nobody is told, no convergence is kept: each point of it takes a
+    /// simulation of every log.
     pub fn run<F: Family + ?Sized>(
         &self,
         family: &F,

@@ -30,8 +30,8 @@ const OFFSET: f64 = 1e-3;
 /// f32 may differ from f64 by this fraction of the stroke.
 const SINGLE_PRECISION: f64 = 1e-4;
 
-/// Every doubt about a candidate that is delivered, gravest first. `judged` is what the same model was before what had been held out was
-/// learnt from, too.
+/// Every doubt about a candidate that is delivered, gravest first. `judged` is what the same model was before what had
+/// been held out was learnt from, too.
 pub fn doubts(
     candidate: &Candidate,
     judged: &Candidate,
@@ -101,7 +101,8 @@ pub fn doubts(
     doubts
 }
 
-/// An error on a log that is much of the stroke of all logs: a small swing's may be much of its own. The log with the largest is named.
+/// An error on a log that is much of the stroke of all logs: a small swing's may be much of its own. The log with the
+/// largest is named.
 fn poor<'a>(logs: impl Iterator<Item = (&'a str, Figures)> + Clone) -> Option<Doubt> {
     let stroke_um = logs.clone().map(|(_, figures)| figures.stroke_um).fold(0.0, f64::max);
     let (log, worst) = logs.max_by(|(_, a), (_, b)| a.mae_um.total_cmp(&b.mae_um))?;
@@ -139,7 +140,8 @@ fn kept(said: f64, candidate: &Candidate) -> bool {
     (found - said).abs() <= (LAG * said).max(tick)
 }
 
-/// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded all the same.
+/// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded
+/// all the same.
 fn unmet_condition(parameters: &Parameters) -> Option<Doubt> {
     let Parameters::Duhem(of) = parameters else { return None };
     of.unmet_condition().map(|condition| Doubt::UnmetCondition { condition })

@@ -4,8 +4,9 @@ use super::Normal;
 use nalgebra::{DMatrix, DVector};
 
 impl Normal {
-    /// What is left of each of `columns` when the others have explained what they can, by least squares without limits. Each column of
-    /// the matrix holds the coefficients of one, over all columns. `None` where the others have no answer.
+    /// What is left of each of `columns` when the others have explained what they can, by least squares without
+    /// limits. Each column of the matrix holds the coefficients of one, over all columns. `None` where the others
+    /// have no answer.
     ///
     /// # Panics
     ///
@@ -31,7 +32,8 @@ impl Normal {
         Some(combinations)
     }
 
-    /// Slope and curvature of the [`residual_sum`](Self::residual_sum) at coefficients, one a column, along combinations of the columns.
+    /// Slope and curvature of the [`residual_sum`](Self::residual_sum) at coefficients, one a column, along
+    /// combinations of the columns.
     pub fn along(&self, at: &[f64], combinations: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let gram = DMatrix::from_fn(self.columns, self.columns, |i, j| self.entry(i, j));
         let left = &gram * DVector::from_column_slice(at) - DVector::from_column_slice(&self.moment);

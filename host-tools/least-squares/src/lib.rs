@@ -67,8 +67,9 @@ impl Normal {
         self.add_together(&[row], &[target], weight);
     }
 
-    /// Adds rows of one weight, which stand one behind the other, with a target each. To the bit what [`add`](Self::add) of one
-    /// after the other makes of them, in half its time: the sums are loaded and stored once for several rows.
+    /// Adds rows of one weight, which stand one behind the other, with a target each. To the bit what
+    /// [`add`](Self::add) of one after the other makes of them, in half its time: the sums are loaded and stored once
+    /// for several rows.
     ///
     /// # Panics
     ///
@@ -123,8 +124,8 @@ impl Normal {
         }
     }
 
-    /// Adds the rows of another problem, whose column j is this one's `columns[j]`, ascending; `weight`, at least 0, multiplies
-    /// their squared errors. The ridge is this one's.
+    /// Adds the rows of another problem, whose column j is this one's `columns[j]`, ascending; `weight`, at least 0,
+    /// multiplies their squared errors. The ridge is this one's.
     ///
     /// # Panics
     ///

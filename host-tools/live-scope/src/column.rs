@@ -1,7 +1,8 @@
 //! Ticks in columns: the least and the largest of each quantity, so that what lasted one tick is still seen.
 //!
-//! A column's ticks are those whose numbers, divided by its length, have the same whole part. What is drawn of a loop are the ticks at
-//! which a quantity was least or largest, as in M4 (Jugel et al., "M4: A visualization-oriented time series data aggregation", 2014).
+//! A column's ticks are those whose numbers, divided by its length, have the same whole part. What is drawn of a loop
+//! are the ticks at which a quantity was least or largest, as in M4 (Jugel et al., "M4: A visualization-oriented time
+//! series data aggregation", 2014).
 
 use crate::feed::Tick;
 

@@ -5,8 +5,8 @@
 //! | [`Format::Teleplot`] | <https://github.com/nesnes/teleplot#telemetry-format> (its port is 47269) | a column: a line `name:ms:value;ms:value§unit` a quantity |
 //! | [`Format::PlotJuggler`] | <https://github.com/facontidavide/PlotJuggler>, UDP Server with the protocol JSON, "timestamp" as the time's field (its port is 9870) | a tick: `{"timestamp": s, "piezo": {…}}` |
 //!
-//! Of a column those ticks are sent at which a quantity is least or largest ([`Columns`]), each with its own time: a glitch of one tick
-//! is among them. Times are this machine's when the first tick came, and the device's from then on.
+//! Of a column those ticks are sent at which a quantity is least or largest ([`Columns`]), each with its own time: a
+//! glitch of one tick is among them. Times are this machine's when the first tick came, and the device's from then on.
 
 use crate::column::{Column, Columns};
 use crate::feed::{Feed, Tick};

@@ -27,8 +27,8 @@ pub struct Tick {
     pub sensor_um: Option<f32>,
 }
 
-/// Makes ticks of frames. As in a recording, a sample's displacement is that of the next tick, beside whose voltage it belongs; so
-/// the first tick of all, and the first after a gap, are none.
+/// Makes ticks of frames. As in a recording, a sample's displacement is that of the next tick, beside whose voltage it
+/// belongs; so the first tick of all, and the first after a gap, are none.
 #[derive(Clone, Debug)]
 pub struct Feed {
     calibration: AdcCalibration,
@@ -48,8 +48,8 @@ impl Feed {
         Self { calibration, sensor, tick_us, numbers: Numbers::default(), next: 0, before: None, after_gap: true }
     }
 
-    /// Hands the ticks of the next frame on, one after the other. Where samples were lost, numbers and times leap; where the device
-    /// counts from 0 again, they go on.
+    /// Hands the ticks of the next frame on, one after the other. Where samples were lost, numbers and times leap;
+    /// where the device counts from 0 again, they go on.
     pub fn take(&mut self, samples: &Samples, mut each: impl FnMut(&Tick)) {
         match self.numbers.take(samples) {
             Continuity::Contiguous => {}

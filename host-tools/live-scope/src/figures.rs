@@ -19,8 +19,8 @@ pub fn facts(device: &Device, length: u32) -> Facts {
     }
 }
 
-/// The figures of the last second, and of its last tick: a sample's displacement is that of the next tick, whose sensor and voltage
-/// are not known yet.
+/// The figures of the last second, and of its last tick: a sample's displacement is that of the next tick, whose sensor
+/// and voltage are not known yet.
 pub fn figures(window: &Window, last: Option<&Tick>) -> State {
     let Some(last) = last else { return State::default() };
     let of = |extent: window::Extent, last: f32| [last, extent.min.min(last), extent.max.max(last)];

@@ -1,8 +1,8 @@
 //! Who may ask: the page that this program served, under the name it was served by, and nobody else's page.
 //!
-//! A page of somebody else can have a browser send requests here, but neither read this page nor guess the secret part of its
-//! address. What its own server's name is made to lead here (DNS rebinding) is told by the host that the browser says: a number is
-//! nobody's name, and of names only `localhost` and the one that the user gave are ours.
+//! A page of somebody else can have a browser send requests here, but neither read this page nor guess the secret part
+//! of its address. What its own server's name is made to lead here (DNS rebinding) is told by the host that the browser
+//! says: a number is nobody's name, and of names only `localhost` and the one that the user gave are ours.
 
 use crate::http::Request;
 use std::io;

@@ -6,8 +6,8 @@
 //!    └──────────────── zero, record ◄── Server ◄── the page
 //! ```
 //!
-//! Beside them what a terminal shows of the last second ([`terminal`]). The page is one file, with its plotting library; it asks
-//! nobody but the program that served it, and only it can ask that program for anything ([`server`]).
+//! Beside them what a terminal shows of the last second ([`terminal`]). The page is one file, with its plotting
+//! library; it asks nobody but the program that served it, and only it can ask that program for anything ([`server`]).
 
 mod column;
 mod datagrams;

@@ -20,8 +20,8 @@ pub struct Facts {
     pub no_zero: Option<String>,
 }
 
-/// A column, as an array: seconds; 1 where ticks are missing before or in it; least and largest voltage, V; least and largest estimate,
-/// its largest half-width, least and largest of sensor and of error, µm, `null` where there is none.
+/// A column, as an array: seconds; 1 where ticks are missing before or in it; least and largest voltage, V; least and
+/// largest estimate, its largest half-width, least and largest of sensor and of error, µm, `null` where there is none.
 #[derive(Serialize)]
 pub struct Drawn(f64, u8, [f32; 2], [f32; 2], Option<f32>, Option<[f32; 2]>, Option<[f32; 2]>);
 

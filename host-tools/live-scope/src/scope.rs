@@ -1,6 +1,8 @@
-//! The device's end of the page: takes what is streamed, sends the page what it draws, and does what its buttons ask for.
+//! The device's end of the page: takes what is streamed, sends the page what it draws, and does what its
+//! buttons ask for.
 //!
-//! A link that fails ends nothing: what was recorded is kept, the page says why, and the device is looked for every second.
+//! A link that fails ends nothing: what was recorded is kept, the page says why, and the device is looked
+//! for every second.
 
 use crate::column::Columns;
 use crate::datagrams::Datagrams;
@@ -53,9 +55,11 @@ pub struct Ended {
 }
 
 impl<'s> Scope<'s> {
-    /// A scope on this server's page, which records into a folder and sends the same samples elsewhere, too, where that is wanted.
+    /// A scope on this server's page, which records into a folder and sends the same samples elsewhere, too, where
+    /// that is wanted.
     pub fn new(server: &'s Server, folder: &Path, datagrams: Option<Datagrams>) -> Self {
-        // Named whole, so that who reads the page finds it. Where the operating system knows of no folder, it will say so itself.
+        // Named whole, so that who reads the page finds it. Where the operating system knows of no folder, it will
+        // say so itself.
         let folder = std::path::absolute(folder).unwrap_or(folder.to_owned());
         Self { server, folder, datagrams, log: None, recorded: None, lost: 0 }
     }
@@ -70,7 +74,8 @@ impl<'s> Scope<'s> {
         }
     }
 
-    /// Ends the recording that is under way, if one is; says so on the page, and here, an error where it is not all there.
+    /// Ends the recording that is under way, if one is; says so on the page, and here, an error where it is
+    /// not all there.
     fn end_log(&mut self, why: Option<&str>) -> Option<Result<String, Unkept>> {
         let finished = self.log.take()?.finish();
         let kept = finished.as_ref().map_or_else(Unkept::to_string, String::clone);
@@ -100,8 +105,8 @@ impl<'s> Scope<'s> {
     }
 }
 
-/// Shows a device until it is `over`, and hands it back; where its link fails, the next that `reopen` finds, and none where it finds
-/// none by then.
+/// Shows a device until it is `over`, and hands it back; where its link fails, the next that `reopen` finds, and none
+/// where it finds none by then.
 pub fn run(
     device: Device,
     scope: &mut Scope<'_>,

@@ -7,7 +7,8 @@
 //! | `POST /zero`, `{"at_um": 12.5}` | the displacement of now is called that, µm |
 //! | `POST /record`, `{"on": true}` | a recording begins, or ends |
 //!
-//! A request a connection, each in a thread of its own. Anything else, and whoever else asks, is refused with a sentence.
+//! A request a connection, each in a thread of its own. Anything else, and whoever else asks, is refused
+//! with a sentence.
 
 use crate::error::Undone;
 use crate::guard::{Guard, Refusal};

@@ -9,7 +9,8 @@ use serde_json::json;
 /// Characters of the bar.
 const BAR: usize = 50;
 
-/// The last second in a line; `received` and `lost` are its samples, `drives` is the mode of a device that drives the amplifier.
+/// The last second in a line; `received` and `lost` are its samples, `drives` is the mode of a device that
+/// drives the amplifier.
 pub fn line(window: &Window, drives: Option<Mode>, received: u64, lost: u64) -> String {
     let (Some(y), Some(v), Some(code)) = (window.displacement(), window.voltage(), window.code()) else {
         return format!("no samples; {lost} lost");
@@ -73,8 +74,8 @@ fn said(window: &Window, drives: Option<Mode>) -> Option<String> {
     (!words.is_empty()).then_some(words)
 }
 
-/// The last second as lines for people, with the mode of a device that drives the amplifier, the table's limits and the samples that come
-/// in a second.
+/// The last second as lines for people, with the mode of a device that drives the amplifier, the table's limits and the
+/// samples that come in a second.
 pub fn picture(window: &Window, drives: Option<Mode>, limits: Range, rate: Option<f64>) -> Vec<String> {
     let (Some(y), Some(v), Some(code)) = (window.displacement(), window.voltage(), window.code()) else {
         return vec!["waiting for samples …".to_owned(), "Ctrl-C ends".to_owned()];

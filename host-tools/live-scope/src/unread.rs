@@ -1,4 +1,5 @@
-//! Connections whose request is not read yet: whoever can connect may open them, so they have a place and a time of their own.
+//! Connections whose request is not read yet: whoever can connect may open them, so they have a place and a time
+//! of their own.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read};

@@ -1,6 +1,6 @@
-//! A displacement that runs ahead of the voltage. Hysteresis, creep, lag and a late sensor all make it run behind: on a loop the
-//! displacement is lower while the voltage rises than while it falls. Where it is the other way round, what is taken for the voltage may
-//! be the displacement.
+//! A displacement that runs ahead of the voltage. Hysteresis, creep, lag and a late sensor all make it run behind: on a
+//! loop the displacement is lower while the voltage rises than while it falls. Where it is the other way round, what is
+//! taken for the voltage may be the displacement.
 //!
 //! ```text
 //! ahead = ∮ y dV / (ΔV·Δy)     of a loop over the voltages that both of its branches have; below 0 of an actuator
@@ -74,7 +74,8 @@ struct Loop {
 }
 
 impl Loop {
-    /// The loop from a reversal to the next but one; `None` where its branches share less than so many volts, or the displacement rests.
+    /// The loop from a reversal to the next but one; `None` where its branches share less than so many volts, or
+    /// the displacement rests.
     fn of(voltage: &[f64], displacement: &[f64], [from, turn, to]: [usize; 3], least_v: f64) -> Option<Self> {
         let ends = [from, to].map(|end| voltage[end]);
         let nearer = if voltage[turn] > ends[0] { ends[0].max(ends[1]) } else { ends[0].min(ends[1]) };

@@ -5,7 +5,8 @@ use serde::Serialize;
 /// When the rows were recorded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Clock {
-    /// Rows a second, by the time stamps without their gaps, or as stated; NaN of a single row, and where the stamps do not advance.
+    /// Rows a second, by the time stamps without their gaps, or as stated; NaN of a single row, and where the stamps
+    /// do not advance.
     pub hz: f64,
     /// Whether time stamps, the file or the user say the rate.
     pub source: RateSource,

@@ -1,11 +1,11 @@
-//! Where a voltage bends, where instants are missing, and how long a voltage stands still first: what a walk through a session that
-//! does not stop at every tick needs to know.
+//! Where a voltage bends, where instants are missing, and how long a voltage stands still first: what a walk through a
+//! session that does not stop at every tick needs to know.
 
 use recordings::session::Session;
 use std::ops::Range;
 
-/// Ticks between which a voltage (V) stays within `deadband` (V) of a straight line through its first: the swinging door of
-/// process historians (Bristol, Swinging Door Trending, 1990).
+/// Ticks between which a voltage (V) stays within `deadband` (V) of a straight line through its first: the swinging
+/// door of process historians (Bristol, Swinging Door Trending, 1990).
 pub fn corners(voltage: &[f64], deadband: f64) -> Vec<u32> {
     let mut found = Vec::new();
     let mut anchor = 0;

@@ -2,24 +2,25 @@
 
 use recordings::session::Session;
 
-/// Of the voltage span, at least: a few steps of a 12-bit converter. No round fraction, so that a generated ramp does not
-/// retreat by exactly the deadband in a tick, which f32 and f64 would see differently.
+/// Of the voltage span, at least: a few steps of a 12-bit converter. No round fraction, so that a generated ramp does
+/// not retreat by exactly the deadband in a tick, which f32 and f64 would see differently.
 const LEAST: f64 = 0.83e-3;
 /// Of the noise's standard deviation: the retreat from the highest of some thousand readings to the lowest.
 const DEVIATIONS: f64 = 8.0;
-/// Coefficients of the sixth difference. It takes 99.9 % off a sine of 100 Hz that is sampled at 2 kHz, and white noise of
-/// deviation 1 gives it the root of the sum of their squares.
+/// Coefficients of the sixth difference. It takes 99.9 % off a sine of 100 Hz that is sampled at 2 kHz, and white noise
+/// of deviation 1 gives it the root of the sum of their squares.
 const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 /// A normal distribution's median of absolute values, in standard deviations.
 const MEDIAN: f64 = 0.674_489_75;
 
-/// The deadband (V) for sessions whose voltages have this span (V): the larger of 0.083 % of it and eight deviations of the voltage's noise.
+/// The deadband (V) for sessions whose voltages have this span (V): the larger of 0.083 % of it and eight deviations of
+/// the voltage's noise.
 pub fn deadband(sessions: &[Session], span: f64) -> f64 {
     (LEAST * span).max(DEVIATIONS * noise(sessions.iter()).0)
 }
 
-/// One standard deviation of what voltage (V) and sensor (µm) are read with, that of the quietest session, since in fast ones some of the
-/// course remains.
+/// One standard deviation of what voltage (V) and sensor (µm) are read with, that of the quietest session, since in
+/// fast ones some of the course remains.
 pub fn noise<'a>(sessions: impl Iterator<Item = &'a Session> + Clone) -> (f64, f64) {
     let quietest =
         |of: &dyn Fn(&Session) -> Option<f64>| sessions.clone().filter_map(of).reduce(f64::min).unwrap_or(0.0);
@@ -29,8 +30,8 @@ pub fn noise<'a>(sessions: impl Iterator<Item = &'a Session> + Clone) -> (f64, f
     (quietest(&voltage), quietest(&|session| noise_of(&session.displacement)))
 }
 
-/// One standard deviation of the noise of readings that were taken evenly in time, in their unit, of the middle half of their sixth
-/// differences; `None` of too few.
+/// One standard deviation of the noise of readings that were taken evenly in time, in their unit, of the middle half of
+/// their sixth differences; `None` of too few.
 pub fn noise_of(read: &[f64]) -> Option<f64> {
     let difference = |window: &[f64]| window.iter().zip(SIXTH).map(|(v, c)| v * c).sum::<f64>().abs();
     let mut differences: Vec<f64> = read.windows(SIXTH.len()).map(difference).collect();

@@ -1,5 +1,5 @@
-//! What in a log is no measurement of a displacement, found before anything is learnt from it: one such stretch can be the
-//! largest error of a whole log, and the search would follow it.
+//! What in a log is no measurement of a displacement, found before anything is learnt from it: one such stretch can be
+//! the largest error of a whole log, and the search would follow it.
 
 mod commanded;
 mod leaps;
@@ -29,8 +29,8 @@ use voltage::{voltage_spikes, without};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Flaw {
-    /// The displacement leaps away and back within three rows, or in the first or last three, by this many µm, and no pulse of the
-    /// voltage commands it.
+    /// The displacement leaps away and back within three rows, or in the first or last three, by this many µm, and no
+    /// pulse of the voltage commands it.
     Spike {
         /// The rows that it takes.
         #[serde(flatten)]
@@ -40,7 +40,8 @@ pub enum Flaw {
         /// It leaps back; else it is where the log begins or ends.
         back: bool,
     },
-    /// The displacement is one number while the voltage moves: a sensor that was off, beyond its range, or read too slowly.
+    /// The displacement is one number while the voltage moves: a sensor that was off, beyond its range, or
+    /// read too slowly.
     Frozen {
         /// The rows that it takes.
         #[serde(flatten)]
@@ -48,8 +49,8 @@ pub enum Flaw {
         /// How far the voltage moves, V.
         voltage_v: f64,
     },
-    /// The voltage is one number, its largest or smallest, while the displacement goes and comes back: what was recorded of it
-    /// is cut off.
+    /// The voltage is one number, its largest or smallest, while the displacement goes and comes back: what was
+    /// recorded of it is cut off.
     Clipped {
         /// The rows that it takes.
         #[serde(flatten)]
@@ -57,7 +58,8 @@ pub enum Flaw {
         /// The voltage there, V.
         voltage_v: f64,
     },
-    /// The voltage leaps away and back within three rows, or in the last but for one to rest, and the displacement does not go along.
+    /// The voltage leaps away and back within three rows, or in the last but for one to rest, and the displacement does
+    /// not go along.
     VoltageSpike {
         /// The rows that it takes.
         #[serde(flatten)]
@@ -71,7 +73,8 @@ pub enum Flaw {
         #[serde(flatten)]
         at: Stretch,
     },
-    /// Both leap together from one row to the next as nowhere near, and go on as before: samples may be missing between.
+    /// Both leap together from one row to the next as nowhere near, and go on as before: samples may
+    /// be missing between.
     Missing {
         /// The two rows between which they leap.
         #[serde(flatten)]
@@ -218,8 +221,8 @@ fn runs(values: &[f64]) -> impl Iterator<Item = (usize, usize)> {
     })
 }
 
-/// Whether the values leave their first and last by more than so much, to the same side, and are there halfway: what rings
-/// after a step is not.
+/// Whether the values leave their first and last by more than so much, to the same side, and are there halfway: what
+/// rings after a step is not.
 fn goes_and_comes_back(values: &[f64], by: f64) -> bool {
     let (Some(&first), Some(&last)) = (values.first(), values.last()) else { return false };
     let mut middle = values[values.len() / 3..values.len() - values.len() / 3].to_vec();

@@ -16,7 +16,8 @@ pub struct Implausible {
 impl Implausible {
     /// Most that an actuator with a lever reaches, µm; a stack strains by some 0.1 %.
     pub const LARGEST_UM: f64 = 2_000.0;
-    /// Least that a volt gives, µm: the d33 of a single plate is some 0.25 nm/V (hard ceramics) to 0.6 nm/V (soft ones).
+    /// Least that a volt gives, µm: the d33 of a single plate is some 0.25 nm/V (hard ceramics) to 0.6
+    /// nm/V (soft ones).
     pub const LEAST_UM_PER_V: f64 = 2e-4;
     /// Most that a volt gives, µm: the largest stroke by an amplifier's input of 0 … 10 V.
     pub const MOST_UM_PER_V: f64 = 200.0;

@@ -1,8 +1,8 @@
 //! What a log holds, before anything is fitted to it: its rate, the ranges and the noise of what was recorded, where it
 //! stands still, and which amplitudes it has at which frequencies.
 //!
-//! A log passes by once and is not kept: [`survey`] needs at most some 150 MB however long it is. Of a log with more than 2¹⁸ rows,
-//! neighbouring rows are kept as their extremes, and of one with more than 2²² no flaws are looked for.
+//! A log passes by once and is not kept: [`survey`] needs at most some 150 MB however long it is. Of a log with more
+//! than 2¹⁸ rows, neighbouring rows are kept as their extremes, and of one with more than 2²² no flaws are looked for.
 
 mod ahead;
 mod blocks;
@@ -104,8 +104,8 @@ impl From<Chosen> for ColumnRead {
     }
 }
 
-/// Reads a log once, to its end. A row that has no number for the voltage or the displacement, where it is opened with holes
-/// ([`ReadOptions::holes`](recordings::log::ReadOptions::holes)), is a flaw, and counts for nothing else.
+/// Reads a log once, to its end. A row that has no number for the voltage or the displacement, where it is opened with
+/// holes ([`ReadOptions::holes`](recordings::log::ReadOptions::holes)), is a flaw, and counts for nothing else.
 ///
 /// # Errors
 /// The first row that is none; a stated rate that the file contradicts.

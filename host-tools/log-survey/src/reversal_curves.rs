@@ -1,8 +1,8 @@
 //! First-order reversal curves, Eq. (3.17)–(3.19), as sessions have them.
 //!
-//! From the lowest voltage a session rises to some voltage, falls back to the lowest, rises to another, and so on. Each fall
-//! is a curve. What lies between two curves, in the voltage of reversal, is interpolated; a curve is taken at the measured
-//! instants.
+//! From the lowest voltage a session rises to some voltage, falls back to the lowest, rises to another, and so on.
+//! Each fall is a curve. What lies between two curves, in the voltage of reversal, is interpolated; a curve is taken
+//! at the measured instants.
 
 use crate::reversals::reversals;
 use estimator_core::Range;
@@ -10,8 +10,8 @@ use recordings::session::Session;
 
 /// Fewer curves than this describe no plane.
 const FEWEST: usize = 4;
-/// How near to the lowest voltage a curve must begin its rise and end its fall, and how much higher than the one before it
-/// must turn, as fractions of the span.
+/// How near to the lowest voltage a curve must begin its rise and end its fall, and how much higher than the one before
+/// it must turn, as fractions of the span.
 const NEAR: f64 = 0.02;
 
 /// One curve: samples (V, µm) from the reversal down to the lowest voltage.

@@ -1,4 +1,5 @@
-//! Where a voltage reverses its direction, and its first full cycle: what lies between its first and its third reversal.
+//! Where a voltage reverses its direction, and its first full cycle: what lies between its first and
+//! its third reversal.
 
 use estimator_core::{Range as Span, Tracker};
 use std::ops::Range;
@@ -6,8 +7,8 @@ use std::ops::Range;
 /// A retreat of the voltage by so much of its span is a reversal of a cycle.
 const LARGE: f64 = 0.25;
 
-/// The samples at which the voltage (V) stands at a reversal, as the model's own tracker finds them: a retreat of more than
-/// `deadband` (V) from the running extreme counts, the first movement does not.
+/// The samples at which the voltage (V) stands at a reversal, as the model's own tracker finds them: a retreat of more
+/// than `deadband` (V) from the running extreme counts, the first movement does not.
 pub fn reversals(voltage: &[f64], deadband: f64) -> Vec<usize> {
     // The tracker records the displacement at the extreme; here that is the sample's number.
     let mut tracker = Tracker::new(deadband);
@@ -20,8 +21,9 @@ pub fn reversals(voltage: &[f64], deadband: f64) -> Vec<usize> {
     found
 }
 
-/// The samples of the voltage's (V) first full cycle, from one reversal to the next but one, a retreat by a quarter of the
-/// voltage's span; `None` where there is none. A cycle that spans less than `least` (V) is noise or ripple, and none.
+/// The samples of the voltage's (V) first full cycle, from one reversal to the next but one, a retreat by a
+/// quarter of the voltage's span; `None` where there is none. A cycle that spans less than `least` (V) is noise or
+/// ripple, and none.
 pub fn first_cycle(voltage: &[f64], least: f64) -> Option<Range<usize>> {
     let span = |part: &[f64]| Span::of_values(part.iter().copied()).span();
     let turns = reversals(voltage, LARGE * span(voltage).max(least));

@@ -1,4 +1,5 @@
-//! The rows of a log as long as it is none of the longest, to look for its flaws, and for exchanged columns, as an identification does.
+//! The rows of a log as long as it is none of the longest, to look for its flaws, and for exchanged columns, as
+//! an identification does.
 
 use crate::ahead::{self, Ahead};
 use crate::clock::Clock;
@@ -37,7 +38,8 @@ impl Default for Rows {
 }
 
 impl Found {
-    /// The gravest of each kind, of flaws dated by their rows; `late_by` says what the time stamps of a row have beyond that, s.
+    /// The gravest of each kind, of flaws dated by their rows; `late_by` says what the time stamps of a row have
+    /// beyond that, s.
     pub(crate) fn of(flaws: &[Flaw], clock: &Clock, late_by: impl Fn(u64) -> f64) -> Vec<Self> {
         let of = |(worst, count): (Flaw, usize)| {
             let first_row = (worst.at().from_s * clock.hz).round() as u64;

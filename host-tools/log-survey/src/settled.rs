@@ -1,13 +1,13 @@
 //! From where on a session's displacement follows from its own voltage, and no longer from what was there before.
 //!
-//! How an actuator was left before a recording shows in its first swing, and may be most of what a model is off by there; in
-//! another recording the actuator was left otherwise. So models are compared by what comes after it.
+//! How an actuator was left before a recording shows in its first swing, and may be most of what a model is off by
+//! there; in another recording the actuator was left otherwise. So models are compared by what comes after it.
 
 use recordings::session::Session;
 
-/// A session's memory is its own once its voltage has been so near to both of its extremes, as a fraction of its span: the first of
-/// these that takes no more than half of the session. A random walk comes near its extremes late, and what is left of the start
-/// after the next of these is little.
+/// A session's memory is its own once its voltage has been so near to both of its extremes, as a fraction of its span:
+/// the first of these that takes no more than half of the session. A random walk comes near its extremes late, and what
+/// is left of the start after the next of these is little.
 const NEAR: [f64; 4] = [0.01, 0.03, 0.1, 0.2];
 
 /// Index of the first measured instant at which a session's voltage has been near both of its extremes.
@@ -16,7 +16,8 @@ pub fn first_swing(session: &Session) -> usize {
     within(session, nearest)
 }
 
-/// Index of the first measured instant at which a session's voltage has been so near to both of its extremes, as a fraction of its span.
+/// Index of the first measured instant at which a session's voltage has been so near to both of its extremes, as a
+/// fraction of its span.
 fn within(session: &Session, near: f64) -> usize {
     let low = session.voltage.iter().copied().fold(f64::INFINITY, f64::min);
     let high = session.voltage.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -26,8 +27,8 @@ fn within(session: &Session, near: f64) -> usize {
     session.instants.partition_point(|&instant| instant < tick)
 }
 
-/// The end of a session's [`first_swing`], or where that takes more than half of it, of one that comes less near to its extremes; 0
-/// where none is over by then.
+/// The end of a session's [`first_swing`], or where that takes more than half of it, of one that comes less near to its
+/// extremes; 0 where none is over by then.
 pub fn settled(session: &Session) -> usize {
     let mut swings = NEAR.into_iter().map(|near| within(session, near));
     swings.find(|index| 2 * index <= session.instants.len()).unwrap_or(0)

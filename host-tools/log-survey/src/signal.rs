@@ -40,8 +40,8 @@ fn correlation_behind(session: &Session, ticks: u32) -> f64 {
     if vv * yy > 0.0 { vy / (vv * yy).sqrt() } else { 0.0 }
 }
 
-/// Whether the displacement falls while the voltage rises. A sensor that is late by half a period looks so, too: then they go together with
-/// the voltage of some ms before, and before that never better against each other than without.
+/// Whether the displacement falls while the voltage rises. A sensor that is late by half a period looks so, too: then
+/// they go together with the voltage of some ms before, and before that never better against each other than without.
 pub fn falls(session: &Session) -> bool {
     let now = correlation(session);
     if now > -AGAINST {
@@ -69,7 +69,8 @@ const BETTER: f64 = 0.02;
 const LATEST_S: f64 = 0.05;
 const STEPS: u32 = 50;
 
-/// The range of noise is less than so many of its standard deviations: nine in ten thousand of a normal distribution's lie beyond.
+/// The range of noise is less than so many of its standard deviations: nine in ten thousand of a normal
+/// distribution's lie beyond.
 const DEVIATIONS: f64 = 6.0;
 /// What goes with the voltage correlates with it by more than this, one way or the other.
 const GOES_WITH: f64 = 0.5;

@@ -1,8 +1,8 @@
 //! Where the actuator was before a log's first sample.
 //!
 //! A log begins where somebody pressed a button. Most begin at rest at their first voltage. One that was begun as the
-//! amplifier was switched on jumps there from 0 V, and its first readings lie where the voltage has never been: hysteresis
-//! and creep have to start from 0 V, or the largest signal of the log is lost.
+//! amplifier was switched on jumps there from 0 V, and its first readings lie where the voltage has never been:
+//! hysteresis and creep have to start from 0 V, or the largest signal of the log is lost.
 
 use crate::flaw::{Flaw, SPIKE_ROWS, measured};
 use crate::stroke::stroke;
@@ -14,7 +14,8 @@ use recordings::session::Session;
 const SAME: f64 = 0.02;
 /// The part of a session that its start may still be seen in: one in so many.
 const START: usize = 10;
-/// What a reading may lie beyond the session's own loop at a voltage and still belong there, as a fraction of the stroke.
+/// What a reading may lie beyond the session's own loop at a voltage and still belong there, as a fraction
+/// of the stroke.
 const BEYOND: f64 = 0.1;
 
 /// Prepares a log that has been cut, with what it shows of its start.
@@ -25,8 +26,8 @@ pub fn prepared(recipe: &Recipe, log: &Log) -> Result<Session, PrepareError> {
     repaired(recipe, log, &[]).map(|(session, _)| session)
 }
 
-/// The same of a log without what was measured in these flaws of it, and how many instants that were; `None` where they are most of
-/// them, which stay. How it began is seen in what is left, unless that begins later.
+/// The same of a log without what was measured in these flaws of it, and how many instants that were; `None` where they
+/// are most of them, which stay. How it began is seen in what is left, unless that begins later.
 ///
 /// # Errors
 /// The log cannot be brought to the tick.
@@ -40,8 +41,8 @@ pub fn repaired(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, 
     Ok((session, left_out))
 }
 
-/// States that the actuator had rested at 0 V at the amplifier (`off`, V relative to the model's zero), where its first reading
-/// belongs there and not to the first voltage.
+/// States that the actuator had rested at 0 V at the amplifier (`off`, V relative to the model's zero), where its first
+/// reading belongs there and not to the first voltage.
 fn state_rest(session: &mut Session, off: f64) {
     let (Some(&first), Some(&reading)) = (session.voltage.first(), session.displacement.first()) else { return };
     let voltages = extent(session.voltage.iter().copied());

@@ -1,4 +1,5 @@
-//! A displacement that is one number while the voltage moves: a sensor that was off, out of its range, or read too slowly.
+//! A displacement that is one number while the voltage moves: a sensor that was off, out of its range, or
+//! read too slowly.
 
 use serde::Serialize;
 

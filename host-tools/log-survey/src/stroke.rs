@@ -9,10 +9,11 @@ const RARE: usize = 100;
 /// where it is beyond the next one by more than this part of the range that all but the rarest values lie in.
 const APART: f64 = 0.05;
 
-/// The stroke of a displacement (µm) beside the voltage at the same instants (V), from its lowest to its highest value; `before_v` is
-/// the voltage before the first. Left out are stretches in which it stands still while the voltage moves, and a few values beyond a
-/// gap that come no more than three in a row, unless the voltage leaps there, too: a spike is no movement, and a pulse that the
-/// voltage commands is a movement. Where a sensor stood still for most of the time, nothing of that is left out.
+/// The stroke of a displacement (µm) beside the voltage at the same instants (V), from its lowest to its highest value;
+/// `before_v` is the voltage before the first. Left out are stretches in which it stands still while the voltage moves,
+/// and a few values beyond a gap that come no more than three in a row, unless the voltage leaps there, too: a spike is
+/// no movement, and a pulse that the voltage commands is a movement. Where a sensor stood still for most of the time,
+/// nothing of that is left out.
 pub fn stroke(voltage: &[f64], displacement: &[f64], before_v: f64) -> f64 {
     debug_assert_eq!(voltage.len(), displacement.len());
     let mut moved = vec![true; displacement.len()];
@@ -146,8 +147,8 @@ mod tests {
         assert!((stroke(&voltage, &displacement, voltage[0]) - 10.0).abs() < 1e-9);
     }
 
-    /// A rest, or a slow sine of ±`amplitude_v`, at 0.1 µm/V with noise in both; one row in 400 begins a pulse of so many rows to 50 V,
-    /// which the displacement follows so many rows late.
+    /// A rest, or a slow sine of ±`amplitude_v`, at 0.1 µm/V with noise in both; one row in 400 begins a pulse of so
+    /// many rows to 50 V, which the displacement follows so many rows late.
     fn pulses(amplitude_v: f64, rows: usize, late: usize) -> (Vec<f64>, Vec<f64>) {
         let mut draw = 1_u64;
         let mut noise = || {

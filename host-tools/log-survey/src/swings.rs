@@ -63,8 +63,8 @@ pub(crate) fn find(blocks: BlocksView<'_>, voltage: &Series, period: f64) -> Swi
     Swings { reversals: turns.len().saturating_sub(2), threshold_v, cells: cells.into_iter().map(cell).collect() }
 }
 
-/// The log's start, its reversals and the furthest that it goes behind the last of them, as rows and voltages; the start alone where the
-/// voltage goes nowhere.
+/// The log's start, its reversals and the furthest that it goes behind the last of them, as rows and voltages; the
+/// start alone where the voltage goes nowhere.
 fn turns(blocks: BlocksView<'_>, threshold: f64) -> Vec<(f64, f64)> {
     let in_order = |block: &Block| {
         let (low, high) = block.voltage;

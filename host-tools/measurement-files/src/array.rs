@@ -1,7 +1,7 @@
 //! Arrays of a binary file, put side by side as the columns of a table.
 //!
-//! One array of three rows or columns is the table, unless other signals are longer. Else the table is made of all signals of one length, those that hold
-//! most numbers; a number alone may be the sample time.
+//! One array of three rows or columns is the table, unless other signals are longer. Else the table is made of all
+//! signals of one length, those that hold most numbers; a number alone may be the sample time.
 
 use crate::fault::{Fault, Format, Place, PlacedFault};
 use crate::preamble::words;

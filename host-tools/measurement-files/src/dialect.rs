@@ -98,7 +98,8 @@ impl Dialect {
     }
 }
 
-/// The fields of a line with quotation marks in it, as RFC 4180 has them; spaces before a quotation mark are no part of it.
+/// The fields of a line with quotation marks in it, as RFC 4180 has them; spaces before a quotation mark are no
+/// part of it.
 fn quoted<'a>(line: &str, delimiter: u8) -> Vec<Cow<'a, str>> {
     let tight = tightened(line, char::from(delimiter));
     let mut reader = csv::ReaderBuilder::new()

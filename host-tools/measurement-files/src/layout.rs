@@ -1,8 +1,8 @@
 //! Where the table of a text begins, and in which dialect it is written.
 //!
-//! A row has numbers or time stamps; a run is a stretch of rows whose fields are of the same kinds. The table is the run
-//! with the most numbers, in the dialect that finds most of them; one of several columns comes before a list of settings,
-//! however long. What stands before it is the preamble.
+//! A row has numbers or time stamps; a run is a stretch of rows whose fields are of the same kinds. The table is the
+//! run with the most numbers, in the dialect that finds most of them; one of several columns comes before a list of
+//! settings, however long. What stands before it is the preamble.
 
 use std::borrow::Cow;
 
@@ -30,7 +30,8 @@ impl Layout {
         self.kinds.iter().filter(|kind| kind.is_numeric()).count()
     }
 
-    /// How likely this is the table: one of several columns and enough rows before all others, then the one with most numbers.
+    /// How likely this is the table: one of several columns and enough rows before all others, then the one
+    /// with most numbers.
     fn weight(&self) -> (bool, usize) {
         (self.numeric() >= 2 && self.rows() >= TABLE, self.rows() * self.numeric())
     }
@@ -126,8 +127,8 @@ fn merged(first: &[Kind], second: &[Kind]) -> Option<Vec<Kind>> {
     Some(kinds)
 }
 
-/// Whether the earlier rows belong to the table, which something interrupts. A line without any number, such as a header,
-/// begins a new table, unless the earlier rows are many.
+/// Whether the earlier rows belong to the table, which something interrupts. A line without any number, such as a
+/// header, begins a new table, unless the earlier rows are many.
 fn continues(earlier: &Layout, table: &Layout, lines: &[String]) -> bool {
     let same = merged(&earlier.kinds, &table.kinds).is_some_and(|kinds| {
         let numeric = kinds.iter().filter(|kind| kind.is_numeric()).count();

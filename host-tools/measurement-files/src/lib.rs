@@ -1,9 +1,9 @@
-//! Files as instruments and programs write them, read as columns of numbers with the names, the units and the sample time
-//! that the file states: text tables of any dialect behind preambles of any length, MATLAB (v5 to v7.3), LabVIEW
+//! Files as instruments and programs write them, read as columns of numbers with the names, the units and the sample
+//! time that the file states: text tables of any dialect behind preambles of any length, MATLAB (v5 to v7.3), LabVIEW
 //! (`.lvm`, `.tdms`), each also compressed by gzip.
 //!
-//! Nothing here knows what a column means; that is chosen by whoever reads the [`Table`]. Text is streamed: a table holds
-//! its first quarter of a megabyte, and the rest passes by in [`Table::rows`].
+//! Nothing here knows what a column means; that is chosen by whoever reads the [`Table`]. Text is streamed: a table
+//! holds its first quarter of a megabyte, and the rest passes by in [`Table::rows`].
 
 mod array;
 mod dialect;

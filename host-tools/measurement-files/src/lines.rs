@@ -1,7 +1,7 @@
 //! Text of any encoding as a stream of lines.
 //!
-//! A byte order mark says which; else UTF-16 shows by its zero bytes, UTF-8 by being valid, and what is neither is guessed
-//! as a browser does. Only the file's start is looked at.
+//! A byte order mark says which; else UTF-16 shows by its zero bytes, UTF-8 by being valid, and what is neither is
+//! guessed as a browser does. Only the file's start is looked at.
 
 use std::io::{BufRead, BufReader, Read};
 

@@ -1,8 +1,8 @@
 //! MATLAB level 5 MAT-files (`save -v6`, `-v7`): arrays of numbers, and those in structs.
 //!
-//! Format: The MathWorks, "MAT-File Format". Sizes stated in the file are never trusted with memory: an array is read only
-//! where the file has, or inflates within [`EXPANSION`] to, the bytes it claims; all arrays together may be [`LARGER`] times as
-//! large as the file.
+//! Format: The MathWorks, "MAT-File Format". Sizes stated in the file are never trusted with memory: an array is read
+//! only where the file has, or inflates within [`EXPANSION`] to, the bytes it claims; all arrays together may be
+//! [`LARGER`] times as large as the file.
 
 use std::io::Read;
 

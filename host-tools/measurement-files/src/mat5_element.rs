@@ -1,8 +1,8 @@
 //! The elements of a MATLAB level 5 MAT-file.
 //!
-//! Every element is a tag (type and size) and data padded to eight bytes; data of up to four bytes may sit in the tag. A
-//! variable is a matrix element whose sub-elements are flags, dimensions, name and what it holds: numbers, text, or the
-//! matrices of its fields.
+//! Every element is a tag (type and size) and data padded to eight bytes; data of up to four bytes may sit in the tag.
+//! A variable is a matrix element whose sub-elements are flags, dimensions, name and what it holds: numbers, text, or
+//! the matrices of its fields.
 
 use crate::array::Array;
 use crate::excerpt::excerpt;
@@ -62,8 +62,8 @@ impl<'a> Elements<'a> {
         Self { bytes, ..*self }
     }
 
-    /// Appends the arrays of the variable in a matrix element's data: itself, or those in its fields; of all of them there may be
-    /// no more than so many numbers.
+    /// Appends the arrays of the variable in a matrix element's data: itself, or those in its fields; of all of them
+    /// there may be no more than so many numbers.
     pub fn variable(self, arrays: &mut Vec<Array>, most: usize) -> Result<(), Damage> {
         let matrix = self.matrix()?;
         let name = matrix.name.clone();

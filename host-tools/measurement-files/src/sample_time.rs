@@ -1,4 +1,5 @@
-//! The sample time that a preamble states: `SAMPLE_TIME = 0.005`, `Sample Interval,5.00E-03`, `Delta_X`, `Sampling rate: 200 Hz`.
+//! The sample time that a preamble states: `SAMPLE_TIME = 0.005`, `Sample Interval,5.00E-03`, `Delta_X`, `Sampling
+//! rate: 200 Hz`.
 
 use crate::fault::Place;
 use crate::preamble::Entry;
@@ -82,8 +83,8 @@ pub struct SampleTime {
     pub name: String,
 }
 
-/// The sample time among the entries, by the first that states one; the first line of the text is line 1. None where two
-/// contradict each other. A line whose number may have a thousands separator, as in `10,000 Hz`, states none.
+/// The sample time among the entries, by the first that states one; the first line of the text is line 1. None where
+/// two contradict each other. A line whose number may have a thousands separator, as in `10,000 Hz`, states none.
 pub(crate) fn find(entries: &[Entry]) -> Option<SampleTime> {
     let unclear: Vec<usize> = entries.iter().filter(|entry| is_unclear(entry)).map(|entry| entry.line).collect();
     // Cells cut `12,5` at its decimal comma; the whole line has it.

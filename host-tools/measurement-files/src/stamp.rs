@@ -118,8 +118,8 @@ fn days(date: &str) -> Option<i64> {
     }
 }
 
-/// Days since 1970 in the Gregorian calendar; years are counted from March (H. Hinnant, "chrono-compatible low-level date
-/// algorithms", `days_from_civil`).
+/// Days since 1970 in the Gregorian calendar; years are counted from March (H. Hinnant, "chrono-compatible low-level
+/// date algorithms", `days_from_civil`).
 fn civil(year: &str, month: &str, day: &str) -> Option<i64> {
     const NAMES: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
     let named = month.to_lowercase();

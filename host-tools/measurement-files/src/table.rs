@@ -41,8 +41,8 @@ pub struct Column {
 }
 
 impl Table<'_> {
-    /// Hands each row's values of the columns `wanted` (indices into [`Table::columns`]) to `visit`, to the file's end. With `holes`, a
-    /// value that is no finite number is NaN where another of its row is one.
+    /// Hands each row's values of the columns `wanted` (indices into [`Table::columns`]) to `visit`, to the file's end.
+    /// With `holes`, a value that is no finite number is NaN where another of its row is one.
     ///
     /// # Errors
     /// The first row that is none, with its place.

@@ -116,8 +116,8 @@ impl TextRows<'_> {
         Ok(())
     }
 
-    /// The end of the table at a line that is no row: the end of the file if only a footer follows, a few lines of words,
-    /// none of them a row cut short or as wide as one.
+    /// The end of the table at a line that is no row: the end of the file if only a footer follows, a few lines of
+    /// words, none of them a row cut short or as wide as one.
     fn end(mut self, line: &str, fault: Fault) -> Result<(), PlacedFault> {
         let place = Place::Line(self.line);
         let (mut next, mut words) = (line.to_owned(), 0);

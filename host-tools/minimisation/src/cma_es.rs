@@ -5,7 +5,8 @@
 //! distribution knows no bounds and a minimum on a face is one inside. The first run starts at the best start or the
 //! centre, a restart anywhere. Where no point of a generation is admissible, σ is halved around the best known point.
 //!
-//! `nalgebra` is built on `libm` and without machine-dependent kernels, so that a seed means the same on every platform.
+//! `nalgebra` is built on `libm` and without machine-dependent kernels, so that a seed means the same
+//! on every platform.
 
 use super::state::{COLLAPSED, Search, reflect};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

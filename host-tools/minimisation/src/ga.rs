@@ -1,9 +1,9 @@
 //! The thesis's binary genetic algorithm (4.1.2, Appendices C and D).
 //!
-//! A chromosome is one gene of `bits` bits a parameter, mapped linearly onto the gene's interval (Eq. 4.5). A generation
-//! is: selection of as many parents as there are chromosomes, crossover of each pair at one point that the whole
-//! generation shares, `ceil(mutation·bits·genes·(population − 1))` bit flips anywhere, evaluation. The best chromosome
-//! ever seen is kept aside; with [`Elitism::Reinsert`] it also replaces the worst of each generation.
+//! A chromosome is one gene of `bits` bits a parameter, mapped linearly onto the gene's interval (Eq. 4.5). A
+//! generation is: selection of as many parents as there are chromosomes, crossover of each pair at one point that the
+//! whole generation shares, `ceil(mutation·bits·genes·(population − 1))` bit flips anywhere, evaluation. The best
+//! chromosome ever seen is kept aside; with [`Elitism::Reinsert`] it also replaces the worst of each generation.
 //!
 //! A generation is evaluated at once, without random numbers: the same seed gives the same result on any number of
 //! threads.
@@ -64,8 +64,9 @@ pub struct Best {
 /// Gene codes of one candidate.
 type Chromosome = Vec<u32>;
 
-/// Runs the algorithm. `costs_of` some candidates, one each in their order, are what is minimised (infinite for what must not win); `seeds` are candidates in gene
-/// values that join the first population; `watch` sees the best after every generation.
+/// Runs the algorithm. `costs_of` some candidates, one each in their order, are what is minimised (infinite for
+/// what must not win); `seeds` are candidates in gene values that join the first population; `watch` sees the best
+/// after every generation.
 pub fn run(
     genes: &[Gene],
     settings: &Settings,

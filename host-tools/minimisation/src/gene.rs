@@ -63,9 +63,10 @@ impl Gene {
         fraction.clamp(0.0, 1.0)
     }
 
-    /// Whether a value is so close to an end of the interval that the optimum may lie beyond, unless that end is a limit
-    /// of the model itself: a sigmoid without curvature is the pure exponential that β → ±∞ gives, a short lag is none, no
-    /// displacement comes before its voltage, a high slew limit is none, and a rest has wiped out all memory, or nothing of it.
+    /// Whether a value is so close to an end of the interval that the optimum may lie beyond, unless that end is a
+    /// limit of the model itself: a sigmoid without curvature is the pure exponential that β → ±∞ gives, a short lag is
+    /// none, no displacement comes before its voltage, a high slew limit is none, and a rest has wiped out all memory,
+    /// or nothing of it.
     pub fn undetermined(&self, value: f64) -> bool {
         let fraction = self.fraction(value);
         let model_limit = match self.name {

@@ -1,5 +1,5 @@
-//! The thesis's binary genetic algorithm (4.1.2) in rounds of shrinking ranges, as the identification runs it: 12 bits a
-//! gene, 64 chromosomes, tournament, mutation 0.02, the best reinserted; up to 10 rounds of at least 20 generations,
+//! The thesis's binary genetic algorithm (4.1.2) in rounds of shrinking ranges, as the identification runs it: 12 bits
+//! a gene, 64 chromosomes, tournament, mutation 0.02, the best reinserted; up to 10 rounds of at least 20 generations,
 //! each over 0.7 times the ranges before, around the best so far.
 //!
 //! A budget below 512 evaluations makes the population smaller, of 8 generations at least; an odd rest is not spent.

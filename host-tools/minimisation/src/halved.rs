@@ -1,7 +1,8 @@
-//! Where a cost is least along a line that may have a kink or several minima, by few evaluations of a cost that is dear.
+//! Where a cost is least along a line that may have a kink or several minima, by few evaluations of a cost
+//! that is dear.
 
-/// The best of some points, which increase, and of the middles between the best so far and its neighbours, `turns` times over: what belongs
-/// to it. `at` gives that and the cost. `None` where there is nothing at any of the points.
+/// The best of some points, which increase, and of the middles between the best so far and its neighbours, `turns`
+/// times over: what belongs to it. `at` gives that and the cost. `None` where there is nothing at any of the points.
 pub fn halved<T>(points: &[f64], turns: usize, at: impl Fn(f64) -> Option<(T, f64)>) -> Option<T> {
     let mut best = None;
     let mut tried: Vec<(f64, f64)> = Vec::new();

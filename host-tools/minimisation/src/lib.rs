@@ -9,12 +9,12 @@
 //! | `cma-es` | covariance matrix adaptation with restarts of a doubled population |
 //! | `local` | downhill from the best start, by Newton's steps or Nelder and Mead's simplex, with pairs of restarts until they find nothing better |
 //!
-//! The cost may be infinite, for what is inadmissible, anywhere or everywhere; NaN counts as infinite. Random numbers
-//! are drawn outside of the evaluations, which may run in parallel: the same seed gives the same result on any number of
-//! threads.
+//! The cost may be infinite, for what is inadmissible, anywhere or everywhere; NaN counts as infinite. Random
+//! numbers are drawn outside of the evaluations, which may run in parallel: the same seed gives the same result on
+//! any number of threads.
 //!
-//! The methods are written here: `cmaes` 0.2 and `argmin` 0.11 each need an older `rand` beside this crate's, and a budget of
-//! evaluations and the limits of the cube are the point of this module.
+//! The methods are written here: `cmaes` 0.2 and `argmin` 0.11 each need an older `rand` beside this crate's, and a
+//! budget of evaluations and the limits of the cube are the point of this module.
 
 mod cma_es;
 mod differential_evolution;
@@ -42,8 +42,9 @@ pub fn each(cost: impl Fn(&[f64]) -> f64 + Sync) -> impl Fn(&[Vec<f64>]) -> Vec<
     move |points| points.par_iter().map(|at| cost(at)).collect()
 }
 
-/// Minimises a cost over the unit cube of a dimension. The objective is its costs, of some points, one each in their order, or
-/// of a cost that is asked for one point at a time [`each`]; and what it is near a point, where its owner can say.
+/// Minimises a cost over the unit cube of a dimension. The objective is its costs, of some points, one each in
+/// their order, or of a cost that is asked for one point at a time [`each`]; and what it is near a point, where its
+/// owner can say.
 ///
 /// `starts` are evaluated first, exactly as they are, and join the first population (`cma-es` and `local` begin at the
 /// best of them); the result never costs more than any that the budget sufficed for. A coordinate outside of the cube

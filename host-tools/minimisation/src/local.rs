@@ -1,10 +1,11 @@
-//! Downhill from the best start or the centre, and once more from elsewhere: by [Newton's steps](super::newton) where the cost's
-//! owner says what it is near a point, else by Nelder and Mead's simplex with the coefficients for many dimensions (Gao and Han, 2012),
-//! limited to the cube.
+//! Downhill from the best start or the centre, and once more from elsewhere: by [Newton's steps](super::newton) where
+//! the cost's owner says what it is near a point, else by Nelder and Mead's simplex with the coefficients for many
+//! dimensions (Gao and Han, 2012), limited to the cube.
 //!
-//! Either finds the minimum next to where it begins, and the simplex forgets directions, above all at a face of the cube. So what the
-//! first descent has found is tried by pairs of descents, which run at the same time: from the best of some points anywhere, and for the
-//! simplex one around the best point. The search ends where a pair finds nothing better, and need not spend its budget.
+//! Either finds the minimum next to where it begins, and the simplex forgets directions, above all at a face of the
+//! cube. So what the first descent has found is tried by pairs of descents, which run at the same time: from the best
+//! of some points anywhere, and for the simplex one around the best point. The search ends where a pair finds nothing
+//! better, and need not spend its budget.
 
 use super::newton;
 use super::state::{Budget, Minimum, Objective, Scored, Search, extent, sort};
@@ -17,8 +18,8 @@ const EDGE: f64 = 0.1;
 const CONVERGED: f64 = 1e-5;
 /// Difference of a simplex's costs at which it has, as a fraction of the cost.
 const LEVEL: f64 = 1e-5;
-/// An improvement that a pair has to make for the search to go on, as a fraction of the cost: of simplexes, which stop short of a minimum,
-/// and of Newton's steps, for which it is another minimum.
+/// An improvement that a pair has to make for the search to go on, as a fraction of the cost: of simplexes, which stop
+/// short of a minimum, and of Newton's steps, for which it is another minimum.
 const WORTHWHILE: f64 = 1e-4;
 const ANOTHER: f64 = 1e-2;
 

@@ -5,7 +5,8 @@
 //! (C + λ·diag C)·d = −s                  within the cube: a coordinate that would leave it stays at its face, the others are solved again
 //! ```
 //!
-//! It finds the minimum next to where it begins. Of a sum of squares whose curvature is that of Gauss and Newton it takes few steps.
+//! It finds the minimum next to where it begins. Of a sum of squares whose curvature is that of Gauss and Newton it
+//! takes few steps.
 
 use super::state::{Minimum, Quadratic, Quadratics, Search};
 use nalgebra::{DMatrix, DVector};
@@ -25,9 +26,9 @@ const REACH: f64 = 0.25;
 /// A decrease that is worth a step, as a fraction of the cost.
 const WORTHWHILE: f64 = 1e-4;
 
-/// Steps from the best point until none is worth while, or the budget is spent. A quadratic model counts for as many evaluations as
-/// there are coordinates. False where it has not begun: without a model at the first point, with an infinite cost there, or too little left
-/// of the budget.
+/// Steps from the best point until none is worth while, or the budget is spent. A quadratic model counts for as many
+/// evaluations as there are coordinates. False where it has not begun: without a model at the first point, with an
+/// infinite cost there, or too little left of the budget.
 pub fn descend(search: &mut Search<'_>, quadratic: Quadratics<'_>) -> bool {
     let mut damping = DAMPING;
     let mut any = false;
@@ -93,7 +94,8 @@ mod tests {
     use crate::{Budget, Minimum, Objective, Optimiser, Quadratic, each, minimise};
     use nalgebra::{DMatrix, DVector};
 
-    /// Errors whose squares are minimised, bent so that one step does not suffice; least at (0.7, 0.2) and, in the third, beyond the cube.
+    /// Errors whose squares are minimised, bent so that one step does not suffice; least at (0.7, 0.2) and, in the
+    /// third, beyond the cube.
     fn errors(at: &[f64]) -> [f64; 3] {
         let (x, y, z) = (at[0] - 0.7, at[1] - 0.2, at[2] - 1.3);
         [x + 10.0 * y + 3.0 * x * x, y - 0.5 * x, 0.1 * z]

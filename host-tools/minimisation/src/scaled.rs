@@ -3,9 +3,9 @@
 /// From one scale that is tried to the next.
 const FACTOR: f64 = 2.0;
 
-/// From a scale of 1 by factors of 2 downhill, to the scale beyond which the cost rises, and from the best three to the vertex of the
-/// parabola over the logarithm. `at` gives what belongs to a scale, and its cost; scales are not less than `least`. `None` where there is
-/// nothing at 1.
+/// From a scale of 1 by factors of 2 downhill, to the scale beyond which the cost rises, and from the best three to the
+/// vertex of the parabola over the logarithm. `at` gives what belongs to a scale, and its cost; scales are not less
+/// than `least`. `None` where there is nothing at 1.
 pub fn scaled<T>(least: f64, at: impl Fn(f64) -> Option<(T, f64)>) -> Option<(f64, T)> {
     let mut scale = 1.0;
     let (mut best, mut cost) = at(scale)?;

@@ -19,8 +19,8 @@ use verb::{
     train, validate, waveform, zero,
 };
 
-/// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, judge it on
-/// data it had not seen, and put it on a microcontroller.
+/// Sensorless displacement of piezo actuators: learn the model from one recorded session with a real sensor, judge it
+/// on data it had not seen, and put it on a microcontroller.
 #[derive(Parser)]
 #[command(name = "piezo", version, after_help = EXIT_CODES)]
 struct Cli {
@@ -35,10 +35,12 @@ const EXIT_CODES: &str = "Exit codes:
      a part failed (learn), a fault stopped it or it waited for the host (follow)
   2  not done: the arguments, a file or the device are wrong; no file is left half-written";
 
-// In the order in which a newcomer meets them: logs, a board with a sensor, a board that estimates, its tables, the thesis.
+// In the order in which a newcomer meets them: logs, a board with a sensor, a board that estimates, its
+// tables, the thesis.
 #[derive(Subcommand)]
 enum Verb {
-    /// Logs → what was understood of them: columns, rate, ranges, reversals, amplitudes × frequencies, noise, saturation.
+    /// Logs → what was understood of them: columns, rate, ranges, reversals, amplitudes ×
+    /// frequencies, noise, saturation.
     #[command(after_help = "Examples:
   piezo look tests/data/picma-p885-1hz.csv
   piezo look recording.csv --out recording.svg")]
@@ -135,7 +137,8 @@ enum Verb {
   piezo linearise --port /dev/ttyACM0
   piezo linearise --stop --port /dev/ttyACM0")]
     Linearise(linearise::Linearise),
-    /// A line of wanted displacements → the device's memory, from which it plays it again and again, by itself or by a trigger.
+    /// A line of wanted displacements → the device's memory, from which it plays it again and again, by itself or
+    /// by a trigger.
     #[command(after_help = "Examples:
   piezo waveform line.csv --on-trigger --port /dev/ttyACM0
   piezo waveform --stop --port /dev/ttyACM0")]
@@ -168,7 +171,8 @@ enum Verb {
         after_help = "Examples: piezo reproduce --json; piezo reproduce all --out out/thesis; piezo reproduce loops features --logs a.csv b.csv --validate-on c.csv"
     )]
     Reproduce(Box<reproduce::Reproduce>),
-    /// This program's verbs and options → what a shell completes them by, printed; where it belongs, your shell's manual says.
+    /// This program's verbs and options → what a shell completes them by, printed; where it belongs, your
+    /// shell's manual says.
     #[command(after_help = "Example: piezo completions bash")]
     Completions(manual::Completions),
     /// This program's help → pages of the manual.
@@ -216,8 +220,8 @@ impl Cli {
     }
 }
 
-/// What was typed, or what is wrong with it: with the verb's own usage, which asks for nothing that was given or that the environment
-/// gives.
+/// What was typed, or what is wrong with it: with the verb's own usage, which asks for nothing that was given or that
+/// the environment gives.
 fn typed() -> Cli {
     Cli::try_parse().unwrap_or_else(|mut error| {
         let mut command = Cli::command();

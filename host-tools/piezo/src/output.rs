@@ -30,7 +30,8 @@ impl Overwrite {
         free.then_some(()).with_context(|| remedy::kept(path))
     }
 
-    /// The log that grows beside this one, not over what is read, and over what was measured once only where that was meant.
+    /// The log that grows beside this one, not over what is read, and over what was measured once only where
+    /// that was meant.
     pub fn growing(self, path: &Path, inputs: &[&Path]) -> Result<Replacement> {
         not_over(path, inputs)?;
         // What a killed run left is named first: nobody knows of it.
@@ -58,8 +59,8 @@ pub fn not_over(path: &Path, inputs: &[&Path]) -> Result<()> {
     }
 }
 
-/// Holds a folder for results, made where there is none, until what comes is written; refuses one that is a file, that cannot be
-/// written, or that another run holds: before a search of minutes, not after it.
+/// Holds a folder for results, made where there is none, until what comes is written; refuses one that is a file, that
+/// cannot be written, or that another run holds: before a search of minutes, not after it.
 pub fn to_folder(path: &Path) -> Result<Held> {
     ensure!(!path.exists() || path.is_dir(), "{}: is a file, --out names a folder", path.display());
     Ok(Held::of(path)?)

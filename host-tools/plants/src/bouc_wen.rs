@@ -1,5 +1,5 @@
-//! Bouc and Wen's equation as T. S. Low and W. Guo take it for a piezoceramic actuator (*Modeling of a three-layer piezoelectric
-//! bimorph beam with hysteresis*, J. Microelectromech. Syst. 4, 1995), with any exponent and a cubic.
+//! Bouc and Wen's equation as T. S. Low and W. Guo take it for a piezoceramic actuator (*Modeling of a three-layer
+//! piezoelectric bimorph beam with hysteresis*, J. Microelectromech. Syst. 4, 1995), with any exponent and a cubic.
 //!
 //! ```text
 //! dz = A·du − β·|du|·|z|ⁿ⁻¹·z − γ·du·|z|ⁿ,     h = u − z + κ·u³

@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 const CODES: f64 = 4095.0;
 /// Parts of a code that oversampling tells apart in the ADC, and noise shaping in the DAC.
 const PARTS: f64 = 16.0;
-/// Integral nonlinearity of the ADC, codes of twelve bits: about the most that data sheets of microcontrollers state. How it lies
-/// over the range none says.
+/// Integral nonlinearity of the ADC, codes of twelve bits: about the most that data sheets of microcontrollers state.
+/// How it lies over the range none says.
 pub const ADC_INL_CODES: f64 = 2.0;
 /// The same of the DAC.
 pub const DAC_INL_CODES: f64 = 4.0;

@@ -1,7 +1,7 @@
-//! Creep in the logarithm of time (A. Vieira, *The behavior of piezoelectric ceramics in scanning tunneling microscopes*, IBM J.
-//! Res. Dev. 30, 1986): after a step of the strain by h it grows by g·h in each decade. Five first-order elements, a decade
-//! apart, driven by the strain of the hysteresis; see H. Jung and D.-G. Gweon, *Creep characteristics of piezoelectric
-//! actuators*, Rev. Sci. Instrum. 71, 2000.
+//! Creep in the logarithm of time (A. Vieira, *The behavior of piezoelectric ceramics in scanning tunneling
+//! microscopes*, IBM J. Res. Dev. 30, 1986): after a step of the strain by h it grows by g·h in each decade. Five
+//! first-order elements, a decade apart, driven by the strain of the hysteresis; see H. Jung and D.-G. Gweon, *Creep
+//! characteristics of piezoelectric actuators*, Rev. Sci. Instrum. 71, 2000.
 
 use super::hysteresis::STEP_S;
 

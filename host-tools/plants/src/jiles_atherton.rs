@@ -1,6 +1,6 @@
-//! Jiles and Atherton's equations as R. C. Smith and Z. Ounaies take them for piezoceramics (*A domain wall model for hysteresis in
-//! piezoelectric materials*, J. Intell. Mater. Syst. Struct. 11, 2000): polarisation P follows the anhysteretic one as
-//! far as pinned domain walls let it.
+//! Jiles and Atherton's equations as R. C. Smith and Z. Ounaies take them for piezoceramics (*A domain wall model for
+//! hysteresis in piezoelectric materials*, J. Intell. Mater. Syst. Struct. 11, 2000): polarisation P follows the
+//! anhysteretic one as far as pinned domain walls let it.
 //!
 //! ```text
 //! P_an(u)   = coth(u_e/a) − a/u_e,   u_e = u + α·P

@@ -1,6 +1,6 @@
-//! Plays whose thresholds grow with the rate of the voltage: the rate-dependent Prandtl–Ishlinskii operator of M. Al Janaideh,
-//! S. Rakheja and C.-Y. Su, *A generalized rate dependent play operator for characterizing hysteresis*, 2009, with the
-//! logarithmic dynamic threshold that they found for piezoceramics.
+//! Plays whose thresholds grow with the rate of the voltage: the rate-dependent Prandtl–Ishlinskii operator of M. Al
+//! Janaideh, S. Rakheja and C.-Y. Su, *A generalized rate dependent play operator for characterizing hysteresis*, 2009,
+//! with the logarithmic dynamic threshold that they found for piezoceramics.
 //!
 //! ```text
 //! r_i(u̇) = r_i + c·ln(1 + |u̇|/v₀)          |u̇| through a lag of 1 ms, so that it is one of the voltage and not of its steps

@@ -9,8 +9,9 @@
 //! one play, and no relay has to be kept. 60 half-widths; in s the density is continuous. A test compares it with
 //! relays one by one. The virgin state, demagnetised, is that of plays at 0.
 //!
-//! While the voltage goes one way, the plays that it has come to, the narrower ones, all stand at u ∓ r: what their relays add
-//! together is one number of a table over u, however many they are. Only where the voltage turns are they put where they stand.
+//! While the voltage goes one way, the plays that it has come to, the narrower ones, all stand at u ∓ r: what their
+//! relays add together is one number of a table over u, however many they are. Only where the voltage turns are they
+//! put where they stand.
 //!
 //! The densities are those usual for ferroic materials: Gaussian and Lorentzian (M. Dimian and P. Andrei, *Noise-Driven
 //! Phenomena in Hysteretic Systems*, Springer 2014, Section 2.2), a sum of two Gaussians, and a gamma distribution of
@@ -34,7 +35,8 @@ pub enum Density {
 
 /// Number of half-widths that stand for all of them.
 const WIDTHS: usize = 60;
-/// Knots of the integral over the centre, from −[`REACH`] to [`REACH`]: the half-widths are odd multiples of the distance of two.
+/// Knots of the integral over the centre, from −[`REACH`] to [`REACH`]: the half-widths are odd multiples of the
+/// distance of two.
 const KNOTS: usize = 4 * WIDTHS + 1;
 /// Knots of voltages from which some play of a half-width is within the reach.
 const VOLTAGES: usize = KNOTS + 2 * WIDTHS - 1;

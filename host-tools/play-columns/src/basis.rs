@@ -1,9 +1,9 @@
 //! The functions that the slopes of a generalised Prandtl–Ishlinskii model are made of.
 //!
-//! The model holds a slope at each knot. The slope of each function is a hat: 1 at its own knot, falling straight to 0 at its neighbours.
-//! Coefficients of at least 0 give slopes of at least 0. Smoother functions, Bernstein's polynomials of degree 7, follow a device whose
-//! slope changes quickly only at a price: lag and creep are bent to hide what they leave (two to three times the error on recordings unlike
-//! the training of simulated relays).
+//! The model holds a slope at each knot. The slope of each function is a hat: 1 at its own knot, falling straight to 0
+//! at its neighbours. Coefficients of at least 0 give slopes of at least 0. Smoother functions, Bernstein's polynomials
+//! of degree 7, follow a device whose slope changes quickly only at a price: lag and creep are bent to hide what they
+//! leave (two to three times the error on recordings unlike the training of simulated relays).
 
 use estimator_core::Range;
 
@@ -53,8 +53,8 @@ impl Basis {
 
     /// The sum of the functions at voltages (V), each times its weight.
     ///
-    /// The weights of an interval, times 1, p and p²/2, are summed before its functions are evaluated: a few multiplications for a
-    /// voltage, however many functions there are.
+    /// The weights of an interval, times 1, p and p²/2, are summed before its functions are evaluated: a few
+    /// multiplications for a voltage, however many functions there are.
     #[inline(always)]
     pub fn sum(&self, weighed: impl Iterator<Item = (f64, f64)>) -> Values {
         // A fourth sum of nothing makes each interval's a vector.

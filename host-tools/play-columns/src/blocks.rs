@@ -1,17 +1,18 @@
-//! The least squares of columns and readings: every session whole, from its first sample on, its start and its rest each with a
-//! noise of its own.
+//! The least squares of columns and readings: every session whole, from its first sample on, its start and its rest
+//! each with a noise of its own.
 //!
 //! ```text
 //! total = Σ_b ν_b·ln c_b / Σ_b ν_b       c_b mean square error of block b, µm²
 //! ```
 //!
-//! Least squares weighs each block by 1/c_b, which are found by turns. What an unknown start leaves behind makes the start's
-//! block loud, and it then says little. It is never believed to be quieter than its session's rest: a start at which nothing
-//! moves, read by a coarse sensor, has no error at all. Each session has a constant of its own, for drift and for the sensor's zero.
+//! Least squares weighs each block by 1/c_b, which are found by turns. What an unknown start leaves behind makes the
+//! start's block loud, and it then says little. It is never believed to be quieter than its session's rest: a start at
+//! which nothing moves, read by a coarse sensor, has no error at all. Each session has a constant of its own, for drift
+//! and for the sensor's zero.
 //!
-//! A session whose voltage moves from its first sample on may have begun in creep that nobody saw. What that leaves are decays,
-//! Σ_t a_t·exp(−t/T_t), one for each element of creep. Their sizes are solved for, under a prior that is narrow and has wide
-//! tails (Cauchy's): most such sessions begin at rest and have none, and where one has, they are large.
+//! A session whose voltage moves from its first sample on may have begun in creep that nobody saw. What that leaves are
+//! decays, Σ_t a_t·exp(−t/T_t), one for each element of creep. Their sizes are solved for, under a prior that is narrow
+//! and has wide tails (Cauchy's): most such sessions begin at rest and have none, and where one has, they are large.
 
 use crate::basis::FUNCTIONS;
 use crate::course::Course;
@@ -95,8 +96,8 @@ impl Rows<'_> {
 }
 
 impl Blocks {
-    /// For sessions that have the columns of so many functions and so many others in common, beside those that each has for itself, and a
-    /// stroke (µm).
+    /// For sessions that have the columns of so many functions and so many others in common, beside those that each has
+    /// for itself, and a stroke (µm).
     pub fn new(functions: usize, others: usize, sessions: &[(&Session, &Course)], stroke: f64) -> Self {
         let common = functions * FUNCTIONS + others;
         let decays = sessions.iter().map(|(session, course)| if course.at_rest { Vec::new() } else { decays(session) });
@@ -153,9 +154,10 @@ impl Blocks {
         balanced.total.is_finite().then_some(balanced)
     }
 
-    /// Slope and curvature of [`total`](Balanced::total) along the last `last` of these blocks' common columns: each is the change of the
-    /// displacement with one searched number. `found` is of the same blocks without those columns: its coefficients above 0, and what
-    /// each session has for itself, make up for the changes as far as they can. `None` where they have no answer.
+    /// Slope and curvature of [`total`](Balanced::total) along the last `last` of these blocks' common columns: each is
+    /// the change of the displacement with one searched number. `found` is of the same blocks without those columns:
+    /// its coefficients above 0, and what each session has for itself, make up for the changes as far as they can.
+    /// `None` where they have no answer.
     ///
     /// The curvature is that of Gauss and Newton: of the mean square errors, not of their logarithms.
     pub fn along(&self, found: &Balanced, last: usize) -> Option<(DVector<f64>, DMatrix<f64>)> {

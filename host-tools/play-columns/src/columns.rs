@@ -1,8 +1,8 @@
 //! What the displacement of a generalised Prandtl–Ishlinskii model is a sum of, along a session.
 //!
-//! The model's own stages, with a basis where the model has its two functions: its displacement is the weighted sum of these
-//! columns (the test `what_is_found_is_what_the_model_runs` holds that). Voltage and sensor are taken at the same instant:
-//! what the model predicts ahead of the voltage is not the fit's concern, and would bend the hysteresis.
+//! The model's own stages, with a basis where the model has its two functions: its displacement is the weighted sum of
+//! these columns (the test `what_is_found_is_what_the_model_runs` holds that). Voltage and sensor are taken at the same
+//! instant: what the model predicts ahead of the voltage is not the fit's concern, and would bend the hysteresis.
 
 use crate::basis::{Basis, FUNCTIONS, Values};
 use crate::course::Course;
@@ -63,9 +63,9 @@ struct Memory {
 }
 
 impl Stages<'_> {
-    /// Hands over the index of each reading on a session's course, its columns (µm for coefficients of 1) and the input behind
-    /// lag and delay (V), from the session's first sample on. Between two steps the voltage of a log slower than the tick runs
-    /// straight, as every stage takes it to.
+    /// Hands over the index of each reading on a session's course, its columns (µm for coefficients of 1) and the input
+    /// behind lag and delay (V), from the session's first sample on. Between two steps the voltage of a log slower than
+    /// the tick runs straight, as every stage takes it to.
     pub fn walk(&self, session: &Session, course: &Course, each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
         // Wider instructions where the machine has them; each column's are the same.
         Arch::new().dispatch(Walk { stages: self, session, course, each });
@@ -217,8 +217,8 @@ impl<E: FnMut(usize, &[f64; COLUMNS], f64)> NullaryFnOnce for Walk<'_, E> {
     }
 }
 
-/// k, β and gain of a creep element of this time constant (s) for steps of so many s. A sum that carries its lost part is not
-/// needed in `f64`.
+/// k, β and gain of a creep element of this time constant (s) for steps of so many s. A sum that carries its lost part
+/// is not needed in `f64`.
 fn element(time: f64, gain: f64, period: f64) -> (f64, f64, f64) {
     let (part, beta) = RampLag::build(time, period).coefficients();
     (part, beta, gain)

@@ -1,6 +1,7 @@
-//! Which ticks of a session a candidate is stepped at: where a reading counts and, where readings between are passed over, at
-//! the voltage's corners, too: those of a polyline that the voltage leaves by no more than a deadband. From one such tick to the
-//! next the voltage runs straight, as every stage takes it to; passed over, a reversal would leave its loop too narrow.
+//! Which ticks of a session a candidate is stepped at: where a reading counts and, where readings between are passed
+//! over, at the voltage's corners, too: those of a polyline that the voltage leaves by no more than a deadband. From
+//! one such tick to the next the voltage runs straight, as every stage takes it to; passed over, a reversal would leave
+//! its loop too narrow.
 
 use log_survey::settled::settled;
 use log_survey::{corners, corners_left_out, stands_still_s};

@@ -1,5 +1,6 @@
-//! What the displacement of a generalised Prandtl–Ishlinskii model is a sum of along a session, and the least squares of it: the linear part
-//! of its identification. What is searched, delay, lag, law, creep, slew limit and resonance, is given here as [`Stages`].
+//! What the displacement of a generalised Prandtl–Ishlinskii model is a sum of along a session, and the least squares
+//! of it: the linear part of its identification. What is searched, delay, lag, law, creep, slew limit and resonance, is
+//! given here as [`Stages`].
 
 mod basis;
 mod blocks;

@@ -1,9 +1,10 @@
 //! What is taken for granted of coefficients, and added to their least squares.
 //!
-//! Voltages that stand at a few levels, as a staircase's do, say nothing of the slopes between these: least squares alone has them in
-//! lumps. Nor does a single loop say how a slope is shared between the reversible part and the plays that all move there, and what is shared
-//! wrongly is an error at every other amplitude. So how a function's slope bends from knot to knot is under a prior, too, a normal one: what
-//! is reversible hardly bends, and the envelope's slope changes from knot to knot by less than it is.
+//! Voltages that stand at a few levels, as a staircase's do, say nothing of the slopes between these: least squares
+//! alone has them in lumps. Nor does a single loop say how a slope is shared between the reversible part and the plays
+//! that all move there, and what is shared wrongly is an error at every other amplitude. So how a function's slope
+//! bends from knot to knot is under a prior, too, a normal one: what is reversible hardly bends, and the envelope's
+//! slope changes from knot to knot by less than it is.
 //!
 //! ```text
 //! (s_{j−1} − 2 s_j + s_{j+1})/σ    with a deviation of 1; s_j the coefficient of knot j, σ a multiple of the stroke an interval
@@ -13,10 +14,10 @@ use crate::WORTH;
 use crate::basis::FUNCTIONS;
 use least_squares::Normal;
 
-/// Deviation σ of how a slope bends, of the stroke an interval: the reversible part's, and that of the envelope, which is multiplied by the
-/// plays' weights. With 0.2 and 2.0, of eight simulated devices that were learnt from one sine of the full
-/// range four were 1.2 to 6 times as far off on other recordings, three as far, one 0.7 times; and on another day the measured stack was
-/// a tenth further off.
+/// Deviation σ of how a slope bends, of the stroke an interval: the reversible part's, and that of the envelope, which
+/// is multiplied by the plays' weights. With 0.2 and 2.0, of eight simulated devices that were learnt from one sine of
+/// the full range four were 1.2 to 6 times as far off on other recordings, three as far, one 0.7 times; and on another
+/// day the measured stack was a tenth further off.
 const BENT: [f64; 2] = [0.015, 1.0];
 
 /// What a coefficient is drawn towards.
@@ -86,7 +87,8 @@ mod tests {
 
     #[test]
     fn between_the_levels_of_a_staircase_slopes_go_straight_from_knot_to_knot() {
-        // Every fourth knot is a level, so that least squares alone leaves open how the slopes between share what lies between.
+        // Every fourth knot is a level, so that least squares alone leaves open how the slopes between share
+        // what lies between.
         let level = |tick: u32| [0.0, 4.0, 8.0, 4.0][(tick / 50 % 4) as usize];
         let voltage: Vec<f64> = (0..2_000).map(level).collect();
         let instants: Vec<u32> = (0..2_000).filter(|tick| *tick < 50 || tick % 50 >= 10).collect();

@@ -31,8 +31,8 @@ impl Solution {
     }
 }
 
-/// The coefficients that fit sessions best, each on its course; their stroke is `stroke` µm. `floor` is the least slope of the
-/// reversible part, µm/V; `None` where they have none.
+/// The coefficients that fit sessions best, each on its course; their stroke is `stroke` µm. `floor` is the least slope
+/// of the reversible part, µm/V; `None` where they have none.
 pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, stroke: f64, floor: f64) -> Option<Solution> {
     let mut blocks = Blocks::new(COLUMNS / FUNCTIONS, 0, sessions, stroke);
     for (number, (session, course)) in sessions.iter().enumerate() {

@@ -2,8 +2,8 @@
 
 use identification::{Candidate, CandidateError, Identification, Problem, SearchOptions, TableContext};
 
-/// Numbers for which a device's search tries as many candidates: it begins where the actuator's ended, and fewer leave some devices
-/// less well learnt than the actuator is, which widens the interval.
+/// Numbers for which a device's search tries as many candidates: it begins where the actuator's ended, and fewer leave
+/// some devices less well learnt than the actuator is, which widens the interval.
 const OF_TWO: usize = 2;
 
 /// The same model learnt from other sessions, or with another lag said, from where the candidate's search ended.

@@ -9,8 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recordings::session::Session;
 
-/// Relays of random density, which no model of the catalogue is made of, and for every third device another class: so twelve
-/// devices are each density twice and each of the others once.
+/// Relays of random density, which no model of the catalogue is made of, and for every third device another class: so
+/// twelve devices are each density twice and each of the others once.
 const RELAYS: [Kind; 4] = [
     Kind::Relays(Density::Gaussian),
     Kind::Relays(Density::Lorentzian),
@@ -47,8 +47,8 @@ pub struct Device {
 }
 
 impl Device {
-    /// The device of a number, driven over the same voltages as a problem's and as far, and late by something in `late` (s), drawn evenly in
-    /// its logarithm.
+    /// The device of a number, driven over the same voltages as a problem's and as far, and late by something in `late`
+    /// (s), drawn evenly in its logarithm.
     pub fn drawn(number: u32, seed: u32, problem: &Problem, late: Range<f64>) -> Self {
         let mut draw = ChaCha8Rng::seed_from_u64((u64::from(seed) << 32) + u64::from(number));
         let mut between = |range: Range<f64>| draw.random_range(range.min..range.max);
@@ -111,7 +111,8 @@ impl Device {
         response.iter().skip(before).step_by(self.steps).map(|position| self.scale * position).collect()
     }
 
-    /// A session of the user's, the one of this number with the training's counted first, as this device would have given it.
+    /// A session of the user's, the one of this number with the training's counted first, as this device would
+    /// have given it.
     pub fn session(&self, number: usize, session: &Session) -> Session {
         let positions = self.trained.get(number).cloned().unwrap_or_else(|| self.positions(session));
         let count = positions.len();
@@ -143,7 +144,8 @@ impl Device {
     }
 }
 
-/// Deviation of the noise of the problem's sensor, µm: that of its quietest training log, since in fast ones some of the course remains.
+/// Deviation of the noise of the problem's sensor, µm: that of its quietest training log, since in fast ones some of
+/// the course remains.
 fn noise(problem: &Problem) -> f64 {
     problem.training().filter_map(|session| noise_of(&session.displacement)).reduce(f64::min).unwrap_or(0.0)
 }

@@ -5,12 +5,13 @@
 //! a, γ: least mean of w + max(0, |e| − w)/0.05         e: error since the displacement was told; recordings weighing alike
 //! ```
 //!
-//! That mean is least where 5 % of the errors are larger, wherever the parts are the same (Gneiting and Raftery's interval
-//! score, 2007, eq. 43), so that one kind of recording does not pay for another. The errors that follow one telling of one
-//! recording go together, and an average of 95 % is one of recordings that are held all the time and of others that are held
-//! for half of it. So all a_i are then scaled, never down, until 95 % of all errors are held, and of what follows a telling nine
-//! tenths of the time at least, in nine cases of ten. γ, from 0 to 1, says how much more a device is off elsewhere whose own
-//! logs are fitted worse: not at all where they have a single amplitude, about in proportion where they have several.
+//! That mean is least where 5 % of the errors are larger, wherever the parts are the same (Gneiting and Raftery's
+//! interval score, 2007, eq. 43), so that one kind of recording does not pay for another. The errors that follow one
+//! telling of one recording go together, and an average of 95 % is one of recordings that are held all the time and of
+//! others that are held for half of it. So all a_i are then scaled, never down, until 95 % of all errors are held, and
+//! of what follows a telling nine tenths of the time at least, in nine cases of ten. γ, from 0 to 1, says how much more
+//! a device is off elsewhere whose own logs are fitted worse: not at all where they have a single amplitude, about in
+//! proportion where they have several.
 
 use crate::trial::{PARTS, Recording, Sample};
 use estimator_core::Range;
@@ -45,7 +46,8 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// The gains of misfit, memory, rate, moved plays, displacement gone and drift that suit the devices that were tried; of one at least.
+    /// The gains of misfit, memory, rate, moved plays, displacement gone and drift that suit the devices that were
+    /// tried; of one at least.
     pub fn of(tried: &[Tried]) -> Self {
         let logarithms = || tried.iter().map(|device| libm::log(device.own_um));
         let own = Range::of_values(logarithms());
@@ -65,7 +67,8 @@ impl Gains {
         Self { parts: found.parts.map(|gain| factor * gain), ..found }
     }
 
-    /// Those of a device whose own logs say that it is off by `own_um`; what no device was like counts as the nearest that was.
+    /// Those of a device whose own logs say that it is off by `own_um`; what no device was like counts as the
+    /// nearest that was.
     pub fn at(&self, own_um: f64) -> [f64; PARTS] {
         let factor = libm::exp(self.exponent * (self.own.clamp(libm::log(own_um)) - self.mean));
         self.parts.map(|gain| factor * gain)
@@ -81,8 +84,8 @@ fn score(tried: &[Tried], gains: &Gains) -> f64 {
     each_of(tried, gains, &of).map(|costs| costs.clone().sum::<f64>() / costs.count() as f64).sum()
 }
 
-/// What the deviations have to be times so that of all errors enough are held, and of enough recordings enough; 1 at least: a
-/// device that is never off by more than on its own logs is known no better elsewhere for that.
+/// What the deviations have to be times so that of all errors enough are held, and of enough recordings enough; 1 at
+/// least: a device that is never off by more than on its own logs is known no better elsewhere for that.
 fn factor(tried: &[Tried], gains: &Gains) -> f64 {
     let of = |sample: &Sample, own_um: f64, gains: &[f64; PARTS]| {
         let other = (sample.error.powi(2) - own_um.powi(2)).max(0.0).sqrt();

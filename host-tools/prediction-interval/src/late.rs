@@ -1,16 +1,16 @@
 //! What the logs leave open of how late the actuator is.
 //!
-//! Voltages of a single frequency do not tell a lag from the width of a loop: a model that is later, with narrower loops, fits them
-//! as well, and is off at other frequencies. So the model is learnt again with later and later actuators, until the logs speak
-//! against that.
+//! Voltages of a single frequency do not tell a lag from the width of a loop: a model that is later, with narrower
+//! loops, fits them as well, and is off at other frequencies. So the model is learnt again with later and later
+//! actuators, until the logs speak against that.
 
 use crate::again::again;
 use estimator_core::{Parameters, Range};
 use identification::{Candidate, Problem, SearchOptions, TableContext};
 
-/// A cost so many times the least speaks against a lag. By noise alone a tenth more would, as a cost is a deviation of a log worth 20
-/// independent periods; but what a model is off by is no noise, and goes with the lag: of simulated devices learnt from one sine, the
-/// lag that they had cost up to four tenths more.
+/// A cost so many times the least speaks against a lag. By noise alone a tenth more would, as a cost is a deviation of
+/// a log worth 20 independent periods; but what a model is off by is no noise, and goes with the lag: of simulated
+/// devices learnt from one sine, the lag that they had cost up to four tenths more.
 const AGAINST: f64 = 1.5;
 /// From one lag that is tried to the next, and from what was found to the nearest end of what is open at least.
 const STEP: f64 = 2.0;

@@ -1,12 +1,13 @@
-//! What a board has seen that has been running before a recording: the whole range, and a rest, at which the displacement is told.
+//! What a board has seen that has been running before a recording: the whole range, and a rest, at which the
+//! displacement is told.
 
 use estimator_core::Range;
 
 /// From one voltage to another it goes in so long, s.
 const RAMP_S: f64 = 0.4;
 
-/// The voltages from a rest to both ends of a range, back to the rest, which lasts for `rested_s`, and on to another voltage, V a
-/// tick of `tick_s` seconds; and the tick at which the rest ends.
+/// The voltages from a rest to both ends of a range, back to the rest, which lasts for `rested_s`, and on to another
+/// voltage, V a tick of `tick_s` seconds; and the tick at which the rest ends.
 pub fn lead_in(rest: f64, to: f64, range: Range<f64>, rested_s: f64, tick_s: f64) -> (Vec<f64>, usize) {
     let ticks = |s: f64| ((s / tick_s) as usize).max(1);
     let ramp = |[from, to]: [f64; 2]| {

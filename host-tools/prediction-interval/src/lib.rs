@@ -1,9 +1,10 @@
 //! A ± beside the estimate: the numbers of a table's prediction interval ([`estimator_core::interval`]).
 //!
-//! What a model is off by on a recording that it was not learnt on cannot be seen in the recordings it was learnt on. So
-//! devices are simulated that no model of the catalogue is made of, driven by the user's own voltages and learnt as the
-//! actuator was; what their tables are off by on other recordings says how wide the interval has to be for what is known of a
-//! tick: how far the voltage has gone where the training never went, how fast it goes, how long ago the displacement was told.
+//! What a model is off by on a recording that it was not learnt on cannot be seen in the recordings it was learnt on.
+//! So devices are simulated that no model of the catalogue is made of, driven by the user's own voltages and learnt as
+//! the actuator was; what their tables are off by on other recordings says how wide the interval has to be for what is
+//! known of a tick: how far the voltage has gone where the training never went, how fast it goes, how long ago the
+//! displacement was told.
 
 mod again;
 mod device;
@@ -44,13 +45,14 @@ const LAGS: f64 = 5.0;
 pub struct Calibration {
     /// What a table says of its interval.
     pub parameters: IntervalParameters,
-    /// What the actuator's own recordings have of the half-width where nothing else counts, µm; the rest is the simulated
-    /// devices'.
+    /// What the actuator's own recordings have of the half-width where nothing else counts, µm; the rest is
+    /// the simulated devices'.
     pub own_um: f64,
 }
 
-/// The interval of an identified model; `None` without a device that could be learnt, or where the training voltage does not move.
-/// `progress` is called after each of the simulated devices, whose searches try as many candidates as `search` has for two numbers.
+/// The interval of an identified model; `None` without a device that could be learnt, or where the training voltage
+/// does not move. `progress` is called after each of the simulated devices, whose searches try as many candidates as
+/// `search` has for two numbers.
 pub fn calibrate(
     problem: &Problem,
     candidate: &Candidate,
@@ -81,7 +83,8 @@ pub fn calibrate(
     })
 }
 
-/// What was found, with an interval in the delivered table, and where its width comes from; without one where [`calibrate`] has none.
+/// What was found, with an interval in the delivered table, and where its width comes from; without one where
+/// [`calibrate`] has none.
 ///
 /// # Errors
 /// The interval breaks a rule.
@@ -125,8 +128,8 @@ fn own(candidate: &Candidate) -> f64 {
     CERTAIN * misfit(candidate)
 }
 
-/// What an estimate is off by in any case, µm: the median over the logs of the rms without offset, of what was held out, or
-/// where nothing was, of the training. (What fast logs have beyond that belongs to the rate.)
+/// What an estimate is off by in any case, µm: the median over the logs of the rms without offset, of what was held
+/// out, or where nothing was, of the training. (What fast logs have beyond that belongs to the rate.)
 fn misfit(candidate: &Candidate) -> f64 {
     let logs = if candidate.held_out.is_empty() { &candidate.training } else { &candidate.held_out };
     let mut errors: Vec<f64> = logs.iter().map(|log| log.mil.rmse_without_offset_um).collect();

@@ -1,7 +1,8 @@
 //! What a start at an end of the voltage range leaves open, as far as the logs begin at rest there.
 //!
-//! An end is come to from one side only, so that nothing of the start is open there, unless the actuator was driven beyond it,
-//! or has lost its polarisation since, or never had it. Then the first swing is off, in the logs as on the board.
+//! An end is come to from one side only, so that nothing of the start is open there, unless the actuator was
+//! driven beyond it, or has lost its polarisation since, or never had it. Then the first swing is off, in the logs
+//! as on the board.
 
 use estimator_core::interval::SPANS;
 use estimator_core::{Admitted, Estimator, Range};
@@ -10,19 +11,23 @@ use log_survey::settled;
 use recordings::session::Session;
 use validation::ZERO_WINDOW_S;
 
-/// A start says something of the ends where it leaves less than this open without them: all but the middle third of the range.
+/// A start says something of the ends where it leaves less than this open without them: all but the middle third
+/// of the range.
 const OUTER: f64 = 0.9;
-/// A start that leaves less than this open is one at an end, and says how little an end leaves open; others, how much at least.
+/// A start that leaves less than this open is one at an end, and says how little an end leaves open; others, how
+/// much at least.
 const AT_END: f64 = 0.25;
-/// e where no log begins at rest there: what nobody has seen is neither nothing nor all that a start in the middle leaves open.
+/// e where no log begins at rest there: what nobody has seen is neither nothing nor all that a start in the
+/// middle leaves open.
 const UNSEEN: f64 = 0.5;
 /// A voltage stands where it moves by no more than this part of a session's span.
 const STILL: f64 = 0.02;
 /// Times what the logs' first swings were off by: logs are few, and another recording may turn where these passed.
 const FEW: f64 = 1.5;
 
-/// e, 0 … 1, as the worst of the training logs that begin at rest near an end of the table's range says it: the least with which
-/// b·`memory_um` is [`FEW`] times what that log's first swing was off by beyond `misfit_um`; [`UNSEEN`] where none begins there.
+/// e, 0 … 1, as the worst of the training logs that begin at rest near an end of the table's range says it: the least
+/// with which b·`memory_um` is [`FEW`] times what that log's first swing was off by beyond `misfit_um`; [`UNSEEN`]
+/// where none begins there.
 pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfit_um: f64) -> f64 {
     let range: Range<f64> = table.voltage_range_v.of();
     // How much a log's start leaves open without e, and the e that it needs.
@@ -46,8 +51,9 @@ fn rest(session: &Session, tick_s: f64) -> Option<f64> {
     (begins.span() <= STILL * of(&session.voltage).span()).then(|| begins.middle())
 }
 
-/// What the estimate of a session is off by in its first swing, µm, relative to its first 50 ms: the mean while each eighth of the
-/// table's range was swept, the largest of these. `None` where nothing was measured in that swing but its beginning.
+/// What the estimate of a session is off by in its first swing, µm, relative to its first 50 ms: the mean while
+/// each eighth of the table's range was swept, the largest of these. `None` where nothing was measured in that
+/// swing but its beginning.
 fn off_in_first_swing(table: &Admitted, session: &Session) -> Option<f64> {
     let mut estimator = Estimator::<f64>::new(table);
     let zero = f64::from(table.voltage_zero_v);
@@ -94,8 +100,8 @@ mod tests {
 
     const M: f64 = 2.0;
 
-    /// A sensor that reads what the table estimates, and `first_um` more in what comes before the first swing; that starts at
-    /// this part of the range after so many ticks of 3000, and the sensor is read at every so manieth.
+    /// A sensor that reads what the table estimates, and `first_um` more in what comes before the first swing; that
+    /// starts at this part of the range after so many ticks of 3000, and the sensor is read at every so manieth.
     struct Log {
         part: f64,
         first_um: f64,

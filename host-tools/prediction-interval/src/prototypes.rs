@@ -9,8 +9,8 @@ pub type Plays = SVector<f64, PLAYS>;
 /// Rounds of Lloyd's iteration; more move no prototype by what an interval would notice.
 const ROUNDS: usize = 15;
 
-/// Centres of clusters of places, which start as far from each other as they can be; some coincide where there are fewer places, and
-/// all are at 0 where there is none.
+/// Centres of clusters of places, which start as far from each other as they can be; some coincide where there are
+/// fewer places, and all are at 0 where there is none.
 pub fn prototypes(places: &[Plays]) -> [Plays; PROTOTYPES] {
     let mut centres = spread_out(places);
     for _ in 0..ROUNDS {

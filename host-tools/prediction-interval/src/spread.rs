@@ -6,8 +6,8 @@
 //! L   = W·C,  C·Cᵀ = S              so that |Lᵀp|² is the error's variance, µm²
 //! ```
 //!
-//! s₀ is the error that is there always, and n the samples of it that a log counts as. So Lᵀ makes a metric in which what the
-//! training moved much counts little; how far plays stand from all that the training did is measured in it.
+//! s₀ is the error that is there always, and n the samples of it that a log counts as. So Lᵀ makes a metric in which
+//! what the training moved much counts little; how far plays stand from all that the training did is measured in it.
 
 use crate::prototypes::{Plays, nearest, prototypes};
 use estimator_core::interval::{HALF_WIDTHS, PLAYS, TRIANGLE};
@@ -31,7 +31,8 @@ const MOST: usize = 20_000;
 /// Room beyond the farthest that the training has been from a prototype, of that.
 const ROOM: f64 = 1.15;
 
-/// What of the interval says where the training has been, in place of what `parameters` has. `voltages` is the table's range.
+/// What of the interval says where the training has been, in place of what `parameters` has. `voltages` is
+/// the table's range.
 pub fn learnt(
     parameters: IntervalParameters,
     problem: &Problem,

@@ -10,11 +10,11 @@ const RAMP_S: f64 = 0.4;
 /// Part of that for which it then stands, so that lags are over.
 const STAND: f64 = 0.5;
 
-/// Half of what the two extreme memories that an actuator can start with differ by (µm), by the span of voltage since the start in
-/// eighths of the table's range; they differ most in the middle of the range. They are those of a rise from the lowest voltage
-/// and of a fall from the highest; every other lies between them. What is left after a sweep of the whole range is creep, and
-/// no memory of hysteresis. Both have rested in the middle: rested at opposite ends, they would have crept apart, against what
-/// their memories differ by.
+/// Half of what the two extreme memories that an actuator can start with differ by (µm), by the span of voltage since
+/// the start in eighths of the table's range; they differ most in the middle of the range. They are those of a rise
+/// from the lowest voltage and of a fall from the highest; every other lies between them. What is left after a sweep of
+/// the whole range is creep, and no memory of hysteresis. Both have rested in the middle: rested at opposite ends, they
+/// would have crept apart, against what their memories differ by.
 pub fn start_memory(table: &Admitted) -> [f32; SPANS] {
     let range: Range<f64> = table.voltage_range_v.of();
     let at = |eighth: usize| range.min + range.span() * eighth as f64 / (SPANS - 1) as f64;

@@ -31,8 +31,8 @@ const FREQUENCY: Range<f64> = Range { min: 0.4, max: 2.5 };
 const FASTER: Range<f64> = Range { min: 2.5, max: 40.0 };
 /// A period of that recording has so many ticks at least, unless the training's own has fewer.
 const LEAST_TICKS: f64 = 20.0;
-/// The device's gain on another day, a standard deviation: that of a ceramic whose strain changes by 0.3 % a kelvin, and which is
-/// 2 K warmer or colder.
+/// The device's gain on another day, a standard deviation: that of a ceramic whose strain changes by 0.3 % a kelvin,
+/// and which is 2 K warmer or colder.
 const GAIN: f64 = 0.006;
 /// A step of a staircase is held for so long at least, s: who makes one waits until the actuator has settled.
 const LEAST_HOLD_S: f64 = 0.1;
@@ -86,7 +86,8 @@ fn one(
     let voltage = voltage(number, problem, draw);
     let Some(&first) = voltage.first() else { return Vec::new() };
     let mut even = |range: Range<f64>| draw.random_range(range.min..range.max);
-    // Half of the recordings are of a board that has been running; it rests where the user's recordings begin, or at an end.
+    // Half of the recordings are of a board that has been running; it rests where the user's recordings begin, or
+    // at an end.
     let begins = || problem.training().next().and_then(|session| session.voltage.first().copied()).unwrap_or(first);
     let rest = match rests {
         2 => Some(begins()),

@@ -73,7 +73,8 @@ fn it_holds_on_recordings_of_another_kind_and_is_narrower_where_the_training_was
     assert!(as_trained.half_width_um < stairs.half_width_um, "{as_trained:?} {stairs:?}");
 }
 
-/// One frequency does not tell a lag from hysteresis: what that leaves open at another stands in the interval, until a log has told it.
+/// One frequency does not tell a lag from hysteresis: what that leaves open at another stands in the interval, until a
+/// log has told it.
 #[test]
 fn a_lag_that_one_frequency_leaves_open_is_in_the_interval_at_another() {
     let plant = Plant { lag_s: 1e-3, ..Plant::drawn(Kind::Relays(Density::Gaussian), 5) };
@@ -95,7 +96,8 @@ fn a_lag_that_one_frequency_leaves_open_is_in_the_interval_at_another() {
     assert!(one[0].half_width_um < 0.03 * plant.stroke_um, "{one:?}");
 }
 
-/// What `piezo zero` does where the board has been running: the actuator rests at an end, and works elsewhere afterwards.
+/// What `piezo zero` does where the board has been running: the actuator rests at an end, and
+/// works elsewhere afterwards.
 #[test]
 fn it_holds_what_creeps_from_a_rest_where_the_model_has_no_creep() {
     let covered = [1, 2, 3, 4].map(|device| {

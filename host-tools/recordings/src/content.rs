@@ -1,5 +1,6 @@
-//! A few samples of a recording, by which it is known again where another program has exported it: with other names, units or
-//! digits, or cut. Noise makes them its own: another recording of the same drive differs from them by more than rounding.
+//! A few samples of a recording, by which it is known again where another program has exported it: with other
+//! names, units or digits, or cut. Noise makes them its own: another recording of the same drive differs from them
+//! by more than rounding.
 
 use crate::log::Log;
 use serde::{Deserialize, Serialize};
@@ -9,8 +10,8 @@ const STRETCHES: usize = 4;
 const LENGTH: usize = 8;
 /// Fewest stretches that must be in what is left of it.
 const FEWEST: usize = 2;
-/// By how much a rounded value may be off: of the smallest step; of the span, where the step is finer than that; and of itself, where five
-/// significant digits were kept.
+/// By how much a rounded value may be off: of the smallest step; of the span, where the step is finer than that; and of
+/// itself, where five significant digits were kept.
 const ROUNDING: f64 = 0.51;
 const FINEST: f64 = 1e-6;
 const OF_ITSELF: f64 = 5.1e-5;
@@ -56,7 +57,8 @@ impl Content {
         })
     }
 
-    /// Where the part begins in a log that holds the same samples, s from the log's first, which may be negative; `None` in any other.
+    /// Where the part begins in a log that holds the same samples, s from the log's first, which may be negative;
+    /// `None` in any other.
     pub fn begins_in(&self, log: &Log) -> Option<f64> {
         let displacement = log.displacement.as_deref()?;
         if (log.sample_period / self.sample_period_s - 1.0).abs() > PERIOD

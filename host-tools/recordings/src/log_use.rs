@@ -31,8 +31,8 @@ pub enum Role {
     Training,
     /// It decided nothing; the errors stated are those on it.
     HeldOut,
-    /// A part of what was trained on that had been held out until the model was judged: the errors stated are those on it, by the model
-    /// as it was learnt without it.
+    /// A part of what was trained on that had been held out until the model was judged: the errors stated are those on
+    /// it, by the model as it was learnt without it.
     JudgedThenLearnt,
 }
 

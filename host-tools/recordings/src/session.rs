@@ -3,8 +3,8 @@
 //! The voltage stands at every tick; the displacement stands at the instants where it was measured, which may be every
 //! tick or (in a log slower than the tick) every n-th.
 
-/// One index of each `stride` of `count`, the first of them 0. Which one of its stride goes on by the golden section, so that those of a
-/// periodic recording are of all its phases, whatever its period.
+/// One index of each `stride` of `count`, the first of them 0. Which one of its stride goes on by the golden section,
+/// so that those of a periodic recording are of all its phases, whatever its period.
 pub fn one_of_each(stride: usize, count: usize) -> impl Iterator<Item = usize> {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     (0..count.div_ceil(stride))
@@ -29,7 +29,8 @@ pub struct Session {
     pub tick_s: f64,
     /// The voltage (V) at which the actuator had long rested before the first tick, where that is not the first tick's.
     pub rested_v: Option<f64>,
-    /// Measured instants that are run through and not judged, because something was learnt from them; below their number.
+    /// Measured instants that are run through and not judged, because something was learnt from them;
+    /// below their number.
     pub lead_in: usize,
 }
 
@@ -40,7 +41,8 @@ impl Session {
         Self { name, voltage, instants, displacement, start_s: 0.0, tick_s, rested_v: None, lead_in: 0 }
     }
 
-    /// From one measured instant to the next, s: the middle one of all, whatever was left out; infinite of a single instant.
+    /// From one measured instant to the next, s: the middle one of all, whatever was left out; infinite of
+    /// a single instant.
     pub fn interval_s(&self) -> f64 {
         let mut ticks: Vec<u32> = self.instants.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let middle = ticks.len() / 2;

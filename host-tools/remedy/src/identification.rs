@@ -232,8 +232,8 @@ fn numbered(log: &Path) -> PathBuf {
     (1..u32::MAX).map(name).find(|path| path.symlink_metadata().is_err()).unwrap_or_else(|| name(u32::MAX))
 }
 
-/// The command that makes a table of an earlier version anew from the logs that it names: files of one name in several folders
-/// cannot be told from each other, and are left to be filled in.
+/// The command that makes a table of an earlier version anew from the logs that it names: files of one name in several
+/// folders cannot be told from each other, and are left to be filled in.
 fn anew(logs: &[LogUse]) -> String {
     let of = |role| {
         let mut of: Vec<&LogUse> = logs.iter().filter(|log| log.role == role).collect();

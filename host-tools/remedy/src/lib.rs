@@ -1,5 +1,5 @@
-//! What the libraries find wrong, with the option or the verb that helps. The libraries know neither: they say what is so,
-//! by type, and here it becomes the sentence that the user reads.
+//! What the libraries find wrong, with the option or the verb that helps. The libraries know neither: they say what is
+//! so, by type, and here it becomes the sentence that the user reads.
 
 mod bench;
 mod bits;
@@ -42,7 +42,8 @@ pub use waveform::{played, plays};
 use ::bench::BenchError;
 use std::error::Error;
 
-/// An error and what caused it, each with its remedy, as one sentence. What it quotes of a file changes nothing of a terminal.
+/// An error and what caused it, each with its remedy, as one sentence. What it quotes of a file changes nothing
+/// of a terminal.
 pub fn sentence(error: &(dyn Error + 'static)) -> String {
     let chain = std::iter::successors(Some(error), |&error| error.source());
     let sentence = chain.map(told).collect::<Vec<_>>().join(": ");

@@ -7,8 +7,9 @@ pub fn verb(name: &str) -> bool {
     std::env::args_os().nth(1).is_some_and(|verb| verb == name)
 }
 
-/// The command on a line of its own, with these options in place of those of the same name; one with an empty value is left
-/// out. Of several logs that are looked at only `refused` is left: what is said of it need not hold for the others.
+/// The command on a line of its own, with these options in place of those of the same name; one with an empty
+/// value is left out. Of several logs that are looked at only `refused` is left: what is said of it need not hold
+/// for the others.
 pub fn with(refused: &Path, options: &[(&str, &str)]) -> String {
     // What is no text is shown as well as it can be.
     let typed = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
@@ -28,7 +29,8 @@ fn alone(typed: Vec<String>, refused: &Path) -> Vec<String> {
     (0..typed.len()).filter(|&at| !is_other(at)).map(|at| typed[at].clone()).collect()
 }
 
-/// The command on a line of its own, with this flag besides; of `learn`, which hands on to `identify` what stands behind `--`, there.
+/// The command on a line of its own, with this flag besides; of `learn`, which hands on to `identify` what stands
+/// behind `--`, there.
 pub fn with_flag(flag: &str) -> String {
     let typed = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
     format!("\n    {}", command(&flagged(typed, flag), &[]))
@@ -68,8 +70,8 @@ fn command(typed: &[String], options: &[(&str, &str)]) -> String {
     words.join(" ")
 }
 
-/// The command that identifies a table from logs, read as they were here; `flawed` where they hold what is no measurement and can be left
-/// out.
+/// The command that identifies a table from logs, read as they were here; `flawed` where they hold what is no
+/// measurement and can be left out.
 pub fn learn_from(logs: &[PathBuf], flawed: bool) -> String {
     let options: String = ["--columns", "--sensor", "--fs"].into_iter().map(typed).collect();
     let stem = logs.first().and_then(|log| log.file_stem()).unwrap_or_default().to_string_lossy();

@@ -1,4 +1,5 @@
-//! What a table is good for on a board: the voltages that it was learnt on beside the board's, and what a proof fails for.
+//! What a table is good for on a board: the voltages that it was learnt on beside the board's, and what a
+//! proof fails for.
 
 use super::paste::typed;
 use ::calibration::drive::trained_on;
@@ -30,7 +31,8 @@ pub fn proof_interrupted(why: &PlayError, log: Option<&Path>) -> String {
     format!("{why}: nothing is proven, and the voltage has gone back to rest{log}")
 }
 
-/// What is said of a drive along a line that was interrupted, with the voltage on its way to rest, and a log where there is one.
+/// What is said of a drive along a line that was interrupted, with the voltage on its way to rest, and a log where
+/// there is one.
 pub fn follow_interrupted(why: &PlayError, log: Option<&Path>) -> String {
     let log = log.map_or(String::new(), |log| format!("; {} holds what was recorded", log.display()));
     format!("{why}: the voltage goes back to rest, and the device estimates{log}")
@@ -49,8 +51,8 @@ const ANOTHER_S: f64 = 50.0;
 /// Part of the time, %, in which the voltage went where the training did not, that a failed proof is put down to.
 const OFTEN: f64 = 5.0;
 
-/// An error so many times the table's own on what was held out is no longer this actuator's by this table; one of no more than so many
-/// times is the model's.
+/// An error so many times the table's own on what was held out is no longer this actuator's by this table; one of no
+/// more than so many times is the model's.
 const FAR: f64 = 3.0;
 const ALIKE: f64 = 1.5;
 
@@ -102,7 +104,8 @@ const WIRE: &str =
 /// A cause that was there for less of the time is no reason, and would be printed as 0.0, %.
 const LEAST_SAID_PERCENT: f64 = 0.05;
 
-/// How often the table said nothing of the actuator, by cause, and what to do about each: `within` where it knows no more.
+/// How often the table said nothing of the actuator, by cause, and what to do about each: `within` where it
+/// knows no more.
 fn beyond(shares: &Shares, within: &str) -> String {
     let causes = [
         (shares.out_of_range_percent, "the voltage was beyond the table's range", within),
@@ -142,8 +145,8 @@ fn within(of: &OtherRange) -> String {
 /// A table that was learnt on less of the ADC's range is remarked on.
 const NARROW: f32 = 0.1;
 
-/// What is to be said of a table that knows hardly any of what the board's ADC reads: one that was learnt from an amplifier's input
-/// knows volts that are its output's many times over.
+/// What is to be said of a table that knows hardly any of what the board's ADC reads: one that was learnt from an
+/// amplifier's input knows volts that are its output's many times over.
 pub fn narrow(table: &Table) -> Option<String> {
     let reads = table.adc.gain_v_per_code * f32::from(table.adc.full_scale);
     let Range { min, max } = trained_on(table);

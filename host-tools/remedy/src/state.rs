@@ -1,4 +1,5 @@
-//! Who a device is, which table it runs and how it is, as lines for people: faults and status bits come with their remedies.
+//! Who a device is, which table it runs and how it is, as lines for people: faults and status bits come
+//! with their remedies.
 
 use crate::bits::{self, Meaning};
 use crate::identification::refused;

@@ -5,8 +5,8 @@ use protocol::Health;
 /// The reset thresholds of the levels, about, V (RM0440, "FLASH option register", BOR_LEV).
 const THRESHOLDS_V: [f64; 5] = [1.7, 2.0, 2.2, 2.5, 2.8];
 
-/// The supply as it was measured, and what its brown-out reset leaves open, with the remedy; `None` where the board can tell
-/// neither.
+/// The supply as it was measured, and what its brown-out reset leaves open, with the remedy; `None` where the board
+/// can tell neither.
 pub fn supply(health: &Health) -> Option<String> {
     let measured = health.supply_mv.map(|millivolt| format!("{:.3} V", f64::from(millivolt) * 1e-3));
     let parts: Vec<String> = [measured, health.brown_out_level.map(brown_out)].into_iter().flatten().collect();

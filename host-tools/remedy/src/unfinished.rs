@@ -18,7 +18,8 @@ pub fn ended(why: &Ended) -> String {
     }
 }
 
-/// What is kept of a session that ended before its time, and the command that learns from it; `None` where there is nothing to learn from.
+/// What is kept of a session that ended before its time, and the command that learns from it; `None` where there is
+/// nothing to learn from.
 pub fn kept_logs(folder: &Path) -> Option<String> {
     let session = bench::session(folder).ok().filter(|session| !session.logs.is_empty())?;
     let all = session.logs.len() + session.held_out.len();
@@ -66,7 +67,8 @@ mod tests {
         assert!(said.starts_with("1 log is kept") && said.contains(&identify(folder.path())), "{said}");
         assert!(of([900, 200]).unwrap().starts_with("2 logs are kept"));
         assert_eq!(of([20, 0]), None);
-        // Nothing is missing where a description does not say what was planned; the log to prove with is one of those that are kept.
+        // Nothing is missing where a description does not say what was planned; the log to prove with is one of those
+        // that are kept.
         let log = |name: &str, held_out: bool| format!("[[logs]]\nlog = \"{name}.csv\"\nheld_out = {held_out}\n");
         let logs = [log("01-branch", false), log("02-loops", false), log("03-proof", true)].concat();
         std::fs::write(folder.path().join("session.toml"), format!("complete = true\nseed = 1\n{logs}")).unwrap();

@@ -1,5 +1,5 @@
-//! The mean error over the voltage, where it rises and where it falls: what both branches share is a mean curve that is bent otherwise
-//! than the model's, what tells them apart is hysteresis that the model has too much or too little of.
+//! The mean error over the voltage, where it rises and where it falls: what both branches share is a mean curve that is
+//! bent otherwise than the model's, what tells them apart is hysteresis that the model has too much or too little of.
 
 use super::axis::Axis;
 use super::csv::Csv;
@@ -20,8 +20,9 @@ struct Sum {
     samples: usize,
 }
 
-/// Mean errors, µm beside each log's own constant, over the voltage, V, of the rising branches and of the falling ones. A
-/// reversal is what goes back by more than `retreat` V; where the voltage stands still by that measure it is on no branch.
+/// Mean errors, µm beside each log's own constant, over the voltage, V, of the rising branches and of the falling
+/// ones. A reversal is what goes back by more than `retreat` V; where the voltage stands still by that measure it is
+/// on no branch.
 pub fn branches(logs: &[Comparison], retreat: f64) -> [Vec<Point>; 2] {
     let voltages = logs.iter().flat_map(|log| log.trace.voltage.iter().copied());
     let Some((min, max)) = extent(voltages).filter(|(min, max)| min < max) else { return Default::default() };

@@ -1,5 +1,5 @@
-//! The numbers of a figure as a link that is its own file: a page that is sent on by mail takes them along, and no script is needed to
-//! save them. A `data:` address (RFC 2397) of comma-separated values whose headings name the units.
+//! The numbers of a figure as a link that is its own file: a page that is sent on by mail takes them along, and no
+//! script is needed to save them. A `data:` address (RFC 2397) of comma-separated values whose headings name the units.
 
 use super::thin::Point;
 
@@ -26,7 +26,8 @@ impl Csv {
         Self { file, address: address + LINE, rows: None }
     }
 
-    /// Curves one after the other, the first column saying which a row is of; `headings` are of what they run over and of their value.
+    /// Curves one after the other, the first column saying which a row is of; `headings` are of what they run over and
+    /// of their value.
     pub fn of_curves(name: &str, headings: [&str; 2], curves: &[(&str, &[Point])]) -> Self {
         let row = |curve: &str, (x, y): Point| vec![curve.to_owned(), digits(x), digits(y)];
         let rows = curves.iter().flat_map(|(curve, points)| points.iter().map(|&point| row(curve, point)));

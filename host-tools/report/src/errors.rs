@@ -11,8 +11,8 @@ const FRAME: Frame = Frame { left: 42.0, top: 22.0, width: 300.0, height: 208.0 
 const SIZE: (f64, f64, f64) = (350.0, 262.0, 11.0);
 const BINS: usize = 40;
 
-/// Training and held-out error after each generation, or what else the search's steps are called, with their numbers; `None` where there
-/// is nothing to draw.
+/// Training and held-out error after each generation, or what else the search's steps are called, with their numbers;
+/// `None` where there is nothing to draw.
 pub fn convergence(course: &[Convergence], step: &str, limit: usize) -> Option<(Drawing, Csv)> {
     let line = |of: &dyn Fn(&Convergence) -> Option<f64>| -> Vec<Point> {
         let numbered = course.iter().enumerate();

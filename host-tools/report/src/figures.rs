@@ -87,7 +87,8 @@ pub fn trace_figure(Shown { log, role }: Shown<'_>, flaws: &[Mark], limit: usize
     Figure { svg: drawing.inline(&label), name: log.name.clone(), role, caption, csv }
 }
 
-/// The errors by branch, and where the logs' swings lie; `learnt_anew` where the table was told what had been held out, too.
+/// The errors by branch, and where the logs' swings lie; `learnt_anew` where the table was told what had been
+/// held out, too.
 pub fn place_figures(
     chosen: &Candidate,
     held_out: &[Swing],

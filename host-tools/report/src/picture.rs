@@ -1,5 +1,5 @@
-//! One log as a picture of its own, for a README: loop on the left, the last periods and their error on the right, where there
-//! is an interval in its band.
+//! One log as a picture of its own, for a README: loop on the left, the last periods and their error on the right,
+//! where there is an interval in its band.
 
 use super::error::ReportError;
 use super::svg::{Drawing, Frame};
@@ -20,8 +20,8 @@ pub struct Zeroed {
     pub learnt: bool,
 }
 
-/// A standalone SVG, 900 units wide on white: the estimate against the sensor, and on an axis of its own the error: since
-/// a zero and within ± where there was one, else as it is.
+/// A standalone SVG, 900 units wide on white: the estimate against the sensor, and on an axis of its own the error:
+/// since a zero and within ± where there was one, else as it is.
 ///
 /// # Errors
 /// [`ReportError::Nothing`] where the log has no measured instant after its first.
@@ -66,7 +66,8 @@ mod tests {
     use estimator_core::Status;
     use identification::validate::Instant;
 
-    /// What a zero leaves of the error lies in its band; what came before the zero is not drawn, nor is a band where there is none.
+    /// What a zero leaves of the error lies in its band; what came before the zero is not drawn, nor is a band where
+    /// there is none.
     #[test]
     fn the_error_since_a_zero_stands_in_its_band() {
         let beside = log("a", 2000, |_| 0.1);

@@ -1,5 +1,5 @@
-//! A log before anything is fitted to it, as a picture: voltage and displacement over time, the loop, and which amplitudes
-//! it has at which frequencies.
+//! A log before anything is fitted to it, as a picture: voltage and displacement over time, the loop, and which
+//! amplitudes it has at which frequencies.
 
 use super::axis::Axis;
 use super::number::quantity;

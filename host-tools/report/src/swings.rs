@@ -1,5 +1,5 @@
-//! The swings of the logs, from a reversal to the next but one: how large and how fast the voltage went, and how far the estimate was
-//! off meanwhile. What the training covers, and what the error is where, is read off them.
+//! The swings of the logs, from a reversal to the next but one: how large and how fast the voltage went, and how far
+//! the estimate was off meanwhile. What the training covers, and what the error is where, is read off them.
 
 use super::axis::Axis;
 use super::csv::Csv;
@@ -9,8 +9,8 @@ use super::thin::{Point, extent};
 use identification::validate::Comparison;
 use log_survey::reversals::reversals;
 
-/// Classes of frequency a decade, and of the swing an octave: round numbers lie in the middle of a class, 1 and 3 and 10 Hz, the whole
-/// range and half of it.
+/// Classes of frequency a decade, and of the swing an octave: round numbers lie in the middle of a class, 1 and 3 and
+/// 10 Hz, the whole range and half of it.
 const A_DECADE: f64 = 2.0;
 /// Smaller swings than the whole range halved so many times are one class.
 const HALVINGS: i32 = 4;

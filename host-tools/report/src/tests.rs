@@ -174,7 +174,8 @@ fn figures_tables_and_words_are_there() {
     assert!(order.iter().chain(&then).map(|words| first(words)).is_sorted());
 }
 
-/// One a log that is drawn over time, and one each for branches, coverage, convergence and residuals; the loops are a log's, too.
+/// One a log that is drawn over time, and one each for branches, coverage, convergence and residuals; the loops are
+/// a log's, too.
 #[test]
 fn the_numbers_of_a_picture_are_in_its_link() {
     let held_out = vec![log("tr10", 4000, |k| 0.1 * (k as f64 * 0.03).sin())];

@@ -38,7 +38,8 @@ pub fn turns(voltage: &[f64]) -> Vec<usize> {
     reversals(voltage, retreat(voltage.iter().copied(), 0.0))
 }
 
-/// Retreat that counts as a reversal among some voltages: what is none beside all of them, or within the deadband, is noise.
+/// Retreat that counts as a reversal among some voltages: what is none beside all of them, or within the
+/// deadband, is noise.
 pub fn retreat(voltages: impl IntoIterator<Item = f64>, deadband: f64) -> f64 {
     let span = extent(voltages).map_or(0.0, |(min, max)| max - min);
     deadband.max(RETREAT * span)

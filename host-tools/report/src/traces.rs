@@ -31,8 +31,8 @@ impl Lines {
         }
     }
 
-    /// The same with the error and the half-width since a zero, as `zeroed` has them of the same log: what it does not score is
-    /// not drawn.
+    /// The same with the error and the half-width since a zero, as `zeroed` has them of the same log: what it does not
+    /// score is not drawn.
     pub fn since_zero(self, zeroed: &Estimates) -> Self {
         // A trace may begin later in the log.
         let rows = zeroed.instants.iter().skip(zeroed.instants.len().saturating_sub(self.error.len()));
@@ -96,8 +96,8 @@ impl Lines {
 /// Title of an error's axis.
 pub const ERROR: &str = "estimate − sensor, µm";
 
-/// Draws a log, and where it is no measurement; at most `limit` points a line. Also the seconds that are shown in detail, where not all
-/// are, and whether any such place is drawn.
+/// Draws a log, and where it is no measurement; at most `limit` points a line. Also the seconds that are shown in
+/// detail, where not all are, and whether any such place is drawn.
 pub fn draw(trace: &Trace, flaws: Vec<(f64, f64)>, limit: usize) -> (Drawing, Option<(f64, f64)>, bool) {
     let lines = Lines::of(trace);
     let (first, last) = lines.span();

@@ -1,5 +1,5 @@
-//! A whole log as numbers, for a script that draws it to zoom into and for whoever wants them in another program: real rows of the log, of
-//! a long one those that its curves are known by.
+//! A whole log as numbers, for a script that draws it to zoom into and for whoever wants them in another program: real
+//! rows of the log, of a long one those that its curves are known by.
 
 use super::csv::{Csv, decimals};
 use super::thin::extent;
@@ -16,8 +16,8 @@ const RESOLUTION: f64 = 1e-5;
 /// And a time to this part of the rows' distance.
 const TIME_RESOLUTION: f64 = 0.1;
 
-/// A log's rows in seconds, V, µm and µm, one of so many logs: all, or in each stretch its first and those at which voltage, sensor and
-/// error are least and largest.
+/// A log's rows in seconds, V, µm and µm, one of so many logs: all, or in each stretch its first and those at which
+/// voltage, sensor and error are least and largest.
 pub fn csv(trace: &Trace, name: &str, role: &str, logs: usize) -> Csv {
     let rows = rows(trace, (ROWS / logs.max(1)).clamp(A_STRETCH, ROWS_OF_A_LOG));
     let period = trace.time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);

@@ -1,4 +1,5 @@
-//! What draws a whole log to zoom into, of the numbers that stand in its link ([`super::whole`]): [`uplot`], and a script of ours.
+//! What draws a whole log to zoom into, of the numbers that stand in its link ([`super::whole`]): [`uplot`], and a
+//! script of ours.
 
 use std::sync::LazyLock;
 

@@ -1,7 +1,8 @@
-//! What is measured only once grows beside its target, as `log.csv.partial`, and takes the target's place when it has ended.
+//! What is measured only once grows beside its target, as `log.csv.partial`, and takes the target's place when
+//! it has ended.
 //!
-//! Whoever writes one holds a lock on it, which ends with the program however it ends. One that is not locked is what a program
-//! that was killed had by then: a measurement, which nobody sweeps and nothing is written over.
+//! Whoever writes one holds a lock on it, which ends with the program however it ends. One that is not locked is what a
+//! program that was killed had by then: a measurement, which nobody sweeps and nothing is written over.
 
 use crate::error::{FileError, failed};
 use crate::replacement::{Place, Replacement};
@@ -22,8 +23,8 @@ pub fn partial(target: &Path) -> PathBuf {
 }
 
 impl Replacement {
-    /// The replacement of `path` as [`Replacement::of`], for what nobody can measure again. Where the program is killed, what was
-    /// written stays as [`partial`], and what another one left there is never written over.
+    /// The replacement of `path` as [`Replacement::of`], for what nobody can measure again. Where the program is
+    /// killed, what was written stays as [`partial`], and what another one left there is never written over.
     ///
     /// # Errors
     /// Another program writes it, or was killed and left something; as [`Replacement::of`].
@@ -45,7 +46,8 @@ fn held(path: &Path) -> Result<NamedTempFile, FileError> {
         if matches!(FileExt::try_lock(&file), Err(TryLockError::WouldBlock)) {
             return Err(FileError::Growing { path: path.to_owned() });
         }
-        // Whoever held it may have put it into its place between the two lines above, and a third begun one of this name.
+        // Whoever held it may have put it into its place between the two lines above, and a third begun one
+        // of this name.
         if !is_at(&file, path) {
             continue;
         }

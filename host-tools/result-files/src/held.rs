@@ -8,11 +8,13 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A folder while this program alone writes its results there. Folders that were made for it and stay empty go when it is let go.
+/// A folder while this program alone writes its results there. Folders that were made for it and stay empty go when it
+/// is let go.
 #[derive(Debug)]
 pub struct Held {
     path: PathBuf,
-    // Above the lock, since fields are dropped in their order: an empty folder is not taken away under the next program that holds it.
+    // Above the lock, since fields are dropped in their order: an empty folder is not taken away under the next program
+    // that holds it.
     _made: Made,
     /// Ends with the program, however it ends.
     lock: File,

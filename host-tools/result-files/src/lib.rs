@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 /// Reads a regular file of no more than so many bytes: no pipe that nobody writes into, no device without an end.
 ///
 /// # Errors
-/// It is no regular file ([`io::ErrorKind::InvalidInput`]), or longer ([`io::ErrorKind::FileTooLarge`]); whatever the operating
-/// system says.
+/// It is no regular file ([`io::ErrorKind::InvalidInput`]), or longer ([`io::ErrorKind::FileTooLarge`]); whatever the
+/// operating system says.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let refused = |kind, what: String| Err(io::Error::new(kind, what));
     let found = std::fs::metadata(path)?;
@@ -48,8 +48,8 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
 /// Where a result says by then what it is, bytes.
 const NEAR: u64 = 512;
 
-/// Whether nothing is lost where a result is written here: nothing is there, or an empty file, or one that says near its beginning
-/// that it is a former result of the kind. What is no regular file is refused when it comes to writing.
+/// Whether nothing is lost where a result is written here: nothing is there, or an empty file, or one that says near
+/// its beginning that it is a former result of the kind. What is no regular file is refused when it comes to writing.
 ///
 /// # Errors
 /// It cannot be read.
@@ -71,8 +71,8 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
 }
 
 /// Writes files that belong together: each whole before the first takes its place, so that what fails while they are
-/// written leaves all as they were. A program that is killed between the renames can still mix them, and two at once where
-/// none of them holds the folder ([`Held`]): let the files say what they belong to.
+/// written leaves all as they were. A program that is killed between the renames can still mix them, and two at once
+/// where none of them holds the folder ([`Held`]): let the files say what they belong to.
 ///
 /// # Errors
 /// [`FileError::Write`], of the file that cannot be written.

@@ -1,6 +1,7 @@
 //! A file beside its target: written there, then renamed, and removed by the next program where this one is killed.
 //!
-//! Whoever writes one holds a lock on it, which ends with the program however it ends: one that is not locked is a leftover.
+//! Whoever writes one holds a lock on it, which ends with the program however it ends: one that is not locked
+//! is a leftover.
 
 use crate::error::{FileError, failed};
 use crate::made::Made;
@@ -67,11 +68,12 @@ impl Place {
 }
 
 impl Replacement {
-    /// The replacement of `path`, whose links are followed, with the permissions of what is there, or else of an ordinary
-    /// new file; in a folder that is made where there is none.
+    /// The replacement of `path`, whose links are followed, with the permissions of what is there, or else of an
+    /// ordinary new file; in a folder that is made where there is none.
     ///
     /// # Errors
-    /// Its folder cannot be made; what is there is a device, a pipe, a folder, a link to nothing, or read-only; whatever the operating system says.
+    /// Its folder cannot be made; what is there is a device, a pipe, a folder, a link to nothing, or read-only;
+    /// whatever the operating system says.
     pub fn of(path: &Path) -> io::Result<Self> {
         let place = Place::of(path)?;
         let file = temporary(folder_of(&place.target))?;
@@ -93,8 +95,8 @@ impl Replacement {
         Ok(())
     }
 
-    /// Puts files that can be made again into their places, once those of before are gone: a program that is killed meanwhile leaves
-    /// some of the one set or some of the other, and none beside another's.
+    /// Puts files that can be made again into their places, once those of before are gone: a program that is killed
+    /// meanwhile leaves some of the one set or some of the other, and none beside another's.
     ///
     /// # Errors
     /// Whatever the operating system says; of the file that it says it of.
@@ -112,8 +114,8 @@ impl Replacement {
             .try_for_each(|(failed, file)| file.commit().map_err(failed))
     }
 
-    /// Puts what was measured once into the target's place, over what is there only where `over` says so, or where that is empty. Where
-    /// it cannot be done what was written is kept beside it, and the error says under which name.
+    /// Puts what was measured once into the target's place, over what is there only where `over` says so, or where that
+    /// is empty. Where it cannot be done what was written is kept beside it, and the error says under which name.
     ///
     /// # Errors
     /// Something is there by now; whatever the operating system says.
@@ -128,8 +130,8 @@ impl Replacement {
         self.file.persist(self.target).map(drop).map_err(|failed| kept(failed.file, &failed.error))
     }
 
-    /// Keeps the whole lines of what can be written no further, under the name that it has grown under; `None` where there is none. What
-    /// cannot be cut is kept as it is.
+    /// Keeps the whole lines of what can be written no further, under the name that it has grown under; `None` where
+    /// there is none. What cannot be cut is kept as it is.
     ///
     /// # Errors
     /// Whatever the operating system says, and under which name what was written is kept.
@@ -141,7 +143,8 @@ impl Replacement {
         }
     }
 
-    /// Cuts off what follows the last line feed: a line that could not be written whole. Returns how many bytes are left.
+    /// Cuts off what follows the last line feed: a line that could not be written whole. Returns how many
+    /// bytes are left.
     ///
     /// # Errors
     /// Whatever the operating system says.
@@ -157,9 +160,9 @@ impl Replacement {
         Ok(kept)
     }
 
-    /// Puts what was written to the first of these paths at which nothing is, in the target's folder, and says which: for what must
-    /// never be written over anything, whoever put it there meanwhile. Where that cannot be done what was written is kept beside
-    /// them, and the error says under which name.
+    /// Puts what was written to the first of these paths at which nothing is, in the target's folder, and says which:
+    /// for what must never be written over anything, whoever put it there meanwhile. Where that cannot be done what was
+    /// written is kept beside them, and the error says under which name.
     ///
     /// # Errors
     /// Something is at each; whatever the operating system says.
@@ -235,8 +238,8 @@ pub(super) fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     loop {
         let file = builder.tempfile_in(folder)?;
-        // A sweep by another program may have come before the lock: then the file is gone, or about to go. Where the file system
-        // knows no locks nothing is swept either.
+        // A sweep by another program may have come before the lock: then the file is gone, or about to go. Where the
+        // file system knows no locks nothing is swept either.
         let swept = matches!(FileExt::try_lock(file.as_file()), Err(TryLockError::WouldBlock));
         if !swept && file.path().exists() {
             return Ok(file);

@@ -1,4 +1,5 @@
-//! A measurement that grows beside its place: what a killed program leaves, and what becomes of it where the place is taken.
+//! A measurement that grows beside its place: what a killed program leaves, and what becomes of it where the
+//! place is taken.
 
 use result_files::{FileError, Replacement, partial};
 use std::fs;

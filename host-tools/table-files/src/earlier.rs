@@ -6,7 +6,8 @@ use serde::Deserialize;
 /// Fields that `[table]` once had not, and cannot be without.
 const LATER: [&str; 1] = ["memory_at_ends"];
 
-/// The field that a file lacks since its format had it not, by what is wrong with the file, and the logs that the file names.
+/// The field that a file lacks since its format had it not, by what is wrong with the file, and the logs that
+/// the file names.
 pub fn earlier(error: &toml::de::Error, text: &str) -> Option<(&'static str, Vec<LogUse>)> {
     #[derive(Deserialize)]
     struct Logs {

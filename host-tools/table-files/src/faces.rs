@@ -1,5 +1,5 @@
-//! The faces of a table side by side: what table.toml, table.rs and table.bin of one folder say is one table, known by its
-//! record's checksum. A program that is killed between two renames, or an edit of one face, leaves faces of two.
+//! The faces of a table side by side: what table.toml, table.rs and table.bin of one folder say is one table, known by
+//! its record's checksum. A program that is killed between two renames, or an edit of one face, leaves faces of two.
 
 use crate::constant::{LINE, rust_source};
 use crate::error::{OtherFace, TableFileError};
@@ -33,8 +33,8 @@ impl TableFile {
     }
 }
 
-/// Compares the table of a face with the other faces beside it, of the same name but for its end. What is none of ours is not
-/// looked at.
+/// Compares the table of a face with the other faces beside it, of the same name but for its end. What is none of ours
+/// is not looked at.
 ///
 /// # Errors
 /// One of them is of another table.
@@ -73,8 +73,8 @@ fn says(face: &Path) -> Option<String> {
     text.lines().find_map(|line| line.strip_prefix(LINE)).map(|rest| rest.trim_end_matches('.').to_owned())
 }
 
-/// Reads and admits a table that is to go to a device, from one of its faces, with its doubts: those of the table.toml beside a
-/// table.bin, which has none of its own.
+/// Reads and admits a table that is to go to a device, from one of its faces, with its doubts: those of the table.toml
+/// beside a table.bin, which has none of its own.
 ///
 /// # Errors
 /// As [`read`]; a face of another table lies beside it, or a table.toml that cannot be read.

@@ -104,8 +104,8 @@ impl TableFile {
         Ok(admitted)
     }
 
-    /// Brings the table to a tick of so many µs, and its recipe with it, without another search ([`Table::at_tick`]). What its errors
-    /// are there nobody has measured, which the doubts are to say.
+    /// Brings the table to a tick of so many µs, and its recipe with it, without another search ([`Table::at_tick`]).
+    /// What its errors are there nobody has measured, which the doubts are to say.
     ///
     /// # Errors
     /// Its model is bound to the tick that it was identified at.
@@ -132,7 +132,8 @@ impl TableFile {
     }
 }
 
-/// Reads and admits a table from one of its faces, a table.toml or the record in a table.bin, which has nothing but the table.
+/// Reads and admits a table from one of its faces, a table.toml or the record in a table.bin, which has nothing
+/// but the table.
 ///
 /// # Errors
 /// The file cannot be read, is neither, or is refused.

@@ -1,4 +1,5 @@
-//! The noise that the logs of a table were read with. The device knows nothing of it but the deadband that was chosen by it.
+//! The noise that the logs of a table were read with. The device knows nothing of it but the deadband that was
+//! chosen by it.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,5 @@
-//! A table that is brought to another tick gives the displacements that it gave, on the measured log at its own speed and twenty times
-//! as fast; one that is bound to its tick says so.
+//! A table that is brought to another tick gives the displacements that it gave, on the measured log at its own speed
+//! and twenty times as fast; one that is bound to its tick says so.
 
 use estimator_core::{Estimator, Model, Parameters};
 use recordings::log::{Log, ReadOptions, read};

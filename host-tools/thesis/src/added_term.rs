@@ -1,5 +1,5 @@
-//! Extremum terms added to an identified model, behind a first-order lag: `w·(x(n − 1) − mean of x)`, their weights by least
-//! squares on what the model leaves of the modelling logs.
+//! Extremum terms added to an identified model, behind a first-order lag: `w·(x(n − 1) − mean of x)`, their weights by
+//! least squares on what the model leaves of the modelling logs.
 
 use estimator_core::model::{Lag, Relaxed};
 use estimator_core::{Admitted, Estimator, Tracker};
@@ -115,7 +115,8 @@ mod tests {
     use estimator_core::Model;
     use identification::cost::Feedback;
 
-    /// A residual that is 0.1 of V_ext behind 10 ms and a constant: the weight and the lag are found, and the constant stays.
+    /// A residual that is 0.1 of V_ext behind 10 ms and a constant: the weight and the lag are found, and
+    /// the constant stays.
     #[test]
     fn a_term_that_is_there_is_found_with_its_weight_and_lag() {
         let mut bench = small();

@@ -109,8 +109,8 @@ fn least(errors: impl Iterator<Item = Option<f64>>) -> Option<Least> {
     known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(generation, mae_um)| Least { mae_um, generation })
 }
 
-/// Whether a search over-fits by the thesis's criterion (4.1.3): the validation error was least sooner than the modelling
-/// error; and what became of the validation error since.
+/// Whether a search over-fits by the thesis's criterion (4.1.3): the validation error was least sooner than the
+/// modelling error; and what became of the validation error since.
 fn over_fitting(course: &[Convergence]) -> Option<String> {
     let modelling = least(course.iter().map(|after| Some(after.training)))?;
     let validation = least(course.iter().map(|after| after.validation))?;

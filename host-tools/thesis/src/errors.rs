@@ -1,5 +1,5 @@
-//! Validation errors of the Voigt family and of the generalised Prandtl–Ishlinskii model: Tables 4.8, 5.3, 5.4 and 5.5, Figures 4.11 and 5.1 to
-//! 5.6. Five modelling logs, one held out, validation by simulation; µm.
+//! Validation errors of the Voigt family and of the generalised Prandtl–Ishlinskii model: Tables 4.8, 5.3, 5.4 and 5.5,
+//! Figures 4.11 and 5.1 to 5.6. Five modelling logs, one held out, validation by simulation; µm.
 
 use super::bench::{Attempt, Bench, cost_name};
 use crate::error::ThesisError;

@@ -1,14 +1,14 @@
-//! The thesis's extremum terms tried on every model, as its Section 6.2 asks: the voltage V_ext and the displacement y_ext
-//! at the last reversal. Errors are mean absolute errors in simulation, µm.
+//! The thesis's extremum terms tried on every model, as its Section 6.2 asks: the voltage V_ext and the displacement
+//! y_ext at the last reversal. Errors are mean absolute errors in simulation, µm.
 //!
 //! ```text
 //! y(n) = y_model(n) + Σ w·(x(n − 1) − mean of x over the modelling logs)     x: V_ext, y_ext or both, each behind a lag
 //! ```
 //!
-//! The weights follow by least squares from what the identified model leaves of the modelling logs, each weighing the same,
-//! and the lag, from none to 0.1 s, is the one that leaves least of them; the exponents are 1. y_ext is of the model's own
-//! displacement, as in the recursion. That is less than identifying anew with the term: where the catalogue has a model with it
-//! as a structure, that one stands beside it, refitted.
+//! The weights follow by least squares from what the identified model leaves of the modelling logs, each weighing the
+//! same, and the lag, from none to 0.1 s, is the one that leaves least of them; the exponents are 1. y_ext is of the
+//! model's own displacement, as in the recursion. That is less than identifying anew with the term: where the catalogue
+//! has a model with it as a structure, that one stands beside it, refitted.
 
 use super::added_term::{LAGS, Observed, Term, mean_error};
 use super::bench::{Attempt, Bench};

@@ -1,8 +1,8 @@
 //! Whether a model can be inverted tick by tick: from each memory that it comes to along the logs, the displacement of
 //! the next tick over this tick's voltage, within what the logs' voltage moves in a tick.
 //!
-//! Where that rises strictly from every memory, any displacement within reach has exactly one voltage. A delay and a resonance are
-//! left out, as the inverse leaves them out.
+//! Where that rises strictly from every memory, any displacement within reach has exactly one voltage. A delay and a
+//! resonance are left out, as the inverse leaves them out.
 
 use estimator_core::{Engine, Process, Table};
 use recordings::session::Session;

@@ -2,8 +2,8 @@
 //! with the same number of evaluations, from the same starts, with several seeds. Costs are simulation errors of the
 //! modelling logs, validation errors simulation errors of the held-out ones; both are mean absolute errors, µm.
 //!
-//! Searched are the enhanced model, all of whose nine numbers are, and the generalised Prandtl–Ishlinskii model's simplest
-//! and richest structure, whose weights follow by least squares.
+//! Searched are the enhanced model, all of whose nine numbers are, and the generalised Prandtl–Ishlinskii model's
+//! simplest and richest structure, whose weights follow by least squares.
 
 use super::bench::Bench;
 use crate::error::ThesisError;
@@ -20,7 +20,8 @@ use serde::Serialize;
 const SEEDS: u32 = 3;
 /// A search has arrived that costs no more than this, of the least cost of all.
 const ARRIVED: f64 = 1.05;
-/// A candidate whose weights are to be solved for takes so many times as long, and gets so many times fewer evaluations.
+/// A candidate whose weights are to be solved for takes so many times as long, and gets so many
+/// times fewer evaluations.
 const SOLVED: u32 = 5;
 
 /// A structure and the evaluations that each search of it may make.

@@ -1,5 +1,5 @@
-//! Tracking: the rig driven along trajectories by each model's inverse, beside plain scaling of the trajectory to volts.
-//! What Table 3.1 calls reversibility is worth what it makes of the displacement.
+//! Tracking: the rig driven along trajectories by each model's inverse, beside plain scaling of the trajectory to
+//! volts. What Table 3.1 calls reversibility is worth what it makes of the displacement.
 
 use super::bench::Bench;
 use super::shapes::{SHAPES, Shape};
@@ -170,8 +170,8 @@ struct Drive<'a> {
 }
 
 impl Drive<'_> {
-    /// Judges what `voltages` makes of trajectories: a voltage a tick, and the largest error of its own model at them (nm), where it
-    /// has one.
+    /// Judges what `voltages` makes of trajectories: a voltage a tick, and the largest error of its own model at them
+    /// (nm), where it has one.
     fn judged<E>(&self, voltages: impl Fn(&Trajectory) -> Result<(Vec<f64>, Option<f64>), E>) -> Result<Judged, E> {
         let (mut exact, mut converted, mut round_trip_nm) = (Vec::new(), Vec::new(), None);
         for wanted in self.trajectories {

@@ -1,4 +1,5 @@
-//! [uPlot](https://github.com/leeoniya/uPlot) 1.6.32, MIT, by Leon Sorokin: what a page that loads nothing has in itself of it.
+//! [uPlot](https://github.com/leeoniya/uPlot) 1.6.32, MIT, by Leon Sorokin: what a page that loads nothing has in
+//! itself of it.
 
 /// For a `style` element.
 pub const STYLE: &str = include_str!("../uPlot.min.css");

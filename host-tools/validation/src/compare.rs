@@ -1,5 +1,5 @@
-//! How far an admitted table's estimate is from the sensor, in simulation: the f64 reference (MIL) and the f32 core that
-//! the target runs (SIL) side by side.
+//! How far an admitted table's estimate is from the sensor, in simulation: the f64 reference (MIL) and the f32 core
+//! that the target runs (SIL) side by side.
 
 use crate::coverage::Coverage;
 use crate::figures::Figures;
@@ -34,11 +34,11 @@ pub struct Comparison {
     pub sil: Figures,
     /// Largest difference of the two estimates, µm.
     pub mil_sil_um: f64,
-    /// How the interval of the f32 core did, relative to the first reading, or to the zero where there is one; `None` where
-    /// the table has no interval, or the zero comes too soon.
+    /// How the interval of the f32 core did, relative to the first reading, or to the zero where there is one; `None`
+    /// where the table has no interval, or the zero comes too soon.
     pub interval: Option<Coverage>,
-    /// The same once the mean over the voltage's first full cycle was told ([`Told::OneCycle`]), over what follows; `None` where
-    /// the table has no interval, or the voltage makes no cycle.
+    /// The same once the mean over the voltage's first full cycle was told ([`Told::OneCycle`]), over what follows;
+    /// `None` where the table has no interval, or the voltage makes no cycle.
     pub interval_one_cycle: Option<Coverage>,
     /// The f32 core told nothing.
     pub cold: Cold,
@@ -109,7 +109,8 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
     }
 }
 
-/// How the interval does of a device that is told its mean error over one cycle; `nothing` is the run of one that is told nothing.
+/// How the interval does of a device that is told its mean error over one cycle; `nothing` is the run of one that
+/// is told nothing.
 fn after_one_cycle(table: &Admitted, session: &Session, part: &Part, nothing: &Run) -> Option<Coverage> {
     table.interval?;
     let correction = Correction::of(Told::OneCycle, session, part, nothing).ok()?;

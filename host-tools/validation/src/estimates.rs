@@ -1,4 +1,5 @@
-//! The f32 core's estimates of a log, beside its sensor or without one: a row a recorded instant, in the units of the log's file.
+//! The f32 core's estimates of a log, beside its sensor or without one: a row a recorded instant, in the units of
+//! the log's file.
 
 use crate::raised::{Raised, raised};
 use crate::run::Run;
@@ -58,8 +59,8 @@ pub struct Zero {
     pub by_um: f64,
 }
 
-/// Runs a table's f32 core over a session from its beginning. The recipe, by which the session was prepared, leads back to
-/// the file's units and zeros.
+/// Runs a table's f32 core over a session from its beginning. The recipe, by which the session was prepared, leads back
+/// to the file's units and zeros.
 ///
 /// # Errors
 /// The scope does not fit the session, or there is no cycle that could be told.
@@ -157,7 +158,8 @@ fn everywhere(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> Resu
         }
         Known::Zero { at_s, um } => {
             let part = Scope { zero_at_s: Some(at_s), ..Scope::ALL }.part(&session)?;
-            // The last instant up to there, as a device is told: there is one, since the scope has found the time within the log.
+            // The last instant up to there, as a device is told: there is one, since the scope has found the time
+            // within the log.
             let at = part.zero.map_or(0, |window| window.end.saturating_sub(1));
             let mut run = run(None, Some(at));
             let off = run.estimated.get(at).map_or(0.0, |estimate| estimate - of_model(um));
@@ -210,8 +212,8 @@ impl Estimates {
         raised(&statuses, |k| self.instants[k].time_s)
     }
 
-    /// A row an instant: numbers with six decimals (none where there is no interval), the names of the status bits joined by `|`, 1 where the row counts
-    /// in the errors, and the log's name.
+    /// A row an instant: numbers with six decimals (none where there is no interval), the names of the status bits
+    /// joined by `|`, 1 where the row counts in the errors, and the log's name.
     pub fn csv(&self) -> String {
         let mut text = String::new();
         let log = if self.log.contains(['"', ',', '\n', '\r']) {

@@ -39,7 +39,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Of estimates beside what was measured at the same instants, µm, of a displacement of this [`stroke`](log_survey::stroke).
+    /// Of estimates beside what was measured at the same instants, µm, of a displacement
+    /// of this [`stroke`](log_survey::stroke).
     pub fn of(estimated: &[f64], measured: &[f64], stroke_um: f64) -> Self {
         let errors: Vec<f64> = estimated.iter().zip(measured).map(|(e, m)| e - m).collect();
         let count = errors.len().max(1) as f64;
@@ -70,8 +71,8 @@ impl Figures {
         }
     }
 
-    /// Several logs in one line: the means of MAE and of its percentages, the largest of MAX, the root of the mean squares
-    /// of what is a root mean square, each log weighing the same.
+    /// Several logs in one line: the means of MAE and of its percentages, the largest of MAX, the root of the mean
+    /// squares of what is a root mean square, each log weighing the same.
     pub fn all<'a>(figures: impl ExactSizeIterator<Item = &'a Self> + Clone) -> Option<Self> {
         let count = figures.len() as f64;
         let mean = |of: fn(&Self) -> f64| figures.clone().map(of).sum::<f64>() / count;

@@ -15,9 +15,9 @@ pub struct Run {
 }
 
 impl Run {
-    /// Runs a table from the session's beginning at a precision. `start` is the displacement (µm) that the estimator is told;
-    /// else it takes the actuator to have rested at the first voltage, or where the session says. At the `told` instant of them
-    /// it is told the displacement, which moves nothing but what the interval is relative to.
+    /// Runs a table from the session's beginning at a precision. `start` is the displacement (µm) that the estimator is
+    /// told; else it takes the actuator to have rested at the first voltage, or where the session says. At the `told`
+    /// instant of them it is told the displacement, which moves nothing but what the interval is relative to.
     pub fn of<T: Real>(table: &Admitted, session: &Session, start: Option<f64>, told: Option<usize>) -> Self {
         let mut estimator = Estimator::<T>::new(table);
         if let Some(start) = start {

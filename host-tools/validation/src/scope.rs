@@ -1,9 +1,9 @@
 //! Which part of a log is scored, and where the estimate is zeroed. The estimator runs from the log's beginning in any
 //! case, as a device does; what lies before the part is its past.
 //!
-//! Zeroing at T is what `zero` does on a device that stands at a known position: from T on the estimate is less by what it
-//! was off at T. That error is the mean over the [`ZERO_WINDOW_S`] up to T, so that it is not one reading's noise; only
-//! what comes after T is scored.
+//! Zeroing at T is what `zero` does on a device that stands at a known position: from T on the estimate is less by what
+//! it was off at T. That error is the mean over the [`ZERO_WINDOW_S`] up to T, so that it is not one reading's noise;
+//! only what comes after T is scored.
 
 use crate::statistics::mean;
 use recordings::session::Session;
@@ -151,8 +151,8 @@ impl Scope {
     }
 }
 
-/// Estimate − sensor (µm) of estimates that stand at the measured instants after the first, where a scope scores them; not
-/// zeroed.
+/// Estimate − sensor (µm) of estimates that stand at the measured instants after the first, where a scope scores
+/// them; not zeroed.
 ///
 /// # Errors
 /// The scope does not fit the session.

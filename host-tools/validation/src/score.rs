@@ -5,14 +5,16 @@
 //! s   = √(Σ (d_i − d̄)² / (n (n − 1)))                        standard error of the mean difference
 //! ```
 //!
-//! The best has the least geometric mean of the parts' errors: in an arithmetic one the part that is hardest for all, a frequency far above the
-//! others, say, would be all that counts. A model does as well as the best where d̄ ≤ s and its errors are no more than a tenth
-//! larger: of few parts s alone lets almost anything pass. The simplest that does as well is chosen, where it has at most half the numbers of
-//! the best (Hastie, Tibshirani and Friedman, *The Elements of Statistical Learning*, 7.10, with the standard error of the difference). A few
-//! numbers fewer are no reason: on one of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there.
-//! Without such a model it is the generalised Prandtl–Ishlinskii model, where that does as well: one law over its half-widths says
-//! something of amplitudes that were not recorded. Of 18 trainings of nine simulated devices that no model is made of, three were given
-//! another model with s alone, each further off than this one on recordings unlike the training, 1.5 to 2 times.
+//! The best has the least geometric mean of the parts' errors: in an arithmetic one the part that is hardest for all, a
+//! frequency far above the others, say, would be all that counts. A model does as well as the best where d̄ ≤ s and its
+//! errors are no more than a tenth larger: of few parts s alone lets almost anything pass. The simplest that does as
+//! well is chosen, where it has at most half the numbers of the best (Hastie, Tibshirani and Friedman, *The Elements of
+//! Statistical Learning*, 7.10, with the standard error of the difference). A few numbers fewer are no reason: on one
+//! of the ten devices of `piezo reproduce elsewhere` they were, and the model was further off there. Without such a
+//! model it is the generalised Prandtl–Ishlinskii model, where that does as well: one law over its half-widths says
+//! something of amplitudes that were not recorded. Of 18 trainings of nine simulated devices that no model is made of,
+//! three were given another model with s alone, each further off than this one on recordings unlike the training, 1.5
+//! to 2 times.
 
 use crate::statistics::{logarithm, mean, standard_error};
 use estimator_core::Model;
@@ -36,8 +38,8 @@ pub struct Score {
     pub parts_um: Vec<f64>,
 }
 
-/// Index of the chosen one: of those that do as well as the best, which is the first, the one with the fewest numbers where that has at
-/// most half the best's, or the one that is chosen in doubt; else the best. `None` of none.
+/// Index of the chosen one: of those that do as well as the best, which is the first, the one with the fewest numbers
+/// where that has at most half the best's, or the one that is chosen in doubt; else the best. `None` of none.
 pub fn choose(scores: &[Score]) -> Option<usize> {
     let best = scores.first()?;
     let as_well = |score: &Score| {

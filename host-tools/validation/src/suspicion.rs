@@ -1,5 +1,5 @@
-//! Why the figures of a log say little of the table: the log is of another actuator, or read in another unit, or its sensor has
-//! another zero.
+//! Why the figures of a log say little of the table: the log is of another actuator, or read in another unit, or its
+//! sensor has another zero.
 
 use crate::compare::Comparison;
 use crate::scope::Scope;
@@ -101,8 +101,8 @@ impl Suspicion {
     }
 }
 
-/// How often the interval holds the sensor, %, wherever the displacement was told. A sensor that was zeroed anew spoils the one since the
-/// first reading, a transient in the first cycle the other.
+/// How often the interval holds the sensor, %, wherever the displacement was told. A sensor that was zeroed anew spoils
+/// the one since the first reading, a transient in the first cycle the other.
 fn held(comparison: &Comparison) -> Option<f64> {
     comparison.interval_one_cycle.map(|since_cycle| {
         comparison.interval.map_or(0.0, |since| since.covered_percent).max(since_cycle.covered_percent)

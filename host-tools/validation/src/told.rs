@@ -7,8 +7,8 @@
 //!   is taken off from then on, and what follows is scored;
 //! - the offset: the mean error over what is scored is taken off. No device knows it: a bound on what zeroing can do.
 //!
-//! A full cycle is what lies between the first and the third reversal of the voltage, a retreat by a quarter of its span within
-//! what is scored.
+//! A full cycle is what lies between the first and the third reversal of the voltage, a retreat by a quarter of its
+//! span within what is scored.
 
 use crate::coverage::Coverage;
 use crate::figures::Figures;
@@ -85,8 +85,8 @@ impl ToldFigures {
         }
     }
 
-    /// Of estimates that need no table, such as a straight line's: to be told the first reading is there to be moved onto
-    /// it. `estimated` stands at the measured instants after the first, `first` at the first.
+    /// Of estimates that need no table, such as a straight line's: to be told the first reading is there to be moved
+    /// onto it. `estimated` stands at the measured instants after the first, `first` at the first.
     ///
     /// # Errors
     /// The scope does not fit the session.
@@ -194,7 +194,8 @@ pub(crate) fn stroke(session: &Session, part: &Range<usize>) -> f64 {
 /// Measured instants for which a log may show how it began.
 const SEEN: usize = 3;
 
-/// The measured instants of the first full cycle within a part; `None` where there is none, or next to nothing after it.
+/// The measured instants of the first full cycle within a part; `None` where there is none, or next to
+/// nothing after it.
 fn cycle(session: &Session, part: &Range<usize>) -> Option<Range<usize>> {
     let instants = session.instants.get(1..)?;
     let first = instants.get(part.start).copied()? as usize;

@@ -1,13 +1,13 @@
-//! Exponential, logarithm and power without a branch: of neighbouring numbers the compiler makes vector instructions of them,
-//! where a library's function is called for one number after the other.
+//! Exponential, logarithm and power without a branch: of neighbouring numbers the compiler makes vector instructions of
+//! them, where a library's function is called for one number after the other.
 //!
 //! ```text
 //! exp x = 2^k·exp r,      k = round(x/ln 2), |r| ≤ ln 2/2      exp r by its Taylor polynomial
 //! ln x  = k·ln 2 + ln m,  √½ ≤ m < √2      ln m = 2·artanh s = 2·(s + s³/3 + s⁵/5 + …),  s = (m − 1)/(m + 1)
 //! ```
 //!
-//! Nothing but `+ − × ÷` and bits, never fused, so that every machine has the same bits. `ln 2` is in two parts, the first of
-//! which k multiplies exactly (Cody and Waite, Software Manual for the Elementary Functions, 1980).
+//! Nothing but `+ − × ÷` and bits, never fused, so that every machine has the same bits. `ln 2` is in two parts, the
+//! first of which k multiplies exactly (Cody and Waite, Software Manual for the Elementary Functions, 1980).
 
 /// Bits of a mantissa.
 const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
@@ -22,8 +22,8 @@ const EXP: [f64; 14] = reciprocal_factorials();
 /// 1/(2n + 3) from n = 0 on: likewise.
 const LN: [f64; 10] = reciprocals_of_odd();
 
-/// e to the power of x, to 5·10⁻¹⁶ of itself where that is a normal number. Below, the smallest normal number; above, and from √½
-/// of the largest on, infinite; of NaN, NaN.
+/// e to the power of x, to 5·10⁻¹⁶ of itself where that is a normal number. Below, the smallest normal number; above,
+/// and from √½ of the largest on, infinite; of NaN, NaN.
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
     // Added to a number below 2⁵⁰, it leaves the nearest integer in the lowest bits.
@@ -41,7 +41,8 @@ pub fn exp(x: f64) -> f64 {
     polynomial * f64::from_bits(power)
 }
 
-/// Natural logarithm of a normal number above 0, to 5·10⁻¹⁶ of itself or of 1, whichever is larger; of anything else, some number.
+/// Natural logarithm of a normal number above 0, to 5·10⁻¹⁶ of itself or of 1, whichever is larger; of anything
+/// else, some number.
 #[inline(always)]
 pub fn ln(x: f64) -> f64 {
     const ONE: u64 = 1.0_f64.to_bits();

@@ -1,10 +1,10 @@
-//! Knots over the voltage between which the affine map of a tick is interpolated: one exponential and one power a tick
-//! become a few multiplications. Only the search does so: the errors that are reported of a result are those of the model
-//! itself.
+//! Knots over the voltage between which the affine map of a tick is interpolated: one exponential and one power a
+//! tick become a few multiplications. Only the search does so: the errors that are reported of a result are those of
+//! the model itself.
 //!
 //! The knots are spaced evenly over the voltage range, shifted by less than one interval so that one of them stands at
-//! 0 V, where the drive has its cusp. Terms between knots are weighted means of the knots' terms, so that what is proven
-//! of the model over [`Knots::covered`] holds of the interpolation.
+//! 0 V, where the drive has its cusp. Terms between knots are weighted means of the knots' terms, so that what is
+//! proven of the model over [`Knots::covered`] holds of the interpolation.
 
 use estimator_core::{Range, Real};
 

@@ -1,5 +1,5 @@
-//! What a tick does at the knots: the points of each candidate, all exponentials at once, and of some candidates side by side
-//! the affine maps between which a tick's is interpolated.
+//! What a tick does at the knots: the points of each candidate, all exponentials at once, and of some candidates side
+//! by side the affine maps between which a tick's is interpolated.
 
 use crate::branchless::exp;
 use crate::knots::{KNOTS, Knots};

@@ -1,10 +1,12 @@
-//! ADC1 (RM0440): injected sequences of one to three channels started by TIM6's trigger, with hardware oversampling, and regular
-//! conversions of the internal reference started by software.
+//! ADC1 (RM0440): injected sequences of one to three channels started by TIM6's trigger, with hardware oversampling,
+//! and regular conversions of the internal reference started by software.
 //!
-//! A conversion takes (sampling time + 12.5) ADC clocks times the oversampling ratio; that of a sequence's next rank begins
-//! where the one before ends. Each raises JEOC, the last JEOS as well. The code that JDR1 to JDR3 or DR shows comes from outside as it is; its range is checked against the oversampling that the registers ask for. Calibration and
-//! switching on take no time. Injected and regular conversions do not delay each other. Refused: longer sequences,
-//! channels that nothing is connected to, other resolutions and alignments, the JSQR queue, DMA, continuous and externally started regular conversion.
+//! A conversion takes (sampling time + 12.5) ADC clocks times the oversampling ratio; that of a sequence's next rank
+//! begins where the one before ends. Each raises JEOC, the last JEOS as well. The code that JDR1 to JDR3 or DR shows
+//! comes from outside as it is; its range is checked against the oversampling that the registers ask for. Calibration
+//! and switching on take no time. Injected and regular conversions do not delay each other. Refused: longer sequences,
+//! channels that nothing is connected to, other resolutions and alignments, the JSQR queue, DMA, continuous and
+//! externally started regular conversion.
 
 use anyhow::{Result, bail, ensure};
 
@@ -65,7 +67,8 @@ const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
 
 /// What the pins and the reference give.
 pub struct Inputs {
-    /// The code of the amplifier's voltage in the n-th injected sequence, counted from 0, of what the DAC's pin shows then.
+    /// The code of the amplifier's voltage in the n-th injected sequence, counted from 0, of what the DAC's
+    /// pin shows then.
     pub codes: Box<dyn FnMut(u64, Option<u16>) -> u16>,
     /// The sensor's code in the n-th injected sequence.
     pub sensor: Box<dyn FnMut(u64) -> u16>,

@@ -34,8 +34,8 @@ impl Board {
         Ok(board)
     }
 
-    /// The chip resets and the firmware starts over; what was recorded stays. The flash is kept, an erase or program in its
-    /// midst torn; RAM is kept but for a loss of power, which leaves garbage.
+    /// The chip resets and the firmware starts over; what was recorded stays. The flash is kept, an erase or program in
+    /// its midst torn; RAM is kept but for a loss of power, which leaves garbage.
     ///
     /// # Errors
     /// The CPU emulator failed.
@@ -52,7 +52,8 @@ impl Board {
     /// Runs for `seconds` of the board's time, or until something ends the run.
     ///
     /// # Errors
-    /// The firmware did what a model cannot follow, or what is wrong on the chip as well; or the run before ended for good.
+    /// The firmware did what a model cannot follow, or what is wrong on the chip as well; or the run before
+    /// ended for good.
     pub fn run(&mut self, seconds: f64) -> Result<Stop> {
         self.run_until(seconds, |_| false)
     }
@@ -100,8 +101,8 @@ impl Board {
         self.machine().clock
     }
 
-    /// From now on, through resets, an instruction takes so many clocks on average, 1 or more. What a core of the kind takes
-    /// with wait states lies between 1.3 and 2.2.
+    /// From now on, through resets, an instruction takes so many clocks on average, 1 or more. What a core of the kind
+    /// takes with wait states lies between 1.3 and 2.2.
     ///
     /// # Panics
     /// It would take less than a clock.
@@ -110,8 +111,8 @@ impl Board {
         self.machine_mut().bench.slowness = ((clocks - 1.0) * PARTS as f64).round() as u64;
     }
 
-    /// Of [`Board::clock`], those in which no instruction ran, or one went on that had begun before: sleep, waiting for the
-    /// flash, exception entry and return, and what [`Board::slow`] adds.
+    /// Of [`Board::clock`], those in which no instruction ran, or one went on that had begun before: sleep, waiting for
+    /// the flash, exception entry and return, and what [`Board::slow`] adds.
     #[must_use]
     pub fn skipped(&self) -> u64 {
         self.machine().skipped
@@ -166,8 +167,8 @@ impl Board {
         inputs.converted = 0;
     }
 
-    /// From now on, the n-th injected sequence, counted from the last [`Board::feed`] or [`Board::connect`], reads `codes(n)` at
-    /// the sensor's channel; before, it reads 0.
+    /// From now on, the n-th injected sequence, counted from the last [`Board::feed`] or [`Board::connect`], reads
+    /// `codes(n)` at the sensor's channel; before, it reads 0.
     pub fn feed_sensor(&mut self, codes: impl FnMut(u64) -> u16 + 'static) {
         self.machine_mut().bench.inputs.sensor = Box::new(codes);
     }
@@ -216,7 +217,8 @@ impl Board {
         bench.cut = Some((bench.record.flash.len() + nth, tear));
     }
 
-    /// From now on FLASH_ECCR says that there is a flash error, and neither where nor in which bank, as an erratum may have it.
+    /// From now on FLASH_ECCR says that there is a flash error, and neither where nor in which bank, as an erratum
+    /// may have it.
     pub fn corrupt_eccr(&mut self) {
         let machine = self.machine_mut();
         (machine.bench.corrupt, machine.flash.corrupt) = (true, true);
@@ -232,15 +234,16 @@ impl Board {
         self.machine_mut().bench.no_crystal = false;
     }
 
-    /// The level of the brown-out reset (BOR_LEV) is another from the next start on, as if a probe had written the option bytes.
+    /// The level of the brown-out reset (BOR_LEV) is another from the next start on, as if a probe had written
+    /// the option bytes.
     pub fn set_brown_out_level(&mut self, level: u8) {
         let machine = self.machine_mut();
         machine.bench.options =
             Some(machine.flash.options & !BOR_LEV | u32::from(level) << BOR_LEV.trailing_zeros() & BOR_LEV);
     }
 
-    /// The flash is in one bank or in two (DBANK) from the next start on, as if a probe had written the option bytes. What lies
-    /// where is as with two: in one nothing but the code is to be read, and nothing to be written.
+    /// The flash is in one bank or in two (DBANK) from the next start on, as if a probe had written the option bytes.
+    /// What lies where is as with two: in one nothing but the code is to be read, and nothing to be written.
     pub fn set_two_banks(&mut self, two: bool) {
         let machine = self.machine_mut();
         machine.bench.options = Some(machine.flash.options & !DBANK | if two { DBANK } else { 0 });
@@ -288,7 +291,8 @@ impl Board {
         self.cpu.asleep = false;
     }
 
-    /// Instructions of every finished run of a handler, without handlers nested in it, by [exception](crate::exception) number.
+    /// Instructions of every finished run of a handler, without handlers nested in it,
+    /// by [exception](crate::exception) number.
     pub fn instructions(&self, exception: u8) -> impl Iterator<Item = u64> {
         self.record().services.get(&exception).into_iter().flatten().filter_map(|service| service.instructions)
     }

@@ -1,5 +1,5 @@
-//! How fast the core may run: the supply's range (PWR_CR5), the flash's wait states (FLASH_ACR), and the way from one clock to
-//! another (RM0440, "Dynamic voltage scaling management", "Read access latency", "System clock selection").
+//! How fast the core may run: the supply's range (PWR_CR5), the flash's wait states (FLASH_ACR), and the way from one
+//! clock to another (RM0440, "Dynamic voltage scaling management", "Read access latency", "System clock selection").
 //!
 //! | rule | |
 //! |---|---|
@@ -7,8 +7,8 @@
 //! | wait states | one more for every 34 MHz of the core with boost, 30 MHz without |
 //! | to a system clock above 80 MHz | with the core at half of it, or less, for a microsecond |
 //!
-//! Refused are steps that break one. Range 2 is not modelled. A step down is not looked at, and time runs at 170 MHz whatever
-//! the clock, so that the microsecond is the longer the slower the core is.
+//! Refused are steps that break one. Range 2 is not modelled. A step down is not looked at, and time runs at 170 MHz
+//! whatever the clock, so that the microsecond is the longer the slower the core is.
 
 use anyhow::{Result, ensure};
 

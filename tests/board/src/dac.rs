@@ -1,13 +1,14 @@
 //! DAC1, channel 1 (RM0440): holding register, output register, and what loads the one into the other: TIM6's or TIM7's
-//! trigger or, while the channel is on and untriggered, a write of the holding register. No other write does: the manual's words
-//! ("data written into DHR is transferred") leave open whether what was written before a change of TEN1 or EN1 counts, so here it
-//! does not; a channel that is switched off forgets its output. The pin is driven while the channel is on and its mode connects it.
+//! trigger or, while the channel is on and untriggered, a write of the holding register. No other write does: the
+//! manual's words ("data written into DHR is transferred") leave open whether what was written before a change of TEN1
+//! or EN1 counts, so here it does not; a channel that is switched off forgets its output. The pin is driven while the
+//! channel is on and its mode connects it.
 //!
-//! With DMAEN1 a trigger that loads asks for DMA, which brings what the next one loads. A trigger that comes before it was served
-//! flags an underrun: it loads what there is, and no further one asks.
+//! With DMAEN1 a trigger that loads asks for DMA, which brings what the next one loads. A trigger that comes before it
+//! was served flags an underrun: it loads what there is, and no further one asks.
 //!
-//! Loading takes no clock, and the output amplifier wakes soon (up to 7.5 µs on silicon). Other triggers load nothing. Waves, the
-//! underrun's interrupt, channel 2 and the other holding registers are plain memory.
+//! Loading takes no clock, and the output amplifier wakes soon (up to 7.5 µs on silicon). Other triggers load nothing.
+//! Waves, the underrun's interrupt, channel 2 and the other holding registers are plain memory.
 
 use anyhow::{Result, ensure};
 
@@ -35,7 +36,8 @@ const INTERNAL: u32 = MODE1 >> 1;
 
 /// HFSEL: what it must say where the core's bus, which is the DAC's, is faster than 160 MHz.
 const FASTEST: u32 = 2;
-/// How soon the pin shows the output of a channel that has been switched on, core clocks: what is loaded before, it never shows.
+/// How soon the pin shows the output of a channel that has been switched on, core clocks: what is loaded before,
+/// it never shows.
 const WAKE: u64 = microseconds(1);
 
 #[derive(Default)]

@@ -1,13 +1,15 @@
-//! DMA1 with the DMAMUX before it (RM0440), as far as LPUART1 and DAC1 need them: bytes from the receiver to memory, once or round
-//! and round, from memory to the transmitter, once, and half-words from memory to the DAC, round and round.
+//! DMA1 with the DMAMUX before it (RM0440), as far as LPUART1 and DAC1 need them: bytes from the receiver to
+//! memory, once or round and round, from memory to the transmitter, once, and half-words from memory to the DAC,
+//! round and round.
 //!
-//! A request is served at once: what the bus costs is not modelled. Memory behind the core's back is: received bytes are in
-//! memory before the next instruction, and a block to be sent is read as a whole when its channel is switched on, so that what
-//! the firmware changes in it later does not show. A ring is read anew with every write of a register and every return of a
-//! handler, not with each half-word fetched: one that is fetched while a handler fills its half is what it was before.
+//! A request is served at once: what the bus costs is not modelled. Memory behind the core's back is: received bytes
+//! are in memory before the next instruction, and a block to be sent is read as a whole when its channel is switched
+//! on, so that what the firmware changes in it later does not show. A ring is read anew with every write of a register
+//! and every return of a handler, not with each half-word fetched: one that is fetched while a handler fills its half
+//! is what it was before.
 //!
-//! Refused is what the manual does not promise: a channel that is switched on again amid its block, and registers written while
-//! the channel is on.
+//! Refused is what the manual does not promise: a channel that is switched on again amid its block, and registers
+//! written while the channel is on.
 
 use std::{collections::VecDeque, mem, ops::Range};
 

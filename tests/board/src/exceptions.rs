@@ -1,7 +1,8 @@
 //! Entering exceptions and returning from them (Armv7-M architecture reference manual, "Exception model").
 //!
-//! Entry pushes the extended frame with the floating-point registers whether they are in use or not, as deep as a stack can
-//! get. Only the main stack is modelled. IPSR reads 0 in handlers; ICSR tells the truth. Late arrival is not modelled.
+//! Entry pushes the extended frame with the floating-point registers whether they are in use or not, as deep as a
+//! stack can get. Only the main stack is modelled. IPSR reads 0 in handlers; ICSR tells the truth. Late arrival
+//! is not modelled.
 
 use anyhow::{Result, bail, ensure};
 use unicorn_engine::RegisterARM as Register;
@@ -17,7 +18,8 @@ use crate::{
     stop::Stop,
 };
 
-/// Clocks of exception entry, return, and going from one to the next without unstacking (Cortex-M4 manual, no wait states).
+/// Clocks of exception entry, return, and going from one to the next without unstacking (Cortex-M4 manual,
+/// no wait states).
 const ENTRY: u64 = 12;
 const RETURN: u64 = 10;
 const TAIL_CHAIN: u64 = 6;

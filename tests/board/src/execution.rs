@@ -1,7 +1,7 @@
 //! What the core does: instructions until something happens, sleep, faults.
 //!
-//! EXC_RETURN addresses and WFE, which Unicorn cannot execute, end up here. An access to no memory is a precise bus fault, whatever a
-//! store's would be on silicon; a jump to where no code is is an instruction bus error.
+//! EXC_RETURN addresses and WFE, which Unicorn cannot execute, end up here. An access to no memory is a precise bus
+//! fault, whatever a store's would be on silicon; a jump to where no code is is an instruction bus error.
 
 use std::mem;
 

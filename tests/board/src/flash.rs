@@ -1,10 +1,11 @@
-//! The flash controller (RM0440, dual-bank mode): keys, page erase and double-word programming in bank 2, ECC, power cuts.
+//! The flash controller (RM0440, dual-bank mode): keys, page erase and double-word programming in bank 2,
+//! ECC, power cuts.
 //!
-//! An operation changes the flash when it ends; until then reading bank 2 stalls the core. What an operation leaves when
-//! power goes or a reset comes in its midst is a [`Tear`]. A torn double word has an ECC double error: reading it gives its
-//! bits and raises ECCD, which is an NMI until it is cleared. Single errors and weak bits never happen. That ADDR_ECC counts
-//! bytes within the bank is taken from other chips' drivers. Refused: whole-bank erase, fast programming, option bytes, and
-//! any erase or program in bank 1, where the code is.
+//! An operation changes the flash when it ends; until then reading bank 2 stalls the core. What an operation leaves
+//! when power goes or a reset comes in its midst is a [`Tear`]. A torn double word has an ECC double error: reading it
+//! gives its bits and raises ECCD, which is an NMI until it is cleared. Single errors and weak bits never happen. That
+//! ADDR_ECC counts bytes within the bank is taken from other chips' drivers. Refused: whole-bank erase, fast
+//! programming, option bytes, and any erase or program in bank 1, where the code is.
 
 use anyhow::{Result, ensure};
 

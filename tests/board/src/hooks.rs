@@ -1,7 +1,7 @@
 //! What Unicorn calls: a hook before every instruction, and one where no memory answers.
 //!
-//! The first counts the instruction and stops Unicorn when an exception is to be taken. Unicorn ignores a stop inside an IT block; the
-//! hook then comes again and stops behind it. Instructions that an IT condition skips are not counted.
+//! The first counts the instruction and stops Unicorn when an exception is to be taken. Unicorn ignores a stop inside
+//! an IT block; the hook then comes again and stops behind it. Instructions that an IT condition skips are not counted.
 
 use std::mem;
 

@@ -1,8 +1,10 @@
-//! Where registers and their fields lie. Each peripheral's file declares those that its model has by the manual's names, and no
-//! other number of a place stands in the models; the tests of `described` compare them with two independent descriptions.
+//! Where registers and their fields lie. Each peripheral's file declares those that its model has by the
+//! manual's names, and no other number of a place stands in the models; the tests of `described` compare them
+//! with two independent descriptions.
 
-/// Declares constants: of each register its offset, of each field its mask, by the field's bit or its lowest and highest; a name that
-/// another register or field has already is said behind `as`. The same again, for tests alone, as `LAYOUT`.
+/// Declares constants: of each register its offset, of each field its mask, by the field's bit or its lowest and
+/// highest; a name that another register or field has already is said behind `as`. The same again, for tests
+/// alone, as `LAYOUT`.
 macro_rules! layout {
     ($($peripheral:literal {
         $($register:ident @ $offset:literal {

@@ -1,18 +1,18 @@
 //! The NUCLEO-G474RE without the board: the unmodified firmware image on an emulated Cortex-M4F, among models of the
 //! STM32G474's registers as ST's reference manual RM0440 describes them.
 //!
-//! [`Board`] is the board, [`Image`] the firmware, [`Record`] what happened. Each peripheral is a file of its own that says
-//! what its model leaves out. Two rules hold for all: a register without a model is plain memory, and
+//! [`Board`] is the board, [`Image`] the firmware, [`Record`] what happened. Each peripheral is a file of its own that
+//! says what its model leaves out. Two rules hold for all: a register without a model is plain memory, and
 //! [`Record::plain`] lists it (of the core's own registers, the others are refused); a use that the model cannot follow
 //! ends the run with an error, never with a guess.
 //!
 //! Time is counted in core clocks of 1 / 170 MHz. An executed instruction takes one clock, or as many as a test wants
-//! ([`Board::slow`]), entering an exception 12,
-//! returning 10, going from one to the next 6; a sleeping core and one that polls the flash skip to the next event. Events
-//! happen at their exact clock and interrupts are taken before the next instruction, so that two runs are equal to the
-//! bit. What this proves is the firmware's logic. It proves nothing about cycles, bus waits, caches, analogue behaviour or
-//! errata, and has no MPU, no debugger and no memory at address 0. What a handler would cost is counted from its
-//! instructions, by a model of the core and of the flash, where a test asks for it ([`Board::measure`]).
+//! ([`Board::slow`]), entering an exception 12, returning 10, going from one to the next 6; a sleeping core and one
+//! that polls the flash skip to the next event. Events happen at their exact clock and interrupts are taken before the
+//! next instruction, so that two runs are equal to the bit. What this proves is the firmware's logic. It proves
+//! nothing about cycles, bus waits, caches, analogue behaviour or errata, and has no MPU, no debugger and no memory at
+//! address 0. What a handler would cost is counted from its instructions, by a model of the core and of the flash,
+//! where a test asks for it ([`Board::measure`]).
 
 mod adc;
 mod bases;

@@ -46,7 +46,8 @@ pub struct Bench {
     pub cut: Option<(usize, Tear)>,
     /// Records what a handler executes, where a test asks for it.
     pub meter: Option<Meter>,
-    /// What an instruction takes beyond its first clock, in [`PARTS`] of a clock, and what of it has not made a whole one yet.
+    /// What an instruction takes beyond its first clock, in [`PARTS`] of a clock, and what of it has not made a
+    /// whole one yet.
     pub slowness: u64,
     pub owed: u64,
 }

@@ -1,10 +1,10 @@
 //! NVIC and system control block of the Cortex-M4 (Armv7-M architecture reference manual): which exception comes next,
 //! fault status, reset request.
 //!
-//! Peripherals' lines are levels: a line that rises makes its interrupt pending, one that is still high when its handler
-//! returns makes it pending again, and one that falls leaves it pending. All faults end in HardFault. Only the registers
-//! that the firmware uses are there, most of them to be written only; every other is refused, with priority groups, SysTick,
-//! PendSV, a moved vector table, the MPU, separate fault handlers, deep sleep and sleep on exit.
+//! Peripherals' lines are levels: a line that rises makes its interrupt pending, one that is still high when its
+//! handler returns makes it pending again, and one that falls leaves it pending. All faults end in HardFault. Only the
+//! registers that the firmware uses are there, most of them to be written only; every other is refused, with priority
+//! groups, SysTick, PendSV, a moved vector table, the MPU, separate fault handlers, deep sleep and sleep on exit.
 
 use anyhow::{Result, bail, ensure};
 

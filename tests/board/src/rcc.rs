@@ -1,8 +1,10 @@
 //! RCC, reset and clock control (RM0440): ready bits, reset flags, and the frequencies that the registers ask for.
 //!
-//! Oscillators are ready at once, but for a crystal that is broken. HSE has the NUCLEO's 24 MHz. Time runs at 170 MHz from the
-//! start, also while the firmware still runs on HSI16; only what follows on the crystal's end is as slow as that. Where the clock
-//! security system is on, a crystal that stops is switched off with the PLL behind it, HSI16 takes over, and CSSF raises NMI. A reset of a single peripheral does nothing but with PWR and the flash's interface. A peripheral without its clock is dead.
+//! Oscillators are ready at once, but for a crystal that is broken. HSE has the NUCLEO's 24 MHz. Time runs at 170 MHz
+//! from the start, also while the firmware still runs on HSI16; only what follows on the crystal's end is as slow as
+//! that. Where the clock security system is on, a crystal that stops is switched off with the PLL behind it, HSI16
+//! takes over, and CSSF raises NMI. A reset of a single peripheral does nothing but with PWR and the flash's interface.
+//! A peripheral without its clock is dead.
 
 use anyhow::{Result, bail, ensure};
 
@@ -89,7 +91,8 @@ pub struct Rcc {
 }
 
 impl Rcc {
-    /// After `reset`, which came when the flags were `earlier`: they stay until the firmware removes them or power goes.
+    /// After `reset`, which came when the flags were `earlier`: they stay until the firmware removes them
+    /// or power goes.
     pub fn new(reset: Reset, earlier: u32) -> Self {
         let mut rcc = Self { registers: [0; END / 4], broken: false };
         let kept = if reset == Reset::PowerOn { 0 } else { earlier };
@@ -225,7 +228,8 @@ impl Rcc {
         Ok(())
     }
 
-    /// How many clocks of [`CORE_HZ`] the timers on APB1 count once in: they run at twice the bus's clock, where that is divided.
+    /// How many clocks of [`CORE_HZ`] the timers on APB1 count once in: they run at twice the bus's clock, where
+    /// that is divided.
     pub fn timer_clocks(&self) -> Result<u64> {
         let divided = field(self.get(CFGR), PPRE1);
         let timer_hz = self.speeds()?.core >> divided.saturating_sub(4);

@@ -1,8 +1,9 @@
 //! TIM5 and TIM6: up-counters with prescaler, reload, four compares and the update trigger (RM0440, general-purpose and
 //! basic timers), clocked by the core clock or a divided one.
 //!
-//! One-pulse, centred and downward counting, disabled updates, DMA requests and dithering are refused. The compare flags
-//! do not depend on the channels' modes, and a compare value equal to the count when it is written matches a turn later.
+//! One-pulse, centred and downward counting, disabled updates, DMA requests and dithering are refused. The
+//! compare flags do not depend on the channels' modes, and a compare value equal to the count when it is written
+//! matches a turn later.
 
 use anyhow::{Result, ensure};
 

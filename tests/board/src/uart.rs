@@ -1,8 +1,8 @@
 //! LPUART1 with its FIFOs (RM0440), and the wire to the host: 8N1, bytes in both directions at the line rate.
 //!
-//! The host sends at its own rate; firmware that is not within 2 % of it is refused. A byte that finds the receiver full is
-//! lost and raises the overrun flag; one whose stop bit is missing raises the framing error's and is received like others. Noise
-//! and parity errors never happen. FIFO thresholds are refused.
+//! The host sends at its own rate; firmware that is not within 2 % of it is refused. A byte that finds the receiver
+//! full is lost and raises the overrun flag; one whose stop bit is missing raises the framing error's and is received
+//! like others. Noise and parity errors never happen. FIFO thresholds are refused.
 
 use std::collections::VecDeque;
 

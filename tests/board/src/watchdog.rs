@@ -1,7 +1,7 @@
 //! IWDG, the independent watchdog (RM0440): a 12-bit down-counter on the 32 kHz of LSI; at zero it resets the chip.
 //!
-//! LSI is exact here; on silicon it is off by some per cent. Its registers read as 0, and a window is refused. It stops in a
-//! reset, not in stop modes.
+//! LSI is exact here; on silicon it is off by some per cent. Its registers read as 0, and a window is refused. It stops
+//! in a reset, not in stop modes.
 
 use anyhow::{Result, ensure};
 

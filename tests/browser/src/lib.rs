@@ -1,7 +1,7 @@
 //! What an HTML page must hold to in a browser: drawn, legible, sound, and complete in one file.
 //!
-//! [`inspect`] opens a page at a given width and lists what is wrong with it, in sentences. The page needs no help: it is
-//! any URL, so that the checks themselves can be tested on pages made to fail them.
+//! [`inspect`] opens a page at a given width and lists what is wrong with it, in sentences. The page needs no help: it
+//! is any URL, so that the checks themselves can be tested on pages made to fail them.
 
 mod chromium;
 mod layout;

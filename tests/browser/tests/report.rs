@@ -43,7 +43,8 @@ fn piezo(verb: &str, options: &str, out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What is wrong with a page of so many plots at each width; its screenshots are kept to be looked at, under names that begin so.
+/// What is wrong with a page of so many plots at each width; its screenshots are kept to be looked at, under names
+/// that begin so.
 fn faults(browser: &mut Browser, page: &Path, plots: usize, named: &str) -> Result<Vec<String>> {
     let screenshots = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("report-screenshots");
     fs::create_dir_all(&screenshots)?;

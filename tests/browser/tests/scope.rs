@@ -1,4 +1,5 @@
-//! `piezo monitor --web` in a browser, while a device streams at 2 kHz: one on this machine with a sensor, and the firmware in QEMU.
+//! `piezo monitor --web` in a browser, while a device streams at 2 kHz: one on this machine with a sensor, and the
+//! firmware in QEMU.
 
 use std::{
     env, fs,
@@ -32,7 +33,8 @@ const FULL_SCALE: u16 = 65_520;
 /// A code of one tick in two seconds; the triangle stays far below.
 const GLITCH: u16 = 58_000;
 
-/// A device with a table that has an interval, a triangle of 1 Hz on its ADC, and a sensor that shows nearly what it estimates.
+/// A device with a table that has an interval, a triangle of 1 Hz on its ADC, and a sensor that shows nearly
+/// what it estimates.
 fn device() -> Result<EmulatedDevice> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let (_, table) = TableFile::load(&root.join("tests/data/table/models/generalised-prandtl-ishlinskii.toml"))?;
@@ -170,8 +172,8 @@ fn the_scope_keeps_up_with_the_firmware_in_qemu() -> Result<()> {
     let lost =
         page.evaluate("document.getElementById('rate').textContent + document.getElementById('lost').textContent")?;
     println!("{lost}");
-    // How many are lost is this machine's affair; that a curve has a gap only where some are, the page's. The first column follows
-    // nothing, and figures come after curves.
+    // How many are lost is this machine's affair; that a curve has a gap only where some are, the page's. The first
+    // column follows nothing, and figures come after curves.
     page.until(
         "(({ history: { columns } }) => columns.length > 400 && (Number.parseInt(document.getElementById('lost').textContent) > 0 || columns.slice(1).every(([, gap]) => gap === 0)))(window.scope)",
         PATIENCE,

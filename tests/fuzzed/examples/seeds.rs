@@ -1,5 +1,5 @@
-//! Writes what the fuzzer begins with into a folder, one folder a target: tables of every model, messages of every kind, the logs
-//! of `tests/data`, shortened.
+//! Writes what the fuzzer begins with into a folder, one folder a target: tables of every model, messages of every
+//! kind, the logs of `tests/data`, shortened.
 
 #[path = "../../../estimator-core/tests/library/common/mod.rs"]
 #[allow(dead_code, unused_imports, reason = "the core's tests use the rest")]
@@ -80,8 +80,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A device is given a table that drives, starts with it, follows references, a set-point or a waveform, loses its amplifier, and is asked
-/// how it is, in the words of `fuzzed::link`.
+/// A device is given a table that drives, starts with it, follows references, a set-point or a waveform, loses its
+/// amplifier, and is asked how it is, in the words of `fuzzed::link`.
 fn driving(table: u8, mode: u8) -> Vec<u8> {
     let ask = |which, fields: &[u8]| [&pick(0, 8)[..], &[7], &pick(which, 15), fields].concat();
     let ticks = [&pick(4, 8)[..], &[250, 0]].concat();

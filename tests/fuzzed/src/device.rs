@@ -1,4 +1,5 @@
-//! The firmware, run step by step: a line of bytes, a tick at each of its waits, and a converter that reads what it is told to.
+//! The firmware, run step by step: a line of bytes, a tick at each of its waits, and a converter that reads what it
+//! is told to.
 
 use crate::torn_flash::{Chip, Flash, PAGE};
 use embassy_time::Duration;
@@ -47,8 +48,8 @@ struct Bare;
 
 impl firmware::Chip for Bare {}
 
-/// Tables that the device can run: the compiled one, one that drives an amplifier of 0 … 4 V, and one that follows a set-point
-/// from its start on.
+/// Tables that the device can run: the compiled one, one that drives an amplifier of 0 … 4 V, and one that follows a
+/// set-point from its start on.
 pub fn tables() -> [Admitted; 3] {
     let limits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.5, slew_v_per_s: 40.0 };
     let drive = DriveCalibration { gain_codes_per_v: 4095.0 / 4.0, offset_code: 0.0, limits, setpoint: None };

@@ -60,8 +60,8 @@ fn cobs_of(content: &[u8]) -> Vec<u8> {
     stuffed
 }
 
-/// A message is sent as a frame that becomes the same message: by its bytes, since a NaN is not equal to itself. (A number may
-/// have come in more bytes than it needs, so that the frame which it came in may be another.)
+/// A message is sent as a frame that becomes the same message: by its bytes, since a NaN is not equal to itself. (A
+/// number may have come in more bytes than it needs, so that the frame which it came in may be another.)
 fn survives<M: Serialize + DeserializeOwned>(message: &M) {
     let (mut first, mut second) = ([0; MAX_FRAME], [0; MAX_FRAME]);
     let frame = encode(message, &mut first).expect("what was received can be sent");

@@ -1,6 +1,6 @@
-//! A device and a host that asks anything in any order, between noise and frames of others, while the converter reads what it
-//! likes: each sound request has its one answer, nothing else has any, the output of a drive never jumps, and a table is stored
-//! or it is not.
+//! A device and a host that asks anything in any order, between noise and frames of others, while the converter reads
+//! what it likes: each sound request has its one answer, nothing else has any, the output of a drive never jumps, and a
+//! table is stored or it is not.
 
 use crate::asked::{Asked, record};
 use crate::device::{Device, live, tables};
@@ -66,8 +66,8 @@ struct Host<'a> {
     used: Admitted,
 }
 
-/// Bytes as steps; `advance` lets so much time pass, or, where that would be long, less. Returns whether a device has driven its
-/// amplifier.
+/// Bytes as steps; `advance` lets so much time pass, or, where that would be long, less. Returns whether a device has
+/// driven its amplifier.
 ///
 /// # Panics
 /// A promise is broken.

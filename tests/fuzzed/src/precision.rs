@@ -1,13 +1,13 @@
-//! A table of every model, any codes: an `f32` says what an `f64` says, nearly as `estimator-core/tests/library/precision.rs` has it
-//! of its own sequences.
+//! A table of every model, any codes: an `f32` says what an `f64` says, nearly as
+//! `estimator-core/tests/library/precision.rs` has it of its own sequences.
 
 use estimator_core::{AdcCalibration, AdcCode, Admitted, Estimator, Model, Range, Status, Table};
 use std::path::Path;
 use std::sync::OnceLock;
 use table_files::TableFile;
 
-/// The most that they differ by, of the span of the displacement limits: twice what those sequences may come to, since the fuzzer
-/// has found 2.01e-6 with an enhanced table.
+/// The most that they differ by, of the span of the displacement limits: twice what those sequences may come to, since
+/// the fuzzer has found 2.01e-6 with an enhanced table.
 const STATED: f64 = 4e-6;
 /// The same of NARX: what is rounded lasts for some 1/(1 − ρ) ticks, and ρ is 0.993 of the table here.
 const STATED_OF_NARX: f64 = 2e-5;

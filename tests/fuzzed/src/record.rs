@@ -1,5 +1,5 @@
-//! A table's record of any content: refused, or an estimator and an inverse that nothing which comes in makes leave their
-//! limits.
+//! A table's record of any content: refused, or an estimator and an inverse that nothing which comes in makes
+//! leave their limits.
 
 use arbitrary::{Arbitrary, Unstructured};
 use estimator_core::sealed::seal;
@@ -30,8 +30,8 @@ enum Event {
     Release,
 }
 
-/// Bytes as a record, and as the payload of one with the right header and checksum; what follows the payload is what happens to
-/// the estimator.
+/// Bytes as a record, and as the payload of one with the right header and checksum; what follows the payload is what
+/// happens to the estimator.
 ///
 /// # Panics
 /// A promise is broken.

@@ -1,5 +1,5 @@
-//! Writes, erases, cuts of the power and flipped bits, in any order: the store gives the record that was written last, and never
-//! one that was not written.
+//! Writes, erases, cuts of the power and flipped bits, in any order: the store gives the record that was written last,
+//! and never one that was not written.
 
 use crate::torn_flash::{Chip, Cut, Flash, PAGE};
 use arbitrary::{Arbitrary, Unstructured};
@@ -23,9 +23,11 @@ struct Known {
     written: usize,
     /// The one that it gives.
     newest: Option<Vec<u8>>,
-    /// The one that it gave when something was last written or erased: a bit that flips back may bring an older one to light.
+    /// The one that it gave when something was last written or erased: a bit that flips back may bring an older
+    /// one to light.
     last: Option<Vec<u8>>,
-    /// Pages with more in them than whole writes and erases have left: one more flipped bit may make a record whole again.
+    /// Pages with more in them than whole writes and erases have left: one more flipped bit may make a
+    /// record whole again.
     doubtful: [bool; 2],
     /// The record that was written into each page, or begun, since it was last erased whole.
     held: [Option<Vec<u8>>; 2],
@@ -123,7 +125,8 @@ impl Known {
         }
     }
 
-    /// Whether a record may have come back: an erase that is cut may set the very bits again by which its page had decayed.
+    /// Whether a record may have come back: an erase that is cut may set the very bits again by which its
+    /// page had decayed.
     fn mended(&self, found: Option<&Vec<u8>>) -> bool {
         found.is_some() && (0..2).any(|page| self.decayed[page] && self.held[page].as_ref() == found)
     }

@@ -1,4 +1,5 @@
-//! Any text as a table.toml: refused by an error that names the file, or a table that is written and read again as itself.
+//! Any text as a table.toml: refused by an error that names the file, or a table that is written and read
+//! again as itself.
 
 use crate::log::said;
 use std::path::Path;

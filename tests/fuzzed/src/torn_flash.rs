@@ -1,4 +1,5 @@
-//! Flash as the STM32G474 has it, whose power fails in any operation: each bit of what it was at is then the old one or the new.
+//! Flash as the STM32G474 has it, whose power fails in any operation: each bit of what it was at is then the old one
+//! or the new.
 
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,5 @@
-//! Replays the inputs that the fuzzer has kept, `tests/data/fuzz/`, one folder a target: what it has once looked at stays looked at.
+//! Replays the inputs that the fuzzer has kept, `tests/data/fuzz/`, one folder a target: what it has once looked at
+//! stays looked at.
 
 use embassy_time::Duration;
 use estimator_core::Model;

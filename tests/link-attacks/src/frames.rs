@@ -77,7 +77,8 @@ impl Host {
 }
 
 impl Attacked<'_> {
-    /// Hosts leave after some bytes of a push, each with more of them: it costs that frame, and the next host is answered.
+    /// Hosts leave after some bytes of a push, each with more of them: it costs that frame, and the next
+    /// host is answered.
     ///
     /// # Panics
     /// It costs more, or something is stored.

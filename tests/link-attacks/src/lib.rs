@@ -1,6 +1,6 @@
-//! Attacks on the link between a host and a device: the host is killed at each of a verb's requests, the line dies there, a host
-//! leaves in the middle of a frame, frames come twice or in another order, a second host comes. Afterwards the device ticks on,
-//! estimates by the old table or the new one, and the host has said what is known.
+//! Attacks on the link between a host and a device: the host is killed at each of a verb's requests, the line dies
+//! there, a host leaves in the middle of a frame, frames come twice or in another order, a second host comes.
+//! Afterwards the device ticks on, estimates by the old table or the new one, and the host has said what is known.
 //!
 //! Whose device it is does not matter: [`Attacked`] says how one is powered on. What is broken panics.
 
@@ -28,7 +28,8 @@ use rayon::{
 pub const LEASE: Duration = Duration::from_millis(5_500);
 /// The same in a device's ticks of half a millisecond.
 const LENT: u32 = 2 * LEASE.as_millis() as u32;
-/// How long it is let alone before it is looked at again, at first: an emulated device's five seconds may be fewer of the wall's.
+/// How long it is let alone before it is looked at again, at first: an emulated device's five seconds may be fewer
+/// of the wall's.
 const FIRST_LOOK: Duration = Duration::from_secs(4);
 /// What a host may take to find out that nobody answers, and a device to tick.
 const IN_TIME: Duration = Duration::from_secs(20);
@@ -87,9 +88,9 @@ impl Attacked<'_> {
     }
 }
 
-/// What a device must do when a host has left it, whatever that host had begun; it is then asked further. What is asked of it
-/// meanwhile lends it the mode anew, and how long ago that was is counted in its own ticks: an emulated device's time is another
-/// than the wall's.
+/// What a device must do when a host has left it, whatever that host had begun; it is then asked further. What is asked
+/// of it meanwhile lends it the mode anew, and how long ago that was is counted in its own ticks: an emulated device's
+/// time is another than the wall's.
 ///
 /// # Panics
 /// It does not answer, keeps a mode for longer than it was lent, has missed a tick, or ticks no more.

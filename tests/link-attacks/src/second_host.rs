@@ -7,8 +7,8 @@ use device_link::Client;
 use crate::Attacked;
 
 impl Attacked<'_> {
-    /// The second host waits, learns that another may be there, and does not disturb the first; once that one has gone, it is
-    /// answered.
+    /// The second host waits, learns that another may be there, and does not disturb the first; once that one has gone,
+    /// it is answered.
     ///
     /// # Panics
     /// The first misses a sample, or the second is answered too early, or never.

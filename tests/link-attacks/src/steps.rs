@@ -1,4 +1,5 @@
-//! The host is killed, or the line dies, at each of the first requests of the verbs that talk to a device and are done soon.
+//! The host is killed, or the line dies, at each of the first requests of the verbs that talk to a device and
+//! are done soon.
 
 use std::{
     process::Stdio,
@@ -18,8 +19,8 @@ const STEPS: u32 = 8;
 /// The request by which `push` and `erase` write: two connect, one asks what the device does, and one pauses.
 const WRITES: u32 = 5;
 
-/// The verbs, and what each needs beside a port: first those that write a device's flash, behind them those that change its zero or
-/// its mode.
+/// The verbs, and what each needs beside a port: first those that write a device's flash, behind them those that change
+/// its zero or its mode.
 pub const VERBS: [&[&str]; 10] = [
     &["push", "TABLE", "--pause", "--doubted"],
     &["push", "TABLE", "--reset", "--doubted"],
@@ -42,8 +43,9 @@ fn steps<'v>(verbs: &'v [&'v [&'v str]]) -> impl Iterator<Item = (&'v [&'v str],
     verbs.iter().flat_map(|verb| (1..=STEPS).map(move |step| (*verb, step)))
 }
 
-/// A line that dies with the host's request of this number: that one is the last that the device hears, and `reached` is called
-/// when it has been sent. A host that waits for a reply asks again, under the same number of its own, which counts as once.
+/// A line that dies with the host's request of this number: that one is the last that the device hears, and `reached`
+/// is called when it has been sent. A host that waits for a reply asks again, under the same number of its own, which
+/// counts as once.
 fn dies_with(dies: u32, reached: impl Fn() + Send + 'static) -> impl Fault {
     let (mut requests, mut newest, mut deframer) = (0, None, Deframer::new());
     move |direction, frame: &mut Vec<u8>| {
@@ -84,8 +86,8 @@ impl Attacked<'_> {
         }
     }
 
-    /// The host is killed when it has sent so many requests, the last of which is never answered; returns whether it had not
-    /// ended before.
+    /// The host is killed when it has sent so many requests, the last of which is never answered; returns whether it
+    /// had not ended before.
     fn killed(&self, verb: &[&str], step: u32, new: &Record) -> bool {
         let (device, folder) = ((self.power_on)(), tempfile::tempdir().unwrap());
         let old = table_of(device.address());

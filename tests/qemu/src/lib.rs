@@ -1,7 +1,7 @@
 //! The emulated board, and the host tool beside it.
 //!
-//! `FIRMWARE_IMAGE_MPS2` names the firmware's image and `PIEZO` the host tool; `cargo xtask test emulated` builds both and
-//! sets them. Each [`Board`] is a QEMU of its own.
+//! `FIRMWARE_IMAGE_MPS2` names the firmware's image and `PIEZO` the host tool; `cargo xtask test emulated` builds both
+//! and sets them. Each [`Board`] is a QEMU of its own.
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -53,8 +53,8 @@ impl Board {
     pub fn power_on() -> Self {
         let mut qemu = Command::new("qemu-system-arm")
             .args(["-M", "mps2-an386", "-cpu", "cortex-m4", "-nographic", "-monitor", "none"])
-            // Time goes by instructions, 64 ns each, while the firmware computes; while it waits, by the machine's clock: one that is
-            // busy may wake QEMU later than a tick, which is then late (see `Board::keeps_time`).
+            // Time goes by instructions, 64 ns each, while the firmware computes; while it waits, by the machine's
+            // clock: one that is busy may wake QEMU later than a tick, which is then late (see `Board::keeps_time`).
             .args(["-icount", "shift=6,sleep=on", "-kernel"])
             .arg(from_environment("FIRMWARE_IMAGE_MPS2"))
             // A free port of QEMU's own choosing, which it says while it waits for the first connection.
@@ -144,8 +144,8 @@ impl Board {
         serde_json::from_str(&self.does("info", &["--json"])).expect("info prints JSON")
     }
 
-    /// Asserts that at most one tick in a hundred was late: a busy machine makes one late now and then, a tick that takes too long nearly
-    /// all. Returns `health`.
+    /// Asserts that at most one tick in a hundred was late: a busy machine makes one late now and then, a tick that
+    /// takes too long nearly all. Returns `health`.
     pub fn keeps_time(&self) -> Value {
         let health = self.info()["health"].take();
         let count = |name: &str| health[name].as_u64().expect("a count");

@@ -1,8 +1,9 @@
-//! A device that streams each tick for hours of its own time, and a host that receives the stream and computes each sample itself.
+//! A device that streams each tick for hours of its own time, and a host that receives the stream and computes
+//! each sample itself.
 //!
-//! The device is the firmware's own library behind a socket, as fast as this machine lets it: tick, queues, link. Or it is the
-//! image for the MPS2 in QEMU, whose bits are those of a Cortex-M4F. What the converter reads is a function of the tick's number
-//! alone ([`signal`]), so that the host knows it even of samples that never came.
+//! The device is the firmware's own library behind a socket, as fast as this machine lets it: tick, queues, link. Or it
+//! is the image for the MPS2 in QEMU, whose bits are those of a Cortex-M4F. What the converter reads is a function of
+//! the tick's number alone ([`signal`]), so that the host knows it even of samples that never came.
 
 pub mod signal;
 
@@ -17,12 +18,13 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
-/// Seconds of the device in a second, where this machine is fast enough; beyond that the link could not carry every sample away.
+/// Seconds of the device in a second, where this machine is fast enough; beyond that the link could not carry
+/// every sample away.
 const SPEED: f64 = 12.0;
 /// How long the stream may be silent.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Codes by which it is found which tick of the converter a sample is of: so many at least, since one or two may occur often, and
-/// no more than are of use. And how far it is looked for.
+/// Codes by which it is found which tick of the converter a sample is of: so many at least, since one or two may occur
+/// often, and no more than are of use. And how far it is looked for.
 const CODES: RangeInclusive<usize> = 8..=64;
 const FARTHEST: u32 = 1_000_000;
 
@@ -39,8 +41,8 @@ pub struct Soak {
     pub dropped: u32,
     /// Frames that came damaged, with the samples in them.
     pub damaged: u32,
-    /// Samples of which a bit of the code, the displacement, its ±, the DAC's code or the status is not the host's, or that have a
-    /// fault: the converter gives no cause for one.
+    /// Samples of which a bit of the code, the displacement, its ±, the DAC's code or the status is not the host's, or
+    /// that have a fault: the converter gives no cause for one.
     pub different: u32,
     /// Ticks that the device calls late or lost.
     pub late: u32,
@@ -101,8 +103,8 @@ impl Soak {
         Self::at(&device.address().into(), swings, ticks)
     }
 
-    /// Has the device at an address stream so many ticks. It has been started for this, with the compiled table, and its
-    /// converter reads this signal.
+    /// Has the device at an address stream so many ticks. It has been started for this, with the compiled table, and
+    /// its converter reads this signal.
     ///
     /// # Errors
     /// Its stream ends or comes in another order.

@@ -1,6 +1,8 @@
-//! `soak TICKS [ADDRESS]`: prints what came of it; fails where a tick is not accounted for, or a sample is not the host's.
+//! `soak TICKS [ADDRESS]`: prints what came of it; fails where a tick is not accounted for, or a sample is
+//! not the host's.
 //!
-//! Without an address, of the firmware's library on the host; with one (`tcp:HOST:PORT`), of the image for the MPS2, in QEMU.
+//! Without an address, of the firmware's library on the host; with one (`tcp:HOST:PORT`), of the image for the
+//! MPS2, in QEMU.
 
 use soak::{Soak, signal};
 use std::error::Error;

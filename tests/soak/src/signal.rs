@@ -18,8 +18,8 @@ const PARTS: [i64; 7] = [100, 60, 90, 30, 75, 45, 100];
 /// Every so many ticks, a glitch to an end of the range.
 const GLITCH: u32 = 9_973;
 
-/// What stands for a converter in the image for the MPS2 (`firmware/src/board/mps2_an386/main.rs`): a triangle of 1 Hz between
-/// 3,000 and 62,000.
+/// What stands for a converter in the image for the MPS2 (`firmware/src/board/mps2_an386/main.rs`): a triangle of 1 Hz
+/// between 3,000 and 62,000.
 pub fn triangle(tick: u32) -> AdcCode {
     let phase = tick % SECOND;
     // At most 62,000.

@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, VecDeque};
 /// What points at what, and something that is known of each arrow.
 pub type Arrows<N, A> = BTreeMap<N, BTreeMap<N, A>>;
 
-/// For each arrow from which a way leads back, unless a circle named before has it: the shortest circle with it, from its tail
-/// back to its tail.
+/// For each arrow from which a way leads back, unless a circle named before has it: the shortest circle with it, from
+/// its tail back to its tail.
 pub fn circles<N: Ord + Clone, A>(arrows: &Arrows<N, A>) -> Vec<Vec<N>> {
     let mut found: Vec<Vec<N>> = Vec::new();
     for (tail, heads) in arrows {

@@ -129,8 +129,8 @@ impl Modules {
                 name => match self.named(at, name, through, depth) {
                     Some((module, true)) => at = module,
                     Some((module, false)) => return Some((module, false)),
-                    // Of the module that the path has named so far, though no file says so: a macro made it, or it comes from
-                    // another crate.
+                    // Of the module that the path has named so far, though no file says so: a macro made it, or it
+                    // comes from another crate.
                     None => return (position > 0).then_some((at, false)),
                 },
             }

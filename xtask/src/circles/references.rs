@@ -80,7 +80,8 @@ impl Found {
         self.0.push(Reference { path, line, hands_on: false });
     }
 
-    /// What a macro is given is no Rust before the macro made it so: names with `::` between them are paths all the same.
+    /// What a macro is given is no Rust before the macro made it so: names with `::` between them are paths
+    /// all the same.
     fn tokens(&mut self, tokens: TokenStream) {
         let tokens: Vec<_> = tokens.into_iter().collect();
         let colon = |at: usize| matches!(tokens.get(at), Some(TokenTree::Punct(mark)) if mark.as_char() == ':');

@@ -55,8 +55,8 @@ pub enum Command {
     Cycles,
 }
 
-/// Every command, in rows that run side by side: what computes, and what an emulator does, which is one thread. A row has one
-/// emulator at a time, since two could choose the same port.
+/// Every command, in rows that run side by side: what computes, and what an emulator does, which is one thread. A row
+/// has one emulator at a time, since two could choose the same port.
 const ROWS: [&[Command]; 2] = [
     &[
         Command::Identify,

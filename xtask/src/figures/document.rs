@@ -1,5 +1,5 @@
-//! Where figures stand in a document: between `<!-- figures: NAME -->` and `<!-- /figures -->`, a value within a line or a
-//! table of several lines.
+//! Where figures stand in a document: between `<!-- figures: NAME -->` and `<!-- /figures -->`, a value within a line
+//! or a table of several lines.
 
 use std::{ops::Range, path::PathBuf};
 

@@ -30,8 +30,8 @@ pub struct Figure {
     pub make: fn(&Printed<'_>) -> Result<Content>,
 }
 
-/// One source makes one of several images, whose functions are laid out and inlined otherwise: rustc does not compile the core to the
-/// same bytes each time. Their cycles differ by up to 2 %.
+/// One source makes one of several images, whose functions are laid out and inlined otherwise: rustc does not compile
+/// the core to the same bytes each time. Their cycles differ by up to 2 %.
 const OF_CYCLES: f64 = 0.03;
 
 /// Every figure of the documents.
@@ -91,7 +91,8 @@ fn held_out(printed: &Value) -> Result<Content> {
     table(1, &columns, [line].into_iter().chain(array(printed, "/candidates")?.iter().map(candidate)))
 }
 
-/// The same of the models that a reader compares first: what is there without one, the thesis's two ends, and the choice.
+/// The same of the models that a reader compares first: what is there without one, the thesis's two ends,
+/// and the choice.
 fn held_out_in_short(printed: &Value) -> Result<Content> {
     let row = |name: String, figures: &Value| -> Result<Vec<String>> {
         let figure = |name: &str| number(figures, name);

@@ -156,8 +156,8 @@ impl<T: Real> Branch<T> {
         if end < T::zero() {
             return end;
         }
-        // The distance to the crossing is −ln(1 + t)/unloading with t = unloading·h/a. One Newton step on expm1 takes away
-        // the logarithm's cancellation near 1 and, with micromath, its error.
+        // The distance to the crossing is −ln(1 + t)/unloading with t = unloading·h/a. One Newton step on expm1 takes
+        // away the logarithm's cancellation near 1 and, with micromath, its error.
         let t = self.unloading_per_a * h;
         let one_plus = T::one() + t;
         let to_zero = if self.unloading == T::zero() || one_plus <= T::zero() {

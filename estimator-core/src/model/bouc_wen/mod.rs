@@ -1,5 +1,5 @@
-//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for lag and look-ahead. Its
-//! memory is held within the table's deadband (`held.rs`).
+//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for lag and look-ahead.
+//! Its memory is held within the table's deadband (`held.rs`).
 //!
 //! ```text
 //! du/dt = (V − u)/lag                                     amplifier; no lag, or below 0 (`look_ahead.rs`): u = V
@@ -35,8 +35,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoucWenParameters {
-    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick after its
-    /// voltage: at most a tick of it counts.
+    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick
+    /// after its voltage: at most a tick of it counts.
     pub lag_s: f32,
     /// A, slope dh/du at h = 0, V/V; above 0.
     pub a: f32,
@@ -123,8 +123,8 @@ pub struct BoucWenState<T> {
 }
 
 impl<T: Real> BoucWen<T> {
-    /// Coefficients for ticks of `sample_period` seconds, with the memory held until the voltage has gone back by more than 1.5 times the `deadband`, V. Checks nothing: see
-    /// [`BoucWenParameters::check`].
+    /// Coefficients for ticks of `sample_period` seconds, with the memory held until the voltage has gone back by more
+    /// than 1.5 times the `deadband`, V. Checks nothing: see [`BoucWenParameters::check`].
     pub fn build(parameters: &BoucWenParameters, sample_period: T, deadband: T) -> Self {
         let p = parameters;
         let (a, n) = (T::of(p.a), T::of(p.n));

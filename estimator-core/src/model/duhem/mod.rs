@@ -110,8 +110,8 @@ fn phi<T: Real>(x: T) -> [T; 3] {
 }
 
 impl<T: Real> Duhem<T> {
-    /// Coefficients for ticks of `sample_period` seconds, with the memory held until the voltage has gone back by more than 1.5 times the `deadband`, V. Checks nothing: see
-    /// [`DuhemParameters::check`].
+    /// Coefficients for ticks of `sample_period` seconds, with the memory held until the voltage has gone back by more
+    /// than 1.5 times the `deadband`, V. Checks nothing: see [`DuhemParameters::check`].
     pub fn build(parameters: &DuhemParameters, sample_period: T, deadband: T) -> Self {
         let p = parameters;
         let (f1, f3, saturation) = (T::of(p.f1_um_per_v), T::of(p.f3_um_per_v3), T::of(p.saturation_v));
@@ -259,8 +259,8 @@ impl<T: Real> Recursion<T> for Duhem<T> {
     }
 }
 
-/// Columns, as they are seen, and weights: `v − z0` (`f1_um_per_v`), `v³ − 3·z2` (`f3_um_per_v3`; v³ straight on beyond saturation), `z0`
-/// (`g0_um_per_v`), `z2` (`g2_um_per_v3`), 1 (`offset_um`).
+/// Columns, as they are seen, and weights: `v − z0` (`f1_um_per_v`), `v³ − 3·z2` (`f3_um_per_v3`; v³ straight on beyond
+/// saturation), `z0` (`g0_um_per_v`), `z2` (`g2_um_per_v3`), 1 (`offset_um`).
 impl<T: Real> Linear<T> for Duhem<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DuhemParameters {
-    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick after its
-    /// voltage: at most a tick of it counts.
+    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick
+    /// after its voltage: at most a tick of it counts.
     pub lag_s: f32,
     /// α of Eq. (3.12), 1/V, above 0: the memory of a reversal falls to 1/e over 1/α volts.
     pub alpha_per_v: f32,

@@ -5,8 +5,9 @@ use crate::list::List;
 use crate::math::Real;
 use crate::range::Range;
 
-/// A function whose slope is given at knots that lie evenly over a span, and runs straight between two of them: the function
-/// itself is a parabola from knot to knot, without a kink. Beyond the span it goes on with the slope at the end.
+/// A function whose slope is given at knots that lie evenly over a span, and runs straight between two of them:
+/// the function itself is a parabola from knot to knot, without a kink. Beyond the span it goes on with the slope
+/// at the end.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Curve<T> {
     first: T,
@@ -18,8 +19,8 @@ pub struct Curve<T> {
 }
 
 impl<T: Real> Curve<T> {
-    /// A function that is 0 at the lower end of the span (V), from its slopes (µm/V) at two to [`KNOTS`] knots. One of no
-    /// slopes is 0 everywhere.
+    /// A function that is 0 at the lower end of the span (V), from its slopes (µm/V) at two to [`KNOTS`] knots. One of
+    /// no slopes is 0 everywhere.
     pub fn build(span: Range<T>, slopes: &List<KNOTS>) -> Self {
         let intervals = slopes.len().saturating_sub(1).max(1);
         let spacing = span.span() / T::of(intervals as f32);

@@ -1,5 +1,5 @@
-//! A generalised Prandtl–Ishlinskii operator in a chain: what a piezo actuator does between the amplifier's terminals and its
-//! tip, a stage after the other.
+//! A generalised Prandtl–Ishlinskii operator in a chain: what a piezo actuator does between the amplifier's terminals
+//! and its tip, a stage after the other.
 //!
 //! ```text
 //! V ─ delay ─ lag with slew limit ─► u ─┬─► q(u) ─────────────────────────────────────────────┐
@@ -7,18 +7,18 @@
 //!                                                                                   └► creep c_j: τ_j ċ_j = h − c_j ─► Σ γ_j c_j ─┘
 //! ```
 //!
-//! - **Hysteresis.** A Prandtl–Ishlinskii operator (Eq. 3.9) whose plays stand behind an envelope function g, which gives it
-//!   asymmetry and saturation (Al Janaideh, Rakheja and Su, *IEEE/ASME Transactions on Mechatronics* 16(4), 2011, for
-//!   envelopes inside the plays; Brokate and Sprekels, *Hysteresis and Phase Transitions*, 1996, ch. 2, for functions behind
-//!   them), and a reversible part q. Slopes and weights are at least 0: the displacement rises with the voltage, and an
-//!   inverse exists. One g for all half-widths ties minor loops to major ones, so that a log of one amplitude says
-//!   something of others.
-//! - **Creep** is a chain of Kelvin–Voigt elements (Eq. 3.20) with times a decade apart, which is log-time creep as far as a
-//!   log can tell. It follows the hysteretic part: domains go on switching, the lattice does not.
-//! - **Rate dependence** is the amplifier's, a delay and a first-order lag whose rate is limited, and the mechanism's, a
-//!   resonance. Lag and resonance are exact for an input that runs straight within a tick. The bound of the displacement is
-//!   that of the resonance's input; how far any sequence of inputs makes it swing beyond is known (`resonance.rs`), and where
-//!   that is more than the table's limits, it is held at them.
+//! - **Hysteresis.** A Prandtl–Ishlinskii operator (Eq. 3.9) whose plays stand behind an envelope function g, which
+//!   gives it asymmetry and saturation (Al Janaideh, Rakheja and Su, *IEEE/ASME Transactions on Mechatronics* 16(4),
+//!   2011, for envelopes inside the plays; Brokate and Sprekels, *Hysteresis and Phase Transitions*, 1996, ch. 2, for
+//!   functions behind them), and a reversible part q. Slopes and weights are at least 0: the displacement rises with
+//!   the voltage, and an inverse exists. One g for all half-widths ties minor loops to major ones, so that a log of one
+//!   amplitude says something of others.
+//! - **Creep** is a chain of Kelvin–Voigt elements (Eq. 3.20) with times a decade apart, which is log-time creep as far
+//!   as a log can tell. It follows the hysteretic part: domains go on switching, the lattice does not.
+//! - **Rate dependence** is the amplifier's, a delay and a first-order lag whose rate is limited, and the mechanism's,
+//!   a resonance. Lag and resonance are exact for an input that runs straight within a tick. The bound of the
+//!   displacement is that of the resonance's input; how far any sequence of inputs makes it swing beyond is known
+//!   (`resonance.rs`), and where that is more than the table's limits, it is held at them.
 //!
 //! With everything but the slopes fixed the displacement is linear in them.
 
@@ -207,13 +207,14 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         let applied = if self.ahead > T::zero() { voltage.hull(self.foreseen) } else { voltage };
         // Plays and creep may begin anywhere in the span, too.
         let reach = applied.hull(self.span);
-        // No play stands below where it rests at the lowest voltage or above where it rests at the highest, and creep lies where
-        // its input has been.
+        // No play stands below where it rests at the lowest voltage or above where it rests at the highest, and creep
+        // lies where its input has been.
         let hysteretic = |input: T, memory: T| {
             let elements = self.elements.iter().take(self.plays);
             elements.fold(T::zero(), |sum, &(r, weight)| sum + weight * self.envelope.at(input + memory * r))
         };
-        // At the lowest voltage a memory below 0 draws no play further down than the voltage, at the highest none above what −1 does.
+        // At the lowest voltage a memory below 0 draws no play further down than the voltage, at the highest none above
+        // what −1 does.
         let (zero, one) = (T::zero(), T::one());
         let up = Range { min: zero, max: one }.clamp(self.rest_memory);
         let down = Range { min: zero, max: one }.clamp(self.rest_memory.abs());
@@ -278,8 +279,8 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
         self.reach(voltage).map(|reach| reach.intersection(limits))
     }
 
-    /// The displacement a tick later then needs no voltage that is foreseen. (The inverse of a lag that takes its input to run
-    /// straight would swing from tick to tick.)
+    /// The displacement a tick later then needs no voltage that is foreseen. (The inverse of a lag that takes its input
+    /// to run straight would swing from tick to tick.)
     fn of_held_voltage(&self) -> Self {
         let (delay, older) =
             if self.ahead > T::zero() { (0, T::one() - self.ahead) } else { (self.delay + 1, self.older) };

@@ -21,8 +21,8 @@ const LONGEST_DELAY: f32 = 14.0;
 pub struct GeneralisedPrandtlIshlinskiiParameters {
     /// Voltages over which the functions are laid out, V.
     pub span_v: Range,
-    /// From voltage to actuator, ticks, −1 … 14; a fraction is interpolated. Below 0 the actuator's input is extrapolated, as
-    /// far as the tick that the estimate is for.
+    /// From voltage to actuator, ticks, −1 … 14; a fraction is interpolated. Below 0 the actuator's input is
+    /// extrapolated, as far as the tick that the estimate is for.
     pub delay_ticks: f32,
     /// Fastest change behind the amplifier, V/s; 0 for no limit.
     pub slew_v_per_s: f32,
@@ -44,8 +44,8 @@ pub struct GeneralisedPrandtlIshlinskiiParameters {
     pub creep_times_s: List<CREEPS>,
     /// What each adds in the end to the hysteretic part that drives it, as a part of it, at least 0.
     pub creep_gains: List<CREEPS>,
-    /// Memory of an actuator at rest, −2 … 1: 0 as if it had never left that voltage, 1 as if it had come there from the middle
-    /// of the span, −1 as if from its lowest voltage, −2 as if it had fallen to that before.
+    /// Memory of an actuator at rest, −2 … 1: 0 as if it had never left that voltage, 1 as if it had come there from
+    /// the middle of the span, −1 as if from its lowest voltage, −2 as if it had fallen to that before.
     pub rest_memory: f32,
     /// Displacement at the lower end of the span without memory and creep, µm.
     pub offset_um: f32,

@@ -1,8 +1,9 @@
-//! The memory that a run of the generalised Prandtl-Ishlinskii operator begins with: of an actuator at rest, with a displacement
-//! that is known or not.
+//! The memory that a run of the generalised Prandtl-Ishlinskii operator begins with: of an actuator at rest, with a
+//! displacement that is known or not.
 //!
-//! An actuator at rest remembers the way that it came there, or has forgotten it ([`rested`](GeneralisedPrandtlIshlinskii::rested)). A known
-//! displacement says how far towards an end of that all plays stand, as after a rise or after a fall.
+//! An actuator at rest remembers the way that it came there, or has forgotten it
+//! ([`rested`](GeneralisedPrandtlIshlinskii::rested)). A known displacement says how far towards an end of that all
+//! plays stand, as after a rise or after a fall.
 
 use super::parameters::{CREEPS, PLAYS};
 use super::{GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiState, LINE};
@@ -14,8 +15,9 @@ use crate::model::solve;
 use crate::range::Range;
 
 impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
-    /// At rest at a voltage, each play `bias` of the way from where long rest leaves it to an end of its memory: −1 as after a rise,
-    /// 1 as after a fall from an end of the span. An actuator that has never left an end of the span has the memory of neither.
+    /// At rest at a voltage, each play `bias` of the way from where long rest leaves it to an end of its memory: −1 as
+    /// after a rise, 1 as after a fall from an end of the span. An actuator that has never left an end of the span has
+    /// the memory of neither.
     fn branch(&self, voltage: T, bias: T) -> GeneralisedPrandtlIshlinskiiState<T> {
         let mut plays = self.rested(voltage);
         for (at, (half_width, _)) in plays.iter_mut().zip(self.elements) {
@@ -55,7 +57,8 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         GeneralisedPrandtlIshlinskiiState { resonance: ResonanceState::rest(self.at_rest(&state, voltage)), ..state }
     }
 
-    /// At a known displacement. What no memory can have left is a lag's: the actuator is still on its way to this voltage.
+    /// At a known displacement. What no memory can have left is a lag's: the actuator is still on its way
+    /// to this voltage.
     pub(super) fn arrive(&self, voltage: T, known: T) -> GeneralisedPrandtlIshlinskiiState<T> {
         let one = T::one();
         let at = |voltage: T, bias: T| self.at_rest(&self.branch(voltage, bias), voltage);

@@ -1,16 +1,17 @@
-//! The proof that two runs of a NARX polynomial with the same voltages, from different displacements or in different number types,
-//! do not part, and come together where no displacement at a reversal is among its inputs.
+//! The proof that two runs of a NARX polynomial with the same voltages, from different displacements or in different
+//! number types, do not part, and come together where no displacement at a reversal is among its inputs.
 //!
 //! ```text
 //! |y'(k+1) − y(k+1)| ≤ Σ_i |∂f/∂y_i|·|y'(k−i) − y(k−i)| + |∂f/∂y_ext|·|y'_ext − y_ext|
 //! ρ = contraction = most of Σ_i |∂f/∂y_i| + |∂f/∂y_ext| over the box of all voltages, reversals and displacements
 //! ```
 //!
-//! The clamp brings two displacements no further apart. Without y_ext the difference is at most ρ times the largest of the r_y before,
-//! and so after n ticks at most ρ^⌊n/r_y⌋ times the first. With y_ext, one of the displacements before and however long ago, it is at
-//! most ρ times the largest ever: it never grows, and between two reversals it need not shrink below what |∂f/∂y_ext| keeps of that at
-//! the last; every reversal takes in a smaller one. What every tick rounds, δ, adds up to δ/(1 − ρ) at most in both cases. Each
-//! derivative is bounded by interval arithmetic, a monomial at a time.
+//! The clamp brings two displacements no further apart. Without y_ext the difference is at most ρ times the largest of
+//! the r_y before, and so after n ticks at most ρ^⌊n/r_y⌋ times the first. With y_ext, one of the displacements before
+//! and however long ago, it is at most ρ times the largest ever: it never grows, and between two reversals it need not
+//! shrink below what |∂f/∂y_ext| keeps of that at the last; every reversal takes in a smaller one. What every tick
+//! rounds, δ, adds up to δ/(1 − ρ) at most in both cases. Each derivative is bounded by interval arithmetic, a monomial
+//! at a time.
 
 use super::{Narx, ORDER};
 use crate::math::Real;

@@ -19,8 +19,8 @@
 //! at the centres (0).
 //!
 //! **Bound.** The clamp, so that a run is bounded whatever the coefficients. A table must also have a stable linear
-//! part, and be proven to contract (`contraction.rs`): what two runs of the same voltages differ by dies out; with y_ext
-//! among the inputs it never grows, and shrinks where the voltage goes on to reverse.
+//! part, and be proven to contract (`contraction.rs`): what two runs of the same voltages differ by dies out; with
+//! y_ext among the inputs it never grows, and shrinks where the voltage goes on to reverse.
 
 mod contraction;
 mod parameters;
@@ -92,7 +92,8 @@ impl<T: Real> NarxState<T> {
 }
 
 impl<T: Real> Narx<T> {
-    /// The model; its ticks are those of the log it was fitted to. Checks nothing: see [`Published::check`](crate::Published::check).
+    /// The model; its ticks are those of the log it was fitted to. Checks
+    /// nothing: see [`Published::check`](crate::Published::check).
     pub fn build(parameters: &NarxParameters, _sample_period: T) -> Self {
         let p = parameters;
         let voltage_per = T::one() / T::of(p.voltage_scale_v);

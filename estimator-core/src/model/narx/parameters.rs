@@ -55,8 +55,9 @@ impl NarxParameters {
             + 1
     }
 
-    /// Jury's criterion for z^r − a1·z^(r−1) − … − a_r, as a cubic: further roots at 0 change nothing. In f32, which the target
-    /// has: a root within some 10⁻⁷ of the circle may be taken for either side, and the clamp holds all the same.
+    /// Jury's criterion for z^r − a1·z^(r−1) − … − a_r, as a cubic: further roots at 0 change nothing. In f32,
+    /// which the target has: a root within some 10⁻⁷ of the circle may be taken for either side, and the clamp
+    /// holds all the same.
     fn is_stable(&self) -> bool {
         let mut b = [0.0f32; ORDER];
         for (b, a) in b.iter_mut().zip(self.coefficients.iter().take(self.output_order.into())) {

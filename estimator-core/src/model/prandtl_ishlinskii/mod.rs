@@ -136,8 +136,8 @@ impl<T: Real> PrandtlIshlinskii<T> {
 
     /// What the displacement (µm) can be for voltages of this range (V).
     ///
-    /// No play stands below r above the lowest voltage, nor above r below the highest, of the range or the memory, and `S`
-    /// increases. Widened by the rounding of the sums.
+    /// No play stands below r above the lowest voltage, nor above r below the highest, of the range or the memory, and
+    /// `S` increases. Widened by the rounding of the sums.
     pub fn reach(&self, voltage: Range<T>) -> Range<T> {
         let rounding = T::of(64.0) * T::epsilon();
         let plays = || self.thresholds.iter().zip(&self.weights).take(self.count);

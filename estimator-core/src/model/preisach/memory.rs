@@ -12,8 +12,9 @@
 //! of it. The rectangles A·(p + q) of the 22 places cover the plane's n²/2 cells at most twice, so the smallest area is
 //! at most n²/88 cells, and the displacement changes by at most that many times the largest density. What remains is
 //! again the memory of some history. Areas, not masses, decide, so that the memory (and with it the columns of the
-//! identification) does not depend on the densities. Which pair is merged hangs on the last bit of a voltage, and so places are
-//! `f32` in every number type: reference and target remember and forget the same. Such a tick costs up to 24 interpolations and 22 divisions.
+//! identification) does not depend on the densities. Which pair is merged hangs on the last bit of a voltage, and so
+//! places are `f32` in every number type: reference and target remember and forget the same. Such a tick costs up to 24
+//! interpolations and 22 divisions.
 
 use super::everett::Everett;
 use crate::math::Real;

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// How near an `f32` comes to its worst, and to the `f64`, as parts of the reach; with the feature `micromath` its exp and
-/// ln make other coefficients.
+/// How near an `f32` comes to its worst, and to the `f64`, as parts of the reach; with the feature `micromath` its exp
+/// and ln make other coefficients.
 const NEAR: [f64; 2] = if cfg!(feature = "micromath") { [2e-2, 2e-3] } else { [5e-3, 2e-6] };
 const TICK: f64 = 5e-4;
 
@@ -74,7 +74,8 @@ fn the_worst_input_stays_within_reach_in_single_precision_and_comes_close() {
     }
 }
 
-/// What swings from end to end at every tick, and sawtooths, whose mean it must keep: a velocity that is off would pile up.
+/// What swings from end to end at every tick, and sawtooths, whose mean it must keep: a velocity that is off
+/// would pile up.
 #[test]
 fn an_f32_keeps_the_mean_of_a_fast_input_down_to_the_slowest_resonance() {
     let input = Range { min: -4.0f32, max: 16.0 };

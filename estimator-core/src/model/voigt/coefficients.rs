@@ -1,4 +1,5 @@
-//! What the equations of the Voigt family come to at a voltage: rate, drive, extremum terms and the affine map of a tick.
+//! What the equations of the Voigt family come to at a voltage: rate, drive, extremum terms and the affine map
+//! of a tick.
 
 use super::parameters::VoigtParameters;
 use crate::extremum::Extremum;

@@ -16,8 +16,9 @@
 //! | forward Euler (the thesis's, Eq. 4.7) | 1 − t_s·rate | t_s | m·drive |
 //! | zero-order hold (exact for a voltage that stays for the tick) | exp(−t_s·rate) | (1 − a)/rate | m·drive |
 //!
-//! `ext` changes only at a reversal. The two power terms of it are signed: with both positive (as Table 5.2 prints them)
-//! the recursion cannot reproduce the thesis's own strokes. `V_ext` keeps its own sign (Eq. 5.3; Eq. 5.2 prints `sgn(V)`).
+//! `ext` changes only at a reversal. The two power terms of it are signed: with both positive (as Table 5.2
+//! prints them) the recursion cannot reproduce the thesis's own strokes. `V_ext` keeps its own sign (Eq. 5.3; Eq.
+//! 5.2 prints `sgn(V)`).
 
 mod coefficients;
 mod parameters;
@@ -66,8 +67,8 @@ impl<T: Real> Voigt<T> {
         state.displacement
     }
 
-    /// As [`Recursion::bound`], with the points given between which it is proven, from the lowest voltage (V) to the highest. The
-    /// closer they stand, the less the proof refuses that is admissible.
+    /// As [`Recursion::bound`], with the points given between which it is proven, from the lowest voltage (V) to the
+    /// highest. The closer they stand, the less the proof refuses that is admissible.
     ///
     /// # Errors
     /// The displacement may leave the limits (µm), or a tick is not stable.

@@ -7,10 +7,10 @@
 //! 2. **Bounded.** With 1, a tick moves the displacement to a weighted mean of itself and of the static displacement
 //!    `(drive(V) + ext)/rate(V)`. If that static displacement lies within the limits for *every* voltage of the range
 //!    and *every* pair of extrema (voltage within the range, displacement within the limits), then the limits are
-//!    invariant: no sequence of voltages, reversals and glitches can carry the displacement out of them. This is checked
-//!    with interval arithmetic on [`CELLS`] cells of the voltage range (drive is monotone, rate convex), so it is a
-//!    proof, not a trial, up to rounding: less than 2⁻²⁴/[`LEAST_DECAY`], 0.03 % of the displacement, and that the clamp of
-//!    the running estimator takes.
+//!    invariant: no sequence of voltages, reversals and glitches can carry the displacement out of them. This is
+//!    checked with interval arithmetic on [`CELLS`] cells of the voltage range (drive is monotone, rate convex), so it
+//!    is a proof, not a trial, up to rounding: less than 2⁻²⁴/[`LEAST_DECAY`], 0.03 % of the displacement, and that the
+//!    clamp of the running estimator takes.
 //!
 //! The second condition is what a parameter set with positive feedback through `y_ext` fails, however well it predicts
 //! one step ahead.

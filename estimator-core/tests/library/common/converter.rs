@@ -3,7 +3,8 @@
 use super::models::table_of;
 use estimator_core::*;
 
-/// A table of a model with a converter of 12 bits over a twentieth more than its voltages at either end, and a deadband of so many of its codes.
+/// A table of a model with a converter of 12 bits over a twentieth more than its voltages at either end, and a deadband
+/// of so many of its codes.
 pub fn table_read_by_12_bits(model: Model, deadband_codes: f32) -> Table {
     let table = table_of(model);
     let Range { min, max } = table.voltage_range_v;

@@ -1,5 +1,5 @@
-//! Exact inverse of the Prandtl-Ishlinskii model in closed form (Kuhnen 2003): what the search of the general inverse is
-//! held against.
+//! Exact inverse of the Prandtl-Ishlinskii model in closed form (Kuhnen 2003): what the search of the general inverse
+//! is held against.
 //!
 //! ```text
 //! V    = Σ w'_i·play(S⁻¹(y) − offset, r'_i)

@@ -1,8 +1,8 @@
 //! Arm's AN386 (Cortex-M4F, 25 MHz) for the MPS2 board, as QEMU emulates it: all of the firmware but the STM32.
 //!
-//! The tick is CMSDK timer 0, at 2 kHz ([`firmware::rate`]). There is no converter: the "ADC" gives a triangle over most of its range, 1 Hz, or,
-//! with a table that drives, what the "DAC" puts out, which is a word in memory. The link is UART 0. The flash is memory that
-//! a reset keeps and a power-on does not.
+//! The tick is CMSDK timer 0, at 2 kHz ([`firmware::rate`]). There is no converter: the "ADC" gives a triangle over
+//! most of its range, 1 Hz, or, with a table that drives, what the "DAC" puts out, which is a word in memory. The link
+//! is UART 0. The flash is memory that a reset keeps and a power-on does not.
 #![no_std]
 #![no_main]
 

@@ -1,16 +1,16 @@
-//! From reset to 170 MHz: 24 MHz / 6 · 85 / 2, by the way that ST's manual prescribes and its HAL goes (RM0440, "Dynamic
-//! voltage scaling management"): boost on, wait states, the system clock switched with the core at half of it, and all of it
-//! a microsecond later.
+//! From reset to 170 MHz: 24 MHz / 6 · 85 / 2, by the way that ST's manual prescribes and its HAL goes (RM0440,
+//! "Dynamic voltage scaling management"): boost on, wait states, the system clock switched with the core at half of it,
+//! and all of it a microsecond later.
 //!
-//! embassy-stm32 0.6 goes another: it asks for boost with bit 0 of PWR_CR5, where the manual and ST's headers have bit 8, so
-//! that there is none, and it switches from 16 to 170 MHz in one step. It is told half the core's clock here, and this module
-//! does the rest behind it. What it then takes the clocks to be stays true for all but the core itself: when the core goes to
-//! twice, the buses' dividers do, too, so that the timers keep their 85 MHz; ADC and LPUART run on the system clock,
-//! which is 170 MHz throughout.
+//! embassy-stm32 0.6 goes another: it asks for boost with bit 0 of PWR_CR5, where the manual and ST's headers have bit
+//! 8, so that there is none, and it switches from 16 to 170 MHz in one step. It is told half the core's clock here, and
+//! this module does the rest behind it. What it then takes the clocks to be stays true for all but the core itself:
+//! when the core goes to twice, the buses' dividers do, too, so that the timers keep their 85 MHz; ADC and LPUART run
+//! on the system clock, which is 170 MHz throughout.
 //!
-//! A crystal that does not start leaves the chip at the same speed by its own oscillator, 16 MHz / 4 · 85 / 2, so that the link
-//! is there to say so; one that stops later is the clock security system's: the hardware goes on at 16 MHz, and its NMI
-//! ([`super::failure`]) ends the run.
+//! A crystal that does not start leaves the chip at the same speed by its own oscillator, 16 MHz / 4 · 85 / 2, so that
+//! the link is there to say so; one that stops later is the clock security system's: the hardware goes on at 16 MHz,
+//! and its NMI ([`super::failure`]) ends the run.
 
 use embassy_stm32::pac::{self, flash::vals::Latency};
 use embassy_stm32::rcc::{
@@ -44,7 +44,8 @@ pub fn start() -> (Peripherals, bool) {
     (p, crystal)
 }
 
-/// Switches the crystal on, and has it watched from its start on. The driver would wait for ever for one that does not start.
+/// Switches the crystal on, and has it watched from its start on. The driver would wait for ever for one that
+/// does not start.
 fn crystal_starts() -> bool {
     const POLLS_A_MS: u32 = 100;
     pac::RCC.cr().modify(|w| w.set_hseon(true));
@@ -103,7 +104,8 @@ fn full_speed() {
     });
 }
 
-/// Tells the DAC, which is on the core's bus and must be off, that its clock is above 160 MHz: its driver takes it for half.
+/// Tells the DAC, which is on the core's bus and must be off, that its clock is above 160 MHz: its driver takes
+/// it for half.
 pub fn tell_dac() {
     pac::DAC1.mcr().modify(|w| w.set_hfsel(0b10));
 }

@@ -26,8 +26,8 @@ pub fn flash_errors() -> u32 {
     FLASH_ERRORS.load(Relaxed)
 }
 
-/// The DAC to its safe value: where it drives the amplifier, no faster than the drive may, and at once elsewhere. The tick
-/// must not come any more. Before the DAC runs this does nothing.
+/// The DAC to its safe value: where it drives the amplifier, no faster than the drive may, and at once elsewhere. The
+/// tick must not come any more. Before the DAC runs this does nothing.
 fn output_safe() {
     RESTING.store(true, Relaxed);
     let Some(shown) = output::hold() else { return };
@@ -66,15 +66,16 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     SCB::sys_reset()
 }
 
-/// The crystal has stopped, or the flash cannot correct a word. The first ends the run as any failure does, at the speed of the
-/// chip's own oscillator: no tick comes any more, the output goes to its safe value, and the next start looks for the crystal.
-/// Where another failure has the output on its way there already, it is left to arrive: the steps that are left are as long as before, by
-/// [`clocks::core_hz`].
+/// The crystal has stopped, or the flash cannot correct a word. The first ends the run as any failure does, at the
+/// speed of the chip's own oscillator: no tick comes any more, the output goes to its safe value, and the next start
+/// looks for the crystal. Where another failure has the output on its way there already, it is left to arrive: the
+/// steps that are left are as long as before, by [`clocks::core_hz`].
 ///
-/// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is garbage,
-/// which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names bank 2, where the
-/// store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic would then come back at every start.
-/// The store is read in thread mode only: a word that an interrupt's handler has met is code, and the run ends.
+/// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is
+/// garbage, which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names
+/// bank 2, where the store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic
+/// would then come back at every start. The store is read in thread mode only: a word that an interrupt's handler has
+/// met is code, and the run ends.
 #[exception]
 unsafe fn NonMaskableInt() {
     if clocks::crystal_stopped() {

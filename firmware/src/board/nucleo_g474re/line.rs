@@ -1,12 +1,12 @@
-//! The serial line: LPUART1, both ways by DMA, so that no byte waits for the core. However long the tick keeps everything else
-//! waiting, what comes meanwhile is written to memory; a byte an interrupt, eight of them in the UART's own FIFO, would be lost
-//! after 87 µs.
+//! The serial line: LPUART1, both ways by DMA, so that no byte waits for the core. However long the tick keeps
+//! everything else waiting, what comes meanwhile is written to memory; a byte an interrupt, eight of them in the UART's
+//! own FIFO, would be lost after 87 µs.
 //!
 //! The receiver's channel goes round in a ring and is never stopped. embassy-stm32's own receiver of this kind
-//! (`RingBufferedUartRx`) stops its channel at every error of the line and goes on with what the channel has left, which the
-//! hardware does not promise to do (RM0440, "Channel state and disabling a channel": suspend and resume). So the ring is the
-//! driver's, and the UART's flags are this module's: a byte that came with an error is a byte like others, which its frame's
-//! checksum refuses, and is counted.
+//! (`RingBufferedUartRx`) stops its channel at every error of the line and goes on with what the channel has left,
+//! which the hardware does not promise to do (RM0440, "Channel state and disabling a channel": suspend and resume). So
+//! the ring is the driver's, and the UART's flags are this module's: a byte that came with an error is a byte like
+//! others, which its frame's checksum refuses, and is counted.
 
 use core::future::poll_fn;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -30,8 +30,8 @@ bind_interrupts!(struct Irqs {
     LPUART1 => Pause, usart::InterruptHandler<LPUART1>;
 });
 
-/// Bytes that may wait to be read: what comes in 89 ms at the full rate, longer than any request keeps the link from reading.
-/// The longest erases two pages, up to 25 ms each.
+/// Bytes that may wait to be read: what comes in 89 ms at the full rate, longer than any request keeps the link from
+/// reading. The longest erases two pages, up to 25 ms each.
 const WAITING: usize = 8192;
 
 /// How often an error of the line was found: overrun, framing or noise.
@@ -44,7 +44,8 @@ pub fn errors() -> u32 {
     ERRORS.load(Relaxed)
 }
 
-/// The sender pauses. What else the UART interrupts for, that all has been sent, is the driver's, whose handler comes next.
+/// The sender pauses. What else the UART interrupts for, that all has been sent, is the driver's, whose
+/// handler comes next.
 pub struct Pause;
 
 impl Handler<Interrupt> for Pause {
@@ -104,8 +105,8 @@ impl Read for Receiver {
         poll_fn(|context| {
             self.ring.set_waker(context.waker());
             PAUSED.register(context.waker());
-            // The driver's handler, which comes after `Pause`, takes a pause that begins between the two for its own, and ends
-            // this interrupt.
+            // The driver's handler, which comes after `Pause`, takes a pause that begins between the two for its own,
+            // and ends this interrupt.
             critical_section::with(|_| pac::LPUART1.cr1().modify(|w| w.set_idleie(true)));
             count_errors();
             match self.ring.read(buffer) {

@@ -1,5 +1,5 @@
-//! ST's NUCLEO-G474RE: STM32G474RE at 170 MHz from the board's 24 MHz crystal; where that does not start, from the chip's own
-//! oscillator, to say so over the link.
+//! ST's NUCLEO-G474RE: STM32G474RE at 170 MHz from the board's 24 MHz crystal; where that does not start, from the
+//! chip's own oscillator, to say so over the link.
 //!
 //! | what | where |
 //! |---|---|
@@ -15,8 +15,9 @@
 //! | trigger of the ADC, and of the DAC | TIM6, 2 kHz ([`firmware::rate`]), and TIM7, 100 kHz |
 //! | async time, cycle count, watchdog | TIM5, DWT, IWDG (200 ms) |
 //!
-//! At 2 kHz sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz a channel, 67.8 µs for all three, the monitor first; the interrupt
-//! follows. Every other interrupt has a lower priority, so only a critical section (embassy's own, tens of instructions each) can delay the tick.
+//! At 2 kHz sampling takes 16 · (47.5 + 12.5) clocks of 42.5 MHz a channel, 67.8 µs for all three, the monitor first;
+//! the interrupt follows. Every other interrupt has a lower priority, so only a critical section (embassy's own, tens
+//! of instructions each) can delay the tick.
 #![no_std]
 #![no_main]
 
@@ -69,8 +70,8 @@ const INTERFACE: Interface = Interface { tick_us: TICK_US, adc_full_scale: FULL_
 /// What a tick may take, cycles.
 const ALLOWED: u32 = CORE_HZ / TICK_HZ - sampling::CYCLES - AHEAD;
 const _: () = assert!(100 * ALLOWED >= ALLOWED_PERCENT * (CORE_HZ / TICK_HZ), "tables are admitted that have no time");
-/// Longest that the tick or the main loop may stand still, µs. What takes longest in a start, to wait for the crystal, is before; a
-/// write of the flash lets both go on.
+/// Longest that the tick or the main loop may stand still, µs. What takes longest in a start, to wait for the crystal,
+/// is before; a write of the flash lets both go on.
 const WATCHDOG_US: u32 = 200_000;
 
 /// What the converter's interrupt owns.
@@ -91,8 +92,8 @@ struct OnBoard {
 }
 
 impl Front for OnBoard {
-    /// Held, the button connects the pin to 3.3 V, else a resistor pulls it down: so says the schematic of this board (MB1367),
-    /// and ST's own driver of it waits for a rising edge. Other Nucleo boards have it the other way round.
+    /// Held, the button connects the pin to 3.3 V, else a resistor pulls it down: so says the schematic of this board
+    /// (MB1367), and ST's own driver of it waits for a rising edge. Other Nucleo boards have it the other way round.
     fn held(&mut self) -> bool {
         self.button.is_high()
     }
@@ -234,9 +235,9 @@ fn ADC1_2() {
     marker.set_low();
 }
 
-/// Has a debugger that halts the core halt the watchdog with it, which else resets the board in the midst of a look; TIM6 and TIM7,
-/// without which DMA would go on putting the last two ticks' codes out in turns: the output stays at its last code; and TIM5, by which a
-/// host that is waited for would have been silent for too long.
+/// Has a debugger that halts the core halt the watchdog with it, which else resets the board in the midst of a look;
+/// TIM6 and TIM7, without which DMA would go on putting the last two ticks' codes out in turns: the output stays at its
+/// last code; and TIM5, by which a host that is waited for would have been silent for too long.
 fn freeze_in_debug() {
     pac::DBGMCU.apb1lfzr().modify(|w| {
         w.set_iwdg(true);

@@ -1,12 +1,14 @@
-//! The DAC's output, sixteen times as fine as its codes. TIM7 puts a code out every 10 µs, whatever the tick's rate; DMA brings the
-//! codes from a ring; their mean is what the tick wants ([`firmware::shaping`]). A low-pass behind the pin shows the mean.
+//! The DAC's output, sixteen times as fine as its codes. TIM7 puts a code out every 10 µs, whatever the tick's rate;
+//! DMA brings the codes from a ring; their mean is what the tick wants ([`firmware::shaping`]). A low-pass behind the
+//! pin shows the mean.
 //!
-//! **The ring** has two halves, one tick's codes each: the tick fills the half that is not being played. A code reaches the pin two
-//! TIM7 triggers after DMA has fetched it, so TIM7 starts two triggers ahead of TIM6, and a tick's codes begin less than a microsecond
-//! before the next TIM6 trigger. A tick must be done 20 µs before that trigger: one that is later leaves the ring as it is.
+//! **The ring** has two halves, one tick's codes each: the tick fills the half that is not being played. A code reaches
+//! the pin two TIM7 triggers after DMA has fetched it, so TIM7 starts two triggers ahead of TIM6, and a tick's codes
+//! begin less than a microsecond before the next TIM6 trigger. A tick must be done 20 µs before that trigger: one that
+//! is later leaves the ring as it is.
 //!
-//! **A missed tick** repeats the last two ticks' codes: the output goes back by one tick's change, and forth again. A drive then goes
-//! on from what the pin shows, at its slew rate, wherever the tick's command is meanwhile.
+//! **A missed tick** repeats the last two ticks' codes: the output goes back by one tick's change, and forth again. A
+//! drive then goes on from what the pin shows, at its slew rate, wherever the tick's command is meanwhile.
 
 use core::ptr::addr_of_mut;
 use core::sync::atomic::{Ordering::SeqCst, compiler_fence};
@@ -38,7 +40,8 @@ const CODES: u32 = CODES_HZ / TICK_HZ;
 const HALF: usize = CODES as usize / 2;
 /// A tick's codes begin at most so many cycles before TIM6's trigger.
 const LEAD: u32 = CORE_HZ / 1_000_000;
-/// A tick must be done so many cycles before the next trigger: before the first of its codes is fetched, and a code's time more.
+/// A tick must be done so many cycles before the next trigger: before the first of its codes is fetched, and a
+/// code's time more.
 pub const AHEAD: u32 = 2 * (CORE_HZ / CODES_HZ) + LEAD;
 /// Parts of a code that rounding and the supply's correction may add to a stride.
 const ROUNDING: u16 = 4;
@@ -82,8 +85,8 @@ impl Ahead {
     }
 }
 
-/// The DAC on its pin, at what it is given for its safe code until TIM7 is started; without the pin, where nobody knows which that is:
-/// resistors hold what is wired to it then, as in a reset.
+/// The DAC on its pin, at what it is given for its safe code until TIM7 is started; without the pin, where nobody knows
+/// which that is: resistors hold what is wired to it then, as in a reset.
 pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri<'static, TIM7>) -> (Output, Ahead) {
     // Before the DAC listens: loading the prescaler is a trigger too.
     let timer = trigger::at_rate(tim7, CODES_HZ);
@@ -109,7 +112,8 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
     let mut options = TransferOptions::default();
     (options.circular, options.complete_transfer_ir) = (true, false);
     let mut channel = Channel::new(ours, Irqs);
-    // SAFETY: the ring is the channel's and `fill`'s for ever. A half-word becomes a word on its way: the register takes no less.
+    // SAFETY: the ring is the channel's and `fill`'s for ever. A half-word becomes a word on its way: the register
+    // takes no less.
     let transfer = unsafe {
         let codes = core::ptr::slice_from_raw_parts(addr_of_mut!(RING).cast::<u16>(), 4 * HALF);
         channel.write_raw(request, codes, pac::DAC1.dhr12r(0).as_ptr().cast::<u32>(), options)
@@ -127,12 +131,13 @@ impl Output {
     /// Puts a tick's output out from the next trigger on.
     #[inline]
     pub fn put(&mut self, given: DacParts) -> Put {
-        // One that stands still may stand in phase. (That it has turned since the last tick says less: one that is late may be done a
-        // turn before the next.)
+        // One that stands still may stand in phase. (That it has turned since the last tick says less: one that is late
+        // may be done a turn before the next.)
         let runs = pac::TIM7.cr1().read().cen();
         // Codes of the tick that are over.
         let over = u32::from(pac::TIM6.cnt().read().cnt()) * CODES / self.turn;
-        // From there, where in the ring the tick began, and one more: TIM7's trigger and DMA are a little apart from TIM6's count.
+        // From there, where in the ring the tick began, and one more: TIM7's trigger and DMA are a little apart
+        // from TIM6's count.
         let began = 4 * CODES - u32::from(left()) - 2 - over + 1;
         let in_phase = began % CODES <= 2;
         // The half that is being put out; the other is filled, unless it is about to be fetched.
@@ -172,8 +177,8 @@ fn nearest(DacParts(parts): DacParts) -> u16 {
     (parts + PARTS / 2) / PARTS
 }
 
-/// Without the tick, which must not come any more: leaves the pin as it is, and says what that is; `None` where the DAC does not
-/// run.
+/// Without the tick, which must not come any more: leaves the pin as it is, and says what that is; `None` where the DAC
+/// does not run.
 pub fn hold() -> Option<DacParts> {
     // Before the DAC runs the registers have no clock, and read as 0.
     if !pac::DAC1.cr().read().en(0) {

@@ -10,11 +10,11 @@ use firmware::rate::TICK_HZ;
 
 /// The largest code: a sum of 16 conversions of 12 bits, or what stands for one.
 pub const FULL_SCALE: u16 = SCALE * 4095;
-/// From the trigger to the interrupt, cycles, and a little for its entry: for each of the channels so many times 60 clocks of
-/// the ADC, each four of the core's.
+/// From the trigger to the interrupt, cycles, and a little for its entry: for each of the channels so many times 60
+/// clocks of the ADC, each four of the core's.
 pub const CYCLES: u32 = CHANNELS as u32 * OVERSAMPLED as u32 * 60 * 4 + 100;
-/// Conversions of 12 bits that the ADC adds up: so many that a tick of this rate has the time that tables are admitted for, between the
-/// last channel's end and the DAC's need. All channels are read at every rate.
+/// Conversions of 12 bits that the ADC adds up: so many that a tick of this rate has the time that tables are admitted
+/// for, between the last channel's end and the DAC's need. All channels are read at every rate.
 pub const OVERSAMPLED: u16 = match TICK_HZ {
     ..=2_000 => 16,
     2_001..=5_000 => 8,

@@ -1,4 +1,5 @@
-//! The analogue supply, which is the converters' reference, by the chip's own reference (RM0440, "Internal voltage reference").
+//! The analogue supply, which is the converters' reference, by the chip's own reference (RM0440,
+//! "Internal voltage reference").
 
 use core::ptr::addr_of;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -29,11 +30,12 @@ pub fn at_start(adc: &mut Adc<'static, ADC1>) -> f32 {
     in_mv(adc.blocking_read(&mut reference, SampleTime::CYCLES247_5))
 }
 
-/// Measures it while they go on, which come first, mV: of the conversion that the call before has begun; `None` where that has not
-/// ended, or never began, since what the register then has is of an earlier one. The reference is still the one regular channel.
+/// Measures it while they go on, which come first, mV: of the conversion that the call before has begun; `None` where
+/// that has not ended, or never began, since what the register then has is of an earlier one. The reference is still
+/// the one regular channel.
 ///
-/// The hardware takes ADSTART back at the end of a conversion that software has started. (The flag EOC would not do: the tick takes
-/// that back, with its own.)
+/// The hardware takes ADSTART back at the end of a conversion that software has started. (The flag EOC would not do:
+/// the tick takes that back, with its own.)
 pub fn measure() -> Option<f32> {
     let ended = BEGUN.load(Relaxed) && !pac::ADC1.cr().read().adstart();
     let mv = ended.then(|| in_mv(pac::ADC1.dr().read().rdata()));

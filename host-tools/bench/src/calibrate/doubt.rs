@@ -4,7 +4,8 @@ use super::channel::Channel;
 use crate::calibration_error::CalibrationError;
 use protocol::{Faults, Sample};
 
-/// How far a reading may be from the voltage that was driven to, of the drive's range: a calibration to begin with is nearer.
+/// How far a reading may be from the voltage that was driven to, of the drive's range: a calibration to begin
+/// with is nearer.
 const FAR: f64 = 0.2;
 
 /// Refuses a multimeter's reading, V, that cannot be of the voltage that the amplifier was driven to.
@@ -40,8 +41,8 @@ pub fn of_former(former: Option<(f64, f64)>, found: (f64, f64)) -> Result<(), Ca
     }
 }
 
-/// Refuses samples whose codes the device itself does not believe. The watch of a stuck converter is of the monitor's alone; whether a
-/// channel is saturated, its codes say.
+/// Refuses samples whose codes the device itself does not believe. The watch of a stuck converter is of the monitor's
+/// alone; whether a channel is saturated, its codes say.
 ///
 /// # Errors
 /// One of them has such a fault.

@@ -8,7 +8,8 @@ use crate::board_file::BoardFacts;
 use crate::calibration_error::CalibrationError;
 use protocol::Identity;
 
-/// Refuses to drive for readings of the monitor whose span could not be written: a file that says nothing else of a drive.
+/// Refuses to drive for readings of the monitor whose span could not be written: a file that says nothing else
+/// of a drive.
 ///
 /// # Errors
 /// The file has no `drive_range`, or no `drive_slew`.
@@ -17,11 +18,12 @@ pub fn writable(channel: Channel, driven: bool, before: &BoardFacts) -> Result<(
     if driven && channel == Channel::Monitor && !drives { Err(CalibrationError::NoDrive) } else { Ok(()) }
 }
 
-/// What board.toml is to say by two points: the span of the channel, and that of the DAC where the board drove to them. A reading
-/// stands for `scale` times as much, in V, or of the sensor in µm.
+/// What board.toml is to say by two points: the span of the channel, and that of the DAC where the board drove to them.
+/// A reading stands for `scale` times as much, in V, or of the sensor in µm.
 ///
 /// # Errors
-/// The points are no line that a converter's whole range can be read off, or one that goes the other way than the one `before`.
+/// The points are no line that a converter's whole range can be read off, or one that goes the other way than
+/// the one `before`.
 pub fn measured(
     channel: Channel,
     scale: f64,

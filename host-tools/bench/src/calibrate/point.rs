@@ -3,7 +3,8 @@
 use super::channel::Averaged;
 use crate::calibration_error::CalibrationError;
 
-/// How far the two points must be apart, of full scale: the error of a reading is an error of the gain, and grows outside.
+/// How far the two points must be apart, of full scale: the error of a reading is an error of the gain,
+/// and grows outside.
 const APART: f64 = 0.1;
 
 /// An instrument's reading and the codes that belong to it.

@@ -97,8 +97,8 @@ fn the_way_back_is_judged_too() {
     assert_eq!(open.judged_ticks, open.line_ticks);
 }
 
-/// Of voltages to both sides of the model's zero, the largest of which are half as large as their span, and a drive that is nearly the
-/// slowest that is admitted.
+/// Of voltages to both sides of the model's zero, the largest of which are half as large as their span, and a drive
+/// that is nearly the slowest that is admitted.
 #[test]
 fn a_way_that_is_too_long_to_be_looked_at_is_refused() {
     let table = driving_at(40.0);

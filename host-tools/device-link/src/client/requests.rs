@@ -100,11 +100,11 @@ impl Client {
         }
     }
 
-    /// Hands wanted displacements (µm), or voltages (V) in [`Mode::Excite`], over for the next ticks. With `go` the device follows
-    /// them from now on and holds the last one: for a second without `hold`; with it for ever in [`Mode::Follow`], and in [`Mode::Excite`] while frames come and five
-    /// seconds longer. `first` is the number of the first,
-    /// counted from 0 when the mode was set. Returns the number of the next one, for which there was no room yet, and how many
-    /// ticks had found none when the one before it was taken.
+    /// Hands wanted displacements (µm), or voltages (V) in [`Mode::Excite`], over for the next ticks. With `go` the
+    /// device follows them from now on and holds the last one: for a second without `hold`; with it for ever in
+    /// [`Mode::Follow`], and in [`Mode::Excite`] while frames come and five seconds longer. `first` is the number of
+    /// the first, counted from 0 when the mode was set. Returns the number of the next one, for which there was no room
+    /// yet, and how many ticks had found none when the one before it was taken.
     pub fn refer(&mut self, first: u32, references: References, go: bool, hold: bool) -> Result<(u32, u32), LinkError> {
         match self.request(Request::Refer { first, references, go, hold })? {
             Reply::Referred { next, starved } => Ok((next, starved)),

@@ -72,8 +72,8 @@ fn every_reference_gives_a_sample_and_the_voltage_of_the_core_s_inverse() {
 
 #[test]
 fn a_fault_ends_it_and_starved_ticks_are_told() {
-    // The ADC is saturated from the 280th tick on at which the amplifier has moved: two ticks after the first reference it
-    // begins to, and after twenty saturated ticks that is a fault.
+    // The ADC is saturated from the 280th tick on at which the amplifier has moved: two ticks after the first reference
+    // it begins to, and after twenty saturated ticks that is a fault.
     let (mut amplifier, mut moved) = (amplifier(DRIVE, TABLE.adc), 0);
     let rest = DRIVE.code(LIMITS.rest_v, TABLE.dac.full_scale);
     let breaks = move |dac| {
@@ -144,8 +144,8 @@ fn a_line_that_hesitates_starves_the_drive_and_the_device_counts_it() {
 
 #[test]
 fn a_host_that_is_kept_from_sending_while_the_samples_of_all_ticks_arrive_is_told_of_those_that_starved() {
-    // Three replies are lost when 640 references are taken, and with them 60 ms each, 240 ticks at this pace: more than the device's
-    // queue lasts, and than are left of those that are wanted.
+    // Three replies are lost when 640 references are taken, and with them 60 ms each, 240 ticks at this pace: more than
+    // the device's queue lasts, and than are left of those that are wanted.
     let mut lost = 0;
     let loses = messages(move |message| {
         let late = matches!(message, ToHost::Reply { reply: Reply::Referred { next: 640.., .. }, .. });

@@ -1,9 +1,9 @@
-//! What may go wrong with the monitor's signal before the converter has made a code of it, and what the firmware makes of that:
-//! which flag it raises and when, how far the estimate is off meanwhile, and when it may be believed again.
+//! What may go wrong with the monitor's signal before the converter has made a code of it, and what the firmware makes
+//! of that: which flag it raises and when, how far the estimate is off meanwhile, and when it may be believed again.
 //!
-//! The voltage is a sine of 1 Hz over most of the table's range. A fault begins where it rises fastest, after the displacement was
-//! told, so that the estimate has its ±. The error is the difference to the same run without the fault. Codes of 12 bits are
-//! meant wherever a fault is given in codes: sixteen of the board's.
+//! The voltage is a sine of 1 Hz over most of the table's range. A fault begins where it rises fastest, after the
+//! displacement was told, so that the estimate has its ±. The error is the difference to the same run without the
+//! fault. Codes of 12 bits are meant wherever a fault is given in codes: sixteen of the board's.
 
 mod outcome;
 mod run;

@@ -6,8 +6,8 @@ use protocol::{Faults, Sample};
 /// What came of a fault.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Outcome {
-    /// The first bits of the status that the run without the fault has not, and at which tick of the fault, from 1; a start anew,
-    /// which is not settled, is none.
+    /// The first bits of the status that the run without the fault has not, and at which tick of the fault, from 1; a
+    /// start anew, which is not settled, is none.
     pub flag: Option<(Status, u32)>,
     /// The first fault that lasts, and at which tick of the fault, from 1.
     pub fault: Option<(Faults, u32)>,
@@ -15,8 +15,8 @@ pub struct Outcome {
     pub worst_um: f64,
     /// The ± that was stated at that tick, µm; `None` where none was.
     pub stated_um: Option<f64>,
-    /// Ticks at which the error was beyond the ±, and neither a bit of the status nor a lasting fault stood beside it, whatever the
-    /// run without the fault has.
+    /// Ticks at which the error was beyond the ±, and neither a bit of the status nor a lasting fault stood beside it,
+    /// whatever the run without the fault has.
     pub silent: u32,
     /// When the estimate may be believed again.
     pub recovery: Recovery,

@@ -1,10 +1,11 @@
-//! What identification costs: the thesis's whole workload, 512 million sample-evaluations of nine parameters, by a plain loop,
-//! by the recursion of `estimator-core` and by the search's engine, side by side in one run; and how the engine's time grows.
+//! What identification costs: the thesis's whole workload, 512 million sample-evaluations of nine parameters, by a
+//! plain loop, by the recursion of `estimator-core` and by the search's engine, side by side in one run; and how the
+//! engine's time grows.
 //!
-//! `cargo xtask bench` runs it. With `--quick` it does a share of the workload, with `--json` it prints for machines. Before
-//! anything is timed the kernels' costs are compared: what is not the same computation cannot be compared in speed. With `--count`
-//! it runs a kernel once, for an emulator to count instructions; with `--kernels` it says which there are, and what the machine's
-//! widest instructions are.
+//! `cargo xtask bench` runs it. With `--quick` it does a share of the workload, with `--json` it prints for machines.
+//! Before anything is timed the kernels' costs are compared: what is not the same computation cannot be compared in
+//! speed. With `--count` it runs a kernel once, for an emulator to count instructions; with `--kernels` it says which
+//! there are, and what the machine's widest instructions are.
 
 mod count;
 mod plain;

@@ -1,6 +1,6 @@
-//! The model as a program without any of this project's means would have it: one candidate after the other, a sample at a
-//! time, in `f64` and the standard library's functions. ln|V| is taken once for all candidates, so that a sample costs two
-//! exponentials, and powers are taken at reversals only.
+//! The model as a program without any of this project's means would have it: one candidate after the other, a sample at
+//! a time, in `f64` and the standard library's functions. ln|V| is taken once for all candidates, so that a sample
+//! costs two exponentials, and powers are taken at reversals only.
 
 use estimator_core::{Tracker, VoigtParameters};
 use identification::Problem;

@@ -1,5 +1,5 @@
-//! Kernels side by side: each costs one generation in its turn, so that a machine that is busy for a while slows all of them. What
-//! counts is each one's quickest generation: other programs can only slow it.
+//! Kernels side by side: each costs one generation in its turn, so that a machine that is busy for a while slows all of
+//! them. What counts is each one's quickest generation: other programs can only slow it.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -34,8 +34,8 @@ pub fn samples(problem: &Problem) -> usize {
     problem.training().map(|session| session.voltage.len()).sum()
 }
 
-/// Admissible candidates about the optimum, as the kernel takes them and as a table holds them, no two alike. The optimum lies at
-/// the edge of what is admissible: one that is not would cost the recursion no samples.
+/// Admissible candidates about the optimum, as the kernel takes them and as a table holds them, no two alike. The
+/// optimum lies at the edge of what is admissible: one that is not would cost the recursion no samples.
 pub fn candidates(problem: &Problem, count: usize) -> (Vec<VoigtParameters<f64>>, Vec<Parameters>) {
     let space = Space::new(Model::Enhanced, Ranges::Data, problem.extent());
     // Multiples of the golden section, each gene's by another factor, lie evenly and repeat nothing.

@@ -1,4 +1,5 @@
-//! Duhem models: lateness and α are searched, the voltage at which f saturates follows from the training's; the rest is projected.
+//! Duhem models: lateness and α are searched, the voltage at which f saturates follows from the training's; the
+//! rest is projected.
 
 use super::model_family::{DELAYED, lateness};
 use super::projection::Projection;
@@ -8,8 +9,8 @@ use calibration::drive::RANGE_MARGIN;
 use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
 use least_squares::Sign;
 
-/// Distance from the centre beyond which f is straight, of the training's span: the ends of the table's voltages, up to which f must
-/// not fall; further out the bend of a loop that saturates would let it fall.
+/// Distance from the centre beyond which f is straight, of the training's span: the ends of the table's voltages, up to
+/// which f must not fall; further out the bend of a loop that saturates would let it fall.
 const SATURATION: f64 = 0.5 + RANGE_MARGIN;
 
 /// What is fixed before the search.

@@ -1,5 +1,6 @@
-//! The models beyond the Voigt family, identified by variable projection: a search varies the few numbers in which a model
-//! is not linear, and for each candidate the weights follow by (non-negative) least squares (Golub and Pereyra, 2003).
+//! The models beyond the Voigt family, identified by variable projection: a search varies the few numbers in
+//! which a model is not linear, and for each candidate the weights follow by (non-negative) least squares (Golub
+//! and Pereyra, 2003).
 
 mod bouc_wen;
 mod duhem;

@@ -7,11 +7,12 @@ use crate::trial::Trial;
 use estimator_core::Parameters;
 use rayon::prelude::*;
 
-/// What a tick of delay or lag must gain, as a fraction of the cost: at a single frequency they do what hysteresis does.
+/// What a tick of delay or lag must gain, as a fraction of the cost: at a single frequency they do
+/// what hysteresis does.
 pub const DELAYED: f64 = 3e-3;
 
-/// How long after its voltage the displacement comes, ticks: `lag_s = (late − 1)·t_s`, for the recursion gives it a tick after. Below a tick
-/// that is a look-ahead, beyond it a lag.
+/// How long after its voltage the displacement comes, ticks: `lag_s = (late − 1)·t_s`, for the recursion gives it a
+/// tick after. Below a tick that is a look-ahead, beyond it a lag.
 pub fn lateness() -> Gene {
     Gene::logarithmic("late", "time from the voltage to its displacement", "ticks", 0.05, 101.0)
 }
@@ -24,12 +25,12 @@ pub trait Family: Sync {
     /// What is searched.
     fn genes(&self) -> Vec<Gene>;
 
-    /// The whole parameter set that fits best with these searched values, in the order of the genes; `None` where there is
-    /// none.
+    /// The whole parameter set that fits best with these searched values, in the order of the genes; `None` where
+    /// there is none.
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Self::Found>;
 
-    /// The parameters that are kept of the best candidate, with what is too dear for each: those that fit best, where there is
-    /// nothing of the kind.
+    /// The parameters that are kept of the best candidate, with what is too dear for each: those that fit best, where
+    /// there is nothing of the kind.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Self::Found> {
         self.project(values, problem)
     }
@@ -62,8 +63,9 @@ pub trait Family: Sync {
         None
     }
 
-    /// How many of the numbers found were solved for by least squares. Numbers that are laid out before the search (spans,
-    /// thresholds, grids, creep times, orders, scales, limits) do not count, and numbers that follow from one count once.
+    /// How many of the numbers found were solved for by least squares. Numbers that are laid out before the search
+    /// (spans, thresholds, grids, creep times, orders, scales, limits) do not count, and numbers that follow from
+    /// one count once.
     fn solved(&self, found: &Self::Found) -> usize;
 
     /// Where to start, as fractions of the genes' ranges; genes that are left out start in the middle.
@@ -71,7 +73,8 @@ pub trait Family: Sync {
         Vec::new()
     }
 
-    /// A factor on the cost, from 1 up, that prefers the simpler of two candidates which the logs can hardly tell apart.
+    /// A factor on the cost, from 1 up, that prefers the simpler of two candidates which the logs can
+    /// hardly tell apart.
     fn burden(&self, _values: &[f64]) -> f64 {
         1.0
     }

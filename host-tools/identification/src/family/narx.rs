@@ -1,5 +1,5 @@
-//! NARX polynomials: for each structure the coefficients follow from one-step prediction by least squares; the structure that
-//! simulates best counts.
+//! NARX polynomials: for each structure the coefficients follow from one-step prediction by least squares; the
+//! structure that simulates best counts.
 
 use super::AnyFamily;
 use crate::problem::Problem;
@@ -14,8 +14,8 @@ pub struct Family {
     /// Orders, degree, inputs and scales; its coefficients are none yet.
     base: NarxParameters,
     ridge: f64,
-    /// Of all ticks of the problem that the structure was laid out for, without a ridge: the dear part of a candidate, and
-    /// the same for every ridge.
+    /// Of all ticks of the problem that the structure was laid out for, without a ridge: the dear part of a candidate,
+    /// and the same for every ridge.
     normal: Arc<OnceLock<Normal>>,
 }
 
@@ -68,8 +68,8 @@ fn of(inputs: BlackBoxInputs, degree: u8, problem: &Problem) -> [AnyFamily; RIDG
     RIDGES.map(|ridge| Box::new(Family { base, ridge, normal: Arc::clone(&normal) }) as AnyFamily)
 }
 
-/// The regressors of a slow movement are nearly alike, and what predicts one step best is often unstable, or not proven to
-/// contract.
+/// The regressors of a slow movement are nearly alike, and what predicts one step best is often unstable, or not
+/// proven to contract.
 const RIDGES: [f64; 6] = [1e-9, 1e-6, 1e-4, 1e-2, 0.1, 1.0];
 
 impl super::Family for Family {

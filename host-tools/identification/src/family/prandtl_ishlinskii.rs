@@ -1,5 +1,5 @@
-//! Prandtl–Ishlinskii operators: the slopes of the superposition's dead zones are searched; the weights of the plays and the
-//! offset are projected on the sensor seen through the inverse superposition.
+//! Prandtl–Ishlinskii operators: the slopes of the superposition's dead zones are searched; the weights of the plays
+//! and the offset are projected on the sensor seen through the inverse superposition.
 
 use super::projection::Projection;
 use crate::problem::Problem;

@@ -1,6 +1,6 @@
-//! Preisach models: nothing is searched; the densities and the offset are projected. Where the logs have first-order
-//! reversal curves, the densities that follow from these alone come first, and least squares over all samples must better
-//! them.
+//! Preisach models: nothing is searched; the densities and the offset are projected. Where the logs have
+//! first-order reversal curves, the densities that follow from these alone come first, and least squares over all
+//! samples must better them.
 
 use super::AnyFamily;
 use super::projection::Projection;

@@ -24,9 +24,9 @@ pub struct Projection<'a, M> {
 const RIDGE: f64 = 1e-6;
 
 impl<M: Linear<f64>> Projection<'_, M> {
-    /// The unknowns with which the sum comes nearest to the sensor, `target` of it, in the sum of squares, and the constant.
-    /// Each session weighs the same and has a constant of its own, for drift and for where it started, of which the mean is
-    /// returned; what a session's unknown start has left its mark on is left out.
+    /// The unknowns with which the sum comes nearest to the sensor, `target` of it, in the sum of squares, and the
+    /// constant. Each session weighs the same and has a constant of its own, for drift and for where it started, of
+    /// which the mean is returned; what a session's unknown start has left its mark on is left out.
     pub fn solve(&self, target: impl Fn(f64) -> f64) -> Option<(Vec<f64>, f64)> {
         let sessions = self.problem.training().count();
         let count = self.signs.len();

@@ -1,5 +1,5 @@
-//! Preisach densities straight from first-order reversal curves, Eq. (3.17)–(3.19), where the training logs have them. Densities that come
-//! out negative, as noise makes them, are clipped.
+//! Preisach densities straight from first-order reversal curves, Eq. (3.17)–(3.19), where the training logs have them.
+//! Densities that come out negative, as noise makes them, are clipped.
 
 use crate::problem::Problem;
 use crate::search::Gene;

@@ -1,5 +1,6 @@
-//! Kelvin–Voigt chains: the shortest and the longest time are searched, those between are spaced evenly on a logarithmic scale;
-//! gains and offset are projected, and in the second structure the weight of the voltage at the last reversal.
+//! Kelvin–Voigt chains: the shortest and the longest time are searched, those between are spaced evenly on a
+//! logarithmic scale; gains and offset are projected, and in the second structure the weight of the voltage at
+//! the last reversal.
 
 use super::AnyFamily;
 use super::projection::Projection;

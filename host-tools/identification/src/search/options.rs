@@ -16,8 +16,8 @@ pub enum Start {
     Random,
 }
 
-/// How the search runs. The thesis's own setting is the ranges of Table 4.5, mutation 0.15, the best kept aside, one round
-/// of 400 generations, and random starts.
+/// How the search runs. The thesis's own setting is the ranges of Table 4.5, mutation 0.15, the best kept aside, one
+/// round of 400 generations, and random starts.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SearchOptions {
@@ -58,8 +58,8 @@ impl Default for SearchOptions {
 }
 
 impl SearchOptions {
-    /// What is searched for where nothing else is said: coordinates on the logs' own scale, 64 chromosomes of 10 bits a gene
-    /// in 10 rounds of 60 generations; 250 candidates a number at most by `local` for the other models.
+    /// What is searched for where nothing else is said: coordinates on the logs' own scale, 64 chromosomes of 10 bits a
+    /// gene in 10 rounds of 60 generations; 250 candidates a number at most by `local` for the other models.
     pub const DEFAULT: Self = Self {
         ranges: Ranges::Data,
         bits: 10,

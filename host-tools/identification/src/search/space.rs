@@ -1,8 +1,9 @@
 //! What the search varies, and how a candidate becomes a published parameter set.
 //!
 //! `table-4.5` searches the published parameters themselves within the thesis's ranges. Those are ranges for one
-//! actuator at ±20 V; an actuator with another stroke or drive needs others. `data` therefore searches coordinates that
-//! say what the parameters do, in terms of the log's own scale, and computes the published set from them in closed form:
+//! actuator at ±20 V; an actuator with another stroke or drive needs others. `data` therefore searches
+//! coordinates that say what the parameters do, in terms of the log's own scale, and computes the published set
+//! from them in closed form:
 //!
 //! | coordinate | meaning | range |
 //! |---|---|---|

@@ -1,6 +1,6 @@
-//! Admission, attacked: the project's own optimisers look for the codes that draw an admitted table's displacement furthest, or
-//! its two precisions furthest apart. What admission promises must hold of whatever they find, and limits that what they found
-//! breaks must be refused.
+//! Admission, attacked: the project's own optimisers look for the codes that draw an admitted table's displacement
+//! furthest, or its two precisions furthest apart. What admission promises must hold of whatever they find, and limits
+//! that what they found breaks must be refused.
 
 #[path = "../../../../estimator-core/tests/library/common/mod.rs"]
 #[allow(dead_code, unused_imports, reason = "the core's tests use the rest")]
@@ -60,7 +60,8 @@ fn worst(table: &Admitted, optimiser: Optimiser, stretches: usize, most: impl Fn
     run(table, &minimum.at)
 }
 
-/// A table of the core's tests, with limits as tight as can be proven, a resonance's swing among it, and a thousandth for what rounds.
+/// A table of the core's tests, with limits as tight as can be proven, a resonance's swing among it, and a thousandth
+/// for what rounds.
 fn table(model: Model) -> Table {
     let base = Table { drive: None, ..table_of(model) };
     let Range { min, max } = base.voltage_range_v;
@@ -139,8 +140,8 @@ fn the_optimisers_find_the_resonance_that_a_table_tells_of() {
     assert!(held.clamped && held.displaced.min == f64::from(limits.min), "{:?} of {limits:?}", held.displaced);
 }
 
-/// A polynomial that its clamp bounds and whose two precisions part: y' = 1 + 0.1·v − `bend`·y², normalised, which makes a difference
-/// up to 2·`bend` times as large.
+/// A polynomial that its clamp bounds and whose two precisions part: y' = 1 + 0.1·v − `bend`·y², normalised, which
+/// makes a difference up to 2·`bend` times as large.
 fn bending(bend: f32) -> Table {
     let base = table(Model::Narx);
     let Parameters::Narx(of) = base.parameters else { panic!("the polynomial's") };

@@ -8,8 +8,8 @@ use recordings::session::Session;
 
 const TICK_S: f64 = 5e-4;
 
-/// Plays alone, alike up to nine tenths of half the range of 0 … 100 V, from where none was moved yet, at `from` V: a rest at 10 V, and
-/// sines of three amplitudes.
+/// Plays alone, alike up to nine tenths of half the range of 0 … 100 V, from where none was moved yet, at `from` V: a
+/// rest at 10 V, and sines of three amplitudes.
 fn session(from: f64) -> Session {
     let sine = |part: f64, cycles: u32, ticks: u32| {
         (0..cycles * ticks).map(move |k| {
@@ -32,7 +32,8 @@ fn session(from: f64) -> Session {
     Session::new("plays".to_owned(), voltage, instants, displacement, TICK_S)
 }
 
-/// How wide plays weigh shows in the first rise alone: where the weights follow a law, a false memory has to make up for what that misses.
+/// How wide plays weigh shows in the first rise alone: where the weights follow a law, a false memory has to make up
+/// for what that misses.
 #[test]
 fn the_first_rise_is_met_from_either_side_of_a_rest() {
     for (from, memory) in [(0.0, -1.5..=-0.5), (50.0, 0.5..=1.0)] {

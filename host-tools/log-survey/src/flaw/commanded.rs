@@ -1,4 +1,5 @@
-//! Short movements of the displacement that the voltage commands: it leaps there, too, as far as the actuator's gain says.
+//! Short movements of the displacement that the voltage commands: it leaps there, too, as far as the
+//! actuator's gain says.
 
 use super::leaps::{EXPLAINED, ROWS, least_leap, spikes};
 use super::voltage::without;

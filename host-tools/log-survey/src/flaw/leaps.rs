@@ -31,7 +31,8 @@ pub(crate) struct Explained {
 }
 
 impl Explained {
-    /// By the largest step of the voltage (V) near each end, at so many µm/V; before the first row the voltage was `before_v`.
+    /// By the largest step of the voltage (V) near each end, at so many µm/V; before the first row the
+    /// voltage was `before_v`.
     pub fn of(voltage: &[f64], before_v: f64, um_per_v: f64) -> Self {
         let (count, near) = (voltage.len(), (2 * ROWS).min(voltage.len()));
         let step = |of: &[f64]| of.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
@@ -41,8 +42,8 @@ impl Explained {
     }
 }
 
-/// First and last row of a leap within the first rows, and of one within the last, and how far it is: further than the voltage
-/// explains. Before the log that may have been 0 V.
+/// First and last row of a leap within the first rows, and of one within the last, and how far it is: further than the
+/// voltage explains. Before the log that may have been 0 V.
 pub fn at_ends(values: &[f64], explained: Explained, least: f64) -> [Option<(usize, usize, f64)>; 2] {
     let count = values.len();
     let leaps = |from_end: &dyn Fn(usize) -> f64, explained: f64| {

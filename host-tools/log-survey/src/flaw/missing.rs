@@ -1,9 +1,9 @@
-//! Where samples may be missing that no time stamp tells of: voltage and displacement leap together from one row to the next, by
-//! far more than anywhere near, and both go on as before.
+//! Where samples may be missing that no time stamp tells of: voltage and displacement leap together from one row to the
+//! next, by far more than anywhere near, and both go on as before.
 //!
-//! What leaps because the drive does looks alike where the displacement follows within a row. A drive that leaps mostly rests
-//! before or behind it, leaps as far again elsewhere, or goes from one end of its range to the other: such leaps are none.
-//! Nothing is seen of samples that are missing where the voltage comes to the same value again, or stands.
+//! What leaps because the drive does looks alike where the displacement follows within a row. A drive that leaps mostly
+//! rests before or behind it, leaps as far again elsewhere, or goes from one end of its range to the other: such leaps
+//! are none. Nothing is seen of samples that are missing where the voltage comes to the same value again, or stands.
 
 use crate::deadband::noise_of;
 use crate::signal::ends;

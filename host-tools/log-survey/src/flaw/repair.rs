@@ -10,8 +10,8 @@ use std::borrow::Cow;
 /// More than this part of a log is no flaw of it: it is left as it is.
 const MOST: f64 = 0.5;
 
-/// The session of a log that has been cut without what was measured in these flaws of it, and how many instants that were;
-/// `None` where they are most of them, which stay.
+/// The session of a log that has been cut without what was measured in these flaws of it, and how many instants that
+/// were; `None` where they are most of them, which stay.
 ///
 /// # Errors
 /// The log cannot be brought to the tick.
@@ -21,10 +21,9 @@ pub fn measured(recipe: &Recipe, log: &Log, flaws: &[Flaw]) -> Result<(Session, 
     Ok((session, left_out))
 }
 
-/// Leaves what was measured in the flaws of its log out of a session whose sensor is late by `delay_s`; the voltage stays, as it
-/// was or was [mended].
-/// Returns how many instants it were, the first among them where it has another's value; `None` where it would be most of them:
-/// then the session stays as it is.
+/// Leaves what was measured in the flaws of its log out of a session whose sensor is late by `delay_s`; the voltage
+/// stays, as it was or was [mended]. Returns how many instants it were, the first among them where it has another's
+/// value; `None` where it would be most of them: then the session stays as it is.
 pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> Option<usize> {
     let (start_s, tick_s) = (session.start_s, session.tick_s);
     let flawed = |instant: u32| {
@@ -84,8 +83,8 @@ pub(crate) fn sound_rows(rows: usize, start_s: f64, period: f64, flaws: &[Flaw])
     (0..rows).filter(|&row| sound[row]).collect()
 }
 
-/// A log with a voltage on the straight line between the rows beside each spike of it: the recursion needs one, and remembers
-/// every extreme.
+/// A log with a voltage on the straight line between the rows beside each spike of it: the recursion needs one, and
+/// remembers every extreme.
 #[must_use]
 pub fn mended<'l>(log: &'l Log, flaws: &[Flaw]) -> Cow<'l, Log> {
     let row = |time: f64| ((time - log.start_s) / log.sample_period).round() as usize;

@@ -15,8 +15,9 @@ const AT_REST: f64 = 0.01;
 /// The last row leaps by this many times the largest step before it.
 const FURTHER: f64 = 2.0;
 
-/// First and last row of each leap of a voltage of this range and back, or in the last row, and how far it is. `um_per_v` is what a
-/// displacement that goes along does; of its own spikes only those that are `uncommanded` are broken rows.
+/// First and last row of each leap of a voltage of this range and back, or in the last row, and how far it is.
+/// `um_per_v` is what a displacement that goes along does; of its own spikes only those that are `uncommanded`
+/// are broken rows.
 pub fn voltage_spikes(
     voltage: &[f64],
     displacement: &[f64],
@@ -42,8 +43,8 @@ pub fn voltage_spikes(
     found
 }
 
-/// A last row that leaps as none before it, as of a line that was cut in mid-number. What it does to the displacement is not seen. One
-/// that goes to within `near` of 0 V, or of where the log began, is a drive that was switched off.
+/// A last row that leaps as none before it, as of a line that was cut in mid-number. What it does to the displacement
+/// is not seen. One that goes to within `near` of 0 V, or of where the log began, is a drive that was switched off.
 fn last_row(voltage: &[f64], inside: &[(usize, usize, f64)], least: f64, near: f64) -> Option<(usize, usize, f64)> {
     let last = voltage.len() - 1;
     let sound = |row: &usize| inside.iter().all(|of| row + 1 < of.0 || of.1 < *row);

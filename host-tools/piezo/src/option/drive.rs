@@ -10,8 +10,8 @@ use clap::Args;
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Where the DAC drives the amplifier instead of showing the displacement")]
 pub struct DriveArgs {
-    /// Amplifier voltage at DAC code 0 and at full scale, V; the first larger than the second where the amplifier inverts.
-    /// The DAC then drives the amplifier (piezo follow), and never shows a displacement.
+    /// Amplifier voltage at DAC code 0 and at full scale, V; the first larger than the second where the amplifier
+    /// inverts. The DAC then drives the amplifier (piezo follow), and never shows a displacement.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V", requires = "drive_slew")]
     pub drive_span: Option<Span>,
     /// Fastest change of that voltage, V/s.
@@ -23,8 +23,9 @@ pub struct DriveArgs {
     /// Voltage when nothing is wanted or something is wrong, V. Without it 0, or the voltage nearest to it.
     #[arg(long, allow_hyphen_values = true, value_name = "V", requires = "drive_span")]
     pub drive_rest: Option<f64>,
-    /// Displacement that a controller wants by the set-point's ADC code 0 and by its full scale, µm relative to the model's zero; the
-    /// first larger than the second where the input inverts. The device can then follow it (piezo linearise).
+    /// Displacement that a controller wants by the set-point's ADC code 0 and by its full scale, µm relative to
+    /// the model's zero; the first larger than the second where the input inverts. The device can then follow
+    /// it (piezo linearise).
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "µm:µm")]
     pub setpoint_span: Option<Span>,
     /// When to follow the set-point. Without it as the table or board.toml says, and on request where neither does.

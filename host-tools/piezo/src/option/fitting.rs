@@ -30,12 +30,13 @@ pub struct Fitting {
     /// Logs that are held out: their errors are reported and decide nothing.
     #[arg(long, num_args = 1.., value_name = "LOG")]
     pub validate_on: Vec<PathBuf>,
-    /// Hold out this fraction at the end of each log until the model is judged; 0.5 unless --validate-on names logs. `identify` then
-    /// learns the chosen model once more from all of them.
+    /// Hold out this fraction at the end of each log until the model is judged; 0.5 unless --validate-on names logs.
+    /// `identify` then learns the chosen model once more from all of them.
     #[arg(long, display_order = BEHIND, value_name = "FRACTION", allow_negative_numbers = true)]
     pub hold_out: Option<f64>,
-    /// Leave out what is no measurement: a value that is no number, rows that the time stamps leave out, where the displacement leaps away and back or stands still while
-    /// the voltage moves, and where the voltage is cut off or leaps alone. The voltage is run through all the same, straight past its own leaps.
+    /// Leave out what is no measurement: a value that is no number, rows that the time stamps leave out, where the
+    /// displacement leaps away and back or stands still while the voltage moves, and where the voltage is cut off or
+    /// leaps alone. The voltage is run through all the same, straight past its own leaps.
     #[arg(long)]
     pub repair: bool,
     /// Print the result as JSON.
@@ -47,13 +48,13 @@ pub struct Fitting {
     /// Discretisation of the Voigt family.
     #[arg(long, hide_short_help = true, value_parser = choice(SCHEMES), default_value = "forward-euler")]
     pub scheme: Scheme,
-    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. Where it is not given, eight
-    /// standard deviations of that noise, and 0.083 % of the logs' voltage span at least.
+    /// Retreat of the voltage that counts as a reversal, V: at least the noise of its reading. Where it is not given,
+    /// eight standard deviations of that noise, and 0.083 % of the logs' voltage span at least.
     #[arg(long, hide_short_help = true, value_name = "V", allow_negative_numbers = true)]
     pub deadband: Option<f64>,
-    /// What the displacement lags behind the voltage, amplifier and sensor included but for what --delay says, ms, as a data sheet
-    /// or a step has it. Logs of one frequency do not tell it from hysteresis. The generalised Prandtl–Ishlinskii model alone keeps
-    /// to it, and is what `identify` then takes where no model is named.
+    /// What the displacement lags behind the voltage, amplifier and sensor included but for what --delay says, ms, as a
+    /// data sheet or a step has it. Logs of one frequency do not tell it from hysteresis. The generalised
+    /// Prandtl–Ishlinskii model alone keeps to it, and is what `identify` then takes where no model is named.
     #[arg(long, display_order = BEHIND, value_name = "MS", value_parser = positive, allow_negative_numbers = true)]
     pub lag: Option<f64>,
     /// How wide the limits may be within which the estimate is proven to stay, as a multiple of the training stroke.

@@ -37,8 +37,8 @@ pub struct WriteOptions {
     /// Restart the device afterwards, and check that it has taken effect. This includes --pause.
     #[arg(long)]
     pub reset: bool,
-    /// The DAC is unplugged, or plugged where it belongs by the new table: by the one it drives the amplifier, by the other it
-    /// shows the displacement.
+    /// The DAC is unplugged, or plugged where it belongs by the new table: by the one it drives the amplifier, by the
+    /// other it shows the displacement.
     #[arg(long)]
     pub rewired: bool,
     /// Check everything, say what would be refused, and write nothing.
@@ -66,7 +66,8 @@ pub struct Doubted {
 }
 
 impl Interrupting {
-    /// Refuses to end what the device drives, unless that was said; a dry run, which ends nothing, says so, and goes on with that.
+    /// Refuses to end what the device drives, unless that was said; a dry run, which ends nothing, says so, and goes
+    /// on with that.
     pub fn consent(self, client: &mut Client, dry_run: bool) -> Result<Option<String>> {
         match idle(client) {
             Err(Busy::Drives(_)) if self.force => Ok(None),
@@ -95,8 +96,8 @@ impl WriteOptions {
         Writing { while_estimating, pause, reset, rewired }
     }
 
-    /// Writes as asked, a table or none; returns the identity after the restart, where there was one. A dry run says what would be refused,
-    /// and returns it.
+    /// Writes as asked, a table or none; returns the identity after the restart, where there was one. A dry run says
+    /// what would be refused, and returns it.
     ///
     /// # Errors
     /// The device is estimating and nothing was said about it, or it fails.

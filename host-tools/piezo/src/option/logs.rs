@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Log files")]
 pub struct LogOptions {
-    /// Which column holds what, where the file does not say so: time=1,voltage=2:mV,displacement=5:um (numbers or names in
-    /// the file; a sensor's volts as displacement=5:2.5um/V). What is left out is taken from the file.
+    /// Which column holds what, where the file does not say so: time=1,voltage=2:mV,displacement=5:um (numbers or names
+    /// in the file; a sensor's volts as displacement=5:2.5um/V). What is left out is taken from the file.
     #[arg(long)]
     pub columns: Option<Columns>,
     /// How far a volt of the displacement sensor is, where its output was recorded: 2.5um/V (also nm/mV, V/um).
@@ -45,7 +45,8 @@ impl LogOptions {
         self.read_by(path, &ReadOptions { voltage_required: false, ..self.options() })
     }
 
-    /// Reads what is to be estimated: time and voltage, whatever else there is, where asked with holes for what is no number.
+    /// Reads what is to be estimated: time and voltage, whatever else there is, where asked with holes for what
+    /// is no number.
     pub fn read_voltage(&self, path: &Path, holes: bool) -> Result<Log> {
         self.read_by(path, &ReadOptions { displacement: Need::Ignored, holes, ..self.options() })
     }

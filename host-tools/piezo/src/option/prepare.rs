@@ -9,19 +9,23 @@ use recordings::prepare::{AutoOr, Decimation, PrepareOptions, Recipe};
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Preparation of the logs (recorded in the table)")]
 pub struct PrepareArgs {
-    /// Tick, µs; 500, the thesis's 2 kHz, where none is typed and the logs are no training session's, which has its board's.
+    /// Tick, µs; 500, the thesis's 2 kHz, where none is typed and the logs are no training session's, which
+    /// has its board's.
     #[arg(long, hide_short_help = true, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     pub tick_us: Option<u32>,
-    /// Factor on the recorded voltage, to that at the actuator: 20 of a monitor 1:20, the amplifier's gain of its input.
+    /// Factor on the recorded voltage, to that at the actuator: 20 of a monitor 1:20, the amplifier's gain
+    /// of its input.
     #[arg(long, help_heading = None::<&str>, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
     pub voltage_scale: f64,
     /// Factor on the recorded displacement.
     #[arg(long, default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
     pub displacement_scale: f64,
-    /// Voltage (V, scaled) that the model calls 0, or `auto`: 0 where the logs reach it, else the middle of their swing.
+    /// Voltage (V, scaled) that the model calls 0, or `auto`: 0 where the logs reach it, else the middle
+    /// of their swing.
     #[arg(long, hide_short_help = true, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "V|auto")]
     pub voltage_zero: AutoOr,
-    /// Displacement (µm, scaled) that the model calls 0, or `auto`: where the sensor stands when the voltage is at its zero.
+    /// Displacement (µm, scaled) that the model calls 0, or `auto`: where the sensor stands when the voltage is
+    /// at its zero.
     #[arg(long, hide_short_help = true, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "µm|auto")]
     pub displacement_zero: AutoOr,
     /// How much later the sensor shows a displacement than it happens, ms, or `auto`: by cross-validation.

@@ -1,4 +1,5 @@
-//! `piezo calibrate`: two readings of a multimeter, or of a sensor, beside the board's codes → what they stand for, in board.toml.
+//! `piezo calibrate`: two readings of a multimeter, or of a sensor, beside the board's codes → what they stand
+//! for, in board.toml.
 
 use super::device::note_damage;
 use super::print::out;
@@ -20,11 +21,13 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 /// Arguments of `piezo calibrate`.
 #[derive(Args, Debug)]
 pub struct Calibrate {
-    /// What is calibrated: the monitor's channel, by a multimeter at the amplifier's output; or the sensor's, by its own display.
+    /// What is calibrated: the monitor's channel, by a multimeter at the amplifier's output; or the sensor's, by
+    /// its own display.
     #[arg(long, value_parser = choice(CHANNELS), default_value = "monitor")]
     pub channel: Channel,
-    /// Have the board drive the amplifier to these two voltages, V, lowest first, and stay there for the readings; the DAC is then
-    /// calibrated, too. That needs a calibration that is right to some 5 % already. Without it, bring what is measured there by hand.
+    /// Have the board drive the amplifier to these two voltages, V, lowest first, and stay there for the readings; the
+    /// DAC is then calibrated, too. That needs a calibration that is right to some 5 % already. Without it, bring what
+    /// is measured there by hand.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub drive_to: Option<Span>,
     /// Reading at the first point, V (of the sensor: µm), where it is known before; else it is asked for.
@@ -36,7 +39,8 @@ pub struct Calibrate {
     /// How far a volt of the sensor is, where its readings are a multimeter's, in V: 2.5um/V (also nm/mV, V/um).
     #[arg(long, value_name = "SCALE", allow_hyphen_values = true)]
     pub sensor: Option<Sensitivity>,
-    /// Measure, and say what would be written, but write nothing. With --drive-to the board drives the amplifier all the same.
+    /// Measure, and say what would be written, but write nothing. With --drive-to the board drives the amplifier
+    /// all the same.
     #[arg(long)]
     pub dry_run: bool,
     /// Print what was measured as JSON.

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 /// Arguments of `piezo collect`.
 #[derive(Args, Debug)]
 pub struct Collect {
-    /// Folders of units, where `piezo identify --unit` has written, or folders that hold such folders. One that is named and not there
-    /// is a unit that is missing.
+    /// Folders of units, where `piezo identify --unit` has written, or folders that hold such folders. One that is
+    /// named and not there is a unit that is missing.
     #[arg(required = true, value_name = "FOLDER")]
     pub folders: Vec<PathBuf>,
     /// Write a row for each unit to this file.

@@ -51,8 +51,8 @@ impl Doubts<'_> {
         if let Self::Refused(why) = self { Some(why) } else { None }
     }
 
-    /// Asks where that is open: after whatever else may hinder, which nobody is asked for nothing. Nothing listens for Ctrl-C by then, so
-    /// that it ends the question.
+    /// Asks where that is open: after whatever else may hinder, which nobody is asked for nothing. Nothing listens for
+    /// Ctrl-C by then, so that it ends the question.
     pub fn ask(&self, hindered: impl FnOnce() -> Result<()>) -> Result<()> {
         let Self::Asked(file) = self else { return Ok(()) };
         hindered()?;

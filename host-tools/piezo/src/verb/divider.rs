@@ -1,5 +1,5 @@
-//! `piezo divider`: the resistors between an amplifier's monitor, or a sensor, and the board's pin, and what they cost; and those
-//! between the board's output and the amplifier's input.
+//! `piezo divider`: the resistors between an amplifier's monitor, or a sensor, and the board's pin, and what they cost;
+//! and those between the board's output and the amplifier's input.
 
 use super::print::out;
 use crate::option::{choice, span};

@@ -34,7 +34,8 @@ pub struct Emit {
     /// Print one face to standard output instead.
     #[arg(long, value_enum)]
     pub face: Option<Face>,
-    /// Bring the table to this tick, µs, without another search: that of a board whose image was built for another rate.
+    /// Bring the table to this tick, µs, without another search: that of a board whose image was built
+    /// for another rate.
     #[arg(long, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     pub tick_us: Option<u32>,
     /// Print what was written as JSON.

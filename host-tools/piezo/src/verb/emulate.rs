@@ -1,4 +1,5 @@
-//! `piezo emulate`: the firmware on this machine behind a socket, with an amplifier, an actuator and a sensor on its converters.
+//! `piezo emulate`: the firmware on this machine behind a socket, with an amplifier, an actuator and a sensor
+//! on its converters.
 //!
 //! Wired otherwise than the board's file says, it is what `piezo calibrate` is for; instruments then show what is.
 
@@ -32,18 +33,19 @@ pub struct Emulate {
     /// Seconds of the device in a second. Beyond some twenty the link cannot carry every sample away.
     #[arg(long, default_value_t = 1.0, value_parser = positive)]
     pub speed: f64,
-    /// A spring that the actuator pushes against, in the actuator's own stiffness: 1 halves the stroke. What a load does to a table: let it be
-    /// learnt without, keep it with --flash, start again with --load, and prove it
+    /// A spring that the actuator pushes against, in the actuator's own stiffness: 1 halves the stroke. What a load
+    /// does to a table: let it be learnt without, keep it with --flash, start again with --load, and prove it
     #[arg(long, value_name = "RATIO", value_parser = not_negative)]
     pub load: Option<f64>,
-    /// Kelvin a minute by which the actuator warms up. Each lengthens it by about 1 % of its stroke, and takes 0.3 % of its strain
+    /// Kelvin a minute by which the actuator warms up. Each lengthens it by about 1 % of its stroke, and takes 0.3 %
+    /// of its strain
     #[arg(long, value_name = "K/MIN", value_parser = finite, allow_negative_numbers = true)]
     pub warming: Option<f64>,
     /// How it is wired. Where there is no such file, one is written.
     #[arg(long, value_name = "FILE", default_value = "board.toml")]
     pub board: PathBuf,
-    /// How it is wired in truth, where --board is not to say that: what calibrate is to find. The readings of a multimeter and of the
-    /// sensor's display are then printed whenever the voltage stands still.
+    /// How it is wired in truth, where --board is not to say that: what calibrate is to find. The readings of a
+    /// multimeter and of the sensor's display are then printed whenever the voltage stands still.
     #[arg(long, value_name = "FILE")]
     pub wired: Option<PathBuf>,
     /// Keep its flash in this file, and with it its tables, from one run to the next.

@@ -19,19 +19,23 @@ pub struct Estimate {
     /// Logs of the voltage. A sensor's column is not looked at.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
-    /// Write the estimates to this file: time_s, voltage_V, estimate_um, half_width_um, status, log; a row a recorded instant after
-    /// the first (a tick of the table's, where the log has more), the voltage as recorded, the estimate with the training sensor's zero.
+    /// Write the estimates to this file: time_s, voltage_V, estimate_um, half_width_um, status, log; a row a recorded
+    /// instant after the first (a tick of the table's, where the log has more), the voltage as recorded, the estimate
+    /// with the training sensor's zero.
     #[arg(long, value_name = "FILE", default_value = "estimates.csv")]
     pub out: PathBuf,
-    /// Where the actuator is at each log's first sample, µm of the training sensor; else it is taken to have rested there for long.
+    /// Where the actuator is at each log's first sample, µm of the training sensor; else it is taken to have rested
+    /// there for long.
     #[arg(long, value_name = "µm", value_parser = finite, allow_negative_numbers = true)]
     pub start_at: Option<f64>,
-    /// Where the actuator is at a time, s since each log's first sample, in µm of the training sensor, as `piezo zero` tells a device at a
-    /// known position: from then on the estimate is by that, with its ±. Best after a full swing, which wipes out how it started.
+    /// Where the actuator is at a time, s since each log's first sample, in µm of the training sensor, as `piezo zero`
+    /// tells a device at a known position: from then on the estimate is by that, with its ±. Best after a full swing,
+    /// which wipes out how it started.
     #[arg(long, value_name = "S:µm", value_parser = zero, allow_hyphen_values = true, conflicts_with = "start_at")]
     pub zero_at: Option<(f64, f64)>,
-    /// Take the voltage to go straight on over rows where it is no number, or that the time stamps leave out: a tenth at most. No estimate
-    /// is written of these, and those behind are by what the memory then is; a full swing wipes that out.
+    /// Take the voltage to go straight on over rows where it is no number, or that the time stamps leave out: a
+    /// tenth at most. No estimate is written of these, and those behind are by what the memory then is; a full swing
+    /// wipes that out.
     #[arg(long)]
     pub repair: bool,
     /// Print what was estimated as JSON.

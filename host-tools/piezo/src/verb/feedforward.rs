@@ -21,8 +21,8 @@ use std::path::PathBuf;
 pub struct Feedforward {
     /// The table of the actuator.
     pub table: PathBuf,
-    /// Where the displacement is wanted: a log with time and displacement (time_s,displacement_um), relative to the model's
-    /// zero as every estimate is; straight between its samples.
+    /// Where the displacement is wanted: a log with time and displacement (time_s,displacement_um), relative to the
+    /// model's zero as every estimate is; straight between its samples.
     pub trajectory: PathBuf,
     /// The voltages, as a log with the displacement that the model gives for them.
     #[arg(long)]
@@ -34,11 +34,12 @@ pub struct Feedforward {
     /// Fastest change of the voltage, V/s. Without it the table's drive's.
     #[arg(long, value_name = "V/s", value_parser = not_negative, allow_negative_numbers = true)]
     pub slew: Option<f64>,
-    /// Voltage at which the actuator rests before, V. Without it the table's drive's, else 0 or the voltage nearest to it.
+    /// Voltage at which the actuator rests before, V. Without it the table's drive's, else 0 or the voltage
+    /// nearest to it.
     #[arg(long, allow_hyphen_values = true, value_name = "V")]
     pub rest: Option<f64>,
-    /// Exit with 1 where the model of these voltages misses the trajectory by more than this, µm, once it has been met. Without it,
-    /// where it misses it because of a limit.
+    /// Exit with 1 where the model of these voltages misses the trajectory by more than this, µm, once it has been met.
+    /// Without it, where it misses it because of a limit.
     #[arg(long, value_name = "µm", value_parser = not_negative, allow_negative_numbers = true)]
     pub max_error: Option<f64>,
     /// Print what was planned as JSON.

@@ -44,7 +44,8 @@ pub struct Flash {
     pub json: bool,
 }
 
-/// The NUCLEO-G474RE as the firmware sets it up: a code of the ADC is a sixteenth of one of 12 bits, the DAC has 12 bits.
+/// The NUCLEO-G474RE as the firmware sets it up: a code of the ADC is a sixteenth of one of 12 bits, the DAC
+/// has 12 bits.
 const NUCLEO_G474RE: Interface = Interface { tick_us: 500, adc_full_scale: 65_520, dac_full_scale: 4095 };
 /// Ticks of images that are built for other rates, µs.
 const OTHER_TICKS_US: [u32; 3] = [1_000, 200, 100];
@@ -105,7 +106,8 @@ fn place(arguments: &Flash) -> Result<Range<u32>> {
 /// The content of the parameter pages with a table in them.
 fn content<'f>(path: &'f Path, arguments: &Flash, place: &Range<u32>) -> Result<Content<'f>> {
     let (table, doubts) = table_files::read_doubted(path)?;
-    // By the probe nobody can ask the device how fast it ticks. One that ticks otherwise refuses the table, and says so.
+    // By the probe nobody can ask the device how fast it ticks. One that ticks otherwise refuses the table,
+    // and says so.
     let tick_us = OTHER_TICKS_US.into_iter().find(|us| *us == table.sample_period_us).unwrap_or(NUCLEO_G474RE.tick_us);
     device::fits(&Interface { tick_us, ..NUCLEO_G474RE }, &table, path)?;
     if tick_us != NUCLEO_G474RE.tick_us {

@@ -20,11 +20,11 @@ use std::path::PathBuf;
 /// Arguments of `piezo follow`.
 #[derive(Args, Debug)]
 pub struct Follow {
-    /// Where the displacement is wanted: a log with time and displacement (time_s,displacement_um), relative to the model's
-    /// zero; straight between its samples.
+    /// Where the displacement is wanted: a log with time and displacement (time_s,displacement_um), relative to the
+    /// model's zero; straight between its samples.
     pub trajectory: PathBuf,
-    /// The voltage read by the ADC, the estimate and what was wanted, both relative to the model's zero whatever `piezo zero` has told,
-    /// and the voltage that the DAC stood for, as a log.
+    /// The voltage read by the ADC, the estimate and what was wanted, both relative to the model's zero whatever `piezo
+    /// zero` has told, and the voltage that the DAC stood for, as a log.
     #[arg(long)]
     pub out: Option<PathBuf>,
     /// Stay at the last displacement instead of going back to rest. The next `follow` goes
@@ -34,8 +34,8 @@ pub struct Follow {
     /// Plan it by the device's table, say what would come of it, and drive nothing.
     #[arg(long)]
     pub dry_run: bool,
-    /// Drive it although a limit keeps the device's model off by up to this, µm, and exit with 1 where the estimate is more off. Without
-    /// it, nothing is driven where a limit is in the way.
+    /// Drive it although a limit keeps the device's model off by up to this, µm, and exit with 1 where the estimate is
+    /// more off. Without it, nothing is driven where a limit is in the way.
     #[arg(long, value_name = "µm", value_parser = not_negative, allow_negative_numbers = true)]
     pub max_error: Option<f64>,
     /// Print what was done as JSON.
@@ -77,7 +77,8 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let ticks = references.len() + late(&table).ceil() as usize;
     let bar = progress(ticks as u64);
     let what = Play { mode: Mode::Follow, goes_on: None, references: &references, hold: arguments.stay, ticks };
-    // A mode that is set while a fault lasts takes the bias away, and so does a fault later: it is asked for between them.
+    // A mode that is set while a fault lasts takes the bias away, and so does a fault later: it is asked
+    // for between them.
     client.set_mode(Mode::Follow)?;
     let mut following = Following::new(&table, &trajectory, client.health()?.bias_um);
     let mut unwritten = None;

@@ -57,12 +57,12 @@ pub struct Identify {
     /// How models are searched.
     #[command(flatten)]
     pub search: SearchArgs,
-    /// One of a fleet: its name or serial number, for the table, the report and unit.json in the folder. That file says what came of
-    /// it, a table or the error that there was instead; `piezo collect` reads many of them.
+    /// One of a fleet: its name or serial number, for the table, the report and unit.json in the folder. That file says
+    /// what came of it, a table or the error that there was instead; `piezo collect` reads many of them.
     #[arg(long, hide_short_help = true, help_heading = FLEET, value_name = "NAME", allow_hyphen_values = true)]
     pub unit: Option<UnitName>,
-    /// Search nothing where the folder has the unit's result of the same logs, whatever they are called now, by the same options and
-    /// the same program, as it was written.
+    /// Search nothing where the folder has the unit's result of the same logs, whatever they are called now, by the
+    /// same options and the same program, as it was written.
     #[arg(long, hide_short_help = true, help_heading = FLEET, requires = "unit")]
     pub if_changed: bool,
     /// What becomes of a file in a result's place.
@@ -232,8 +232,8 @@ fn write(
     Ok(fleet::digests(files))
 }
 
-/// When the first log that was held out, else fitted to, may be zeroed first (s), and its estimates with the delivered table's interval
-/// since then; `None` where that has none, or the log ends before.
+/// When the first log that was held out, else fitted to, may be zeroed first (s), and its estimates with the delivered
+/// table's interval since then; `None` where that has none, or the log ends before.
 fn zeroed(outcome: &Outcome, shown: &Comparison) -> Option<Zeroed> {
     let Table { interval, .. } = *outcome.learnt.candidate.table;
     let table = outcome.judged().clone().with_interval(interval).ok()?.table;

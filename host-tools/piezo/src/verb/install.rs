@@ -1,4 +1,5 @@
-//! `piezo install`: a table with the board's calibration into the device, in use, and compared with the host bit for bit.
+//! `piezo install`: a table with the board's calibration into the device, in use, and compared with the host
+//! bit for bit.
 
 use super::device::{self, note_damage};
 use super::print::{out, progress};
@@ -26,11 +27,12 @@ pub struct Install {
     /// The table: table.toml, or the folder that `piezo identify` wrote.
     #[arg(required_unless_present = "line")]
     pub table: Option<PathBuf>,
-    /// Install no actuator's table but a straight line, by which a board can be driven that knows no model yet (piezo train).
+    /// Install no actuator's table but a straight line, by which a board can be driven that knows no model
+    /// yet (piezo train).
     #[arg(long, conflicts_with = "table")]
     pub line: bool,
-    /// The DAC is unplugged, or plugged where it belongs by the new table: by the one it drives the amplifier, by the other it
-    /// shows the displacement; or it drives it from another rest, to which it jumps.
+    /// The DAC is unplugged, or plugged where it belongs by the new table: by the one it drives the amplifier, by the
+    /// other it shows the displacement; or it drives it from another rest, to which it jumps.
     #[arg(long)]
     pub rewired: bool,
     /// Install a table, too, that was learnt on less than a tenth of what the board's ADC reads.

@@ -1,4 +1,5 @@
-//! `piezo learn`: from a board and a sensor to a proven table, by the verbs that each do a part: train, identify, install, prove.
+//! `piezo learn`: from a board and a sensor to a proven table, by the verbs that each do a part: train,
+//! identify, install, prove.
 
 use super::identify::{self, Identify};
 use super::install::{self, Install};
@@ -55,8 +56,8 @@ enum Part {
     Prove(Prove),
 }
 
-/// Runs the verb; `false` where a part says so, and what follows that is not begun. Run again, it goes on behind a session that
-/// is whole: the sensor need not come back for what was not learnt or not installed.
+/// Runs the verb; `false` where a part says so, and what follows that is not begun. Run again, it goes on behind a
+/// session that is whole: the sensor need not come back for what was not learnt or not installed.
 pub fn run(arguments: &Learn) -> Result<bool> {
     // Ctrl-C in a part that does not look for it, as identify, ends before the next one, which may move the actuator.
     let interrupt = Interrupt::watch()?;
@@ -136,7 +137,8 @@ fn parse(words: Vec<String>) -> Result<Part> {
     Ok(Part::try_parse_from(std::iter::once("piezo".to_owned()).chain(words))?)
 }
 
-/// Runs a command as if it were typed, which installs a table for these voltages; `false` where it says so, or was not begun.
+/// Runs a command as if it were typed, which installs a table for these voltages; `false` where it says so, or
+/// was not begun.
 fn part(words: Vec<String>, interrupt: &Interrupt, range: Option<Span>) -> Result<bool> {
     let typed = typed(&words);
     if interrupt.wanted() {

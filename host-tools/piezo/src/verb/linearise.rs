@@ -1,5 +1,5 @@
-//! `piezo linearise`: the device drives the amplifier to where a controller's set-point wants the displacement, and goes on without
-//! a host; `--stop` brings it back to rest.
+//! `piezo linearise`: the device drives the amplifier to where a controller's set-point wants the displacement, and
+//! goes on without a host; `--stop` brings it back to rest.
 
 use super::device::checksum;
 use super::print::out;

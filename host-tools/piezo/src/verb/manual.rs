@@ -1,4 +1,5 @@
-//! `piezo completions` and `piezo man`: what a package of this program installs beside it, made of its own command line.
+//! `piezo completions` and `piezo man`: what a package of this program installs beside it, made of its
+//! own command line.
 
 use crate::option::Overwrite;
 use crate::output::{self, to_folder};

@@ -1,5 +1,5 @@
-//! The verbs of `piezo`, one a file. Each takes its parsed arguments, prints a summary for people (or JSON), and returns
-//! whether it succeeded.
+//! The verbs of `piezo`, one a file. Each takes its parsed arguments, prints a summary for people (or JSON), and
+//! returns whether it succeeded.
 
 pub mod calibrate;
 pub mod collect;

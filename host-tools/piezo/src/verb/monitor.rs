@@ -1,7 +1,7 @@
 //! `piezo monitor`: what the device measures and estimates, live.
 //!
-//! In a terminal one block of lines that refreshes itself; elsewhere a line, or a JSON object, a second. With --web a page for a
-//! browser instead; with --udp the same samples as datagrams, besides.
+//! In a terminal one block of lines that refreshes itself; elsewhere a line, or a JSON object, a second. With --web a
+//! page for a browser instead; with --udp the same samples as datagrams, besides.
 
 use super::device::{note_damage, require_estimating};
 use super::print::out;
@@ -32,8 +32,9 @@ pub struct Monitor {
     /// Print a JSON object a second, each on a line of its own.
     #[arg(long)]
     pub json: bool,
-    /// Serve a page that shows it all in a browser, zeroes and records, and print its address. Without ADDRESS nobody but this machine
-    /// reaches it, at a free port; at another address of this machine whoever knows the page's address may use it.
+    /// Serve a page that shows it all in a browser, zeroes and records, and print its address. Without ADDRESS nobody
+    /// but this machine reaches it, at a free port; at another address of this machine whoever knows the page's address
+    /// may use it.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = server::HERE, conflicts_with = "json")]
     pub web: Option<String>,
     /// Folder of the page's recordings, recording-1.csv and so on; none is written over.
@@ -48,7 +49,8 @@ pub struct Monitor {
     /// Of so many ticks, at most a second's, send those at which a quantity is least or largest; 1 sends all.
     #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = |text: &str| count::<u32>(text, "; 1 sends all"), requires = "udp")]
     pub every: u32,
-    /// What the board's wires stand for: a board.toml. Where it says a sensor_span, page and datagrams have the sensor, too.
+    /// What the board's wires stand for: a board.toml. Where it says a sensor_span, page and datagrams have
+    /// the sensor, too.
     #[arg(long, value_name = "FILE")]
     pub board: Option<PathBuf>,
     /// Where the device is.

@@ -1,5 +1,5 @@
-//! `piezo pil`: processor in the loop. Logs go through the device's tick, and every bit of what comes back is compared with
-//! what the host's f32 core gives.
+//! `piezo pil`: processor in the loop. Logs go through the device's tick, and every bit of what comes back is compared
+//! with what the host's f32 core gives.
 
 use super::device::{self, note_damage};
 use super::print::{out, progress};
@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `piezo pil`.
 #[derive(Args, Debug)]
 pub struct Pil {
-    /// Logs. A table.toml may stand before them: they are then prepared by its recipe, as `validate` does, and the device
-    /// must run this very table. Without it they are taken as they are, every n-th sample at the tick.
+    /// Logs. A table.toml may stand before them: they are then prepared by its recipe, as `validate` does, and the
+    /// device must run this very table. Without it they are taken as they are, every n-th sample at the tick.
     #[arg(required = true, value_name = "[TABLE] LOG")]
     pub files: Vec<PathBuf>,
     /// Feed no more than so many ticks of each log.

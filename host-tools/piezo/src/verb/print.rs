@@ -7,8 +7,8 @@ pub fn progress(length: u64) -> indicatif::ProgressBar {
     indicatif::ProgressBar::new(length).with_style(style)
 }
 
-/// Prints a line to standard output. A reader who has closed the pipe has seen enough; anything else that keeps the line
-/// from being written (a full disk) ends the program with exit code 2.
+/// Prints a line to standard output. A reader who has closed the pipe has seen enough; anything else that keeps the
+/// line from being written (a full disk) ends the program with exit code 2.
 pub fn out(line: &str) {
     if let Err(error) = crate::output::standard(format!("{line}\n").as_bytes()) {
         eprintln!("piezo: {error:#}");

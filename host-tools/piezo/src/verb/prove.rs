@@ -38,8 +38,8 @@ pub struct Prove {
     /// Draws the voltages; another than the training's.
     #[arg(long, default_value_t = 2)]
     pub seed: u64,
-    /// Pass where the mean absolute error is at most this, % of the stroke; 2 where the table states a ±, which must hold the
-    /// sensor for 80 % of the time besides: it says 95 % over many recordings.
+    /// Pass where the mean absolute error is at most this, % of the stroke; 2 where the table states a ±, which must
+    /// hold the sensor for 80 % of the time besides: it says 95 % over many recordings.
     #[arg(long, value_name = "%", value_parser = not_negative, allow_negative_numbers = true)]
     pub max_percent: Option<f64>,
     /// Check everything, say what would be driven, and drive nothing.

@@ -29,7 +29,8 @@ pub struct Record {
     /// Length of the recording, ticks.
     #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out to go on until Ctrl-C"))]
     pub samples: Option<u64>,
-    /// Go on when samples are lost. The time column then leaps; of such a log identify leaves out what is missing with --repair.
+    /// Go on when samples are lost. The time column then leaps; of such a log identify leaves out what is
+    /// missing with --repair.
     #[arg(long)]
     pub allow_gaps: bool,
     /// Print what was recorded as JSON.

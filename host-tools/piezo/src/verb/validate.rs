@@ -1,5 +1,5 @@
-//! `piezo validate`: a table against logs, the f64 reference and the f32 core side by side; which part is scored, what the
-//! estimator is told, and the estimates as a file.
+//! `piezo validate`: a table against logs, the f64 reference and the f32 core side by side; which part is scored, what
+//! the estimator is told, and the estimates as a file.
 
 use super::device::look_at;
 use super::print::out;
@@ -27,8 +27,9 @@ pub struct Validate {
     /// What the estimator is told, where a threshold judges and in what --out writes.
     #[arg(long, value_parser = choice(TOLD), default_value = Told::FirstReading.name())]
     pub told: Told,
-    /// Write the f32 core's estimates to this file: time_s, voltage_V, displacement_um, estimate_um, half_width_um, status, scored, log;
-    /// a row a measured instant after the first, voltage and displacement as recorded, the estimate with the sensor's zero.
+    /// Write the f32 core's estimates to this file: time_s, voltage_V, displacement_um, estimate_um, half_width_um,
+    /// status, scored, log; a row a measured instant after the first, voltage and displacement as recorded, the
+    /// estimate with the sensor's zero.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Fail (exit code 1) when the f32 core's mean absolute error over all logs exceeds this, µm.
@@ -40,11 +41,13 @@ pub struct Validate {
     /// Judge by the error without a constant offset, as it is after re-zeroing.
     #[arg(long)]
     pub rezero: bool,
-    /// Factor on the recorded displacement, instead of the table's: -1 of a sensor that is mounted the other way than in the training.
+    /// Factor on the recorded displacement, instead of the table's: -1 of a sensor that is mounted the other way than
+    /// in the training.
     #[arg(long, value_parser = factor, allow_negative_numbers = true)]
     pub displacement_scale: Option<f64>,
-    /// Score nothing that is no measurement, by the rule of `identify --repair`: a value that is no number, a row that the time stamps leave out, or where the sensor leaps away and
-    /// back or stands still. The voltage is run through all the same, straight past its own leaps.
+    /// Score nothing that is no measurement, by the rule of `identify --repair`: a value that is no number, a row that
+    /// the time stamps leave out, or where the sensor leaps away and back or stands still. The voltage is run through
+    /// all the same, straight past its own leaps.
     #[arg(long)]
     pub repair: bool,
     /// Print the figures as JSON.

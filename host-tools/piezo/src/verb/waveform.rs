@@ -1,4 +1,5 @@
-//! `piezo waveform`: a line of wanted displacements into the device's memory, from which it plays it again and again by itself.
+//! `piezo waveform`: a line of wanted displacements into the device's memory, from which it plays it again and
+//! again by itself.
 
 use super::print::out;
 use crate::option::link::PortOption;
@@ -15,8 +16,8 @@ use std::path::PathBuf;
 /// Arguments of `piezo waveform`.
 #[derive(Args, Debug)]
 pub struct Waveform {
-    /// The line: a log with time and displacement (time_s,displacement_um), or displacement alone and --fs, relative to the
-    /// model's zero; up to 4096 points, straight between them.
+    /// The line: a log with time and displacement (time_s,displacement_um), or displacement alone and --fs, relative to
+    /// the model's zero; up to 4096 points, straight between them.
     #[arg(required_unless_present = "stop")]
     pub line: Option<PathBuf>,
     /// Ticks from each point to the next; without it as many as its time takes.

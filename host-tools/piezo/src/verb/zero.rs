@@ -18,12 +18,12 @@ use serde_json::json;
 /// Arguments of `piezo zero`.
 #[derive(Args, Debug)]
 pub struct Zero {
-    /// What the displacement of now is called, µm: a stop that is known, a gauge's reading. With --over-cycle what its mean is
-    /// called: the mean of a sensor beside it, or the middle of two stops.
+    /// What the displacement of now is called, µm: a stop that is known, a gauge's reading. With --over-cycle what its
+    /// mean is called: the mean of a sensor beside it, or the middle of two stops.
     #[arg(long, value_name = "UM", value_parser = finite, default_value_t = 0.0, allow_negative_numbers = true)]
     pub at: f64,
-    /// Tell the mean over the voltage's first full cycle, from its first to its third reversal, instead of the displacement of
-    /// now. The voltage must move meanwhile.
+    /// Tell the mean over the voltage's first full cycle, from its first to its third reversal, instead of the
+    /// displacement of now. The voltage must move meanwhile.
     #[arg(long)]
     pub over_cycle: bool,
     /// Wait so long for the cycle, s.

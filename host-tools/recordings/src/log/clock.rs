@@ -1,7 +1,7 @@
 //! The sample period of a log, and the proof that its time stamps keep it.
 //!
-//! The period is the slope of the line of least squares through all time stamps, never one step; a whole-hertz rate that
-//! the stamps cannot tell from it is taken instead.
+//! The period is the slope of the line of least squares through all time stamps, never one step; a whole-hertz rate
+//! that the stamps cannot tell from it is taken instead.
 
 use super::channels::Channels;
 use super::error::PlacedFault;
@@ -64,7 +64,8 @@ pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> 
     Ok(period)
 }
 
-/// Before which rows of a recording how many samples are missing, by its time column; none where they are too many to be holes.
+/// Before which rows of a recording how many samples are missing, by its time column; none where they are too many
+/// to be holes.
 pub(super) fn gaps(recording: &Recording) -> Vec<(usize, usize)> {
     let Some(time) = &recording.time else { return Vec::new() };
     let resolution = resolution(time);
@@ -83,8 +84,8 @@ fn without_time_column(fault: Fault, recording: &Recording) -> Fault {
     }
 }
 
-/// Sample period (s) of a recording without a time column: what the file says beside its columns, else the stated rate (Hz);
-/// where there are both, they agree.
+/// Sample period (s) of a recording without a time column: what the file says beside its columns, else the stated rate
+/// (Hz); where there are both, they agree.
 pub(super) fn without_time(sample_time: Option<&SampleTime>, stated_rate: Option<f64>) -> Result<f64, PlacedFault> {
     match (sample_time, stated_rate) {
         (None, None) => Err(Fault::SampleRate(f64::NAN).into()),

@@ -1,8 +1,8 @@
 //! Which column of a log holds what, in which unit, as the user says it.
 //!
 //! `time=1,voltage=2:mV,displacement=5:um`: a number counted from 1 or a header name, then the unit if it is not the
-//! header's or s, V, µm. What is left out is taken from the header where that is clear. A displacement that was recorded as
-//! a sensor's volts has the sensor's scale for its unit: `displacement=5:2.5um/V`.
+//! header's or s, V, µm. What is left out is taken from the header where that is clear. A displacement that was
+//! recorded as a sensor's volts has the sensor's scale for its unit: `displacement=5:2.5um/V`.
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,5 +1,5 @@
-//! Everything that can be wrong with a log, each with its value, and its remedy where that lies in the file. Where it lies
-//! in what is said about the file ([`ReadOptions`](super::ReadOptions)), the fault holds an example of it.
+//! Everything that can be wrong with a log, each with its value, and its remedy where that lies in the file. Where it
+//! lies in what is said about the file ([`ReadOptions`](super::ReadOptions)), the fault holds an example of it.
 
 use measurement_files::{Quantity, Unit, UnknownUnit};
 
@@ -256,7 +256,8 @@ pub enum Fault {
         after: Number,
         /// Gaps in the whole log.
         gaps: usize,
-        /// Whether what is missing in all of them is little enough to be holes ([`ReadOptions::holes`](super::ReadOptions::holes)).
+        /// Whether what is missing in all of them is little enough to be holes
+        /// ([`ReadOptions::holes`](super::ReadOptions::holes)).
         few: bool,
     },
     /// A time stamp off the clock.

@@ -6,8 +6,8 @@ use super::channels::{Channel, Channels, QUANTITIES};
 use super::label::Label;
 use super::sensitivity::Sensitivity;
 
-/// The likely columns: by name, by unit, by what the numbers do, else in order. Without `time_needed` no column is taken
-/// for the time by its numbers. Of what is wanted of a displacement there need be no voltage.
+/// The likely columns: by name, by unit, by what the numbers do, else in order. Without `time_needed` no column is
+/// taken for the time by its numbers. Of what is wanted of a displacement there need be no voltage.
 pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, voltage_needed: bool) -> Channels {
     // A setting beside the first rows is no column.
     let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
@@ -52,8 +52,8 @@ fn is_clock(values: &[f64]) -> bool {
     mean > 0.0 && values.windows(2).all(|pair| (pair[1] - pair[0] - mean).abs() <= 0.5 * mean)
 }
 
-/// The columns as stated where the displacement's holds a sensor's volts: with its scale if that is known, else with a place
-/// for it.
+/// The columns as stated where the displacement's holds a sensor's volts: with its scale if that is known, else with a
+/// place for it.
 pub(super) fn with_sensor(channels: &Channels, sensor: Option<Sensitivity>) -> String {
     let Some(displacement) = channels.displacement else { return channels.to_string() };
     let others = Channels { displacement: None, ..*channels };

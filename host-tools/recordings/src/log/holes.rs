@@ -6,8 +6,8 @@ use std::ops::Range;
 /// The part of a log's rows that may be holes.
 pub(super) const FEW: f64 = 0.1;
 
-/// Puts each value that is none (NaN) on the straight line between its neighbours, in every series, and gives the rows in
-/// which any series had none. At an end the nearest value stands; a series without any stays as it is.
+/// Puts each value that is none (NaN) on the straight line between its neighbours, in every series, and gives the rows
+/// in which any series had none. At an end the nearest value stands; a series without any stays as it is.
 pub fn bridge<'s>(series: impl IntoIterator<Item = &'s mut [f64]>) -> Vec<Range<usize>> {
     let mut rows: Vec<usize> = Vec::new();
     for values in series {

@@ -1,7 +1,8 @@
 //! Recorded sessions: voltage and displacement over time, read from what instruments and programs write.
 //!
-//! A log that comes out of [`read`] is in V and µm at one sample period, finite, without gaps or with them bridged ([`Log::holes`]), and of plausible size;
-//! everything else is refused with the file, the line, the value and the remedy ([`LogError`]).
+//! A log that comes out of [`read`] is in V and µm at one sample period, finite, without gaps or with them
+//! bridged ([`Log::holes`]), and of plausible size; everything else is refused with the file, the line, the value
+//! and the remedy ([`LogError`]).
 
 mod channels;
 mod choose;

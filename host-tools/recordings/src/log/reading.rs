@@ -123,7 +123,8 @@ impl<'a> Reading<'a> {
         let quantities: Vec<Quantity> = chosen.iter().map(|(quantity, _)| *quantity).collect();
         let slot = |quantity| quantities.iter().position(|&other| other == quantity);
         let slots = QUANTITIES.map(slot);
-        // A finite number of a large unit may be none of a small one; what is none in the file is a hole, but for a time.
+        // A finite number of a large unit may be none of a small one; what is none in the file is a hole, but
+        // for a time.
         let refused = |(quantity, channel): &(Quantity, Channel), value: f64| {
             channel.to_base(value).is_infinite() || value.is_nan() && *quantity == Quantity::Time
         };

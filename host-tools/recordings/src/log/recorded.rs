@@ -17,14 +17,16 @@ pub struct Log {
     pub start_s: f64,
     /// Sample period, s.
     pub sample_period: f64,
-    /// Voltage of each sample, V; empty only where [`ReadOptions::voltage_required`](super::ReadOptions::voltage_required) is off.
+    /// Voltage of each sample, V; empty only where
+    /// [`ReadOptions::voltage_required`](super::ReadOptions::voltage_required) is off.
     pub voltage: Vec<f64>,
-    /// Displacement of each sample, µm; `None` only where [`ReadOptions::displacement`](super::ReadOptions::displacement) does not require it.
+    /// Displacement of each sample, µm; `None` only where
+    /// [`ReadOptions::displacement`](super::ReadOptions::displacement) does not require it.
     pub displacement: Option<Vec<f64>>,
     /// The displacement is an estimate and no sensor's, by the name of its column.
     pub displacement_estimated: bool,
-    /// Rows in which the file has no number for the voltage or the displacement, or that its time stamps leave out: these lie on the
-    /// straight line between their neighbours ([`ReadOptions::holes`](super::ReadOptions::holes)).
+    /// Rows in which the file has no number for the voltage or the displacement, or that its time stamps leave out:
+    /// these lie on the straight line between their neighbours ([`ReadOptions::holes`](super::ReadOptions::holes)).
     pub holes: Vec<Range<usize>>,
 }
 

@@ -32,8 +32,8 @@ impl Recording {
         self.displacement.as_ref().map_or(self.voltage.len(), Vec::len)
     }
 
-    /// Puts values on straight lines where there were none, and samples where `gaps` says that so many are missing before a row, and
-    /// notes the rows.
+    /// Puts values on straight lines where there were none, and samples where `gaps` says that so many are missing
+    /// before a row, and notes the rows.
     ///
     /// # Errors
     /// There is no number in too many rows of the file to be holes of it.

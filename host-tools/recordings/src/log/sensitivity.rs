@@ -5,7 +5,8 @@ use std::str::FromStr;
 
 use measurement_files::{Quantity, Unit};
 
-/// What a sensor's output in volts means, as in `2.5um/V` or `0.4V/um`; negative where more volts mean less displacement.
+/// What a sensor's output in volts means, as in `2.5um/V` or `0.4V/um`; negative where more volts
+/// mean less displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
     /// µm a volt.

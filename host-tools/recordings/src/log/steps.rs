@@ -1,8 +1,8 @@
 //! Whether time stamps keep one sample period: none missing, none misplaced.
 //!
-//! A step may differ from the sample period by 1 % of it. Beyond that only the rounding of printed stamps is tolerated: in
-//! a step to one unit of the last decimal shown, and in the distance of a stamp from the straight line through all to
-//! [`ROUNDING`] of it. So 0.0005 s printed with three decimals (0, 0.001, 0.001, 0.002, …) passes, and a missing or
+//! A step may differ from the sample period by 1 % of it. Beyond that only the rounding of printed stamps is tolerated:
+//! in a step to one unit of the last decimal shown, and in the distance of a stamp from the straight line through all
+//! to [`ROUNDING`] of it. So 0.0005 s printed with three decimals (0, 0.001, 0.001, 0.002, …) passes, and a missing or
 //! misplaced sample does not.
 
 use super::fault::Fault;
@@ -56,7 +56,8 @@ pub(super) fn check(time: &[f64], resolution: &[f64], period: f64) -> Result<(),
     }
 }
 
-/// Before which rows how many samples are missing of such time stamps; none where they are too many to be holes of a log.
+/// Before which rows how many samples are missing of such time stamps; none where they are too many to be holes
+/// of a log.
 pub(super) fn few_gaps(time: &[f64], resolution: &[f64], period: f64) -> Vec<(usize, usize)> {
     Steps::of(time, resolution, period).few_gaps()
 }
@@ -96,7 +97,8 @@ impl<'a> Steps<'a> {
         self.off * 20 > self.time.len()
     }
 
-    /// Whether a step back to row `k` is one of many that a clock misplaces a little, rather than where another recording begins.
+    /// Whether a step back to row `k` is one of many that a clock misplaces a little, rather than where
+    /// another recording begins.
     fn jitters_back(&self, k: usize) -> bool {
         self.off_in_many() && self.step(k) > -BACKWARDS * self.period
     }

@@ -29,9 +29,11 @@ pub struct PrepareOptions {
     pub voltage_scale: f64,
     /// Factor on the recorded displacement.
     pub displacement_scale: f64,
-    /// Voltage (V, scaled) that the model calls 0, or where it is left to the logs: 0 where the logs reach it, else the middle of their swing.
+    /// Voltage (V, scaled) that the model calls 0, or where it is left to the logs: 0 where the logs reach it, else the
+    /// middle of their swing.
     pub voltage_zero: AutoOr,
-    /// Displacement (µm, scaled) that the model calls 0, or where it is left to the logs: where the sensor stands when the voltage is at its zero.
+    /// Displacement (µm, scaled) that the model calls 0, or where it is left to the logs: where the sensor stands when
+    /// the voltage is at its zero.
     pub displacement_zero: AutoOr,
     /// How much later the sensor shows a displacement than it happens, ms, or by cross-validation.
     pub delay: AutoOr,

@@ -105,8 +105,8 @@ impl Recipe {
         }
     }
 
-    /// What is to be done to one log. One of a device's estimates, or of a plan, is in the table's units as it is: V at the
-    /// amplifier, µm relative to the model's zero.
+    /// What is to be done to one log. One of a device's estimates, or of a plan, is in the table's units as it is: V at
+    /// the amplifier, µm relative to the model's zero.
     pub fn of(&self, log: &Log) -> Self {
         if log.displacement_estimated {
             let Self { voltage_zero_v, decimation, .. } = *self;

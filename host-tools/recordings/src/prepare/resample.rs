@@ -1,8 +1,9 @@
 //! Bringing samples to the tick.
 //!
-//! A log faster than the tick loses samples: every n-th stays (the thesis took every fifth), or the mean of each n. Where the
-//! rates are no multiples, what stays is interpolated linearly. A log slower than the tick keeps as many displacements as it has,
-//! each brought to the nearest tick, and has its voltage at every tick; both are interpolated linearly.
+//! A log faster than the tick loses samples: every n-th stays (the thesis took every fifth), or the mean of
+//! each n. Where the rates are no multiples, what stays is interpolated linearly. A log slower than the tick
+//! keeps as many displacements as it has, each brought to the nearest tick, and has its voltage at every tick;
+//! both are interpolated linearly.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,8 +29,8 @@ pub struct AtTick {
     pub displacement: Vec<f64>,
 }
 
-/// `ratio` is the log's sample period over the tick. `None` when the log is faster than the tick by no whole number, of which
-/// there is no mean.
+/// `ratio` is the log's sample period over the tick. `None` when the log is faster than the tick by no whole number, of
+/// which there is no mean.
 pub fn to_tick(voltage: &[f64], displacement: &[f64], ratio: f64, decimation: Decimation) -> Option<AtTick> {
     let rows = voltage.len();
     // Half a sample of drift over the whole log is what "a multiple" may hide.

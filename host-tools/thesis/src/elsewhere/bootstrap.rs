@@ -1,6 +1,7 @@
-//! Whether two models differ on recordings that both have estimated: a paired bootstrap over recordings and, within
-//! each, over blocks (H. R. Künsch, *The jackknife and the bootstrap for general stationary observations*, Ann. Statist. 17, 1989): errors of
-//! neighbouring instants are nearly one number, so that blocks are drawn and not instants.
+//! Whether two models differ on recordings that both have estimated: a paired bootstrap over recordings and,
+//! within each, over blocks (H. R. Künsch, *The jackknife and the bootstrap for general stationary
+//! observations*, Ann. Statist. 17, 1989): errors of neighbouring instants are nearly one number, so that blocks
+//! are drawn and not instants.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

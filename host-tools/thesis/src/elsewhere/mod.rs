@@ -1,6 +1,6 @@
-//! What a model is worth elsewhere: learnt on one set of recordings, judged on others — later in the same session, another
-//! session, another amplitude, another frequency, other waveforms, devices outside every model's class, and devices that
-//! have changed since. Each estimator runs from its log's beginning, as a device does.
+//! What a model is worth elsewhere: learnt on one set of recordings, judged on others — later in the same session,
+//! another session, another amplitude, another frequency, other waveforms, devices outside every model's class, and
+//! devices that have changed since. Each estimator runs from its log's beginning, as a device does.
 //!
 //! Errors by what the estimator was told (nothing, the first reading, one cycle, the offset), medians and ranges over
 //! devices and seeds, and which models a paired bootstrap tells from the best.

@@ -1,8 +1,8 @@
 //! The sensor's noise floor in a recording, from what no actuator does between two samples.
 //!
 //! The fourth difference of white noise of deviation σ has the deviation √70·σ, that of a sine of ω the fraction
-//! (ω·dt)⁴/√70 of its amplitude. The median of its size, for a normal number 0.6745 of the deviation, looks past reversals and
-//! steps. Noise that is not white, and drift, are not in it.
+//! (ω·dt)⁴/√70 of its amplitude. The median of its size, for a normal number 0.6745 of the deviation, looks past
+//! reversals and steps. Noise that is not white, and drift, are not in it.
 
 /// Weights of the fourth difference.
 const WEIGHTS: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];

@@ -83,7 +83,8 @@ pub struct Row {
     pub different_from_best: Option<bool>,
 }
 
-/// A row for each model that was learnt under each condition, in the order of the subjects and conditions, the nearest model first.
+/// A row for each model that was learnt under each condition, in the order of the subjects and conditions, the
+/// nearest model first.
 pub fn rows(judged: &[Judged]) -> Vec<Row> {
     let mut conditions: Vec<(&str, &str)> = Vec::new();
     for one in judged {

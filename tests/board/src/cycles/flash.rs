@@ -1,7 +1,9 @@
-//! What the flash makes the core wait: wait states, and ST's caches before it (RM0440, "Adaptive real-time memory accelerator").
+//! What the flash makes the core wait: wait states, and ST's caches before it (RM0440, "Adaptive
+//! real-time memory accelerator").
 //!
-//! In dual-bank mode the flash gives 64 bits an access. The instruction cache has 32 lines, the data cache 8, each of four such
-//! words; a full cache gives up the line that was used longest ago. A word that is in its cache costs nothing.
+//! In dual-bank mode the flash gives 64 bits an access. The instruction cache has 32 lines, the data cache 8,
+//! each of four such words; a full cache gives up the line that was used longest ago. A word that is in its
+//! cache costs nothing.
 
 /// Bytes that an access gives.
 pub const WORD: u32 = 8;

@@ -1,7 +1,7 @@
 //! What an instruction costs the core by itself, and what it needs of the one before it.
 //!
-//! Costs after Arm's Cortex-M4 Technical Reference Manual (DDI 0439), tables 3-1 and 7-1: one clock but for those below. Where
-//! the manual gives a range, or leaves it to the memory, both ends are kept.
+//! Costs after Arm's Cortex-M4 Technical Reference Manual (DDI 0439), tables 3-1 and 7-1: one clock but for those
+//! below. Where the manual gives a range, or leaves it to the memory, both ends are kept.
 //!
 //! | instruction | clocks |
 //! |---|---|
@@ -36,13 +36,15 @@ pub struct Instruction {
     pub compares: bool,
     /// Registers that it reads.
     pub reads: Vec<RegId>,
-    /// Where it is an IT: how many bytes from here each instruction under its condition begins, and the one behind them.
+    /// Where it is an IT: how many bytes from here each instruction under its condition begins, and the
+    /// one behind them.
     pub conditional: Vec<u32>,
 }
 
 /// Instructions under one IT at most.
 const MOST_CONDITIONAL: usize = 4;
-/// Bytes to [decode](Decoder::decode) an instruction from: an IT of two, those under it and the one behind of four each.
+/// Bytes to [decode](Decoder::decode) an instruction from: an IT of two, those under it and the one behind
+/// of four each.
 pub const ENOUGH: usize = 2 + 4 * (MOST_CONDITIONAL + 1);
 
 /// Decodes an image's instructions.
@@ -84,7 +86,8 @@ impl Decoder {
         let computes = COMPUTES.iter().any(|&sum| id == sum as u32);
         let registers = registers(&operands);
         let first = registers.first().copied();
-        // What it adds to, it reads; what it stores or compares, too. A register read once too often costs a clock too many.
+        // What it adds to, it reads; what it stores or compares, too. A register read once too often costs a
+        // clock too many.
         let skipped = usize::from(loads || computes && !MULTIPLY_ADD.iter().any(|&sum| id == sum as u32));
         Ok(Instruction {
             size: of.len() as u32,

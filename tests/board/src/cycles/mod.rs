@@ -1,6 +1,6 @@
-//! What the runs of an exception's handler cost: their instructions are recorded and then counted by a model of the core and
-//! of the flash, which [`pipeline`] describes. It is a model made from manuals, not a measurement on silicon; what it is good
-//! for is to tell by how much the clocks exceed the instructions, and by how much more they could.
+//! What the runs of an exception's handler cost: their instructions are recorded and then counted by a model of the
+//! core and of the flash, which [`pipeline`] describes. It is a model made from manuals, not a measurement on silicon;
+//! what it is good for is to tell by how much the clocks exceed the instructions, and by how much more they could.
 //!
 //! Recording costs the emulator a third of its speed and is off before [`Board::measure`](crate::Board::measure).
 

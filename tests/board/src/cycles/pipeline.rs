@@ -1,4 +1,5 @@
-//! What a run of instructions costs: the sum of what they cost by themselves, what they wait for each other and for the flash.
+//! What a run of instructions costs: the sum of what they cost by themselves, what they wait for each other and
+//! for the flash.
 //!
 //! | | optimistic | typical | pessimistic |
 //! |---|---|---|---|

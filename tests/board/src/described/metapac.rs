@@ -1,4 +1,5 @@
-//! The crate `stm32-metapac`: embassy's description, made of ST's headers and of the SVD files, with names that all chips share.
+//! The crate `stm32-metapac`: embassy's description, made of ST's headers and of the SVD files, with names that
+//! all chips share.
 
 use stm32_metapac::metadata::{METADATA, ir};
 

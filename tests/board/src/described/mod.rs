@@ -1,7 +1,7 @@
-//! The models' places against two descriptions that others made: the SVD file of ST as stm32-rs has mended it (the crate
-//! `stm32g4`), and embassy's, made of ST's headers (`stm32-metapac`). Compared are where each peripheral and each register begins,
-//! each field's bits, the numbers of the interrupts and of the requests for DMA. Of the core's own registers it is their addresses,
-//! with the crate `cortex-m`: it has no bits of theirs.
+//! The models' places against two descriptions that others made: the SVD file of ST as stm32-rs has mended it (the
+//! crate `stm32g4`), and embassy's, made of ST's headers (`stm32-metapac`). Compared are where each peripheral and each
+//! register begins, each field's bits, the numbers of the interrupts and of the requests for DMA. Of the core's own
+//! registers it is their addresses, with the crate `cortex-m`: it has no bits of theirs.
 
 mod core_registers;
 mod metapac;

@@ -1,6 +1,6 @@
-//! The crate `stm32g4`, which svd2rust wrote of ST's SVD file and stm32-rs's mends. It is read as text: compiled, it takes longer
-//! than all of this package, and its types do not say where a field lies. Each register's and field's place stands in the
-//! documentation of the function that gives it.
+//! The crate `stm32g4`, which svd2rust wrote of ST's SVD file and stm32-rs's mends. It is read as text: compiled, it
+//! takes longer than all of this package, and its types do not say where a field lies. Each register's and field's
+//! place stands in the documentation of the function that gives it.
 
 use std::{
     env, fs,

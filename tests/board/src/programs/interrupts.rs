@@ -37,8 +37,8 @@ fn interrupts_at_every_place_of_an_it_block_cost_their_instructions_and_change_n
 
 #[test]
 fn sleep_skips_to_the_interrupt_and_events_are_remembered_once() -> Result<()> {
-    // sev, and four times wfe; adds r4, #1. The first goes on at once. The second sleeps until the interrupt, whose return
-    // is an event for the third. The fourth sleeps.
+    // sev, and four times wfe; adds r4, #1. The first goes on at once. The second sleeps until the interrupt, whose
+    // return is an event for the third. The fourth sleeps.
     let main = [0xBF40, 0xBF20, 0x3401, 0xBF20, 0x3401, 0xBF20, 0x3401, 0xBF20, 0x3401, STAY];
     let mut board = board(&ticking(50_000), &main, TIM6, &COUNTING_HANDLER);
     board.cpu.chip.reg_write(Register::R4, 0)?;

@@ -1,4 +1,5 @@
-//! Programs of a few instructions, run on the whole board: what the core does with faults, interrupts, sleep and resets.
+//! Programs of a few instructions, run on the whole board: what the core does with faults, interrupts,
+//! sleep and resets.
 
 mod faults;
 mod flash;
@@ -33,8 +34,8 @@ const STAY: u16 = 0xE7FE;
 
 const AIRCR_IGNORED: (u32, u32) = (0xE000_ED0C, 0);
 const TIM6_CLOCK: (u32, u32) = (0x4002_1058, 1 << 28 | 1 << 4);
-/// To 170 MHz: PWR's clock, range 1 boost, four wait states, HSE / 6 × 85 / 2, the core at half of it, and a microsecond later
-/// at all of it.
+/// To 170 MHz: PWR's clock, range 1 boost, four wait states, HSE / 6 × 85 / 2, the core at half of it, and a
+/// microsecond later at all of it.
 const HALF_SPEED: [(u32, u32); 5] = [
     (0x4002_1058, 1 << 28),
     (0x4000_7080, 0),
@@ -51,7 +52,8 @@ const ISER0: u32 = 0xE000_E100;
 const ISPR0: u32 = 0xE000_E200;
 const PAGE_127: u32 = Contents::START + 127 * 2048;
 
-/// A board at 170 MHz that stores the table's values at its addresses and then runs `main`; `handler` serves `exception`.
+/// A board at 170 MHz that stores the table's values at its addresses and then runs `main`;
+/// `handler` serves `exception`.
 fn board(table: &[(u32, u32)], main: &[u16], exception: u8, handler: &[u16]) -> Board {
     let halves = |words: &[u32]| words.iter().flat_map(|word| [*word as u16, (word >> 16) as u16]).collect::<Vec<_>>();
     let table: Vec<u32> = table.iter().chain(&[(0, (FLASH + MAIN) | 1)]).flat_map(|&(a, v)| [a, v]).collect();

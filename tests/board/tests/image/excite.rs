@@ -1,5 +1,5 @@
-//! The DAC drives the amplifier to voltages, beside a sensor: every code within the slew rate, every sample with what both
-//! pins showed, and a way back to rest that never jumps.
+//! The DAC drives the amplifier to voltages, beside a sensor: every code within the slew rate, every sample with what
+//! both pins showed, and a way back to rest that never jumps.
 
 use crate::common::{Bench, FULL, PARTS, PERIOD, shown};
 use anyhow::{Result, bail};
@@ -26,7 +26,8 @@ fn excited() -> Result<Bench> {
     Ok(bench)
 }
 
-/// Sends voltages as fast as they are taken, and waits until the last has been put out; the ticks that found none meanwhile.
+/// Sends voltages as fast as they are taken, and waits until the last has been put out; the ticks that
+/// found none meanwhile.
 fn refer(bench: &mut Bench, volts: &[f32]) -> Result<u32> {
     let ask = |bench: &mut Bench, first, references, go| match bench.ask(Request::Refer {
         first,

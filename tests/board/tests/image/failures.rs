@@ -1,4 +1,5 @@
-//! What a start makes of the failures before it: a zero that is lost, a store that is left alone, an output that nobody knows.
+//! What a start makes of the failures before it: a zero that is lost, a store that is left alone, an output
+//! that nobody knows.
 
 use crate::common::{Bench, valid_since};
 use crate::resets::{NOWHERE, TIM6_CR1, resets, running};

@@ -1,5 +1,5 @@
-//! What the ADC may bring: the DAC goes to its safe code when the codes cannot be believed, and follows them again when they
-//! have been good for a second.
+//! What the ADC may bring: the DAC goes to its safe code when the codes cannot be believed, and follows them again when
+//! they have been good for a second.
 
 use crate::common::{Bench, PARTS, VALID, shown, triangle};
 use anyhow::Result;
@@ -7,7 +7,8 @@ use board_emulator_test::{Conversion, Record};
 use estimator_core::Table;
 use protocol::Faults;
 
-/// Feeds `codes` to a running device for `ticks` ticks. For each, whether the DAC stood at its safe code a trigger later.
+/// Feeds `codes` to a running device for `ticks` ticks. For each, whether the DAC stood at its safe code
+/// a trigger later.
 fn safe_after(bench: &mut Bench, ticks: usize, codes: impl FnMut(u64) -> u16 + 'static) -> Result<Vec<bool>> {
     let safe = bench.table()?.dac.code(0.0f32).0;
     let first = bench.board.record().conversions.len();
@@ -25,8 +26,8 @@ fn safe_after(bench: &mut Bench, ticks: usize, codes: impl FnMut(u64) -> u16 + '
     Ok(triggers.map(is_safe).collect())
 }
 
-/// Of these conversions, the ticks whose code goes out as the estimate have an edge of VALID, the others none; how many there were,
-/// but for the last, whose code is not out.
+/// Of these conversions, the ticks whose code goes out as the estimate have an edge of VALID, the others none; how many
+/// there were, but for the last, whose code is not out.
 fn valid_dies_with_the_output(conversions: &[Conversion], record: &Record, safe: u16) -> usize {
     let latches = shown(record, 0);
     let pairs = conversions.windows(2);

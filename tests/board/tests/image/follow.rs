@@ -1,5 +1,5 @@
-//! The DAC drives the amplifier: references over the serial line in, and every DAC code is the one that the host's f32 inverse
-//! gives, in time for its tick, whichever the model.
+//! The DAC drives the amplifier: references over the serial line in, and every DAC code is the one that the host's f32
+//! inverse gives, in time for its tick, whichever the model.
 
 use crate::common::{Bench, FULL, PARTS, shown};
 use anyhow::{Result, bail, ensure};

@@ -1,5 +1,5 @@
-//! From a board that knows nothing to a proven table, as it is typed: `piezo` at the unmodified image's serial line, and an
-//! amplifier, an actuator and a displacement sensor at its pins.
+//! From a board that knows nothing to a proven table, as it is typed: `piezo` at the unmodified image's serial line,
+//! and an amplifier, an actuator and a displacement sensor at its pins.
 
 use crate::common::{Bench, FULL, PARTS, PERIOD, shown, triangle};
 use anyhow::{Context, Result, bail, ensure};
@@ -147,7 +147,8 @@ impl Desk {
         }
     }
 
-    /// Since the amplifier was plugged in no byte and no trigger was lost, and the DAC has never moved faster than the slew limit.
+    /// Since the amplifier was plugged in no byte and no trigger was lost, and the DAC has never moved faster than
+    /// the slew limit.
     fn never_jumped(&self) {
         let record = self.bench.board.record();
         assert_eq!((record.overruns, record.lost_triggers), (0, 0));

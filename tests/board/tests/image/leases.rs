@@ -1,4 +1,5 @@
-//! A host that vanishes: the modes that it has set end five seconds after its last frame, by a ramp where the DAC drives.
+//! A host that vanishes: the modes that it has set end five seconds after its last frame, by a ramp where
+//! the DAC drives.
 
 use crate::common::{Bench, PERIOD, shown, valid_since};
 use anyhow::{Result, ensure};

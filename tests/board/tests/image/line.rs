@@ -1,5 +1,6 @@
-//! No byte is lost on the line, however long the tick keeps the rest waiting: the full stream one way, references without a pause
-//! the other, with every drive that a board takes, on a core that is slower than a Cortex-M4 is with its wait states.
+//! No byte is lost on the line, however long the tick keeps the rest waiting: the full stream one way, references
+//! without a pause the other, with every drive that a board takes, on a core that is slower than a Cortex-M4 is with
+//! its wait states.
 
 use crate::common::{Bench, PERIOD, frame, push, reseeded};
 use crate::cycles::shapes::{SHAPES, TICKS, shape};
@@ -22,10 +23,11 @@ const FIFO: u64 = 8 * 10 * 170_000_000 / BAUD as u64;
 
 /// Seconds of all drives together, unless [`EACH`] says what each has.
 const SECONDS: f64 = 24.0;
-/// Seconds of a drive whose ticks take more than half of the time: what comes is then read hardly faster than it comes, and where
-/// it is read more slowly, the receiver's memory is full after some ten seconds.
+/// Seconds of a drive whose ticks take more than half of the time: what comes is then read hardly faster than it comes,
+/// and where it is read more slowly, the receiver's memory is full after some ten seconds.
 const LONG: f64 = 20.0;
-/// The environment variable that says how many seconds each drive has: a minute of each takes longer than everything else here.
+/// The environment variable that says how many seconds each drive has: a minute of each takes longer than
+/// everything else here.
 const EACH: &str = "LINE_SECONDS";
 
 /// What a session came to.

@@ -1,4 +1,5 @@
-//! The box that linearises: a controller's set-point in by the third channel, the amplifier's command out by the DAC, no host.
+//! The box that linearises: a controller's set-point in by the third channel, the amplifier's command out by the
+//! DAC, no host.
 
 use crate::common::{Bench, FULL, PARTS, PERIOD, shown, valid_since};
 use anyhow::Result;
@@ -36,7 +37,8 @@ fn sine(n: u64) -> u16 {
     code(20.0 + 12.0 * (n as f32 * 0.02).sin()) + (n % 2) as u16
 }
 
-/// A device with a controller and an amplifier, just started, its first latch, and its first sequence that reads the set-point.
+/// A device with a controller and an amplifier, just started, its first latch, and its first sequence that
+/// reads the set-point.
 fn controlled(at_start: bool, setpoint: impl FnMut(u64) -> u16 + 'static) -> Result<(Bench, usize, usize)> {
     let mut bench = Bench::started()?;
     let table = Table { drive: Some(driving(at_start)), ..*bench.table()? }.admit()?;

@@ -1,5 +1,5 @@
-//! Power goes at every flash operation of a push. When it is back, the device runs the old table or the new one, and can be
-//! pushed others.
+//! Power goes at every flash operation of a push. When it is back, the device runs the old table or the new one, and
+//! can be pushed others.
 
 use std::collections::BTreeSet;
 use std::mem;

@@ -1,4 +1,5 @@
-//! Where the DAC drives the amplifier its voltage never jumps: whatever ends the drive, the code goes to rest at the slew rate.
+//! Where the DAC drives the amplifier its voltage never jumps: whatever ends the drive, the code goes to rest at
+//! the slew rate.
 
 use crate::common::{Bench, PARTS, PERIOD, shown, valid_since};
 use anyhow::{Result, ensure};
@@ -78,8 +79,8 @@ fn went_to_rest(name: &str, bench: &Bench, start: usize) {
     assert_eq!(codes.last(), Some(&(PARTS * REST)), "{name}");
 }
 
-/// The pin itself never jumps: a step of more than the two neighbours that the mean is made of is no longer than a tick's, with the
-/// other neighbour on either side, and comes a tick after the last.
+/// The pin itself never jumps: a step of more than the two neighbours that the mean is made of is no longer than a
+/// tick's, with the other neighbour on either side, and comes a tick after the last.
 fn smooth(name: &str, outputs: &[Latch]) {
     let mut before: Option<u64> = None;
     for pair in outputs.windows(2) {
@@ -212,8 +213,8 @@ fn ticks_that_do_not_come_or_come_late() -> Result<()> {
 #[test]
 fn ticks_that_are_done_just_before_their_trigger_or_just_after() -> Result<()> {
     let mut missed = Vec::new();
-    // Their interrupt's delay beyond the conversion, µs: some 430 lie between that and the trigger. After the longest the next tick is
-    // done a few µs later.
+    // Their interrupt's delay beyond the conversion, µs: some 430 lie between that and the trigger. After the longest
+    // the next tick is done a few µs later.
     for delay_us in (380..450).step_by(2).chain(421..428) {
         let (mut bench, start) = driving(DRIVING[1])?;
         bench.run(0.02)?;

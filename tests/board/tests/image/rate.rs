@@ -1,5 +1,5 @@
-//! The image that is built for the fastest tick, 10 kHz: it ticks in time, takes tables of its tick alone, and streams what the line
-//! carries.
+//! The image that is built for the fastest tick, 10 kHz: it ticks in time, takes tables of its tick alone, and streams
+//! what the line carries.
 
 use crate::common::{Bench, CONVERTED, EARLY, push, record, reseeded, store, triangle};
 use crate::cycles::tables::tables;

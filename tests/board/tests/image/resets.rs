@@ -1,4 +1,5 @@
-//! When the firmware itself fails: watchdog, hard fault, panic. The output is safe, the device starts again and tells why.
+//! When the firmware itself fails: watchdog, hard fault, panic. The output is safe, the device starts again
+//! and tells why.
 
 use crate::common::{Bench, valid_since};
 use anyhow::Result;
@@ -190,8 +191,8 @@ fn a_panic_leaves_its_message() -> Result<()> {
     )
 }
 
-/// Bytes that the firmware has logged for a probe, where they have not gone round: the write offset of the first channel of RTT, whose
-/// control block begins with a name of 16 bytes.
+/// Bytes that the firmware has logged for a probe, where they have not gone round: the write offset of the first
+/// channel of RTT, whose control block begins with a name of 16 bytes.
 fn logged(board: &Board) -> Result<u32> {
     let name = [*b"SEGG", *b"ER R"].map(u32::from_le_bytes);
     for at in STATICS.step_by(4) {

@@ -26,8 +26,8 @@ fn low_passed(outputs: &[Latch]) -> Vec<f64> {
         .collect()
 }
 
-/// A device that shows this voltage by [`DAC`], virgin and at rest there: nothing creeps. Its code moves now and then, by less than
-/// is followed, so that it has not stopped.
+/// A device that shows this voltage by [`DAC`], virgin and at rest there: nothing creeps. Its code moves now and then,
+/// by less than is followed, so that it has not stopped.
 fn at_rest() -> Result<Bench> {
     let mut bench = Bench::started()?;
     let table = Table { dac: DAC, ..*bench.table()? }.admit()?;

@@ -1,4 +1,5 @@
-//! The second channel: what the sensor's pin shows stands beside the monitor's code of the same trigger, in every sample.
+//! The second channel: what the sensor's pin shows stands beside the monitor's code of the same trigger,
+//! in every sample.
 
 use crate::common::{Bench, triangle};
 use anyhow::Result;

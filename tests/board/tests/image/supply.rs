@@ -1,5 +1,5 @@
-//! The supply, which is the converters' reference, drifts; the estimate does not, nor do the sensor's code, the set-point's and
-//! the output.
+//! The supply, which is the converters' reference, drifts; the estimate does not, nor do the sensor's code, the
+//! set-point's and the output.
 
 use crate::common::{Bench, PARTS, shown, triangle};
 use anyhow::{Context, Result};

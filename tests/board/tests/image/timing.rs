@@ -1,5 +1,5 @@
-//! Nothing keeps the tick waiting: when its interrupt comes after the trigger, at rest and while the link, the flash or a
-//! noisy line keep the rest of the firmware busy.
+//! Nothing keeps the tick waiting: when its interrupt comes after the trigger, at rest and while the link, the flash or
+//! a noisy line keep the rest of the firmware busy.
 
 use crate::common::noise::Noise;
 use crate::common::{Bench, CONVERSION, PERIOD, push, reseeded};

@@ -1,5 +1,5 @@
-//! VALID, the lamp and the button: VALID has an edge at every good tick and none within a tick of anything else. What the ADC
-//! may bring is in `faults`.
+//! VALID, the lamp and the button: VALID has an edge at every good tick and none within a tick of anything else. What
+//! the ADC may bring is in `faults`.
 
 use crate::common::{Bench, CONVERSION, PERIOD, triangle, valid, valid_since};
 use anyhow::Result;

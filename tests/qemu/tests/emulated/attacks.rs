@@ -1,4 +1,5 @@
-//! The image is attacked on its line with all that the firmware on the host is attacked with (`tests/commands/severed.rs`, `order.rs`).
+//! The image is attacked on its line with all that the firmware on the host is attacked
+//! with (`tests/commands/severed.rs`, `order.rs`).
 
 use link_attacks::steps::{VERBS, WRITING};
 use link_attacks::{Attacked, Device};

@@ -22,8 +22,9 @@ fn followed(board: &Board) -> Option<Value> {
     (report["starved"] == 0).then_some(report)
 }
 
-/// A trajectory a little longer than the device's queue of references lasts: QEMU puts out a sample's every byte by itself, and on two
-/// slow cores its host cannot send references as fast as they are used up. Whole trajectories are the native device's and the board's.
+/// A trajectory a little longer than the device's queue of references lasts: QEMU puts out a sample's every byte by
+/// itself, and on two slow cores its host cannot send references as fast as they are used up. Whole trajectories are
+/// the native device's and the board's.
 fn write_wanted(board: &Board) {
     let wanted: String = (0..200)
         .map(|k| {
@@ -57,8 +58,8 @@ fn a_device_that_is_not_wired_to_drive_follows_nothing_and_is_not_made_to_unaske
 
 #[test]
 fn a_trajectory_is_followed_at_the_device_s_pace() {
-    // The emulated clock does not wait for a host that is busy with something else; the verb says so and fails then. Another device
-    // each time: what one has followed halfway stays in its model's memory.
+    // The emulated clock does not wait for a host that is busy with something else; the verb says so and fails then.
+    // Another device each time: what one has followed halfway stays in its model's memory.
     let (report, board, table) = (0..40)
         .find_map(|_| {
             let (board, table) = driving();

@@ -1,5 +1,5 @@
-//! Processor in the loop: a table of every model, identified on the measured log and pushed to the emulated firmware, gives
-//! the host's bits tick for tick.
+//! Processor in the loop: a table of every model, identified on the measured log and pushed to the emulated firmware,
+//! gives the host's bits tick for tick.
 
 use estimator_core::Model;
 use qemu_test::{Board, repository};

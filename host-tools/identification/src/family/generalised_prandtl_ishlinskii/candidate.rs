@@ -1,5 +1,5 @@
-//! A candidate: its values by name, their prior, and the stages of the model that follow from them and from what is fixed before the
-//! search.
+//! A candidate: its values by name, their prior, and the stages of the model that follow from them and from what is
+//! fixed before the search.
 
 use crate::problem::Problem;
 use crate::search::Gene;
@@ -15,15 +15,16 @@ const NARROWEST: f64 = 0.02;
 /// Least slope of the reversible part, of the stroke over the span: without any the inverse has no unique answer.
 const FLOOR: f64 = 1e-3;
 
-/// Mode of the log-normal prior of delay and lag together, s, and its deviation towards longer ones, a factor of three: at a single frequency they do what
-/// hysteresis does, and amplifiers that are loaded with an actuator have corners of 100 Hz to 1 kHz.
+/// Mode of the log-normal prior of delay and lag together, s, and its deviation towards longer ones, a factor of three:
+/// at a single frequency they do what hysteresis does, and amplifiers that are loaded with an actuator have corners of
+/// 100 Hz to 1 kHz.
 const LATE: f64 = 5e-4;
 const LATE_WITHIN: f64 = 1.1;
-/// The deviation of shorter ones, a factor of ten: a monitor's voltage has the amplifier's corner behind it, and what is left may be the
-/// tenth of a millisecond of a sensor.
+/// The deviation of shorter ones, a factor of ten: a monitor's voltage has the amplifier's corner behind it, and what
+/// is left may be the tenth of a millisecond of a sensor.
 const SOONER_WITHIN: f64 = 2.3;
-/// Where somebody says what they are together, the prior is normal, with this part of it for a standard deviation, and half a
-/// tick at least.
+/// Where somebody says what they are together, the prior is normal, with this part of it for a standard deviation, and
+/// half a tick at least.
 const SAID: f64 = 0.05;
 
 /// The highest natural frequency that is looked for, of the readings' frequency.
@@ -79,8 +80,8 @@ pub struct Values {
 }
 
 impl Values {
-    /// Minus twice the logarithm of the prior, for each of the periods that a recording is worth. `said_s`: what delay and lag are
-    /// together, where somebody says so.
+    /// Minus twice the logarithm of the prior, for each of the periods that a recording is worth. `said_s`: what delay
+    /// and lag are together, where somebody says so.
     pub fn unlikely(&self, tick: f64, said_s: Option<f64>) -> f64 {
         let [fast, slow] = self.creep.map(libm::log);
         let square = |x: f64| x * x;
@@ -201,8 +202,9 @@ impl Family {
     }
 }
 
-/// Slew limits that are searched, V/s. The least is a part of what the training's voltage does in a tenth of a second, since a step is as
-/// steep as the tick is short; in their middle, where a search begins, is the steepest tick, at which nothing is limited yet.
+/// Slew limits that are searched, V/s. The least is a part of what the training's voltage does in a tenth of a second,
+/// since a step is as steep as the tick is short; in their middle, where a search begins, is the steepest tick, at
+/// which nothing is limited yet.
 fn slews(problem: &Problem, tick: f64) -> Range<f64> {
     let within = |ticks: usize| {
         let changes = problem.training().flat_map(move |session| {

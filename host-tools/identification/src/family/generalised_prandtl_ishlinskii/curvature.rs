@@ -1,6 +1,6 @@
-//! How the cost changes with the searched numbers, by Gauss and Newton: along straight lines with them, and less what the coefficients of
-//! the columns make up for (variable projection; L. Kaufman, *A variable projection method for solving separable nonlinear least squares
-//! problems*, BIT 15, 1975).
+//! How the cost changes with the searched numbers, by Gauss and Newton: along straight lines with them, and less what
+//! the coefficients of the columns make up for (variable projection; L. Kaufman, *A variable projection method for
+//! solving separable nonlinear least squares problems*, BIT 15, 1975).
 //!
 //! ```text
 //! D_j = (y(x + δ·e_j, c) − y(x, c))/δ            change of the displacement with number j; c what fits best at x
@@ -92,8 +92,8 @@ fn blocks(family: &Family, sessions: &[(&Session, &Course)], read: &[Readings], 
     blocks
 }
 
-/// Slope and curvature of a function that is cheap, by central differences; along the directions in which it is concave its curvature is
-/// taken for 0.
+/// Slope and curvature of a function that is cheap, by central differences; along the directions in which it is concave
+/// its curvature is taken for 0.
 fn by_differences(of: impl Fn(&[f64]) -> Option<f64>, at: &[f64]) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let n = at.len();
     let (mut slope, mut curvature) = (DVector::zeros(n), DMatrix::zeros(n, n));

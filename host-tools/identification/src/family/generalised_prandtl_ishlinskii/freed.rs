@@ -5,11 +5,11 @@
 //! a⁰_i = exp(−r_i/(ρR))·Δr_i/R,   s_i = max(a⁰_i, 0.3·mean a⁰)
 //! ```
 //!
-//! by turns: a for the last e, then e and the reversible part for that a; c_b are the noises of the blocks (see [`Blocks`]). The law
-//! says how an actuator answers amplitudes that were not recorded; the draw d towards it is weak where several were, and
-//! strong where there was one. On five of eight kinds of simulated devices of other classes that leaves 28 to 42 % less error on
-//! recordings unlike the training where it has several amplitudes, on the others as much as before; where it has one, 4 to 20 %
-//! less on the five that were tried.
+//! by turns: a for the last e, then e and the reversible part for that a; c_b are the noises of the blocks (see
+//! [`Blocks`]). The law says how an actuator answers amplitudes that were not recorded; the draw d towards it is weak
+//! where several were, and strong where there was one. On five of eight kinds of simulated devices of other classes
+//! that leaves 28 to 42 % less error on recordings unlike the training where it has several amplitudes, on the others
+//! as much as before; where it has one, 4 to 20 % less on the five that were tried.
 
 use super::candidate::{Family, PLAYS, Values};
 use play_columns::{Balanced, Blocks, Course, FUNCTIONS, Prior, Solution, Stages};
@@ -80,8 +80,8 @@ fn own(columns: &[f64; ALL], play: usize) -> &[f64] {
     &columns[FUNCTIONS * (1 + play)..][..FUNCTIONS]
 }
 
-/// The least squares of so many functions, the reversible part first, and of so many other columns; all but that part are made of the
-/// columns of the plays.
+/// The least squares of so many functions, the reversible part first, and of so many other columns; all but that part
+/// are made of the columns of the plays.
 fn solve(
     readings: &[Readings],
     sessions: &[(&Session, &Course)],
@@ -163,8 +163,8 @@ mod tests {
         errors.iter().map(|error| (error - mean).abs()).sum::<f64>() / errors.len() as f64
     }
 
-    /// Errors of the law's weights and of freed ones on a swelling sine, learnt from sines of some amplitudes, parts of the
-    /// full voltage.
+    /// Errors of the law's weights and of freed ones on a swelling sine, learnt from sines of some amplitudes, parts of
+    /// the full voltage.
     fn errors(amplitudes: &[f64]) -> [f64; 2] {
         let learnt = amplitudes.iter().enumerate().map(|(seed, &part)| session(&sine(part), 1.0, seed as u64));
         let problem = Problem::new(learnt.collect(), vec![], Conditions::default());
@@ -193,7 +193,8 @@ mod tests {
         assert!(error < 0.005, "{error} of the stroke");
     }
 
-    /// It does not say how a slope is shared between the reversible part and the plays that all move; half the amplitude does.
+    /// It does not say how a slope is shared between the reversible part and the plays that all move; half
+    /// the amplitude does.
     #[test]
     fn a_single_loop_teaches_half_its_amplitude() {
         let plant = Plant::drawn(Kind::JilesAtherton, 1);

@@ -1,9 +1,10 @@
-//! Generalised Prandtl–Ishlinskii models: delay, lag, the law of the weights over the half-widths, creep and the memory at rest
-//! are searched, and where the logs are fast enough slew limit and resonance; the slopes of the two functions are solved for.
+//! Generalised Prandtl–Ishlinskii models: delay, lag, the law of the weights over the half-widths, creep and the memory
+//! at rest are searched, and where the logs are fast enough slew limit and resonance; the slopes of the two functions
+//! are solved for.
 //!
-//! One law over the half-widths, a_i = exp(−r_i/(ρR))·Δr_i/R, is what makes a recording of one amplitude say something of
-//! others. The search knows no other weights; those of its best candidate are then [freed] from the law as far as the logs
-//! say so. What one recording cannot tell apart is drawn towards what actuators are like.
+//! One law over the half-widths, a_i = exp(−r_i/(ρR))·Δr_i/R, is what makes a recording of one amplitude say something
+//! of others. The search knows no other weights; those of its best candidate are then [freed] from the law as far as
+//! the logs say so. What one recording cannot tell apart is drawn towards what actuators are like.
 
 mod candidate;
 mod curvature;
@@ -34,8 +35,8 @@ const IDLE: f64 = 0.01;
 /// Longest interval of readings, s, at which a resonance is looked for.
 const SWINGS_S: f64 = 2e-3;
 
-/// Simplest first. A single frequency cannot tell a slew limit or a resonance from hysteresis; a log that is read too seldom shows
-/// no resonance.
+/// Simplest first. A single frequency cannot tell a slew limit or a resonance from hysteresis; a log that is read too
+/// seldom shows no resonance.
 pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
     let single = Character::of(problem.training(), problem.deadband).single_frequency();
     let swings = problem.training().any(|session| session.interval_s() <= SWINGS_S);
@@ -55,7 +56,8 @@ impl Family {
         solve(&sessions, &self.stages(values, &plays, &creep), self.stroke, self.least_slope())
     }
 
-    /// The same without a slew limit that makes the fit hardly better: one that did not act in the training would cut whatever is faster.
+    /// The same without a slew limit that makes the fit hardly better: one that did not act in the training would cut
+    /// whatever is faster.
     fn without_idle_limit(&self, values: Values, problem: &Problem) -> Option<Values> {
         let without = Values { slew_v_per_s: 0.0, ..values };
         if values.slew_v_per_s == 0.0 {
@@ -122,9 +124,9 @@ impl super::Family for Family {
         Some(self.candidate(values, problem, Cost::from(Feedback::Simulation))?.0)
     }
 
-    /// Without what did not act, and with weights freed from the law, where the logs give any. What the law misses looks like a lag and
-    /// a memory at rest: both are found once more beside weights of their own. Logs of which none begins at rest say nothing of that
-    /// memory, and it is the one between a rise's and a fall's.
+    /// Without what did not act, and with weights freed from the law, where the logs give any. What the law misses
+    /// looks like a lag and a memory at rest: both are found once more beside weights of their own. Logs of which none
+    /// begins at rest say nothing of that memory, and it is the one between a rise's and a fall's.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let sessions = self.sessions(problem);
         let (rests, mut values) = (self.rests(), self.values(values)?);
@@ -181,7 +183,8 @@ struct Tried {
     cost: f64,
 }
 
-/// Delay and lag together: what the law misses of small loops' width looks like one where only small amplitudes were fast.
+/// Delay and lag together: what the law misses of small loops' width looks like one where only small
+/// amplitudes were fast.
 fn later(values: &Values, tick_s: f64, tried: impl Fn(Values) -> Option<(Tried, f64)>) -> Option<Tried> {
     let least = SHORTEST / (values.delay_ticks + values.lag_s / tick_s);
     let of =
@@ -189,8 +192,8 @@ fn later(values: &Values, tick_s: f64, tried: impl Fn(Values) -> Option<(Tried, 
     scaled(least, of).map(|(_, best)| best)
 }
 
-/// The memory at rest: how wide plays weigh shows in the first rise alone, and by the law it makes up for that. At first anywhere, then
-/// near what it was.
+/// The memory at rest: how wide plays weigh shows in the first rise alone, and by the law it makes up for that. At
+/// first anywhere, then near what it was.
 fn remembering(values: &Values, turn: usize, tried: impl Fn(Values) -> Option<(Tried, f64)>) -> Option<Tried> {
     let found = values.rest_memory;
     let (mut points, turns) = match turn {

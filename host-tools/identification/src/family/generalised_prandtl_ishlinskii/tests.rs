@@ -9,7 +9,8 @@ use estimator_core::{Discretisation, Process, Scheme};
 use plants::{Density, Kind, Plant, Waveform};
 use recordings::session::Session;
 
-/// A rest at 10 V, sines of growing amplitude about it and a staircase; every `every`-th tick has a reading, of some µm.
+/// A rest at 10 V, sines of growing amplitude about it and a staircase; every `every`-th tick has a reading,
+/// of some µm.
 fn session(every: usize) -> Session {
     let voltage: Vec<f64> = (0..4_000)
         .map(|k| {
@@ -246,7 +247,8 @@ fn a_lag_that_is_stated_is_kept_to() {
     assert!(by_slopes.cost < 1.01 * by_costs.cost, "{by_slopes:?} {by_costs:?}");
 }
 
-/// Near the minimum, where the coefficients do not tear at each other: elsewhere they follow the blocks' noises, which the slope leaves out.
+/// Near the minimum, where the coefficients do not tear at each other: elsewhere they follow the blocks' noises, which
+/// the slope leaves out.
 #[test]
 fn the_slope_is_that_of_the_cost() {
     let problem = devices();
@@ -285,8 +287,8 @@ fn the_memory_at_rest_is_learnt_from_logs_that_begin_at_rest() {
     assert!(rest.abs() > 0.5 && amid == 0.0, "{rest}, amid a swing {amid}");
 }
 
-/// Sines of three amplitudes, the smallest the fastest, of a device without any lag: what the law misses of the small loop's width looks
-/// like one.
+/// Sines of three amplitudes, the smallest the fastest, of a device without any lag: what the law misses of the small
+/// loop's width looks like one.
 #[test]
 fn a_lag_that_makes_up_for_the_law_is_halved_where_the_weights_are_freed() {
     let plant = Plant { lag_s: 0.0, ..Plant::drawn(Kind::Relays(Density::TwoHumped), 2) };

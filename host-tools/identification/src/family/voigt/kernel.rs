@@ -1,8 +1,8 @@
 //! Costs of many candidates of the Voigt family at once: what their ticks have in common is done once, and each tick is
 //! the same few operations on neighbouring numbers, which the compiler makes vector instructions of.
 //!
-//! It is [`estimator_core::Voigt`] with its terms interpolated between [`knots`](voigt_lanes::knots), and gives the same cost
-//! whatever stands in the other lanes.
+//! It is [`estimator_core::Voigt`] with its terms interpolated between [`knots`](voigt_lanes::knots), and gives the
+//! same cost whatever stands in the other lanes.
 
 use super::run::{Extrema, Run};
 use crate::cost::Cost;
@@ -14,8 +14,8 @@ use voigt_lanes::knots::Knots;
 use voigt_lanes::terms::{Intervals, Lanes, Points, Voltages};
 use voigt_lanes::timeline::Timeline;
 
-/// Candidates that run side by side: two vectors of the widest instructions, of which one computes while the other waits for its
-/// last tick.
+/// Candidates that run side by side: two vectors of the widest instructions, of which one computes while the other
+/// waits for its last tick.
 const LANES: usize = 16;
 /// Where there are no more than these, in one vector.
 const FEW: usize = 8;
@@ -113,8 +113,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(40))]
 
-        /// Of candidates anywhere in the search space the costs are those of the model itself, but for what lies between the
-        /// knots, and a candidate's does not depend on its lane.
+        /// Of candidates anywhere in the search space the costs are those of the model itself, but for what lies
+        /// between the knots, and a candidate's does not depend on its lane.
         #[test]
         fn costs_are_those_of_the_model(
             fractions in proptest::collection::vec(proptest::collection::vec(0.0..1.0, 9), 1..20),

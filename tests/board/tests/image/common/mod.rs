@@ -17,8 +17,8 @@ use protocol::{Deframer, Health, Identity, Record, Reply, Request, Samples, ToDe
 
 /// Clocks from trigger to trigger.
 pub const PERIOD: u64 = CORE_HZ as u64 / 2000;
-/// Clocks from a trigger to its tick's interrupt: of three channels sixteen conversions of 60 ADC clocks each, at a quarter of the
-/// core's clock.
+/// Clocks from a trigger to its tick's interrupt: of three channels sixteen conversions of 60 ADC clocks each, at a
+/// quarter of the core's clock.
 pub const CONVERSION: u64 = 16 * CONVERTED;
 /// The same where a code is of one conversion.
 pub const CONVERTED: u64 = 3 * 60 * 4;
@@ -77,8 +77,8 @@ impl Bench {
         self.start()
     }
 
-    /// Connects an amplifier between DAC and ADC, which makes of the voltage that a table's drive commands the one that its ADC
-    /// reads.
+    /// Connects an amplifier between DAC and ADC, which makes of the voltage that a table's drive commands the one that
+    /// its ADC reads.
     pub fn connect(&mut self, table: &Admitted, amplifier: impl Fn(f32) -> f32 + 'static) {
         let (adc, drive) = (table.adc, table.drive.expect("the table drives"));
         let rest = drive.code(drive.limits.rest_v, table.dac.full_scale);
@@ -204,14 +204,15 @@ pub fn store(board: &mut Board, tick_us: u32) {
 /// Parts of a code that the output has, and its largest code in them.
 pub const PARTS: u16 = 16;
 pub const FULL: u16 = 4095 * PARTS;
-/// Codes that the DAC puts out in a tick, clocks from one to the next, and by which the first may be earlier than the trigger.
+/// Codes that the DAC puts out in a tick, clocks from one to the next, and by which the first may be earlier
+/// than the trigger.
 const CODES: usize = 50;
 const SPACING: u64 = PERIOD / CODES as u64;
 pub const EARLY: u64 = CORE_HZ as u64 / 1_000_000;
 
-/// What a low-pass behind the pin shows, from the latch `start` on, in [`PARTS`] of a code: the mean of what is put out from each
-/// trigger to the next, at that trigger's clock. What is put out without triggers is there as it is; a tick that is not over is not.
-/// No tick is to have other codes than two neighbours.
+/// What a low-pass behind the pin shows, from the latch `start` on, in [`PARTS`] of a code: the mean of what is put out
+/// from each trigger to the next, at that trigger's clock. What is put out without triggers is there as it is; a tick
+/// that is not over is not. No tick is to have other codes than two neighbours.
 pub fn shown(record: &Recorded, start: usize) -> Vec<Latch> {
     let mut triggers = record.conversions.iter().map(|conversion| conversion.trigger).peekable();
     let mut ticks: Vec<(u64, Vec<u16>)> = Vec::new();

@@ -1,6 +1,7 @@
-//! What the tick's interrupt costs in cycles, of every model, by the emulator's model of the core and the flash: with the
-//! inputs of [`shapes`], which are to be the worst, and the tables of [`tables`], the largest among them; once with voltages that are
-//! all the amplifier's, and once with some that leap farther, of a drive also by references from its memory. It is the most that was observed, and no proof that there is no more.
+//! What the tick's interrupt costs in cycles, of every model, by the emulator's model of the core and the flash: with
+//! the inputs of [`shapes`], which are to be the worst, and the tables of [`tables`], the largest among them; once with
+//! voltages that are all the amplifier's, and once with some that leap farther, of a drive also by references from its
+//! memory. It is the most that was observed, and no proof that there is no more.
 //!
 //! Every line that begins with `cycles: ` is JSON; `cargo xtask cycles` prints them.
 
@@ -20,11 +21,11 @@ use shapes::{LEAPS, SHAPES, TICKS, leaping, shape};
 use std::cell::Cell;
 use std::num::NonZeroU16;
 
-/// How much of that margin one build of one source may take, %: rustc and the linker do not lay functions out the same way each
-/// time, and a tick runs cold.
+/// How much of that margin one build of one source may take, %: rustc and the linker do not lay functions out the same
+/// way each time, and a tick runs cold.
 const LAYOUT_PERCENT: u32 = 3;
-/// How far what is stated may lie above what must be, %. Which references make a search long is a matter of chance, and what is
-/// stated is the most of several runs with others.
+/// How far what is stated may lie above what must be, %. Which references make a search long is a matter of chance, and
+/// what is stated is the most of several runs with others.
 const LOOSE_PERCENT: u32 = 20;
 
 /// A device that runs this table from its store, streaming.
@@ -65,14 +66,15 @@ fn estimate(table: &Admitted, monitor: Monitor) -> Result<Measured> {
     let mut bench = running(table)?;
     let part = if monitor == Monitor::Leaps { leaping } else { shape };
     let codes: Vec<u16> = (0..SHAPES * TICKS).map(|tick| code(table, part(tick))).collect();
-    // It starts where the shapes begin, since the way there would be a leap; the first interrupt only takes what it will own.
+    // It starts where the shapes begin, since the way there would be a leap; the first interrupt only takes what
+    // it will own.
     let begins = codes[0];
     bench.board.feed(move |_| begins);
     bench.restart()?;
     bench.run(0.005)?;
     bench.board.measure(exception::ADC1_2)?;
-    // First ticks, at voltages all over the range, after pauses, since an estimate that is begun again goes on; the last where the shapes
-    // begin. Each is a leap away from the one before.
+    // First ticks, at voltages all over the range, after pauses, since an estimate that is begun again goes on; the
+    // last where the shapes begin. Each is a leap away from the one before.
     for start in (0..12).rev().filter(|_| monitor == Monitor::Sound) {
         let at = code(table, start as f32 / 11.0);
         bench.does(Request::SetMode(Mode::Pause))?;
@@ -90,7 +92,8 @@ fn estimate(table: &Admitted, monitor: Monitor) -> Result<Measured> {
     Ok(measured)
 }
 
-/// Tells the estimate its displacement, so that it has an interval. It takes none while a voltage that has leapt is held.
+/// Tells the estimate its displacement, so that it has an interval. It takes none while a voltage that has
+/// leapt is held.
 fn told(bench: &mut Bench, monitor: Monitor) -> Result<()> {
     for _ in 0..20 {
         match bench.ask(Request::SetZero { at_um: 0.0 })? {
@@ -102,8 +105,8 @@ fn told(bench: &mut Bench, monitor: Monitor) -> Result<()> {
     bail!("no zero is taken between the leaps")
 }
 
-/// What was streamed has ticks that were held where the monitor leaps, and no others; and they were no fault, with which a tick
-/// does less.
+/// What was streamed has ticks that were held where the monitor leaps, and no others; and they were no fault, with
+/// which a tick does less.
 fn leapt(bench: &Bench, monitor: Monitor) -> Result<()> {
     let samples = || bench.samples.iter().flat_map(Samples::numbered).map(|(_, sample)| sample);
     let held = samples().filter(|sample| sample.status.contains(Status::SLEW_EXCEEDED)).count();

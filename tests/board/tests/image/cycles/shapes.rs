@@ -1,4 +1,5 @@
-//! What is fed to estimate and wanted of a drive, 0 … 1 of the range: what a stage does, and what costs a tick the most.
+//! What is fed to estimate and wanted of a drive, 0 … 1 of the range: what a stage does, and what costs a
+//! tick the most.
 
 /// Ticks of each shape.
 pub const TICKS: u32 = 180;

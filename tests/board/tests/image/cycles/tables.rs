@@ -1,5 +1,5 @@
-//! The tables that the tick's cycles are counted with: of every model the one that was identified on the measured log, and the
-//! largest that there may be; to estimate and, where the model has an inverse, to drive.
+//! The tables that the tick's cycles are counted with: of every model the one that was identified on the measured log,
+//! and the largest that there may be; to estimate and, where the model has an inverse, to drive.
 
 use super::largest;
 use super::shapes::STEADY;
