@@ -31,7 +31,7 @@ pub use log::{cut_short, kept};
 pub use motion::moving;
 pub use outcome_json::outcome_json;
 pub use paste::{learn_from, quoted};
-pub use proof::{follow_interrupted, narrow, other_range, proof_interrupted, unproven, zeroed};
+pub use proof::{follow_interrupted, narrow, other_range, proof, proof_interrupted, proof_kept};
 pub use stages::{input_stage, input_stage_json, output_stage, output_stage_json};
 pub use state::{Known, state};
 pub use supply::supply;

@@ -7,6 +7,7 @@ use bench::{OtherRange, Proven, Shares};
 use device_link::play::PlayError;
 use estimator_core::{Range, Table};
 use findings::Micrometres;
+use findings::figures::{heading, row};
 use std::path::Path;
 
 /// What a table that was learnt on another range than the board's is good for.
@@ -17,6 +18,30 @@ pub fn other_range(of: &OtherRange) -> String {
             format!("{of}: it holds there, too. Is drive_range in board.toml right, and is it this actuator's table?")
         }
     }
+}
+
+/// The lines of a proof that went up to this frequency.
+pub fn proof(proven: &Proven, up_to_hz: f64) -> Vec<String> {
+    let Proven { figures, shares, verdict, log, .. } = proven;
+    let held = shares.held_percent.zip(shares.half_width_um).map(|(held, half)| {
+        format!("± {:.3} µm on average holds the sensor {held:.1} % of the time", Micrometres(half))
+    });
+    let went = format!(
+        "{:.1} % of the time the voltage went as it never did in the training, {:.1} % it leapt, or it or the estimate was at a limit",
+        shares.untrained_percent, shares.beyond_percent
+    );
+    let figures = [heading("the board's estimate, zeroed at rest"), row("random voltage", figures)];
+    let judged = [went, log.display().to_string(), verdict.to_string()];
+    let cure = (!verdict.passed).then(|| unproven(proven, up_to_hz));
+    figures.into_iter().chain(held).chain(judged).chain(cure).chain([zeroed()]).collect()
+}
+
+/// What a proof has recorded that ended before its time.
+pub fn proof_kept(log: &Path) -> String {
+    format!(
+        "nothing is proven; {} holds what was recorded since the zero: the next proof needs another --out",
+        log.display()
+    )
 }
 
 /// What a proof leaves that was interrupted, with the voltage at rest, and a log where it had come to that.
@@ -39,7 +64,7 @@ pub fn follow_interrupted(why: &PlayError, log: Option<&Path>) -> String {
 }
 
 /// What a proof leaves behind.
-pub fn zeroed() -> String {
+fn zeroed() -> String {
     format!(
         "The board calls the displacement at rest 0 since: `piezo zero --at '<UM>'{}` tells it another.",
         typed("--port")
@@ -57,7 +82,7 @@ const FAR: f64 = 3.0;
 const ALIKE: f64 = 1.5;
 
 /// What to do about a proof that fails, which went up to this frequency, and what the device does from now on.
-pub fn unproven(proven: &Proven, up_to_hz: f64) -> String {
+fn unproven(proven: &Proven, up_to_hz: f64) -> String {
     format!(
         "{}\nThe board goes on with this table, of checksum {:08x}, until another is installed.",
         cure(proven, up_to_hz),

@@ -12,8 +12,6 @@ use clap::Args;
 use device_link::interrupt::Interrupt;
 use device_link::play::PlayError;
 use excitation::hertz;
-use findings::Micrometres;
-use findings::figures::{heading, row};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -80,6 +78,7 @@ pub fn run(arguments: &Prove) -> Result<bool> {
         }
         return Ok(true);
     }
+    let free = !log.exists();
     let bar = progress((duration_s / wiring.line().sample_period::<f64>()) as u64);
     let proven = prove(&mut client, &proof, &mut |ticks| bar.set_position(ticks as u64));
     bar.finish_and_clear();
@@ -93,7 +92,12 @@ pub fn run(arguments: &Prove) -> Result<bool> {
             eprintln!("piezo: {}", remedy::proof_interrupted(&why, kept.map(PathBuf::as_path)));
             return Ok(false);
         }
-        proven => proven?,
+        Err(error) => {
+            let kept = Some(&log).filter(|log| free && log.exists());
+            kept.iter().for_each(|log| eprintln!("piezo: {}", remedy::proof_kept(log)));
+            return Err(error.into());
+        }
+        Ok(proven) => proven,
     };
     tell(arguments, &proven)?;
     // What the proof says stands, and is said before what the user must know last.
@@ -102,27 +106,13 @@ pub fn run(arguments: &Prove) -> Result<bool> {
 }
 
 fn tell(arguments: &Prove, proven: &Proven) -> Result<()> {
-    let Proven { figures, shares, verdict, log, .. } = proven;
     if arguments.json {
+        let Proven { figures, shares, verdict, log, .. } = proven;
         let summary =
             json!({ "passed": verdict.passed, "complete": true, "figures": figures, "shares": shares, "log": log });
         out(&serde_json::to_string_pretty(&summary)?);
         return Ok(());
     }
-    out(&heading("the board's estimate, zeroed at rest"));
-    out(&row("random voltage", figures));
-    if let (Some(held), Some(half)) = (shares.held_percent, shares.half_width_um) {
-        out(&format!("± {:.3} µm on average holds the sensor {held:.1} % of the time", Micrometres(half)));
-    }
-    out(&format!(
-        "{:.1} % of the time the voltage went as it never did in the training, {:.1} % it leapt, or it or the estimate was at a limit",
-        shares.untrained_percent, shares.beyond_percent
-    ));
-    out(&log.display().to_string());
-    out(&verdict.to_string());
-    if !verdict.passed {
-        out(&remedy::unproven(proven, arguments.up_to));
-    }
-    out(&remedy::zeroed());
+    remedy::proof(proven, arguments.up_to).iter().for_each(|line| out(line));
     Ok(())
 }
