@@ -45,7 +45,7 @@ pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
 pub use install::{for_board, install, refusals, rehearsal};
-pub use loan::FORMER;
+pub use loan::{FORMER, rest};
 pub use other_range::OtherRange;
 pub use output::{Jump, Output};
 pub use prove::{Proof, Proven, foresee, prove};

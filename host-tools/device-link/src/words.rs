@@ -72,14 +72,17 @@ fn activity(mode: Mode, faults: Faults) -> &'static str {
             "has stopped playing its waveform, and estimates from its ADC"
         }
         Mode::Waveform => "plays the waveform in its memory, and estimates from its ADC",
+        Mode::Follow | Mode::Excite if faults.contains(Faults::SAFE_OUTPUT) => {
+            "rests, since a fault or a host's silence ended its drive or none has begun, and estimates from its ADC"
+        }
         other => self::mode(other),
     }
 }
 
 /// Whether a device that drives the amplifier is at rest by its own table, and with no fault: whenever nothing is
-/// followed, and after a waveform's last line.
+/// followed or no host goes on, and after a waveform's last line.
 pub fn rests(mode: Mode, faults: Faults) -> bool {
-    faults == Faults::SAFE_OUTPUT && (!mode.drives() || mode == Mode::Waveform)
+    faults == Faults::SAFE_OUTPUT && mode != Mode::Linearise
 }
 
 /// What a device that [`rests`] does.
@@ -217,11 +220,13 @@ mod tests {
     }
 
     #[test]
-    fn only_a_waveform_that_came_to_its_end_has_been_played() {
+    fn a_drive_that_has_ended_is_not_said_to_go_on() {
         let of = |faults| activity(Mode::Waveform, faults);
         assert!(of(Faults::empty()).starts_with("plays"));
         assert!(of(Faults::SAFE_OUTPUT).starts_with("has played"));
         assert!(of(Faults::SAFE_OUTPUT | Faults::AMPLIFIER).starts_with("has stopped playing"));
+        assert!(activity(Mode::Follow, Faults::SAFE_OUTPUT).starts_with("rests"));
+        assert!(activity(Mode::Follow, Faults::empty()).starts_with("drives"));
     }
 
     #[test]

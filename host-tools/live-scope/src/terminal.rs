@@ -133,7 +133,7 @@ mod tests {
         assert!(!line.contains("safe value") && !picture.contains("safe value"), "{line}\n{picture}");
         let wrong = [
             (Faults::SAFE_OUTPUT, None),
-            (Faults::SAFE_OUTPUT, Some(Mode::Follow)),
+            (Faults::SAFE_OUTPUT, Some(Mode::Linearise)),
             (Faults::SAFE_OUTPUT | Faults::AMPLIFIER, Some(Mode::Estimate)),
         ];
         for (faults, drives) in wrong {

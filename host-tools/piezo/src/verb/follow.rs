@@ -2,13 +2,14 @@
 
 use super::device::note_damage;
 use super::print::{out, progress};
-use crate::option::link::PortOption;
+use crate::option::link::{PortOption, careful};
 use crate::option::{LogOptions, Overwrite, not_negative};
 use ::feedforward::Trajectory;
 use anyhow::{Context, Result, bail};
 use bench::followed::{Following, Foreseen, Met, Reached, late};
-use bench::{beyond_training, caveats, require_model};
+use bench::{beyond_training, caveats, require_model, rest};
 use clap::Args;
+use device_link::busy::{Busy, idle};
 use device_link::interrupt::Interrupt;
 use device_link::play::{Play, PlayError, Played, play};
 use device_link::{table, words};
@@ -27,8 +28,8 @@ pub struct Follow {
     /// zero` has told, and the voltage that the DAC stood for, as a log.
     #[arg(long)]
     pub out: Option<PathBuf>,
-    /// Stay at the last displacement instead of going back to rest. The next `follow` goes
-    /// there first, as fast as the drive may.
+    /// Stay at the last displacement instead of going back to rest. The next `follow` goes back first, as fast as the
+    /// drive may.
     #[arg(long)]
     pub stay: bool,
     /// Plan it by the device's table, say what would come of it, and drive nothing.
@@ -77,6 +78,13 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let ticks = references.len() + late(&table).ceil() as usize;
     let bar = progress(ticks as u64);
     let what = Play { mode: Mode::Follow, goes_on: None, references: &references, hold: arguments.stay, ticks };
+    // The plan begins at rest, where what is driven now need not be.
+    if let (Err(busy @ Busy::Drives(mode)), Some(drive)) = (idle(&mut client), table.drive) {
+        if mode != Mode::Follow {
+            careful(&busy);
+        }
+        rest(&mut client, table.adc, drive.limits)?;
+    }
     // A mode that is set while a fault lasts takes the bias away, and so does a fault later: it is asked
     // for between them.
     client.set_mode(Mode::Follow)?;
