@@ -8,12 +8,14 @@ use serde_json::{Value, json};
 
 /// A voltage that goes over less than this part of the table's range may be that of a monitor, of 1:10 and more.
 const SMALL: f64 = 0.12;
+/// One within that range that goes over less than this part of it rests.
+const RESTS: f64 = 0.005;
 /// So may one that is beyond that range for so much of the time, %.
 const MOSTLY: f64 = 50.0;
 
 /// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be
-/// believed by a table of voltages in `table_v`, as they would be recorded.
-pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> Vec<String> {
+/// believed by a table of voltages in `table_v`, as they would be recorded; the actuator's are `scale` times those.
+pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>, scale: f64) -> Vec<String> {
     let all = &estimates.instants;
     let range = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), row| {
         (low.min(row.estimate), high.max(row.estimate))
@@ -62,7 +64,7 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>) -> V
         ));
     }
     let raised = estimates.raised();
-    lines.extend(scale_asked(estimates, table_v).map(|asked| format!("    {asked}")));
+    lines.extend(scale_asked(estimates, table_v, scale).map(|asked| format!("    {asked}")));
     if let Some(unsettled) = raised.iter().find(|raised| raised.bit == Status::NOT_SETTLED) {
         lines.push(format!(
             "    {:.2} % of the time it still depends on where it was assumed to start (NOT_SETTLED)",
@@ -81,15 +83,21 @@ fn far(estimates: &Estimates, zero: Zero) -> bool {
 }
 
 /// What is asked where the voltages look like another's than the table's.
-fn scale_asked(estimates: &Estimates, table_v: Range<f64>) -> Option<String> {
+fn scale_asked(estimates: &Estimates, table_v: Range<f64>, scale: f64) -> Option<String> {
     let volts = Range::of_values(estimates.instants.iter().map(|row| row.voltage));
     let beyond = estimates.raised().into_iter().find(|raised| raised.bit == Status::VOLTAGE_OUT_OF_RANGE);
-    let asked = volts.span() < SMALL * table_v.span() || beyond.is_some_and(|beyond| beyond.percent > MOSTLY);
+    let rests = volts.span() < RESTS * table_v.span() && table_v.contains(volts.middle());
+    let asked =
+        (volts.span() < SMALL * table_v.span() && !rests) || beyond.is_some_and(|beyond| beyond.percent > MOSTLY);
+    let times = match scale {
+        1.0 => String::new(),
+        _ => format!(" of a log, whose volts are taken times {scale} as in the training"),
+    };
     asked.then(|| {
         format!(
-            "the voltage goes from {:.3} to {:.3} V, and the table is of {:.3} to {:.3} V: is it a monitor's, or the amplifier's input, \
+            "the voltage goes from {:.3} to {:.3} V, and the table is of {:.3} to {:.3} V{times}: is it a monitor's, or the amplifier's input, \
              or is the table another actuator's? Then all of this is wrong; --voltage-scale <N> is what the log's volts are times to be the \
-             actuator's, 20 of a monitor 1:20",
+             actuator's, 20 of a monitor 1:20, 1 of the actuator's own",
             volts.min, volts.max, table_v.min, table_v.max
         )
     })
@@ -97,10 +105,10 @@ fn scale_asked(estimates: &Estimates, table_v: Range<f64>) -> Option<String> {
 
 /// The same as JSON: the log's name, the number of estimates, how often each status bit was raised, and what is asked
 /// of the voltages.
-pub fn estimated_json(estimates: &Estimates, table_v: Range<f64>) -> Value {
+pub fn estimated_json(estimates: &Estimates, table_v: Range<f64>, scale: f64) -> Value {
     let raised = estimates.raised().into_iter().map(|Raised { bit, percent, first_s }| {
         let name: String = bit.iter_names().map(|(name, _)| name).collect();
         json!({ "status": name, "percent": percent, "first_s": first_s })
     });
-    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "left_out": estimates.left_out, "raised": raised.collect::<Vec<_>>(), "asked": scale_asked(estimates, table_v) })
+    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "left_out": estimates.left_out, "raised": raised.collect::<Vec<_>>(), "asked": scale_asked(estimates, table_v, scale) })
 }

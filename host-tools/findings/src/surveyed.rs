@@ -3,7 +3,7 @@
 use crate::doubt::{implausible, runs_ahead};
 use crate::flaw::flaw_found;
 use crate::short::short;
-use log_survey::{Cell, Clock, ColumnRead, Flaw, RateSource, Series, Survey};
+use log_survey::{Cell, Clock, ColumnRead, Flaw, Found, RateSource, Series, Survey};
 use recordings::log::{Log, Remark};
 
 /// Rows that are further apart are doubted, s: nothing but creep is recorded so slowly.
@@ -70,7 +70,9 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
         );
         line("frozen", &words);
     }
-    for of in flaws() {
+    let is_hole = |of: &Found| matches!(of.worst, Flaw::Hole { .. });
+    let (measured, holed) = (survey.displacement.is_some(), flaws().any(is_hole));
+    for of in flaws().filter(|of| measured || !is_hole(of)) {
         line("flaw", &flaw_found(&of.worst, of.count, of.first_row + 1));
     }
     // What is no measurement may be the cause of either.
@@ -80,16 +82,14 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
     if let Some(of) = &survey.ahead {
         line("doubtful", &runs_ahead(of));
     }
+    let rows = survey.rows_without_a_number;
+    if !measured && (rows > 0 || holed) {
+        line("flaw", "rows are missing or have no voltage: --repair of estimate takes it to go straight on over them");
+    } else if rows > 0 && !holed {
+        let words = "have no number for the voltage or the displacement: --repair of identify leaves them out";
+        line("flaw", &format!("{rows} rows {words}"));
+    }
     if survey.flaws.is_none() {
-        if survey.rows_without_a_number > 0 {
-            let rows = survey.rows_without_a_number;
-            line(
-                "flaw",
-                &format!(
-                    "{rows} rows have no number for the voltage or the displacement: --repair of identify leaves them out"
-                ),
-            );
-        }
         line("", "a long log: leaps, and a voltage that is cut off, are not looked for here");
     }
     swings(&mut line, survey);

@@ -1,5 +1,6 @@
 //! When the rows of a log were recorded: the period, and how evenly the time stamps keep it.
 
+use crate::flaw::Stretch;
 use serde::Serialize;
 
 /// When the rows were recorded.
@@ -34,6 +35,10 @@ pub enum RateSource {
 const KNOWN: usize = 1000;
 /// A leap of both series is placed within so many rows.
 const NEAR: u64 = 2;
+/// Steps of more periods than this, back or forth, are no jitter of a clock.
+const FAR: f64 = 10.0;
+/// How near a gap is to whole periods, in periods.
+const NEARLY: f64 = 0.1;
 /// Largest part of the steps that are gaps.
 const GAPS: f64 = 0.05;
 
@@ -47,6 +52,11 @@ pub(crate) struct Tally {
     long: u64,
     /// What the long steps last together, s.
     long_s: f64,
+    /// Steps to a stamp before the last one.
+    back: u64,
+    /// Steps back or forth that are no jitter, and what they last together, s.
+    far: u64,
+    far_s: f64,
     /// The rows behind the first long steps, and how long these are, s.
     behind: Vec<(u64, f64)>,
 }
@@ -60,6 +70,10 @@ impl Tally {
         };
         let step = time - self.last;
         let mean = (self.last - first) / (self.rows.saturating_sub(1)).max(1) as f64;
+        self.back += u64::from(step < 0.0);
+        if self.rows > 2 && step.abs() > FAR * mean {
+            (self.far, self.far_s) = (self.far + 1, self.far_s + step);
+        }
         // The mean so far tells a gap from the second step on.
         if self.rows > 2 && step > 1.5 * mean {
             self.long += 1;
@@ -89,13 +103,30 @@ impl Tally {
         before.map(|(_, step)| step - 1.0 / hz).sum()
     }
 
+    /// The rows behind steps of several whole periods, and the time stamps, s since the log's start, of the first and
+    /// the last sample that are missing there; none where the stamps go back, and so jitter.
+    pub fn missing(&self, hz: f64) -> impl Iterator<Item = (u64, Stretch)> {
+        let whole = move |step: f64| (step * hz).round() >= 2.0 && (step * hz - (step * hz).round()).abs() < NEARLY;
+        let gaps = self.behind.iter().filter(move |(_, step)| self.back == 0 && self.gaps() > 0 && whole(*step));
+        gaps.map(move |&(row, step)| {
+            let to_s = self.late_by(row, hz) + (row as f64 - 1.0) / hz;
+            (row, Stretch { from_s: to_s + 2.0 / hz - step, to_s })
+        })
+    }
+
     /// `stated` is a period that no column states, s, and what the file calls it.
     pub fn result(&self, rows: u64, stated: Option<(f64, Option<String>)>) -> Clock {
         let intervals = rows.saturating_sub(1) as f64;
         let Some((period, name)) = stated else {
             let duration_s = self.first.map_or(0.0, |first| self.last - first);
             let gaps = self.gaps();
-            let (steps, steps_s) = (intervals - gaps as f64, duration_s - if gaps > 0 { self.long_s } else { 0.0 });
+            // A stamp that goes back makes up for one that was late.
+            let (left_out, left_out_s) = match self.back {
+                0 if gaps > 0 => (gaps, self.long_s),
+                0 => (0, 0.0),
+                _ => (self.far, self.far_s),
+            };
+            let (steps, steps_s) = (intervals - left_out as f64, duration_s - left_out_s);
             return Clock {
                 hz: if steps_s > 0.0 { whole(steps / steps_s) } else { f64::NAN },
                 source: RateSource::Column,

@@ -145,7 +145,7 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         frozen: tally.watch.result(voltage.as_ref()),
         voltage,
         ahead: tally.kept.ahead(&clock).filter(|_| !displacement_estimated),
-        flaws: flaws.map(|flaws| Found::of(&flaws, &clock, |row| tally.clock.late_by(row, clock.hz))),
+        flaws: flaws.map(|flaws| Found::of(&flaws, &clock, &tally.clock)),
         clock,
         swings,
         rows_a_block: tally.blocks.rows_a_block(),

@@ -2,7 +2,7 @@
 //! an identification does.
 
 use crate::ahead::{self, Ahead};
-use crate::clock::Clock;
+use crate::clock::{Clock, Tally};
 use crate::flaw::{Flaw, gravest, holes, in_rows, sound_rows};
 use crate::implausible::Implausible;
 use recordings::log::bridge;
@@ -38,14 +38,17 @@ impl Default for Rows {
 }
 
 impl Found {
-    /// The gravest of each kind, of flaws dated by their rows; `late_by` says what the time stamps of a row have
-    /// beyond that, s.
-    pub(crate) fn of(flaws: &[Flaw], clock: &Clock, late_by: impl Fn(u64) -> f64) -> Vec<Self> {
-        let of = |(worst, count): (Flaw, usize)| {
-            let first_row = (worst.at().from_s * clock.hz).round() as u64;
-            Self { worst: worst.later(late_by(first_row)), first_row, count }
+    /// The gravest of each kind, of flaws dated by their rows and of samples that are missing by the time stamps.
+    pub(crate) fn of(flaws: &[Flaw], clock: &Clock, stamps: &Tally) -> Vec<Self> {
+        let dated = |flaw: &Flaw| {
+            let first_row = (flaw.at().from_s * clock.hz).round() as u64;
+            (flaw.later(stamps.late_by(first_row, clock.hz)), first_row)
         };
-        gravest(flaws).into_iter().map(of).collect()
+        let missing = stamps.missing(clock.hz).map(|(row, at)| (Flaw::Hole { at }, row));
+        let all: Vec<(Flaw, u64)> = flaws.iter().map(dated).chain(missing).collect();
+        let flaws: Vec<Flaw> = all.iter().map(|(flaw, _)| *flaw).collect();
+        let first_row = |worst: &Flaw| all.iter().find(|(flaw, _)| flaw == worst).map_or(0, |(_, row)| *row);
+        gravest(&flaws).into_iter().map(|(worst, count)| Self { worst, first_row: first_row(&worst), count }).collect()
     }
 }
 

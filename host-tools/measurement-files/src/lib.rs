@@ -93,7 +93,7 @@ fn kind(start: &[u8]) -> Result<Kind, Fault> {
     if mat5::is_mat5(start) {
         return Ok(Kind::Mat5);
     }
-    let binary = [
+    let other = [
         (&b"PK\x03\x04"[..], "a workbook or zip archive"),
         (b"BZh", "compressed by bzip2 (gzip is read)"),
         (b"\xfd7zXZ", "compressed by xz (gzip is read)"),
@@ -103,8 +103,12 @@ fn kind(start: &[u8]) -> Result<Kind, Fault> {
         (b"%PDF", "a PDF document"),
         (b"PAR1", "a Parquet file"),
         (b"TDSh", "the index of a .tdms file, not the .tdms file itself"),
+        (b"# Parameter table of a piezo actuator", "a parameter table"),
+        (b"<svg", "a picture"),
+        (b"<!doctype html", "a page"),
+        (b"<!DOCTYPE html", "a page"),
     ];
-    match binary.into_iter().find(|(signature, _)| at(0, signature)) {
+    match other.into_iter().find(|(signature, _)| at(0, signature)) {
         Some((_, what)) => Err(Fault::Binary { what }),
         None => Ok(Kind::Text),
     }

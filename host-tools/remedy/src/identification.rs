@@ -97,7 +97,7 @@ fn job(error: &JobError) -> String {
             let turned = (-stated).to_string();
             let way = match verb("identify") || verb("compare") {
                 true => with(Path::new(""), &[(SCALE, &turned)]),
-                false => format!(" (identify {SCALE} {turned})"),
+                false => format!(", {SCALE} {turned}; either of them to identify"),
             };
             format!(
                 "{error}: are the columns the right ones? If the voltage is inverted add --voltage-scale -1; if the sensor is mounted the other \
@@ -167,6 +167,9 @@ fn scope(error: &ScopeError) -> String {
         Bound::ZeroAt => "--zero-at",
     };
     match error {
+        ScopeError::Outside { bound: Bound::ZeroAt, at_s, begins_s, .. } if at_s == begins_s && verb("estimate") => {
+            format!("{error}: choose a --zero-at within it; --start-at says where the actuator is at the first sample")
+        }
         ScopeError::Outside { bound, .. } => format!("{error}: choose a {} within it", option(bound)),
         ScopeError::Order { bound, .. } => format!("{error}: choose a --to later than {}", option(bound)),
         ScopeError::TooFew { .. } => format!("{error}: choose --from and --to further apart, or an earlier --zero-at"),

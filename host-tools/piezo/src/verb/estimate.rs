@@ -19,9 +19,9 @@ pub struct Estimate {
     /// Logs of the voltage. A sensor's column is not looked at.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
-    /// Write the estimates to this file: time_s, voltage_V, estimate_um, half_width_um, status, log; a row a recorded
-    /// instant after the first (a tick of the table's, where the log has more), the voltage as recorded, the estimate
-    /// with the training sensor's zero.
+    /// Write the estimates to this file: time_s (since the log's first sample), voltage_V, estimate_um, half_width_um,
+    /// status, log; a row a recorded instant after the first (a tick of the table's, where the log has more), the
+    /// voltage as recorded, the estimate with the training sensor's zero.
     #[arg(long, value_name = "FILE", default_value = "estimates.csv")]
     pub out: PathBuf,
     /// Where the actuator is at each log's first sample, µm of the training sensor; else it is taken to have rested
@@ -72,17 +72,18 @@ pub fn run(arguments: &Estimate) -> Result<bool> {
         let estimates = unmeasured(&table, log, &recipe, known).with_context(|| path.display().to_string())?;
         written.push_str(&estimates.csv());
         let Range { min, max } = table.voltage_range_v.of();
-        all.push((estimates, Range::of_values([min, max].map(|voltage| recipe.as_recorded(voltage)))));
+        let table_v = Range::of_values([min, max].map(|voltage| recipe.as_recorded(voltage)));
+        all.push((estimates, table_v, recipe.voltage_scale));
     }
     output::write(path, written)?;
     if arguments.json {
         let logs: Vec<Value> =
-            all.iter().map(|(estimates, table_v)| findings::estimated_json(estimates, *table_v)).collect();
+            all.iter().map(|(of, table_v, scale)| findings::estimated_json(of, *table_v, *scale)).collect();
         out(&serde_json::to_string_pretty(&json!({ "logs": logs, "out": path }))?);
         return Ok(true);
     }
-    for (estimates, table_v) in &all {
-        findings::estimated(estimates, &known, *table_v).iter().for_each(|line| out(line));
+    for (estimates, table_v, scale) in &all {
+        findings::estimated(estimates, &known, *table_v, *scale).iter().for_each(|line| out(line));
     }
     out(&format!("\nWritten: {}", path.display()));
     Ok(true)

@@ -257,7 +257,7 @@ impl Chooser<'_> {
     }
 }
 
-/// The columns of a file, each with its number, its name and the range of its values.
+/// The columns of a file, each with its number, its name and the range of its values, as far as it has been read.
 pub(super) fn listed(columns: &[Column]) -> String {
     const MOST: usize = 12;
     let one = |(at, column): (usize, &Column)| {
@@ -272,7 +272,8 @@ pub(super) fn listed(columns: &[Column]) -> String {
     if columns.len() > MOST {
         shown.push("…".to_owned());
     }
-    shown.join("; ")
+    let rows = columns.first().map_or(0, |column| column.values.len());
+    format!("{}; of the first {rows} rows", shown.join("; "))
 }
 
 fn wider(range: Option<(f64, f64)>, value: f64) -> Option<(f64, f64)> {

@@ -286,9 +286,15 @@ mod tests {
         let jittery = |k: u32| (f64::from(k) + f64::from(k * 7919 % 13) * 0.2 - 1.2) * 0.001;
         let (_, fault) = period(&(0..200).map(jittery).collect::<Vec<f64>>(), None).unwrap_err();
         assert!(matches!(&fault, Fault::IrregularTime { example, .. } if !example.contains("time=")), "{fault}");
-        let two = (0..200).map(|k| jittery(k % 100)).collect::<Vec<f64>>();
-        let (place, fault) = period(&two[80..], None).unwrap_err();
-        assert!(matches!(fault, Fault::IrregularTime { .. }), "{place:?}: {fault}");
+        let mut seldom = clock(1000, 0.001);
+        [100, 400, 700].into_iter().for_each(|row| seldom[row] = seldom[row - 1] - 0.002);
+        let (place, fault) = period(&seldom, None).unwrap_err();
+        assert!(matches!(fault, Fault::IrregularTime { .. }) && place == Place::Line(102), "{place:?}: {fault}");
+        (seldom[400], seldom[700]) = (0.4, 0.7);
+        let (_, fault) = period(&seldom, None).unwrap_err();
+        assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "one row in a wrong place: {fault}");
+        let (place, fault) = period(&(0..200).map(|k| jittery(k % 100)).collect::<Vec<f64>>(), None).unwrap_err();
+        assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "{place:?}: {fault}");
         let (_, fault) = period(&[clock(100, 0.001), clock(100, 0.001)].concat(), None).unwrap_err();
         assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "{fault}");
     }

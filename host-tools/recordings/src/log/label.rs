@@ -67,9 +67,10 @@ impl Label {
         unit.quantity() != named && !volts_of_sensor
     }
 
-    /// Whether the name says that the column is an estimate, as `piezo record` names its displacement.
+    /// Whether the name says that the column is an estimate, as `piezo record` names its displacement and `piezo
+    /// estimate` what it writes.
     pub fn says_estimated(&self) -> bool {
-        self.name.split(' ').next() == Some("estimated")
+        matches!(self.name.split(' ').next(), Some("estimated" | "estimate"))
     }
 
     /// Whether the name says that the column is beside the matter: an error, a target, a supply.
@@ -177,7 +178,9 @@ mod tests {
 
     #[test]
     fn an_estimate_is_known_by_its_name() {
-        for name in ["estimated_displacement_um", "Estimated Displacement [nm]", "estimated position / um"] {
+        for name in
+            ["estimate_um", "estimated_displacement_um", "Estimated Displacement [nm]", "estimated position / um"]
+        {
             assert!(Label::new(name).says_estimated(), "{name}");
         }
         for name in ["displacement_um", "measured displacement (um)", "um", "underestimated_um"] {

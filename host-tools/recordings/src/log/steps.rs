@@ -19,8 +19,10 @@ const ROUNDING: f64 = 0.85;
 /// How far a mean period may be off by rounding, as a part of it.
 const FINE: f64 = 1e-4;
 
-/// A stamp may lie so many periods before the last one for a clock that jitters to be why, and not another recording.
+/// A stamp may lie so many periods before the last one for a clock that jitters to be why, and not another recording;
+/// and so many steps back are its doing, while fewer are rows in a wrong place.
 const BACKWARDS: f64 = 10.0;
+const OFTEN: usize = 3;
 
 /// Time stamps (s) held against a sample period (s).
 struct Steps<'a> {
@@ -35,7 +37,7 @@ struct Steps<'a> {
 pub(super) fn check(time: &[f64], resolution: &[f64], period: f64) -> Result<(), (usize, Fault)> {
     let steps = Steps::of(time, resolution, period);
     check_increasing(time, |k| steps.explains(k)).map_err(|(k, fault)| {
-        if steps.jitters_back(k) { steps.irregular(k, steps.step(k) - period) } else { (k, fault) }
+        if steps.jitters_back() { steps.irregular(k, steps.step(k) - period) } else { (k, fault) }
     })?;
     let mut unexplained = (1..time.len()).filter(|&k| !steps.explains(k));
     if let Some(k) = unexplained.next() {
@@ -97,10 +99,11 @@ impl<'a> Steps<'a> {
         self.off * 20 > self.time.len()
     }
 
-    /// Whether a step back to row `k` is one of many that a clock misplaces a little, rather than where
-    /// another recording begins.
-    fn jitters_back(&self, k: usize) -> bool {
-        self.off_in_many() && self.step(k) > -BACKWARDS * self.period
+    /// Whether the stamps go back now and then, and a little, as those of a clock do that jitters.
+    fn jitters_back(&self) -> bool {
+        let back = (1..self.time.len()).map(|k| self.step(k)).filter(|step| *step < 0.0);
+        let (count, farthest) = back.fold((0, 0.0_f64), |(count, farthest), step| (count + 1, farthest.min(step)));
+        farthest > -BACKWARDS * self.period && (count >= OFTEN || (count > 0 && self.off_in_many()))
     }
 
     fn explains(&self, k: usize) -> bool {
