@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU16, Ordering::R
 
 /// What converters, dividers and calibrations are made for, mV.
 pub const MADE_FOR_MV: f32 = 3300.0;
-/// How far off that it may be: more is a fault, and is not corrected.
+/// How far off that it may be: more is a fault, and is not corrected, so that a code times the deviation fits 32 bits.
 pub const TOLERANCE: f32 = 0.05;
 /// Bits of the smoothed deviation beyond the 16 that a code is scaled by.
 const FINER: u32 = 8;
@@ -86,7 +86,7 @@ impl Supply {
         let before = if self.known.load(Relaxed) { self.off.load(Relaxed) } else { off };
         let off = before + (off - before) / SMOOTHED;
         self.off.store(off, Relaxed);
-        // No further from a whole than that is from nine tenths of it.
+        // No further from a whole than that is from nineteen twentieths of it.
         let short = -i64::from(off) * i64::from(WHOLE) / i64::from(WHOLE + off);
         self.short.store(short as i32, Relaxed);
         self.known.store(true, Relaxed);
