@@ -22,6 +22,8 @@ pub const FORMER: &str = "former-table.bin";
 const NEAR: f32 = 0.05;
 /// How much longer than by the slew limit it may take to get there: an emulated board may be slower than its host.
 const PATIENCE: f32 = 5.0;
+/// How long it is waited for what is left of the way from near, at most, s.
+const MOST_LEFT_S: f32 = 60.0;
 const AT_LEAST: Duration = Duration::from_secs(3);
 
 /// What must be undone.
@@ -127,7 +129,10 @@ pub fn rest(client: &mut Client, adc: AdcCalibration, limits: DriveLimits) -> Re
             volts = batch.samples.last().map_or(volts, |sample| adc.voltage(AdcCode(sample.code)));
         }
         if (volts - rest_v).abs() <= near {
-            return Ok(client.stream(false)?);
+            client.stream(false)?;
+            // What is left of the way.
+            std::thread::sleep(Duration::from_secs_f32((near / limits.slew_v_per_s).min(MOST_LEFT_S)));
+            return Ok(());
         }
     }
     client.stream(false)?;

@@ -22,8 +22,8 @@ pub enum Busy {
     Drives(Mode),
 }
 
-/// Refuses a device that drives the amplifier. One whose voltage is at rest, since a waveform is over, a fault sent it
-/// there or it waits for its set-point, is interrupted in nothing.
+/// Refuses a device that drives the amplifier. One whose voltage is at rest or on the way there, since a waveform is
+/// over, a fault sent it there or it waits for its set-point, is interrupted in nothing.
 ///
 /// # Errors
 /// It drives, or the link fails.

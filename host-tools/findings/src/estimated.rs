@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 
 /// A voltage that goes over less than this part of the table's range may be that of a monitor, of 1:10 and more.
 const SMALL: f64 = 0.12;
-/// One within that range that goes over less than this part of it rests.
-const RESTS: f64 = 0.005;
 /// So may one that is beyond that range for so much of the time, %.
 const MOSTLY: f64 = 50.0;
+/// A voltage within the table's range that goes over less than this part of it rests.
+const RESTS: f64 = 0.005;
 
 /// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be
 /// believed by a table of voltages in `table_v`, as they would be recorded; the actuator's are `scale` times those.
@@ -91,7 +91,7 @@ fn scale_asked(estimates: &Estimates, table_v: Range<f64>, scale: f64) -> Option
         (volts.span() < SMALL * table_v.span() && !rests) || beyond.is_some_and(|beyond| beyond.percent > MOSTLY);
     let times = match scale {
         1.0 => String::new(),
-        _ => format!(" of a log, whose volts are taken times {scale} as in the training"),
+        _ => format!(" of a log, whose volts are taken times {scale}"),
     };
     asked.then(|| {
         format!(

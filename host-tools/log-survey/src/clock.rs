@@ -87,9 +87,11 @@ impl Tally {
         (self.last, self.rows) = (time, self.rows + 1);
     }
 
-    /// The long steps, where they are gaps: rounded stamps have them all the time.
+    /// The long steps, where they are gaps: rounded stamps have them all the time, and those that go back make
+    /// up for them.
     fn gaps(&self) -> u64 {
-        if (self.long as f64) < GAPS * self.rows.saturating_sub(1) as f64 { self.long } else { 0 }
+        let seldom = (self.long as f64) < GAPS * self.rows.saturating_sub(1) as f64;
+        if seldom && self.back == 0 { self.long } else { 0 }
     }
 
     /// Whether a time stamp near this row, counted from 0, comes late: what is missing there is no secret.
@@ -107,7 +109,7 @@ impl Tally {
     /// the last sample that are missing there; none where the stamps go back, and so jitter.
     pub fn missing(&self, hz: f64) -> impl Iterator<Item = (u64, Stretch)> {
         let whole = move |step: f64| (step * hz).round() >= 2.0 && (step * hz - (step * hz).round()).abs() < NEARLY;
-        let gaps = self.behind.iter().filter(move |(_, step)| self.back == 0 && self.gaps() > 0 && whole(*step));
+        let gaps = self.behind.iter().filter(move |(_, step)| self.gaps() > 0 && whole(*step));
         gaps.map(move |&(row, step)| {
             let to_s = self.late_by(row, hz) + (row as f64 - 1.0) / hz;
             (row, Stretch { from_s: to_s + 2.0 / hz - step, to_s })

@@ -67,7 +67,7 @@ pub enum Flaw {
         /// How far the voltage leaps, V.
         leap_v: f64,
     },
-    /// The file has no number there for the voltage or the displacement ([`Log::holes`]).
+    /// The file has no number there for the voltage or the displacement, or no row ([`Log::holes`]).
     Hole {
         /// The rows that it takes.
         #[serde(flatten)]

@@ -17,7 +17,7 @@ const MOST: usize = 1 << 22;
 pub struct Found {
     /// The one of its kind that costs most.
     pub worst: Flaw,
-    /// Its first row, counted from 0.
+    /// Its first row, counted from 0; where rows are missing, the one behind them.
     pub first_row: u64,
     /// How many there are of its kind.
     pub count: usize,
@@ -45,7 +45,8 @@ impl Found {
             (flaw.later(stamps.late_by(first_row, clock.hz)), first_row)
         };
         let missing = stamps.missing(clock.hz).map(|(row, at)| (Flaw::Hole { at }, row));
-        let all: Vec<(Flaw, u64)> = flaws.iter().map(dated).chain(missing).collect();
+        // Holes come first among the flaws, and kinds stand together.
+        let all: Vec<(Flaw, u64)> = missing.chain(flaws.iter().map(dated)).collect();
         let flaws: Vec<Flaw> = all.iter().map(|(flaw, _)| *flaw).collect();
         let first_row = |worst: &Flaw| all.iter().find(|(flaw, _)| flaw == worst).map_or(0, |(_, row)| *row);
         gravest(&flaws).into_iter().map(|(worst, count)| Self { worst, first_row: first_row(&worst), count }).collect()

@@ -147,10 +147,14 @@ fn time_stamps_that_do_not_advance_have_no_rate() {
 
 #[test]
 fn a_flaw_behind_a_gap_is_dated_by_the_time_stamps() {
-    let rows = sine(10.0, 2.0, 5.0).enumerate().filter(|(k, _)| !(1_240..1_262).contains(k));
-    let rows = rows.map(|(k, v)| (k as f64 / 1000.0, v, if k == 3_000 { 5.0 } else { 0.1 * v }));
-    let found = surveyed(rows).flaws.unwrap_or_default();
-    let [Found { worst: spike @ Flaw::Spike { .. }, first_row: 2_978, .. }, missing] = found[..] else {
+    let rows = || sine(10.0, 2.0, 5.0).enumerate().filter(|(k, _)| !(1_240..1_262).contains(k));
+    let at = |(k, v): (usize, f64), none: usize| {
+        (k as f64 / 1000.0, if k == none { f64::NAN } else { v }, if k == 3_000 { 5.0 } else { 0.1 * v })
+    };
+    let holed = surveyed(rows().map(|row| at(row, 2_000))).flaws.unwrap_or_default();
+    assert!(matches!(holed[..], [Found { worst: Flaw::Hole { .. }, count: 2, .. }, _]), "{holed:?}");
+    let found = surveyed(rows().map(|row| at(row, usize::MAX))).flaws.unwrap_or_default();
+    let [missing, Found { worst: spike @ Flaw::Spike { .. }, first_row: 2_978, .. }] = found[..] else {
         panic!("{found:?}")
     };
     assert!((spike.at().from_s - 3.0).abs() < 1e-6, "{spike:?}");

@@ -95,13 +95,13 @@ fn job(error: &JobError) -> String {
             // What was typed has been applied.
             let stated = value(SCALE).and_then(|typed| typed.parse::<f64>().ok()).unwrap_or(1.0);
             let turned = (-stated).to_string();
-            let way = match verb("identify") || verb("compare") {
+            let turn = match verb("identify") || verb("compare") {
                 true => with(Path::new(""), &[(SCALE, &turned)]),
-                false => format!(", {SCALE} {turned}; either of them to identify"),
+                false => format!(" give identify {SCALE} {turned}"),
             };
             format!(
-                "{error}: are the columns the right ones? If the voltage is inverted add --voltage-scale -1; if the sensor is mounted the other \
-                 way{way}"
+                "{error}: are the columns the right ones? If the voltage is inverted give --voltage-scale -1; if the sensor is mounted the other \
+                 way{turn}"
             )
         }
         JobError::SameLog { rewritten: true, .. } => {

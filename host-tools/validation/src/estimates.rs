@@ -199,7 +199,9 @@ impl Estimates {
         const ARITHMETIC: f64 = 1e-9;
         let wide = |hole: &Range<f64>| Range { min: hole.min - ARITHMETIC, max: hole.max + ARITHMETIC };
         let holes: Vec<Range<f64>> = holes.iter().map(wide).collect();
-        let has = |row: &Instant| !holes.iter().any(|hole| hole.contains(row.time_s));
+        // They are in the order of time.
+        let next = |time_s: f64| holes.get(holes.partition_point(|hole| hole.max < time_s));
+        let has = |row: &Instant| !next(row.time_s).is_some_and(|hole| hole.contains(row.time_s));
         let first_behind = |zero: Zero| self.instants.iter().take(zero.instant).filter(|row| has(row)).count();
         let zero = self.zero.map(|zero| Zero { instant: first_behind(zero), ..zero });
         let instants: Vec<Instant> = self.instants.iter().filter(|row| has(row)).copied().collect();

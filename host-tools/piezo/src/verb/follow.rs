@@ -76,15 +76,15 @@ pub fn run(arguments: &Follow) -> Result<bool> {
     let trajectory = Trajectory(foreseen.plan.wanted.clone());
     let references: Vec<f32> = trajectory.0.iter().map(|&wanted| wanted as f32).collect();
     let ticks = references.len() + late(&table).ceil() as usize;
-    let bar = progress(ticks as u64);
     let what = Play { mode: Mode::Follow, goes_on: None, references: &references, hold: arguments.stay, ticks };
-    // The plan begins at rest, where what is driven now need not be.
-    if let (Err(busy @ Busy::Drives(mode)), Some(drive)) = (idle(&mut client), table.drive) {
-        if mode != Mode::Follow {
-            careful(&busy);
-        }
+    if let Err(busy @ Busy::Drives(Mode::Waveform | Mode::Linearise)) = idle(&mut client) {
+        careful(&busy);
+    }
+    // The plan begins at rest, where the voltage need not be: it may just be on the way there.
+    if let Some(drive) = table.drive {
         rest(&mut client, table.adc, drive.limits)?;
     }
+    let bar = progress(ticks as u64);
     // A mode that is set while a fault lasts takes the bias away, and so does a fault later: it is asked
     // for between them.
     client.set_mode(Mode::Follow)?;

@@ -273,7 +273,7 @@ pub(super) fn listed(columns: &[Column]) -> String {
         shown.push("…".to_owned());
     }
     let rows = columns.first().map_or(0, |column| column.values.len());
-    format!("{}; of the first {rows} rows", shown.join("; "))
+    format!("{}, in the first {rows} rows", shown.join("; "))
 }
 
 fn wider(range: Option<(f64, f64)>, value: f64) -> Option<(f64, f64)> {
