@@ -189,3 +189,17 @@ fn a_device_that_falls_silent_on_the_way_costs_nothing_of_what_it_has_said() {
     assert!(rows > 100, "{rows}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing else is left");
 }
+
+/// A plan begins at rest: what is held elsewhere, or still on its way back, is brought there before it.
+#[test]
+fn a_drive_that_something_holds_elsewhere_is_let_go_to_rest_first() {
+    let device = driven(sound());
+    let wanted = |t: f64| 20.0 + 5.0 * (t * 20.0).sin();
+    let (stays, log) = followed_by(&device, &wanted, &["--json", "--stay"]);
+    let volts = |row: &str| row.split(',').nth(1).unwrap().parse::<f64>().unwrap();
+    let held = volts(log.as_deref().unwrap().lines().last().unwrap());
+    assert!(stays.status.success() && (held - 0.5).abs() > 0.5, "{held} V");
+    let (next, log) = followed_by(&device, &wanted, &["--json"]);
+    let begins = volts(log.as_deref().unwrap().lines().nth(1).unwrap());
+    assert!(next.status.success() && (begins - 0.5).abs() < 0.02, "{begins} V after {held} V");
+}
