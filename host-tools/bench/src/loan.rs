@@ -22,9 +22,9 @@ pub const FORMER: &str = "former-table.bin";
 const NEAR: f32 = 0.05;
 /// How much longer than by the slew limit it may take to get there: an emulated board may be slower than its host.
 const PATIENCE: f32 = 5.0;
+const AT_LEAST: Duration = Duration::from_secs(3);
 /// How long it is waited for what is left of the way from near, at most, s.
 const MOST_LEFT_S: f32 = 60.0;
-const AT_LEAST: Duration = Duration::from_secs(3);
 
 /// What must be undone.
 #[derive(Debug)]

@@ -28,8 +28,8 @@ pub struct Follow {
     /// zero` has told, and the voltage that the DAC stood for, as a log.
     #[arg(long)]
     pub out: Option<PathBuf>,
-    /// Stay at the last displacement instead of going back to rest. The next `follow` goes back first, as fast as the
-    /// drive may.
+    /// Stay at the last displacement instead of going back to rest. The next `follow` goes back first, at the drive's
+    /// slew rate, and then by its plan.
     #[arg(long)]
     pub stay: bool,
     /// Plan it by the device's table, say what would come of it, and drive nothing.

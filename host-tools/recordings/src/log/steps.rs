@@ -19,9 +19,9 @@ const ROUNDING: f64 = 0.85;
 /// How far a mean period may be off by rounding, as a part of it.
 const FINE: f64 = 1e-4;
 
-/// A stamp may lie so many periods before the last one for a clock that jitters to be why, and not another recording;
-/// and so many steps back are its doing, while fewer are rows in a wrong place.
+/// A stamp may lie so many periods before the last one for a clock that jitters to be why, and not another recording.
 const BACKWARDS: f64 = 10.0;
+/// So many steps back are its doing; fewer may be rows in a wrong place.
 const OFTEN: usize = 3;
 
 /// Time stamps (s) held against a sample period (s).
